@@ -17,22 +17,6 @@ namespace golden {
 
 namespace {
 
-using Faces = std::vector<std::vector<std::uint32_t>>;
-
-/// Coordinates are multiples of 1/64.
-struct Polygons {
-    std::vector<double> xyz;
-    Faces faces;
-    std::size_t points() const { return xyz.size() / 3; }
-    std::size_t corners() const {
-        std::size_t sum = 0;
-        for (const auto& face : faces) {
-            sum += face.size();
-        }
-        return sum;
-    }
-};
-
 /// A closed body, a sheet of bent quads, and an L of six corners.
 Polygons all_kinds() {
     shapes::Indexed body = shapes::indexed(mesh("voxel body"));
@@ -83,45 +67,6 @@ std::string big(Number number) {
     return bytes;
 }
 
-std::string binary_stl(const Soup& soup) {
-    std::string bytes = std::string(80, ' ') + little(static_cast<std::uint32_t>(soup.size() / 9));
-    for (std::size_t t = 0; t < soup.size(); t += 9) {
-        bytes.append(12, '\0');
-        for (std::size_t i = 0; i < 9; ++i) {
-            bytes += little(static_cast<float>(soup[t + i]));
-        }
-        bytes.append(2, '\0');
-    }
-    return bytes;
-}
-
-std::string text_stl(const Soup& soup) {
-    std::string text = "solid body\n";
-    for (std::size_t at = 0; at < soup.size(); at += 3) {
-        text += at % 9 == 0 ? "facet normal 0 0 1\n outer loop\n" : "";
-        text += "  vertex " + decimal(soup[at]) + " " + decimal(soup[at + 1]) + " " + decimal(soup[at + 2]) + "\n";
-        text += at % 9 == 6 ? " endloop\nendfacet\n" : "";
-    }
-    return text + "endsolid body\n";
-}
-
-/// Indices from the front and from the back, alone and with those of normals.
-std::string obj(const Polygons& mesh) {
-    std::string text = "# body\no body\nvn 0 0 1\n";
-    for (std::size_t i = 0; i < mesh.points(); ++i) {
-        text += "v " + decimals(mesh, i) + "\n";
-    }
-    for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
-        text += "f";
-        for (const std::uint32_t index : mesh.faces[f]) {
-            text += " " + (f % 3 == 2 ? "-" + std::to_string(mesh.points() - index) : std::to_string(index + 1));
-            text += f % 3 == 1 ? "//1" : "";
-        }
-        text += "\n";
-    }
-    return text;
-}
-
 /// One line a face: the number of its corners, and their indices.
 std::string counted_faces(const Polygons& mesh) {
     std::string text;
@@ -141,11 +86,6 @@ std::string points_text(const Polygons& mesh) {
         text += decimals(mesh, i) + "\n";
     }
     return text;
-}
-
-std::string off(const Polygons& mesh) {
-    return "OFF\n" + std::to_string(mesh.points()) + " " + std::to_string(mesh.faces.size()) + " 0\n" + points_text(mesh) +
-           counted_faces(mesh);
 }
 
 std::string ply_header(const Polygons& mesh, const std::string& encoding, const std::string& number) {
@@ -173,11 +113,6 @@ std::string vtk_header(const Polygons& mesh, const std::string& version, const s
                        const std::string& number) {
     return "# vtk DataFile Version " + version + "\nbody\n" + encoding + "\nDATASET POLYDATA\nPOINTS " +
            std::to_string(mesh.points()) + " " + number + "\n";
-}
-
-std::string text_vtk(const Polygons& mesh) {
-    return vtk_header(mesh, "3.0", "ASCII", "float") + points_text(mesh) + "POLYGONS " + std::to_string(mesh.faces.size()) +
-           " " + std::to_string(mesh.faces.size() + mesh.corners()) + "\n" + counted_faces(mesh);
 }
 
 std::string binary_vtk(const Polygons& mesh) {
@@ -220,20 +155,6 @@ std::string vtp(const Polygons& mesh, const Arrays& arrays, const std::string& a
            element("type=\"Int64\" Name=\"offsets\"", 2) + "</Polys>\n</Piece>\n</PolyData>\n" + appended + "</VTKFile>\n";
 }
 
-std::string text_vtp(const Polygons& mesh) {
-    const std::string ascii = "format=\"ascii\"";
-    Arrays arrays{DataArray{ascii, points_text(mesh)}, DataArray{ascii, {}}, DataArray{ascii, {}}};
-    std::size_t end = 0;
-    for (const auto& face : mesh.faces) {
-        for (const std::uint32_t index : face) {
-            arrays[1].content += std::to_string(index) + " ";
-        }
-        arrays[1].content += "\n";
-        arrays[2].content += std::to_string(end += face.size()) + "\n";
-    }
-    return vtp(mesh, arrays, "");
-}
-
 /// Raw bytes behind the document.
 std::string appended_vtp(const Polygons& mesh) {
     std::array<std::string, 3> blocks;
@@ -258,9 +179,87 @@ std::string appended_vtp(const Polygons& mesh) {
     return vtp(mesh, arrays, appended + "\n</AppendedData>\n");
 }
 
-/// The body twice, the second time mirrored, turned and moved; in inches. Parts are stored, not deflated, since the bytes
-/// that zlib makes differ between its versions.
-std::string three_mf(const shapes::Indexed& body) {
+/// One stored block, for the same reason as in 3MF.
+std::string gzip(const std::string& bytes) {
+    const auto size = static_cast<std::uint16_t>(bytes.size());
+    const auto crc = crc32(0, reinterpret_cast<const Bytef*>(bytes.data()), size);
+    return std::string("\x1F\x8B\x08\0\0\0\0\0\0\xFF\x01", 11) + little(size) + little(static_cast<std::uint16_t>(~size)) +
+           bytes + little(static_cast<std::uint32_t>(crc)) + little(std::uint32_t{size});
+}
+
+}  // namespace
+
+std::string binary_stl(const Soup& soup) {
+    std::string bytes = std::string(80, ' ') + little(static_cast<std::uint32_t>(soup.size() / 9));
+    for (std::size_t t = 0; t < soup.size(); t += 9) {
+        bytes.append(12, '\0');
+        for (std::size_t i = 0; i < 9; ++i) {
+            bytes += little(static_cast<float>(soup[t + i]));
+        }
+        bytes.append(2, '\0');
+    }
+    return bytes;
+}
+
+std::string text_stl(const Soup& soup) {
+    std::string text = "solid body\n";
+    for (std::size_t at = 0; at < soup.size(); at += 3) {
+        text += at % 9 == 0 ? "facet normal 0 0 1\n outer loop\n" : "";
+        text += "  vertex " + decimal(soup[at]) + " " + decimal(soup[at + 1]) + " " + decimal(soup[at + 2]) + "\n";
+        text += at % 9 == 6 ? " endloop\nendfacet\n" : "";
+    }
+    return text + "endsolid body\n";
+}
+
+std::string obj(const Polygons& mesh) {
+    std::string text = "# body\no body\nvn 0 0 1\n";
+    for (std::size_t i = 0; i < mesh.points(); ++i) {
+        text += "v " + decimals(mesh, i) + "\n";
+    }
+    for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+        text += "f";
+        for (const std::uint32_t index : mesh.faces[f]) {
+            text += " " + (f % 3 == 2 ? "-" + std::to_string(mesh.points() - index) : std::to_string(index + 1));
+            text += f % 3 == 1 ? "//1" : "";
+        }
+        text += "\n";
+    }
+    return text;
+}
+
+std::string off(const Polygons& mesh) {
+    return "OFF\n" + std::to_string(mesh.points()) + " " + std::to_string(mesh.faces.size()) + " 0\n" + points_text(mesh) +
+           counted_faces(mesh);
+}
+
+std::string text_ply(const Polygons& mesh) {
+    return ply_header(mesh, "ascii", "double") + points_text(mesh) + counted_faces(mesh);
+}
+
+std::string little_ply(const Polygons& mesh) {
+    return binary_ply(mesh, "binary_little_endian", "float", [](auto n) { return little(n); });
+}
+
+std::string text_vtk(const Polygons& mesh) {
+    return vtk_header(mesh, "3.0", "ASCII", "float") + points_text(mesh) + "POLYGONS " + std::to_string(mesh.faces.size()) +
+           " " + std::to_string(mesh.faces.size() + mesh.corners()) + "\n" + counted_faces(mesh);
+}
+
+std::string text_vtp(const Polygons& mesh) {
+    const std::string ascii = "format=\"ascii\"";
+    Arrays arrays{DataArray{ascii, points_text(mesh)}, DataArray{ascii, {}}, DataArray{ascii, {}}};
+    std::size_t end = 0;
+    for (const auto& face : mesh.faces) {
+        for (const std::uint32_t index : face) {
+            arrays[1].content += std::to_string(index) + " ";
+        }
+        arrays[1].content += "\n";
+        arrays[2].content += std::to_string(end += face.size()) + "\n";
+    }
+    return vtp(mesh, arrays, "");
+}
+
+std::string three_mf(const shapes::Indexed& body, const std::string& items) {
     using namespace lamella::input_test;
     std::string text = "<mesh><vertices>\n";
     for (std::size_t i = 0; i < body.xyz.size(); i += 3) {
@@ -272,8 +271,7 @@ std::string three_mf(const shapes::Indexed& body) {
         text += "<triangle v1=\"" + std::to_string(body.indices[i]) + "\" v2=\"" + std::to_string(body.indices[i + 1]) +
                 "\" v3=\"" + std::to_string(body.indices[i + 2]) + "\"/>\n";
     }
-    const std::string model = model_text(object(1, text + "</triangles></mesh>"),
-                                         item(1) + item(1, "transform=\"0 1 0 1 0 0 0 0 0.5 3 4 -2\""), "unit=\"inch\"");
+    const std::string model = model_text(object(1, text + "</triangles></mesh>"), items, "unit=\"inch\"");
     std::vector<ZipPart> parts = {content_types(), relationships(), {"3D/3dmodel.model", model}};
     for (ZipPart& part : parts) {
         part.deflated = false;
@@ -281,17 +279,9 @@ std::string three_mf(const shapes::Indexed& body) {
     return zip(parts);
 }
 
-/// One stored block, for the same reason.
-std::string gzip(const std::string& bytes) {
-    const auto size = static_cast<std::uint16_t>(bytes.size());
-    const auto crc = crc32(0, reinterpret_cast<const Bytef*>(bytes.data()), size);
-    return std::string("\x1F\x8B\x08\0\0\0\0\0\0\xFF\x01", 11) + little(size) + little(static_cast<std::uint16_t>(~size)) +
-           bytes + little(static_cast<std::uint32_t>(crc)) + little(std::uint32_t{size});
-}
-
-}  // namespace
-
 std::map<std::string, std::string> mesh_files() {
+    using lamella::input_test::item;
+    const std::string mirrored = "transform=\"0 1 0 1 0 0 0 0 0.5 3 4 -2\"";  // and turned and moved
     const Soup body = mesh("voxel body");
     const Polygons polygons = all_kinds();
     return {{"binary.stl", binary_stl(body)},
@@ -299,14 +289,14 @@ std::map<std::string, std::string> mesh_files() {
             {"compressed.stl.gz", gzip(binary_stl(mesh("nested boxes")))},
             {"polygons.obj", obj(polygons)},
             {"polygons.off", off(polygons)},
-            {"text.ply", ply_header(polygons, "ascii", "double") + points_text(polygons) + counted_faces(polygons)},
-            {"little.ply", binary_ply(polygons, "binary_little_endian", "float", [](auto n) { return little(n); })},
+            {"text.ply", text_ply(polygons)},
+            {"little.ply", little_ply(polygons)},
             {"big.ply", binary_ply(polygons, "binary_big_endian", "double", [](auto n) { return big(n); })},
             {"text.vtk", text_vtk(polygons)},
             {"binary.vtk", binary_vtk(polygons)},
             {"text.vtp", text_vtp(polygons)},
             {"appended.vtp", appended_vtp(polygons)},
-            {"bodies.3mf", three_mf(shapes::indexed(body))}};
+            {"bodies.3mf", three_mf(shapes::indexed(body), item(1) + item(1, mirrored))}};
 }
 
 }  // namespace golden

@@ -10,23 +10,29 @@
 #include <catch2/catch.hpp>
 
 #include "lamella/io/mesh_file.hpp"
+#include "read.hpp"
 
 namespace lamella::input_test {
 
 /// Three corners in mm.
 using Corners = std::array<std::array<double, 3>, 3>;
 
+/// Of soup or indices, of floats or doubles.
 inline std::vector<Corners> corners_of(const MeshFile& mesh) {
     const MeshView view = mesh.view();
-    REQUIRE(view.indices != nullptr);
-    REQUIRE(view.coordinate_type == CoordinateType::f64);
+    const bool is_double = view.coordinate_type == CoordinateType::f64;
+    const std::size_t bytes = is_double ? sizeof(double) : sizeof(float);
     std::vector<Corners> triangles(view.triangle_count);
     for (std::size_t i = 0; i < 3 * triangles.size(); ++i) {
-        std::array<double, 3>& corner = triangles[i / 3][i % 3];
-        REQUIRE(view.vertex_of(i / 3, i % 3) < view.vertex_count);
-        std::memcpy(corner.data(), view.vertices + view.vertex_of(i / 3, i % 3) * view.stride, sizeof corner);
-        for (double& coordinate : corner) {
-            coordinate *= mesh.mm_per_unit;
+        const bool soup = view.indices == nullptr;
+        REQUIRE((soup || view.vertex_of(i / 3, i % 3) < view.vertex_count));
+        const std::byte* at =
+            view.vertices + (soup ? i / 3 * view.stride + i % 3 * 3 * bytes : view.vertex_of(i / 3, i % 3) * view.stride);
+        for (double& coordinate : triangles[i / 3][i % 3]) {
+            float single = 0;
+            std::memcpy(is_double ? static_cast<void*>(&coordinate) : &single, at, bytes);
+            coordinate = (is_double ? coordinate : static_cast<double>(single)) * mesh.mm_per_unit;
+            at += bytes;
         }
     }
     return triangles;
@@ -35,21 +41,16 @@ inline std::vector<Corners> corners_of(const MeshFile& mesh) {
 /// A file that must be readable, and the same read and mapped, by 1 and 3 threads.
 inline MeshFile read_indexed(const std::filesystem::path& path) {
     MeshFile first;
-    for (const bool map : {true, false}) {
-        for (const int threads : {3, 1}) {
-            ReadOptions options;
-            options.control.threads = threads;
-            options.map_file = map;
-            Result<MeshFile> mesh = read_mesh(path, options);
-            INFO((mesh ? "" : mesh.error().message));
-            REQUIRE(mesh.ok());
-            if (first.triangle_count > 0) {
-                CHECK(corners_of(*mesh) == corners_of(first));
-                CHECK(mesh->warnings == first.warnings);
-            }
-            first = std::move(mesh).value();
+    read_every_way(path, [&first](Result<MeshFile> mesh) {
+        INFO((mesh ? "" : mesh.error().message));
+        REQUIRE(mesh.ok());
+        REQUIRE(mesh->view().indices != nullptr);
+        if (first.triangle_count > 0) {
+            CHECK(corners_of(*mesh) == corners_of(first));
+            CHECK(mesh->warnings == first.warnings);
         }
-    }
+        first = std::move(mesh).value();
+    });
     return first;
 }
 

@@ -1,13 +1,12 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <random>
 #include <vector>
 
 #include <catch2/catch.hpp>
 
+#include "engine/shapes.hpp"
 #include "lamella/grid.hpp"
 #include "lamella/mesh/inspect.hpp"
 
@@ -15,22 +14,11 @@ namespace lamella::input_test {
 
 namespace {
 
-using Corner = std::array<float, 3>;
-using Soup = std::vector<std::array<Corner, 3>>;
+using shapes::Soup;
 
 /// Twelve triangles, outward.
-Soup cube(Corner low, float size) {
-    const auto at = [&](int i) {
-        return Corner{low[0] + size * static_cast<float>(i & 1), low[1] + size * static_cast<float>(i >> 1 & 1),
-                      low[2] + size * static_cast<float>(i >> 2 & 1)};
-    };
-    constexpr int quads[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
-    Soup soup;
-    for (const auto& q : quads) {
-        soup.push_back({at(q[0]), at(q[1]), at(q[2])});
-        soup.push_back({at(q[0]), at(q[2]), at(q[3])});
-    }
-    return soup;
+Soup cube(shapes::Xyz low, double size) {
+    return shapes::box(low, {low[0] + size, low[1] + size, low[2] + size});
 }
 
 Soup operator+(Soup a, const Soup& b) {
@@ -38,9 +26,13 @@ Soup operator+(Soup a, const Soup& b) {
     return a;
 }
 
+/// A coordinate of the soup.
+double& at(Soup& soup, std::size_t triangle, std::size_t corner, std::size_t axis) {
+    return soup[9 * triangle + 3 * corner + axis];
+}
+
 MeshView view_of(const Soup& soup) {
-    return MeshView::strided_soup(reinterpret_cast<const std::byte*>(soup.data()), soup.size(), sizeof soup[0],
-                                  CoordinateType::f32);
+    return MeshView::soup(std::span<const double>(soup));
 }
 
 /// The answer, which must not depend on threads.
@@ -70,14 +62,13 @@ Soup torus(int rings) {
         const double u = 2 * M_PI * (i % rings) / rings;
         const double v = 2 * M_PI * (j % rings) / rings;
         const double r = 20 + 5 * std::cos(v);
-        return Corner{static_cast<float>(r * std::cos(u)), static_cast<float>(r * std::sin(u)),
-                      static_cast<float>(5 * std::sin(v))};
+        return shapes::Xyz{r * std::cos(u), r * std::sin(u), 5 * std::sin(v)};
     };
     Soup soup;
     for (int i = 0; i < rings; ++i) {
         for (int j = 0; j < rings; ++j) {
-            soup.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
-            soup.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+            soup = std::move(soup) + shapes::triangle(at(i, j), at(i + 1, j), at(i + 1, j + 1)) +
+                   shapes::triangle(at(i, j), at(i + 1, j + 1), at(i, j + 1));
         }
     }
     return soup;
@@ -113,11 +104,7 @@ TEST_CASE("an indexed tetrahedron of doubles is inspected exactly", "[input]") {
 }
 
 TEST_CASE("an inverted cube is closed, with negative volume", "[input]") {
-    Soup soup = cube({0, 0, 0}, 2);
-    for (auto& triangle : soup) {
-        std::swap(triangle[1], triangle[2]);
-    }
-    const MeshInfo info = info_of(soup);
+    const MeshInfo info = info_of(shapes::flipped(cube({0, 0, 0}, 2)));
     CHECK(info.closed);
     CHECK(info.volume_mm3 == Approx(-8));
     CHECK(info.mismatched_edges == 0);
@@ -125,7 +112,7 @@ TEST_CASE("an inverted cube is closed, with negative volume", "[input]") {
 
 TEST_CASE("a missing triangle leaves three boundary edges", "[input]") {
     Soup soup = cube({0, 0, 0}, 2);
-    soup.pop_back();
+    soup.resize(soup.size() - 9);
     const MeshInfo info = info_of(soup);
     CHECK(info.boundary_edges == 3);
     CHECK(info.edges == 18);
@@ -143,17 +130,16 @@ TEST_CASE("two cubes that share an edge have one overfull edge and are closed", 
 }
 
 TEST_CASE("a duplicate face makes overfull edges and opens the mesh", "[input]") {
-    Soup soup = cube({0, 0, 0}, 2);
-    soup.push_back(soup[0]);
-    const MeshInfo info = info_of(soup);
+    const Soup soup = cube({0, 0, 0}, 2);
+    const MeshInfo info = info_of(soup + Soup(soup.begin(), soup.begin() + 9));
     CHECK(info.overfull_edges == 3);
     CHECK_FALSE(info.closed);
 }
 
 TEST_CASE("a flipped patch has mismatched edges around it", "[input]") {
     Soup soup = cube({0, 0, 0}, 2);
-    std::swap(soup[0][1], soup[0][2]);
-    std::swap(soup[1][1], soup[1][2]);
+    const Soup patch = shapes::flipped({soup.begin(), soup.begin() + 18});
+    std::copy(patch.begin(), patch.end(), soup.begin());
     const MeshInfo info = info_of(soup);
     CHECK(info.mismatched_edges == 4);
     CHECK(info.boundary_edges == 0);
@@ -168,9 +154,8 @@ TEST_CASE("shells are connected over edges, not over vertices", "[input]") {
 }
 
 TEST_CASE("vertices are compared on the grid and degenerate triangles left out", "[input]") {
-    Soup soup = cube({0, 0, 0}, 2);
-    soup.push_back({Corner{0, 0, 0}, Corner{0, 0, 1e-8F}, Corner{2, 0, 0}});
-    soup[3][1][0] += 3e-7F;  // a third of the step between vertices of the default grid
+    Soup soup = cube({0, 0, 0}, 2) + shapes::triangle({0, 0, 0}, {0, 0, 1e-8}, {2, 0, 0});
+    at(soup, 3, 1, 0) += 3e-7;  // a third of the step between vertices of the default grid
     const MeshInfo info = info_of(soup);
     CHECK(info.degenerate == 1);
     CHECK(info.triangles == 13);
@@ -191,14 +176,9 @@ TEST_CASE("many partitions and chunks give the counts of a torus", "[input]") {
 
 TEST_CASE("counts do not depend on the order of triangles and vertices", "[input]") {
     Soup soup = torus(60) + cube({0, 0, 0}, 2) + cube({2, 2, 0}, 2);
-    soup.erase(soup.begin() + 17);
+    soup.erase(soup.begin() + 9 * 17, soup.begin() + 9 * 18);
     const MeshInfo before = info_of(soup);
-    std::mt19937 random(3);
-    std::shuffle(soup.begin(), soup.end(), random);
-    for (auto& triangle : soup) {
-        std::rotate(triangle.begin(), triangle.begin() + random() % 3, triangle.end());
-    }
-    const MeshInfo after = info_of(soup);
+    const MeshInfo after = info_of(shapes::shuffled(soup, 3));
     CHECK(after.edges == before.edges);
     CHECK(after.boundary_edges == 3);
     CHECK(before.boundary_edges == 3);
@@ -210,18 +190,18 @@ TEST_CASE("counts do not depend on the order of triangles and vertices", "[input
 TEST_CASE("beyond 1,024 mm the unit doubles", "[input]") {
     CHECK(info_of(cube({0, 0, 0}, 1024)).unit_mm == default_unit_mm);
     CHECK(info_of(cube({0, 0, 0}, 1025)).unit_mm == 2 * default_unit_mm);
-    CHECK(info_of(cube({-1e9F, 0, 0}, 1e6F)).unit_mm == 1.0);
+    CHECK(info_of(cube({-1e9, 0, 0}, 1e6)).unit_mm == 1.0);
     CHECK(info_of(cube({0, 0, 0}, 2), 0.25).unit_mm == 0.25);
 }
 
 TEST_CASE("unusable input is refused with the triangle", "[input]") {
     CHECK(inspect(MeshView{}).error().code == ErrorCode::empty_mesh);
 
-    const float value = GENERATE(std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
-                                 -std::numeric_limits<float>::infinity(), 3e38F, -1.1e9F);
+    const double value = GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
+                                  -std::numeric_limits<double>::infinity(), 3e38, -1.1e9);
     Soup soup = torus(120);
-    soup[20'000][2][1] = value;
-    soup[25'000][0][0] = value;
+    at(soup, 20'000, 2, 1) = value;
+    at(soup, 25'000, 0, 0) = value;
     const Result<MeshInfo> info = inspect(view_of(soup));
     REQUIRE_FALSE(info.ok());
     CHECK(info.error().code == ErrorCode::bad_coordinate);

@@ -1,8 +1,6 @@
 // A stop that comes while a file is read ends the reading soon, in every format and on every way through its reader.
 #include <algorithm>
-#include <array>
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -14,6 +12,7 @@
 
 #include "cpu_time.hpp"
 #include "files.hpp"
+#include "golden/mesh_files.hpp"
 #include "lamella/io.hpp"
 #include "zip.hpp"
 
@@ -32,67 +31,43 @@ constexpr double most_ms_late = 100;
 constexpr double always_short_ms = 10;  // of a piece of text, and of a row of pages
 #endif
 
-/// A sheet of side * side quads, each of two triangles.
-constexpr std::uint32_t vertices = (side + 1) * (side + 1);
-constexpr std::uint32_t quads = side * side;
-
-std::array<float, 3> vertex(std::uint32_t i) {
-    const std::uint32_t x = i % (side + 1);
-    const std::uint32_t y = i / (side + 1);
-    return {0.1F * static_cast<float>(x), 0.1F * static_cast<float>(y), 0.01F * static_cast<float>((x * y) % 7)};
-}
-
-std::array<std::uint32_t, 4> quad(std::uint32_t i) {
-    const std::uint32_t first = i / side * (side + 1) + i % side;
-    return {first, first + 1, first + side + 2, first + side + 1};
-}
-
-std::array<std::uint32_t, 3> triangle(std::uint32_t i) {
-    const auto [a, b, c, d] = quad(i / 2);
-    return i % 2 == 0 ? std::array{a, b, c} : std::array{a, c, d};
-}
-
-std::vector<Facet> facets() {
-    std::vector<Facet> all;
-    for (std::uint32_t t = 0; t < 2 * quads; ++t) {
-        Facet& facet = all.emplace_back();
-        for (std::size_t i = 0; i < 9; ++i) {
-            facet[i] = vertex(triangle(t)[i / 3])[i % 3];
+/// A sheet of side * side quads, or twice as many triangles.
+golden::Polygons sheet(bool quads) {
+    golden::Polygons mesh;
+    for (std::uint32_t y = 0; y <= side; ++y) {
+        for (std::uint32_t x = 0; x <= side; ++x) {
+            mesh.xyz.insert(mesh.xyz.end(), {double(x), double(y), (x * y) % 7 / 64.0});
         }
     }
-    return all;
-}
-
-/// "BEFORE x BETWEEN y BETWEEN z AFTER" for each vertex.
-std::string vertex_text(const std::string& before, const std::string& between, const std::string& after) {
-    std::string text;
-    for (std::uint32_t v = 0; v < vertices; ++v) {
-        const auto [x, y, z] = vertex(v);
-        text += before + std::to_string(x) + between + std::to_string(y) + between + std::to_string(z) + after;
-    }
-    return text;
-}
-
-std::string triangle_text(const std::string& before, const std::string& after, std::uint32_t first_vertex = 0) {
-    std::string text;
-    for (std::uint32_t t = 0; t < 2 * quads; ++t) {
-        const auto [a, b, c] = triangle(t);
-        text += before + std::to_string(a + first_vertex) + " " + std::to_string(b + first_vertex) + " " +
-                std::to_string(c + first_vertex) + after;
-    }
-    return text;
-}
-
-std::string quad_text(const std::string& before, std::uint32_t first_vertex = 0) {
-    std::string text;
-    for (std::uint32_t q = 0; q < quads; ++q) {
-        text += before;
-        for (const std::uint32_t corner : quad(q)) {
-            text += " " + std::to_string(corner + first_vertex);
+    for (std::uint32_t i = 0; i < side * side; ++i) {
+        const std::uint32_t first = i / side * (side + 1) + i % side;
+        const std::uint32_t above = first + side + 1;
+        if (quads) {
+            mesh.faces.push_back({first, first + 1, above + 1, above});
+        } else {
+            mesh.faces.push_back({first, first + 1, above + 1});
+            mesh.faces.push_back({first, above + 1, above});
         }
-        text += "\n";
     }
-    return text;
+    return mesh;
+}
+
+shapes::Indexed indexed_sheet() {
+    const golden::Polygons mesh = sheet(false);
+    shapes::Indexed indexed{mesh.xyz, {}};
+    for (const auto& face : mesh.faces) {
+        indexed.indices.insert(indexed.indices.end(), face.begin(), face.end());
+    }
+    return indexed;
+}
+
+shapes::Soup soup() {
+    const shapes::Indexed mesh = indexed_sheet();
+    shapes::Soup corners;
+    for (const std::uint32_t index : mesh.indices) {
+        corners.insert(corners.end(), mesh.xyz.begin() + 3 * index, mesh.xyz.begin() + 3 * index + 3);
+    }
+    return corners;
 }
 
 std::string without(const std::string& text, const std::string& what) {
@@ -113,76 +88,20 @@ std::string repeated(const std::string& text, std::size_t count) {
     return all;
 }
 
-std::string off_counts() {
-    return std::to_string(vertices) + " " + std::to_string(2 * quads) + " 0\n";
+/// Behind the header another white space than the usual one, which another way of the reader takes.
+std::string respaced(std::string text, const std::string& header_end, char usual, char other) {
+    const std::size_t begin = text.find(header_end) + header_end.size();
+    std::replace(text.begin() + static_cast<std::ptrdiff_t>(begin), text.end(), usual, other);
+    return text;
 }
 
-std::string ply_header(const std::string& encoding, std::uint32_t faces) {
-    return "ply\nformat " + encoding + " 1.0\nelement vertex " + std::to_string(vertices) +
-           "\nproperty float x\nproperty float y\nproperty float z\nelement face " + std::to_string(faces) +
-           "\nproperty list uchar int vertex_indices\nend_header\n";
-}
-
-std::string binary_ply_of_quads() {
-    std::string bytes = ply_header("binary_little_endian", quads);
-    const auto put = [&bytes](auto value) {
-        std::array<char, sizeof value> raw;
-        std::memcpy(raw.data(), &value, sizeof value);
-        bytes.append(raw.data(), raw.size());
-    };
-    for (std::uint32_t v = 0; v < vertices; ++v) {
-        for (const float coordinate : vertex(v)) {
-            put(coordinate);
-        }
-    }
-    for (std::uint32_t q = 0; q < quads; ++q) {
-        put(std::uint8_t{4});
-        for (const std::uint32_t corner : quad(q)) {
-            put(corner);
-        }
-    }
-    return bytes;
-}
-
-std::string vtk_text() {
-    return "# vtk DataFile Version 3.0\nsheet\nASCII\nDATASET POLYDATA\nPOINTS " + std::to_string(vertices) + " float\n" +
-           vertex_text("", " ", "\n") + "POLYGONS " + std::to_string(quads) + " " + std::to_string(5 * quads) + "\n" +
-           quad_text("4");
-}
-
-std::string vtp_text() {
-    std::string ends;
-    for (std::uint32_t q = 1; q <= quads; ++q) {
-        ends += std::to_string(4 * q) + " ";
-    }
-    return "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"" + std::to_string(vertices) +
-           "\" NumberOfPolys=\"" + std::to_string(quads) +
-           "\"><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">" + vertex_text("", " ", "\n") +
-           "</DataArray></Points><Polys><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">" + quad_text("") +
-           "</DataArray><DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">" + ends +
-           "</DataArray></Polys></Piece></PolyData></VTKFile>";
-}
-
-/// The build holds the sheet so many times. Stored, as deflating it takes seconds.
+/// The build holds the sheet so many times.
 std::string three_mf(int items) {
-    std::string mesh = "<mesh><vertices>";
-    for (std::uint32_t v = 0; v < vertices; ++v) {
-        const auto [x, y, z] = vertex(v);
-        mesh +=
-            "<vertex x=\"" + std::to_string(x) + "\" y=\"" + std::to_string(y) + "\" z=\"" + std::to_string(z) + "\"/>\n";
-    }
-    mesh += "</vertices><triangles>";
-    for (std::uint32_t t = 0; t < 2 * quads; ++t) {
-        const auto [a, b, c] = triangle(t);
-        mesh += "<triangle v1=\"" + std::to_string(a) + "\" v2=\"" + std::to_string(b) + "\" v3=\"" + std::to_string(c) +
-                "\"/>\n";
-    }
     std::string build;
     for (int i = 0; i < items; ++i) {
         build += item(1, "transform=\"1 0 0 0 1 0 0 0 1 0 0 " + std::to_string(i) + "\"");
     }
-    const std::string model = model_text(object(1, mesh + "</triangles></mesh>"), build);
-    return zip({content_types(), relationships(), {"3D/3dmodel.model", model, false}});
+    return golden::three_mf(indexed_sheet(), build);
 }
 
 struct File {
@@ -192,23 +111,24 @@ struct File {
 
 /// Each format, and each way that a reader takes through one.
 const std::vector<File> files = {
-    {"binary.stl", [] { return binary_stl(facets()); }},
-    {"text.stl", [] { return ascii_stl(facets()); }},
-    {"sloppy.stl", [] { return without(ascii_stl(facets()), "    outer loop\n"); }},
-    {"name.stl", [] { return ascii_stl(numbered_facets(1)) + "solid" + repeated(" of a long name", 4 * quads) + "\n"; }},
-    {"comments.stl", [] { return ascii_stl(numbered_facets(1)) + repeated("a comment\n", 4 * quads); }},
-    {"triangles.obj", [] { return vertex_text("v ", " ", "\n") + triangle_text("f ", "\n", 1); }},
-    {"quads.obj", [] { return vertex_text("v ", " ", "\n") + quad_text("f", 1); }},
-    {"lines.off", [] { return "OFF\n" + off_counts() + vertex_text("", " ", "\n") + triangle_text("3 ", "\n"); }},
-    {"words.off", [] { return "OFF\n" + off_counts() + vertex_text("", " ", " ") + triangle_text("3 ", " "); }},
-    {"lines.ply", [] { return ply_header("ascii", 2 * quads) + vertex_text("", " ", "\n") + triangle_text("3 ", "\n"); }},
-    {"words.ply", [] { return ply_header("ascii", 2 * quads) + vertex_text("", "\n", "\n") + triangle_text("3\n", "\n"); }},
-    {"quads.ply", binary_ply_of_quads},
-    {"text.vtk", vtk_text},
-    {"text.vtp", vtp_text},
+    {"binary.stl", [] { return golden::binary_stl(soup()); }},
+    {"text.stl", [] { return golden::text_stl(soup()); }},
+    {"sloppy.stl", [] { return without(golden::text_stl(soup()), " outer loop\n"); }},
+    {"name.stl",
+     [] { return ascii_stl(numbered_facets(1)) + "solid" + repeated(" of a long name", 4 * side * side) + "\n"; }},
+    {"comments.stl", [] { return ascii_stl(numbered_facets(1)) + repeated("a comment\n", 4 * side * side); }},
+    {"triangles.obj", [] { return golden::obj(sheet(false)); }},
+    {"quads.obj", [] { return golden::obj(sheet(true)); }},
+    {"lines.off", [] { return golden::off(sheet(false)); }},
+    {"words.off", [] { return respaced(golden::off(sheet(false)), " 0\n", '\n', ' '); }},
+    {"lines.ply", [] { return golden::text_ply(sheet(false)); }},
+    {"words.ply", [] { return respaced(golden::text_ply(sheet(false)), "end_header\n", ' ', '\n'); }},
+    {"quads.ply", [] { return golden::little_ply(sheet(true)); }},
+    {"text.vtk", [] { return golden::text_vtk(sheet(true)); }},
+    {"text.vtp", [] { return golden::text_vtp(sheet(true)); }},
     {"one.3mf", [] { return three_mf(1); }},
     {"many.3mf", [] { return three_mf(20); }},
-    {"quads.obj.gz", [] { return deflated(vertex_text("v ", " ", "\n") + quad_text("f", 1), 16 + MAX_WBITS); }},
+    {"quads.obj.gz", [] { return deflated(golden::obj(sheet(true)), 16 + MAX_WBITS); }},
 };
 
 Result<MeshFile> read_with(const std::filesystem::path& path, int threads, const StopCheck& stop = {}) {

@@ -1,16 +1,17 @@
 // Meshes that are written come back as they were.
-#include <array>
 #include <atomic>
-#include <cstring>
+#include <ranges>
 #include <string>
 #include <vector>
 
 #include <catch2/catch.hpp>
 
+#include "input/read_indexed.hpp"
 #include "lamella/io/mesh_writer.hpp"
 #include "temp_folder.hpp"
 
 using namespace lamella;
+using input_test::corners_of;
 
 namespace {
 
@@ -25,27 +26,6 @@ MeshFile read_back(const std::filesystem::path& path) {
 /// A tetrahedron of doubles with a vertex that no float is.
 std::string off_of(const std::string& number) {
     return "OFF\n4 4 0\n0 0 0\n" + number + " 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
-}
-
-std::vector<double> corners_of(const MeshFile& mesh) {
-    const MeshView view = mesh.view();
-    const bool is_double = view.coordinate_type == CoordinateType::f64;
-    const std::size_t bytes = is_double ? sizeof(double) : sizeof(float);
-    std::vector<double> corners;
-    for (std::size_t t = 0; t < view.triangle_count; ++t) {
-        for (std::size_t corner = 0; corner < 3; ++corner) {
-            const auto* at =
-                static_cast<const std::byte*>(view.vertices) +
-                (view.indices == nullptr ? t * view.stride + corner * 3 * bytes : view.vertex_of(t, corner) * view.stride);
-            for (std::size_t axis = 0; axis < 3; ++axis, at += bytes) {
-                float single = 0;
-                double number = 0;
-                is_double ? std::memcpy(&number, at, bytes) : std::memcpy(&single, at, bytes);
-                corners.push_back(is_double ? number : static_cast<double>(single));
-            }
-        }
-    }
-    return corners;
 }
 
 }  // namespace
@@ -70,9 +50,9 @@ TEST_CASE("a mesh written as STL is one of floats, and says whether that rounded
         const Result<WrittenMesh> written = write_mesh(mesh, folder / "b.stl");
         REQUIRE(written.ok());
         CHECK(written->rounded == rounded);
-        std::vector<double> expected = corners_of(mesh);
-        for (double& each : expected) {
-            each = static_cast<double>(static_cast<float>(each));
+        std::vector<input_test::Corners> expected = corners_of(mesh);
+        for (auto& corner : expected | std::views::join) {
+            corner[0] = static_cast<double>(static_cast<float>(corner[0]));
         }
         CHECK(corners_of(read_back(folder / "b.stl")) == expected);
     }

@@ -13,6 +13,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "io/text/text.hpp"
+
 namespace lamella {
 
 namespace {
@@ -47,6 +49,13 @@ constexpr Memory mapped_memory = {
     [](void*, void* memory, std::size_t bytes, std::size_t) noexcept { ::munmap(memory, bytes); }, nullptr};
 
 }  // namespace
+
+bool has_extension(std::string_view path, std::string_view extension) noexcept {
+    const std::size_t name = path.rfind('/') + 1;  // 0 where there is no slash
+    const std::size_t point = path.rfind('.');
+    return point != std::string_view::npos && point > name && path.size() - point == extension.size() &&
+           begins_in_any_case(path.substr(point), extension);
+}
 
 int read_fully(int descriptor, std::span<std::byte> into, std::uint64_t offset) {
     while (!into.empty()) {

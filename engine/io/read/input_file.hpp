@@ -16,6 +16,9 @@
 
 namespace lamella {
 
+/// Whether the file's name ends in `extension`, given as ".stl", in any case. A file that is called ".stl" has none.
+bool has_extension(std::string_view path, std::string_view extension) noexcept;
+
 /// Fills `into` from byte `offset` on. Returns 0, the error number, or -1 where the file ends before.
 int read_fully(int descriptor, std::span<std::byte> into, std::uint64_t offset);
 

@@ -40,49 +40,14 @@ std::uint64_t memory_limit(const ReadOptions& options, std::uint64_t file_bytes)
     return options.memory_limit_bytes != 0 ? options.memory_limit_bytes : 3 * file_bytes + allowance;
 }
 
-/// A file name's extension in lower case, as ".stl". Empty where there is none, as of a file that is called ".stl", or one
-/// that is longer than that of any format.
-class Extension {
-public:
-    explicit Extension(std::string_view path) noexcept {
-        const std::size_t name = path.rfind('/') + 1;  // 0 where there is none
-        const std::size_t point = path.rfind('.');
-        if (point != std::string_view::npos && point > name && path.size() - point <= letters_.size()) {
-            path.remove_prefix(point);
-            std::transform(path.begin(), path.end(), letters_.begin(), [](char c) { return lower_case(c); });
-            size_ = path.size();
-        }
-    }
-
-    std::string_view text() const noexcept { return {letters_.data(), size_}; }
-
-private:
-    std::array<char, 8> letters_{};
-    std::size_t size_ = 0;
-};
-
 constexpr std::string_view gz = ".gz";
-
-bool is_named_gz(std::string_view path) noexcept {
-    return Extension(path).text() == gz;
-}
 
 /// By the name, ".gz" left out.
 const Reader* reader_for_name(std::string_view path) noexcept {
-    path.remove_suffix(is_named_gz(path) ? gz.size() : 0);
-    const Extension own(path);
-    const std::string_view extension = own.text();
-    const auto* const found = std::find_if(all_readers.begin(), all_readers.end(), [extension](const Reader& reader) {
-        for (std::size_t at = reader.extensions.find(extension); at != std::string_view::npos;
-             at = reader.extensions.find(extension, at + 1)) {
-            const std::size_t end = at + extension.size();
-            if (end == reader.extensions.size() || reader.extensions[end] == '.') {
-                return true;
-            }
-        }
-        return false;
-    });
-    return extension.empty() || found == all_readers.end() ? nullptr : &*found;
+    path.remove_suffix(has_extension(path, gz) ? gz.size() : 0);
+    const auto* const found = std::find_if(all_readers.begin(), all_readers.end(),
+                                           [path](const Reader& reader) { return has_extension(path, reader.extension); });
+    return found == all_readers.end() ? nullptr : &*found;
 }
 
 std::string known_formats() {
@@ -219,7 +184,7 @@ Result<MeshFile> read(const std::filesystem::path& path, const ReadOptions& opti
     Result<MeshFile> mesh = source.sample().starts_with(gzip_magic) ? read_compressed(source, file, named, options, parallel)
                                                                     : read_source(source, named, options);
     if (mesh) {
-        if (options.name.empty() && mesh->compressed != is_named_gz(path.native())) {
+        if (options.name.empty() && mesh->compressed != has_extension(path.native(), gz)) {
             mesh->warnings.insert(mesh->warnings.begin(),
                                   file.name() + (mesh->compressed ? ": is compressed by gzip, which its name does not say"
                                                                   : ": is not compressed by gzip, as its name says"));

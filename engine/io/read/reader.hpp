@@ -82,7 +82,7 @@ private:
 struct Reader {
     MeshFormat format;
     std::string_view name;
-    std::string_view extensions;                   ///< ".abc.def"
+    std::string_view extension;                    ///< ".abc"
     bool (*recognises)(const FileSource& source);  ///< by its size and how it begins
     /// Fills in bytes, indices, counts, stride, coordinate_type, text, parse_ms, warnings and, where the file states them,
     /// the unit and the patient frame; read_mesh() does the rest. What can expand to more than the file is counted in a

@@ -12,7 +12,7 @@
 #include "base/guard.hpp"
 #include "base/little_endian.hpp"
 #include "base/parallel.hpp"
-#include "io/text/text.hpp"
+#include "io/read/input_file.hpp"
 #include "io/write/output_file.hpp"
 
 namespace lamella {
@@ -22,10 +22,6 @@ namespace {
 constexpr std::size_t stl_header_bytes = 80;
 constexpr std::size_t stl_facet_bytes = 50;
 constexpr std::size_t ply_face_bytes = 13;
-
-std::string end_of(const std::filesystem::path& path) {
-    return lower_case(path.extension().string());
-}
 
 /// As 3D Slicer states it, which the readers understand.
 std::string frame_words(const MeshFile& mesh) {
@@ -161,7 +157,7 @@ Result<WrittenMesh> write_guarded(const MeshFile& mesh, const std::filesystem::p
         return file.error();
     }
     MeshWriter writer(mesh, *file, control.stop);
-    if (Status status = end_of(path) == ".stl" ? writer.write_stl() : writer.write_ply(); !status) {
+    if (Status status = has_extension(path.native(), ".stl") ? writer.write_stl() : writer.write_ply(); !status) {
         return Error{status.error().code, "cannot write '" + path.string() + "': " + status.error().message};
     }
     if (Status status = file->commit(); !status) {
@@ -173,12 +169,7 @@ Result<WrittenMesh> write_guarded(const MeshFile& mesh, const std::filesystem::p
 }  // namespace
 
 bool is_written_as_mesh(const std::filesystem::path& path) noexcept {
-    try {
-        const std::string end = end_of(path);
-        return end == ".stl" || end == ".ply";
-    } catch (...) {
-        return false;  // no memory for the name
-    }
+    return has_extension(path.native(), ".stl") || has_extension(path.native(), ".ply");
 }
 
 Result<WrittenMesh> write_mesh(const MeshFile& mesh, const std::filesystem::path& path, const Control& control) noexcept {

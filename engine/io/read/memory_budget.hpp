@@ -12,18 +12,23 @@ class MemoryBudget {
 public:
     explicit MemoryBudget(const FileSource& source) : source_(source), left_(source.memory_limit()) {}
 
-    /// Counts `count` elements of `element_bytes` each, or says that they are too many. Precondition: element_bytes > 0.
+    /// Counts `count` elements of `element_bytes` each. False: they are too many. Precondition: element_bytes > 0.
+    bool try_take(std::uint64_t count, std::uint64_t element_bytes) noexcept {
+        const bool fits = count <= left_ / element_bytes;
+        left_ -= fits ? count * element_bytes : 0;
+        return fits;
+    }
+
+    /// The same, or an error.
     Status take(std::uint64_t count, std::uint64_t element_bytes) {
-        if (count > left_ / element_bytes) {
+        if (!try_take(count, element_bytes)) {
             return source_.error(
                 ErrorCode::out_of_memory,
                 "expands to more than the " + std::to_string(source_.memory_limit()) + " bytes that reading it may take");
         }
-        left_ -= count * element_bytes;
         return {};
     }
 
-    bool has(std::uint64_t bytes) const noexcept { return bytes <= left_; }
     std::uint64_t limit_bytes() const noexcept { return source_.memory_limit(); }
 
     /// What was taken and is free again.

@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -20,6 +21,10 @@ constexpr double share_of_progress = 0.3;
 /// What a thread needs to measure chunks.
 struct Measurer {
     explicit Measurer(std::size_t buffer_bytes) : bytes(buffer_bytes), one({.threads = 1}), table(nullptr) {}
+
+    bool any_near() const {
+        return std::any_of(table.blocks.begin(), table.blocks.end(), [](const TriangleBlock& block) { return block.near; });
+    }
 
     std::vector<std::byte> bytes;
     Parallel one;
@@ -36,99 +41,80 @@ Error at_file_position(Error error, std::uint64_t first) {
     return error;
 }
 
-class FilePass {
+/// The failure of the first chunk, whichever thread comes first.
+class FirstFailure {
 public:
-    FilePass(const TriangleFile& file, const Transform& transform, double asked_mm, std::size_t chunk_triangles,
-             const Parallel& parallel)
-        : file_(file),
-          transform_(transform),
-          asked_mm_(asked_mm),
-          chunk_(chunk_triangles),
-          measurers_(static_cast<std::size_t>(parallel.threads())) {
-        box_.chunks.resize((file.triangles() + chunk_ - 1) / chunk_);
-    }
+    bool is_before(std::size_t chunk) const noexcept { return chunk > chunk_.load(std::memory_order_relaxed); }
 
-    Result<FileBox> run(const Parallel& parallel, ProgressMeter& progress) {
-        bounds_.resize(box_.chunks.size());
-        parallel.run(box_.chunks.size(), [&](std::size_t chunk, int worker) {
-            try {
-                measure(chunk, worker);
-            } catch (Refused& refused) {
-                note(chunk, std::move(refused.error));
-            }
-            progress.reach(share_of_progress * static_cast<double>(chunk) / static_cast<double>(box_.chunks.size()));
-        });
-        if (failure_) {
-            return *failure_;
-        }
-        unite();
-        return std::move(box_);
-    }
-
-private:
-    void measure(std::size_t chunk, int worker) {
-        auto& measurer = measurers_[static_cast<std::size_t>(worker)];
-        if (chunk > failed_chunk_.load(std::memory_order_relaxed)) {
-            return;
-        }
-        if (measurer == nullptr) {
-            measurer = std::make_unique<Measurer>(chunk_ * file_.buffer_bytes());
-        }
-        const std::uint64_t first = std::uint64_t{chunk} * chunk_;
-        const std::size_t count = std::min<std::uint64_t>(chunk_, file_.triangles() - first);
-        const MeshView view = file_.read(first, count, measurer->bytes);
-        const Result<Bounds> bounds = measure_bounds(view, transform_, asked_mm_, measurer->one, measurer->table);
-        if (!bounds) {
-            note(chunk, file_.named(at_file_position(bounds.error(), first)));
-            return;
-        }
-        const auto& blocks = measurer->table.blocks;
-        bounds_[chunk] = *bounds;
-        box_.chunks[chunk] = {bounds->min_mm[2], bounds->max_mm[2], 0,
-                              std::any_of(blocks.begin(), blocks.end(), [](const TriangleBlock& b) { return b.near; })};
-    }
-
-    /// The failure of the first chunk stands, whichever thread comes first.
     void note(std::size_t chunk, Error error) {
         const std::lock_guard lock(mutex_);
-        if (chunk < failed_chunk_) {
-            failed_chunk_ = chunk;
-            failure_ = std::move(error);
+        if (chunk < chunk_) {
+            chunk_ = chunk;
+            error_ = std::move(error);
         }
     }
+    const std::optional<Error>& error() const noexcept { return error_; }
 
-    void unite() {
-        Bounds& all = box_.bounds = bounds_.front();
-        for (const Bounds& own : bounds_) {
-            for (int axis = 0; axis < 3; ++axis) {
-                all.min_mm[axis] = std::min(all.min_mm[axis], own.min_mm[axis]);
-                all.max_mm[axis] = std::max(all.max_mm[axis], own.max_mm[axis]);
-            }
-        }
-        double low = all.max_mm[2];
-        std::for_each(box_.chunks.rbegin(), box_.chunks.rend(), [&low](FileChunk& chunk) {
-            low = std::min(low, chunk.low_mm);
-            chunk.low_from_here_mm = low;
-        });
-    }
-
-    const TriangleFile& file_;
-    const Transform& transform_;
-    double asked_mm_;
-    std::size_t chunk_;
-    FileBox box_{};
-    std::vector<Bounds> bounds_;
-    std::vector<std::unique_ptr<Measurer>> measurers_;
+private:
     std::mutex mutex_;
-    std::atomic<std::size_t> failed_chunk_ = std::numeric_limits<std::size_t>::max();
-    std::optional<Error> failure_;
+    std::atomic<std::size_t> chunk_ = std::numeric_limits<std::size_t>::max();
+    std::optional<Error> error_;
 };
+
+/// Of all chunks; each learns the least of those that come after it.
+Bounds united(std::span<const Bounds> each, std::span<FileChunk> chunks) {
+    Bounds all = each.front();
+    for (const Bounds& own : each) {
+        for (int axis = 0; axis < 3; ++axis) {
+            all.min_mm[axis] = std::min(all.min_mm[axis], own.min_mm[axis]);
+            all.max_mm[axis] = std::max(all.max_mm[axis], own.max_mm[axis]);
+        }
+    }
+    double low = all.max_mm[2];
+    std::for_each(chunks.rbegin(), chunks.rend(), [&low](FileChunk& chunk) {
+        low = std::min(low, chunk.low_mm);
+        chunk.low_from_here_mm = low;
+    });
+    return all;
+}
 
 }  // namespace
 
 Result<FileBox> measure_file(const TriangleFile& file, const Transform& transform, double asked_mm,
                              std::size_t chunk_triangles, const Parallel& parallel, ProgressMeter& progress) {
-    return FilePass(file, transform, asked_mm, chunk_triangles, parallel).run(parallel, progress);
+    FileBox box{};
+    box.chunks.resize((file.triangles() + chunk_triangles - 1) / chunk_triangles);
+    std::vector<Bounds> each(box.chunks.size());
+    std::vector<std::unique_ptr<Measurer>> measurers(static_cast<std::size_t>(parallel.threads()));
+    FirstFailure failure;
+    parallel.run(box.chunks.size(), [&](std::size_t chunk, int worker) {
+        if (failure.is_before(chunk)) {
+            return;
+        }
+        auto& measurer = measurers[static_cast<std::size_t>(worker)];
+        if (measurer == nullptr) {
+            measurer = std::make_unique<Measurer>(chunk_triangles * file.buffer_bytes());
+        }
+        const std::uint64_t first = std::uint64_t{chunk} * chunk_triangles;
+        const std::size_t count = std::min<std::uint64_t>(chunk_triangles, file.triangles() - first);
+        try {
+            const MeshView view = file.read(first, count, measurer->bytes);
+            const Result<Bounds> bounds = measure_bounds(view, transform, asked_mm, measurer->one, measurer->table);
+            if (!bounds) {
+                throw Refused{file.named(at_file_position(bounds.error(), first))};
+            }
+            each[chunk] = *bounds;
+        } catch (Refused& refused) {
+            return failure.note(chunk, std::move(refused.error));
+        }
+        box.chunks[chunk] = {each[chunk].min_mm[2], each[chunk].max_mm[2], 0, measurer->any_near()};
+        progress.reach(share_of_progress * static_cast<double>(chunk) / static_cast<double>(box.chunks.size()));
+    });
+    if (failure.error()) {
+        return *failure.error();
+    }
+    box.bounds = united(each, box.chunks);
+    return box;
 }
 
 }  // namespace lamella

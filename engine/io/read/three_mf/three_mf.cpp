@@ -1,17 +1,174 @@
 // 3MF: a zip archive of XML parts (3MF core specification and production extension). The parts are streamed: neither an XML
 // text nor a tree of it is ever held, only the vertices and triangles that it lists.
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "base/clock.hpp"
 #include "io/read/reader.hpp"
 #include "io/read/three_mf/three_mf_build.hpp"
 #include "io/read/three_mf/three_mf_model.hpp"
+#include "io/read/three_mf/three_mf_part.hpp"
 #include "io/read/three_mf/zip_archive.hpp"
+#include "io/xml/xml.hpp"
 
 namespace lamella {
+
+namespace three_mf {
+
+namespace {
+
+constexpr std::string_view package_relationships = "_rels/.rels";
+constexpr std::string_view content_types = "[Content_Types].xml";
+
+/// Finds the root model part among the relationships of a package.
+class RelationshipReader : public XmlReader {
+public:
+    const std::string& root() const noexcept { return root_; }  ///< empty: none
+
+private:
+    void begin_element(const XmlName& name, const XmlAttributes& attributes) override {
+        constexpr XmlName relationship{"http://schemas.openxmlformats.org/package/2006/relationships", "Relationship"};
+        constexpr std::string_view model_type = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel";
+        if (name != relationship || attributes.find("Type") != model_type) {
+            return;
+        }
+        const std::optional<std::string_view> target = attributes.find("Target");
+        const std::optional<std::string> part = target ? part_name(*target) : std::nullopt;
+        if (!part || attributes.find("TargetMode") == "External") {
+            fail("the model is no part of the package");
+        } else if (!root_.empty()) {
+            fail("a second model");
+        } else {
+            root_ = *part;
+        }
+    }
+    void end_element(const XmlName&) override {}
+    void text(std::string_view) override {}
+
+    std::string root_;
+};
+
+/// Streams a part through `reader` by feed(piece), which may fail without this being an error of the archive: a damaged part
+/// can fail as XML before its checksum is known, and damage is the better message.
+Status stream(ZipArchive& package, const std::string& part, XmlReader& reader,
+              FunctionRef<bool(std::string_view piece)> feed) {
+    Status read = package.read(part, feed);
+    if (read) {
+        reader.finish();
+    }
+    return read;
+}
+
+Error failure_of(const ZipArchive& package, const std::string& part, const XmlReader& reader, ErrorCode code) {
+    return package.error(code, part, reader.failure()->line, reader.failure()->what);
+}
+
+void warn_of_unbound(const std::string& part, const XmlReader& reader, Model& model) {
+    if (const std::optional<XmlUnboundName>& name = reader.unbound_name()) {
+        model.warn(printable(part), name->line, name->words());
+    }
+}
+
+Error no_package(const ZipArchive& package) {
+    const std::string mesh = package.first_part([](std::string_view name) { return is_named_as_mesh(name); });
+    return mesh.empty() ? package.error(ErrorCode::malformed_mesh, package_relationships, 0, "is missing")
+                        : package.error(ErrorCode::malformed_mesh, mesh, 0,
+                                        "is a mesh in a zip archive that is no 3MF package: unpack it first");
+}
+
+Result<std::string> find_root(ZipArchive& package, Model& model) {
+    RelationshipReader relationships;
+    const std::string part(package_relationships);
+    if (!package.contains(part)) {
+        return no_package(package);
+    }
+    if (Status read =
+            stream(package, part, relationships, [&](std::string_view piece) { return relationships.feed(piece); });
+        !read) {
+        return read.error();
+    }
+    if (relationships.failure()) {
+        return failure_of(package, part, relationships, ErrorCode::malformed_mesh);
+    }
+    if (relationships.root().empty()) {
+        return package.error(ErrorCode::malformed_mesh, part, 0, "names no model: is no 3MF package");
+    }
+    warn_of_unbound(part, relationships, model);
+    return relationships.root();
+}
+
+Status read_part(ZipArchive& package, Model& model, Part part, MemoryBudget& budget, const Memory* memory) {
+    PartReader reader(model, part, budget, memory);
+    const std::string name = model.parts[part];
+    if (Status read = stream(package, name, reader, [&](std::string_view piece) { return reader.feed_part(piece); });
+        !read) {
+        return read;
+    }
+    if (reader.failure()) {
+        return failure_of(package, name, reader, reader.failure_code());
+    }
+    warn_of_unbound(name, reader, model);
+    if (part == 0) {
+        model.mm_per_unit = reader.mm_per_unit();
+    } else if (reader.mm_per_unit() != model.mm_per_unit) {
+        return package.error(ErrorCode::malformed_mesh, name, 0, "has another unit than the root part");
+    }
+    return {};
+}
+
+}  // namespace
+
+std::optional<PartRole> role_of(std::string_view word) noexcept {
+    constexpr std::array<std::array<std::string_view, 4>, 6> words = {
+        {{"ModelPart", "normal_part"},
+         {"NegativeVolume", "negative_part"},
+         {"ParameterModifier", "modifier_part", "cura:infill_mesh", "cura:cutting_mesh"},
+         {"SupportBlocker", "support_blocker", "cura:anti_overhang_mesh"},
+         {"SupportEnforcer", "support_enforcer"},
+         {"cura:support_mesh"}}};
+    for (std::size_t role = 0; role < words.size() && !word.empty(); ++role) {
+        if (std::find(words[role].begin(), words[role].end(), word) != words[role].end()) {
+            return static_cast<PartRole>(role);
+        }
+    }
+    return std::nullopt;
+}
+
+Part Model::part_of(const std::string& name) {
+    const auto [at, is_new] = part_index.emplace(name, static_cast<Part>(parts.size()));
+    if (is_new) {
+        parts.push_back(name);
+    }
+    return at->second;
+}
+
+Result<Model> read_model(ZipArchive& package, const FileSource& file) {
+    Model model;
+    const Result<std::string> root = find_root(package, model);
+    if (!root) {
+        return root.error();
+    }
+    if (!package.contains(content_types)) {
+        model.warnings.push_back("has no part '" + std::string(content_types) + "', as a 3MF package must");
+    }
+    model.part_of(root.value());
+    MemoryBudget budget(file);
+    for (Part part = 0; part < model.parts.size(); ++part) {  // the root part adds to them
+        if (Status read = read_part(package, model, part, budget, file.memory()); !read) {
+            return read.error();
+        }
+    }
+    if (Status applied = apply_settings(package, model, budget, file.memory()); !applied) {
+        return applied.error();
+    }
+    return model;
+}
+
+}  // namespace three_mf
 
 namespace {
 

@@ -112,10 +112,9 @@ bool PartReader::add_plain_vertex(const std::array<std::string_view, 3>& values)
     Vertex vertex{};
     ChunkList<Vertex>& vertices = object().vertices;
     if (number_in(values[0], vertex.x) != NumberText::read || number_in(values[1], vertex.y) != NumberText::read ||
-        number_in(values[2], vertex.z) != NumberText::read || !budget_.has(vertices.next_bytes())) {
+        number_in(values[2], vertex.z) != NumberText::read || !budget_.try_take(vertices.next_bytes(), 1)) {
         return false;
     }
-    (void)budget_.take(vertices.next_bytes(), 1);
     vertices.push_back(vertex);
     return true;
 }
@@ -128,10 +127,9 @@ bool PartReader::add_plain_triangle(const std::array<std::string_view, 3>& value
             return false;
         }
     }
-    if (!budget_.has(triangles.next_bytes())) {
+    if (!budget_.try_take(triangles.next_bytes(), 1)) {
         return false;
     }
-    (void)budget_.take(triangles.next_bytes(), 1);
     triangles.push_back(triangle);
     return true;
 }

@@ -375,7 +375,7 @@ bool PartReader::set_transform(std::string_view numbers, Reference& reference) {
 // ---
 
 bool PartReader::keep(std::uint64_t bytes) {
-    if (budget_.take(bytes, 1)) {
+    if (budget_.try_take(bytes, 1)) {
         return true;
     }
     code_ = ErrorCode::out_of_memory;

@@ -213,7 +213,7 @@ private:
     }
 
     bool keep(std::uint64_t bytes) {
-        if (!budget_.take(bytes, 1)) {
+        if (!budget_.try_take(bytes, 1)) {
             code_ = ErrorCode::out_of_memory;
             fail("takes more than the " + std::to_string(budget_.limit_bytes()) + " bytes that reading it may");
         }

@@ -123,9 +123,9 @@ public:
 protected:
     // The events. They may call fail() or stop(), after which no other event comes.
     virtual void begin_element(const XmlName& name, const XmlAttributes& attributes) = 0;
-    virtual void end_element(const XmlName& name) = 0;
+    virtual void end_element(const XmlName& /*name*/) {}
     /// A piece of the text between tags; a line of it may come in many.
-    virtual void text(std::string_view piece) = 0;
+    virtual void text(std::string_view /*piece*/) {}
 
     /// The namespace of a prefix that the current element or one around it declares; nothing if none does.
     std::optional<std::string_view> namespace_of(std::string_view prefix) const noexcept { return namespaces_.find(prefix); }

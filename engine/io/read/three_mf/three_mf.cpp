@@ -25,8 +25,10 @@ constexpr std::string_view package_relationships = "_rels/.rels";
 constexpr std::string_view content_types = "[Content_Types].xml";
 
 /// Finds the root model part among the relationships of a package.
-class RelationshipReader : public XmlReader {
+class RelationshipReader : public PackageReader {
 public:
+    using PackageReader::PackageReader;
+
     const std::string& root() const noexcept { return root_; }  ///< empty: none
 
 private:
@@ -46,32 +48,9 @@ private:
             root_ = *part;
         }
     }
-    void end_element(const XmlName&) override {}
-    void text(std::string_view) override {}
 
     std::string root_;
 };
-
-/// Streams a part through `reader` by feed(piece), which may fail without this being an error of the archive: a damaged part
-/// can fail as XML before its checksum is known, and damage is the better message.
-Status stream(ZipArchive& package, const std::string& part, XmlReader& reader,
-              FunctionRef<bool(std::string_view piece)> feed) {
-    Status read = package.read(part, feed);
-    if (read) {
-        reader.finish();
-    }
-    return read;
-}
-
-Error failure_of(const ZipArchive& package, const std::string& part, const XmlReader& reader, ErrorCode code) {
-    return package.error(code, part, reader.failure()->line, reader.failure()->what);
-}
-
-void warn_of_unbound(const std::string& part, const XmlReader& reader, Model& model) {
-    if (const std::optional<XmlUnboundName>& name = reader.unbound_name()) {
-        model.warn(printable(part), name->line, name->words());
-    }
-}
 
 Error no_package(const ZipArchive& package) {
     const std::string mesh = package.first_part([](std::string_view name) { return is_named_as_mesh(name); });
@@ -80,47 +59,59 @@ Error no_package(const ZipArchive& package) {
                                         "is a mesh in a zip archive that is no 3MF package: unpack it first");
 }
 
-Result<std::string> find_root(ZipArchive& package, Model& model) {
-    RelationshipReader relationships;
+Result<std::string> find_root(ZipArchive& package, Model& model, MemoryBudget& budget, const Memory* memory) {
     const std::string part(package_relationships);
     if (!package.contains(part)) {
         return no_package(package);
     }
-    if (Status read =
-            stream(package, part, relationships, [&](std::string_view piece) { return relationships.feed(piece); });
-        !read) {
+    RelationshipReader relationships(model, part, budget, memory);
+    if (Status read = relationships.read(package); !read) {
         return read.error();
-    }
-    if (relationships.failure()) {
-        return failure_of(package, part, relationships, ErrorCode::malformed_mesh);
     }
     if (relationships.root().empty()) {
         return package.error(ErrorCode::malformed_mesh, part, 0, "names no model: is no 3MF package");
     }
-    warn_of_unbound(part, relationships, model);
     return relationships.root();
 }
 
 Status read_part(ZipArchive& package, Model& model, Part part, MemoryBudget& budget, const Memory* memory) {
     PartReader reader(model, part, budget, memory);
-    const std::string name = model.parts[part];
-    if (Status read = stream(package, name, reader, [&](std::string_view piece) { return reader.feed_part(piece); });
-        !read) {
+    if (Status read = reader.read(package); !read) {
         return read;
     }
-    if (reader.failure()) {
-        return failure_of(package, name, reader, reader.failure_code());
-    }
-    warn_of_unbound(name, reader, model);
     if (part == 0) {
         model.mm_per_unit = reader.mm_per_unit();
     } else if (reader.mm_per_unit() != model.mm_per_unit) {
-        return package.error(ErrorCode::malformed_mesh, name, 0, "has another unit than the root part");
+        return package.error(ErrorCode::malformed_mesh, model.parts[part], 0, "has another unit than the root part");
     }
     return {};
 }
 
 }  // namespace
+
+/// A damaged part can fail as XML before its checksum is known, and damage is the better message.
+Status PackageReader::read(ZipArchive& package) {
+    if (Status whole = package.read(name_, [this](std::string_view piece) { return feed_part(piece); }); !whole) {
+        return whole;
+    }
+    finish();
+    if (failure()) {
+        return package.error(code_, name_, failure()->line, failure()->what);
+    }
+    if (const std::optional<XmlUnboundName>& unbound = unbound_name()) {
+        model_.warn(printable(name_), unbound->line, unbound->words());
+    }
+    return {};
+}
+
+bool PackageReader::keep(std::uint64_t bytes) {
+    if (budget_.try_take(bytes, 1)) {
+        return true;
+    }
+    code_ = ErrorCode::out_of_memory;
+    fail("takes more than the " + std::to_string(budget_.limit_bytes()) + " bytes that reading it may");
+    return false;
+}
 
 std::optional<PartRole> role_of(std::string_view word) noexcept {
     constexpr std::array<std::array<std::string_view, 4>, 6> words = {
@@ -148,7 +139,8 @@ Part Model::part_of(const std::string& name) {
 
 Result<Model> read_model(ZipArchive& package, const FileSource& file) {
     Model model;
-    const Result<std::string> root = find_root(package, model);
+    MemoryBudget budget(file);
+    const Result<std::string> root = find_root(package, model, budget, file.memory());
     if (!root) {
         return root.error();
     }
@@ -156,7 +148,6 @@ Result<Model> read_model(ZipArchive& package, const FileSource& file) {
         model.warnings.push_back("has no part '" + std::string(content_types) + "', as a 3MF package must");
     }
     model.part_of(root.value());
-    MemoryBudget budget(file);
     for (Part part = 0; part < model.parts.size(); ++part) {  // the root part adds to them
         if (Status read = read_part(package, model, part, budget, file.memory()); !read) {
             return read.error();

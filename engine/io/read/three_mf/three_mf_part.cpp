@@ -35,16 +35,16 @@ constexpr std::array units = {Unit{"micron", 0.001}, Unit{"millimeter", 1}, Unit
 
 constexpr std::array<std::string_view, 5> type_names = {"model", "solidsupport", "support", "surface", "other"};
 
-std::string in_quotes(std::string_view text) {
-    constexpr std::size_t longest = 64;
-    return "'" + printable(std::string(text.substr(0, longest))) + (text.size() > longest ? "...'" : "'");
-}
-
 double determinant(const std::array<double, 12>& m) {
     return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]);
 }
 
 }  // namespace
+
+std::string in_quotes(std::string_view text) {
+    constexpr std::size_t longest = 64;
+    return "'" + printable(std::string(text.substr(0, longest))) + (text.size() > longest ? "...'" : "'");
+}
 
 std::optional<std::string> part_name(std::string_view path) {
     path.remove_prefix(path.starts_with('/') ? 1 : 0);
@@ -85,7 +85,7 @@ const PartReader::Element PartReader::elements[] = {
 };
 
 PartReader::PartReader(Model& model, Part part, MemoryBudget& budget, const Memory* memory)
-    : model_(model), part_(part), budget_(budget), memory_(memory) {}
+    : PackageReader(model, model.parts[part], budget, memory), part_(part) {}
 
 void PartReader::begin_element(const XmlName& name, const XmlAttributes& attributes) {
     if (passed_over_ > 0) {
@@ -370,21 +370,6 @@ bool PartReader::set_transform(std::string_view numbers, Reference& reference) {
     }
     reference.mirrors = scale < 0;
     return true;
-}
-
-// ---
-
-bool PartReader::keep(std::uint64_t bytes) {
-    if (budget_.try_take(bytes, 1)) {
-        return true;
-    }
-    code_ = ErrorCode::out_of_memory;
-    fail("takes more than the " + std::to_string(budget_.limit_bytes()) + " bytes that reading it may");
-    return false;
-}
-
-void PartReader::warn(const std::string& what) {
-    model_.warn(printable(model_.parts[part_]), event_line(), what);
 }
 
 }  // namespace lamella::three_mf

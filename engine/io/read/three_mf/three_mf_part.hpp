@@ -1,4 +1,4 @@
-// One model part of a 3MF package as it streams by.
+// XML parts of a 3MF package as they stream by.
 #pragma once
 
 #include <array>
@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "io/read/memory_budget.hpp"
@@ -44,16 +45,39 @@ std::optional<std::string> part_name(std::string_view path);
 /// object's triangles.
 Status apply_settings(ZipArchive& package, Model& model, MemoryBudget& budget, const Memory* memory);
 
+/// Text of a file in a message: "'abc'", or its beginning.
+std::string in_quotes(std::string_view text);
+
+/// Reads a part of a package into a model.
+class PackageReader : public XmlReader {
+public:
+    PackageReader(Model& model, std::string part, MemoryBudget& budget, const Memory* memory)
+        : model_(model), budget_(budget), memory_(memory), name_(std::move(part)) {}
+
+    /// Errors: those of the archive, and what is wrong in the part.
+    Status read(ZipArchive& package);
+
+protected:
+    virtual bool feed_part(std::string_view piece) { return feed(piece); }
+
+    /// Counts what is kept of the part, or fails.
+    bool keep(std::uint64_t bytes);
+    void warn(const std::string& what) { model_.warn(printable(name_), event_line(), what); }
+
+    Model& model_;
+    MemoryBudget& budget_;
+    const Memory* memory_;
+
+private:
+    std::string name_;
+    ErrorCode code_ = ErrorCode::malformed_mesh;  // of the failure
+};
+
 /// Adds the part `part` of `model` to it, and to its list of parts those that the root refers to.
-class PartReader : public XmlReader {
+class PartReader : public PackageReader {
 public:
     PartReader(Model& model, Part part, MemoryBudget& budget, const Memory* memory);
 
-    /// feed() for the part, which reads vertices and triangles of the usual form without the XML parser.
-    bool feed_part(std::string_view piece);
-
-    /// The code of the error that failure() describes.
-    ErrorCode failure_code() const noexcept { return code_; }
     double mm_per_unit() const noexcept { return mm_per_unit_; }
 
     /// Where in the document: only what a state below lists as its child is read, all else is passed over.
@@ -98,6 +122,8 @@ private:
     void begin_nothing(const XmlAttributes&) {}
 
     bool in_list() const noexcept { return passed_over_ == 0 && (state_ == State::vertices || state_ == State::triangles); }
+    /// Reads vertices and triangles of the usual form without the XML parser.
+    bool feed_part(std::string_view piece) override;
     std::size_t feed_length(std::string_view piece) const noexcept;
     std::size_t read_plain_elements(std::string_view piece, std::uint64_t& lines);
     bool add_plain_vertex(const std::array<std::string_view, 3>& values);
@@ -113,14 +139,9 @@ private:
     bool vertex_index(const XmlAttributes& attributes, std::string_view name, std::uint32_t& value);
     /// Nothing after a failure.
     std::optional<std::uint32_t> resource_id(const XmlAttributes& attributes, std::string_view name);
-    bool keep(std::uint64_t bytes);
-    void warn(const std::string& what);
     Object& object() { return model_.objects.back(); }
 
-    Model& model_;
     Part part_;
-    MemoryBudget& budget_;
-    const Memory* memory_;
     State state_ = State::document;
     bool draft_ = false;        // its elements are of the draft of 2013
     PartRole metadata_role_{};  // what the metadata make of the object where their text is true
@@ -130,7 +151,6 @@ private:
     std::uint64_t fed_ = 0;          // bytes, those skipped included
     std::uint64_t parsed_ = 0;       // where the last tag ended after which an element of a list may come
     double mm_per_unit_ = 1;
-    ErrorCode code_ = ErrorCode::malformed_mesh;
     std::vector<std::string> warned_of_;  // namespaces whose geometry is passed over
 };
 

@@ -26,18 +26,15 @@ struct Volume {
 ///     <config> <object id=""> <metadata key="name" value=""/>
 ///                             <volume firstid="" lastid=""> <metadata key="volume_type" value=""/> ...
 ///                             <part id="" subtype="">       <metadata key="name" value=""/> ...
-class SettingsReader : public XmlReader {
+class SettingsReader : public PackageReader {
 public:
-    SettingsReader(const std::string& part, Model& model, MemoryBudget& budget, const Memory* memory)
-        : part_(part), model_(model), budget_(budget), memory_(memory) {}
-
-    ErrorCode failure_code() const noexcept { return code_; }
+    using PackageReader::PackageReader;
 
 private:
     void begin_element(const XmlName& name, const XmlAttributes& attributes) override {
         ++depth_;
         if (depth_ == 1 && name.local != "config") {
-            fail("expected 'config', found '" + quoted(name.local) + "'");
+            fail("expected 'config', found " + in_quotes(name.local));
         } else if (depth_ == 2) {
             in_object_ = name.local == "object" && number(attributes, "id", id_);
             label_ = {};
@@ -57,7 +54,6 @@ private:
             apply();
         }
     }
-    void text(std::string_view) override {}
 
     Label* begin_volume(bool is_range, const XmlAttributes& attributes) {
         Volume volume;
@@ -90,7 +86,7 @@ private:
         const std::optional<PartRole> role = role_of(name);
         label.role = role.value_or(PartRole::solid);
         if (!role) {
-            warn("unknown type of volume '" + quoted(name) + "', read as solid");
+            warn("unknown type of volume " + in_quotes(name) + ", read as solid");
         }
     }
 
@@ -207,31 +203,17 @@ private:
     bool number(const XmlAttributes& attributes, std::string_view name, std::uint32_t& value) {
         const std::optional<std::string_view> text = attributes.find(name);
         if (!text || !integer_in(*text, value)) {
-            fail("expected a number as '" + std::string(name) + "', found '" + quoted(text.value_or("")) + "'");
-        }
-        return !failure();
-    }
-
-    bool keep(std::uint64_t bytes) {
-        if (!budget_.try_take(bytes, 1)) {
-            code_ = ErrorCode::out_of_memory;
-            fail("takes more than the " + std::to_string(budget_.limit_bytes()) + " bytes that reading it may");
+            fail("expected a number as '" + std::string(name) + "', found " + in_quotes(text.value_or("")));
         }
         return !failure();
     }
 
     void warn(const std::string& what) {
         if (warnings_++ < 8) {
-            model_.warn(part_, event_line(), what);
+            PackageReader::warn(what);
         }
     }
-    static std::string quoted(std::string_view text) { return printable(std::string(text.substr(0, 64))); }
 
-    const std::string& part_;
-    Model& model_;
-    MemoryBudget& budget_;
-    const Memory* memory_;
-    ErrorCode code_ = ErrorCode::malformed_mesh;
     int warnings_ = 0;
     std::uint64_t depth_ = 0;
     bool in_object_ = false;
@@ -249,12 +231,8 @@ Status apply_settings(ZipArchive& package, Model& model, MemoryBudget& budget, c
         if (!package.contains(part)) {
             continue;
         }
-        SettingsReader reader(part, model, budget, memory);
-        if (Status read = package.read(part, [&](std::string_view piece) { return reader.feed(piece); }); !read) {
+        if (Status read = SettingsReader(model, part, budget, memory).read(package); !read) {
             return read;
-        }
-        if (!reader.finish() && reader.failure()) {
-            return package.error(reader.failure_code(), part, reader.failure()->line, reader.failure()->what);
         }
     }
     return {};

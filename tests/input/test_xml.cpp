@@ -140,7 +140,7 @@ TEST_CASE("exceptions of an XML event pass through the parser", "[input][xml]") 
     CHECK(recorder.events == "<:a 1 0..3><:throw 1 3..11>");
 }
 
-TEST_CASE("XML that is deeper or has longer tags than any real file is refused", "[input][xml]") {
+TEST_CASE("XML that is deeper, has longer tags or more names than any real file is refused", "[input][xml]") {
     const auto answer = [](const std::string& before, const std::string& repeated, std::size_t count) {
         Recorder recorder;
         bool wanted = recorder.feed(before);
@@ -160,6 +160,15 @@ TEST_CASE("XML that is deeper or has longer tags than any real file is refused",
     }
     CHECK(answer("<a>", long_text, 80) == "read");
     CHECK(answer("<a>", "<b/>", 200'000) == "read");
+
+    Recorder names;
+    bool wanted = names.feed("<a>");
+    for (int i = 0; wanted && i < 1'000'000; ++i) {
+        wanted = names.feed("<a" + std::to_string(i) + "/>");
+        names.events.clear();
+    }
+    REQUIRE(names.failure());
+    CHECK(names.failure()->what == refused);
 }
 
 TEST_CASE("XML text is plain if it is ASCII without characters of markup", "[input][xml]") {

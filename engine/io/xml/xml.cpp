@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstdlib>
 #include <new>
 #include <utility>
 
@@ -131,6 +133,44 @@ std::string_view XmlAttributes::unbound(std::optional<std::string_view> local) c
 
 // --- XmlReader
 
+/// What expat holds, counted: it keeps every name that it has seen, as many as the file likes.
+struct XmlReader::Heap {
+    /// Before each block.
+    struct alignas(std::max_align_t) Header {
+        Heap* owner;
+        std::size_t bytes;
+    };
+
+    static void* reallocate(void* block, std::size_t bytes) noexcept {
+        Header* const old = block == nullptr ? nullptr : static_cast<Header*>(block) - 1;
+        Heap& heap = old == nullptr ? *current : *old->owner;
+        const std::size_t others = heap.in_use - (old == nullptr ? 0 : old->bytes);
+        if (bytes > most_parser_bytes - others) {
+            heap.is_full = true;
+            return nullptr;
+        }
+        void* const raw = std::realloc(old, sizeof(Header) + bytes);
+        if (raw == nullptr) {
+            return nullptr;
+        }
+        heap.in_use = others + bytes;
+        return new (raw) Header{&heap, bytes} + 1;
+    }
+    static void* allocate(std::size_t bytes) noexcept { return reallocate(nullptr, bytes); }
+    static void release(void* block) noexcept {
+        if (block != nullptr) {
+            Header* const header = static_cast<Header*>(block) - 1;
+            header->owner->in_use -= header->bytes;
+            std::free(header);
+        }
+    }
+
+    std::size_t in_use = 0;
+    bool is_full = false;
+    static thread_local Heap* current;  // while expat works on this thread, since its functions take no context
+};
+thread_local XmlReader::Heap* XmlReader::Heap::current = nullptr;
+
 /// What expat calls.
 struct XmlReader::Callbacks {
     static XmlReader& reader(void* user) { return *static_cast<XmlReader*>(user); }
@@ -156,7 +196,10 @@ void XmlReader::ParserDeleter::operator()(XML_ParserStruct* parser) const noexce
     XML_ParserFree(parser);
 }
 
-XmlReader::XmlReader() : parser_(XML_ParserCreate(nullptr)) {
+XmlReader::XmlReader() : heap_(std::make_unique<Heap>()) {
+    static constexpr XML_Memory_Handling_Suite functions = {Heap::allocate, Heap::reallocate, Heap::release};
+    Heap::current = heap_.get();
+    parser_.reset(XML_ParserCreate_MM(nullptr, &functions, nullptr));
     if (parser_ == nullptr) {
         throw std::bad_alloc();
     }
@@ -165,6 +208,8 @@ XmlReader::XmlReader() : parser_(XML_ParserCreate(nullptr)) {
     XML_SetCharacterDataHandler(parser_.get(), Callbacks::text);
     XML_SetStartDoctypeDeclHandler(parser_.get(), Callbacks::doctype);
 }
+
+XmlReader::~XmlReader() = default;
 
 template <class Event>
 void XmlReader::deliver(Event&& event) noexcept {
@@ -223,17 +268,19 @@ bool XmlReader::finish() {
 }
 
 bool XmlReader::parse(std::string_view bytes, bool last) {
+    Heap* const outer = std::exchange(Heap::current, heap_.get());
     const XML_Status answer = XML_Parse(parser_.get(), bytes.data(), static_cast<int>(bytes.size()), last ? 1 : 0);
+    Heap::current = outer;
     if (thrown_) {
         std::rethrow_exception(std::exchange(thrown_, nullptr));
     }
     parsed_bytes_ += bytes.size();
     if (answer != XML_STATUS_OK && !stopped_) {
         const XML_Error error = XML_GetErrorCode(parser_.get());
-        if (error == XML_ERROR_NO_MEMORY) {
+        if (error == XML_ERROR_NO_MEMORY && !heap_->is_full) {
             throw std::bad_alloc();
         }
-        fail(std::string("malformed XML: ") + XML_ErrorString(error));
+        fail(heap_->is_full ? unreal : std::string("malformed XML: ") + XML_ErrorString(error));
     } else if (!stopped_ && !last && parsed_bytes_ + skipped_bytes_ - event_offset() > longest_tag_bytes) {
         fail(unreal);
     }

@@ -92,13 +92,14 @@ struct XmlUnboundName {
     std::string words() const;
 };
 
-/// A parser of one document; readers of formats derive from it. Elements deeper, tags and comments longer and namespaces
-/// more than any real file has are refused: expat keeps all that is open, and reads what is cut in two from its begin again.
+/// A parser of one document; readers of formats derive from it. Elements deeper, tags and comments longer and names and
+/// namespaces more than any real file has are refused: expat keeps all that is open and every name, and reads what is cut in
+/// two from its begin again.
 class XmlReader {
 public:
     /// Throws std::bad_alloc.
     XmlReader();
-    virtual ~XmlReader() = default;
+    virtual ~XmlReader();
     XmlReader(const XmlReader&) = delete;
     XmlReader& operator=(const XmlReader&) = delete;
 
@@ -119,6 +120,7 @@ public:
 
     static constexpr std::uint64_t most_open_elements = 1000;
     static constexpr std::size_t longest_tag_bytes = std::size_t{4} << 20;  ///< or comment
+    static constexpr std::size_t most_parser_bytes = std::size_t{32} << 20;
 
 protected:
     // The events. They may call fail() or stop(), after which no other event comes.
@@ -142,6 +144,7 @@ protected:
 
 private:
     struct Callbacks;
+    struct Heap;
     struct ParserDeleter {
         void operator()(XML_ParserStruct* parser) const noexcept;
     };
@@ -153,6 +156,7 @@ private:
     void note_unbound(std::string_view element, const XmlAttributes& attributes);
     bool parse(std::string_view bytes, bool last);
 
+    std::unique_ptr<Heap> heap_;                               // outlives the parser
     std::unique_ptr<XML_ParserStruct, ParserDeleter> parser_;  // expat.h stays out of the other readers
     std::uint64_t parsed_bytes_ = 0;
     XmlNamespaces namespaces_;

@@ -56,15 +56,7 @@ std::string last_message(std::string_view text) {
 
 /// How many processes the system has killed for want of memory since it was started, its control groups' included.
 std::uint64_t kills_without_memory() {
-    std::ifstream file("/proc/vmstat");
-    std::string name;
-    std::uint64_t count = 0;
-    while (file >> name >> count) {
-        if (name == "oom_kill") {
-            return count;
-        }
-    }
-    return 0;
+    return system_number("/proc/vmstat", "oom_kill").value_or(0);
 }
 
 /// The facts that a process passed on which printed `text`; none if it did not.

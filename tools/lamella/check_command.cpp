@@ -242,12 +242,7 @@ private:
         options.control.progress = stage.progress();
         options.tolerance_mm = arguments_.tolerance_mm;
         options.most_places = arguments_.marks.empty() ? arguments_.places : std::max(arguments_.places, most_marks);
-        Result<MeshCheck> result = check(file, options);
-        if (!result) {
-            const Failure failure = failure_of(result.error());
-            throw failure.status() == bad_input ? Failure(bad_input, mesh.name() + ": " + failure.what()) : failure;
-        }
-        return std::move(result).value();
+        return done_or_thrown(check(file, options), mesh.name());
     }
 
     /// The words of one mesh come when the report is written; of several at once, a blank line before each but the first.

@@ -80,14 +80,11 @@ Result<MeshInfo> inspected(const MeshArguments& arguments, const MeshFile& mesh,
 std::string info_words(const MeshArguments& arguments) {
     ProgressBar bar(arguments.progress);
     const MeshFile mesh = read_mesh_and_warn(arguments, bar);
-    const Result<MeshInfo> info = inspected(arguments, mesh, bar);
-    if (!info) {
-        throw Failure(failure_of(info.error()).status(), arguments.name() + ": " + info.error().message);
-    }
-    for (const std::string& doubt : doubts_of_scale(arguments, mesh, {info->min_mm, info->max_mm, info->unit_mm})) {
+    const MeshInfo info = done_or_thrown(inspected(arguments, mesh, bar), arguments.name());
+    for (const std::string& doubt : doubts_of_scale(arguments, mesh, {info.min_mm, info.max_mm, info.unit_mm})) {
         warn(doubt);
     }
-    return words(arguments.name(), mesh, info.value());
+    return words(arguments.name(), mesh, info);
 }
 
 void run(const MeshListArguments& arguments, Interrupt& interrupt) {

@@ -27,70 +27,51 @@ struct MergeArguments : MeshArguments {
     std::string output;
 };
 
-class MergeCommand {
-public:
-    MergeCommand(const MergeArguments& arguments, Interrupt& interrupt)
-        : arguments_(arguments),
-          stages_(arguments.progress, arguments.threads, interrupt),
-          output_{arguments.output, OutputFormat::hdf5} {}
-
-    void run() {
-        require_possible();
-        const MergedArchive merged = merge();
-        record(merged);
-        print_words(
-            counted(arguments_.parts.size(), "part") + ", " + counted(merged.layers, "layer") + "\n" + wrote({output_.path}),
-            false);
+void require_possible(const MergeArguments& arguments, const PlannedOutput& output) {
+    if (!has_archives()) {
+        throw Failure(bad_usage, "--output: '" + output.path + "': this build has no HDF5");
     }
-
-private:
-    void require_possible() {
-        if (!has_archives()) {
-            throw Failure(bad_usage, "--output: '" + output_.path + "': this build has no HDF5");
+    require_extension(output.path, "--output", ".h5");
+    for (const std::string& file : output.files(false)) {
+        require_writable(file);
+        for (const std::string& part : arguments.parts) {
+            require_different(file, part, "--output", "one of the parts");
         }
-        require_extension(output_.path, "--output", ".h5");
-        for (const std::string& file : output_.files(false)) {
-            require_writable(file);
-            for (const std::string& part : arguments_.parts) {
-                require_different(file, part, "--output", "one of the parts");
-            }
-        }
-        stages_.interrupt().tidy({output_.path, output_.record_path()});
     }
+}
 
-    MergedArchive merge() {
-        const std::vector<std::filesystem::path> parts(arguments_.parts.begin(), arguments_.parts.end());
-        Result<MergedArchive> merged =
-            stages_.run("merging", [&](const Control& control) { return merge_archives(parts, output_.path, control); });
-        if (!merged) {
-            const Failure failure = failure_of(merged.error());
-            throw Failure(failure.status() == bad_usage ? bad_input : failure.status(), merged.error().message);
-        }
-        return std::move(merged).value();
+void record(const MergedArchive& merged, const MergeArguments& arguments, const PlannedOutput& output,
+            const Control& control) {
+    Record record;
+    record.command = "merge";
+    record.patient_frame = name_of(merged.info.frame);
+    record.grid_mm = {merged.unit_mm};
+    record.fill_rule = name_of(merged.fill_rule);
+    record.result_hashes = {hexadecimal(merged.hash)};
+    for (const std::string& part : arguments.parts) {
+        record.inputs.push_back(done_or_thrown(seal_file(part, control)));
     }
+    write_record_beside(output, std::move(record), control);
+}
 
-    void record(const MergedArchive& merged) {
-        if (!takes_record(output_)) {
-            return;
-        }
-        Record record;
-        record.command = "merge";
-        record.patient_frame = name_of(merged.info.frame);
-        record.grid_mm = {merged.unit_mm};
-        record.fill_rule = name_of(merged.fill_rule);
-        record.result_hashes = {hexadecimal(merged.hash)};
-        stages_.run("sealing", [&](const Control& control) {
-            for (const std::string& part : arguments_.parts) {
-                record.inputs.push_back(done_or_thrown(seal_file(part, control)));
-            }
-            write_record_beside(output_, std::move(record), control);
-        });
+void merge_parts(const MergeArguments& arguments, Interrupt& interrupt) {
+    const PlannedOutput output{arguments.output, OutputFormat::hdf5};
+    require_possible(arguments, output);
+    interrupt.tidy({output.path, output.record_path()});
+    Stages stages(arguments.progress, arguments.threads, interrupt);
+    const std::vector<std::filesystem::path> parts(arguments.parts.begin(), arguments.parts.end());
+    const Result<MergedArchive> merged =
+        stages.run("merging", [&](const Control& control) { return merge_archives(parts, output.path, control); });
+    if (!merged) {
+        const Failure failure = failure_of(merged.error());
+        throw Failure(failure.status() == bad_usage ? bad_input : failure.status(), merged.error().message);
     }
-
-    const MergeArguments& arguments_;
-    Stages stages_;
-    PlannedOutput output_;
-};
+    if (takes_record(output)) {
+        stages.run("sealing", [&](const Control& control) { record(*merged, arguments, output, control); });
+    }
+    print_words(counted(parts.size(), "part") + ", " + counted(merged->layers, "layer") + "\n" + wrote({output.path}),
+                false);
+}
 
 }  // namespace
 
@@ -108,7 +89,7 @@ void add_merge_command(CLI::App& app, Interrupt& interrupt) {
     declare_threads(*command, *arguments);
     declare_progress(*command, *arguments);
     declare_worker(*command);
-    command->callback([arguments, &interrupt] { MergeCommand(*arguments, interrupt).run(); });
+    command->callback([arguments, &interrupt] { merge_parts(*arguments, interrupt); });
 }
 
 }  // namespace lamella::cli

@@ -15,6 +15,7 @@
 #include <sched.h>
 
 #include "files/mesh_input.hpp"
+#include "terminal/console.hpp"
 #include "terminal/numbers.hpp"
 
 namespace lamella::cli::batch {
@@ -75,14 +76,8 @@ int group_threads() {
 
 /// A line of /proc/meminfo, in bytes.
 double machine_memory(std::string_view key) {
-    std::ifstream file("/proc/meminfo");
-    for (std::string word; file >> word;) {
-        double kilobytes = 0;
-        if (word == key && file >> kilobytes) {
-            return kilobytes * 1024;
-        }
-    }
-    return std::numeric_limits<double>::infinity();
+    const std::optional<std::uint64_t> kilobytes = system_number("/proc/meminfo", key);
+    return kilobytes ? static_cast<double>(*kilobytes) * 1024 : std::numeric_limits<double>::infinity();
 }
 
 struct FormatCost {

@@ -1,4 +1,4 @@
-// Processes that run this program once more. What other systems do in another way than POSIX is all in tool_process.cpp.
+// Processes that run this program once more. All that is of POSIX in this is in tool_process.cpp.
 //
 //     ToolProcess process({"slice", {"a.stl", "-o", "a.svg"}});
 //     while (process.read()) {
@@ -33,7 +33,7 @@ struct ProcessEnd {
     std::uint64_t peak_bytes = 0;  ///< of memory; 0: not known
 };
 
-/// Its standard input is a pipe that ends with this process, and the tool with it (see worker_side.hpp). It is in a process
+/// Its standard input is a pipe that ends with this process, and it with that: see end_with_starter(). It is in a process
 /// group of its own: Ctrl-C reaches this process alone.
 class ToolProcess {
 public:
@@ -67,6 +67,10 @@ private:
     std::string text_;
     pid_t process_;
 };
+
+/// Called in such a process: from here on it ends when its standard input does, and the system chooses it first when memory
+/// runs out.
+void end_with_starter();
 
 /// Waits so long for one of them to print something or to end.
 void wait_for_output(const std::vector<const ToolProcess*>& processes, std::chrono::milliseconds longest);

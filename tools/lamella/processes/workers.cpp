@@ -1,43 +1,19 @@
 #include "processes/workers.hpp"
 
-#include <cerrno>
 #include <csignal>
-#include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <new>
 #include <string_view>
-#include <thread>
 #include <utility>
-
-#include <unistd.h>
 
 #include <nlohmann/json.hpp>
 
 #include "files/text_input.hpp"
 #include "terminal/console.hpp"
-#include "terminal/failure.hpp"
 
 namespace lamella::cli {
 
 namespace {
-
-/// The batch holds the other end of standard input, and never writes to it: it ends with the batch, however that ends.
-void end_with_batch() {
-    std::thread([] {
-        char none = 0;
-        ssize_t got = 0;
-        do {
-            got = ::read(STDIN_FILENO, &none, 1);
-        } while (got > 0 || (got < 0 && errno == EINTR));
-        std::_Exit(bad_input);
-    }).detach();
-}
-
-/// The system then rather ends a mesh than the batch.
-void be_first_without_memory() {
-    std::ofstream("/proc/self/oom_score_adj") << "500";
-}
 
 constexpr std::chrono::milliseconds patience{2000};  ///< between asking a process to end and killing it
 
@@ -56,15 +32,7 @@ std::string last_message(std::string_view text) {
 
 /// How many processes the system has killed for want of memory since it was started, its control groups' included.
 std::uint64_t kills_without_memory() {
-    std::ifstream file("/proc/vmstat");
-    std::string name;
-    std::uint64_t count = 0;
-    while (file >> name >> count) {
-        if (name == "oom_kill") {
-            return count;
-        }
-    }
-    return 0;
+    return system_number("/proc/vmstat", "oom_kill").value_or(0);
 }
 
 /// The facts that a process passed on which printed `text`; none if it did not.
@@ -100,13 +68,7 @@ SliceFacts facts_of(const nlohmann::ordered_json& json) {
 }
 
 void declare_worker(CLI::App& command) {
-    command
-        .add_flag_callback("--worker",
-                           [] {
-                               end_with_batch();
-                               be_first_without_memory();
-                           })
-        ->group("");
+    command.add_flag_callback("--worker", end_with_starter)->group("");
 }
 
 void pass_on(const CLI::App& command, const SliceFacts& facts) {

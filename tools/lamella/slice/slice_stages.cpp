@@ -103,14 +103,6 @@ ImageGeometry image_around(const std::vector<MeshFile>& files, const SliceArgume
     return done_or_thrown(geometry_around(all[0], all[1], {spacing[0], spacing[1], spacing[2]}));
 }
 
-/// The library's message after the mesh's name; about an option its message says all.
-Failure failure_of_mesh(const Error& error, const SliceArguments& arguments) {
-    const Failure failure = failure_of(error);
-    return failure.status() == bad_input && arguments.memory.empty()
-               ? Failure(bad_input, arguments.name() + ": " + error.message)
-               : failure;
-}
-
 std::string why_nothing_is_cut(const SliceSummary& found) {
     return "no plane meets the mesh, which reaches from " + exact_text(found.min_mm[2]) + " to " +
            exact_text(found.max_mm[2]) + " mm along the slicing direction";
@@ -185,25 +177,19 @@ ImageGeometry image_for(const std::vector<MeshFile>& files, const SliceArguments
 MendedMesh mend_mesh(const MeshFile& mesh, const SliceArguments& arguments, Stages& stages, ToolRun& run) {
     MendedMesh mended;
     if (arguments.weld_mm) {
-        const Stopwatch watch;
-        Result<WeldedMesh> welded = stages.run("welding", [&](const Control& control) {
+        const auto join = [&](const Control& control) {
             return weld(mesh, {.tolerance_mm = *arguments.weld_mm, .control = control});
-        });
+        };
+        const Stopwatch watch;
+        mended.welded = done_or_thrown(stages.run("welding", join), arguments.name());
         run.weld_ms = watch.ms();
-        if (!welded) {
-            throw Failure(failure_of(welded.error()).status(), arguments.name() + ": " + welded.error().message);
-        }
-        mended.welded = std::move(welded).value();
     }
     if (arguments.orient_shells) {
-        Result<OrientedMesh> oriented = stages.run("turning shells", [&](const Control& control) {
-            return orient_shells(mended.welded ? mended.welded->view() : mesh.view(),
-                                 {.mm_per_unit = mesh.mm_per_unit, .control = control});
-        });
-        if (!oriented) {
-            throw failure_of_mesh(oriented.error(), arguments);
-        }
-        mended.oriented = std::move(oriented).value();
+        const MeshView view = mended.welded ? mended.welded->view() : mesh.view();
+        const auto turn = [&](const Control& control) {
+            return orient_shells(view, {.mm_per_unit = mesh.mm_per_unit, .control = control});
+        };
+        mended.oriented = done_or_thrown(stages.run("turning shells", turn), arguments.name());
         run.shells = mended.oriented->shells;
         run.turned_shells = mended.oriented->turned_shells;
     }
@@ -224,13 +210,11 @@ SliceResult cut_mesh(const MeshFile& mesh, const MendedMesh& mended, SliceOption
         throw Failure(bad_input, arguments.name() + ": welding at " + exact_text(*arguments.weld_mm) +
                                      " mm leaves nothing: " + result.error().message);
     }
-    if (!result) {
-        throw failure_of_mesh(result.error(), arguments);
-    }
+    SliceResult sliced = in_ranges ? done_or_thrown(std::move(result)) : done_or_thrown(std::move(result), arguments.name());
     if (arguments.hash && !in_ranges) {
-        run.hash = hash_result(*result);
+        run.hash = hash_result(sliced);
     }
-    return std::move(result).value();
+    return sliced;
 }
 
 std::vector<std::string> warnings_of(const SlicedPart& part, std::optional<std::uint64_t> contours,

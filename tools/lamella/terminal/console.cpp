@@ -5,7 +5,6 @@
 #include <cerrno>
 #include <charconv>
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
 #include <system_error>
 
@@ -113,16 +112,20 @@ void ProgressBar::wipe() {
     }
 }
 
-std::uint64_t peak_rss_bytes() {
-    // Not getrusage(): what it reports survives exec, so a large parent process would be reported instead.
-    std::ifstream status("/proc/self/status");
-    for (std::string line; std::getline(status, line);) {
-        constexpr std::string_view key = "VmHWM:";
-        if (line.starts_with(key)) {
-            return std::strtoull(line.c_str() + key.size(), nullptr, 10) * 1024;
+std::optional<std::uint64_t> system_number(const std::string& path, std::string_view key) {
+    std::ifstream file(path);
+    std::uint64_t number = 0;
+    for (std::string word; file >> word;) {
+        if (word == key && file >> number) {
+            return number;
         }
     }
-    return 0;
+    return std::nullopt;
+}
+
+std::uint64_t peak_rss_bytes() {
+    // Not getrusage(): what it reports survives exec, so a large parent process would be reported instead.
+    return system_number("/proc/self/status", "VmHWM:").value_or(0) * 1024;
 }
 
 }  // namespace lamella::cli

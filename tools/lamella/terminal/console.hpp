@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -74,6 +75,9 @@ public:
 private:
     std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
+
+/// The number after `key` in a file of the system, as after "MemTotal:" in /proc/meminfo; none if it is not there.
+std::optional<std::uint64_t> system_number(const std::string& path, std::string_view key);
 
 /// Largest resident size so far.
 std::uint64_t peak_rss_bytes();

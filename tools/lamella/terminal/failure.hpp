@@ -55,6 +55,16 @@ T done_or_thrown(Result<T> result) {
     return std::move(result).value();
 }
 
+/// The same for a mesh: a line on what is wrong with it names it; one on an option says all.
+template <class T>
+T done_or_thrown(Result<T> result, const std::string& mesh) {
+    if (!result) {
+        const Failure failure = failure_of(result.error());
+        throw failure.status() == bad_input ? Failure(bad_input, mesh + ": " + failure.what()) : failure;
+    }
+    return std::move(result).value();
+}
+
 inline void done_or_thrown(const Status& status) {
     if (!status) {
         throw failure_of(status.error());

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "lamella/grid.hpp"
-#include "oracle/plane.hpp"
 #include "slicing/offset/raw_offset.hpp"
 
 namespace raw_offsets {
@@ -17,8 +16,6 @@ namespace raw_offsets {
 using lamella::Point;
 using lamella::RawCurve;
 using lamella::RawOffset;
-using oracle::side;
-using oracle::sign;
 using Ring = std::vector<Point>;
 
 struct Curve {
@@ -73,6 +70,13 @@ inline int winding(const Ring& ring, Place p) {
     return turns;
 }
 
+/// The sign of the turn at b.
+inline int turn(Point a, Point b, Point c) {
+    const std::int64_t twice =
+        (std::int64_t{b.x} - a.x) * (std::int64_t{c.y} - b.y) - (std::int64_t{b.y} - a.y) * (std::int64_t{c.x} - b.x);
+    return twice > 0 ? 1 : (twice < 0 ? -1 : 0);
+}
+
 inline bool is_simple(const Ring& ring) {
     const std::size_t count = ring.size();
     for (std::size_t i = 0; i < count; ++i) {
@@ -84,8 +88,8 @@ inline bool is_simple(const Ring& ring) {
             if (a == c) {
                 return false;
             }
-            if (j > i + 1 && (j + 1) % count != i && sign(side(a, b, c)) * sign(side(a, b, d)) <= 0 &&
-                sign(side(c, d, a)) * sign(side(c, d, b)) <= 0) {
+            if (j > i + 1 && (j + 1) % count != i && turn(a, b, c) * turn(a, b, d) <= 0 &&
+                turn(c, d, a) * turn(c, d, b) <= 0) {
                 return false;
             }
         }

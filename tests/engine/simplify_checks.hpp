@@ -16,7 +16,6 @@
 
 #include "base/numbers.hpp"
 #include "engine/region_checks.hpp"
-#include "oracle/plane.hpp"
 #include "slicing/nesting/path.hpp"
 #include "slicing/simplify/simplifier.hpp"
 
@@ -28,10 +27,6 @@ using lamella::LayerContours;
 using lamella::Point;
 using lamella::RegionRules;
 using lamella::Role;
-using oracle::on_edge;
-using oracle::side;
-using oracle::sign;
-using oracle::winding;
 using regions::Ring;
 using regions::Rings;
 using regions::Wide;
@@ -51,12 +46,25 @@ struct Before {
     bool is_line(std::size_t edge) const { return end_of(edge) - begin_of(edge) > 1; }
 };
 
+inline Wide side(Point a, Point b, Point p) {
+    return (Wide{b.x} - a.x) * (Wide{p.y} - a.y) - (Wide{b.y} - a.y) * (Wide{p.x} - a.x);
+}
+
 inline Wide dot(Point a, Point b, Point p) {
     return (Wide{b.x} - a.x) * (Wide{p.x} - a.x) + (Wide{b.y} - a.y) * (Wide{p.y} - a.y);
 }
 
+inline bool on_edge(Point p, Point a, Point b) {
+    return side(a, b, p) == 0 && dot(p, a, b) <= 0;
+}
+
+inline int sign(Wide value) {
+    return (value > 0) - (value < 0);
+}
+
 inline bool edges_meet(Point a, Point b, Point c, Point d) {
-    return oracle::edges_cross(a, b, c, d) || on_edge(a, c, d) || on_edge(b, c, d) || on_edge(c, a, b) || on_edge(d, a, b);
+    return (sign(side(a, b, c)) * sign(side(a, b, d)) < 0 && sign(side(c, d, a)) * sign(side(c, d, b)) < 0) ||
+           on_edge(a, c, d) || on_edge(b, c, d) || on_edge(c, a, b) || on_edge(d, a, b);
 }
 
 /// By steps of a unit where lengths are small: exact in long double up to its rounding.
@@ -127,6 +135,18 @@ inline std::size_t meeting_lines(const std::vector<Before>& contours) {
         }
     }
     return found;
+}
+
+inline int winding(std::span<const Point> ring, Point p) {
+    int sum = 0;
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+        const Point a = ring[i];
+        const Point b = ring[(i + 1) % ring.size()];
+        if ((a.y <= p.y) != (b.y <= p.y)) {
+            sum += a.y <= p.y ? side(a, b, p) > 0 : -(side(a, b, p) < 0);
+        }
+    }
+    return sum;
 }
 
 /// Of closed contours.

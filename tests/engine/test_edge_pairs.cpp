@@ -10,7 +10,6 @@
 
 #include "engine/counting_memory.hpp"
 #include "lamella/control.hpp"
-#include "oracle/plane.hpp"
 #include "slicing/edges/pair_search.hpp"
 
 using lamella::EdgePath;
@@ -18,9 +17,6 @@ using lamella::FlatBox;
 using lamella::Point;
 
 namespace {
-
-using oracle::side;
-using oracle::sign;
 
 struct Path {
     std::vector<Point> points;
@@ -50,9 +46,15 @@ Pairs found(lamella::EdgePairs& search, const Layer& layer, std::int32_t margin)
     return pairs;
 }
 
+std::int64_t side(Point a, Point b, Point p) {
+    const std::int64_t turn =
+        (std::int64_t{b.x} - a.x) * (std::int64_t{p.y} - a.y) - (std::int64_t{b.y} - a.y) * (std::int64_t{p.x} - a.x);
+    return (turn > 0) - (turn < 0);
+}
+
 bool have_common_point(Point a, Point b, Point c, Point d) {
-    return FlatBox::around(a, b).meets(FlatBox::around(c, d)) && sign(side(a, b, c)) * sign(side(a, b, d)) <= 0 &&
-           sign(side(c, d, a)) * sign(side(c, d, b)) <= 0;
+    return FlatBox::around(a, b).meets(FlatBox::around(c, d)) && side(a, b, c) * side(a, b, d) <= 0 &&
+           side(c, d, a) * side(c, d, b) <= 0;
 }
 
 /// Whether two edges of one path meet elsewhere than in a corner between them.

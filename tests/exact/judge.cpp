@@ -8,7 +8,6 @@
 
 #include "exact/exact_slice.hpp"
 #include "oracle/compare.hpp"
-#include "oracle/plane.hpp"
 
 namespace exact {
 
@@ -87,6 +86,16 @@ void drop_repeated(std::vector<Point>& points, bool closed) {
     }
 }
 
+oracle::Int128 twice_area_of(const std::vector<Point>& points) {
+    oracle::Int128 sum = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Point a = points[i];
+        const Point b = points[(i + 1) % points.size()];
+        sum += oracle::Int128{a.x} * b.y - oracle::Int128{a.y} * b.x;
+    }
+    return sum;
+}
+
 Judged judged(Chain chain, const std::set<Point>& engine) {
     Judged result;
     result.chain = std::move(chain);
@@ -105,7 +114,7 @@ Judged judged(Chain chain, const std::set<Point>& engine) {
     contour.start_is_unique = false;  // the judge knows no mesh edges, so contours are compared from any start
     drop_repeated(contour.points, result.chain.closed);
     if (result.chain.closed) {
-        contour.twice_area = oracle::twice_area(contour.points);
+        contour.twice_area = twice_area_of(contour.points);
         contour.orientation = static_cast<int>(contour.twice_area > 0) - static_cast<int>(contour.twice_area < 0);
     }
     return result;

@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "oracle/plane.hpp"
 #include "slicing/nesting/nest.hpp"
 
 namespace lamella::test {
@@ -38,10 +37,20 @@ private:
 
 namespace oracle {
 
-using ::oracle::Int128;
-using ::oracle::on_edge;
-using ::oracle::side;
-using ::oracle::twice_area;
+__extension__ using Int128 = __int128;
+
+inline Int128 cross(Point a, Point b, Point q) {
+    return Int128{std::int64_t{b.x} - a.x} * (std::int64_t{q.y} - a.y) -
+           Int128{std::int64_t{b.y} - a.y} * (std::int64_t{q.x} - a.x);
+}
+
+inline Int128 twice_area(const std::vector<Point>& points) {
+    Int128 sum = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        sum += cross({0, 0}, points[i], points[(i + 1) % points.size()]);
+    }
+    return sum;
+}
 
 inline std::size_t start_of(const std::vector<Point>& points) {
     return static_cast<std::size_t>(std::min_element(points.begin(), points.end()) - points.begin());
@@ -52,19 +61,24 @@ inline std::vector<Point> from_start(std::vector<Point> points) {
     return points;
 }
 
+inline bool on_edge(Point a, Point b, Point q) {
+    return cross(a, b, q) == 0 && std::min(a.x, b.x) <= q.x && q.x <= std::max(a.x, b.x) && std::min(a.y, b.y) <= q.y &&
+           q.y <= std::max(a.y, b.y);
+}
+
 /// Whether the contour contains the point, by a ray towards -y and all edges.
 inline bool contains(const std::vector<Point>& points, Point q) {
     int winding = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const Point a = points[i];
         const Point b = points[(i + 1) % points.size()];
-        if (on_edge(q, a, b)) {
+        if (on_edge(a, b, q)) {
             return false;
         }
         if (a.x <= q.x && q.x < b.x) {
-            winding += side(a, b, q) > 0;
+            winding += cross(a, b, q) > 0;
         } else if (b.x <= q.x && q.x < a.x) {
-            winding -= side(b, a, q) > 0;
+            winding -= cross(b, a, q) > 0;
         }
     }
     return winding != 0;

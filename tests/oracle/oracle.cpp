@@ -1,5 +1,4 @@
 #include "oracle/oracle.hpp"
-#include "oracle/plane.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -186,6 +185,16 @@ Walk walk_from(std::size_t first, const std::vector<End>& ends, std::vector<char
     return walk;
 }
 
+Int128 twice_area_of(std::span<const Point> points) {
+    Int128 sum = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Point a = points[i];
+        const Point b = points[(i + 1) % points.size()];
+        sum += Int128{a.x} * b.y - Int128{a.y} * b.x;
+    }
+    return sum;
+}
+
 /// The points from the canonical start on, without equal successive points.
 std::vector<Point> canonical_points(std::vector<Crossing>& crossings, bool closed) {
     if (closed) {
@@ -239,7 +248,7 @@ Contour contour_of(Walk walk) {
     contour.start = walk.crossings.front();
     contour.start_is_unique = std::count(walk.crossings.begin(), walk.crossings.end(), contour.start) == 1;
     if (walk.closed) {
-        contour.twice_area = twice_area(contour.points);
+        contour.twice_area = twice_area_of(contour.points);
         contour.orientation = (contour.twice_area > 0) - (contour.twice_area < 0);
         contour.role = contour.orientation == 0 ? Role::flat : Role::outer;
     }
@@ -248,12 +257,19 @@ Contour contour_of(Walk walk) {
 
 /// Non-zero winding; the boundary is not inside.
 bool strictly_around(std::span<const Point> points, Point p) {
+    int winding = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
-        if (on_edge(p, points[i], points[(i + 1) % points.size()])) {
+        const Point a = points[i];
+        const Point b = points[(i + 1) % points.size()];
+        const Int128 side = (Int128{b.x} - a.x) * (Int128{p.y} - a.y) - (Int128{b.y} - a.y) * (Int128{p.x} - a.x);
+        const bool in_box =
+            std::min(a.x, b.x) <= p.x && p.x <= std::max(a.x, b.x) && std::min(a.y, b.y) <= p.y && p.y <= std::max(a.y, b.y);
+        if (side == 0 && in_box) {
             return false;
         }
+        winding += (a.y <= p.y && b.y > p.y && side > 0) - (b.y <= p.y && a.y > p.y && side < 0);
     }
-    return winding(points, p) != 0;
+    return winding != 0;
 }
 
 Int128 size_of(const Contour& contour) {

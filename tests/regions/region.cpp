@@ -14,12 +14,17 @@ using lamella::Role;
 
 namespace {
 
+Int128 cross(Point a, Point b, Point c) {
+    const auto wide = [](std::int32_t value) { return Int128{value}; };
+    return (wide(b.x) - a.x) * (wide(c.y) - a.y) - (wide(b.y) - a.y) * (wide(c.x) - a.x);
+}
+
 Polygon corners_of(std::span<const Point> ring) {
     Polygon corners;
     for (std::size_t i = 0; i < ring.size(); ++i) {
         const Point before = ring[(i + ring.size() - 1) % ring.size()];
         const Point after = ring[(i + 1) % ring.size()];
-        if (oracle::side(before, ring[i], after) != 0) {
+        if (cross(before, ring[i], after) != 0) {
             corners.push_back(ring[i]);
         }
     }
@@ -124,7 +129,7 @@ bool turns_back(std::span<const Point> ring) {
         const Point& after = ring[(i + 1) % ring.size()];
         const Int128 along =
             (Int128{at.x} - before.x) * (Int128{after.x} - at.x) + (Int128{at.y} - before.y) * (Int128{after.y} - at.y);
-        if (along < 0 && oracle::side(before, at, after) == 0) {
+        if (along < 0 && cross(before, at, after) == 0) {
             return true;
         }
     }
@@ -253,10 +258,20 @@ Region without_holes(const Region& region) {
     return outermost;
 }
 
+Int128 twice_area(std::span<const Point> polygon) {
+    Int128 sum = 0;
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+        const Point& a = polygon[i];
+        const Point& b = polygon[i + 1 < polygon.size() ? i + 1 : 0];
+        sum += Int128{a.x} * b.y - Int128{a.y} * b.x;
+    }
+    return sum;
+}
+
 Int128 twice_area(const Region& region) {
     Int128 sum = 0;
     for (const Ring& ring : region) {
-        sum += twice_area(std::span<const Point>(ring.corners));
+        sum += twice_area(ring.corners);
     }
     return sum;
 }

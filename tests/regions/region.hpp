@@ -14,7 +14,6 @@
 #include "base/numbers.hpp"
 #include "lamella/assemble.hpp"
 #include "lamella/region.hpp"
-#include "oracle/plane.hpp"
 
 namespace regions {
 
@@ -53,7 +52,7 @@ bool fills(lamella::FillRule rule, std::int64_t winding);
 Region without_holes(const Region& region);
 
 /// Twice the area within the polygon, positive where it runs counter-clockwise.
-using oracle::twice_area;
+Int128 twice_area(std::span<const Point> polygon);
 Int128 twice_area(const Region& region);
 
 /// The first difference, in words; or empty.

@@ -3,7 +3,6 @@
 #include <catch2/catch.hpp>
 
 #include "lamella/audit/validate.hpp"
-#include "oracle/plane.hpp"
 #include "write/samples.hpp"
 
 namespace lamella::write_test {
@@ -16,9 +15,18 @@ void fill(Array<T>& array, const std::vector<T>& values) {
     std::copy(values.begin(), values.end(), array.begin());
 }
 
+std::int64_t twice_area(const std::vector<Point>& ring) {
+    std::int64_t sum = 0;
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+        const Point& a = ring[i];
+        const Point& b = ring[(i + 1) % ring.size()];
+        sum += std::int64_t{a.x} * b.y - std::int64_t{b.x} * a.y;
+    }
+    return sum;
+}
+
 Contour contour_of(const Ring& ring, std::size_t first_point) {
-    const bool has_area = ring.role != Role::open && ring.role != Role::flat;
-    const auto area = static_cast<std::int64_t>(has_area ? oracle::twice_area(ring.points) : 0);
+    const std::int64_t area = ring.role == Role::open || ring.role == Role::flat ? 0 : twice_area(ring.points);
     Contour contour;
     contour.first_point = first_point;
     contour.point_count = static_cast<std::uint32_t>(ring.points.size());

@@ -7,7 +7,6 @@ Slices the same bone of 100 mm, in every format, into SVG at 0.2 and 0.05 mm, an
 table. Peak memory is what /usr/bin/time says, less that of the smallest mesh. Needs numpy and the package time.
 """
 
-import argparse
 import gzip
 import pathlib
 import shutil
@@ -15,7 +14,7 @@ import subprocess
 import sys
 import tempfile
 
-from readme_table import replace_table
+from readme_table import show, table_parser
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "python"))
 import mesh_formats  # noqa: E402
@@ -53,10 +52,8 @@ def peak_bytes(tool, mesh, work, folder):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("tool")
+    parser = table_parser(__doc__, "tool")
     parser.add_argument("--triangles", type=int, default=1_000_000)
-    parser.add_argument("--readme", type=pathlib.Path)
     arguments = parser.parse_args()
     tool = str(pathlib.Path(arguments.tool).resolve())
     lines = ["| format | bytes of file a triangle | " + " | ".join(WORK) + " |", "|" + "---|" * (len(WORK) + 2)]
@@ -75,10 +72,7 @@ def main():
             cells += [f"{(peak_bytes(tool, file, work, folder) - bare[what]) / triangles:.0f}" for what, work in WORK.items()]
             lines.append(f"| {file.name} | " + " | ".join(cells) + " |")
     lines.append(f"\nBare process: {max(bare.values()) / 1e6:.0f} MB; {triangles:,} triangles.")
-    table = "\n".join(lines)
-    print(table)
-    if arguments.readme:
-        replace_table(arguments.readme, "batch memory", table + "\n")
+    show(arguments.readme, "batch memory", lines)
 
 
 if __name__ == "__main__":

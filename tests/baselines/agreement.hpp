@@ -12,6 +12,7 @@
 #include "engine/slicing.hpp"
 #include "method.hpp"
 #include "models/models.hpp"
+#include "rings.hpp"
 
 namespace agreement {
 
@@ -75,21 +76,7 @@ using Line = std::pair<bool, std::vector<Point>>;  ///< whether it is closed, an
 /// smallest. If not `directed`, the smaller of the two directions is taken.
 inline Line canonical(std::vector<Point> points, bool closed, bool directed) {
     const auto from_smallest = [closed](const std::vector<Point>& line) {
-        if (line.empty()) {
-            return line;
-        }
-        std::vector<Point> best = line;
-        bool first = true;
-        const Point smallest = *std::min_element(line.begin(), line.end());
-        for (auto at = line.begin(); closed && at != line.end(); ++at) {
-            if (*at == smallest) {
-                std::vector<Point> turned(at, line.end());
-                turned.insert(turned.end(), line.begin(), at);
-                best = first ? turned : std::min(best, turned);
-                first = false;
-            }
-        }
-        return best;
+        return closed ? rings::from_smallest(line) : line;
     };
     std::vector<Point> forward = from_smallest(points);
     if (directed) {

@@ -13,6 +13,7 @@
 #include "lamella/audit/crossings.hpp"
 #include "lamella/region.hpp"
 #include "lamella/result.hpp"
+#include "rings.hpp"
 
 namespace regions {
 
@@ -23,7 +24,7 @@ using lamella::RegionRules;
 using Ring = std::vector<Point>;
 using Rings = std::vector<Ring>;
 
-__extension__ using Wide = __int128;
+using Wide = ::rings::Int128;
 
 inline lamella::Result<LayerContours> region(const Rings& rings, const RegionRules& rules,
                                              double unit_mm = lamella::default_unit_mm,
@@ -61,11 +62,7 @@ inline double area_of(const LayerContours& layer) {
 inline double perimeter_of(const Rings& rings) {
     double sum = 0;
     for (const Ring& ring : rings) {
-        for (std::size_t i = 0; i < ring.size(); ++i) {
-            const Point a = ring[i];
-            const Point b = ring[(i + 1) % ring.size()];
-            sum += std::hypot(double(b.x) - a.x, double(b.y) - a.y);
-        }
+        sum += static_cast<double>(::rings::perimeter(ring));
     }
     return sum;
 }
@@ -175,7 +172,7 @@ inline std::string broken_contour(const LayerContours& layer, std::size_t c) {
     if (points.size() < 3) {
         return "fewer than three points";
     }
-    Wide twice = 0;
+    const Wide twice = ::rings::twice_area(points);
     for (std::size_t i = 0; i < points.size(); ++i) {
         const Point a = points[i];
         const Point b = points[(i + 1) % points.size()];
@@ -185,7 +182,6 @@ inline std::string broken_contour(const LayerContours& layer, std::size_t c) {
         if (std::abs(std::int64_t{a.x}) > lamella::grid_limit || std::abs(std::int64_t{a.y}) > lamella::grid_limit) {
             return "a point beyond the grid";
         }
-        twice += Wide{a.x} * b.y - Wide{a.y} * b.x;
     }
     const lamella::Integer128 stored{static_cast<std::uint64_t>(twice), static_cast<std::int64_t>(twice >> 64)};
     if (!(stored == contour.twice_area)) {

@@ -11,6 +11,7 @@
 #include "lamella/audit/open_layers.hpp"
 #include "lamella/prepare.hpp"
 #include "lamella/sink.hpp"
+#include "rings.hpp"
 #include "slicing/repair/crossed_joints.hpp"
 
 using lamella::Joint;
@@ -19,15 +20,11 @@ using lamella::SliceResult;
 
 namespace {
 
-std::int64_t side(Point a, Point b, Point p) {
-    return (std::int64_t{b.x} - a.x) * (std::int64_t{p.y} - a.y) - (std::int64_t{b.y} - a.y) * (std::int64_t{p.x} - a.x);
-}
-
 /// Whether the edge meets the joint at a place that is no end of the joint, and does not run along it.
 bool lies_between(const Joint& joint, Point c, Point d) {
-    const auto sign = [](std::int64_t value) { return (value > 0) - (value < 0); };
-    const bool apart = sign(side(joint.from, joint.to, c)) * sign(side(joint.from, joint.to, d)) > 0;
-    return !apart && sign(side(c, d, joint.from)) * sign(side(c, d, joint.to)) < 0;
+    using rings::side;
+    const bool apart = side(joint.from, joint.to, c) * side(joint.from, joint.to, d) > 0;
+    return !apart && side(c, d, joint.from) * side(c, d, joint.to) < 0;
 }
 
 struct Path {

@@ -11,6 +11,7 @@
 #include "engine/slicing.hpp"
 #include "engine/vertex_heights.hpp"
 #include "models/models.hpp"
+#include "rings.hpp"
 
 using lamella::Contour;
 using lamella::Layer;
@@ -92,16 +93,7 @@ std::vector<Point> moved(std::span<const Point> points, bool closed, const Motio
     if (motion.mirrors) {
         std::reverse(all.begin(), all.end());
     }
-    std::vector<Point> smallest = all;
-    const Point first = *std::min_element(all.begin(), all.end());
-    for (std::size_t turn = 0; closed && turn < all.size(); ++turn) {
-        if (all[turn] == first) {
-            std::vector<Point> turned = all;
-            std::rotate(turned.begin(), turned.begin() + static_cast<std::ptrdiff_t>(turn), turned.end());
-            smallest = smallest.front() == first ? std::min(smallest, turned) : turned;
-        }
-    }
-    return smallest;
+    return closed ? rings::from_smallest(all) : all;
 }
 
 /// The contours of a layer after `motion`.

@@ -38,19 +38,11 @@ SliceResult traced_region(const shapes::Soup& soup, const SliceOptions& options)
     return result;
 }
 
-/// Whether p lies on the segment from a to b.
-bool lies_on(Point a, Point b, Point p) {
-    const auto side =
-        (std::int64_t{b.x} - a.x) * (std::int64_t{p.y} - a.y) - (std::int64_t{b.y} - a.y) * (std::int64_t{p.x} - a.x);
-    return side == 0 && p.x >= std::min(a.x, b.x) && p.x <= std::max(a.x, b.x) && p.y >= std::min(a.y, b.y) &&
-           p.y <= std::max(a.y, b.y);
-}
-
 /// By looking at all cuts: of those that the edge lies on, the one of the smallest part and triangle.
 std::optional<PointOrigin> origin_along(const std::vector<Cut>& cuts, Point from, Point to) {
     std::optional<PointOrigin> smallest;
     for (const Cut& cut : cuts) {
-        if (lies_on(cut.from, cut.to, from) && lies_on(cut.from, cut.to, to) &&
+        if (rings::lies_on(cut.from, cut.to, from) && rings::lies_on(cut.from, cut.to, to) &&
             (!smallest || std::pair(cut.origin.part, cut.origin.triangle) < std::pair(smallest->part, smallest->triangle))) {
             const bool forwards = (std::int64_t{to.x} - from.x) * (std::int64_t{cut.to.x} - cut.from.x) +
                                       (std::int64_t{to.y} - from.y) * (std::int64_t{cut.to.y} - cut.from.y) >

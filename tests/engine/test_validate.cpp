@@ -8,6 +8,7 @@
 
 #include "lamella/audit/validate.hpp"
 #include "lamella/result.hpp"
+#include "rings.hpp"
 
 using lamella::Contour;
 using lamella::Layer;
@@ -24,16 +25,6 @@ void append(lamella::Array<T>& array, const std::vector<T>& values) {
     longer.resize_discarding(array.size() + values.size());
     std::copy(values.begin(), values.end(), std::copy(array.begin(), array.end(), longer.begin()));
     array = std::move(longer);
-}
-
-std::int64_t twice_area(const Points& points) {
-    std::int64_t sum = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const Point a = points[i];
-        const Point b = points[(i + 1) % points.size()];
-        sum += std::int64_t{a.x} * b.y - std::int64_t{a.y} * b.x;
-    }
-    return sum;
 }
 
 void add_layer(SliceResult& result, std::int32_t z) {
@@ -56,7 +47,7 @@ void add_contour(SliceResult& result, Role role, int orientation, std::int64_t p
     contour.orientation = static_cast<std::int8_t>(orientation);
     contour.parent = parent;
     contour.flags = static_cast<std::uint16_t>(flags);
-    const std::int64_t area = role == Role::open ? 0 : twice_area(points);
+    const std::int64_t area = role == Role::open ? 0 : static_cast<std::int64_t>(rings::twice_area(points));
     contour.twice_area = {static_cast<std::uint64_t>(area), area < 0 ? -1 : 0};
     append(result.contours, {contour});
     append(result.points, points);

@@ -107,12 +107,7 @@ std::pair<long double, long double> sizes_of(const SliceResult& result, const La
     long double perimeter = 0;
     for (const lamella::Contour& contour : result.contours_of(layer)) {
         area += static_cast<long double>(contour.twice_area.to_double()) / 2;
-        const auto points = result.points_of(contour);
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            const lamella::Point a = points[i];
-            const lamella::Point b = points[(i + 1) % points.size()];
-            perimeter += std::hypot(static_cast<long double>(b.x) - a.x, static_cast<long double>(b.y) - a.y);
-        }
+        perimeter += rings::perimeter(result.points_of(contour));
     }
     return {area, perimeter};
 }

@@ -5,6 +5,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include "base/int128.hpp"
+
 namespace regions {
 
 using lamella::Contour;
@@ -14,37 +16,16 @@ using lamella::Role;
 
 namespace {
 
-Int128 cross(Point a, Point b, Point c) {
-    const auto wide = [](std::int32_t value) { return Int128{value}; };
-    return (wide(b.x) - a.x) * (wide(c.y) - a.y) - (wide(b.y) - a.y) * (wide(c.x) - a.x);
-}
-
 Polygon corners_of(std::span<const Point> ring) {
     Polygon corners;
     for (std::size_t i = 0; i < ring.size(); ++i) {
         const Point before = ring[(i + ring.size() - 1) % ring.size()];
         const Point after = ring[(i + 1) % ring.size()];
-        if (cross(before, ring[i], after) != 0) {
+        if (rings::cross(before, ring[i], after) != 0) {
             corners.push_back(ring[i]);
         }
     }
     return corners;
-}
-
-Polygon from_smallest(const Polygon& ring) {
-    Polygon best = ring;
-    if (ring.empty()) {
-        return best;
-    }
-    const Point smallest = *std::min_element(ring.begin(), ring.end());
-    Polygon turned = ring;
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-        if (ring[i] == smallest) {
-            std::rotate_copy(ring.begin(), ring.begin() + static_cast<std::ptrdiff_t>(i), ring.end(), turned.begin());
-            best = std::min(best, turned);
-        }
-    }
-    return best;
 }
 
 std::span<const Point> points_of(const LayerContours& layer, const Contour& contour) {
@@ -129,7 +110,7 @@ bool turns_back(std::span<const Point> ring) {
         const Point& after = ring[(i + 1) % ring.size()];
         const Int128 along =
             (Int128{at.x} - before.x) * (Int128{after.x} - at.x) + (Int128{at.y} - before.y) * (Int128{after.y} - at.y);
-        if (along < 0 && cross(before, at, after) == 0) {
+        if (along < 0 && rings::cross(before, at, after) == 0) {
             return true;
         }
     }
@@ -183,7 +164,7 @@ Region canonical(Region region) {
     std::vector<std::size_t> order(region.size());
     for (std::size_t r = 0; r < region.size(); ++r) {
         order[r] = r;
-        region[r].corners = from_smallest(corners_of(region[r].corners));
+        region[r].corners = rings::from_smallest(corners_of(region[r].corners));
     }
     std::sort(order.begin(), order.end(),
               [&](std::size_t a, std::size_t b) { return region[a].corners < region[b].corners; });
@@ -256,16 +237,6 @@ Region without_holes(const Region& region) {
     std::copy_if(region.begin(), region.end(), std::back_inserter(outermost),
                  [](const Ring& ring) { return !ring.hole && ring.parent < 0; });
     return outermost;
-}
-
-Int128 twice_area(std::span<const Point> polygon) {
-    Int128 sum = 0;
-    for (std::size_t i = 0; i < polygon.size(); ++i) {
-        const Point& a = polygon[i];
-        const Point& b = polygon[i + 1 < polygon.size() ? i + 1 : 0];
-        sum += Int128{a.x} * b.y - Int128{a.y} * b.x;
-    }
-    return sum;
 }
 
 Int128 twice_area(const Region& region) {

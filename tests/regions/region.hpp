@@ -11,14 +11,14 @@
 #include <string>
 #include <vector>
 
-#include "base/int128.hpp"
 #include "lamella/assemble.hpp"
 #include "lamella/region.hpp"
+#include "rings.hpp"
 
 namespace regions {
 
-using lamella::Int128;
 using lamella::Point;
+using rings::Int128;
 
 /// Closed; the last point leads to the first.
 using Polygon = std::vector<Point>;
@@ -51,8 +51,7 @@ bool fills(lamella::FillRule rule, std::int64_t winding);
 /// Of a region by non-zero: its outer rings that lie in no hole.
 Region without_holes(const Region& region);
 
-/// Twice the area within the polygon, positive where it runs counter-clockwise.
-Int128 twice_area(std::span<const Point> polygon);
+using rings::twice_area;
 Int128 twice_area(const Region& region);
 
 /// The first difference, in words; or empty.

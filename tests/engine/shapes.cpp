@@ -86,6 +86,17 @@ Soup triangle(Xyz a, Xyz b, Xyz c) {
     return soup;
 }
 
+Soup quad(Xyz a, Xyz b, Xyz c, Xyz d) {
+    Soup soup;
+    add(soup, a, b, c);
+    add(soup, a, c, d);
+    return soup;
+}
+
+Soup wall(std::array<double, 2> from, std::array<double, 2> to) {
+    return quad({from[0], from[1], 0}, {to[0], to[1], 0}, {to[0], to[1], 10}, {from[0], from[1], 10});
+}
+
 Soup joined(std::initializer_list<Soup> parts) {
     Soup all;
     for (const Soup& part : parts) {
@@ -116,21 +127,26 @@ Soup scaled(Soup soup, Xyz by) {
     return soup;
 }
 
+Soup without(Soup soup, std::size_t from, std::size_t count) {
+    const auto at = soup.begin() + static_cast<std::ptrdiff_t>(9 * from);
+    soup.erase(at, at + static_cast<std::ptrdiff_t>(9 * count));
+    return soup;
+}
+
+Soup only(const Soup& soup, std::size_t from, std::size_t count) {
+    const auto at = soup.begin() + static_cast<std::ptrdiff_t>(9 * from);
+    return {at, at + static_cast<std::ptrdiff_t>(9 * count)};
+}
+
 Soup box(Xyz low, Xyz high) {
     const auto [x0, y0, z0] = low;
     const auto [x1, y1, z1] = high;
-    Soup soup;
-    const auto quad = [&](Xyz a, Xyz b, Xyz c, Xyz d) {
-        add(soup, a, b, c);
-        add(soup, a, c, d);
-    };
-    quad({x0, y0, z0}, {x0, y1, z0}, {x1, y1, z0}, {x1, y0, z0});
-    quad({x0, y0, z1}, {x1, y0, z1}, {x1, y1, z1}, {x0, y1, z1});
-    quad({x0, y0, z0}, {x1, y0, z0}, {x1, y0, z1}, {x0, y0, z1});
-    quad({x1, y0, z0}, {x1, y1, z0}, {x1, y1, z1}, {x1, y0, z1});
-    quad({x1, y1, z0}, {x0, y1, z0}, {x0, y1, z1}, {x1, y1, z1});
-    quad({x0, y1, z0}, {x0, y0, z0}, {x0, y0, z1}, {x0, y1, z1});
-    return soup;
+    return joined({quad({x0, y0, z0}, {x0, y1, z0}, {x1, y1, z0}, {x1, y0, z0}),
+                   quad({x0, y0, z1}, {x1, y0, z1}, {x1, y1, z1}, {x0, y1, z1}),
+                   quad({x0, y0, z0}, {x1, y0, z0}, {x1, y0, z1}, {x0, y0, z1}),
+                   quad({x1, y0, z0}, {x1, y1, z0}, {x1, y1, z1}, {x1, y0, z1}),
+                   quad({x1, y1, z0}, {x0, y1, z0}, {x0, y1, z1}, {x1, y1, z1}),
+                   quad({x0, y1, z0}, {x0, y0, z0}, {x0, y0, z1}, {x0, y1, z1})});
 }
 
 Soup octasphere(Xyz centre, double radius, int level) {

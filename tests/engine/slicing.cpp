@@ -1,9 +1,6 @@
 #include "engine/slicing.hpp"
 
 #include <sstream>
-#include <utility>
-
-#include <catch2/catch.hpp>
 
 using lamella::Contour;
 using lamella::Error;
@@ -30,18 +27,36 @@ SliceOptions uniform(double layer_height_mm, double unit_mm) {
     return options;
 }
 
+shapes::Soup generated(lamella::models::Shape shape, std::uint64_t triangles) {
+    const std::vector<float> soup = lamella::models::make_soup({.shape = shape, .triangles = triangles, .height_mm = 20});
+    return {soup.begin(), soup.end()};
+}
+
+void require_ok(const Status& status) {
+    INFO((status ? std::string() : status.error().message));
+    REQUIRE(status.ok());
+}
+
+namespace {
+
+SliceResult valid(Result<SliceResult> made) {
+    SliceResult result = value_of(std::move(made));
+    require_ok(validate(result));
+    return result;
+}
+
+}  // namespace
+
 SliceResult sliced(const MeshView& mesh, const SliceOptions& options) {
-    Result<SliceResult> result = slice(mesh, options);
-    INFO((result ? std::string() : result.error().message));
-    REQUIRE(result.ok());
-    const Status valid = validate(*result);
-    INFO((valid ? std::string() : valid.error().message));
-    REQUIRE(valid.ok());
-    return std::move(result).value();
+    return valid(slice(mesh, options));
 }
 
 SliceResult sliced(const shapes::Soup& soup, const SliceOptions& options) {
     return sliced(view_of(soup), options);
+}
+
+SliceResult sliced(const std::vector<lamella::Part>& parts, const SliceOptions& options, lamella::PartRegions regions) {
+    return valid(slice_parts(parts, options, regions));
 }
 
 Error failure_of(const MeshView& mesh, const SliceOptions& options) {

@@ -65,9 +65,8 @@ struct Bucketed {
     Bucketed(const MeshView& mesh, const lamella::LayerPlan& plan, double unit_mm, int threads, int band_planes) {
         const lamella::Parallel parallel({.threads = threads});
         const lamella::Transform none;
-        const auto bounds = lamella::measure_bounds(mesh, none, unit_mm, parallel, blocks);
-        REQUIRE(bounds);
-        REQUIRE(planes.build(plan, *bounds, unit_mm, mesh.coordinate_type, no_limit));
+        const auto bounds = value_of(lamella::measure_bounds(mesh, none, unit_mm, parallel, blocks));
+        REQUIRE(planes.build(plan, bounds, unit_mm, mesh.coordinate_type, no_limit));
         lamella::count_crossings(mesh, none, unit_mm, blocks, planes, parallel, buckets);
         bands.cut(buckets, planes.size(), band_planes, threads);
         const std::size_t reaching = lamella::scatter_triangles(mesh, none, unit_mm, planes, bands.band_end, parallel,

@@ -58,9 +58,7 @@ SliceResult result_of(const std::vector<Layer>& layers) {
 }
 
 Crossings found(const SliceResult& result, int threads = 1) {
-    const lamella::Result<Crossings> crossings = find_crossings(result, {.threads = threads});
-    REQUIRE(crossings.ok());
-    return crossings.value();
+    return value_of(find_crossings(result, {.threads = threads}));
 }
 
 std::uint64_t count_in(const Layer& layer) {

@@ -59,11 +59,10 @@ TEST_CASE("the unit of parts is doubled for the box of all", "[engine][unit][par
     REQUIRE_FALSE(refused.ok());
     CHECK(refused.error().code == ErrorCode::bad_coordinate);
     options.unit_fit = UnitFit::coarser_if_needed;
-    const auto result = slice_parts(parts, options);
-    REQUIRE(result.ok());
-    CHECK(result->unit_mm == 4e-6);
-    CHECK(result->summary.unit_doublings == 2);
-    CHECK(result->contours.size() == 2);
+    const auto result = value_of(slice_parts(parts, options));
+    CHECK(result.unit_mm == 4e-6);
+    CHECK(result.summary.unit_doublings == 2);
+    CHECK(result.contours.size() == 2);
 }
 
 TEST_CASE("a unit that is none is refused however it may be fitted", "[engine][unit][errors]") {
@@ -117,23 +116,20 @@ TEST_CASE("empty parts take their place among others, and choose no planes", "[e
     const auto refused = slice_parts(parts, uniform(1));
     REQUIRE_FALSE(refused.ok());
     CHECK(refused.error().code == ErrorCode::empty_mesh);
-    const auto result = slice_parts(parts, allowing(uniform(1)));
-    REQUIRE(result.ok());
-    REQUIRE(result->layers.size() == 3);
-    CHECK(result->contours.size() == 3);
-    CHECK(result->contours[0].part == 1);
-    CHECK(result->summary.min_mm[0] == 1);
-    CHECK(result->part_count == 3);
+    const auto result = value_of(slice_parts(parts, allowing(uniform(1))));
+    REQUIRE(result.layers.size() == 3);
+    CHECK(result.contours.size() == 3);
+    CHECK(result.contours[0].part == 1);
+    CHECK(result.summary.min_mm[0] == 1);
+    CHECK(result.part_count == 3);
     const std::vector<Part> none = {{.mesh = view_of(nothing)}, {.mesh = view_of(collapsed)}};
     for (const auto regions : {lamella::PartRegions::separate, lamella::PartRegions::united}) {
         SliceOptions options = allowing(uniform(1));
         options.region.fill_rule = lamella::FillRule::non_zero;
-        const auto empty = slice_parts(none, options, regions);
-        REQUIRE(empty.ok());
-        CHECK(empty->layers.empty());
+        const auto empty = value_of(slice_parts(none, options, regions));
+        CHECK(empty.layers.empty());
         options.plan = at_heights({3, 1}).plan;
-        const auto layers = slice_parts(none, options, regions);
-        REQUIRE(layers.ok());
-        CHECK(layers->layers.size() == 2);
+        const auto layers = value_of(slice_parts(none, options, regions));
+        CHECK(layers.layers.size() == 2);
     }
 }

@@ -145,9 +145,7 @@ void require_same(const HostArrays& host, const lamella::Result<SliceTotals>& to
 }
 
 OutputBounds bounds_of(const lamella::MeshView& mesh, const SliceOptions& options) {
-    const lamella::Result<OutputBounds> bounds = bound_output(mesh, options);
-    REQUIRE(bounds.ok());
-    return *bounds;
+    return value_of(bound_output(mesh, options));
 }
 
 Error refusal_of(const HostOutput& output, const lamella::MeshView& mesh, const SliceOptions& options) {
@@ -249,9 +247,8 @@ TEST_CASE("closed gaps are written where there is memory for them", "[engine][ho
     std::vector<lamella::ClosedGap> gaps(result.closed_gaps.size());
     host.output.closed_gaps = gaps.data();
     host.output.closed_gap_capacity = gaps.size();
-    const auto totals = slice_into(host.output, view_of(torn), options);
-    REQUIRE(totals.ok());
-    REQUIRE(totals->closed_gaps == gaps.size());
+    const auto totals = value_of(slice_into(host.output, view_of(torn), options));
+    REQUIRE(totals.closed_gaps == gaps.size());
     for (std::size_t g = 0; g < gaps.size(); ++g) {
         CHECK(gaps[g].layer == result.closed_gaps[g].layer);
         CHECK(gaps[g].from == result.closed_gaps[g].from);
@@ -351,17 +348,15 @@ TEST_CASE("a prepared mesh is bounded and written like the mesh", "[engine][host
     for (const auto& [mesh_name, mesh] : shape_cases::meshes()) {
         INFO(mesh_name);
         const SliceOptions options = uniform(0.5);
-        const auto prepared = lamella::prepare(view_of(mesh));
-        REQUIRE(prepared.ok());
+        const auto prepared = value_of(lamella::prepare(view_of(mesh)));
         const OutputBounds expected = bounds_of(view_of(mesh), options);
-        const lamella::Result<OutputBounds> bounds = bound_output(*prepared, options);
-        REQUIRE(bounds.ok());
-        CHECK(bounds->layers == expected.layers);
-        CHECK(bounds->segments == expected.segments);
-        CHECK(bounds->points == expected.points);
-        CHECK(bounds->unit_mm == expected.unit_mm);
-        HostArrays host(bounds->points, bounds->contours, bounds->layers, PointType::i64, 0, 1000);
-        require_same(host, slice_into(host.output, *prepared, options), sliced(mesh, options));
+        const OutputBounds bounds = value_of(bound_output(prepared, options));
+        CHECK(bounds.layers == expected.layers);
+        CHECK(bounds.segments == expected.segments);
+        CHECK(bounds.points == expected.points);
+        CHECK(bounds.unit_mm == expected.unit_mm);
+        HostArrays host(bounds.points, bounds.contours, bounds.layers, PointType::i64, 0, 1000);
+        require_same(host, slice_into(host.output, prepared, options), sliced(mesh, options));
     }
 }
 
@@ -369,10 +364,10 @@ TEST_CASE("a layer without contours needs no points", "[engine][host]") {
     const shapes::Soup box = shapes::box({0, 0, 0}, {4, 4, 4});
     for (const PointType type : {PointType::i32, PointType::f64}) {
         lamella::Layer layer;
-        const auto empty = slice_into({.type = type, .layers = &layer, .layer_capacity = 1}, view_of(box), at_heights({9}));
-        REQUIRE(empty.ok());
-        CHECK(empty->layers == 1);
-        CHECK(empty->points == 0);
+        const auto empty =
+            value_of(slice_into({.type = type, .layers = &layer, .layer_capacity = 1}, view_of(box), at_heights({9})));
+        CHECK(empty.layers == 1);
+        CHECK(empty.points == 0);
         CHECK(layer.plane_mm == 9);
     }
 }
@@ -387,9 +382,8 @@ TEST_CASE("a slice into the host's arrays allocates nothing of their size", "[en
         const CountingMemory memory;
         options.control.memory = &memory;
         HostArrays host(bounds.segments, bounds.layers, bounds.layers, type);
-        const auto totals = slice_into(host.output, view_of(ball), options);
-        REQUIRE(totals.ok());
+        const auto totals = value_of(slice_into(host.output, view_of(ball), options));
         CHECK(memory.held() == 0);
-        CHECK(memory.peak() < totals->points * sizeof(lamella::Point) / 2);
+        CHECK(memory.peak() < totals.points * sizeof(lamella::Point) / 2);
     }
 }

@@ -91,14 +91,11 @@ TEST_CASE("layers of a prepared mesh and of parts are those of the whole", "[lay
     SliceOptions options = uniform(0.5);
     const SliceResult whole = sliced(soup, options);
     options.layers = {4, 11};
-    const auto prepared = lamella::prepare(view_of(soup));
-    REQUIRE(prepared);
-    const auto of_prepared = lamella::slice(*prepared, options);
-    REQUIRE(of_prepared);
-    CHECK(numbers_of(*of_prepared, 0, 7) == numbers_of(whole, 4, 11));
+    const auto prepared = value_of(lamella::prepare(view_of(soup)));
+    const auto of_prepared = value_of(lamella::slice(prepared, options));
+    CHECK(numbers_of(of_prepared, 0, 7) == numbers_of(whole, 4, 11));
     const std::vector<lamella::Part> parts = {{.mesh = view_of(soup)}};
-    const auto of_parts = lamella::slice_parts(parts, options);
-    REQUIRE(of_parts);
-    CHECK(of_parts->first_layer == 4);
-    CHECK(numbers_of(*of_parts, 0, 7) == numbers_of(whole, 4, 11));
+    const auto of_parts = value_of(lamella::slice_parts(parts, options));
+    CHECK(of_parts.first_layer == 4);
+    CHECK(numbers_of(of_parts, 0, 7) == numbers_of(whole, 4, 11));
 }

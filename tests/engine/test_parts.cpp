@@ -23,13 +23,11 @@ namespace {
 
 /// Requires success and a valid result.
 SliceResult together(const std::vector<Part>& parts, const SliceOptions& options) {
-    lamella::Result<SliceResult> result = slice_parts(parts, options);
-    INFO((result ? std::string() : result.error().message));
-    REQUIRE(result.ok());
-    const lamella::Status valid = validate(*result);
+    SliceResult result = value_of(slice_parts(parts, options));
+    const lamella::Status valid = validate(result);
     INFO((valid ? std::string() : valid.error().message));
     REQUIRE(valid.ok());
-    return std::move(result).value();
+    return result;
 }
 
 lamella::Error parts_failure(const std::vector<Part>& parts, const SliceOptions& options) {
@@ -93,9 +91,8 @@ TEST_CASE("the contours of parts that overlap lie side by side", "[engine][parts
     CHECK(result.summary.min_mm[0] == -4);
     CHECK(result.summary.max_mm[2] == 20);
     // Two crossings of the bar with the wall of the tube on each of its long sides.
-    const lamella::Result<lamella::Crossings> crossings = find_crossings(result);
-    REQUIRE(crossings.ok());
-    CHECK(crossings->count == 4);
+    const lamella::Crossings crossings = value_of(find_crossings(result));
+    CHECK(crossings.count == 4);
     CHECK_FALSE(make_ledger(view_of(tube), result).ok());
     CHECK_FALSE(certify_volume(view_of(tube), result).ok());
 }
@@ -269,13 +266,11 @@ TEST_CASE("a broken order of parts is found", "[engine][parts][validate]") {
 namespace {
 
 SliceResult united(const std::vector<Part>& parts, const SliceOptions& options) {
-    lamella::Result<SliceResult> result = slice_parts(parts, options, lamella::PartRegions::united);
-    INFO((result ? std::string() : result.error().message));
-    REQUIRE(result.ok());
-    const lamella::Status valid = validate(*result);
+    SliceResult result = value_of(slice_parts(parts, options, lamella::PartRegions::united));
+    const lamella::Status valid = validate(result);
     INFO((valid ? std::string() : valid.error().message));
     REQUIRE(valid.ok());
-    return std::move(result).value();
+    return result;
 }
 
 std::uint64_t hash_without_parts(SliceResult result) {

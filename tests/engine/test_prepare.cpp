@@ -61,9 +61,7 @@ PreparedMesh prepared(const MeshView& mesh, const SliceOptions& options) {
     prepare_options.unit_mm = options.unit_mm;
     prepare_options.transform = options.transform;
     prepare_options.control = options.control;
-    lamella::Result<PreparedMesh> made = prepare(mesh, prepare_options);
-    REQUIRE(made.ok());
-    return std::move(made).value();
+    return value_of(prepare(mesh, prepare_options));
 }
 
 /// Slices the mesh and what was prepared of it; both succeed with the same result, or fail with the same error.
@@ -158,9 +156,8 @@ TEST_CASE("a prepared mesh outlives the memory of the mesh", "[engine][prepare]"
     const SliceResult expected = sliced(soup, uniform(0.5));
     const PreparedMesh made = prepared(view_of(soup), uniform(0.5));
     soup.assign(soup.size(), 1e300);
-    const lamella::Result<SliceResult> found = slice(made, uniform(0.5));
-    REQUIRE(found.ok());
-    require_same(*found, expected);
+    const SliceResult found = value_of(slice(made, uniform(0.5)));
+    require_same(found, expected);
 }
 
 TEST_CASE("a prepared mesh is sliced on its own grid and in its own frame", "[engine][prepare]") {
@@ -173,9 +170,8 @@ TEST_CASE("a prepared mesh is sliced on its own grid and in its own frame", "[en
     SliceOptions left_out = options;
     left_out.unit_mm = 0;
     left_out.transform = {};
-    const lamella::Result<SliceResult> found = slice(made, left_out);
-    REQUIRE(found.ok());
-    require_same(*found, expected);
+    const SliceResult found = value_of(slice(made, left_out));
+    require_same(found, expected);
 
     SliceOptions other = options;
     other.unit_mm = 0.25;
@@ -210,31 +206,16 @@ TEST_CASE("a mesh of which nothing is left can be prepared where empty ones are 
     for (const double unit_mm : {0.0, 1e3}) {  // on the coarse grid the box collapses
         const MeshView mesh = unit_mm == 0 ? MeshView{} : view_of(box);
         options.unit_mm = unit_mm;
-        const auto made = prepare(mesh, {.unit_mm = unit_mm, .allow_empty = true});
-        REQUIRE(made.ok());
+        const auto made = value_of(prepare(mesh, {.unit_mm = unit_mm, .allow_empty = true}));
         options.plan.spacing = lamella::ExplicitPlanes{.heights_mm = {4, 5, 5}};
-        require_same(slice(*made, options).value(), slice(mesh, options).value());
-        CHECK(slice(*made, options).value().layers.size() == (unit_mm == 0 ? 2 : 1));
+        require_same(slice(made, options).value(), slice(mesh, options).value());
+        CHECK(slice(made, options).value().layers.size() == (unit_mm == 0 ? 2 : 1));
         options.plan.spacing = lamella::UniformLayers{.layer_height_mm = 1};
-        require_same(slice(*made, options).value(), slice(mesh, options).value());
+        require_same(slice(made, options).value(), slice(mesh, options).value());
         SliceOptions refusing = options;
         refusing.allow_empty = false;
-        CHECK(slice(*made, refusing).error().message == slice(mesh, refusing).error().message);
+        CHECK(slice(made, refusing).error().message == slice(mesh, refusing).error().message);
     }
-}
-
-TEST_CASE("preparing can be stopped, and tells its progress", "[engine][prepare]") {
-    const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 6);
-    std::atomic<bool> stop = true;
-    PrepareOptions options;
-    options.control.stop = lamella::StopCheck::when(stop);
-    CHECK(prepare(view_of(soup), options).error().code == ErrorCode::cancelled);
-    double last = 0;
-    const auto show = [&last](double fraction) noexcept { last = fraction > last ? fraction : -1; };
-    options.control.stop = {};
-    options.control.progress = lamella::Progress::to(show);
-    REQUIRE(prepare(view_of(soup), options).ok());
-    CHECK(last == 1);
 }
 
 TEST_CASE("a prepared mesh takes 48 bytes a triangle of the host's memory", "[engine][prepare]") {

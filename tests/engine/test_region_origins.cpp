@@ -230,12 +230,11 @@ TEST_CASE("origins name the part where there are several", "[engine][origins][pa
     const std::vector<Part> parts = {{.mesh = view_of(low)}, {.mesh = view_of(high)}};
     SliceOptions options = filled(at_heights({1, 3}), FillRule::contours);
     const auto check_parts = [&](lamella::PartRegions regions) {
-        lamella::Result<SliceResult> result = slice_parts(parts, options, regions);
-        REQUIRE(result.ok());
-        const lamella::Status valid = validate(*result, parts);
+        SliceResult result = value_of(slice_parts(parts, options, regions));
+        const lamella::Status valid = validate(result, parts);
         INFO((valid ? std::string() : valid.error().message));
         REQUIRE(valid.ok());
-        return std::move(result).value();
+        return result;
     };
     SECTION("separate") {
         const SliceResult both = check_parts(lamella::PartRegions::separate);
@@ -262,10 +261,9 @@ TEST_CASE("origins name the part where there are several", "[engine][origins][pa
                           [](const lamella::Contour& contour) { return contour.part == lamella::several_parts; }));
         CHECK(check_region(united, cuts) == 0);
         options.origins = false;
-        const lamella::Result<SliceResult> plain = slice_parts(parts, options, lamella::PartRegions::united);
-        REQUIRE(plain.ok());
-        CHECK(plain->origins.empty());
-        CHECK(hash_result(*plain) == hash_result(united));
+        const SliceResult plain = value_of(slice_parts(parts, options, lamella::PartRegions::united));
+        CHECK(plain.origins.empty());
+        CHECK(hash_result(plain) == hash_result(united));
     }
 }
 

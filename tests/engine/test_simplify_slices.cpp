@@ -146,16 +146,14 @@ TEST_CASE("sinks, the host's arrays and prepared meshes get the simplified conto
         const SliceResult result = sliced(soup, options);
         for (const lamella::SinkOrder order : {lamella::SinkOrder::any, lamella::SinkOrder::ascending}) {
             CollectedLayers collected;
-            const auto totals = slice_to(lamella::LayerSink::to(collected, order), mesh, options);
-            REQUIRE(totals.ok());
+            const auto totals = value_of(slice_to(lamella::LayerSink::to(collected, order), mesh, options));
             CHECK(collected.difference(result).empty());
-            CHECK(totals->points == result.points.size());
+            CHECK(totals.points == result.points.size());
         }
 
-        const auto bounds = bound_output(mesh, options);
-        REQUIRE(bounds.ok());
-        CHECK(bounds->are_certain == (rule == FillRule::contours));
-        CHECK(bounds->points >= result.points.size());
+        const auto bounds = value_of(bound_output(mesh, options));
+        CHECK(bounds.are_certain == (rule == FillRule::contours));
+        CHECK(bounds.points >= result.points.size());
         std::vector<Point> points(result.points.size());  // no more than is needed
         std::vector<PointOrigin> origins(points.size());
         std::vector<Contour> contours(result.contours.size());
@@ -167,18 +165,14 @@ TEST_CASE("sinks, the host's arrays and prepared meshes get the simplified conto
                                    .layers = layers.data(),
                                    .layer_capacity = layers.size(),
                                    .origins = origins.data()};
-        const auto totals = slice_into(output, mesh, options);
-        INFO((totals ? std::string() : totals.error().message));
-        REQUIRE(totals.ok());
+        const auto totals = value_of(slice_into(output, mesh, options));
         CHECK(std::equal(points.begin(), points.end(), result.points.begin(), result.points.end()));
         CHECK(std::equal(origins.begin(), origins.end(), result.origins.begin(), result.origins.end()));
         CHECK(std::memcmp(contours.data(), result.contours.data(), contours.size() * sizeof(Contour)) == 0);
 
-        const auto prepared = lamella::prepare(mesh);
-        REQUIRE(prepared.ok());
-        const auto again = slice(*prepared, options);
-        REQUIRE(again.ok());
-        CHECK(same_bytes(*again, result));
+        const auto prepared = value_of(lamella::prepare(mesh));
+        const auto again = value_of(slice(prepared, options));
+        CHECK(same_bytes(again, result));
 
         for (const lamella::ContourForm form : {lamella::ContourForm::assembled, lamella::ContourForm::swept}) {
             options.tuning.form = form;
@@ -207,25 +201,23 @@ TEST_CASE("parts are simplified each by itself, united ones as the region of all
     options.unit_mm = 0x1p-20;
     options.plan.spacing = lamella::ExplicitPlanes{{-7.25, -3.5, 0.125, 4.75}};
 
-    const auto apart = slice_parts(parts, options);
-    REQUIRE(apart.ok());
-    CHECK(validate(*apart, parts).ok());
+    const auto apart = value_of(slice_parts(parts, options));
+    CHECK(validate(apart, parts).ok());
     const SliceResult alone = sliced(right, options);
     for (std::size_t l = 0; l < alone.layers.size(); ++l) {
-        const auto contours = apart->contours_of(apart->layers[l]);
+        const auto contours = apart.contours_of(apart.layers[l]);
         const auto own = std::find_if(contours.begin(), contours.end(), [](const Contour& c) { return c.part == 1; });
         REQUIRE(own != contours.end());
         const auto expected = alone.points_of(alone.contours_of(alone.layers[l])[0]);
-        const auto found = apart->points_of(*own);
+        const auto found = apart.points_of(*own);
         CHECK(std::equal(found.begin(), found.end(), expected.begin(), expected.end()));
     }
 
-    const auto united = slice_parts(parts, options, lamella::PartRegions::united);
-    REQUIRE(united.ok());
-    CHECK(validate(*united, parts).ok());
+    const auto united = value_of(slice_parts(parts, options, lamella::PartRegions::united));
+    CHECK(validate(united, parts).ok());
     const SliceResult whole = sliced(shapes::joined({left, right}), options);
     CHECK(whole.points.size() < 2000);
-    CHECK(std::equal(united->points.begin(), united->points.end(), whole.points.begin(), whole.points.end()));
+    CHECK(std::equal(united.points.begin(), united.points.end(), whole.points.begin(), whole.points.end()));
     options.region.simplify_mm = 0;
     CHECK(sliced(shapes::joined({left, right}), options).points.size() > 2 * whole.points.size());
 }

@@ -38,10 +38,7 @@ constexpr double region_layer_mm = 1;
 #endif
 
 SliceTotals handed(const LayerSink& sink, const lamella::MeshView& mesh, const SliceOptions& options) {
-    lamella::Result<SliceTotals> totals = slice_to(sink, mesh, options);
-    INFO((totals ? std::string() : totals.error().message));
-    REQUIRE(totals.ok());
-    return std::move(totals).value();
+    return value_of(slice_to(sink, mesh, options));
 }
 
 void require_same_totals(const SliceTotals& totals, const lamella::SliceResult& result) {
@@ -62,14 +59,13 @@ void require_same_totals(const SliceTotals& totals, const lamella::SliceResult& 
 }
 
 void require_same_layers(const lamella::MeshView& mesh, const SliceOptions& options) {
-    const lamella::Result<lamella::SliceResult> expected = slice(mesh, options);
-    REQUIRE(expected.ok());
+    const lamella::SliceResult expected = value_of(slice(mesh, options));
     for (const SinkOrder order : orders) {
         INFO("ascending " << (order == SinkOrder::ascending));
         CollectedLayers collected;
         const SliceTotals totals = handed(LayerSink::to(collected, order), mesh, options);
-        REQUIRE(collected.difference(*expected) == "");
-        require_same_totals(totals, *expected);
+        REQUIRE(collected.difference(expected) == "");
+        require_same_totals(totals, expected);
     }
 }
 
@@ -396,17 +392,15 @@ TEST_CASE("a sink gets the layers of a prepared mesh, and of heights in any orde
     options.control.threads = 2;
     for (const auto& [mesh_name, mesh] : shape_cases::meshes()) {
         INFO(mesh_name);
-        const auto prepared = lamella::prepare(view_of(mesh));
-        REQUIRE(prepared.ok());
+        const auto prepared = value_of(lamella::prepare(view_of(mesh)));
         const lamella::SliceResult expected = sliced(mesh, options);
         for (const SinkOrder order : orders) {
             CollectedLayers collected;
-            const auto totals = slice_to(LayerSink::to(collected, order), *prepared, options);
-            REQUIRE(totals.ok());
+            const auto totals = value_of(slice_to(LayerSink::to(collected, order), prepared, options));
             REQUIRE(collected.difference(expected) == "");
-            require_same_totals(*totals, expected);
-            REQUIRE(totals->layer_of.size() == 6);
-            CHECK(std::equal(totals->layer_of.begin(), totals->layer_of.end(), expected.layer_of.begin()));
+            require_same_totals(totals, expected);
+            REQUIRE(totals.layer_of.size() == 6);
+            CHECK(std::equal(totals.layer_of.begin(), totals.layer_of.end(), expected.layer_of.begin()));
         }
     }
 }

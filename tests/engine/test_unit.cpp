@@ -136,9 +136,8 @@ TEST_CASE("a number step above a tenth of the layer height is lost precision", "
 TEST_CASE("boundary edges are counted on the grid and by exact coordinates", "[engine][unit]") {
     using Counts = std::pair<std::uint64_t, std::uint64_t>;
     const auto counts = [](const lamella::MeshView& mesh) {
-        const lamella::Result<lamella::MeshInfo> info = inspect(mesh);
-        REQUIRE(info.ok());
-        return Counts(info->boundary_edges, info->exact_boundary_edges);
+        const lamella::MeshInfo info = value_of(inspect(mesh));
+        return Counts(info.boundary_edges, info.exact_boundary_edges);
     };
     shapes::Soup cube = shapes::box({1, 1, 1}, {2, 2, 2});
     CHECK(counts(view_of(cube)) == Counts(0, 0));

@@ -60,16 +60,35 @@ inline long double perimeter(std::span<const Point> ring) {
     return sum;
 }
 
-/// How often the ring runs counter-clockwise around p; none where p lies on it.
-inline std::optional<int> winding(std::span<const Point> ring, Point p) {
+/// A place anywhere: its coordinates times `parts`.
+template <class Number>
+struct PlaceOf {
+    Number x, y;
+    Number parts = 1;
+};
+using Place = PlaceOf<Int128>;
+
+/// How often the ring runs counter-clockwise around q; none where q lies on it.
+template <class Number>
+std::optional<int> winding(std::span<const Point> ring, const PlaceOf<Number>& q) {
     int number = 0;
     bool on = false;
-    each_edge(ring, [&](Point a, Point b) {
-        on = on || lies_on(a, b, p);
-        number += a.y <= p.y && b.y > p.y && side(a, b, p) > 0 ? 1 : 0;
-        number -= b.y <= p.y && a.y > p.y && side(a, b, p) < 0 ? 1 : 0;
+    each_edge(ring, [&](Point from, Point to) {
+        const Number ax = Number(from.x) * q.parts - q.x;
+        const Number ay = Number(from.y) * q.parts - q.y;
+        const Number bx = Number(to.x) * q.parts - q.x;
+        const Number by = Number(to.y) * q.parts - q.y;
+        const Number turn = ax * by - ay * bx;
+        on = on ||
+             (turn == 0 && std::min(ax, bx) <= 0 && std::max(ax, bx) >= 0 && std::min(ay, by) <= 0 && std::max(ay, by) >= 0);
+        if ((ay > 0) != (by > 0)) {
+            number += (by > 0 && turn > 0 ? 1 : 0) - (ay > 0 && turn < 0 ? 1 : 0);
+        }
     });
     return on ? std::nullopt : std::optional(number);
+}
+inline std::optional<int> winding(std::span<const Point> ring, Point p) {
+    return winding(ring, Place{p.x, p.y});
 }
 
 inline bool strictly_around(std::span<const Point> ring, Point p) {
@@ -78,12 +97,13 @@ inline bool strictly_around(std::span<const Point> ring, Point p) {
 
 /// From the smallest point on; of several such rotations the one that compares smallest. The same for each start.
 inline std::vector<Point> from_smallest(const std::vector<Point>& ring) {
-    std::vector<Point> best = ring;
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-        if (ring[i] == *std::min_element(ring.begin(), ring.end())) {
-            std::vector<Point> turned = ring;
-            std::rotate(turned.begin(), turned.begin() + static_cast<std::ptrdiff_t>(i), turned.end());
-            best = std::min(best, turned);
+    std::vector<Point> best;
+    const auto smallest = std::min_element(ring.begin(), ring.end());
+    for (auto at = smallest; at != ring.end(); ++at) {
+        if (*at == *smallest) {
+            std::vector<Point> turned(at, ring.end());
+            turned.insert(turned.end(), ring.begin(), at);
+            best = best.empty() ? turned : std::min(best, turned);
         }
     }
     return best;

@@ -52,6 +52,13 @@ inline std::vector<float> from_recipe(lamella::models::Shape shape, std::uint64_
     return make_soup(recipe);
 }
 
+/// Layers of random heights.
+inline lamella::SliceOptions irregular(double least_mm, double most_mm) {
+    lamella::SliceOptions options;
+    options.plan.spacing = lamella::RandomLayers{least_mm, most_mm, 7};
+    return options;
+}
+
 /// A ball, an inverted ball inside it, and a ball inside that: an outer contour, its hole, and an outer contour in the
 /// hole.
 inline shapes::Soup nested_balls() {

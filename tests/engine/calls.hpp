@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/host_arrays.hpp"
 #include "engine/slicing.hpp"
 #include "lamella/io.hpp"
 #include "temp_folder.hpp"
@@ -30,9 +31,7 @@ public:
         : mesh_(mesh), file_(std::move(file)), layer_mm_(layer_mm), result_(sliced(mesh, uniform(0.1))) {
         prepared_.emplace(value_of(prepare(mesh)));
         const lamella::OutputBounds bounds = value_of(bound_output(mesh, uniform(layer_mm)));
-        points_.resize(2 * bounds.points);
-        contours_.resize(bounds.contours);
-        layers_.resize(bounds.layers);
+        host_.emplace(bounds.points, bounds.contours, bounds.layers, lamella::PointType::f64);
     }
 
     std::vector<ControlledCall> all() {
@@ -48,7 +47,7 @@ public:
             {"slice of a prepared mesh", [this](const Control& c) { return code_of(slice(*prepared_, slicing(c))); }},
             {"slice_to, in plane order", to_sink(SinkOrder::ascending)},
             {"slice_to, in any order", to_sink(SinkOrder::any)},
-            {"slice_into", [this](const Control& c) { return code_of(slice_into(output(), mesh_, slicing(c))); }},
+            {"slice_into", [this](const Control& c) { return code_of(slice_into(host_->output, mesh_, slicing(c))); }},
             {"slice_slabs",
              [this](const Control& c) {
                  SlabOptions options;
@@ -79,23 +78,11 @@ private:
         options.control = control;
         return options;
     }
-    lamella::HostOutput output() {
-        return {.type = lamella::PointType::f64,
-                .points = points_.data(),
-                .point_capacity = points_.size() / 2,
-                .contours = contours_.data(),
-                .contour_capacity = contours_.size(),
-                .layers = layers_.data(),
-                .layer_capacity = layers_.size()};
-    }
-
     TempFolder folder_;
     lamella::MeshView mesh_;
     std::filesystem::path file_;
     double layer_mm_;
     lamella::SliceResult result_;
     std::optional<lamella::PreparedMesh> prepared_;
-    std::vector<double> points_;
-    std::vector<lamella::Contour> contours_;
-    std::vector<lamella::Layer> layers_;
+    std::optional<HostArrays> host_;
 };

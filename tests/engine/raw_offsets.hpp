@@ -36,9 +36,7 @@ inline Ring reversed(Ring ring) {
     return ring;
 }
 
-struct Place {
-    double x, y;
-};
+using Place = rings::PlaceOf<double>;
 
 inline double distance_to_edge(Place p, Point a, Point b) {
     const double dx = double(b.x) - a.x;
@@ -50,25 +48,12 @@ inline double distance_to_edge(Place p, Point a, Point b) {
 
 inline double distance_to(const Ring& ring, Place p) {
     double nearest = 1e300;
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-        nearest = std::min(nearest, distance_to_edge(p, ring[i], ring[(i + 1) % ring.size()]));
-    }
+    rings::each_edge(ring, [&](Point a, Point b) { nearest = std::min(nearest, distance_to_edge(p, a, b)); });
     return nearest;
 }
 
 inline int winding(const Ring& ring, Place p) {
-    int turns = 0;
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-        const Point a = ring[i];
-        const Point b = ring[(i + 1) % ring.size()];
-        const double side = (double(b.x) - a.x) * (p.y - a.y) - (double(b.y) - a.y) * (p.x - a.x);
-        if (a.y <= p.y) {
-            turns += b.y > p.y && side > 0 ? 1 : 0;
-        } else {
-            turns -= b.y <= p.y && side < 0 ? 1 : 0;
-        }
-    }
-    return turns;
+    return rings::winding(ring, p).value_or(0);
 }
 
 inline bool is_simple(const Ring& ring) {

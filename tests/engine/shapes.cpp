@@ -93,14 +93,30 @@ Soup quad(Xyz a, Xyz b, Xyz c, Xyz d) {
     return soup;
 }
 
+Soup tetrahedron(Xyz a, Xyz b, Xyz c, Xyz d) {
+    return joined({triangle(a, b, c), triangle(a, c, d), triangle(a, d, b), triangle(b, d, c)});
+}
+
 Soup wall(std::array<double, 2> from, std::array<double, 2> to) {
     return quad({from[0], from[1], 0}, {to[0], to[1], 0}, {to[0], to[1], 10}, {from[0], from[1], 10});
+}
+
+void append(Soup& soup, const Soup& more) {
+    soup.insert(soup.end(), more.begin(), more.end());
+}
+
+Soup walls(const std::vector<std::array<double, 2>>& polygon) {
+    Soup all;
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+        append(all, wall(polygon[i], polygon[(i + 1) % polygon.size()]));
+    }
+    return all;
 }
 
 Soup joined(std::initializer_list<Soup> parts) {
     Soup all;
     for (const Soup& part : parts) {
-        all.insert(all.end(), part.begin(), part.end());
+        append(all, part);
     }
     return all;
 }
@@ -156,8 +172,7 @@ Soup octasphere(Xyz centre, double radius, int level) {
         const double sy = (octant & 2) != 0 ? -1 : 1;
         const double sz = (octant & 4) != 0 ? -1 : 1;
         const Soup face = triangle({sx, 0, 0}, {0, sy, 0}, {0, 0, sz});
-        const Soup outward = sx * sy * sz > 0 ? face : flipped(face);
-        soup.insert(soup.end(), outward.begin(), outward.end());
+        append(soup, sx * sy * sz > 0 ? face : flipped(face));
     }
     for (int i = 0; i < level; ++i) {
         soup = split_in_four(soup);
@@ -205,10 +220,7 @@ Soup random_tetrahedra(std::uint64_t seed, int count, std::uint64_t range) {
         const Xyz b = random_corner(random, range);
         const Xyz c = random_corner(random, range);
         const Xyz d = random_corner(random, range);
-        add(soup, a, b, c);
-        add(soup, a, c, d);
-        add(soup, a, d, b);
-        add(soup, b, d, c);
+        append(soup, tetrahedron(a, b, c, d));
     }
     return soup;
 }

@@ -27,9 +27,9 @@ using lamella::LayerContours;
 using lamella::Point;
 using lamella::RegionRules;
 using lamella::Role;
-using regions::Ring;
-using regions::Rings;
-using regions::Wide;
+using Ring = regions::Polygon;
+using Rings = regions::Polygons;
+using Wide = rings::Int128;
 
 constexpr double unit_mm = lamella::default_unit_mm;
 

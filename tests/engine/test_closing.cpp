@@ -15,8 +15,8 @@ using lamella::FillRule;
 using regions::LayerContours;
 using regions::Point;
 using regions::RegionRules;
-using regions::Ring;
-using regions::Rings;
+using Ring = regions::Polygon;
+using Rings = regions::Polygons;
 
 namespace {
 

@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "engine/counting_memory.hpp"
+#include "engine/host_arrays.hpp"
 #include "engine/slicing.hpp"
 #include "input/files.hpp"
 #include "lamella/io.hpp"
@@ -61,9 +62,8 @@ shapes::Soup wide_plane() {
     constexpr std::size_t prisms = 64;
     shapes::Soup soup;
     for (std::size_t i = 0; i < prisms; ++i) {
-        const shapes::Soup prism = shapes::moved(shapes::prism(static_cast<int>(wide / prisms / 8) + 1, 1, 1),
-                                                 {3.0 * static_cast<double>(i), 0, 0});
-        soup.insert(soup.end(), prism.begin(), prism.end());
+        shapes::append(soup, shapes::moved(shapes::prism(static_cast<int>(wide / prisms / 8) + 1, 1, 1),
+                                           {3.0 * static_cast<double>(i), 0, 0}));
     }
     return soup;
 }
@@ -97,19 +97,10 @@ TEST_CASE("a slice into the host's arrays fails cleanly at each of its allocatio
     options.control.threads = GENERATE(1, 3);
     const auto type = GENERATE(lamella::PointType::i32, lamella::PointType::f64);
     const shapes::Soup soup = everything();
-    std::vector<double> points(std::size_t{2} << 16);
-    std::vector<lamella::Contour> contours(1 << 12);
-    std::vector<lamella::Layer> layers(1 << 10);
+    const HostArrays host(1 << 16, 1 << 12, 1 << 10, type);
     fail_everywhere([&](const Memory* memory) {
         options.control.memory = memory;
-        return code_of(slice_into({.type = type,
-                                   .points = points.data(),
-                                   .point_capacity = points.size() / 2,
-                                   .contours = contours.data(),
-                                   .contour_capacity = contours.size(),
-                                   .layers = layers.data(),
-                                   .layer_capacity = layers.size()},
-                                  view_of(soup), options));
+        return code_of(slice_into(host.output, view_of(soup), options));
     });
 }
 

@@ -14,15 +14,8 @@ namespace {
 
 constexpr double fine_unit_mm = 0.125;
 
-/// Planes at every quarter of a mm, so at all corners and between them. A whole mm is a multiple of 8 units.
 lamella::SliceOptions through_all(std::uint64_t range, ContourForm form) {
-    std::vector<double> heights;
-    heights.reserve(4 * range);
-    for (std::uint64_t quarter = 1; quarter <= 4 * range; ++quarter) {
-        heights.push_back(0.25 * static_cast<double>(quarter));
-    }
-    lamella::SliceOptions options = at_heights(heights);
-    options.unit_mm = fine_unit_mm;
+    lamella::SliceOptions options = through_quarters(range);
     options.tuning.form = form;
     return options;
 }

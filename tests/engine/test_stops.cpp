@@ -146,17 +146,13 @@ shapes::Soup crossing_tetrahedra(std::size_t count) {
     shapes::Soup soup;
     for (std::size_t i = 0; i < count; ++i) {
         const double at[3] = {place(random), place(random), place(random)};
-        double corner[4][3];
-        for (auto& point : corner) {
-            for (int axis = 0; axis < 3; ++axis) {
+        std::array<shapes::Xyz, 4> corner;
+        for (shapes::Xyz& point : corner) {
+            for (std::size_t axis = 0; axis < 3; ++axis) {
                 point[axis] = at[axis] + reach(random);
             }
         }
-        for (const auto& face : {std::array{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}) {
-            for (const int of : face) {
-                soup.insert(soup.end(), corner[of], corner[of] + 3);
-            }
-        }
+        shapes::append(soup, shapes::tetrahedron(corner[0], corner[2], corner[1], corner[3]));
     }
     return soup;
 }

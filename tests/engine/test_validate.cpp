@@ -6,6 +6,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "engine/slicing.hpp"
 #include "lamella/audit/validate.hpp"
 #include "lamella/result.hpp"
 #include "rings.hpp"
@@ -117,9 +118,7 @@ void swap_contours(SliceResult& result, std::size_t a, std::size_t b) {
 }  // namespace
 
 TEST_CASE("a valid result passes", "[result][validate]") {
-    const lamella::Status status = validate(sound());
-    INFO((status ? std::string() : status.error().message));
-    CHECK(status.ok());
+    require_ok(validate(sound()));
     CHECK(validate(SliceResult()).ok());
 }
 
@@ -210,9 +209,7 @@ TEST_CASE("a contour through a start does not enclose it", "[result][validate]")
     add_contour(result, Role::outer, 1, -1, square(0, 20));
     // Starts on the first contour's left side, inside its box.
     add_contour(result, Role::outer, 1, -1, {{0, 5}, {10, 5}, {10, 10}, {0, 10}});
-    const lamella::Status status = validate(result);
-    INFO((status ? std::string() : status.error().message));
-    CHECK(status.ok());
+    require_ok(validate(result));
     result.contours[1].parent = 0;
     CHECK_FALSE(validate(result).ok());
 }

@@ -29,16 +29,6 @@ struct Kind {
     bool contradictory = false;  ///< some facets' orientations contradict each other
 };
 
-Soup generated(Shape shape, std::uint64_t triangles, std::uint64_t seed) {
-    lamella::models::Recipe recipe;
-    recipe.shape = shape;
-    recipe.triangles = triangles;
-    recipe.height_mm = 20;
-    recipe.seed = seed;
-    const std::vector<float> soup = lamella::models::make_soup(recipe);
-    return {soup.begin(), soup.end()};
-}
-
 constexpr double fine = lamella::default_unit_mm;
 
 const std::vector<Kind>& kinds() {

@@ -54,7 +54,7 @@ formats=$cache/read-$triangles
 if [[ ! -e "$formats/3mf.3mf" ]]; then
     mkdir -p "$formats"
     build/tools/lamella make bone --triangles "$triangles" -o "$formats/mesh.stl" > /dev/null
-    python3 bench/python/mesh_formats.py "$formats/mesh.stl" "$formats"
+    /usr/bin/python3 bench/python/mesh_formats.py "$formats/mesh.stl" "$formats"
 fi
 
 stage "benchmarks"

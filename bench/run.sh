@@ -29,11 +29,11 @@ fi
 stage() { printf '\n== %s (%d s so far)\n' "$1" "$SECONDS"; }
 
 stage "packages and build"
-install_missing "${build_packages[@]}" "${bench_packages[@]}" python3
+install_missing "${build_packages[@]}" "${bench_packages[@]}" python3-numpy
 generator=()
 [[ -e build/CMakeCache.txt ]] || generator=(-G Ninja)
 cmake -S . -B build "${generator[@]}" -DCMAKE_BUILD_TYPE=Release -DLAMELLA_BUILD_BENCH=ON -DLAMELLA_LARGE_UNITS=OFF > /dev/null
-cmake --build build --parallel --target lamella_bench lamella_partition lamella_peak | tail -n 1
+cmake --build build --parallel --target lamella_bench lamella_partition lamella_peak lamella_cli | tail -n 1
 
 # Delete cached meshes that an older version of the generator made.
 cache=build/bench-models
@@ -47,6 +47,15 @@ where=("--cache=$cache")
 [[ -d ../shared/models ]] && where+=(--shared=../shared/models)
 pin=()
 [[ -z "${PIN:-}" ]] || pin=(taskset -c "$PIN")
+
+stage "files of every format"
+triangles=$((${#quick[@]} > 0 ? 10000 : 1000000))
+formats=$cache/read-$triangles
+if [[ ! -e "$formats/3mf.3mf" ]]; then
+    mkdir -p "$formats"
+    build/tools/lamella make bone --triangles "$triangles" -o "$formats/mesh.stl" > /dev/null
+    /usr/bin/python3 bench/python/mesh_formats.py "$formats/mesh.stl" "$formats"
+fi
 
 stage "benchmarks"
 "${pin[@]}" build/bench/lamella_bench "${quick[@]}" "${where[@]}" \

@@ -19,85 +19,67 @@ void empty_allocator() {
 #endif
 }
 
-Handled handled_by(const Prepared& prepared, std::uint64_t input_bytes) {
-    return {.segments = prepared.summary().segments,
-            .triangles = prepared.mesh().triangles(),
-            .planes = prepared.planes(),
-            .bytes = input_bytes + prepared.result_bytes()};
-}
-
-void run_warm(benchmark::State& state, Prepared& prepared, ContourForm form, int threads) {
-    if (const std::string failure = prepared.check(form, threads); !failure.empty()) {
-        state.SkipWithError(failure.c_str());
-        return;
-    }
-    const SliceOptions options = prepared.options(form, threads);
-    const MeshView view = prepared.mesh().view();
-    bool ok = slice(view, options, prepared.workspace, prepared.result).ok();
-    const double seconds =
-        measure(state, [&] { ok = ok && slice(view, options, prepared.workspace, prepared.result).ok(); });
+/// Times `slice_once` after an untimed `before`.
+template <class Before, class Slice>
+void run(benchmark::State& state, Prepared& prepared, std::uint64_t input_bytes, int threads, const Before& before,
+         const Slice& slice_once) {
+    bool ok = true;
+    const double seconds = measure(state, before, [&] { ok = slice_once() && ok; });
     if (!ok) {
         state.SkipWithError("slicing failed");
     }
-    count(state, handled_by(prepared, prepared.mesh().bytes()), seconds, threads);
+    count(state,
+          {.segments = prepared.summary().segments,
+           .triangles = prepared.mesh().triangles(),
+           .planes = prepared.planes(),
+           .bytes = input_bytes + prepared.result_bytes()},
+          seconds, threads);
+}
+
+void run_warm(benchmark::State& state, Prepared& prepared, int threads) {
+    const SliceOptions options = prepared.options(threads);
+    const MeshView view = prepared.mesh().view();
+    const auto slice_once = [&] { return slice(view, options, prepared.workspace, prepared.result).ok(); };
+    (void)slice_once();
+    run(
+        state, prepared, prepared.mesh().bytes(), threads, [] {}, slice_once);
 }
 
 /// Memory comes fresh from the system; freeing it is not timed.
-void run_cold(benchmark::State& state, Prepared& prepared, ContourForm form, int threads) {
-    if (const std::string failure = prepared.check(form, threads); !failure.empty()) {
-        state.SkipWithError(failure.c_str());
-        return;
-    }
-    const SliceOptions options = prepared.options(form, threads);
+void run_cold(benchmark::State& state, Prepared& prepared, int threads) {
+    const SliceOptions options = prepared.options(threads);
     const MeshView view = prepared.mesh().view();
     std::unique_ptr<Workspace> workspace;
     std::unique_ptr<SliceResult> result;
-    bool ok = true;
-    const double seconds = measure(
-        state,
-        [&] {
-            workspace.reset();
-            result.reset();
-            empty_allocator();
-        },
-        [&] {
-            workspace = std::make_unique<Workspace>();
-            result = std::make_unique<SliceResult>();
-            ok = ok && slice(view, options, *workspace, *result).ok();
-        });
-    if (!ok) {
-        state.SkipWithError("slicing failed");
-    }
-    count(state, handled_by(prepared, prepared.mesh().bytes()), seconds, threads);
+    const auto free_all = [&] {
+        workspace.reset();
+        result.reset();
+        empty_allocator();
+    };
+    run(state, prepared, prepared.mesh().bytes(), threads, free_all, [&] {
+        workspace = std::make_unique<Workspace>();
+        result = std::make_unique<SliceResult>();
+        return slice(view, options, *workspace, *result).ok();
+    });
 }
 
 /// The memory of the result and the engine is warm. read_mesh() chooses where the file's bytes go.
-void run_file(benchmark::State& state, Prepared& prepared, bool map_file, int threads) {
-    std::string failure = prepared.check(ContourForm::swept, threads);
-    const SliceOptions options = prepared.options(ContourForm::swept, threads);
+void run_file(benchmark::State& state, Prepared& prepared, int threads) {
+    const SliceOptions options = prepared.options(threads);
     ReadOptions reading;
     reading.control.threads = threads;
-    reading.map_file = map_file;
     Result<MeshFile> mesh = read_mesh(prepared.mesh().file, reading);
-    if (failure.empty() && (!mesh || mesh->triangle_count != prepared.mesh().triangles())) {
-        failure = mesh ? "the file holds another mesh" : mesh.error().message;
-    }
-    if (!failure.empty()) {
-        state.SkipWithError(failure.c_str());
+    if (!mesh || mesh->triangle_count != prepared.mesh().triangles()) {
+        state.SkipWithError(mesh ? "the file holds another mesh" : mesh.error().message.c_str());
         return;
     }
     const std::uint64_t file_bytes = mesh->file_bytes;
-    bool ok = true;
-    const double seconds = measure(
-        state, [&] { mesh = Error{}; },
+    run(
+        state, prepared, file_bytes, threads, [&] { mesh = Error{}; },
         [&] {
             mesh = read_mesh(prepared.mesh().file, reading);
-            ok = ok && mesh && slice(mesh->view(), options, prepared.workspace, prepared.result).ok();
+            return mesh.ok() && slice(mesh->view(), options, prepared.workspace, prepared.result).ok();
         });
-    if (!ok) {
-        state.SkipWithError("slicing failed");
-    }
-    count(state, handled_by(prepared, file_bytes), seconds, threads);
 }
 
 }  // namespace
@@ -108,23 +90,22 @@ void add_end_to_end(const Options& options, const Case& wanted) {
         if (measured.single_use && measured.threads != threads) {
             continue;
         }
-        const auto add = [&](const std::string& variant, auto run) {
-            add_case_benchmark(benchmark_name("end_to_end", wanted.name, variant, threads), options, wanted, run);
+        const auto add = [&](const std::string& variant, void (*run_variant)(benchmark::State&, Prepared&, int)) {
+            add_case_benchmark(benchmark_name("end_to_end", wanted.name, variant, threads), options, wanted,
+                               [=](benchmark::State& state, Prepared& prepared) {
+                                   if (const std::string failure = prepared.check(threads); !failure.empty()) {
+                                       state.SkipWithError(failure.c_str());
+                                       return;
+                                   }
+                                   run_variant(state, prepared, threads);
+                               });
         };
-        const auto add_form = [&](ContourForm form) {
-            const std::string suffix = std::string("_") + name_of(form);
-            add("warm" + suffix, [=](benchmark::State& state, Prepared& p) { run_warm(state, p, form, threads); });
-            if (measured.cold) {
-                add("cold" + suffix, [=](benchmark::State& state, Prepared& p) { run_cold(state, p, form, threads); });
-            }
-        };
-        add_form(ContourForm::swept);
-        if (measured.assembled) {
-            add_form(ContourForm::assembled);
+        add("warm_swept", run_warm);
+        if (measured.cold) {
+            add("cold_swept", run_cold);
         }
         if (measured.from_file) {
-            add("file_read", [=](benchmark::State& state, Prepared& p) { run_file(state, p, false, threads); });
-            add("file_mapped", [=](benchmark::State& state, Prepared& p) { run_file(state, p, true, threads); });
+            add("file_read", run_file);
         }
     }
 }

@@ -2,7 +2,7 @@
 #include <zip.h>
 
 #include <cstring>
-#include <map>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,70 +11,39 @@
 #include "io/read/input_file.hpp"
 #include "lamella/io/mesh_file.hpp"
 #include "measure.hpp"
-#include "mesh_writers.hpp"
 
 namespace lamella::bench {
 
 namespace {
 
-/// A mesh and its files. Each file is written when it is first asked for.
-class Files {
-public:
-    struct File {
-        std::filesystem::path path;
-        std::uint64_t bytes = 0;
-        std::uint64_t unpacked_bytes = 0;
-    };
-
-    explicit Files(const Options& options) : options_(options) {}
-
-    const WeldedMesh& mesh() const noexcept { return mesh_; }
-
-    Result<File> get(const MeshWriter& writer);
-
-private:
-    Status make_mesh();
-
-    Options options_;
-    WeldedMesh mesh_;
-    std::map<std::string_view, File> files_;
+struct Format {
+    std::string name;
+    const char* extension;
+    const char* encoding;
 };
 
-Status Files::make_mesh() {
-    const std::uint64_t triangles = options_.quick ? 10'000 : 1'000'000;
-    const Result<std::filesystem::path> stl =
-        cached_mesh({.shape = models::Shape::bone, .triangles = triangles}, options_.cache);
-    const Result<Mesh> soup = stl ? load_mesh(*stl) : Result<Mesh>(stl.error());
-    if (!soup) {
-        return soup.error();
-    }
-    Result<WeldedMesh> welded = weld(soup->view(), {.tolerance_mm = 0});
-    if (!welded) {
-        return welded.error();
-    }
-    mesh_ = std::move(welded).value();
-    return {};
+const std::vector<Format>& formats() {
+    static const std::vector<Format> all = {{"stl_ascii", ".stl", "text"},
+                                            {"obj", ".obj", "text"},
+                                            {"off", ".off", "text"},
+                                            {"ply_ascii", ".ply", "text"},
+                                            {"vtk_ascii", ".vtk", "text"},
+                                            {"vtp_ascii", ".vtp", "text"},
+                                            {"stl_binary", ".stl", "binary"},
+                                            {"ply_little_endian", ".ply", "binary"},
+                                            {"ply_big_endian", ".ply", "binary"},
+                                            {"vtk_binary", ".vtk", "binary"},
+                                            {"vtk5_binary", ".vtk", "binary"},
+                                            {"vtp_raw", ".vtp", "binary"},
+                                            {"vtp_base64", ".vtp", "packed"},
+                                            {"vtp_zlib", ".vtp", "packed"},
+                                            {"3mf", ".3mf", "packed"}};
+    return all;
 }
 
-Result<Files::File> Files::get(const MeshWriter& writer) {
-    if (mesh_.vertex_count == 0) {
-        if (Status made = make_mesh(); !made) {
-            return made.error();
-        }
-    }
-    const auto [at, is_new] = files_.try_emplace(writer.name);
-    File& file = at->second;
-    if (is_new) {
-        file.path = options_.cache / ("read-" + std::string(writer.name) + std::string(writer.extension));
-        file.unpacked_bytes = writer.write(mesh_, file.path);
-        std::error_code missing;
-        file.bytes = std::filesystem::file_size(file.path, missing);
-        file.bytes = missing ? 0 : file.bytes;
-    }
-    if (file.unpacked_bytes == 0) {
-        return Error{ErrorCode::unwritable_file, file.path.string() + " cannot be written"};
-    }
-    return file;
+/// Where bench/run.sh has bench/python/mesh_formats.py write the files, beside the mesh that they hold.
+std::filesystem::path folder_of(const Options& options) {
+    return options.cache / (options.quick ? "read-10000" : "read-1000000");
 }
 
 std::array<float, 3> corner_of(const MeshView& view, std::uint64_t triangle, std::size_t corner) {
@@ -118,42 +87,6 @@ double time_pread(const InputFile& file, int threads) {
     return read ? seconds : 0;
 }
 
-void run_read(benchmark::State& state, Files& files, const MeshWriter& writer, int threads) {
-    const Result<Files::File> file = files.get(writer);
-    if (!file) {
-        state.SkipWithError(file.error().message.c_str());
-        return;
-    }
-    ReadOptions options;
-    options.control.threads = threads;
-    Result<MeshFile> mesh = read_mesh(file->path, options);
-    const std::string failure = mesh ? compare(mesh->view(), files.mesh().view()) : mesh.error().message;
-    const Result<InputFile> input = InputFile::open(file->path);
-    if (!failure.empty() || !input) {
-        state.SkipWithError((failure.empty() ? input.error().message : failure).c_str());
-        return;
-    }
-    double pread_seconds = 0;
-    const double seconds = measure(
-        state,
-        [&] {
-            mesh = Error{};
-            pread_seconds += time_pread(input.value(), threads);
-        },
-        [&] { mesh = read_mesh(file->path, options); });
-    if (!mesh) {
-        state.SkipWithError(mesh.error().message.c_str());
-    }
-    using benchmark::Counter;
-    const auto rate = [](std::uint64_t bytes) {
-        return Counter(static_cast<double>(bytes), Counter::kIsIterationInvariantRate);
-    };
-    state.counters["bytes/s"] = rate(file->bytes);
-    state.counters["unpacked_bytes/s"] = rate(file->unpacked_bytes);
-    state.counters["share_of_pread"] = Counter(pread_seconds / static_cast<double>(state.iterations()) / seconds);
-    state.counters["threads"] = Counter(threads);
-}
-
 /// Inflates the mesh part of a 3MF file with libzip and discards it. Returns its size in bytes; zero on failure.
 std::uint64_t inflate_model(const std::filesystem::path& file) {
     const std::unique_ptr<zip_t, void (*)(zip_t*)> zip(zip_open(file.c_str(), ZIP_RDONLY, nullptr), zip_discard);
@@ -173,39 +106,74 @@ std::uint64_t inflate_model(const std::filesystem::path& file) {
     return got == 0 ? bytes : 0;
 }
 
+/// Bytes of the file after base64, zlib or zip decoding.
+std::uint64_t unpacked_bytes(const Format& format, const std::filesystem::path& path, const MeshFile& mesh) {
+    if (format.name == "3mf") {
+        return inflate_model(path);
+    }
+    return format.name.starts_with("vtp") ? 12 * mesh.view().vertex_count + 32 * mesh.triangle_count : mesh.file_bytes;
+}
+
+benchmark::Counter rate_of(std::uint64_t bytes) {
+    return {static_cast<double>(bytes), benchmark::Counter::kIsIterationInvariantRate};
+}
+
+void run_read(benchmark::State& state, const std::filesystem::path& folder, const Format& format, int threads) {
+    const std::filesystem::path path = folder / (format.name + format.extension);
+    ReadOptions options;
+    options.control.threads = threads;
+    Result<MeshFile> mesh = read_mesh(path, options);
+    const Result<MeshFile> wanted = read_mesh(folder / "mesh.stl");
+    const Result<InputFile> input = InputFile::open(path);
+    if (!mesh || !wanted || !input) {
+        state.SkipWithError((!mesh ? mesh.error() : !wanted ? wanted.error() : input.error()).message.c_str());
+        return;
+    }
+    if (const std::string failure = compare(mesh->view(), wanted->view()); !failure.empty()) {
+        state.SkipWithError(failure.c_str());
+        return;
+    }
+    state.counters["bytes/s"] = rate_of(mesh->file_bytes);
+    state.counters["unpacked_bytes/s"] = rate_of(unpacked_bytes(format, path, *mesh));
+    double pread_seconds = 0;
+    const double seconds = measure(
+        state,
+        [&] {
+            mesh = Error{};
+            pread_seconds += time_pread(input.value(), threads);
+        },
+        [&] { mesh = read_mesh(path, options); });
+    if (!mesh) {
+        state.SkipWithError(mesh.error().message.c_str());
+    }
+    state.counters["share_of_pread"] = benchmark::Counter(pread_seconds / static_cast<double>(state.iterations()) / seconds);
+    state.counters["threads"] = benchmark::Counter(threads);
+}
+
 /// Measures the upper bound for a deflate stream: only one thread can inflate it.
-void run_inflate(benchmark::State& state, Files& files, const MeshWriter& writer) {
-    const Result<Files::File> file = files.get(writer);
-    if (!file || inflate_model(file->path) != file->unpacked_bytes) {
+void run_inflate(benchmark::State& state, const std::filesystem::path& path) {
+    const std::uint64_t bytes = inflate_model(path);
+    if (bytes == 0) {
         state.SkipWithError("the model part does not inflate");
         return;
     }
-    measure(state, [&] { benchmark::DoNotOptimize(inflate_model(file->path)); });
-    state.counters["unpacked_bytes/s"] =
-        benchmark::Counter(static_cast<double>(file->unpacked_bytes), benchmark::Counter::kIsIterationInvariantRate);
+    measure(state, [&] { benchmark::DoNotOptimize(inflate_model(path)); });
+    state.counters["unpacked_bytes/s"] = rate_of(bytes);
     state.counters["threads"] = benchmark::Counter(1);
-}
-
-const char* name_of(Encoding encoding) {
-    constexpr std::array names = {"text", "binary", "packed"};
-    return names[static_cast<std::size_t>(encoding)];
 }
 
 }  // namespace
 
 void add_reads(const Options& options) {
-    const auto files = std::make_shared<Files>(options);
-    for (const MeshWriter& writer : mesh_writers()) {
-        const std::string format(writer.name);
+    const std::filesystem::path folder = folder_of(options);
+    for (const Format& format : formats()) {
         for (const int threads : thread_counts(options)) {
-            add_benchmark(benchmark_name("read", format, name_of(writer.encoding), threads), options,
-                          [=](benchmark::State& state) { run_read(state, *files, writer, threads); });
-        }
-        if (writer.name == "3mf") {
-            add_benchmark(benchmark_name("read", format, "inflate_alone", 1), options,
-                          [=](benchmark::State& state) { run_inflate(state, *files, writer); });
+            add_benchmark(benchmark_name("read", format.name, format.encoding, threads), options,
+                          [=](benchmark::State& state) { run_read(state, folder, format, threads); });
         }
     }
+    add_benchmark(benchmark_name("read", "3mf", "inflate_alone", 1), options,
+                  [=](benchmark::State& state) { run_inflate(state, folder / "3mf.3mf"); });
 }
 
 }  // namespace lamella::bench

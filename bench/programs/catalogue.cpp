@@ -79,7 +79,7 @@ private:
         const std::filesystem::path file = options_.shared / (name + ".stl");
         const bool paper = known.has_value();
         const bool present = !options_.shared.empty() && std::filesystem::exists(file);
-        const Measured all{.stages = paper, .assembled = true, .cold = true, .from_file = true};
+        const Measured all{.partition = paper, .cold = true, .from_file = true};
         if (present) {
             const auto load = [file] { return load_mesh(file); };
             add(name, name, load, uniform(layer_mm), all).known = known;
@@ -109,12 +109,12 @@ private:
 
     void add_bones() {
         models::Recipe scan = bone(3'400'000, 150, 18'000'000);
-        add_bone("scan", scan, {.stages = true, .assembled = true, .cold = true, .from_file = true});
+        add_bone("scan", scan, {.partition = true, .cold = true, .from_file = true});
         add("scan_irregular", "scan", made(scan), irregular(), {});
         scan.order = models::Order::random;
-        add_bone("scan_shuffled", scan, {.stages = true});
-        add_bone("figure", bone(8'800'000, 10, 1'100'000), {.stages = true, .cold = true, .from_file = true});
-        add_bone("skull", bone(16'700'000, 150, 70'000'000), {.stages = true, .cold = true, .from_file = true});
+        add_bone("scan_shuffled", scan, {.partition = true});
+        add_bone("figure", bone(8'800'000, 10, 1'100'000), {.partition = true, .cold = true, .from_file = true});
+        add_bone("skull", bone(16'700'000, 150, 70'000'000), {.partition = true, .cold = true, .from_file = true});
     }
 
     /// 5 M segments in one, two and four planes: as one contour a plane, and as many small ones.

@@ -21,8 +21,7 @@ struct KnownAnswer {
 
 /// Which benchmarks measure a case.
 struct Measured {
-    bool stages = false;      ///< every stage and both contour forms alone
-    bool assembled = false;   ///< end to end in the assembled form too
+    bool partition = false;   ///< bands and parts alone
     bool cold = false;        ///< end to end with fresh memory too
     bool from_file = false;   ///< end to end from a file in the page cache too
     bool single_use = false;  ///< the above only at the thread count in `threads`

@@ -24,8 +24,6 @@ int main(int argument_count, char** argument_values) {
     add_regions(options);
     for (const Case& each : make_catalogue(options)) {
         add_end_to_end(options, each);
-        add_stages(options, each);
-        add_contours(options, each);
     }
     benchmark::RunSpecifiedBenchmarks();
     benchmark::Shutdown();

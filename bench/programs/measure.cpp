@@ -48,8 +48,17 @@ std::string benchmark_name(const std::string& what, const std::string& case_name
     return what + "/" + case_name + "/" + variant + "/threads:" + std::to_string(threads);
 }
 
-const char* name_of(ContourForm form) {
-    return form == ContourForm::swept ? "swept" : "assembled";
+void add_copies(const Options& options) {
+    for (const int threads : thread_counts(options)) {
+        add_benchmark("copy/memory/warm/threads:" + std::to_string(threads), options, [=](benchmark::State& state) {
+            const double bytes_per_s = copy_bandwidth(threads);
+            for (auto _ : state) {
+                state.SetIterationTime(1e-3);
+            }
+            state.counters["bytes/s"] = benchmark::Counter(bytes_per_s);
+            state.counters["threads"] = benchmark::Counter(threads);
+        });
+    }
 }
 
 }  // namespace lamella::bench

@@ -56,12 +56,8 @@ void add_benchmark(const std::string& name, const Options& options, std::functio
 /// Returns "what/case/variant/threads:N".
 std::string benchmark_name(const std::string& what, const std::string& case_name, const std::string& variant, int threads);
 
-const char* name_of(ContourForm form);
-
 /// One function for each source file of benchmarks.
 void add_end_to_end(const Options& options, const Case& wanted);
-void add_stages(const Options& options, const Case& wanted);
-void add_contours(const Options& options, const Case& wanted);
 void add_copies(const Options& options);
 void add_nesting_series(const Options& options);
 void add_reads(const Options& options);

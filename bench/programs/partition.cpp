@@ -6,13 +6,19 @@
 #include <exception>
 #include <functional>
 #include <iostream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "base/parallel.hpp"
 #include "catalogue.hpp"
 #include "copy_bandwidth.hpp"
 #include "prepared.hpp"
-#include "stages.hpp"
+#include "slicing/bands/bands.hpp"
+#include "slicing/buckets/bucket.hpp"
+#include "slicing/grid/bounds.hpp"
+#include "slicing/planes/plane_set.hpp"
+#include "slicing/sweep/band_sweep.hpp"
 
 namespace lamella::bench {
 
@@ -21,6 +27,65 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int repetitions = 3;
+
+/// The stages of slice() on one thread, callable one by one, with the memory that they reuse.
+class Stages {
+public:
+    Stages(const MeshView& mesh, const LayerPlan& plan) : mesh_(mesh), plan_(plan) {}
+
+    /// Finds bounds and unit.
+    Status measure() {
+        const Result<Bounds> bounds = measure_bounds(mesh_, Transform{}, 0, parallel_, blocks_);
+        if (!bounds) {
+            return bounds.error();
+        }
+        bounds_ = *bounds;
+        const Result<ChosenUnit> unit = choose_unit(bounds_, 0);
+        if (!unit) {
+            return unit.error();
+        }
+        unit_mm_ = unit->mm;
+        return {};
+    }
+    Status plan_planes() {
+        return planes_.build(plan_, bounds_, unit_mm_, mesh_.coordinate_type, std::numeric_limits<std::uint64_t>::max());
+    }
+    void count() { count_crossings(mesh_, Transform{}, unit_mm_, blocks_, planes_, parallel_, buckets_); }
+    /// Cuts bands as for this number of threads. scatter() and find_seeds() must follow.
+    void cut_bands_for(int threads) { bands_.cut(buckets_, planes_.size(), 0, threads); }
+    void scatter() {
+        reaching_ = scatter_triangles(mesh_, Transform{}, unit_mm_, planes_, bands_.band_end, parallel_, buckets_,
+                                      bands_.reaching.span());
+    }
+    /// Once after scatter(): may release the notes that it made.
+    void find_seeds() { bands_.find_seeds(planes_.size(), reaching_); }
+    void sweep_band(std::size_t band) {
+        output_.begin({output_.buffer.data(), output_.buffer.capacity()});
+        (void)sweep_.run(bands_.bands[band], bands_.seeds_of(band), buckets_, planes_, ContourForm::swept, {}, output_);
+    }
+
+    /// Makes look_at_bounds(), count(), cut_bands_for() and scatter() use `part` only, on the planes of the whole mesh.
+    void narrow_to(const MeshView& part) { mesh_ = part; }
+    /// Does the work of measure(), but keeps only the table of blocks.
+    void look_at_bounds() { (void)measure_bounds(mesh_, Transform{}, 0, parallel_, blocks_).ok(); }
+
+    const PlaneSet& planes() const noexcept { return planes_; }
+    const BandPlan& bands() const noexcept { return bands_; }
+
+private:
+    MeshView mesh_;
+    LayerPlan plan_;
+    Parallel parallel_{Control{.threads = 1}};
+    Bounds bounds_{};
+    double unit_mm_ = 0;
+    BlockTable blocks_{nullptr};
+    PlaneSet planes_{nullptr};
+    Buckets buckets_{nullptr};
+    BandPlan bands_{nullptr};
+    std::size_t reaching_ = 0;  // entries of bands_.reaching
+    BandSweep sweep_{nullptr};
+    BandOutput output_{nullptr};
+};
 
 double seconds(const std::function<void()>& work) {
     const auto start = std::chrono::steady_clock::now();
@@ -38,7 +103,7 @@ Json time_part(const Prepared& prepared, std::size_t part, std::size_t parts) {
     const std::size_t begin = all * part / parts;
     const std::size_t end = std::max(begin + 1, all * (part + 1) / parts);
     const float* first = prepared.mesh().soup.data() + 9 * begin;
-    Stages whole(prepared.mesh().view(), prepared.plan(), 1);
+    Stages whole(prepared.mesh().view(), prepared.plan());
     double bounds = 0;
     double count = 0;
     double scatter = 0;
@@ -50,7 +115,7 @@ Json time_part(const Prepared& prepared, std::size_t part, std::size_t parts) {
     for (int i = 0; i < repetitions; ++i) {
         keep_least(bounds, seconds([&] { whole.look_at_bounds(); }));
         keep_least(count, seconds([&] { whole.count(); }));
-        whole.cut_bands();
+        whole.cut_bands_for(1);
         keep_least(scatter, seconds([&] { whole.scatter(); }));
     }
     return {{"bounds", bounds}, {"count", count}, {"scatter", scatter}};
@@ -61,7 +126,7 @@ std::vector<double> time_bands(Stages& stages) {
     std::vector<double> least(stages.bands().bands.size(), 0);
     for (int i = 0; i < repetitions; ++i) {
         for (std::size_t band = 0; band < least.size(); ++band) {
-            keep_least(least[band], seconds([&] { stages.sweep_band(band, ContourForm::swept); }));
+            keep_least(least[band], seconds([&] { stages.sweep_band(band); }));
         }
     }
     return least;
@@ -93,8 +158,8 @@ Json time_partition(const Prepared& prepared, Stages& stages, int threads) {
 }
 
 Json time_case(Prepared& prepared) {
-    Stages stages(prepared.mesh().view(), prepared.plan(), 1);
-    if (!stages.prepare()) {
+    Stages stages(prepared.mesh().view(), prepared.plan());
+    if (!stages.measure() || !stages.plan_planes()) {
         return {};
     }
     Json json{{"triangles", prepared.mesh().triangles()},
@@ -104,7 +169,7 @@ Json time_case(Prepared& prepared) {
               {"copy_bytes_per_s", copy_bandwidth(1)}};
     double planes = 0;
     double end_to_end = 0;
-    const SliceOptions options = prepared.options(ContourForm::swept, 1);
+    const SliceOptions options = prepared.options(1);
     for (int i = 0; i < repetitions; ++i) {
         keep_least(planes, seconds([&] { (void)stages.plan_planes().ok(); }));
         keep_least(end_to_end,
@@ -120,7 +185,7 @@ Json time_case(Prepared& prepared) {
 }
 
 bool is_wanted(const Case& each) {
-    return each.measured.stages || each.name.find("_planes") != std::string::npos;
+    return each.measured.partition || each.name.find("_planes") != std::string::npos;
 }
 
 int run(const Options& options) {

@@ -19,10 +19,9 @@ std::string differs(const char* what, std::uint64_t found, std::uint64_t stated)
 Prepared::Prepared(const Case& wanted, std::shared_ptr<const Mesh> mesh)
     : mesh_(std::move(mesh)), plan_(wanted.plan(*mesh_)), failure_(check_case(wanted)) {}
 
-SliceOptions Prepared::options(ContourForm form, int threads) const {
+SliceOptions Prepared::options(int threads) const {
     SliceOptions options;
     options.plan = plan_;
-    options.tuning.form = form;
     options.control.threads = threads;
     return options;
 }
@@ -40,7 +39,7 @@ std::string Prepared::check_case(const Case& wanted) {
             return failure;
         }
     }
-    if (Status status = slice(mesh_->view(), options(ContourForm::swept, 1), workspace, result); !status) {
+    if (Status status = slice(mesh_->view(), options(1), workspace, result); !status) {
         return status.error().message;
     }
     if (Status status = validate(result); !status) {
@@ -58,7 +57,7 @@ std::string Prepared::check_case(const Case& wanted) {
 }
 
 std::string Prepared::check_known(const KnownAnswer& known) {
-    SliceOptions exact = options(ContourForm::swept, 1);
+    SliceOptions exact = options(1);
     exact.plan = LayerPlan{UniformLayers{.layer_height_mm = 0.032, .first_height_mm = 0.008}};
     exact.unit_mm = 0.004;
     if (Status status = slice(mesh_->view(), exact, workspace, result); !status) {
@@ -78,29 +77,18 @@ std::string Prepared::check_known(const KnownAnswer& known) {
     return {};
 }
 
-std::string Prepared::check(ContourForm form, int threads) {
-    if (!failure_.empty() || checked_.contains({form, threads})) {
+std::string Prepared::check(int threads) {
+    if (!failure_.empty() || checked_.contains(threads)) {
         return failure_;
     }
-    if (Status status = slice(mesh_->view(), options(form, threads), workspace, result); !status) {
+    if (Status status = slice(mesh_->view(), options(threads), workspace, result); !status) {
         return status.error().message;
     }
     if (hash_result(result) != hash_) {
-        return "the answer differs from that of one thread, swept form";
+        return "the answer differs from that of one thread";
     }
-    checked_.insert({form, threads});
+    checked_.insert(threads);
     return {};
-}
-
-Stages* Prepared::stages(int threads) {
-    if (stages_ == nullptr || stages_threads_ != threads) {
-        stages_ = std::make_unique<Stages>(mesh_->view(), plan_, threads);
-        stages_threads_ = threads;
-        if (!stages_->prepare()) {
-            stages_.reset();
-        }
-    }
-    return stages_.get();
 }
 
 Prepared* Preparer::get(const Case& wanted) {

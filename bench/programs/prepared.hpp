@@ -11,7 +11,6 @@
 #include "catalogue.hpp"
 #include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
-#include "stages.hpp"
 
 namespace lamella::bench {
 
@@ -21,26 +20,21 @@ public:
 
     const Mesh& mesh() const noexcept { return *mesh_; }
     const LayerPlan& plan() const noexcept { return plan_; }
-    SliceOptions options(ContourForm form, int threads) const;
+    SliceOptions options(int threads) const;
 
-    /// The answer of one thread in the swept form, which all others must equal.
+    /// The answer of one thread, which all others must equal.
     const SliceSummary& summary() const noexcept { return summary_; }
     std::uint64_t planes() const noexcept { return layer_count_; }
     std::uint64_t contours() const noexcept { return contour_count_; }
-    std::uint64_t points() const noexcept { return point_count_; }
     std::uint64_t result_bytes() const noexcept;
 
     /// Empty if the mesh has the stated numbers and its answer is valid; otherwise the reason.
     const std::string& failure() const noexcept { return failure_; }
-    /// Checks slicing in this form on these threads: the answer must have the same hash. Leaves `workspace` and
-    /// `result` warm.
-    std::string check(ContourForm form, int threads);
+    /// Checks slicing on these threads: the answer must have the same hash. Leaves `workspace` and `result` warm.
+    std::string check(int threads);
 
     Workspace workspace;
     SliceResult result;
-
-    /// The stages for `threads`, prepared; null if preparing fails.
-    Stages* stages(int threads);
 
 private:
     std::string check_case(const Case& wanted);
@@ -54,9 +48,7 @@ private:
     std::uint64_t layer_count_ = 0;
     std::uint64_t hash_ = 0;
     std::string failure_;
-    std::set<std::pair<ContourForm, int>> checked_;
-    std::unique_ptr<Stages> stages_;
-    int stages_threads_ = 0;
+    std::set<int> checked_;
 };
 
 /// Prepares cases on demand. Keeps the last case, and its mesh for the next case with the same mesh.

@@ -10,7 +10,6 @@ within a round, since a machine changes its speed between rounds. Prints a table
 one between the markers there. The exit status is 1 if a bar is not met.
 """
 
-import argparse
 import json
 import os
 import pathlib
@@ -22,7 +21,7 @@ import sys
 import tempfile
 import time
 
-from readme_table import mark, mark_least, replace_table
+from readme_table import mark, mark_least, show, table_parser
 
 THROUGHPUT_BAR = 1.8
 PROCESSOR_BAR = 1.10
@@ -100,15 +99,13 @@ def wrong_results(folder, count):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("tool")
+    parser = table_parser(__doc__, "tool")
     parser.add_argument("--meshes", type=int, default=500)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--memory", default="1G")
     parser.add_argument("--large", type=int, default=10_000_000, help="triangles of the mesh larger than the memory")
     parser.add_argument("--rounds", type=int, default=1)
     parser.add_argument("--folder", type=pathlib.Path)
-    parser.add_argument("--readme", type=pathlib.Path)
     arguments = parser.parse_args()
     tool = str(pathlib.Path(arguments.tool).resolve())
     with tempfile.TemporaryDirectory(dir=arguments.folder) as name:
@@ -133,12 +130,9 @@ def main():
     lines += ["", "| bar | measured |", "|---|---|",
               f"| throughput of {arguments.jobs} jobs over one, at least {THROUGHPUT_BAR} | {mark_least(f'{gain:.2f}', gain, THROUGHPUT_BAR)[0]} |",
               f"| processor time over the single runs', at most {PROCESSOR_BAR} | {mark(f'{cost:.3f}', cost, PROCESSOR_BAR)[0]} |"]  # fmt: skip
-    table = "\n".join(lines) + "\n"
-    print(table)
+    show(arguments.readme, "batch", lines)
     if wrong:
         print("wrong results: " + "; ".join(wrong[:10]))
-    if arguments.readme:
-        replace_table(arguments.readme, "batch", table)
     return 0 if not wrong and gain >= THROUGHPUT_BAR and cost <= PROCESSOR_BAR else 1
 
 

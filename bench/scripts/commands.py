@@ -8,7 +8,6 @@ first only warms the file, and the median of the others counts; the three comman
 machine's load falls on all. The exit status is 1 if a bar is not met.
 """
 
-import argparse
 import pathlib
 import statistics
 import subprocess
@@ -16,7 +15,7 @@ import sys
 import tempfile
 import time
 
-from readme_table import mark, replace_table
+from readme_table import add_meshes, mark, show, table_parser
 
 LAYER_MM = "0.032"
 REPORT_BAR = 2.5
@@ -46,10 +45,8 @@ def measure(tool, mesh, threads, folder):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("tool")
-    parser.add_argument("meshes", nargs="+", metavar="NAME=MESH")
-    parser.add_argument("--readme", type=pathlib.Path)
+    parser = table_parser(__doc__, "tool")
+    add_meshes(parser)
     parser.add_argument("--threads", type=int, default=0)
     arguments = parser.parse_args()
     lines = [
@@ -58,8 +55,7 @@ def main():
     ]
     met = True
     with tempfile.TemporaryDirectory() as folder:
-        for named in arguments.meshes:
-            name, mesh = named.split("=", 1)
+        for name, mesh in arguments.meshes:
             ms = measure(arguments.tool, mesh, arguments.threads, pathlib.Path(folder))
             report, check = ms["report"] / ms["slice"], ms["check"] / ms["slice"]
             report_text, report_met = mark(f"{report:.2f}", report, REPORT_BAR)
@@ -69,10 +65,7 @@ def main():
                 f"| {name} | {ms['slice']:.0f} ms | {ms['report']:.0f} ms | {report_text} "
                 f"| {ms['check']:.0f} ms | {check_text} |"
             )
-    table = "\n".join(lines) + "\n"
-    print(table, end="")
-    if arguments.readme:
-        replace_table(arguments.readme, "commands", table)
+    show(arguments.readme, "commands", lines)
     return 0 if met else 1
 
 

@@ -21,22 +21,19 @@ def machine(results):
     return markdown_table(["machine", ""], rows)
 
 
-def across(results, what, case, variant, counts):
-    """The cells for time by thread count, then speed-up, segments/s and floor at the most threads."""
-    most = counts[-1]
-    speedup = ratio(results.ms(case, 1, variant, what), results.ms(case, most, variant, what))
-    rate = results.counter("segments/s", case, most, variant, what)
-    return ([number(results.ms(case, threads, variant, what), "") for threads in counts] +
-            [number(speedup, ""), number(ratio(rate, 1e6), ""),
-             number(results.counter("floor", case, most, variant, what), "")])
-
-
-def times(results, what):
+def times(results):
+    """Time by thread count, then speed-up, segments/s and floor at the most threads."""
     counts = results.thread_counts()
+    most = counts[-1]
+    rows = []
+    for case, variant in results.case_variants("end_to_end"):
+        ms = [results.ms(case, threads, variant) for threads in counts]
+        rate = results.counter("segments/s", case, most, variant)
+        figures = [*ms, ratio(ms[0], ms[-1]), ratio(rate, 1e6), results.counter("floor", case, most, variant)]
+        rows.append([case, variant] + [number(value, "") for value in figures])
     heads = (["case", "variant"] + [f"ms, {threads} thr." for threads in counts] +
-             [f"speed-up, {counts[-1]}", "M segments/s", "floor"])
-    return markdown_table(heads, [[case, variant] + across(results, what, case, variant, counts)
-                                  for case, variant in results.case_variants(what)])
+             [f"speed-up, {most}", "M segments/s", "floor"])
+    return markdown_table(heads, rows)
 
 
 def reading(results):
@@ -54,9 +51,8 @@ def reading(results):
 def nesting(results):
     rows = []
     for case in results.cases("nesting"):
-        variant = "series" if case.startswith("rings_") else "most_contours"
-        rate = results.counter("contours/s", case, 1, variant, "nesting")
-        rows.append([case, number(results.ms(case, 1, variant, "nesting"), ""), number(1e9 / rate, "") if rate else "-"])
+        rate = results.counter("contours/s", case, 1, "series", "nesting")
+        rows.append([case, number(results.ms(case, 1, "series", "nesting"), ""), number(1e9 / rate, "") if rate else "-"])
     return markdown_table(["layer", "ms", "ns a contour"], rows)
 
 
@@ -73,11 +69,9 @@ def text(results):
     parts = [
         machine(results),
         "### Bars", bars_table(results),
-        "### End to end, in memory and from a file", times(results, "end_to_end"),
-        "### Stages", times(results, "stage"),
+        "### End to end, in memory and from a file", times(results),
         "### Reading, by format", reading(results),
-        "### assemble() on a case's largest layer", times(results, "assemble"),
-        "### Nesting on a case's layer of most contours, and on lattices of rings; 1 thread", nesting(results),
+        "### Nesting on lattices of rings; 1 thread", nesting(results),
         "### Speed-up allowed by the partition: computed, not measured", allowed(results),
     ]
     if "quick" in results.context["sizes"]:

@@ -7,24 +7,16 @@ Meshes are binary STL. Runs BUILD/bench/lamella_hosts and prints tables; with --
 markers there. A first slice is the median of as many processes as there are rounds. The exit status is 1 if a bar is not met.
 """
 
-import argparse
-import json
-import pathlib
 import statistics
-import subprocess
 import sys
 
-from readme_table import mark, replace_table
+from readme_table import add_meshes, mark, output_of, show, table_parser
 
 LAYER_MM = "0.032"
 PLANE_BARS = {"femur": 0.1, "brain": 0.3}  # ms
 ALL_BARS = {"liver": 0.9}
 FIRST_BARS = {"liver": 1.3, "femur": 1.3, "scan": 1.3}
 SMALL_US_BAR = 2.0
-
-
-def output_of(*command):
-    return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
 
 
 def first_slices(program, meshes, threads, rounds):
@@ -79,22 +71,17 @@ def small_table(program, threads):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("build", type=pathlib.Path)
-    parser.add_argument("meshes", nargs="+", metavar="NAME=MESH")
-    parser.add_argument("--readme", type=pathlib.Path)
+    parser = table_parser(__doc__, "build")
+    add_meshes(parser)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--rounds", type=int, default=15)
     arguments = parser.parse_args()
     program, threads = arguments.build / "bench" / "lamella_hosts", str(arguments.threads)
-    meshes = dict(named.split("=", 1) for named in arguments.meshes)
+    meshes = dict(arguments.meshes)
     firsts = first_slices(program, meshes, threads, arguments.rounds)
     tables = [prepared_table(program, meshes, firsts, threads, arguments.rounds), small_table(program, threads),
               first_table(firsts)]
-    text = "\n\n".join("\n".join(lines) for lines, _ in tables) + "\n"
-    print(text, end="")
-    if arguments.readme:
-        replace_table(arguments.readme, "hosts", text)
+    show(arguments.readme, "hosts", ["\n\n".join("\n".join(lines) for lines, _ in tables)])
     return 0 if all(met for _, met in tables) else 1
 
 

@@ -9,14 +9,10 @@ markers there. The bar holds for 2 threads that have a core each: where others u
 meet its bar by either.
 """
 
-import argparse
-import json
-import pathlib
-import subprocess
 import sys
 import tempfile
 
-from readme_table import mark_least, replace_table
+from readme_table import mark_least, output_of, show, table_parser
 
 BAR = 1.0  # G voxels/s of the raster, 2 threads
 VOXELS = 512 * 512 * 275
@@ -25,15 +21,11 @@ WAYS = {"raster": "contours to voxels in memory", "nii": "`write_mask()`, .nii",
 
 def report_of(program, mesh, threads, rounds):
     with tempfile.TemporaryDirectory() as folder:
-        command = [program, mesh, str(threads), folder, str(rounds)]
-        return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+        return output_of(program, mesh, str(threads), folder, str(rounds))
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("build", type=pathlib.Path)
-    parser.add_argument("mesh")
-    parser.add_argument("--readme", type=pathlib.Path)
+    parser = table_parser(__doc__, "build", "mesh")
     parser.add_argument("--rounds", type=int, default=15)
     arguments = parser.parse_args()
     reports = [report_of(arguments.build / "bench" / "lamella_masks", arguments.mesh, threads, arguments.rounds) for threads in (1, 2)]
@@ -49,10 +41,7 @@ def main():
             met = met or (bar is not None and (good or by_wall >= bar))
             lines.append(f"| {words} | {threads} | {times['wall_ms']:.0f} ms ({times['least_wall_ms']:.0f}) | {times['processor_ms']:.0f} ms "
                          f"| {by_wall:.2f} | {text} |")
-    table = "\n".join(lines) + "\n"
-    print(table, end="")
-    if arguments.readme:
-        replace_table(arguments.readme, "masks", table)
+    show(arguments.readme, "masks", lines)
     return 0 if met else 1
 
 

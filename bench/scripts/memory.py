@@ -10,14 +10,12 @@ into buffers of its own, not mapped, so that no page of the page cache counts. A
 a table; with --readme it also replaces the one between the markers there. The exit status is 1 if a bar is not met.
 """
 
-import argparse
 import os
-import pathlib
 import subprocess
 import sys
 import time
 
-from readme_table import mark, replace_table
+from readme_table import add_meshes, mark, show, table_parser
 
 HALF_BAR = 1.2  # over the time in memory
 READS_BAR = 3.0  # over the time of two reads
@@ -113,11 +111,9 @@ def measure_giant(tool, name, mesh, arguments):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("tool")
-    parser.add_argument("meshes", nargs="*", metavar="NAME=MESH")
+    parser = table_parser(__doc__, "tool")
+    add_meshes(parser, "*")
     parser.add_argument("--giant", metavar="NAME=MESH")
-    parser.add_argument("--readme", type=pathlib.Path)
     parser.add_argument("--layer-height", default="0.1", metavar="MM")
     parser.add_argument("--rounds", type=int, default=3)
     arguments = parser.parse_args()
@@ -126,18 +122,15 @@ def main():
         "|---|---|---|---|---|---|---|",
     ]
     met = True
-    for named in arguments.meshes:
-        more, good = measure(arguments.tool, *named.split("=", 1), arguments)
+    for name, mesh in arguments.meshes:
+        more, good = measure(arguments.tool, name, mesh, arguments)
         lines += more
         met = met and good
     if arguments.giant:
         more, good = measure_giant(arguments.tool, *arguments.giant.split("=", 1), arguments)
         lines += more
         met = met and good
-    table = "\n".join(lines) + "\n"
-    print(table, end="")
-    if arguments.readme:
-        replace_table(arguments.readme, "memory", table)
+    show(arguments.readme, "memory", lines)
     return 0 if met else 1
 
 

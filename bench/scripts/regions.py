@@ -7,24 +7,16 @@ Runs BUILD/bench/lamella_regions and the benchmarks `region/` of BUILD/bench/lam
 it also replaces those between the markers there. The exit status is 1 if a bar is not met.
 """
 
-import argparse
-import json
-import pathlib
 import re
-import subprocess
 import sys
 
-from readme_table import mark, replace_table
+from readme_table import add_meshes, mark, output_of, show, table_parser
 
 LAYER_MM = "0.2"
 SLICE_BARS = {"non_zero": 1.25, "closing": 2.5, "offset": 6.0}
 # In seconds and bytes.
 CASE_BARS = {"comb_16000": (0.2, None), "bars_500x500": (3.0, 1e9)}
 CASE = re.compile(r"region/([^/]+)/([^/]+)/threads:1/")
-
-
-def output_of(command):
-    return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
 
 
 def slices_table(reports):
@@ -83,27 +75,18 @@ def cases_table(benchmarks):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("build", type=pathlib.Path)
-    parser.add_argument("meshes", nargs="+", metavar="NAME=MESH")
-    parser.add_argument("--readme", type=pathlib.Path)
+    parser = table_parser(__doc__, "build")
+    add_meshes(parser)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--rounds", type=int, default=9)
     arguments = parser.parse_args()
     programs = arguments.build / "bench"
-    reports = {}
-    for named in arguments.meshes:
-        name, mesh = named.split("=", 1)
-        reports[name] = output_of(
-            [programs / "lamella_regions", mesh, LAYER_MM, str(arguments.threads), str(arguments.rounds)]
-        )
-    cases = output_of([programs / "lamella_bench", "--benchmark_filter=^region/", "--benchmark_format=json"])
+    more = [LAYER_MM, str(arguments.threads), str(arguments.rounds)]
+    reports = {name: output_of(programs / "lamella_regions", mesh, *more) for name, mesh in arguments.meshes}
+    cases = output_of(programs / "lamella_bench", "--benchmark_filter=^region/", "--benchmark_format=json")
     slices, slices_met = slices_table(reports)
     layers, layers_met = cases_table(cases["benchmarks"])
-    table = "\n".join([*slices, "", *library_table(reports), "", *layers]) + "\n"
-    print(table, end="")
-    if arguments.readme:
-        replace_table(arguments.readme, "regions", table)
+    show(arguments.readme, "regions", [*slices, "", *library_table(reports), "", *layers])
     return 0 if slices_met and layers_met else 1
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple, Optional
 
 class Median(NamedTuple):
     """Medians over the repetitions of one benchmark."""
-    what: str  # end_to_end, stage, assemble, nesting, read, copy
+    what: str  # end_to_end, nesting, read, copy
     case: str
     variant: str
     threads: int

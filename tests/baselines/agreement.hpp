@@ -12,6 +12,7 @@
 #include "engine/slicing.hpp"
 #include "method.hpp"
 #include "models/models.hpp"
+#include "rings.hpp"
 
 namespace agreement {
 
@@ -51,6 +52,13 @@ inline std::vector<float> from_recipe(lamella::models::Shape shape, std::uint64_
     return make_soup(recipe);
 }
 
+/// Layers of random heights.
+inline lamella::SliceOptions irregular(double least_mm, double most_mm) {
+    lamella::SliceOptions options;
+    options.plan.spacing = lamella::RandomLayers{least_mm, most_mm, 7};
+    return options;
+}
+
 /// A ball, an inverted ball inside it, and a ball inside that: an outer contour, its hole, and an outer contour in the
 /// hole.
 inline shapes::Soup nested_balls() {
@@ -75,21 +83,7 @@ using Line = std::pair<bool, std::vector<Point>>;  ///< whether it is closed, an
 /// smallest. If not `directed`, the smaller of the two directions is taken.
 inline Line canonical(std::vector<Point> points, bool closed, bool directed) {
     const auto from_smallest = [closed](const std::vector<Point>& line) {
-        if (line.empty()) {
-            return line;
-        }
-        std::vector<Point> best = line;
-        bool first = true;
-        const Point smallest = *std::min_element(line.begin(), line.end());
-        for (auto at = line.begin(); closed && at != line.end(); ++at) {
-            if (*at == smallest) {
-                std::vector<Point> turned(at, line.end());
-                turned.insert(turned.end(), line.begin(), at);
-                best = first ? turned : std::min(best, turned);
-                first = false;
-            }
-        }
-        return best;
+        return closed ? rings::from_smallest(line) : line;
     };
     std::vector<Point> forward = from_smallest(points);
     if (directed) {

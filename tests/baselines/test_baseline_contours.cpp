@@ -42,12 +42,6 @@ void require_engines(const Case& given) {
     }
 }
 
-lamella::SliceOptions irregular(double least_mm, double most_mm) {
-    lamella::SliceOptions options;
-    options.plan.spacing = lamella::RandomLayers{least_mm, most_mm, 7};
-    return options;
-}
-
 using PlaneSide = std::pair<Point, Point>;
 
 PlaneSide side(Point a, Point b) {
@@ -141,7 +135,7 @@ TEST_CASE("baselines join closed meshes into the engine's contours", "[baselines
     const Shape shape = GENERATE(Shape::sphere, Shape::torus, Shape::gyroid, Shape::bone, Shape::prism);
     const std::vector<float> soup = agreement::from_recipe(shape, 3000);
     require_engines(Case(soup, uniform(0.25)));
-    require_engines(Case(soup, irregular(0.1, 0.9)));
+    require_engines(Case(soup, agreement::irregular(0.1, 0.9)));
 }
 
 TEST_CASE("baselines join open meshes into the engine's polylines", "[baselines]") {
@@ -233,7 +227,7 @@ TEST_CASE("rays find the engine's roles and orientations", "[baselines]") {
     for (const Shape shape : {Shape::gyroid, Shape::bone, Shape::torus}) {
         require_engines_roles(Case(agreement::from_recipe(shape, 3000), uniform(0.25)));
     }
-    require_engines_roles(Case(shapes::floats(agreement::nested_balls()), irregular(0.05, 0.3)));
+    require_engines_roles(Case(shapes::floats(agreement::nested_balls()), agreement::irregular(0.05, 0.3)));
     require_engines_roles(Case(shapes::floats(shapes::box({0, 0, 0}, {3, 3, 3})), uniform(0.1)));
 }
 

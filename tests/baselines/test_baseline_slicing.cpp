@@ -67,12 +67,6 @@ void require_oracles(const Case& given) {
     }
 }
 
-lamella::SliceOptions irregular(double least_mm, double most_mm) {
-    lamella::SliceOptions options;
-    options.plan.spacing = lamella::RandomLayers{least_mm, most_mm, 7};
-    return options;
-}
-
 /// Triangles by ascending lowest vertex.
 std::vector<float> presorted(const std::vector<float>& soup) {
     std::vector<std::array<float, 9>> triangles(soup.size() / 9);
@@ -91,13 +85,13 @@ TEST_CASE("baselines cut closed meshes into the oracle's segments", "[baselines]
     const std::vector<float> soup = agreement::from_recipe(shape, 1500);
     require_oracles(Case(soup, uniform(0.25)));
     require_oracles(Case(soup, uniform(0.0371)));
-    require_oracles(Case(soup, irregular(0.01, 0.5)));
+    require_oracles(Case(soup, agreement::irregular(0.01, 0.5)));
 }
 
 TEST_CASE("baselines cut open meshes into the oracle's segments", "[baselines]") {
     const std::vector<float> soup = agreement::with_gaps(shapes::floats(agreement::nested_balls()), 7);
     require_oracles(Case(soup, uniform(0.3)));
-    require_oracles(Case(soup, irregular(0.1, 0.6)));
+    require_oracles(Case(soup, agreement::irregular(0.1, 0.6)));
 }
 
 TEST_CASE("baselines drop degenerate triangles on a grid as coarse as the planes", "[baselines]") {
@@ -119,7 +113,7 @@ TEST_CASE("planes below, above and between all triangles have no segments", "[ba
 
 TEST_CASE("presorted triangles give the oracle's segments", "[baselines]") {
     const std::vector<float> soup = presorted(agreement::from_recipe(lamella::models::Shape::bone, 1500));
-    for (const lamella::SliceOptions& options : {uniform(0.25), irregular(0.01, 0.5)}) {
+    for (const lamella::SliceOptions& options : {uniform(0.25), agreement::irregular(0.01, 0.5)}) {
         require_oracles(lamella::baselines::presorted_slicing, Case(soup, options));
     }
 }

@@ -170,24 +170,6 @@ TEST_CASE("whole methods accept a soup without facets and a problem without plan
 }
 
 TEST_CASE("layers sampled by rays have the engine's areas within the resolution", "[baselines]") {
-    const auto twice_area = [](const Points& points) {
-        double sum = 0;
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            const Point& p = points[i];
-            const Point& q = points[(i + 1) % points.size()];
-            sum += static_cast<double>(p.x) * q.y - static_cast<double>(p.y) * q.x;
-        }
-        return sum;
-    };
-    const auto length = [](const Points& points) {
-        double sum = 0;
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            const Point& p = points[i];
-            const Point& q = points[(i + 1) % points.size()];
-            sum += std::hypot(static_cast<double>(p.x) - q.x, static_cast<double>(p.y) - q.y);
-        }
-        return sum;
-    };
     using lamella::models::Shape;
     for (const Shape shape : {Shape::sphere, Shape::torus, Shape::gyroid, Shape::bone, Shape::prism}) {
         const std::vector<float> soup = agreement::from_recipe(shape, 12'000);
@@ -199,12 +181,12 @@ TEST_CASE("layers sampled by rays have the engine's areas within the resolution"
                 double difference = 0;
                 double border = 0;
                 for (const auto& [closed, points] : canonical(expected.result, expected.result.layers[i])) {
-                    difference -= twice_area(points) / 2;
-                    border += length(points);
+                    difference -= static_cast<double>(rings::twice_area(points)) / 2;
+                    border += static_cast<double>(rings::perimeter(points));
                 }
                 for (const Polyline& contour : outcome.contours[i]) {
                     CHECK(contour.closed);
-                    difference += twice_area(contour.points) / 2;
+                    difference += static_cast<double>(rings::twice_area(contour.points)) / 2;
                 }
                 INFO("layer " << i);
                 CHECK(std::abs(difference) <= border * ldni_resolution_mm / expected.result.unit_mm);

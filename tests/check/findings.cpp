@@ -39,19 +39,4 @@ Counts counts(const MeshCheck& check) {
     return found;
 }
 
-Soup quad(Xyz a, Xyz b, Xyz c, Xyz d) {
-    return shapes::joined({shapes::triangle(a, b, c), shapes::triangle(a, c, d)});
-}
-
-Soup without(Soup soup, std::size_t from, std::size_t count) {
-    const auto at = soup.begin() + static_cast<std::ptrdiff_t>(9 * from);
-    soup.erase(at, at + static_cast<std::ptrdiff_t>(9 * count));
-    return soup;
-}
-
-Soup only(const Soup& soup, std::size_t from, std::size_t count) {
-    const auto at = soup.begin() + static_cast<std::ptrdiff_t>(9 * from);
-    return {at, at + static_cast<std::ptrdiff_t>(9 * count)};
-}
-
 }  // namespace lamella::check_test

@@ -14,7 +14,10 @@
 
 namespace lamella::check_test {
 
+using shapes::only;
+using shapes::quad;
 using shapes::Soup;
+using shapes::without;
 using shapes::Xyz;
 
 /// The findings, which must not depend on threads.
@@ -31,13 +34,5 @@ inline const FaultPlace& first(const MeshCheck& check, Fault fault) {
     REQUIRE_FALSE(check.of(fault).places.empty());
     return check.of(fault).places.front();
 }
-
-/// Three corners in this order.
-Soup quad(Xyz a, Xyz b, Xyz c, Xyz d);
-
-/// Without triangles [from, from + count).
-Soup without(Soup soup, std::size_t from, std::size_t count);
-/// These triangles alone.
-Soup only(const Soup& soup, std::size_t from, std::size_t count);
 
 }  // namespace lamella::check_test

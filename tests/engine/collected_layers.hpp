@@ -1,13 +1,12 @@
 // A sink that keeps what it gets, and compares it with a result.
 #pragma once
 
-#include <cstring>
 #include <map>
 #include <mutex>
 #include <string>
-#include <tuple>
 #include <vector>
 
+#include "engine/same_result.hpp"
 #include "lamella/lamella.hpp"
 
 class CollectedLayers {
@@ -31,7 +30,9 @@ public:
         std::size_t gap = 0;
         for (const auto& [index, own] : layers_) {
             const lamella::Layer& layer = result.layers[index];
-            if (facts_of(own.layer) != facts_of(layer) || own.layer.first_contour != 0 ||
+            lamella::Layer moved = own.layer;
+            moved.first_contour += layer.first_contour;
+            if (facts_of(moved) != facts_of(layer) ||
                 std::bit_cast<std::uint64_t>(own.area_mm2) != std::bit_cast<std::uint64_t>(result.area_mm2(layer))) {
                 return "layer " + std::to_string(index);
             }
@@ -56,14 +57,6 @@ private:
         double area_mm2 = 0;
     };
 
-    static auto facts_of(const lamella::Layer& layer)
-        -> std::tuple<double, double, double, std::uint64_t, std::uint64_t, lamella::PlaneHeight> {
-        return {layer.bottom_mm, layer.plane_mm, layer.top_mm, layer.contour_count, layer.segments, layer.plane};
-    }
-    static auto facts_of(const lamella::ClosedGap& gap) -> std::tuple<std::uint64_t, lamella::Point, lamella::Point> {
-        return {gap.layer, gap.from, gap.to};
-    }
-
     static bool has_contours_of(const Layer& own, const lamella::SliceResult& result, const lamella::Layer& layer) {
         const std::span<const lamella::Contour> contours = result.contours_of(layer);
         if (own.contours.size() != contours.size()) {
@@ -77,14 +70,13 @@ private:
             lamella::Contour moved = own.contours[c];
             moved.first_point += first_point;
             moved.parent += moved.parent < 0 ? 0 : static_cast<std::int64_t>(layer.first_contour);
-            static_assert(sizeof moved == 48, "no byte between the members");
-            if (std::memcmp(&moved, &contours[c], sizeof moved) != 0) {
+            if (!same_bytes(std::span<const lamella::Contour>(&moved, 1), contours.subspan(c, 1))) {
                 return false;
             }
         }
-        return own.points.size() == contours.back().first_point + contours.back().point_count - first_point &&
-               std::memcmp(own.points.data(), result.points.data() + first_point,
-                           own.points.size() * sizeof(lamella::Point)) == 0;
+        return same_bytes(std::span<const lamella::Point>(own.points),
+                          result.points.span().subspan(
+                              first_point, contours.back().first_point + contours.back().point_count - first_point));
     }
 
     std::mutex mutex_;

@@ -4,6 +4,8 @@
 #include <map>
 #include <optional>
 
+#include "engine/slicing.hpp"
+
 namespace origin_oracle {
 
 using lamella::GridVertex;
@@ -90,6 +92,23 @@ Triangles::Named Triangles::named(std::uint32_t triangle, std::uint8_t edge) con
     }
     const oracle::Triangle& t = triangles_[triangle];
     return {t[edge], t[(edge + 1U) % 3], t[(edge + 2U) % 3]};
+}
+
+lamella::SliceOptions with_origins(lamella::SliceOptions options) {
+    options.origins = true;
+    return options;
+}
+
+SliceResult traced(const shapes::Soup& soup, const lamella::SliceOptions& options) {
+    SliceResult result = sliced(soup, with_origins(options));
+    REQUIRE(result.origins.size() == result.points.size());
+    require_ok(validate(result, view_of(soup)));
+    lamella::SliceOptions plain = options;
+    plain.origins = false;
+    const SliceResult without = sliced(soup, plain);
+    REQUIRE(without.origins.empty());
+    REQUIRE(hash_result(without) == hash_result(result));
+    return result;
 }
 
 }  // namespace origin_oracle

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/shapes.hpp"
-#include "lamella/result.hpp"
+#include "lamella/lamella.hpp"
 #include "oracle/oracle.hpp"
 
 namespace origin_oracle {
@@ -46,5 +46,10 @@ private:
     std::vector<std::uint32_t> stands_for_;    // of each: the smallest with the same corners
     std::uint16_t part_;
 };
+
+lamella::SliceOptions with_origins(lamella::SliceOptions options);
+
+/// Requires a valid result whose origins suit the mesh and that is otherwise the same as without origins.
+lamella::SliceResult traced(const shapes::Soup& soup, const lamella::SliceOptions& options);
 
 }  // namespace origin_oracle

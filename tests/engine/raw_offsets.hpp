@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lamella/grid.hpp"
+#include "rings.hpp"
 #include "slicing/offset/raw_offset.hpp"
 
 namespace raw_offsets {
@@ -35,9 +36,7 @@ inline Ring reversed(Ring ring) {
     return ring;
 }
 
-struct Place {
-    double x, y;
-};
+using Place = rings::PlaceOf<double>;
 
 inline double distance_to_edge(Place p, Point a, Point b) {
     const double dx = double(b.x) - a.x;
@@ -49,32 +48,12 @@ inline double distance_to_edge(Place p, Point a, Point b) {
 
 inline double distance_to(const Ring& ring, Place p) {
     double nearest = 1e300;
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-        nearest = std::min(nearest, distance_to_edge(p, ring[i], ring[(i + 1) % ring.size()]));
-    }
+    rings::each_edge(ring, [&](Point a, Point b) { nearest = std::min(nearest, distance_to_edge(p, a, b)); });
     return nearest;
 }
 
 inline int winding(const Ring& ring, Place p) {
-    int turns = 0;
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-        const Point a = ring[i];
-        const Point b = ring[(i + 1) % ring.size()];
-        const double side = (double(b.x) - a.x) * (p.y - a.y) - (double(b.y) - a.y) * (p.x - a.x);
-        if (a.y <= p.y) {
-            turns += b.y > p.y && side > 0 ? 1 : 0;
-        } else {
-            turns -= b.y <= p.y && side < 0 ? 1 : 0;
-        }
-    }
-    return turns;
-}
-
-/// The sign of the turn at b.
-inline int turn(Point a, Point b, Point c) {
-    const std::int64_t twice =
-        (std::int64_t{b.x} - a.x) * (std::int64_t{c.y} - b.y) - (std::int64_t{b.y} - a.y) * (std::int64_t{c.x} - b.x);
-    return twice > 0 ? 1 : (twice < 0 ? -1 : 0);
+    return rings::winding(ring, p).value_or(0);
 }
 
 inline bool is_simple(const Ring& ring) {
@@ -88,8 +67,8 @@ inline bool is_simple(const Ring& ring) {
             if (a == c) {
                 return false;
             }
-            if (j > i + 1 && (j + 1) % count != i && turn(a, b, c) * turn(a, b, d) <= 0 &&
-                turn(c, d, a) * turn(c, d, b) <= 0) {
+            if (j > i + 1 && (j + 1) % count != i && rings::side(a, b, c) * rings::side(a, b, d) <= 0 &&
+                rings::side(c, d, a) * rings::side(c, d, b) <= 0) {
                 return false;
             }
         }
@@ -98,13 +77,7 @@ inline bool is_simple(const Ring& ring) {
 }
 
 inline bool is_counter_clockwise(const Ring& ring) {
-    double twice_area = 0;
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-        const Point a = ring[i];
-        const Point b = ring[(i + 1) % ring.size()];
-        twice_area += double(a.x) * b.y - double(a.y) * b.x;
-    }
-    return twice_area > 0;
+    return rings::twice_area(ring) > 0;
 }
 
 class Polygons {

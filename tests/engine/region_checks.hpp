@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "lamella/audit/crossings.hpp"
 #include "lamella/region.hpp"
 #include "lamella/result.hpp"
+#include "rings.hpp"
 
 namespace regions {
 
@@ -20,15 +22,17 @@ using lamella::Contour;
 using lamella::LayerContours;
 using lamella::Point;
 using lamella::RegionRules;
-using Ring = std::vector<Point>;
-using Rings = std::vector<Ring>;
+using rings::Int128;
+using rings::twice_area;
 
-__extension__ using Wide = __int128;
+/// Closed; the last point leads to the first.
+using Polygon = std::vector<Point>;
+using Polygons = std::vector<Polygon>;
 
-inline lamella::Result<LayerContours> region(const Rings& rings, const RegionRules& rules,
+inline lamella::Result<LayerContours> region(const Polygons& polygons, const RegionRules& rules,
                                              double unit_mm = lamella::default_unit_mm,
                                              const lamella::Control& control = {}) {
-    const std::vector<std::span<const Point>> views(rings.begin(), rings.end());
+    const std::vector<std::span<const Point>> views(polygons.begin(), polygons.end());
     return lamella::region_of(views, rules, unit_mm, control);
 }
 
@@ -36,13 +40,13 @@ inline std::span<const Point> points_of(const LayerContours& layer, const Contou
     return {layer.points.data() + contour.first_point, contour.point_count};
 }
 
-inline Rings rings_of(const LayerContours& layer) {
-    Rings rings;
+inline Polygons rings_of(const LayerContours& layer) {
+    Polygons polygons;
     for (const Contour& contour : layer.contours) {
         const auto points = points_of(layer, contour);
-        rings.emplace_back(points.begin(), points.end());
+        polygons.emplace_back(points.begin(), points.end());
     }
-    return rings;
+    return polygons;
 }
 
 inline double twice_area(const Contour& contour) {
@@ -58,22 +62,18 @@ inline double area_of(const LayerContours& layer) {
     return sum;
 }
 
-inline double perimeter_of(const Rings& rings) {
+inline double perimeter_of(const Polygons& polygons) {
     double sum = 0;
-    for (const Ring& ring : rings) {
-        for (std::size_t i = 0; i < ring.size(); ++i) {
-            const Point a = ring[i];
-            const Point b = ring[(i + 1) % ring.size()];
-            sum += std::hypot(double(b.x) - a.x, double(b.y) - a.y);
-        }
+    for (const Polygon& polygon : polygons) {
+        sum += static_cast<double>(rings::perimeter(polygon));
     }
     return sum;
 }
 
 /// Area of the symmetric difference in square units; negative where it could not be computed.
 inline double difference_of(const LayerContours& a, const LayerContours& b) {
-    Rings both = rings_of(a);
-    const Rings others = rings_of(b);
+    Polygons both = rings_of(a);
+    const Polygons others = rings_of(b);
     both.insert(both.end(), others.begin(), others.end());
     RegionRules rules;
     rules.fill_rule = lamella::FillRule::even_odd;
@@ -91,50 +91,20 @@ inline bool same(const LayerContours& a, const LayerContours& b) {
            std::equal(a.points.begin(), a.points.end(), b.points.begin(), b.points.end());
 }
 
-/// Twice a point's coordinates, to hold the middles of edges.
-struct HalfPoint {
-    std::int64_t x;
-    std::int64_t y;
-};
-
-/// The winding number of the ring around `p`; `on` if p lies on it.
-struct Turns {
-    int winding = 0;
-    bool on = false;
-};
-
-inline Turns turns_around(std::span<const Point> ring, HalfPoint p) {
-    Turns turns;
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-        const Point a = ring[i];
-        const Point b = ring[i + 1 < ring.size() ? i + 1 : 0];
-        const std::int64_t ay = 2 * std::int64_t{a.y} - p.y;
-        const std::int64_t by = 2 * std::int64_t{b.y} - p.y;
-        const std::int64_t ax = 2 * std::int64_t{a.x} - p.x;
-        const std::int64_t bx = 2 * std::int64_t{b.x} - p.x;
-        const Wide side = Wide{ax} * by - Wide{ay} * bx;
-        turns.on = turns.on || (side == 0 && std::min(ax, bx) <= 0 && std::max(ax, bx) >= 0 && std::min(ay, by) <= 0 &&
-                                std::max(ay, by) >= 0);
-        if ((ay <= 0) != (by <= 0)) {
-            turns.winding += by > 0 ? (side > 0 ? 1 : 0) : (side < 0 ? -1 : 0);
-        }
-    }
-    return turns;
-}
-
 /// The contours around a place of contour `c` that lies on no other, by brute force; false if there is none.
 inline bool find_around(const LayerContours& layer, std::size_t c, std::vector<std::size_t>& around) {
     const auto own = points_of(layer, layer.contours[c]);
     for (std::size_t i = 0; i < own.size(); ++i) {
         const Point a = own[i];
         const Point b = own[(i + 1) % own.size()];
-        const HalfPoint middle{std::int64_t{a.x} + b.x, std::int64_t{a.y} + b.y};
+        const rings::Place middle{Int128{a.x} + b.x, Int128{a.y} + b.y, 2};
         bool on = false;
         around.clear();
         for (std::size_t o = 0; o < layer.contours.size() && !on; ++o) {
-            const Turns turns = o == c ? Turns{} : turns_around(points_of(layer, layer.contours[o]), middle);
-            on = turns.on;
-            if (turns.winding != 0) {
+            const std::optional<int> winding =
+                o == c ? std::optional(0) : rings::winding(points_of(layer, layer.contours[o]), middle);
+            on = !winding;
+            if (winding.value_or(0) != 0) {
                 around.push_back(o);
             }
         }
@@ -165,46 +135,96 @@ inline std::string broken_parent(const LayerContours& layer, std::size_t c) {
     return {};
 }
 
-inline std::string broken_contour(const LayerContours& layer, std::size_t c) {
-    const Contour& contour = layer.contours[c];
-    const auto points = points_of(layer, contour);
-    const bool outer = contour.role == lamella::Role::outer;
-    if (!outer && contour.role != lamella::Role::hole) {
-        return "neither outer nor hole";
+inline bool turns_back(std::span<const Point> ring) {
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+        const Point& before = ring[(i + ring.size() - 1) % ring.size()];
+        const Point& at = ring[i];
+        const Point& after = ring[(i + 1) % ring.size()];
+        const Int128 along =
+            (Int128{at.x} - before.x) * (Int128{after.x} - at.x) + (Int128{at.y} - before.y) * (Int128{after.y} - at.y);
+        if (along < 0 && rings::cross(before, at, after) == 0) {
+            return true;
+        }
     }
+    return false;
+}
+
+inline std::string fault_in_ring(const Contour& contour, std::span<const Point> points) {
     if (points.size() < 3) {
-        return "fewer than three points";
+        return "has fewer than three points";
     }
-    Wide twice = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const Point a = points[i];
-        const Point b = points[(i + 1) % points.size()];
-        if (a == b) {
-            return "equal consecutive points";
-        }
-        if (std::abs(std::int64_t{a.x}) > lamella::grid_limit || std::abs(std::int64_t{a.y}) > lamella::grid_limit) {
-            return "a point beyond the grid";
-        }
-        twice += Wide{a.x} * b.y - Wide{a.y} * b.x;
+    if (std::adjacent_find(points.begin(), points.end()) != points.end() || points.front() == points.back()) {
+        return "has equal consecutive points";
     }
-    const lamella::Integer128 stored{static_cast<std::uint64_t>(twice), static_cast<std::int64_t>(twice >> 64)};
-    if (!(stored == contour.twice_area)) {
-        return "the area is not that of its points";
-    }
-    if (twice == 0 || (twice > 0) != outer || contour.orientation != (outer ? 1 : -1)) {
-        return "outers run counter-clockwise, holes clockwise";
+    if (turns_back(points)) {
+        return "turns back along itself";
     }
     if (*std::min_element(points.begin(), points.end()) != points.front()) {
-        return "starts at its smallest point";
+        return "does not start at its smallest point";
     }
-    return broken_parent(layer, c);
+    const auto is_off_grid = [](Point p) {
+        return std::abs(std::int64_t{p.x}) > lamella::grid_limit || std::abs(std::int64_t{p.y}) > lamella::grid_limit;
+    };
+    if (std::any_of(points.begin(), points.end(), is_off_grid)) {
+        return "has a point beyond the grid";
+    }
+    const Int128 twice = twice_area(points);
+    if (!(contour.twice_area ==
+          lamella::Integer128{static_cast<std::uint64_t>(twice), static_cast<std::int64_t>(twice >> 64)})) {
+        return "states a false area";
+    }
+    const bool outer = contour.role == lamella::Role::outer;
+    if (!outer && contour.role != lamella::Role::hole) {
+        return "is neither outer nor hole";
+    }
+    if (contour.orientation != (outer ? 1 : -1) || (twice > 0) != outer || twice == 0) {
+        return "does not run as its role demands";
+    }
+    return "";
+}
+
+/// What a single look at the contours shows: areas, orientations, roles, starts, order. Empty if nothing is wrong.
+inline std::string fault_in(const LayerContours& layer) {
+    const auto start_of = [&](std::size_t c) { return layer.points[layer.contours[c].first_point]; };
+    std::uint64_t points = 0;
+    std::size_t outer = 0;  // the last one
+    for (std::size_t c = 0; c < layer.contours.size(); ++c) {
+        const Contour& contour = layer.contours[c];
+        const auto fault = [&](const std::string& what) { return "contour " + std::to_string(c) + " " + what; };
+        if (contour.first_point != points || contour.point_count > layer.points.size() - points) {
+            return fault("does not begin where the one before it ends");
+        }
+        points += contour.point_count;
+        if (std::string found = fault_in_ring(contour, points_of(layer, contour)); !found.empty()) {
+            return fault(found);
+        }
+        if (contour.parent < -1 || contour.parent >= static_cast<std::int64_t>(layer.contours.size())) {
+            return fault("has a parent that is no contour");
+        }
+        if (contour.parent < 0 ? contour.role == lamella::Role::hole
+                               : layer.contours[static_cast<std::size_t>(contour.parent)].role == contour.role) {
+            return fault("has no parent of the other role");
+        }
+        const bool hole = contour.role == lamella::Role::hole;
+        const std::size_t before = hole ? c - 1 : outer;  // an outer one follows the last outer one and its holes
+        if (hole && contour.parent != static_cast<std::int64_t>(outer)) {
+            return fault("is a hole that does not follow its outer contour");
+        }
+        if (c > 0 && start_of(c) < start_of(before)) {
+            return fault("starts before the one that it follows");
+        }
+        outer = hole ? outer : c;
+    }
+    return points == layer.points.size() ? "" : "points that belong to no contour";
 }
 
 /// The broken promise of a region in words, or empty. O(contours times points).
 inline std::string broken_promise(const LayerContours& layer) {
+    if (std::string fault = fault_in(layer); !fault.empty()) {
+        return fault;
+    }
     for (std::size_t c = 0; c < layer.contours.size(); ++c) {
-        const std::string broken = broken_contour(layer, c);
-        if (!broken.empty()) {
+        if (const std::string broken = broken_parent(layer, c); !broken.empty()) {
             return "contour " + std::to_string(c) + ": " + broken;
         }
     }
@@ -224,11 +244,11 @@ inline std::string broken_promise(const LayerContours& layer) {
 }
 
 /// The same contours in another order, each from another of its points on.
-inline Rings shuffled(Rings rings, std::uint32_t seed) {
+inline Polygons shuffled(Polygons rings, std::uint32_t seed) {
     for (std::size_t i = rings.size(); i > 0; --i) {
         seed = seed * 1664525U + 1013904223U;
         std::swap(rings[i - 1], rings[(seed >> 8) % i]);
-        Ring& ring = rings[i - 1];
+        Polygon& ring = rings[i - 1];
         if (!ring.empty()) {
             std::rotate(ring.begin(), ring.begin() + static_cast<std::ptrdiff_t>((seed >> 12) % ring.size()), ring.end());
         }
@@ -237,12 +257,12 @@ inline Rings shuffled(Rings rings, std::uint32_t seed) {
 }
 
 /// Dilated and eroded with nothing left alone: what closing must agree with.
-inline lamella::Result<LayerContours> closed_everywhere(const Rings& rings, RegionRules rules,
+inline lamella::Result<LayerContours> closed_everywhere(const Polygons& polygons, RegionRules rules,
                                                         double unit_mm = lamella::default_unit_mm) {
     const double radius = rules.close_mm;
     rules.close_mm = 0;
     rules.offset_mm = radius;
-    auto dilated = region(rings, rules, unit_mm);
+    auto dilated = region(polygons, rules, unit_mm);
     if (!dilated) {
         return dilated;
     }

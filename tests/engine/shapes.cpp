@@ -86,10 +86,37 @@ Soup triangle(Xyz a, Xyz b, Xyz c) {
     return soup;
 }
 
+Soup quad(Xyz a, Xyz b, Xyz c, Xyz d) {
+    Soup soup;
+    add(soup, a, b, c);
+    add(soup, a, c, d);
+    return soup;
+}
+
+Soup tetrahedron(Xyz a, Xyz b, Xyz c, Xyz d) {
+    return joined({triangle(a, b, c), triangle(a, c, d), triangle(a, d, b), triangle(b, d, c)});
+}
+
+Soup wall(std::array<double, 2> from, std::array<double, 2> to) {
+    return quad({from[0], from[1], 0}, {to[0], to[1], 0}, {to[0], to[1], 10}, {from[0], from[1], 10});
+}
+
+void append(Soup& soup, const Soup& more) {
+    soup.insert(soup.end(), more.begin(), more.end());
+}
+
+Soup walls(const std::vector<std::array<double, 2>>& polygon) {
+    Soup all;
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+        append(all, wall(polygon[i], polygon[(i + 1) % polygon.size()]));
+    }
+    return all;
+}
+
 Soup joined(std::initializer_list<Soup> parts) {
     Soup all;
     for (const Soup& part : parts) {
-        all.insert(all.end(), part.begin(), part.end());
+        append(all, part);
     }
     return all;
 }
@@ -116,21 +143,26 @@ Soup scaled(Soup soup, Xyz by) {
     return soup;
 }
 
+Soup without(Soup soup, std::size_t from, std::size_t count) {
+    const auto at = soup.begin() + static_cast<std::ptrdiff_t>(9 * from);
+    soup.erase(at, at + static_cast<std::ptrdiff_t>(9 * count));
+    return soup;
+}
+
+Soup only(const Soup& soup, std::size_t from, std::size_t count) {
+    const auto at = soup.begin() + static_cast<std::ptrdiff_t>(9 * from);
+    return {at, at + static_cast<std::ptrdiff_t>(9 * count)};
+}
+
 Soup box(Xyz low, Xyz high) {
     const auto [x0, y0, z0] = low;
     const auto [x1, y1, z1] = high;
-    Soup soup;
-    const auto quad = [&](Xyz a, Xyz b, Xyz c, Xyz d) {
-        add(soup, a, b, c);
-        add(soup, a, c, d);
-    };
-    quad({x0, y0, z0}, {x0, y1, z0}, {x1, y1, z0}, {x1, y0, z0});
-    quad({x0, y0, z1}, {x1, y0, z1}, {x1, y1, z1}, {x0, y1, z1});
-    quad({x0, y0, z0}, {x1, y0, z0}, {x1, y0, z1}, {x0, y0, z1});
-    quad({x1, y0, z0}, {x1, y1, z0}, {x1, y1, z1}, {x1, y0, z1});
-    quad({x1, y1, z0}, {x0, y1, z0}, {x0, y1, z1}, {x1, y1, z1});
-    quad({x0, y1, z0}, {x0, y0, z0}, {x0, y0, z1}, {x0, y1, z1});
-    return soup;
+    return joined({quad({x0, y0, z0}, {x0, y1, z0}, {x1, y1, z0}, {x1, y0, z0}),
+                   quad({x0, y0, z1}, {x1, y0, z1}, {x1, y1, z1}, {x0, y1, z1}),
+                   quad({x0, y0, z0}, {x1, y0, z0}, {x1, y0, z1}, {x0, y0, z1}),
+                   quad({x1, y0, z0}, {x1, y1, z0}, {x1, y1, z1}, {x1, y0, z1}),
+                   quad({x1, y1, z0}, {x0, y1, z0}, {x0, y1, z1}, {x1, y1, z1}),
+                   quad({x0, y1, z0}, {x0, y0, z0}, {x0, y0, z1}, {x0, y1, z1})});
 }
 
 Soup octasphere(Xyz centre, double radius, int level) {
@@ -140,8 +172,7 @@ Soup octasphere(Xyz centre, double radius, int level) {
         const double sy = (octant & 2) != 0 ? -1 : 1;
         const double sz = (octant & 4) != 0 ? -1 : 1;
         const Soup face = triangle({sx, 0, 0}, {0, sy, 0}, {0, 0, sz});
-        const Soup outward = sx * sy * sz > 0 ? face : flipped(face);
-        soup.insert(soup.end(), outward.begin(), outward.end());
+        append(soup, sx * sy * sz > 0 ? face : flipped(face));
     }
     for (int i = 0; i < level; ++i) {
         soup = split_in_four(soup);
@@ -189,10 +220,7 @@ Soup random_tetrahedra(std::uint64_t seed, int count, std::uint64_t range) {
         const Xyz b = random_corner(random, range);
         const Xyz c = random_corner(random, range);
         const Xyz d = random_corner(random, range);
-        add(soup, a, b, c);
-        add(soup, a, c, d);
-        add(soup, a, d, b);
-        add(soup, b, d, c);
+        append(soup, tetrahedron(a, b, c, d));
     }
     return soup;
 }

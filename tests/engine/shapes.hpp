@@ -16,10 +16,23 @@ using Soup = std::vector<double>;
 using Xyz = std::array<double, 3>;
 
 Soup triangle(Xyz a, Xyz b, Xyz c);
+Soup quad(Xyz a, Xyz b, Xyz c, Xyz d);
+/// With d on the inner side of a, b, c.
+Soup tetrahedron(Xyz a, Xyz b, Xyz c, Xyz d);
+/// Upright, 10 mm high, over the line from one place to the other, with the solid on its left.
+Soup wall(std::array<double, 2> from, std::array<double, 2> to);
+/// Such walls over a closed polygon, without floor and ceiling.
+Soup walls(const std::vector<std::array<double, 2>>& polygon);
 Soup joined(std::initializer_list<Soup> parts);
+void append(Soup& soup, const Soup& more);
 Soup flipped(Soup soup);
 Soup moved(Soup soup, Xyz by);
 Soup scaled(Soup soup, Xyz by);
+
+/// Without triangles [from, from + count).
+Soup without(Soup soup, std::size_t from, std::size_t count);
+/// These triangles alone.
+Soup only(const Soup& soup, std::size_t from, std::size_t count);
 
 /// Twelve triangles, in pairs: bottom, top, front (low y), right, back, left. Every side's diagonal rises
 /// counter-clockwise.

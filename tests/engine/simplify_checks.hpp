@@ -27,9 +27,9 @@ using lamella::LayerContours;
 using lamella::Point;
 using lamella::RegionRules;
 using lamella::Role;
-using regions::Ring;
-using regions::Rings;
-using regions::Wide;
+using Ring = regions::Polygon;
+using Rings = regions::Polygons;
+using Wide = rings::Int128;
 
 constexpr double unit_mm = lamella::default_unit_mm;
 
@@ -46,25 +46,12 @@ struct Before {
     bool is_line(std::size_t edge) const { return end_of(edge) - begin_of(edge) > 1; }
 };
 
-inline Wide side(Point a, Point b, Point p) {
-    return (Wide{b.x} - a.x) * (Wide{p.y} - a.y) - (Wide{b.y} - a.y) * (Wide{p.x} - a.x);
-}
-
 inline Wide dot(Point a, Point b, Point p) {
     return (Wide{b.x} - a.x) * (Wide{p.x} - a.x) + (Wide{b.y} - a.y) * (Wide{p.y} - a.y);
 }
 
 inline bool on_edge(Point p, Point a, Point b) {
-    return side(a, b, p) == 0 && dot(p, a, b) <= 0;
-}
-
-inline int sign(Wide value) {
-    return (value > 0) - (value < 0);
-}
-
-inline bool edges_meet(Point a, Point b, Point c, Point d) {
-    return (sign(side(a, b, c)) * sign(side(a, b, d)) < 0 && sign(side(c, d, a)) * sign(side(c, d, b)) < 0) ||
-           on_edge(a, c, d) || on_edge(b, c, d) || on_edge(c, a, b) || on_edge(d, a, b);
+    return rings::lies_on(a, b, p);
 }
 
 /// By steps of a unit where lengths are small: exact in long double up to its rounding.
@@ -75,7 +62,7 @@ inline bool is_within(Point p, Point a, Point b, long double tolerance) {
         const Point end = along <= 0 ? a : b;
         return static_cast<long double>(dot(end, p, p)) <= tolerance * tolerance * 1.0000001L;
     }
-    const auto area = static_cast<long double>(side(a, b, p));
+    const auto area = static_cast<long double>(rings::cross(a, b, p));
     return area * area <= tolerance * tolerance * length2 * 1.0000001L;
 }
 
@@ -124,7 +111,7 @@ inline std::size_t meeting_lines(const std::vector<Before>& contours) {
                     const Point to = other.at(other.end_of(f));
                     if (c != d ||
                         (f != e && f != e + 1 && e != f + 1 && !(other.closed && f + e + 1 == count && f * e == 0))) {
-                        found += edges_meet(a, b, from, to);
+                        found += rings::meet(a, b, from, to);
                     } else if (f != e) {
                         const bool after = f == e + 1 || (f == 0 && e + 1 == count && e != 1);
                         found +=
@@ -143,7 +130,7 @@ inline int winding(std::span<const Point> ring, Point p) {
         const Point a = ring[i];
         const Point b = ring[(i + 1) % ring.size()];
         if ((a.y <= p.y) != (b.y <= p.y)) {
-            sum += a.y <= p.y ? side(a, b, p) > 0 : -(side(a, b, p) < 0);
+            sum += a.y <= p.y ? rings::side(a, b, p) > 0 : -(rings::side(a, b, p) < 0);
         }
     }
     return sum;
@@ -219,6 +206,11 @@ inline Comparison simplify(const Rings& rings, double units, const RegionRules& 
     return sizes;
 }
 
+inline int sign_of_area(const lamella::NestItem& item) {
+    const Wide twice = lamella::to_int128(item.twice_area);
+    return (twice > 0) - (twice < 0);
+}
+
 /// The same of contours that may pass a point twice: the stage says which points it left.
 inline Comparison simplify_as_given(const Rings& rings, std::int64_t tolerance) {
     std::vector<lamella::NestItem> items;
@@ -242,7 +234,7 @@ inline Comparison simplify_as_given(const Rings& rings, std::int64_t tolerance) 
             REQUIRE(after[c].from_start(i) == contour.at(contour.left[i]));
         }
         CHECK(lines_beyond(contour, static_cast<double>(tolerance)) == 0);
-        CHECK(sign(lamella::to_int128(items[c].twice_area)) == sign(lamella::to_int128(after[c].twice_area)));
+        CHECK(sign_of_area(items[c]) == sign_of_area(after[c]));
         sizes.points_before += rings[c].size();
         sizes.points_after += left.size();
         contours.push_back(std::move(contour));

@@ -28,15 +28,10 @@ inline SlabOptions slabs_at(std::vector<double> heights_mm, double unit_mm = coa
 
 /// Requires success and two valid results.
 inline Slabs slabs_of(const MeshView& mesh, const SlabOptions& options) {
-    lamella::Result<Slabs> slabs = slice_slabs(mesh, options);
-    INFO((slabs ? std::string() : slabs.error().message));
-    REQUIRE(slabs.ok());
-    for (const SliceResult* const result : {&slabs->top, &slabs->bottom}) {
-        const lamella::Status valid = validate(*result);
-        INFO((valid ? std::string() : valid.error().message));
-        REQUIRE(valid.ok());
-    }
-    return std::move(slabs).value();
+    Slabs slabs = value_of(slice_slabs(mesh, options));
+    require_ok(validate(slabs.top));
+    require_ok(validate(slabs.bottom));
+    return slabs;
 }
 inline Slabs slabs_of(const shapes::Soup& soup, const SlabOptions& options) {
     return slabs_of(view_of(soup), options);

@@ -1,9 +1,6 @@
 #include "engine/slicing.hpp"
 
 #include <sstream>
-#include <utility>
-
-#include <catch2/catch.hpp>
 
 using lamella::Contour;
 using lamella::Error;
@@ -30,26 +27,51 @@ SliceOptions uniform(double layer_height_mm, double unit_mm) {
     return options;
 }
 
+lamella::SliceOptions through_quarters(std::uint64_t range) {
+    std::vector<double> heights;
+    for (std::uint64_t quarter = 1; quarter <= 4 * range; ++quarter) {
+        heights.push_back(0.25 * static_cast<double>(quarter));
+    }
+    lamella::SliceOptions options = at_heights(heights);
+    options.unit_mm = 0.125;
+    return options;
+}
+
+shapes::Soup generated(lamella::models::Shape shape, std::uint64_t triangles, std::uint64_t seed) {
+    const std::vector<float> soup =
+        lamella::models::make_soup({.shape = shape, .triangles = triangles, .height_mm = 20, .seed = seed});
+    return {soup.begin(), soup.end()};
+}
+
+void require_ok(const Status& status) {
+    INFO((status ? std::string() : status.error().message));
+    REQUIRE(status.ok());
+}
+
+namespace {
+
+SliceResult valid(Result<SliceResult> made) {
+    SliceResult result = value_of(std::move(made));
+    require_ok(validate(result));
+    return result;
+}
+
+}  // namespace
+
 SliceResult sliced(const MeshView& mesh, const SliceOptions& options) {
-    Result<SliceResult> result = slice(mesh, options);
-    INFO((result ? std::string() : result.error().message));
-    REQUIRE(result.ok());
-    const Status valid = validate(*result);
-    INFO((valid ? std::string() : valid.error().message));
-    REQUIRE(valid.ok());
-    return std::move(result).value();
+    return valid(slice(mesh, options));
 }
 
 SliceResult sliced(const shapes::Soup& soup, const SliceOptions& options) {
     return sliced(view_of(soup), options);
 }
 
+SliceResult sliced(const std::vector<lamella::Part>& parts, const SliceOptions& options, lamella::PartRegions regions) {
+    return valid(slice_parts(parts, options, regions));
+}
+
 Error failure_of(const MeshView& mesh, const SliceOptions& options) {
-    const Result<SliceResult> result = slice(mesh, options);
-    REQUIRE_FALSE(result.ok());
-    CHECK_FALSE(result.error().message.empty());
-    CHECK(result.error().message.find('\n') == std::string::npos);
-    return result.error();
+    return error_of(slice(mesh, options));
 }
 
 std::vector<std::string> contours_at(const SliceResult& result, std::size_t layer) {

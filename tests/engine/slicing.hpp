@@ -1,11 +1,16 @@
 // What the engine's tests share: meshes as views, slices that are validated at once, contours as text.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include <catch2/catch.hpp>
 
 #include "engine/shapes.hpp"
 #include "lamella/lamella.hpp"
+#include "models/models.hpp"
 
 /// A grid on which whole mm are small even numbers: x mm are 2x units, so expected contours can be written down.
 inline constexpr double coarse_unit_mm = 0.5;
@@ -19,11 +24,44 @@ lamella::SliceOptions at_heights(std::vector<double> heights_mm);
 
 lamella::SliceOptions uniform(double layer_height_mm, double unit_mm = 0);
 
+/// Planes at every quarter of a mm up to `range` mm, so at all corners of random_soup() and between them, on a grid of
+/// which a whole mm is a multiple of 8 units.
+lamella::SliceOptions through_quarters(std::uint64_t range);
+
+/// A generated mesh of 20 mm.
+shapes::Soup generated(lamella::models::Shape shape, std::uint64_t triangles, std::uint64_t seed = 1);
+
+/// Requires success.
+void require_ok(const lamella::Status& status);
+template <class T>
+T value_of(lamella::Result<T> result) {
+    require_ok(result ? lamella::Status() : lamella::Status(result.error()));
+    return std::move(result).value();
+}
+
+/// What a call failed with, or nothing.
+template <class Outcome>
+std::optional<lamella::ErrorCode> code_of(const Outcome& outcome) {
+    return outcome.ok() ? std::nullopt : std::optional(outcome.error().code);
+}
+
+/// Requires an error and returns it. Its message must be one line.
+template <class Outcome>
+lamella::Error error_of(const Outcome& outcome) {
+    REQUIRE_FALSE(outcome.ok());
+    CHECK_FALSE(outcome.error().message.empty());
+    CHECK(outcome.error().message.find('\n') == std::string::npos);
+    return outcome.error();
+}
+
 /// Slices. Requires success and a valid result.
 lamella::SliceResult sliced(const lamella::MeshView& mesh, const lamella::SliceOptions& options);
 lamella::SliceResult sliced(const shapes::Soup& soup, const lamella::SliceOptions& options);
 
-/// Requires an error and returns it. Its message must be one line.
+/// The same for parts.
+lamella::SliceResult sliced(const std::vector<lamella::Part>& parts, const lamella::SliceOptions& options,
+                            lamella::PartRegions regions = lamella::PartRegions::separate);
+
 lamella::Error failure_of(const lamella::MeshView& mesh, const lamella::SliceOptions& options);
 
 /// The contours of one layer, one line each:

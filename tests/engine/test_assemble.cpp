@@ -1,6 +1,7 @@
 // Contours from the segments that a caller passes, with the caller's keys and ranks.
 #include <catch2/catch.hpp>
 
+#include "engine/slicing.hpp"
 #include "lamella/assemble.hpp"
 
 using lamella::EndKey;
@@ -16,14 +17,13 @@ EndKey key(std::uint64_t a) {
 }
 
 LayerContours assembled(const std::vector<Segment>& segments) {
-    lamella::Result<LayerContours> layer = assemble(segments);
-    REQUIRE(layer.ok());
+    LayerContours layer = value_of(assemble(segments));
     std::uint64_t sum = 0;
-    for (const lamella::Contour& contour : layer->contours) {
+    for (const lamella::Contour& contour : layer.contours) {
         sum += contour.segments;
     }
     REQUIRE(sum == segments.size());
-    return std::move(layer).value();
+    return layer;
 }
 
 std::vector<Point> points_of(const LayerContours& layer, std::size_t c) {

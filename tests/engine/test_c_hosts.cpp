@@ -9,53 +9,14 @@
 
 #include "engine/c_calls.hpp"
 #include "engine/shapes.hpp"
+#include "engine/slicing.hpp"
 #include "lamella/lamella.h"
 #include "lamella/lamella.hpp"
 
+using namespace c_calls;
 using namespace lamella;
-using c_calls::Freed;
-using c_calls::fresh_error;
-using c_calls::options_at;
-using c_calls::ResultHandle;
-using c_calls::sliced;
-using c_calls::soup_of;
-using c_calls::tetrahedron;
 
 namespace {
-
-lamella_view view_of(const ResultHandle& result) {
-    lamella_view view;
-    lamella_view_init(&view);
-    lamella_result_view(result.get(), &view);
-    return view;
-}
-
-lamella_totals fresh_totals() {
-    lamella_totals totals;
-    lamella_totals_init(&totals);
-    return totals;
-}
-
-/// Arrays of a host that hold what `bounds` says.
-struct HostArrays {
-    explicit HostArrays(const lamella_output_bounds& bounds)
-        : points(bounds.points), origins(bounds.points), contours(bounds.contours), layers(bounds.layers) {
-        lamella_host_output_init(&output);
-        output.point_type = LAMELLA_I32;
-        output.points = points.data();
-        output.point_capacity = points.size();
-        output.contours = contours.data();
-        output.contour_capacity = contours.size();
-        output.layers = layers.data();
-        output.layer_capacity = layers.size();
-        output.origins = origins.data();
-    }
-    std::vector<lamella_point> points;
-    std::vector<lamella_point_origin> origins;
-    std::vector<lamella_contour> contours;
-    std::vector<lamella_layer> layers;
-    lamella_host_output output;
-};
 
 bool same_bytes(const lamella_point_origin* a, const lamella_point_origin* b, std::uint64_t count) {
     return std::memcmp(a, b, count * sizeof *a) == 0;
@@ -78,14 +39,13 @@ TEST_CASE("origins by C are those of C++", "[c]") {
     SliceOptions same;
     same.plan.spacing = UniformLayers{.layer_height_mm = 0.7};
     same.origins = true;
-    const Result<SliceResult> expected = slice(MeshView::soup(sphere), same);
-    REQUIRE(expected);
+    const SliceResult expected = value_of(slice(MeshView::soup(sphere), same));
     const ResultHandle result = sliced(mesh, options);
     const lamella_view view = view_of(result);
     REQUIRE(view.origins != nullptr);
-    REQUIRE(view.point_count == expected->origins.size());
+    REQUIRE(view.point_count == expected.origins.size());
     for (std::uint64_t i = 0; i < view.point_count; ++i) {
-        const PointOrigin& origin = expected->origins[i];
+        const PointOrigin& origin = expected.origins[i];
         REQUIRE(view.origins[i].triangle == origin.triangle);
         REQUIRE(view.origins[i].triangle < mesh.triangle_count);
         REQUIRE(view.origins[i].edge == origin.edge);
@@ -107,11 +67,11 @@ TEST_CASE("origins by C are those of C++", "[c]") {
         CHECK(same_bytes(got.data(), view.origins, view.point_count));
     }
     SECTION("in host arrays") {
-        lamella_output_bounds bounds;
-        lamella_output_bounds_init(&bounds);
+        lamella_output_bounds bounds = fresh(lamella_output_bounds_init_sized);
         REQUIRE(lamella_bound_output(&mesh, &options, nullptr, &bounds, nullptr) == LAMELLA_OK);
-        HostArrays host(bounds);
-        lamella_totals totals = fresh_totals();
+        HostArrays<std::int32_t> host(bounds, LAMELLA_I32);
+        host.output.origins = host.origins.data();
+        lamella_totals totals = fresh(lamella_totals_init_sized);
         REQUIRE(lamella_slice_into(&host.output, &mesh, &options, nullptr, &totals, nullptr) == LAMELLA_OK);
         REQUIRE(totals.points == view.point_count);
         CHECK(same_bytes(host.origins.data(), view.origins, view.point_count));
@@ -140,12 +100,12 @@ TEST_CASE("a prepared mesh is written into host arrays by C", "[c]") {
     const std::unique_ptr<lamella_prepared, Freed> prepared(handle);
     CHECK(lamella_prepared_unit_mm(handle) == LAMELLA_DEFAULT_UNIT_MM);
     CHECK(lamella_prepared_unit_mm(nullptr) == 0);
-    lamella_output_bounds bounds;
-    lamella_output_bounds_init(&bounds);
+    lamella_output_bounds bounds = fresh(lamella_output_bounds_init_sized);
     REQUIRE(lamella_bound_prepared_output(handle, &options, nullptr, &bounds, nullptr) == LAMELLA_OK);
     CHECK(bounds.layers == view.layer_count);
-    HostArrays host(bounds);
-    lamella_totals totals = fresh_totals();
+    HostArrays<std::int32_t> host(bounds, LAMELLA_I32);
+    host.output.origins = host.origins.data();
+    lamella_totals totals = fresh(lamella_totals_init_sized);
     REQUIRE(lamella_slice_prepared_into(&host.output, handle, &options, nullptr, &totals, nullptr) == LAMELLA_OK);
     REQUIRE(totals.points == view.point_count);
     CHECK(std::memcmp(host.points.data(), view.points, view.point_count * sizeof(lamella_point)) == 0);
@@ -159,16 +119,12 @@ TEST_CASE("totals of C hold the counts of a result, and the layer of each height
     const std::vector<float> soup = hollow_and_solid();
     const lamella_mesh mesh = soup_of(soup);
     const std::vector<double> heights = {7.5, 1, 4.5, 1};
-    lamella_options options;
-    lamella_options_init(&options);
-    options.spacing = LAMELLA_LAYERS_AT_HEIGHTS;
-    options.heights_mm = heights.data();
-    options.height_count = heights.size();
+    lamella_options options = options_at(heights);
     const ResultHandle expected = sliced(mesh, options);
     const lamella_view view = view_of(expected);
     const lamella_sink sink = {[](void*, const lamella_layer_view*) {}, nullptr, LAMELLA_SINK_ANY, 0};
     std::vector<std::uint64_t> layer_of(4, 99);
-    lamella_totals totals = fresh_totals();
+    lamella_totals totals = fresh(lamella_totals_init_sized);
     totals.layer_of = layer_of.data();
     totals.layer_of_capacity = layer_of.size();
     REQUIRE(lamella_slice_to(&sink, &mesh, &options, nullptr, &totals, nullptr) == LAMELLA_OK);
@@ -192,12 +148,8 @@ TEST_CASE("totals of C hold the counts of a result, and the layer of each height
 TEST_CASE("islands and areas go through C", "[c]") {
     const std::vector<float> soup = hollow_and_solid();
     const lamella_mesh mesh = soup_of(soup);
-    const double height = 4.5;
-    lamella_options options;
-    lamella_options_init(&options);
-    options.spacing = LAMELLA_LAYERS_AT_HEIGHTS;
-    options.heights_mm = &height;
-    options.height_count = 1;
+    const std::vector<double> heights = {4.5};
+    const lamella_options options = options_at(heights);
     const ResultHandle result = sliced(mesh, options);
     const lamella_view view = view_of(result);
     std::vector<double> areas;
@@ -227,12 +179,11 @@ TEST_CASE("slabs by C are those of C++", "[c]") {
     const ResultHandle bottoms(bottom);
     SlabOptions same;
     same.plan.spacing = UniformLayers{.layer_height_mm = 3};
-    const Result<Slabs> expected = slice_slabs(MeshView::soup(soup), same);
-    REQUIRE(expected);
+    const Slabs expected = value_of(slice_slabs(MeshView::soup(soup), same));
     REQUIRE(view_of(tops).contour_count != 0);
     REQUIRE(view_of(bottoms).contour_count != 0);
-    CHECK(lamella_result_hash(top) == hash_result(expected->top));
-    CHECK(lamella_result_hash(bottom) == hash_result(expected->bottom));
+    CHECK(lamella_result_hash(top) == hash_result(expected.top));
+    CHECK(lamella_result_hash(bottom) == hash_result(expected.bottom));
     CHECK(lamella_result_hash(top) != lamella_result_hash(bottom));
 
     lamella_result* alone = nullptr;
@@ -251,8 +202,7 @@ TEST_CASE("slabs by C are those of C++", "[c]") {
 TEST_CASE("a tolerance of simplification goes through C", "[c]") {
     const std::vector<float> sphere = shapes::floats(shapes::octasphere({0, 0, 0}, 20, 4));
     const lamella_mesh mesh = soup_of(sphere);
-    lamella_region_rules rules;
-    lamella_region_rules_init(&rules);
+    lamella_region_rules rules = fresh(lamella_region_rules_init_sized);
     rules.simplify_mm = 0.5;
     lamella_options options = options_at(1);
     const std::uint64_t points = view_of(sliced(mesh, options)).point_count;

@@ -16,21 +16,14 @@
 #include "lamella/lamella.h"
 #include "lamella/lamella.hpp"
 
+using namespace c_calls;
 using namespace lamella;
-using c_calls::Freed;
-using c_calls::fresh_error;
-using c_calls::options_at;
-using c_calls::ResultHandle;
-using c_calls::sliced;
-using c_calls::soup_of;
-using c_calls::tetrahedron;
 
 namespace {
 
 std::uint64_t hash_in_cpp(const MeshView& mesh, const SliceOptions& options) {
-    const Result<SliceResult> result = slice(mesh, options);
-    REQUIRE(result);
-    return hash_result(*result);
+    const SliceResult result = value_of(slice(mesh, options));
+    return hash_result(result);
 }
 
 }  // namespace
@@ -41,9 +34,7 @@ TEST_CASE("a slice by C has the bytes of one by C++", "[c]") {
     const lamella_mesh mesh = soup_of(tetrahedron);
     const ResultHandle result = sliced(mesh, options_at(0.5));
     CHECK(lamella_result_hash(result.get()) == hash_in_cpp(MeshView::soup(tetrahedron), options));
-    lamella_view view;
-    lamella_view_init(&view);
-    lamella_result_view(result.get(), &view);
+    lamella_view view = view_of(result);
     REQUIRE(view.layer_count == 18);
     CHECK(view.triangles == 4);
     CHECK(view.contours[view.layers[3].first_contour].role == LAMELLA_ROLE_OUTER);
@@ -55,8 +46,7 @@ TEST_CASE("every type of coordinates and indices gives the same slice by C", "[c
     const std::vector<std::int32_t> corners = {0, 0, 0, 9000, 0, 0, 0, 9000, 0, 0, 0, 9000};
     const std::vector<std::uint32_t> indices = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
     const auto hash = [&](int type, const void* vertices, int index_type, const void* index, std::size_t index_stride) {
-        lamella_mesh mesh;
-        lamella_mesh_init(&mesh);
+        lamella_mesh mesh = fresh(lamella_mesh_init_sized);
         mesh.coordinate_type = type;
         mesh.vertices = vertices;
         mesh.vertex_count = 4;
@@ -86,8 +76,7 @@ TEST_CASE("every type of coordinates and indices gives the same slice by C", "[c
 TEST_CASE("an index of 64 bits beyond the last vertex is named", "[c]") {
     const std::vector<double> xyz = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     const std::vector<std::uint64_t> indices = {0, 1, 2, 0, 1, std::uint64_t{1} << 32};
-    lamella_mesh mesh;
-    lamella_mesh_init(&mesh);
+    lamella_mesh mesh = fresh(lamella_mesh_init_sized);
     mesh.coordinate_type = LAMELLA_F64;
     mesh.vertices = xyz.data();
     mesh.vertex_count = 3;
@@ -191,15 +180,10 @@ TEST_CASE("what C gives wrongly is refused by name", "[c]") {
 
 TEST_CASE("heights, rules and gaps go through C", "[c]") {
     const std::vector<double> heights = {7, 1, 1, 4};
-    lamella_region_rules rules;
-    lamella_region_rules_init(&rules);
+    lamella_region_rules rules = fresh(lamella_region_rules_init_sized);
     rules.fill_rule = LAMELLA_FILL_NON_ZERO;
     rules.offset_mm = 0.25;
-    lamella_options options;
-    lamella_options_init(&options);
-    options.spacing = LAMELLA_LAYERS_AT_HEIGHTS;
-    options.heights_mm = heights.data();
-    options.height_count = heights.size();
+    lamella_options options = options_at(heights);
     options.region = &rules;
     const lamella_mesh mesh = soup_of(tetrahedron);
     const ResultHandle result = sliced(mesh, options);
@@ -208,9 +192,7 @@ TEST_CASE("heights, rules and gaps go through C", "[c]") {
     same.region.fill_rule = FillRule::non_zero;
     same.region.offset_mm = 0.25;
     CHECK(lamella_result_hash(result.get()) == hash_in_cpp(MeshView::soup(tetrahedron), same));
-    lamella_view view;
-    lamella_view_init(&view);
-    lamella_result_view(result.get(), &view);
+    lamella_view view = view_of(result);
     REQUIRE(view.layer_of_count == 4);
     CHECK(std::vector<std::uint64_t>(view.layer_of, view.layer_of + 4) == std::vector<std::uint64_t>{2, 0, 0, 1});
     // The finest grid leaves room for the offset: 2^-26 mm holds 9 mm, but not three times 2.5 mm more.
@@ -237,8 +219,7 @@ TEST_CASE("threads, memory, stop and progress of C are used", "[c][threads]") {
                                  std::free(block);
                              },
                              &host};
-    lamella_control control;
-    lamella_control_init(&control);
+    lamella_control control = fresh(lamella_control_init_sized);
     control.memory = &memory;
     control.executor = [](void* self, std::int32_t workers, void (*body)(void*), void* argument) {
         for (int i = 0; i < workers; ++i) {
@@ -276,9 +257,7 @@ TEST_CASE("prepared meshes, sinks, parts and host arrays go through C", "[c]") {
     const lamella_options options = options_at(0.5);
     const ResultHandle expected = sliced(mesh, options);
     const std::uint64_t hash = lamella_result_hash(expected.get());
-    lamella_view view;
-    lamella_view_init(&view);
-    lamella_result_view(expected.get(), &view);
+    lamella_view view = view_of(expected);
     const std::unique_ptr<lamella_workspace, Freed> workspace(lamella_workspace_create());
 
     SECTION("a prepared mesh gives the same bytes") {
@@ -307,8 +286,7 @@ TEST_CASE("prepared meshes, sinks, parts and host arrays go through C", "[c]") {
                                                           layer->points + layer->point_count);
                                    },
                                    &got, LAMELLA_SINK_ASCENDING, 0};
-        lamella_totals totals;
-        lamella_totals_init(&totals);
+        lamella_totals totals = fresh(lamella_totals_init_sized);
         REQUIRE(lamella_slice_to(&sink, &mesh, &options, workspace.get(), &totals, nullptr) == LAMELLA_OK);
         CHECK(totals.layers == view.layer_count);
         CHECK(got.order.size() == view.layer_count);
@@ -327,36 +305,21 @@ TEST_CASE("prepared meshes, sinks, parts and host arrays go through C", "[c]") {
         REQUIRE(lamella_slice_parts(meshes, transforms.data(), 2, &options, LAMELLA_PARTS_SEPARATE, &result, nullptr) ==
                 LAMELLA_OK);
         const ResultHandle owned(result);
-        lamella_view both;
-        lamella_view_init(&both);
-        lamella_result_view(result, &both);
+        lamella_view both = view_of(result);
         CHECK(both.contour_count == 2 * view.contour_count);
         CHECK(both.contours[1].part == 1);
     }
     SECTION("host arrays are filled") {
-        lamella_output_bounds bounds;
-        lamella_output_bounds_init(&bounds);
+        lamella_output_bounds bounds = fresh(lamella_output_bounds_init_sized);
         REQUIRE(lamella_bound_output(&mesh, &options, workspace.get(), &bounds, nullptr) == LAMELLA_OK);
-        std::vector<double> xy(2 * bounds.points);
-        std::vector<lamella_contour> contours(bounds.contours);
-        std::vector<lamella_layer> layers(bounds.layers);
-        lamella_host_output output;
-        lamella_host_output_init(&output);
-        output.point_type = LAMELLA_F64;
-        output.points = xy.data();
-        output.point_capacity = bounds.points;
-        output.scale = bounds.unit_mm;
-        output.contours = contours.data();
-        output.contour_capacity = contours.size();
-        output.layers = layers.data();
-        output.layer_capacity = layers.size();
-        lamella_totals totals;
-        lamella_totals_init(&totals);
-        REQUIRE(lamella_slice_into(&output, &mesh, &options, workspace.get(), &totals, nullptr) == LAMELLA_OK);
+        HostArrays<double> host(bounds, LAMELLA_F64);
+        host.output.scale = bounds.unit_mm;
+        lamella_totals totals = fresh(lamella_totals_init_sized);
+        REQUIRE(lamella_slice_into(&host.output, &mesh, &options, workspace.get(), &totals, nullptr) == LAMELLA_OK);
         REQUIRE(totals.points == view.point_count);
         for (std::uint64_t i = 0; i < totals.points; ++i) {
-            REQUIRE(xy[2 * i] == view.points[i].x * view.unit_mm);
-            REQUIRE(xy[2 * i + 1] == view.points[i].y * view.unit_mm);
+            REQUIRE(host.points[2 * i] == view.points[i].x * view.unit_mm);
+            REQUIRE(host.points[2 * i + 1] == view.points[i].y * view.unit_mm);
         }
     }
 }
@@ -365,15 +328,12 @@ TEST_CASE("regions and assembled contours go through C", "[c]") {
     const std::vector<lamella_point> low = {{0, 0}, {4, 0}, {4, 4}, {0, 4}};
     const std::vector<lamella_point> high = {{2, 2}, {6, 2}, {6, 6}, {2, 6}};
     const lamella_path paths[] = {{low.data(), 4}, {high.data(), 4}};
-    lamella_region_rules rules;
-    lamella_region_rules_init(&rules);
+    lamella_region_rules rules = fresh(lamella_region_rules_init_sized);
     rules.fill_rule = LAMELLA_FILL_NON_ZERO;
     lamella_result* result = nullptr;
     REQUIRE(lamella_region_of(paths, 2, &rules, 1, nullptr, &result, nullptr) == LAMELLA_OK);
     const ResultHandle region(result);
-    lamella_view view;
-    lamella_view_init(&view);
-    lamella_result_view(result, &view);
+    lamella_view view = view_of(result);
     REQUIRE(view.contour_count == 1);
     CHECK(view.point_count == 8);
     CHECK(lamella_result_area_mm2(result, 0) == 28);

@@ -17,10 +17,7 @@ using lamella::VolumeVerdict;
 namespace {
 
 VolumeCertificate certified(const shapes::Soup& soup, const SliceResult& result, int threads = 1) {
-    const lamella::Result<VolumeCertificate> certificate = certify_volume(view_of(soup), result, {.threads = threads});
-    INFO((certificate ? std::string() : certificate.error().message));
-    REQUIRE(certificate.ok());
-    return certificate.value();
+    return value_of(certify_volume(view_of(soup), result, {.threads = threads}));
 }
 
 /// Moves the top vertex. An octasphere has exactly one.

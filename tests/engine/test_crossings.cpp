@@ -8,11 +8,13 @@
 
 #include "engine/crossings.hpp"
 #include "engine/slicing.hpp"
+#include "rings.hpp"
 
 using lamella::Crossings;
 using lamella::Point;
 using lamella::Role;
 using lamella::SliceResult;
+using rings::side;
 using Points = std::vector<Point>;
 
 namespace {
@@ -56,9 +58,7 @@ SliceResult result_of(const std::vector<Layer>& layers) {
 }
 
 Crossings found(const SliceResult& result, int threads = 1) {
-    const lamella::Result<Crossings> crossings = find_crossings(result, {.threads = threads});
-    REQUIRE(crossings.ok());
-    return crossings.value();
+    return value_of(find_crossings(result, {.threads = threads}));
 }
 
 std::uint64_t count_in(const Layer& layer) {
@@ -69,12 +69,8 @@ Path square(std::int32_t x, std::int32_t y, std::int32_t side) {
     return {{{x, y}, {x + side, y}, {x + side, y + side}, {x, y + side}}};
 }
 
-std::int64_t turn(Point a, Point b, Point c) {
-    return (std::int64_t{b.x} - a.x) * (std::int64_t{c.y} - a.y) - (std::int64_t{b.y} - a.y) * (std::int64_t{c.x} - a.x);
-}
-
-bool opposite(std::int64_t a, std::int64_t b) {
-    return (a > 0 && b < 0) || (a < 0 && b > 0);
+bool opposite(int a, int b) {
+    return a * b < 0;
 }
 
 struct Edge {
@@ -113,10 +109,8 @@ bool alternate(const Corner& a, const Corner& b) {
 }
 
 bool passes(const Corner& corner, const Edge& edge) {
-    const bool inside = turn(edge.from, edge.to, corner.at) == 0 && corner.at != edge.from && corner.at != edge.to &&
-                        std::min(edge.from.x, edge.to.x) <= corner.at.x && corner.at.x <= std::max(edge.from.x, edge.to.x) &&
-                        std::min(edge.from.y, edge.to.y) <= corner.at.y && corner.at.y <= std::max(edge.from.y, edge.to.y);
-    return inside && opposite(turn(edge.from, edge.to, corner.before), turn(edge.from, edge.to, corner.after));
+    const bool inside = rings::lies_on(edge.from, edge.to, corner.at) && corner.at != edge.from && corner.at != edge.to;
+    return inside && opposite(side(edge.from, edge.to, corner.before), side(edge.from, edge.to, corner.after));
 }
 
 /// Counts by testing every pair.
@@ -140,8 +134,8 @@ std::uint64_t counted(const Layer& layer) {
         for (std::size_t j = 0; j < i; ++j) {
             const Edge& a = edges[i];
             const Edge& b = edges[j];
-            count += opposite(turn(a.from, a.to, b.from), turn(a.from, a.to, b.to)) &&
-                     opposite(turn(b.from, b.to, a.from), turn(b.from, b.to, a.to));
+            count += opposite(side(a.from, a.to, b.from), side(a.from, a.to, b.to)) &&
+                     opposite(side(b.from, b.to, a.from), side(b.from, b.to, a.to));
         }
     }
     for (std::size_t i = 0; i < corners.size(); ++i) {

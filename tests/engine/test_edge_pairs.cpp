@@ -10,6 +10,7 @@
 
 #include "engine/counting_memory.hpp"
 #include "lamella/control.hpp"
+#include "rings.hpp"
 #include "slicing/edges/pair_search.hpp"
 
 using lamella::EdgePath;
@@ -46,22 +47,11 @@ Pairs found(lamella::EdgePairs& search, const Layer& layer, std::int32_t margin)
     return pairs;
 }
 
-std::int64_t side(Point a, Point b, Point p) {
-    const std::int64_t turn =
-        (std::int64_t{b.x} - a.x) * (std::int64_t{p.y} - a.y) - (std::int64_t{b.y} - a.y) * (std::int64_t{p.x} - a.x);
-    return (turn > 0) - (turn < 0);
-}
-
-bool have_common_point(Point a, Point b, Point c, Point d) {
-    return FlatBox::around(a, b).meets(FlatBox::around(c, d)) && side(a, b, c) * side(a, b, d) <= 0 &&
-           side(c, d, a) * side(c, d, b) <= 0;
-}
-
 /// Whether two edges of one path meet elsewhere than in a corner between them.
 bool must_be_found(const EdgePath& path, std::size_t i, std::size_t j) {
     const bool leads_on = j == i + 1 || (path.closed && i == 0 && j + 1 == path.edges());
     if (!leads_on || (path.closed && path.edges() == 2)) {
-        return have_common_point(path[i], path[i + 1], path[j], path[j + 1]);
+        return rings::meet(path[i], path[i + 1], path[j], path[j + 1]);
     }
     const auto [first, second] = j == i + 1 ? std::pair(i, j) : std::pair(j, i);
     const Point from = path[first];
@@ -69,7 +59,7 @@ bool must_be_found(const EdgePath& path, std::size_t i, std::size_t j) {
     const Point to = path[second + 1];
     const std::int64_t onwards = (std::int64_t{joint.x} - from.x) * (std::int64_t{to.x} - joint.x) +
                                  (std::int64_t{joint.y} - from.y) * (std::int64_t{to.y} - joint.y);
-    return side(from, joint, to) == 0 && onwards < 0;
+    return rings::side(from, joint, to) == 0 && onwards < 0;
 }
 
 /// Checks `pairs` against a test of all pairs of edges.

@@ -1,5 +1,4 @@
-// What the engine refuses, and how it is cancelled.
-#include <atomic>
+// What the engine refuses.
 #include <cmath>
 #include <limits>
 
@@ -11,10 +10,6 @@
 #include "engine/slicing.hpp"
 
 using lamella::ErrorCode;
-
-TEST_CASE("an empty mesh is an error", "[engine][errors]") {
-    CHECK(failure_of(view_of({}), uniform(0.1)).code == ErrorCode::empty_mesh);
-}
 
 TEST_CASE("unusable coordinates are an error that names their triangle", "[engine][errors]") {
     const double bad = GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
@@ -87,57 +82,6 @@ TEST_CASE("the default limit is half of physical memory", "[engine][errors]") {
     const lamella::Error error = failure_of(view_of(soup), uniform(layer_height_mm, 0x1p-23));
     CHECK(error.code == ErrorCode::result_too_large);
     CHECK_THAT(error.message, Catch::Contains(std::to_string(static_cast<std::uint64_t>(limit_bytes))));
-}
-
-TEST_CASE("a failing allocation is an error, not an exception", "[engine][errors]") {
-    const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 5);
-    for (std::size_t limit = 1 << 10; limit < (1 << 22); limit *= 2) {
-        CountingMemory memory(limit);
-        lamella::SliceOptions options = uniform(0.05);
-        options.control.memory = &memory;
-        {
-            const lamella::Result<lamella::SliceResult> result = slice(view_of(soup), options);
-            CHECK((result.ok() || result.error().code == ErrorCode::out_of_memory));
-            CHECK((result.ok() || limit < (1 << 24)));
-        }
-        CHECK(memory.held() == 0);
-    }
-}
-
-TEST_CASE("a stop request cancels slicing", "[engine][cancel]") {
-    const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 6);
-    lamella::SliceOptions options = uniform(0.01);
-    std::atomic<bool> stop = false;
-    options.control.stop = lamella::StopCheck::when(stop);
-    SECTION("before slicing begins") {
-        stop = true;
-        CHECK(failure_of(view_of(soup), options).code == ErrorCode::cancelled);
-    }
-    SECTION("during slicing") {
-        const auto stop_it = [&](double) noexcept { stop = true; };
-        options.control.progress = lamella::Progress::to(stop_it);
-        CHECK(failure_of(view_of(soup), options).code == ErrorCode::cancelled);
-    }
-    SECTION("no request") {
-        CHECK(sliced(soup, options).layers.size() == 2000);
-    }
-}
-
-TEST_CASE("progress rises from 0 to 1", "[engine][cancel]") {
-    const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 6);
-    lamella::SliceOptions options = uniform(0.01);
-    options.control.threads = GENERATE(1, 3);
-    options.tuning.band_planes = 20;
-    std::vector<double> seen;
-    const auto note = [&](double done) noexcept { seen.push_back(done); };
-    options.control.progress = lamella::Progress::to(note);
-    (void)sliced(soup, options);
-    // Bands that finish out of order are reported together. At most two bands a thread run ahead, which bounds their
-    // number.
-    REQUIRE(seen.size() >= 100 / (2 * static_cast<std::size_t>(options.control.threads) + 1));
-    CHECK(std::is_sorted(seen.begin(), seen.end()));
-    CHECK(seen.front() >= 0);
-    CHECK(seen.back() == 1);
 }
 
 TEST_CASE("a workspace and a result can be reused, even after errors", "[engine][errors]") {

@@ -1,13 +1,13 @@
 // Every allocation fails in turn. Each failure must be an error, and no memory may stay allocated.
 #include <algorithm>
-#include <atomic>
 #include <functional>
-#include <new>
 #include <optional>
 #include <vector>
 
 #include <catch2/catch.hpp>
 
+#include "engine/counting_memory.hpp"
+#include "engine/host_arrays.hpp"
 #include "engine/slicing.hpp"
 #include "input/files.hpp"
 #include "lamella/io.hpp"
@@ -18,33 +18,6 @@ using lamella::SliceOptions;
 
 namespace {
 
-/// Fails allocation number `fails_at` (from 1) and every later one: exhausted memory stays exhausted.
-class FailingMemory : public Memory {
-public:
-    explicit FailingMemory(std::uint64_t fails_at) : Memory(lamella::memory_of(*this)), fails_at_(fails_at) {}
-    std::uint64_t asked() const { return asked_; }
-    std::int64_t held() const { return held_; }
-
-    void* allocate(std::size_t bytes, std::size_t alignment) {
-        if (++asked_ >= fails_at_) {
-            throw std::bad_alloc();
-        }
-        ++held_;
-        return ::operator new (bytes, std::align_val_t{alignment});
-    }
-    void deallocate(void* memory, std::size_t, std::size_t alignment) {
-        --held_;
-        ::operator delete (memory, std::align_val_t{alignment});
-    }
-
-private:
-    std::uint64_t fails_at_;
-    std::atomic<std::uint64_t> asked_{0};
-    std::atomic<std::int64_t> held_{0};
-};
-
-constexpr std::uint64_t never = ~std::uint64_t{0};
-
 /// Runs `call` until it succeeds. In each run, the first failing allocation is `step` later. `call` returns the code with
 /// which it failed, or nothing.
 using Call = std::function<std::optional<ErrorCode>(const Memory*)>;
@@ -52,7 +25,7 @@ using Call = std::function<std::optional<ErrorCode>(const Memory*)>;
 void fail_everywhere(const Call& call, std::uint64_t step = 1) {
     std::uint64_t failures = 0;
     for (std::uint64_t at = 1;; at += step) {
-        FailingMemory memory(at);
+        CountingMemory memory(~std::size_t{0}, at);
         const std::optional<ErrorCode> code = call(&memory);
         INFO("allocation " << at);
         REQUIRE(memory.held() == 0);
@@ -63,11 +36,6 @@ void fail_everywhere(const Call& call, std::uint64_t step = 1) {
         ++failures;
     }
     CHECK(failures > 0);
-}
-
-template <class Outcome>
-std::optional<ErrorCode> code_of(const Outcome& outcome) {
-    return outcome.ok() ? std::optional<ErrorCode>() : outcome.error().code;
 }
 
 void fail_slicing_everywhere(const shapes::Soup& soup, SliceOptions options, std::uint64_t step = 1) {
@@ -94,9 +62,8 @@ shapes::Soup wide_plane() {
     constexpr std::size_t prisms = 64;
     shapes::Soup soup;
     for (std::size_t i = 0; i < prisms; ++i) {
-        const shapes::Soup prism = shapes::moved(shapes::prism(static_cast<int>(wide / prisms / 8) + 1, 1, 1),
-                                                 {3.0 * static_cast<double>(i), 0, 0});
-        soup.insert(soup.end(), prism.begin(), prism.end());
+        shapes::append(soup, shapes::moved(shapes::prism(static_cast<int>(wide / prisms / 8) + 1, 1, 1),
+                                           {3.0 * static_cast<double>(i), 0, 0}));
     }
     return soup;
 }
@@ -130,19 +97,10 @@ TEST_CASE("a slice into the host's arrays fails cleanly at each of its allocatio
     options.control.threads = GENERATE(1, 3);
     const auto type = GENERATE(lamella::PointType::i32, lamella::PointType::f64);
     const shapes::Soup soup = everything();
-    std::vector<double> points(std::size_t{2} << 16);
-    std::vector<lamella::Contour> contours(1 << 12);
-    std::vector<lamella::Layer> layers(1 << 10);
+    const HostArrays host(1 << 16, 1 << 12, 1 << 10, type);
     fail_everywhere([&](const Memory* memory) {
         options.control.memory = memory;
-        return code_of(slice_into({.type = type,
-                                   .points = points.data(),
-                                   .point_capacity = points.size() / 2,
-                                   .contours = contours.data(),
-                                   .contour_capacity = contours.size(),
-                                   .layers = layers.data(),
-                                   .layer_capacity = layers.size()},
-                                  view_of(soup), options));
+        return code_of(slice_into(host.output, view_of(soup), options));
     });
 }
 
@@ -228,7 +186,7 @@ TEST_CASE("a wide plane fails cleanly at its allocations", "[engine][faults][wid
     SliceOptions options;
     options.plan.spacing = lamella::ExplicitPlanes{{0.5}};
     options.control.threads = 2;
-    FailingMemory counting(never);
+    CountingMemory counting;
     options.control.memory = &counting;
     REQUIRE(slice(view_of(soup), options).ok());
     // Each run slices 2^18 segments, so only about a dozen allocations are tested, spread over all.
@@ -243,7 +201,7 @@ TEST_CASE("a workspace that ran out of memory slices again", "[engine][faults][t
     for (std::uint64_t at = 1; at < 200; at += 7) {
         lamella::Workspace workspace;
         lamella::SliceResult result;
-        FailingMemory memory(at);
+        CountingMemory memory(~std::size_t{0}, at);
         options.control.memory = &memory;
         (void)slice(view_of(soup), options, workspace, result);
         options.control.memory = nullptr;

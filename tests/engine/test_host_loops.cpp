@@ -17,7 +17,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "engine/slicing.hpp"
+#include "engine/calls.hpp"
 
 using lamella::Executor;
 using lamella::PreparedMesh;
@@ -53,20 +53,16 @@ const std::vector<std::uint64_t>& expected() {
 /// Asked for a stop, it says no, and counts the threads that ask at the same time: each stays for a while.
 class Crowd {
 public:
-    lamella::StopCheck check() {
-        return {[](void* context) noexcept {
-                    auto& crowd = *static_cast<Crowd*>(context);
-                    const int inside = ++crowd.inside_;
-                    int most = crowd.most_;
-                    while (inside > most && !crowd.most_.compare_exchange_weak(most, inside)) {
-                    }
-                    if (crowd.asked_++ % 16 == 0) {
-                        std::this_thread::sleep_for(std::chrono::microseconds(20));
-                    }
-                    --crowd.inside_;
-                    return false;
-                },
-                this};
+    bool operator()() {
+        const int inside = ++inside_;
+        int most = most_;
+        while (inside > most && !most_.compare_exchange_weak(most, inside)) {
+        }
+        if (asked_++ % 16 == 0) {
+            std::this_thread::sleep_for(std::chrono::microseconds(20));
+        }
+        --inside_;
+        return false;
     }
     int most() const { return most_; }
 
@@ -84,7 +80,7 @@ bool slices_well(int call, int threads, const Executor& executor = {}) {
     SliceOptions options = layers(call);
     options.control.threads = threads;
     options.control.executor = executor;
-    options.control.stop = crowd.check();
+    options.control.stop = asking(crowd);
     return slice(ball(), options, workspace, result).ok() &&
            hash_result(result) == expected()[static_cast<std::size_t>(call) % 7] && crowd.most() <= threads &&
            crowd.most() > 0;

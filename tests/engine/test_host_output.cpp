@@ -1,8 +1,6 @@
 // A slice written into the host's arrays is that of slice(), converted, and nothing else is touched.
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <string>
 #include <vector>
@@ -10,6 +8,8 @@
 #include <catch2/catch.hpp>
 
 #include "engine/counting_memory.hpp"
+#include "engine/host_arrays.hpp"
+#include "engine/same_result.hpp"
 #include "engine/slicing.hpp"
 #include "golden/shape_cases.hpp"
 
@@ -24,137 +24,20 @@ using lamella::SliceTotals;
 
 namespace {
 
-constexpr std::byte canary{0xA5};
-
-std::size_t bytes_of(PointType type) {
-    return type == PointType::i32 || type == PointType::f32 ? 8 : 16;
-}
-
-/// Arrays of a host, each followed by bytes that nobody may touch.
-struct HostArrays {
-    HostArrays(std::uint64_t points, std::uint64_t contours, std::uint64_t layers, PointType type, std::size_t stride = 0,
-               double scale = 1, std::size_t offset = 0)
-        : stride(stride == 0 ? bytes_of(type) : stride),
-          offset(offset),
-          point_bytes(offset + points * this->stride + guard, canary),
-          contour_bytes(contours * sizeof(lamella::Contour) + guard, canary),
-          layer_bytes(layers * sizeof(lamella::Layer) + guard, canary),
-          output{.type = type,
-                 .points = point_bytes.data() + offset,
-                 .point_capacity = points,
-                 .stride = stride,
-                 .scale = scale,
-                 .contours = reinterpret_cast<lamella::Contour*>(contour_bytes.data()),
-                 .contour_capacity = contours,
-                 .layers = reinterpret_cast<lamella::Layer*>(layer_bytes.data()),
-                 .layer_capacity = layers} {}
-
-    /// Whether no byte beyond a capacity, nor between two points, has changed.
-    bool guards_stand() const {
-        const auto is_canary = [](std::byte byte) { return byte == canary; };
-        bool stand = true;
-        for (std::uint64_t p = 0; p < output.point_capacity; ++p) {
-            const auto begin = point_bytes.begin() + static_cast<std::ptrdiff_t>(offset + p * stride);
-            stand = stand && std::all_of(begin + static_cast<std::ptrdiff_t>(bytes_of(output.type)),
-                                         begin + static_cast<std::ptrdiff_t>(stride), is_canary);
-        }
-        return stand &&
-               std::all_of(point_bytes.begin(), point_bytes.begin() + static_cast<std::ptrdiff_t>(offset), is_canary) &&
-               std::all_of(point_bytes.end() - guard, point_bytes.end(), is_canary) &&
-               std::all_of(contour_bytes.end() - guard, contour_bytes.end(), is_canary) &&
-               std::all_of(layer_bytes.end() - guard, layer_bytes.end(), is_canary);
-    }
-
-    template <class T>
-    std::array<T, 2> point(std::uint64_t p) const {
-        std::array<T, 2> xy;
-        std::memcpy(xy.data(), point_bytes.data() + offset + p * stride, sizeof xy);
-        return xy;
-    }
-
-    static constexpr std::ptrdiff_t guard = 256;
-    std::size_t stride;
-    std::size_t offset;
-    std::vector<std::byte> point_bytes;
-    std::vector<std::byte> contour_bytes;
-    std::vector<std::byte> layer_bytes;
-    HostOutput output;
-};
-
-/// What the point should be.
-template <class T>
-bool has_points_of(const HostArrays& host, const SliceResult& result, double scale) {
-    for (std::size_t p = 0; p < result.points.size(); ++p) {
-        const lamella::Point point = result.points[p];
-        std::array<T, 2> expected;
-        if constexpr (std::is_integral_v<T>) {
-            const auto factor = static_cast<std::int64_t>(scale);
-            expected = {static_cast<T>(point.x * factor), static_cast<T>(point.y * factor)};
-        } else {
-            expected = {static_cast<T>(point.x * scale), static_cast<T>(point.y * scale)};
-        }
-        if (host.point<T>(p) != expected) {
-            return false;
-        }
-    }
-    return true;
-}
-
-bool has_points_of(const HostArrays& host, const SliceResult& result) {
-    const double scale = host.output.scale;
-    switch (host.output.type) {
-        case PointType::i32:
-            return has_points_of<std::int32_t>(host, result, scale);
-        case PointType::i64:
-            return has_points_of<std::int64_t>(host, result, scale);
-        case PointType::f32:
-            return has_points_of<float>(host, result, scale);
-        case PointType::f64:
-            return has_points_of<double>(host, result, scale);
-    }
-    return false;
-}
-
-bool has_contours_of(const HostArrays& host, const SliceResult& result) {
-    return std::memcmp(host.output.contours, result.contours.data(), result.contours.size() * sizeof(lamella::Contour)) == 0;
-}
-
-bool has_layers_of(const HostArrays& host, const SliceResult& result) {
-    return std::equal(result.layers.begin(), result.layers.end(), host.output.layers,
-                      [](const lamella::Layer& a, const lamella::Layer& b) {
-                          return a.bottom_mm == b.bottom_mm && a.plane_mm == b.plane_mm && a.top_mm == b.top_mm &&
-                                 a.first_contour == b.first_contour && a.contour_count == b.contour_count &&
-                                 a.segments == b.segments && a.plane == b.plane;
-                      });
-}
-
-void require_same(const HostArrays& host, const lamella::Result<SliceTotals>& totals, const SliceResult& result) {
-    INFO((totals ? std::string() : totals.error().message));
-    REQUIRE(totals.ok());
-    REQUIRE(totals->layers == result.layers.size());
-    REQUIRE(totals->contours == result.contours.size());
-    REQUIRE(totals->points == result.points.size());
-    REQUIRE(totals->unit_mm == result.unit_mm);
-    REQUIRE(totals->summary.open_contours == result.summary.open_contours);
-    REQUIRE(totals->summary.holes == result.summary.holes);
-    REQUIRE(totals->summary.emptied_layers == result.summary.emptied_layers);
-    REQUIRE(has_layers_of(host, result));
-    REQUIRE(has_contours_of(host, result));
-    REQUIRE(has_points_of(host, result));
+void require_same(const HostArrays& host, lamella::Result<SliceTotals> totals, const SliceResult& result) {
+    require_same_totals(value_of(std::move(totals)), result);
+    REQUIRE(host.has_layers_of(result));
+    REQUIRE(host.has_contours_of(result));
+    REQUIRE(host.has_points_of(result));
     REQUIRE(host.guards_stand());
 }
 
 OutputBounds bounds_of(const lamella::MeshView& mesh, const SliceOptions& options) {
-    const lamella::Result<OutputBounds> bounds = bound_output(mesh, options);
-    REQUIRE(bounds.ok());
-    return *bounds;
+    return value_of(bound_output(mesh, options));
 }
 
 Error refusal_of(const HostOutput& output, const lamella::MeshView& mesh, const SliceOptions& options) {
-    const lamella::Result<SliceTotals> totals = slice_into(output, mesh, options);
-    REQUIRE_FALSE(totals.ok());
-    CHECK(totals.error().message.find('\n') == std::string::npos);
-    return totals.error();
+    return error_of(slice_into(output, mesh, options));
 }
 
 }  // namespace
@@ -249,9 +132,8 @@ TEST_CASE("closed gaps are written where there is memory for them", "[engine][ho
     std::vector<lamella::ClosedGap> gaps(result.closed_gaps.size());
     host.output.closed_gaps = gaps.data();
     host.output.closed_gap_capacity = gaps.size();
-    const auto totals = slice_into(host.output, view_of(torn), options);
-    REQUIRE(totals.ok());
-    REQUIRE(totals->closed_gaps == gaps.size());
+    const auto totals = value_of(slice_into(host.output, view_of(torn), options));
+    REQUIRE(totals.closed_gaps == gaps.size());
     for (std::size_t g = 0; g < gaps.size(); ++g) {
         CHECK(gaps[g].layer == result.closed_gaps[g].layer);
         CHECK(gaps[g].from == result.closed_gaps[g].from);
@@ -351,17 +233,15 @@ TEST_CASE("a prepared mesh is bounded and written like the mesh", "[engine][host
     for (const auto& [mesh_name, mesh] : shape_cases::meshes()) {
         INFO(mesh_name);
         const SliceOptions options = uniform(0.5);
-        const auto prepared = lamella::prepare(view_of(mesh));
-        REQUIRE(prepared.ok());
+        const auto prepared = value_of(lamella::prepare(view_of(mesh)));
         const OutputBounds expected = bounds_of(view_of(mesh), options);
-        const lamella::Result<OutputBounds> bounds = bound_output(*prepared, options);
-        REQUIRE(bounds.ok());
-        CHECK(bounds->layers == expected.layers);
-        CHECK(bounds->segments == expected.segments);
-        CHECK(bounds->points == expected.points);
-        CHECK(bounds->unit_mm == expected.unit_mm);
-        HostArrays host(bounds->points, bounds->contours, bounds->layers, PointType::i64, 0, 1000);
-        require_same(host, slice_into(host.output, *prepared, options), sliced(mesh, options));
+        const OutputBounds bounds = value_of(bound_output(prepared, options));
+        CHECK(bounds.layers == expected.layers);
+        CHECK(bounds.segments == expected.segments);
+        CHECK(bounds.points == expected.points);
+        CHECK(bounds.unit_mm == expected.unit_mm);
+        HostArrays host(bounds.points, bounds.contours, bounds.layers, PointType::i64, 0, 1000);
+        require_same(host, slice_into(host.output, prepared, options), sliced(mesh, options));
     }
 }
 
@@ -369,10 +249,10 @@ TEST_CASE("a layer without contours needs no points", "[engine][host]") {
     const shapes::Soup box = shapes::box({0, 0, 0}, {4, 4, 4});
     for (const PointType type : {PointType::i32, PointType::f64}) {
         lamella::Layer layer;
-        const auto empty = slice_into({.type = type, .layers = &layer, .layer_capacity = 1}, view_of(box), at_heights({9}));
-        REQUIRE(empty.ok());
-        CHECK(empty->layers == 1);
-        CHECK(empty->points == 0);
+        const auto empty =
+            value_of(slice_into({.type = type, .layers = &layer, .layer_capacity = 1}, view_of(box), at_heights({9})));
+        CHECK(empty.layers == 1);
+        CHECK(empty.points == 0);
         CHECK(layer.plane_mm == 9);
     }
 }
@@ -387,9 +267,8 @@ TEST_CASE("a slice into the host's arrays allocates nothing of their size", "[en
         const CountingMemory memory;
         options.control.memory = &memory;
         HostArrays host(bounds.segments, bounds.layers, bounds.layers, type);
-        const auto totals = slice_into(host.output, view_of(ball), options);
-        REQUIRE(totals.ok());
+        const auto totals = value_of(slice_into(host.output, view_of(ball), options));
         CHECK(memory.held() == 0);
-        CHECK(memory.peak() < totals->points * sizeof(lamella::Point) / 2);
+        CHECK(memory.peak() < totals.points * sizeof(lamella::Point) / 2);
     }
 }

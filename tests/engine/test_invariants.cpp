@@ -8,9 +8,11 @@
 
 #include <catch2/catch.hpp>
 
+#include "engine/rounds.hpp"
 #include "engine/slicing.hpp"
 #include "engine/vertex_heights.hpp"
 #include "models/models.hpp"
+#include "rings.hpp"
 
 using lamella::Contour;
 using lamella::Layer;
@@ -22,11 +24,7 @@ using lamella::models::Shape;
 
 namespace {
 
-#ifdef LAMELLA_TESTS_SANITIZED
-constexpr std::uint64_t model_triangles = 2'000;
-#else
-constexpr std::uint64_t model_triangles = 20'000;
-#endif
+constexpr std::uint64_t model_triangles = 160 * rounds(125);
 
 constexpr double unit_mm = lamella::default_unit_mm;
 constexpr double layer_mm = 0.25;
@@ -37,15 +35,6 @@ shapes::Soup on_grid(shapes::Soup soup) {
         number = std::nearbyint(number / (2 * unit_mm)) * (2 * unit_mm);
     }
     return soup;
-}
-
-shapes::Soup model(Shape shape) {
-    lamella::models::Recipe recipe;
-    recipe.shape = shape;
-    recipe.triangles = model_triangles;
-    recipe.height_mm = 20;
-    const std::vector<float> soup = lamella::models::make_soup(recipe);
-    return on_grid({soup.begin(), soup.end()});
 }
 
 /// Closed meshes, and one that is not closed.
@@ -62,8 +51,8 @@ const std::map<std::string, shapes::Soup>& meshes() {
             {"boxes that share an edge", boxes},
             {"crossing balls", shapes::joined({ball, shapes::moved(ball, {3, 4, 5})})},
             {"torn ball", torn},
-            {"gyroid", model(Shape::gyroid)},
-            {"bone", model(Shape::bone)}};
+            {"gyroid", on_grid(generated(Shape::gyroid, model_triangles))},
+            {"bone", on_grid(generated(Shape::bone, model_triangles))}};
     }();
     return all;
 }
@@ -92,16 +81,7 @@ std::vector<Point> moved(std::span<const Point> points, bool closed, const Motio
     if (motion.mirrors) {
         std::reverse(all.begin(), all.end());
     }
-    std::vector<Point> smallest = all;
-    const Point first = *std::min_element(all.begin(), all.end());
-    for (std::size_t turn = 0; closed && turn < all.size(); ++turn) {
-        if (all[turn] == first) {
-            std::vector<Point> turned = all;
-            std::rotate(turned.begin(), turned.begin() + static_cast<std::ptrdiff_t>(turn), turned.end());
-            smallest = smallest.front() == first ? std::min(smallest, turned) : turned;
-        }
-    }
-    return smallest;
+    return closed ? rings::from_smallest(all) : all;
 }
 
 /// The contours of a layer after `motion`.
@@ -187,28 +167,51 @@ bool touches(const std::string& mesh_name) {
 
 }  // namespace
 
-TEST_CASE("moving the mesh along the grid moves its contours", "[engine][invariants]") {
-    const auto move = [](Point p) { return Point{p.x + (64 << 20) + 2, p.y - (32 << 20)}; };
+TEST_CASE("moving, mirroring and turning the mesh does the same to its contours", "[engine][invariants]") {
+    struct Case {
+        const char* name;
+        shapes::Soup (*mesh)(const shapes::Soup&);
+        Point (*point)(Point);
+        bool mirrors = false;
+        std::int32_t up = 0;  ///< grid units
+    };
+    constexpr auto moved = [](const shapes::Soup& mesh) {
+        return shapes::moved(mesh, {64 + 2 * unit_mm, -32, 16 * layer_mm});
+    };
+    const Case cases[] = {
+        {"moved along the grid", moved,
+         [](Point p) {
+             return Point{p.x + (64 << 20) + 2, p.y - (32 << 20)};
+         },
+         false, 16 << 18},
+        {"mirrored in x", [](const shapes::Soup& mesh) { return shapes::flipped(turned(mesh, -1, 0, 0, 1)); },
+         [](Point p) {
+             return Point{-p.x, p.y};
+         },
+         true},
+        {"mirrored in y", [](const shapes::Soup& mesh) { return shapes::flipped(turned(mesh, 1, 0, 0, -1)); },
+         [](Point p) {
+             return Point{p.x, -p.y};
+         },
+         true},
+        {"a quarter turn", [](const shapes::Soup& mesh) { return turned(mesh, 0, -1, 1, 0); },
+         [](Point p) {
+             return Point{-p.y, p.x};
+         }},
+        {"half a turn", [](const shapes::Soup& mesh) { return turned(mesh, -1, 0, 0, -1); },
+         [](Point p) {
+             return Point{-p.x, -p.y};
+         }}};
     for (const auto& [name, mesh] : meshes()) {
-        INFO(name);
         const SliceResult here = sliced(mesh, uniform(layer_mm, unit_mm));
-        const shapes::Soup moved = shapes::moved(mesh, {64 + 2 * unit_mm, -32, 16 * layer_mm});
-        const SliceResult there = sliced(moved, uniform(layer_mm, unit_mm));
-        check_carried_over(here, there, {move});
-        for (std::size_t l = 0; l < here.layers.size(); ++l) {
-            REQUIRE(there.layers[l].plane.z() - here.layers[l].plane.z() == 16 << 18);
+        for (const Case& one : cases) {
+            INFO(name << ", " << one.name);
+            const SliceResult there = sliced(one.mesh(mesh), uniform(layer_mm, unit_mm));
+            check_carried_over(here, there, {one.point, one.mirrors, one.up != 0 || !crosses(name)});
+            for (std::size_t l = 0; l < here.layers.size(); ++l) {
+                REQUIRE(there.layers[l].plane.z() - here.layers[l].plane.z() == one.up);
+            }
         }
-    }
-}
-
-TEST_CASE("mirroring the mesh mirrors its contours", "[engine][invariants]") {
-    for (const auto& [name, mesh] : meshes()) {
-        INFO(name);
-        const SliceResult here = sliced(mesh, uniform(layer_mm, unit_mm));
-        const SliceResult in_x = sliced(shapes::flipped(turned(mesh, -1, 0, 0, 1)), uniform(layer_mm, unit_mm));
-        check_carried_over(here, in_x, {[](Point p) { return Point{-p.x, p.y}; }, true, !crosses(name)});
-        const SliceResult in_y = sliced(shapes::flipped(turned(mesh, 1, 0, 0, -1)), uniform(layer_mm, unit_mm));
-        check_carried_over(here, in_y, {[](Point p) { return Point{p.x, -p.y}; }, true, !crosses(name)});
     }
 }
 
@@ -233,17 +236,6 @@ TEST_CASE("flipping facets reverses orientations and changes nothing else", "[en
         for (std::size_t l = 0; l < here.layers.size(); ++l) {
             REQUIRE(orientations(here, here.layers[l], -1) == orientations(there, there.layers[l], 1));
         }
-    }
-}
-
-TEST_CASE("a quarter turn of the mesh turns its contours", "[engine][invariants]") {
-    for (const auto& [name, mesh] : meshes()) {
-        INFO(name);
-        const SliceResult here = sliced(mesh, uniform(layer_mm, unit_mm));
-        const SliceResult once = sliced(turned(mesh, 0, -1, 1, 0), uniform(layer_mm, unit_mm));
-        check_carried_over(here, once, {[](Point p) { return Point{-p.y, p.x}; }, false, !crosses(name)});
-        const SliceResult twice = sliced(turned(mesh, -1, 0, 0, -1), uniform(layer_mm, unit_mm));
-        check_carried_over(here, twice, {[](Point p) { return Point{-p.x, -p.y}; }, false, !crosses(name)});
     }
 }
 
@@ -278,9 +270,7 @@ TEST_CASE("the ridge of a steep roof is a flat contour without parent", "[engine
     // in a courtyard.
     const shapes::Xyz eaves[] = {{0, -1, 0}, {8, -1, 0}, {8, 1, 0}, {0, 1, 0}};
     const shapes::Xyz ridge[] = {{2, 0, 64}, {6, 0, 64}};
-    const auto quad = [](shapes::Xyz a, shapes::Xyz b, shapes::Xyz c, shapes::Xyz d) {
-        return shapes::joined({shapes::triangle(a, b, c), shapes::triangle(a, c, d)});
-    };
+    using shapes::quad;
     const shapes::Soup roof =
         shapes::joined({quad(eaves[3], eaves[2], eaves[1], eaves[0]), quad(eaves[0], eaves[1], ridge[1], ridge[0]),
                         quad(eaves[2], eaves[3], ridge[0], ridge[1]), shapes::triangle(eaves[1], eaves[2], ridge[1]),

@@ -88,9 +88,8 @@ bool same(const Ledger& a, const Ledger& b) {
 }
 
 Ledger booked(const shapes::Soup& soup, const SliceResult& result) {
-    const lamella::Result<Ledger> ledger = lamella::make_ledger(view_of(soup), result);
-    REQUIRE(ledger.ok());
-    const Ledger& books = ledger.value();
+    const Ledger ledger = value_of(lamella::make_ledger(view_of(soup), result));
+    const Ledger& books = ledger;
     CHECK(books.triangles == soup.size() / 9);
     CHECK(books.cut + books.between + books.degenerate == books.triangles);
     CHECK(books.cut == result.summary.crossed);

@@ -18,27 +18,11 @@ using lamella::ContourForm;
 using lamella::PointOrigin;
 using lamella::SliceOptions;
 using lamella::SliceResult;
+using origin_oracle::traced;
 using origin_oracle::Triangles;
+using origin_oracle::with_origins;
 
 namespace {
-
-SliceOptions with_origins(SliceOptions options) {
-    options.origins = true;
-    return options;
-}
-
-/// Requires a valid result whose origins suit the mesh and that is otherwise the same as without origins.
-SliceResult traced(const shapes::Soup& soup, const SliceOptions& options) {
-    SliceResult result = sliced(soup, with_origins(options));
-    REQUIRE(result.origins.size() == result.points.size());
-    const lamella::Status valid = validate(result, view_of(soup));
-    INFO((valid ? std::string() : valid.error().message));
-    REQUIRE(valid.ok());
-    const SliceResult plain = sliced(soup, options);
-    REQUIRE(plain.origins.empty());
-    REQUIRE(hash_result(plain) == hash_result(result));
-    return result;
-}
 
 /// Every triangle that a plane cuts is named by its contour edge, and by no other.
 void check_against_oracle(const shapes::Soup& soup, const SliceResult& result) {
@@ -51,16 +35,6 @@ void check_against_oracle(const shapes::Soup& soup, const SliceResult& result) {
 
 std::vector<PointOrigin> all(const SliceResult& result) {
     return {result.origins.begin(), result.origins.end()};
-}
-
-SliceOptions through(std::uint64_t range) {
-    std::vector<double> heights;
-    for (std::uint64_t quarter = 1; quarter <= 4 * range; ++quarter) {
-        heights.push_back(0.25 * static_cast<double>(quarter));
-    }
-    SliceOptions options = at_heights(heights);
-    options.unit_mm = 0.125;
-    return options;
 }
 
 /// Of each contour its points and the mesh edges that its origins name, sorted: contours that are equal in every point
@@ -122,7 +96,7 @@ TEST_CASE("contour edges of random triangles name them", "[engine][origins][rand
     const auto seed = GENERATE(range(1U, 1 + rounds(149)));
     for (const ContourForm form : {ContourForm::swept, ContourForm::assembled}) {
         for (const std::uint64_t range : {2U, 3U, 8U}) {
-            SliceOptions options = through(range);
+            SliceOptions options = through_quarters(range);
             options.tuning.form = form;
             const shapes::Soup soup = shapes::random_soup(seed, 30, range);
             const shapes::Soup solids = shapes::random_tetrahedra(seed, 6, range);
@@ -146,17 +120,9 @@ TEST_CASE("threads, bands and forms do not change origins", "[engine][origins][t
         SliceOptions options = with_origins(uniform(0.125));
         options.control.threads = 1;
         const std::vector<PointOrigin> expected = all(sliced(mesh, options));
-        for (const int threads : {1, 3}) {
-            for (const int band : {0, 1, 2, 7}) {
-                for (const ContourForm form : {ContourForm::swept, ContourForm::assembled}) {
-                    options.control.threads = threads;
-                    options.tuning.band_planes = band;
-                    options.tuning.form = form;
-                    INFO(mesh_name << ", threads " << threads << ", band " << band << ", assembled "
-                                   << (form == ContourForm::assembled));
-                    REQUIRE((!tried(combination++) || all(sliced(mesh, options)) == expected));
-                }
-            }
+        for (const Way& way : ways()) {
+            INFO(mesh_name << ", " << way);
+            REQUIRE((!tried(combination++) || all(sliced(mesh, by(way, options))) == expected));
         }
     }
 }
@@ -195,12 +161,7 @@ TEST_CASE("a contour that is turned round keeps the triangle of each edge", "[en
 TEST_CASE("contours equal in every point come in the order of their triangles", "[engine][origins]") {
     // Two tetrahedra with a vertical edge in common. Near their lowest vertex all their corners round to the same points.
     const auto tetrahedron = [](double size) {
-        const shapes::Xyz low{0, 0, 0};
-        const shapes::Xyz high{0, 0, 4};
-        const shapes::Xyz right{size, 0, 4};
-        const shapes::Xyz back{0, size, 4};
-        return shapes::joined({shapes::triangle(low, right, high), shapes::triangle(low, high, back),
-                               shapes::triangle(low, back, right), shapes::triangle(high, right, back)});
+        return shapes::tetrahedron({0, 0, 0}, {size, 0, 4}, {0, 0, 4}, {0, size, 4});
     };
     for (const auto& [first, second] : {std::pair(3, 4), std::pair(4, 3)}) {
         const shapes::Soup both = shapes::joined({tetrahedron(first), tetrahedron(second)});
@@ -218,8 +179,7 @@ TEST_CASE("contours equal in every point come in the order of their triangles", 
 
 TEST_CASE("edges that join gaps come from no triangle", "[engine][origins][repair]") {
     // The front side lacks its two triangles.
-    shapes::Soup open = shapes::box({0, 0, 0}, {4, 4, 4});
-    open.erase(open.begin() + 9 * 4, open.begin() + 9 * 6);
+    const shapes::Soup open = shapes::without(shapes::box({0, 0, 0}, {4, 4, 4}), 4, 2);
     SliceOptions options = at_heights({2});
     SECTION("an open polyline ends at the edge of its last triangle") {
         const SliceResult result = traced(open, options);
@@ -241,7 +201,7 @@ TEST_CASE("edges that join gaps come from no triangle", "[engine][origins][repai
 TEST_CASE("joined gaps of random triangles leave the origins of all others", "[engine][origins][repair][random]") {
     const auto seed = GENERATE(range(1U, 1 + rounds(99)));
     const shapes::Soup soup = shapes::random_soup(seed, 30, 5);
-    SliceOptions options = through(5);
+    SliceOptions options = through_quarters(5);
     options.close_gaps_mm = 0.75;
     const SliceResult result = traced(soup, options);
     check_against_oracle(soup, result);

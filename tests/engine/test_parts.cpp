@@ -21,21 +21,8 @@ using lamella::SliceResult;
 
 namespace {
 
-/// Requires success and a valid result.
-SliceResult together(const std::vector<Part>& parts, const SliceOptions& options) {
-    lamella::Result<SliceResult> result = slice_parts(parts, options);
-    INFO((result ? std::string() : result.error().message));
-    REQUIRE(result.ok());
-    const lamella::Status valid = validate(*result);
-    INFO((valid ? std::string() : valid.error().message));
-    REQUIRE(valid.ok());
-    return std::move(result).value();
-}
-
 lamella::Error parts_failure(const std::vector<Part>& parts, const SliceOptions& options) {
-    const lamella::Result<SliceResult> result = slice_parts(parts, options);
-    REQUIRE_FALSE(result.ok());
-    return result.error();
+    return error_of(slice_parts(parts, options));
 }
 
 Part part_of(const shapes::Soup& soup, const lamella::Transform& transform = {}) {
@@ -79,7 +66,7 @@ TEST_CASE("the contours of parts that overlap lie side by side", "[engine][parts
     const shapes::Soup tube =
         shapes::joined({shapes::box({0, 0, 0}, {10, 10, 10}), shapes::flipped(shapes::box({2, 2, 0}, {8, 8, 10}))});
     const shapes::Soup cube = shapes::box({-4, 4, 0}, {4, 6, 20});
-    const SliceResult result = together({part_of(tube), part_of(cube)}, at_heights({5, 15, 25}));
+    const SliceResult result = sliced(std::vector<Part>{part_of(tube), part_of(cube)}, at_heights({5, 15, 25}));
     CHECK(result.part_count == 2);
     CHECK(contours_at(result, 0) == std::vector<std::string>{"outer + x8 in -: 0,0 9,0 20,0 20,9 20,20 11,20 0,20 0,11",
                                                              "hole - x8 in 0: 4,4 4,11 4,16 11,16 16,16 16,9 16,4 9,4",
@@ -93,9 +80,8 @@ TEST_CASE("the contours of parts that overlap lie side by side", "[engine][parts
     CHECK(result.summary.min_mm[0] == -4);
     CHECK(result.summary.max_mm[2] == 20);
     // Two crossings of the bar with the wall of the tube on each of its long sides.
-    const lamella::Result<lamella::Crossings> crossings = find_crossings(result);
-    REQUIRE(crossings.ok());
-    CHECK(crossings->count == 4);
+    const lamella::Crossings crossings = value_of(find_crossings(result));
+    CHECK(crossings.count == 4);
     CHECK_FALSE(make_ledger(view_of(tube), result).ok());
     CHECK_FALSE(certify_volume(view_of(tube), result).ok());
 }
@@ -103,7 +89,7 @@ TEST_CASE("the contours of parts that overlap lie side by side", "[engine][parts
 TEST_CASE("planes and grid are those of the box around all parts", "[engine][parts]") {
     const shapes::Soup low = shapes::box({0, 0, 0}, {4, 4, 1});
     const shapes::Soup high = shapes::box({0, 0, 2.1}, {1500, 4, 3});
-    const SliceResult result = together({part_of(high), part_of(low)}, uniform(0.2));
+    const SliceResult result = sliced(std::vector<Part>{part_of(high), part_of(low)}, uniform(0.2));
     CHECK(result.unit_mm == 2 * lamella::default_unit_mm);
     REQUIRE(result.layers.size() == 15);
     const SliceResult whole = sliced(shapes::joined({high, low}), uniform(0.2));
@@ -118,8 +104,8 @@ TEST_CASE("planes and grid are those of the box around all parts", "[engine][par
     CHECK(parts_in(result, 14) == Names{0});
     // Its far end is at the grid's very limit, which a grid chosen by the mesh takes.
     const shapes::Soup far = shapes::box({0, 0, 0}, {1024, 4, 1});
-    CHECK(together({part_of(far), part_of(low)}, uniform(0.5)).unit_mm == lamella::default_unit_mm);
-    CHECK(together({part_of(low), part_of(low)}, uniform(0.5, lamella::unit_by_box)).unit_mm ==
+    CHECK(sliced(std::vector<Part>{part_of(far), part_of(low)}, uniform(0.5)).unit_mm == lamella::default_unit_mm);
+    CHECK(sliced(std::vector<Part>{part_of(low), part_of(low)}, uniform(0.5, lamella::unit_by_box)).unit_mm ==
           sliced(low, uniform(0.5, lamella::unit_by_box)).unit_mm);
 }
 
@@ -130,10 +116,10 @@ TEST_CASE("one part gives the bytes of slice()", "[engine][parts]") {
     options.transform = GENERATE(lamella::Transform{}, lamella::Transform::from_normal(1, 2, 3));
     for (const lamella::MeshView& mesh : {view_of(soup), lamella::MeshView::soup(std::span<const float>(floats))}) {
         const SliceResult alone = sliced(mesh, options);
-        CHECK(hash_result(together({{mesh, {}}}, options)) == hash_result(alone));
+        CHECK(hash_result(sliced(std::vector<Part>{{mesh, {}}}, options)) == hash_result(alone));
         SliceOptions rest = options;
         rest.transform = {};
-        const SliceResult moved = together({{mesh, options.transform}}, rest);
+        const SliceResult moved = sliced(std::vector<Part>{{mesh, options.transform}}, rest);
         CHECK(hash_result(moved) == hash_result(alone));
         CHECK(moved.frame.is_identity());
         CHECK(moved.layers.size() == alone.layers.size());
@@ -147,12 +133,12 @@ TEST_CASE("a result of parts does not depend on threads", "[engine][parts][threa
     SliceOptions options = uniform(0.05);
     options.region.fill_rule = GENERATE(FillRule::contours, FillRule::positive);
     options.control.threads = 1;
-    const SliceResult expected = together(parts, options);
+    const SliceResult expected = sliced(parts, options);
     for (const int threads : {2, 5}) {
         options.control.threads = threads;
-        CHECK(hash_result(together(parts, options)) == hash_result(expected));
+        CHECK(hash_result(sliced(parts, options)) == hash_result(expected));
     }
-    CHECK(hash_result(together({parts[2], parts[1], parts[0]}, options)) != hash_result(expected));
+    CHECK(hash_result(sliced(std::vector<Part>{parts[2], parts[1], parts[0]}, options)) != hash_result(expected));
 }
 
 TEST_CASE("rules are done to each part by itself", "[engine][parts]") {
@@ -162,21 +148,20 @@ TEST_CASE("rules are done to each part by itself", "[engine][parts]") {
     SliceOptions options = at_heights({5});
     options.region.fill_rule = FillRule::non_zero;
     const shapes::Soup both = shapes::joined({left, right});
-    const SliceResult joined = together({part_of(both), part_of(right)}, options);
+    const SliceResult joined = sliced(std::vector<Part>{part_of(both), part_of(right)}, options);
     CHECK(parts_in(joined, 0) == Names{0, 1});
     CHECK(joined.area_mm2(joined.layers[0]) == 150 + 100);
-    const SliceResult apart = together({part_of(left), part_of(right)}, options);
+    const SliceResult apart = sliced(std::vector<Part>{part_of(left), part_of(right)}, options);
     CHECK(lines_of_part(apart, 0, 1) == contours_at(sliced(right, options), 0));
     CHECK(apart.region.fill_rule == FillRule::non_zero);
     CHECK(apart.area_mm2(apart.layers[0]) == 200);
 }
 
 TEST_CASE("equal parts keep a contour each, and gaps are listed by layer", "[engine][parts]") {
-    shapes::Soup open = shapes::box({0, 0, 0}, {10, 10, 10});
-    open.erase(open.begin() + 9 * 4, open.begin() + 9 * 6);  // no front
+    const shapes::Soup open = shapes::without(shapes::box({0, 0, 0}, {10, 10, 10}), 4, 2);  // no front
     SliceOptions options = at_heights({2, 5});
     options.close_gaps_mm = 20;
-    const SliceResult result = together({part_of(open), part_of(open)}, options);
+    const SliceResult result = sliced(std::vector<Part>{part_of(open), part_of(open)}, options);
     CHECK(parts_in(result, 1) == Names{0, 1});
     REQUIRE(result.closed_gaps.size() == 4);
     CHECK(result.closed_gaps[1].layer == 0);
@@ -210,10 +195,10 @@ TEST_CASE("the memory limit is for all parts", "[engine][parts][errors]") {
     const std::uint64_t contents = 10'000 * (8 * sizeof(lamella::Point) + sizeof(Contour));
     const std::uint64_t layers = 10'000 * sizeof(lamella::Layer);
     options.memory_limit_bytes = layers + 2 * contents;
-    CHECK(together({part_of(soup), part_of(soup)}, options).contours.size() == 20'000);
+    CHECK(sliced(std::vector<Part>{part_of(soup), part_of(soup)}, options).contours.size() == 20'000);
     --options.memory_limit_bytes;
     CHECK(parts_failure({part_of(soup), part_of(soup)}, options).code == ErrorCode::result_too_large);
-    CHECK(together({part_of(soup)}, options).contours.size() == 10'000);
+    CHECK(sliced(std::vector<Part>{part_of(soup)}, options).contours.size() == 10'000);
 }
 
 TEST_CASE("slicing parts takes memory from the host, gives it back, and can be stopped", "[engine][parts][cancel]") {
@@ -239,7 +224,7 @@ TEST_CASE("slicing parts takes memory from the host, gives it back, and can be s
     options.control.stop = lamella::StopCheck::when(stop);
     const auto note = [&](double done) noexcept { seen.push_back(done); };
     options.control.progress = lamella::Progress::to(note);
-    (void)together(parts, options);
+    (void)sliced(parts, options);
     CHECK(std::is_sorted(seen.begin(), seen.end()));
     CHECK(seen.back() == 1);
     CHECK(std::any_of(seen.begin(), seen.end(), [](double done) { return done > 0.2 && done < 0.4; }));
@@ -255,7 +240,8 @@ TEST_CASE("slicing parts takes memory from the host, gives it back, and can be s
 TEST_CASE("a broken order of parts is found", "[engine][parts][validate]") {
     const shapes::Soup cube = shapes::box({0, 0, 0}, {10, 10, 10});
     const auto damaged = [&](void (*damage)(SliceResult&)) {
-        SliceResult result = together({part_of(cube), part_of(cube, moved_by(20, 0, 0)), part_of(cube)}, at_heights({5}));
+        SliceResult result =
+            sliced(std::vector<Part>{part_of(cube), part_of(cube, moved_by(20, 0, 0)), part_of(cube)}, at_heights({5}));
         damage(result);
         const lamella::Status status = validate(result);
         return status ? std::string("valid") : status.error().message;
@@ -269,13 +255,7 @@ TEST_CASE("a broken order of parts is found", "[engine][parts][validate]") {
 namespace {
 
 SliceResult united(const std::vector<Part>& parts, const SliceOptions& options) {
-    lamella::Result<SliceResult> result = slice_parts(parts, options, lamella::PartRegions::united);
-    INFO((result ? std::string() : result.error().message));
-    REQUIRE(result.ok());
-    const lamella::Status valid = validate(*result);
-    INFO((valid ? std::string() : valid.error().message));
-    REQUIRE(valid.ok());
-    return std::move(result).value();
+    return sliced(parts, options, lamella::PartRegions::united);
 }
 
 std::uint64_t hash_without_parts(SliceResult result) {
@@ -348,8 +328,7 @@ TEST_CASE("a contour of united parts names the part that all its edges come from
 
 TEST_CASE("open polylines of united parts stay as they are", "[engine][parts][regions]") {
     const shapes::Soup post = shapes::box({2, 2, 0}, {4, 4, 10});
-    shapes::Soup open = shapes::box({0, 0, 0}, {10, 10, 10});
-    open.erase(open.begin() + 9 * 4, open.begin() + 9 * 6);  // no front
+    const shapes::Soup open = shapes::without(shapes::box({0, 0, 0}, {10, 10, 10}), 4, 2);  // no front
     SliceOptions options = at_heights({5});
     options.region.fill_rule = FillRule::positive;
     const SliceResult result = united({part_of(post), part_of(open)}, options);
@@ -369,10 +348,9 @@ TEST_CASE("parts are united by a fill rule only", "[engine][parts][regions]") {
     options.region.fill_rule = FillRule::positive;
     options.region.fill_from = {{4, FillRule::contours}};
     const std::vector<Part> parts = {part_of(cube), part_of(cube)};
-    const lamella::Result<SliceResult> refused = slice_parts(parts, options, lamella::PartRegions::united);
-    REQUIRE_FALSE(refused.ok());
-    CHECK(refused.error().code == ErrorCode::invalid_argument);
-    CHECK_THAT(refused.error().message, Catch::StartsWith("uniting parts needs a region, but layer 4 has"));
+    const lamella::Error refused = error_of(slice_parts(parts, options, lamella::PartRegions::united));
+    CHECK(refused.code == ErrorCode::invalid_argument);
+    CHECK_THAT(refused.message, Catch::StartsWith("uniting parts needs a region, but layer 4 has"));
     options.region = {};
     CHECK_FALSE(slice_parts(parts, options, lamella::PartRegions::united).ok());
     CHECK(slice_parts(parts, options).ok());

@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "engine/counting_memory.hpp"
+#include "engine/same_result.hpp"
 #include "engine/slicing.hpp"
 #include "models/models.hpp"
 #include "slicing/buckets/prepared_source.hpp"
@@ -20,49 +21,12 @@ using lamella::SliceResult;
 
 namespace {
 
-template <class T>
-bool same_bytes(const lamella::Array<T>& a, const lamella::Array<T>& b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const T& x, const T& y) {
-        if constexpr (std::is_same_v<T, lamella::Layer>) {
-            return x.bottom_mm == y.bottom_mm && x.plane_mm == y.plane_mm && x.top_mm == y.top_mm && x.plane == y.plane &&
-                   x.first_contour == y.first_contour && x.contour_count == y.contour_count && x.segments == y.segments;
-        } else if constexpr (std::is_same_v<T, lamella::Contour>) {
-            return x.first_point == y.first_point && x.twice_area == y.twice_area && x.parent == y.parent &&
-                   x.point_count == y.point_count && x.segments == y.segments && x.role == y.role &&
-                   x.orientation == y.orientation && x.flags == y.flags && x.part == y.part;
-        } else if constexpr (std::is_same_v<T, lamella::ClosedGap>) {
-            return x.layer == y.layer && x.from == y.from && x.to == y.to;
-        } else {
-            return x == y;
-        }
-    });
-}
-
-void require_same(const SliceResult& found, const SliceResult& expected) {
-    REQUIRE(same_bytes(found.layers, expected.layers));
-    REQUIRE(same_bytes(found.contours, expected.contours));
-    REQUIRE(same_bytes(found.points, expected.points));
-    REQUIRE(same_bytes(found.closed_gaps, expected.closed_gaps));
-    REQUIRE(found.unit_mm == expected.unit_mm);
-    REQUIRE(found.frame.m == expected.frame.m);
-    const lamella::SliceSummary& a = found.summary;
-    const lamella::SliceSummary& b = expected.summary;
-    REQUIRE(std::vector<std::uint64_t>{a.triangles, a.degenerate, a.crossed, a.segments, a.holes, a.open_contours,
-                                       a.flat_contours, a.overruled_contours, a.near_contours, a.emptied_layers} ==
-            std::vector<std::uint64_t>{b.triangles, b.degenerate, b.crossed, b.segments, b.holes, b.open_contours,
-                                       b.flat_contours, b.overruled_contours, b.near_contours, b.emptied_layers});
-    REQUIRE(std::equal(a.min_mm, a.min_mm + 3, b.min_mm));
-    REQUIRE(std::equal(a.max_mm, a.max_mm + 3, b.max_mm));
-}
-
 PreparedMesh prepared(const MeshView& mesh, const SliceOptions& options) {
     PrepareOptions prepare_options;
     prepare_options.unit_mm = options.unit_mm;
     prepare_options.transform = options.transform;
     prepare_options.control = options.control;
-    lamella::Result<PreparedMesh> made = prepare(mesh, prepare_options);
-    REQUIRE(made.ok());
-    return std::move(made).value();
+    return value_of(prepare(mesh, prepare_options));
 }
 
 /// Slices the mesh and what was prepared of it; both succeed with the same result, or fail with the same error.
@@ -157,9 +121,8 @@ TEST_CASE("a prepared mesh outlives the memory of the mesh", "[engine][prepare]"
     const SliceResult expected = sliced(soup, uniform(0.5));
     const PreparedMesh made = prepared(view_of(soup), uniform(0.5));
     soup.assign(soup.size(), 1e300);
-    const lamella::Result<SliceResult> found = slice(made, uniform(0.5));
-    REQUIRE(found.ok());
-    require_same(*found, expected);
+    const SliceResult found = value_of(slice(made, uniform(0.5)));
+    require_same(found, expected);
 }
 
 TEST_CASE("a prepared mesh is sliced on its own grid and in its own frame", "[engine][prepare]") {
@@ -172,9 +135,8 @@ TEST_CASE("a prepared mesh is sliced on its own grid and in its own frame", "[en
     SliceOptions left_out = options;
     left_out.unit_mm = 0;
     left_out.transform = {};
-    const lamella::Result<SliceResult> found = slice(made, left_out);
-    REQUIRE(found.ok());
-    require_same(*found, expected);
+    const SliceResult found = value_of(slice(made, left_out));
+    require_same(found, expected);
 
     SliceOptions other = options;
     other.unit_mm = 0.25;
@@ -186,9 +148,7 @@ TEST_CASE("a prepared mesh is sliced on its own grid and in its own frame", "[en
 
 TEST_CASE("a mesh that cannot be sliced cannot be prepared", "[engine][prepare]") {
     const auto failure = [](const MeshView& mesh, const PrepareOptions& options) {
-        const lamella::Result<PreparedMesh> made = prepare(mesh, options);
-        REQUIRE_FALSE(made.ok());
-        return made.error();
+        return error_of(prepare(mesh, options));
     };
     CHECK(failure(MeshView{}, {}).code == ErrorCode::empty_mesh);
     shapes::Soup soup = shapes::box({0, 0, 0}, {4, 6, 8});
@@ -209,31 +169,16 @@ TEST_CASE("a mesh of which nothing is left can be prepared where empty ones are 
     for (const double unit_mm : {0.0, 1e3}) {  // on the coarse grid the box collapses
         const MeshView mesh = unit_mm == 0 ? MeshView{} : view_of(box);
         options.unit_mm = unit_mm;
-        const auto made = prepare(mesh, {.unit_mm = unit_mm, .allow_empty = true});
-        REQUIRE(made.ok());
+        const auto made = value_of(prepare(mesh, {.unit_mm = unit_mm, .allow_empty = true}));
         options.plan.spacing = lamella::ExplicitPlanes{.heights_mm = {4, 5, 5}};
-        require_same(slice(*made, options).value(), slice(mesh, options).value());
-        CHECK(slice(*made, options).value().layers.size() == (unit_mm == 0 ? 2 : 1));
+        require_same(slice(made, options).value(), slice(mesh, options).value());
+        CHECK(slice(made, options).value().layers.size() == (unit_mm == 0 ? 2 : 1));
         options.plan.spacing = lamella::UniformLayers{.layer_height_mm = 1};
-        require_same(slice(*made, options).value(), slice(mesh, options).value());
+        require_same(slice(made, options).value(), slice(mesh, options).value());
         SliceOptions refusing = options;
         refusing.allow_empty = false;
-        CHECK(slice(*made, refusing).error().message == slice(mesh, refusing).error().message);
+        CHECK(slice(made, refusing).error().message == slice(mesh, refusing).error().message);
     }
-}
-
-TEST_CASE("preparing can be stopped, and tells its progress", "[engine][prepare]") {
-    const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 6);
-    std::atomic<bool> stop = true;
-    PrepareOptions options;
-    options.control.stop = lamella::StopCheck::when(stop);
-    CHECK(prepare(view_of(soup), options).error().code == ErrorCode::cancelled);
-    double last = 0;
-    const auto show = [&last](double fraction) noexcept { last = fraction > last ? fraction : -1; };
-    options.control.stop = {};
-    options.control.progress = lamella::Progress::to(show);
-    REQUIRE(prepare(view_of(soup), options).ok());
-    CHECK(last == 1);
 }
 
 TEST_CASE("a prepared mesh takes 48 bytes a triangle of the host's memory", "[engine][prepare]") {

@@ -16,7 +16,6 @@ using raw_offsets::Place;
 using raw_offsets::Point;
 using raw_offsets::Polygons;
 using raw_offsets::Ring;
-using raw_offsets::turn;
 using raw_offsets::winding;
 
 namespace {
@@ -35,7 +34,7 @@ public:
             const Place n1{distance * u1.y, -distance * u1.x};
             const Place n2{distance * u2.y, -distance * u2.x};
             convex_.push_back({at(a), {a.x + n1.x, a.y + n1.y}, {v.x + n1.x, v.y + n1.y}, at(v)});
-            if (turn(a, v, b) * distance >= 0) {
+            if (rings::side(a, v, b) * distance >= 0) {
                 std::vector<Place> wedge{at(v), {v.x + n1.x, v.y + n1.y}};
                 add_tip(wedge, v, u1, u2, n1, n2, distance, limit);
                 wedge.push_back({v.x + n2.x, v.y + n2.y});

@@ -16,6 +16,7 @@ using lamella::PointOrigin;
 using lamella::SliceOptions;
 using lamella::SliceResult;
 using origin_oracle::Cut;
+using origin_oracle::traced;
 using origin_oracle::Triangles;
 
 namespace {
@@ -26,31 +27,11 @@ SliceOptions filled(SliceOptions options, FillRule rule = FillRule::non_zero) {
     return options;
 }
 
-SliceResult traced_region(const shapes::Soup& soup, const SliceOptions& options) {
-    SliceResult result = sliced(soup, options);
-    REQUIRE(result.origins.size() == result.points.size());
-    const lamella::Status valid = validate(result, view_of(soup));
-    INFO((valid ? std::string() : valid.error().message));
-    REQUIRE(valid.ok());
-    SliceOptions plain = options;
-    plain.origins = false;
-    REQUIRE(hash_result(sliced(soup, plain)) == hash_result(result));
-    return result;
-}
-
-/// Whether p lies on the segment from a to b.
-bool lies_on(Point a, Point b, Point p) {
-    const auto side =
-        (std::int64_t{b.x} - a.x) * (std::int64_t{p.y} - a.y) - (std::int64_t{b.y} - a.y) * (std::int64_t{p.x} - a.x);
-    return side == 0 && p.x >= std::min(a.x, b.x) && p.x <= std::max(a.x, b.x) && p.y >= std::min(a.y, b.y) &&
-           p.y <= std::max(a.y, b.y);
-}
-
 /// By looking at all cuts: of those that the edge lies on, the one of the smallest part and triangle.
 std::optional<PointOrigin> origin_along(const std::vector<Cut>& cuts, Point from, Point to) {
     std::optional<PointOrigin> smallest;
     for (const Cut& cut : cuts) {
-        if (lies_on(cut.from, cut.to, from) && lies_on(cut.from, cut.to, to) &&
+        if (rings::lies_on(cut.from, cut.to, from) && rings::lies_on(cut.from, cut.to, to) &&
             (!smallest || std::pair(cut.origin.part, cut.origin.triangle) < std::pair(smallest->part, smallest->triangle))) {
             const bool forwards = (std::int64_t{to.x} - from.x) * (std::int64_t{cut.to.x} - cut.from.x) +
                                       (std::int64_t{to.y} - from.y) * (std::int64_t{cut.to.y} - cut.from.y) >
@@ -129,8 +110,7 @@ shapes::Soup random_boxes(std::uint64_t seed, int count) {
     for (int i = 0; i < count; ++i) {
         const double x = draw(6);
         const double y = draw(6);
-        const shapes::Soup box = shapes::box({x, y, 0}, {x + 1 + draw(4), y + 1 + draw(4), 4});
-        boxes.insert(boxes.end(), box.begin(), box.end());
+        shapes::append(boxes, shapes::box({x, y, 0}, {x + 1 + draw(4), y + 1 + draw(4), 4}));
     }
     return boxes;
 }
@@ -141,7 +121,7 @@ TEST_CASE("edges of a region keep the triangles along which they run", "[engine]
     const auto seed = GENERATE(range(1U, 1 + rounds(199)));
     const FillRule rule = GENERATE(FillRule::non_zero, FillRule::even_odd, FillRule::positive);
     const shapes::Soup boxes = random_boxes(seed, 5);
-    const SliceResult result = traced_region(boxes, filled(at_heights({1, 2, 3}), rule));
+    const SliceResult result = traced(boxes, filled(at_heights({1, 2, 3}), rule));
     CHECK(check_region(result, cuts_of(boxes, result)) == 0);
 }
 
@@ -150,7 +130,7 @@ TEST_CASE("bent edges of a region keep the triangle of the edge that was bent", 
     const shapes::Soup tangle = shapes::random_tetrahedra(seed, 6, 9);
     SliceOptions options = filled(at_heights({1.25, 2.75, 4.5, 6.25}));
     options.unit_mm = 1.0 / 64;
-    const SliceResult result = traced_region(tangle, options);
+    const SliceResult result = traced(tangle, options);
     CHECK(without_triangle(result) == 0);
 }
 
@@ -158,7 +138,7 @@ TEST_CASE("a region's edge where contours coincide comes from the smallest trian
     // The right one's left side lies on the left one's right side, half as long; united, only its ends stay.
     const shapes::Soup boxes = shapes::joined(
         {shapes::box({4, 1, 0}, {6, 3, 4}), shapes::box({0, 0, 0}, {4, 4, 4}), shapes::box({0, 0, 0}, {4, 2, 4})});
-    const SliceResult result = traced_region(boxes, filled(at_heights({2})));
+    const SliceResult result = traced(boxes, filled(at_heights({2})));
     REQUIRE(result.contours.size() == 1);
     CHECK(check_region(result, cuts_of(boxes, result)) == 0);
     // Box 1 and box 2 share their front; box 1 has the smaller triangles.
@@ -174,12 +154,12 @@ TEST_CASE("what offset and closing move comes from no triangle, what they leave 
     options.unit_mm = 1.0 / 1024;
     SECTION("offset") {
         options.region.offset_mm = 0.25;
-        const SliceResult result = traced_region(boxes, options);
+        const SliceResult result = traced(boxes, options);
         CHECK(without_triangle(result) == result.points.size());
     }
     SECTION("closing") {
         options.region.close_mm = 0.5;
-        const SliceResult result = traced_region(boxes, options);
+        const SliceResult result = traced(boxes, options);
         REQUIRE(result.contours.size() == 2);
         CHECK(without_triangle(result) == result.contours[0].point_count);
         for (const PointOrigin& origin : result.origins_of(result.contours[1])) {
@@ -195,9 +175,9 @@ TEST_CASE("an edge of several without the points between comes from the first of
         const shapes::Soup mesh = inside_out ? shapes::flipped(box) : box;
         INFO("inside out " << inside_out);
         options.region.drop_collinear = false;
-        const SliceResult whole = traced_region(mesh, options);
+        const SliceResult whole = traced(mesh, options);
         options.region.drop_collinear = true;
-        const SliceResult dropped = traced_region(mesh, options);
+        const SliceResult dropped = traced(mesh, options);
         REQUIRE(whole.points.size() == 8);
         REQUIRE(dropped.points.size() == 4);
         for (std::size_t i = 0; i < 4; ++i) {
@@ -211,21 +191,13 @@ TEST_CASE("an edge of several without the points between comes from the first of
 
 TEST_CASE("a fold leaves the origins of the edges beside it", "[engine][origins][regions]") {
     // A block with a notch, whose short floor closing folds into the corner of its walls.
-    const std::vector<shapes::Xyz> outline = {{0, 0, 0},       {20, 0, 0},     {20, 10, 0}, {12, 10, 0},
-                                              {10.0625, 8, 0}, {9.9375, 8, 0}, {8, 10, 0},  {0, 10, 0}};
-    shapes::Soup block;
-    for (std::size_t i = 0; i < outline.size(); ++i) {
-        const shapes::Xyz a = outline[i];
-        const shapes::Xyz b = outline[(i + 1) % outline.size()];
-        const shapes::Soup side =
-            shapes::joined({shapes::triangle(a, b, {b[0], b[1], 4}), shapes::triangle(a, {b[0], b[1], 4}, {a[0], a[1], 4})});
-        block.insert(block.end(), side.begin(), side.end());
-    }
-    SliceOptions options = filled(at_heights({2}));
+    const shapes::Soup block =
+        shapes::walls({{0, 0}, {20, 0}, {20, 10}, {12, 10}, {10.0625, 8}, {9.9375, 8}, {8, 10}, {0, 10}});
+    SliceOptions options = filled(at_heights({5}));
     options.unit_mm = 1.0 / 1024;
-    const SliceResult before = traced_region(block, options);
+    const SliceResult before = traced(block, options);
     options.region.close_mm = 0.2;
-    const SliceResult after = traced_region(block, options);
+    const SliceResult after = traced(block, options);
     // Each side has a point in its middle: the floor's three points have become one, and the two edges beside it longer.
     REQUIRE(after.points.size() == before.points.size() - 2);
     CHECK(without_triangle(before) == 0);
@@ -238,12 +210,9 @@ TEST_CASE("origins name the part where there are several", "[engine][origins][pa
     const std::vector<Part> parts = {{.mesh = view_of(low)}, {.mesh = view_of(high)}};
     SliceOptions options = filled(at_heights({1, 3}), FillRule::contours);
     const auto check_parts = [&](lamella::PartRegions regions) {
-        lamella::Result<SliceResult> result = slice_parts(parts, options, regions);
-        REQUIRE(result.ok());
-        const lamella::Status valid = validate(*result, parts);
-        INFO((valid ? std::string() : valid.error().message));
-        REQUIRE(valid.ok());
-        return std::move(result).value();
+        SliceResult result = value_of(slice_parts(parts, options, regions));
+        require_ok(validate(result, parts));
+        return result;
     };
     SECTION("separate") {
         const SliceResult both = check_parts(lamella::PartRegions::separate);
@@ -270,10 +239,9 @@ TEST_CASE("origins name the part where there are several", "[engine][origins][pa
                           [](const lamella::Contour& contour) { return contour.part == lamella::several_parts; }));
         CHECK(check_region(united, cuts) == 0);
         options.origins = false;
-        const lamella::Result<SliceResult> plain = slice_parts(parts, options, lamella::PartRegions::united);
-        REQUIRE(plain.ok());
-        CHECK(plain->origins.empty());
-        CHECK(hash_result(*plain) == hash_result(united));
+        const SliceResult plain = value_of(slice_parts(parts, options, lamella::PartRegions::united));
+        CHECK(plain.origins.empty());
+        CHECK(hash_result(plain) == hash_result(united));
     }
 }
 
@@ -282,8 +250,7 @@ TEST_CASE("more parts than an origin can name are refused", "[engine][origins][p
     const std::vector<Part> parts(65536, Part{.mesh = view_of(one)});
     SliceOptions options = at_heights({2});
     options.origins = true;
-    const lamella::Result<SliceResult> result = slice_parts(parts, options);
-    REQUIRE_FALSE(result.ok());
-    CHECK(result.error().code == lamella::ErrorCode::invalid_argument);
-    CHECK(result.error().message == "origins name one of at most 65535 parts, not of 65536");
+    const lamella::Error error = error_of(slice_parts(parts, options));
+    CHECK(error.code == lamella::ErrorCode::invalid_argument);
+    CHECK(error.message == "origins name one of at most 65535 parts, not of 65536");
 }

@@ -29,7 +29,7 @@ TEST_CASE("the distance of a chain is compared exactly", "[engine][simplify]") {
         for (std::size_t i = 1; i < last && expected; ++i) {
             const Wide length2 = dot(a, b, b);
             const Wide along = dot(a, b, chain[i]);
-            const Wide area = side(a, b, chain[i]);
+            const Wide area = rings::cross(a, b, chain[i]);
             const Point end = along <= 0 ? a : b;
             expected = along > 0 && along < length2 ? area * area <= Wide{tolerance} * tolerance * length2
                                                     : dot(end, chain[i], chain[i]) <= Wide{tolerance} * tolerance;

@@ -1,14 +1,15 @@
 // Simplification in every way to slice: origins, sinks, memory of the host, prepared meshes, parts, and regions.
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <random>
 #include <vector>
 
 #include <catch2/catch.hpp>
 
 #include "engine/collected_layers.hpp"
+#include "engine/host_arrays.hpp"
 #include "engine/region_checks.hpp"
+#include "engine/same_result.hpp"
 #include "engine/slicing.hpp"
 
 using lamella::Contour;
@@ -71,17 +72,6 @@ std::size_t check_origins(const SliceResult& plain, const SliceResult& result) {
     return lines;
 }
 
-void require_valid(const SliceResult& result, const shapes::Soup& soup) {
-    const lamella::Status valid = validate(result, view_of(soup));
-    INFO((valid ? std::string() : valid.error().message));
-    REQUIRE(valid.ok());
-}
-
-bool same_bytes(const SliceResult& a, const SliceResult& b) {
-    return hash_result(a) == hash_result(b) &&
-           std::equal(a.origins.begin(), a.origins.end(), b.origins.begin(), b.origins.end());
-}
-
 }  // namespace
 
 TEST_CASE("lines that replace points come from no triangle, all other edges keep theirs", "[engine][simplify][origins]") {
@@ -90,10 +80,10 @@ TEST_CASE("lines that replace points come from no triangle, all other edges keep
         for (const double tolerance : {0.001, 0.05, 0.5}) {
             SliceOptions options = simplified(tolerance, rule);
             const SliceResult result = sliced(soup, options);
-            require_valid(result, soup);
+            require_ok(validate(result, view_of(soup)));
             options.region.simplify_mm = 0;
             const SliceResult plain = sliced(soup, options);
-            require_valid(plain, soup);
+            require_ok(validate(plain, view_of(soup)));
             CHECK(plain.summary.open_contours > 0);
             CHECK(result.points.size() < plain.points.size());
             CHECK(check_origins(plain, result) > 100);
@@ -109,7 +99,7 @@ TEST_CASE("a contour that is turned round against its facets keeps the origins o
     const shapes::Soup soup = shapes::flipped(shapes::octasphere({0, 0, 0}, 10, 5));
     SliceOptions options = simplified(0.02);
     const SliceResult result = sliced(soup, options);
-    require_valid(result, soup);
+    require_ok(validate(result, view_of(soup)));
     CHECK(result.summary.overruled_contours > 0);
     options.region.simplify_mm = 0;
     CHECK(check_origins(sliced(soup, options), result) > 100);
@@ -146,44 +136,30 @@ TEST_CASE("sinks, the host's arrays and prepared meshes get the simplified conto
         const SliceResult result = sliced(soup, options);
         for (const lamella::SinkOrder order : {lamella::SinkOrder::any, lamella::SinkOrder::ascending}) {
             CollectedLayers collected;
-            const auto totals = slice_to(lamella::LayerSink::to(collected, order), mesh, options);
-            REQUIRE(totals.ok());
+            const auto totals = value_of(slice_to(lamella::LayerSink::to(collected, order), mesh, options));
             CHECK(collected.difference(result).empty());
-            CHECK(totals->points == result.points.size());
+            CHECK(totals.points == result.points.size());
         }
 
-        const auto bounds = bound_output(mesh, options);
-        REQUIRE(bounds.ok());
-        CHECK(bounds->are_certain == (rule == FillRule::contours));
-        CHECK(bounds->points >= result.points.size());
-        std::vector<Point> points(result.points.size());  // no more than is needed
-        std::vector<PointOrigin> origins(points.size());
-        std::vector<Contour> contours(result.contours.size());
-        std::vector<lamella::Layer> layers(result.layers.size());
-        lamella::HostOutput output{.points = points.data(),
-                                   .point_capacity = points.size(),
-                                   .contours = contours.data(),
-                                   .contour_capacity = contours.size(),
-                                   .layers = layers.data(),
-                                   .layer_capacity = layers.size(),
-                                   .origins = origins.data()};
-        const auto totals = slice_into(output, mesh, options);
-        INFO((totals ? std::string() : totals.error().message));
-        REQUIRE(totals.ok());
-        CHECK(std::equal(points.begin(), points.end(), result.points.begin(), result.points.end()));
+        const auto bounds = value_of(bound_output(mesh, options));
+        CHECK(bounds.are_certain == (rule == FillRule::contours));
+        CHECK(bounds.points >= result.points.size());
+        HostArrays host(result.points.size(), result.contours.size(), result.layers.size());  // no more than is needed
+        std::vector<PointOrigin> origins(result.points.size());
+        host.output.origins = origins.data();
+        require_same_totals(value_of(slice_into(host.output, mesh, options)), result);
+        CHECK(host.has_points_of(result));
+        CHECK(host.has_contours_of(result));
         CHECK(std::equal(origins.begin(), origins.end(), result.origins.begin(), result.origins.end()));
-        CHECK(std::memcmp(contours.data(), result.contours.data(), contours.size() * sizeof(Contour)) == 0);
 
-        const auto prepared = lamella::prepare(mesh);
-        REQUIRE(prepared.ok());
-        const auto again = slice(*prepared, options);
-        REQUIRE(again.ok());
-        CHECK(same_bytes(*again, result));
+        const auto prepared = value_of(lamella::prepare(mesh));
+        const auto again = value_of(slice(prepared, options));
+        require_same(again, result);
 
         for (const lamella::ContourForm form : {lamella::ContourForm::assembled, lamella::ContourForm::swept}) {
             options.tuning.form = form;
             options.tuning.band_planes = 1;
-            CHECK(same_bytes(sliced(soup, options), result));
+            require_same(sliced(soup, options), result);
         }
     }
 }
@@ -195,7 +171,7 @@ TEST_CASE("a workspace simplifies one slice after another alike", "[engine][simp
         const SliceOptions options = simplified(tolerance);
         SliceResult result;
         REQUIRE(slice(view_of(soup), options, workspace, result).ok());
-        CHECK(same_bytes(result, sliced(soup, options)));
+        require_same(result, sliced(soup, options));
     }
 }
 
@@ -207,25 +183,23 @@ TEST_CASE("parts are simplified each by itself, united ones as the region of all
     options.unit_mm = 0x1p-20;
     options.plan.spacing = lamella::ExplicitPlanes{{-7.25, -3.5, 0.125, 4.75}};
 
-    const auto apart = slice_parts(parts, options);
-    REQUIRE(apart.ok());
-    CHECK(validate(*apart, parts).ok());
+    const auto apart = value_of(slice_parts(parts, options));
+    CHECK(validate(apart, parts).ok());
     const SliceResult alone = sliced(right, options);
     for (std::size_t l = 0; l < alone.layers.size(); ++l) {
-        const auto contours = apart->contours_of(apart->layers[l]);
+        const auto contours = apart.contours_of(apart.layers[l]);
         const auto own = std::find_if(contours.begin(), contours.end(), [](const Contour& c) { return c.part == 1; });
         REQUIRE(own != contours.end());
         const auto expected = alone.points_of(alone.contours_of(alone.layers[l])[0]);
-        const auto found = apart->points_of(*own);
+        const auto found = apart.points_of(*own);
         CHECK(std::equal(found.begin(), found.end(), expected.begin(), expected.end()));
     }
 
-    const auto united = slice_parts(parts, options, lamella::PartRegions::united);
-    REQUIRE(united.ok());
-    CHECK(validate(*united, parts).ok());
+    const auto united = value_of(slice_parts(parts, options, lamella::PartRegions::united));
+    CHECK(validate(united, parts).ok());
     const SliceResult whole = sliced(shapes::joined({left, right}), options);
     CHECK(whole.points.size() < 2000);
-    CHECK(std::equal(united->points.begin(), united->points.end(), whole.points.begin(), whole.points.end()));
+    CHECK(std::equal(united.points.begin(), united.points.end(), whole.points.begin(), whole.points.end()));
     options.region.simplify_mm = 0;
     CHECK(sliced(shapes::joined({left, right}), options).points.size() > 2 * whole.points.size());
 }
@@ -244,7 +218,7 @@ TEST_CASE("regions of random tetrahedra stay valid regions when simplified", "[e
             const SliceResult plain = sliced(soup, options);
             options.region.simplify_mm = static_cast<double>(1 + seed % 40) / 32;
             const SliceResult result = sliced(soup, options);
-            require_valid(result, soup);
+            require_ok(validate(result, view_of(soup)));
             const auto crossings = find_crossings(result);
             const auto crossings_before = find_crossings(plain);
             REQUIRE(crossings.ok());

@@ -11,6 +11,7 @@
 #include "engine/slabs.hpp"
 #include "engine/slicing.hpp"
 #include "oracle/oracle.hpp"
+#include "rings.hpp"
 
 using lamella::PlaneSide;
 using lamella::Point;
@@ -22,14 +23,7 @@ namespace {
 bool covers(const SliceResult& result, std::size_t layer, double x, double y) {
     int winding = 0;
     for (const lamella::Contour& contour : result.contours_of(result.layers[layer])) {
-        const auto points = result.points_of(contour);
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            const Point a = points[i];
-            const Point b = points[(i + 1) % points.size()];
-            if ((a.y <= y) != (b.y <= y) && a.x + (b.x - a.x) * ((y - a.y) / (double(b.y) - a.y)) > x) {
-                winding += b.y > a.y ? 1 : -1;
-            }
-        }
+        winding += rings::winding(result.points_of(contour), rings::PlaceOf<double>{x, y}).value_or(0);
     }
     return winding > 0;
 }

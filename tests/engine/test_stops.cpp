@@ -20,12 +20,10 @@
 
 #include <catch2/catch.hpp>
 
+#include "engine/calls.hpp"
 #include "engine/crossings.hpp"
 #include "engine/slicing.hpp"
-#include "lamella/io.hpp"
-#include "lamella/lamella.hpp"
 #include "models/models.hpp"
-#include "temp_folder.hpp"
 
 using lamella::Control;
 using lamella::ErrorCode;
@@ -44,24 +42,12 @@ class StopAt {
 public:
     explicit StopAt(double ms) : at_(Clock::now() + std::chrono::microseconds(static_cast<std::int64_t>(1000 * ms))) {}
 
-    lamella::StopCheck check() {
-        return {[](void* context) noexcept { return Clock::now() >= static_cast<StopAt*>(context)->at_; }, this};
-    }
+    bool operator()() const { return Clock::now() >= at_; }
     double ms_late() const { return ms_since(at_); }
 
 private:
     Clock::time_point at_;
 };
-
-struct Call {
-    std::string name;
-    std::function<std::optional<ErrorCode>(const Control&)> run;
-};
-
-template <class Outcome>
-std::optional<ErrorCode> code_of(const Outcome& outcome) {
-    return outcome.ok() ? std::nullopt : std::optional(outcome.error().code);
-}
 
 #ifdef LAMELLA_TESTS_SANITIZED
 constexpr std::uint64_t triangles = 20'000;
@@ -75,115 +61,40 @@ constexpr double most_slice_ms = 20;
 constexpr int stops_each = 4;
 #endif
 
-class ScannedBone {
+/// The file of a generated mesh, and what is read of it.
+class MadeFile {
 public:
-    ScannedBone() {
-        const lamella::models::Recipe recipe{.shape = lamella::models::Shape::bone, .triangles = triangles};
-        REQUIRE(lamella::models::write_stl(recipe, path(), {}).ok());
-        mesh_ = lamella::read_mesh(path());
-        REQUIRE(mesh_.ok());
-        lamella::SliceOptions options = uniform(0.1);
-        result_ = lamella::slice(mesh_.value(), options);
-        REQUIRE(result_.ok());
+    explicit MadeFile(lamella::models::Shape shape, std::uint64_t count = triangles) {
+        REQUIRE(lamella::models::write_stl({.shape = shape, .triangles = count}, path(), {}).ok());
+        mesh_.emplace(value_of(lamella::read_mesh(path())));
     }
-
-    std::filesystem::path path() const { return folder_ / "bone.stl"; }
-    const lamella::MeshFile& mesh() const { return mesh_.value(); }
-    const lamella::SliceResult& result() const { return result_.value(); }
-
-    std::vector<Call> calls() const {
-        const lamella::MeshView view = mesh().view();
-        return {
-            {"read_mesh", [this](const Control& c) { return code_of(lamella::read_mesh(path(), {.control = c})); }},
-            {"inspect", [=](const Control& c) { return code_of(lamella::inspect(view, {.control = c})); }},
-            {"check",
-             [=](const Control& c) {
-                 lamella::CheckOptions options;
-                 options.control = c;
-                 return code_of(lamella::check(view, options));
-             }},
-            {"weld", [=](const Control& c) { return code_of(lamella::weld(view, {.control = c})); }},
-            {"slice",
-             [=](const Control& c) {
-                 lamella::SliceOptions options = uniform(0.02);
-                 options.control = c;
-                 return code_of(lamella::slice(view, options));
-             }},
-            {"prepare", [=](const Control& c) { return code_of(lamella::prepare(view, {.control = c})); }},
-            {"slice_to, in plane order",
-             [=](const Control& c) {
-                 lamella::SliceOptions options = uniform(0.02);
-                 options.control = c;
-                 const auto nothing = [](const lamella::LayerView&) noexcept {};
-                 const auto sink = lamella::LayerSink::to(nothing, lamella::SinkOrder::ascending);
-                 return code_of(lamella::slice_to(sink, view, options));
-             }},
-            {"slice_to, in any order",
-             [=](const Control& c) {
-                 lamella::SliceOptions options = uniform(0.02);
-                 options.control = c;
-                 const auto nothing = [](const lamella::LayerView&) noexcept {};
-                 return code_of(lamella::slice_to(lamella::LayerSink::to(nothing, lamella::SinkOrder::any), view, options));
-             }},
-            {"slice_slabs",
-             [=](const Control& c) {
-                 lamella::SlabOptions options;
-                 options.plan = uniform(0.02).plan;
-                 options.control = c;
-                 return code_of(lamella::slice_slabs(view, options));
-             }},
-            {"slice_into", [=](const Control& c) { return code_of(slice_into_arrays(view, c)); }},
-            {"make_ledger", [=, this](const Control& c) { return code_of(lamella::make_ledger(view, result(), c)); }},
-            {"certify_volume", [=, this](const Control& c) { return code_of(lamella::certify_volume(view, result(), c)); }},
-            {"find_crossings", [this](const Control& c) { return code_of(lamella::find_crossings(result(), c)); }},
-            {"write_svg",
-             [this](const Control& c) {
-                 return code_of(lamella::write_svg(result(), folder_ / "bone.svg", {.control = c}));
-             }},
-        };
-    }
+    std::filesystem::path path() const { return folder_ / "made.stl"; }
+    lamella::MeshView view() const { return mesh_->view(); }
 
 private:
-    static lamella::Result<lamella::SliceTotals> slice_into_arrays(const lamella::MeshView& view, const Control& control) {
-        static std::vector<double> points(std::size_t{2} << 23);
-        static std::vector<lamella::Contour> contours(std::size_t{1} << 20);
-        static std::vector<lamella::Layer> layers(std::size_t{1} << 14);
-        lamella::SliceOptions options = uniform(0.02);
-        options.control = control;
-        return lamella::slice_into({.type = lamella::PointType::f64,
-                                    .points = points.data(),
-                                    .point_capacity = points.size() / 2,
-                                    .contours = contours.data(),
-                                    .contour_capacity = contours.size(),
-                                    .layers = layers.data(),
-                                    .layer_capacity = layers.size()},
-                                   view, options);
-    }
-
     TempFolder folder_;
-    lamella::Result<lamella::MeshFile> mesh_ = lamella::Error{};
-    lamella::Result<lamella::SliceResult> result_ = lamella::Error{};
+    std::optional<lamella::MeshFile> mesh_;
 };
+
+using lamella::models::Shape;
+using Run = std::function<std::optional<ErrorCode>(const Control&)>;
 
 /// The longest time that a stop could have waited, as the time of the one thread that works: other processes do not count.
 class AskGaps {
 public:
-    lamella::StopCheck check() {
-        return {[](void* context) noexcept {
-                    static_cast<AskGaps*>(context)->note();
-                    return false;
-                },
-                this};
+    bool operator()() {
+        note();
+        return false;
     }
     /// Of `call`, in ms; the least of some rounds, since a busy machine slows threads, too. Later rounds find their memory
     /// touched: a virtual machine may take 20 us to give a fresh page, and that is not the library's time.
-    double longest_of(const std::function<std::optional<ErrorCode>(const Control&)>& call) {
+    double longest_of(const Run& call) {
         keep_freed_memory();
         double least = std::numeric_limits<double>::infinity();
         for (int round = 0; round < 3 && least > most_slice_ms; ++round) {
             longest_ = 0;
             last_ = thread_ms();
-            REQUIRE(call({.threads = 1, .stop = check()}) == std::nullopt);
+            REQUIRE(call({.threads = 1, .stop = asking(*this)}) == std::nullopt);
             note();
             least = std::min(least, longest_);
         }
@@ -213,20 +124,19 @@ private:
 };
 
 /// How often a host is asked, on any thread.
-class AskCount {
-public:
-    lamella::StopCheck check() {
-        return {[](void* context) noexcept {
-                    ++static_cast<AskCount*>(context)->asked_;
-                    return false;
-                },
-                this};
+struct AskCount {
+    std::atomic<std::uint64_t> asked{0};
+    bool operator()() {
+        ++asked;
+        return false;
     }
-    std::uint64_t asked() const { return asked_; }
-
-private:
-    std::atomic<std::uint64_t> asked_{0};
 };
+
+/// In ms, the longest time of `call` between two asks.
+double longest_wait(const Run& call) {
+    AskGaps gaps;
+    return gaps.longest_of(call);
+}
 
 /// Bodies through one another, in many small clusters.
 shapes::Soup crossing_tetrahedra(std::size_t count) {
@@ -236,17 +146,13 @@ shapes::Soup crossing_tetrahedra(std::size_t count) {
     shapes::Soup soup;
     for (std::size_t i = 0; i < count; ++i) {
         const double at[3] = {place(random), place(random), place(random)};
-        double corner[4][3];
-        for (auto& point : corner) {
-            for (int axis = 0; axis < 3; ++axis) {
+        std::array<shapes::Xyz, 4> corner;
+        for (shapes::Xyz& point : corner) {
+            for (std::size_t axis = 0; axis < 3; ++axis) {
                 point[axis] = at[axis] + reach(random);
             }
         }
-        for (const auto& face : {std::array{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}) {
-            for (const int of : face) {
-                soup.insert(soup.end(), corner[of], corner[of] + 3);
-            }
-        }
+        shapes::append(soup, shapes::tetrahedron(corner[0], corner[2], corner[1], corner[3]));
     }
     return soup;
 }
@@ -265,9 +171,10 @@ shapes::Soup burst(std::size_t count) {
 }  // namespace
 
 TEST_CASE("a stop that comes at any moment ends every call within 100 ms", "[engine][control][stops]") {
-    const ScannedBone bone;
+    const MadeFile bone(Shape::bone);
+    ControlledCalls calls(bone.view(), bone.path(), 0.02);
     std::mt19937 random(1);
-    for (const Call& call : bone.calls()) {
+    for (const ControlledCall& call : calls.all()) {
         for (const int threads : {1, 2}) {
             INFO(call.name << " on " << threads << " threads");
             const Clock::time_point start = Clock::now();
@@ -276,7 +183,7 @@ TEST_CASE("a stop that comes at any moment ends every call within 100 ms", "[eng
             std::vector<double> late;
             for (int round = 0; round < stops_each; ++round) {
                 StopAt stop(std::uniform_real_distribution<double>(0, whole)(random));
-                if (call.run({.threads = threads, .stop = stop.check()}) == ErrorCode::cancelled) {
+                if (call.run({.threads = threads, .stop = asking(stop)}) == ErrorCode::cancelled) {
                     late.push_back(stop.ms_late());
                 }
             }
@@ -289,17 +196,18 @@ TEST_CASE("a stop that comes at any moment ends every call within 100 ms", "[eng
 }
 
 TEST_CASE("no call asks for a stop more often than once in two milliseconds a thread", "[engine][control][stops][threads]") {
-    const ScannedBone bone;
-    for (const Call& call : bone.calls()) {
+    const MadeFile bone(Shape::bone);
+    ControlledCalls calls(bone.view(), bone.path(), 0.02);
+    for (const ControlledCall& call : calls.all()) {
         for (const int threads : {1, 2, 4}) {
             INFO(call.name << " on " << threads << " threads");
             AskCount host;
             const Clock::time_point start = Clock::now();
-            REQUIRE(call.run({.threads = threads, .stop = host.check()}) == std::nullopt);
+            REQUIRE(call.run({.threads = threads, .stop = asking(host)}) == std::nullopt);
             const double intervals = ms_since(start) / 2;
             const double layers = call.name.starts_with("slice_to") ? 150 / 0.02 + 1 : 0;  // after each, too
-            CHECK(host.asked() >= 1);
-            CHECK(static_cast<double>(host.asked()) <= std::min(threads, 2) * (intervals + 1) + layers);
+            CHECK(host.asked >= 1);
+            CHECK(static_cast<double>(host.asked) <= std::min(threads, 2) * (intervals + 1) + layers);
         }
     }
 }
@@ -309,19 +217,15 @@ TEST_CASE("many parts are asked about no more often than one mesh", "[engine][pa
     const std::vector<lamella::Part> parts(500, lamella::Part{.mesh = view_of(ball)});
     AskCount host;
     lamella::SliceOptions options = uniform(0.5);
-    options.control = {.threads = 1, .stop = host.check()};
+    options.control = {.threads = 1, .stop = asking(host)};
     const Clock::time_point start = Clock::now();
     REQUIRE(lamella::slice_parts(parts, options).ok());
-    CHECK(static_cast<double>(host.asked()) <= ms_since(start) / 2 + 1);
+    CHECK(static_cast<double>(host.asked) <= ms_since(start) / 2 + 1);
 }
 
 TEST_CASE("a slice looks for a stop every 20 ms, in whatever form and with whatever rules", "[engine][control][stops]") {
-    const TempFolder folder;
-    const lamella::models::Recipe recipe{.shape = lamella::models::Shape::prism, .triangles = 8 * triangles};
-    REQUIRE(lamella::models::write_stl(recipe, folder / "prism.stl", {}).ok());
-    const lamella::Result<lamella::MeshFile> prism = lamella::read_mesh(folder / "prism.stl");
-    REQUIRE(prism.ok());
-    const ScannedBone bone;
+    const MadeFile prism(Shape::prism, 8 * triangles);
+    const MadeFile bone(Shape::bone);
     const shapes::Soup needles = burst(triangles / 8);
     const shapes::Soup bodies = crossing_tetrahedra(triangles);
     const lamella::SliceOptions one_plane = uniform(150);
@@ -332,12 +236,12 @@ TEST_CASE("a slice looks for a stop every 20 ms, in whatever form and with whate
         lamella::MeshView mesh;
         lamella::SliceOptions options;
     };
-    std::vector<Case> cases = {{"one plane through everything", prism->view(), one_plane},
-                               {"one plane, assembled", prism->view(), one_plane},
-                               {"one plane, filled", prism->view(), one_plane},
-                               {"thin layers", bone.mesh().view(), thin},
-                               {"layers of random heights", bone.mesh().view(), thin},
-                               {"in narrow bands", bone.mesh().view(), thin},
+    std::vector<Case> cases = {{"one plane through everything", prism.view(), one_plane},
+                               {"one plane, assembled", prism.view(), one_plane},
+                               {"one plane, filled", prism.view(), one_plane},
+                               {"thin layers", bone.view(), thin},
+                               {"layers of random heights", bone.view(), thin},
+                               {"in narrow bands", bone.view(), thin},
                                {"open polylines", view_of(needles), few},
                                {"closed gaps", view_of(needles), few},
                                {"even-odd", view_of(bodies), few},
@@ -351,50 +255,41 @@ TEST_CASE("a slice looks for a stop every 20 ms, in whatever form and with whate
     cases[9].options.region.fill_rule = lamella::FillRule::non_zero;
     for (Case& sliced : cases) {
         INFO(sliced.name);
-        AskGaps gaps;
-        CHECK(gaps.longest_of([&](const Control& c) {
-            sliced.options.control = c;
-            return code_of(lamella::slice(sliced.mesh, sliced.options));
-        }) <= most_slice_ms);
+        CHECK(longest_wait([&](const Control& c) {
+                  sliced.options.control = c;
+                  return code_of(lamella::slice(sliced.mesh, sliced.options));
+              }) <= most_slice_ms);
         const auto nothing = [](const lamella::LayerView&) noexcept {};
         const auto sink = lamella::LayerSink::to(nothing, lamella::SinkOrder::ascending);
-        CHECK(gaps.longest_of([&](const Control& c) {
-            sliced.options.control = c;
-            return code_of(lamella::slice_to(sink, sliced.mesh, sliced.options));
-        }) <= most_slice_ms);
+        CHECK(longest_wait([&](const Control& c) {
+                  sliced.options.control = c;
+                  return code_of(lamella::slice_to(sink, sliced.mesh, sliced.options));
+              }) <= most_slice_ms);
     }
 }
 
 TEST_CASE("preparing a mesh looks for a stop every 20 ms", "[engine][prepare][stops]") {
-    const TempFolder folder;
-    const lamella::models::Recipe recipe{.shape = lamella::models::Shape::prism, .triangles = 8 * triangles};
-    REQUIRE(lamella::models::write_stl(recipe, folder / "prism.stl", {}).ok());
-    const lamella::Result<lamella::MeshFile> prism = lamella::read_mesh(folder / "prism.stl");
-    REQUIRE(prism.ok());
-    AskGaps preparing;
-    CHECK(preparing.longest_of([&](const Control& c) { return code_of(lamella::prepare(prism->view(), {.control = c})); }) <=
+    const MadeFile prism(Shape::prism, 8 * triangles);
+    CHECK(longest_wait([&](const Control& c) { return code_of(lamella::prepare(prism.view(), {.control = c})); }) <=
           most_slice_ms);
-    const lamella::Result<lamella::PreparedMesh> prepared = lamella::prepare(prism->view());
-    REQUIRE(prepared.ok());
-    AskGaps slicing;
-    CHECK(slicing.longest_of([&](const Control& c) {
-        lamella::SliceOptions options = uniform(150);
-        options.control = c;
-        return code_of(lamella::slice(*prepared, options));
-    }) <= most_slice_ms);
+    const lamella::PreparedMesh prepared = value_of(lamella::prepare(prism.view()));
+    CHECK(longest_wait([&](const Control& c) {
+              lamella::SliceOptions options = uniform(150);
+              options.control = c;
+              return code_of(lamella::slice(prepared, options));
+          }) <= most_slice_ms);
 }
 
 TEST_CASE("projecting a large mesh onto one layer looks for a stop every 20 ms", "[engine][slabs][stops]") {
-    const ScannedBone bone;
+    const MadeFile bone(Shape::bone);
     const shapes::Soup needles = burst(triangles / 100);
     lamella::SlabOptions options;
     options.plan.spacing = lamella::ExplicitPlanes{{-1e6, 1e6}};
-    for (const lamella::MeshView& mesh : {bone.mesh().view(), view_of(needles)}) {
-        AskGaps gaps;
-        CHECK(gaps.longest_of([&](const Control& c) {
-            options.control = c;
-            return code_of(lamella::slice_slabs(mesh, options));
-        }) <= most_slice_ms);
+    for (const lamella::MeshView& mesh : {bone.view(), view_of(needles)}) {
+        CHECK(longest_wait([&](const Control& c) {
+                  options.control = c;
+                  return code_of(lamella::slice_slabs(mesh, options));
+              }) <= most_slice_ms);
     }
 }
 
@@ -418,10 +313,9 @@ TEST_CASE("the region of contours that cross 230,400 times looks for a stop ever
     rules.fill_rule = lamella::FillRule::non_zero;
     const double close_mm = GENERATE(0.0, 0.01);
     rules.close_mm = close_mm;
-    AskGaps gaps;
-    CHECK(gaps.longest_of([&](const Control& c) {
-        return code_of(lamella::region_of(contours, rules, lamella::default_unit_mm, c));
-    }) <= most_slice_ms);
+    CHECK(longest_wait([&](const Control& c) {
+              return code_of(lamella::region_of(contours, rules, lamella::default_unit_mm, c));
+          }) <= most_slice_ms);
 }
 
 TEST_CASE("assembling a large plane looks for a stop every 20 ms, and shows its progress", "[engine][assemble][stops]") {
@@ -436,8 +330,7 @@ TEST_CASE("assembling a large plane looks for a stop every 20 ms, and shows its 
         ring.push_back({.from_key = {i}, .to_key = {(i + 1) % corners}, .from = at(i), .to = at(i + 1)});
     }
     std::shuffle(ring.begin(), ring.end(), std::mt19937(1));
-    AskGaps gaps;
-    CHECK(gaps.longest_of([&](const Control& c) { return code_of(lamella::assemble(ring, c)); }) <= most_slice_ms);
+    CHECK(longest_wait([&](const Control& c) { return code_of(lamella::assemble(ring, c)); }) <= most_slice_ms);
     std::vector<double> seen;
     const auto note = [&](double fraction) noexcept { seen.push_back(fraction); };
     REQUIRE(lamella::assemble(ring, {.progress = lamella::Progress::to(note)}).ok());
@@ -447,8 +340,9 @@ TEST_CASE("assembling a large plane looks for a stop every 20 ms, and shows its 
 }
 
 TEST_CASE("every call shows its progress, which never falls and ends at 1", "[engine][control][stops][threads]") {
-    const ScannedBone bone;
-    for (const Call& call : bone.calls()) {
+    const MadeFile bone(Shape::bone);
+    ControlledCalls calls(bone.view(), bone.path(), 0.02);
+    for (const ControlledCall& call : calls.all()) {
         for (const int threads : {1, 3}) {
             INFO(call.name);
             double before_last = 0;
@@ -484,16 +378,14 @@ TEST_CASE("crossings of triangles through one another are counted up to a number
 }
 
 TEST_CASE("check and its report are the same on any number of threads", "[engine][stops][threads]") {
-    const ScannedBone bone;
+    const MadeFile bone(Shape::bone);
     const shapes::Soup crossing = burst(2000);
-    for (const lamella::MeshView& view : {bone.mesh().view(), view_of(crossing)}) {
+    for (const lamella::MeshView& view : {bone.view(), view_of(crossing)}) {
         std::string first;
         for (const int threads : {1, 2, 4}) {
             lamella::CheckOptions options;
             options.control.threads = threads;
-            const lamella::Result<lamella::MeshCheck> found = lamella::check(view, options);
-            REQUIRE(found.ok());
-            const std::string json = lamella::make_check_json(found.value()).value();
+            const std::string json = lamella::make_check_json(value_of(lamella::check(view, options))).value();
             CHECK((first.empty() || json == first));
             first = json;
         }
@@ -501,16 +393,14 @@ TEST_CASE("check and its report are the same on any number of threads", "[engine
 }
 
 TEST_CASE("check counts the edges that inspect counts", "[engine][stops]") {
-    const ScannedBone bone;
-    const lamella::Result<lamella::MeshInfo> info = lamella::inspect(bone.mesh().view());
-    const lamella::Result<lamella::MeshCheck> found = lamella::check(bone.mesh().view());
-    REQUIRE(info.ok());
-    REQUIRE(found.ok());
-    CHECK(found->info.edges == info->edges);
-    CHECK(found->info.boundary_edges == info->boundary_edges);
-    CHECK(found->info.exact_boundary_edges == info->exact_boundary_edges);
-    CHECK(found->info.shells == info->shells);
-    CHECK(found->info.degenerate == info->degenerate);
-    CHECK(found->info.closed == info->closed);
-    CHECK(found->info.volume_mm3 == info->volume_mm3);
+    const MadeFile bone(Shape::bone);
+    const lamella::MeshInfo info = value_of(lamella::inspect(bone.view()));
+    const lamella::MeshCheck found = value_of(lamella::check(bone.view()));
+    CHECK(found.info.edges == info.edges);
+    CHECK(found.info.boundary_edges == info.boundary_edges);
+    CHECK(found.info.exact_boundary_edges == info.exact_boundary_edges);
+    CHECK(found.info.shells == info.shells);
+    CHECK(found.info.degenerate == info.degenerate);
+    CHECK(found.info.closed == info.closed);
+    CHECK(found.info.volume_mm3 == info.volume_mm3);
 }

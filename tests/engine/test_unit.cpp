@@ -1,4 +1,4 @@
-// The grid's unit, and meshes that are too small or too far away for their grid and their numbers.
+// The grid's unit, meshes that do not fit the unit asked for, are too small or too far away for their numbers, or are empty.
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -9,10 +9,17 @@
 
 #include "engine/slicing.hpp"
 #include "lamella/lamella.hpp"
+#include "lamella/parts.hpp"
 
 using lamella::CoordinateType;
 using lamella::ErrorCode;
 using lamella::MeshScale;
+using lamella::MeshView;
+using lamella::Part;
+using lamella::SliceOptions;
+using lamella::SliceResult;
+using lamella::UnitFit;
+using shapes::box;
 
 namespace {
 
@@ -21,6 +28,16 @@ MeshScale scale_of(double low, double edge, CoordinateType number, double unit_m
     const double min_mm[3] = {low, low, low};
     const double max_mm[3] = {low + edge, low + edge, low + edge};
     return lamella::judge_scale(min_mm, max_mm, number, unit_mm);
+}
+
+/// Two triangles, each along a line, from z = 0 to 10.
+shapes::Soup lines() {
+    return {0, 0, 0, 0, 0, 0, 0, 0, 10, 5, 5, 0, 5, 5, 10, 5, 5, 10};
+}
+
+SliceOptions allowing(SliceOptions options) {
+    options.allow_empty = true;
+    return options;
 }
 
 }  // namespace
@@ -97,17 +114,11 @@ TEST_CASE("a transform that flattens every mesh is refused, whatever the call", 
 TEST_CASE("a mesh of which every triangle collapses is empty", "[engine][unit]") {
     const shapes::Soup speck = shapes::box({5, 5, 5}, {5 + 1e-9, 5 + 1e-9, 5 + 1e-9});
     const std::string reason = "each of 12 triangles has two equal corners on the grid of 9.5367431640625e-07 mm";
-    const lamella::Result<lamella::SliceResult> cut = slice(view_of(speck), uniform(0.1));
-    REQUIRE_FALSE(cut.ok());
-    CHECK(cut.error().code == ErrorCode::empty_mesh);
-    CHECK(cut.error().message == reason);
-    const lamella::Result<lamella::MeshInfo> info = inspect(view_of(speck));
-    REQUIRE_FALSE(info.ok());
-    CHECK(info.error().code == ErrorCode::empty_mesh);
-    CHECK(info.error().message == reason);
-    const lamella::Result<lamella::MeshCheck> found = lamella::check(view_of(speck));
-    REQUIRE_FALSE(found.ok());
-    CHECK(found.error().code == ErrorCode::empty_mesh);
+    for (const lamella::Error& error : {failure_of(view_of(speck), uniform(0.1)), error_of(inspect(view_of(speck)))}) {
+        CHECK(error.code == ErrorCode::empty_mesh);
+        CHECK(error.message == reason);
+    }
+    CHECK(error_of(lamella::check(view_of(speck))).code == ErrorCode::empty_mesh);
     const shapes::Soup half = shapes::joined({speck, shapes::box({0, 0, 0}, {1, 1, 1})});
     CHECK(slice(view_of(half), uniform(0.1)).ok());
 }
@@ -136,9 +147,8 @@ TEST_CASE("a number step above a tenth of the layer height is lost precision", "
 TEST_CASE("boundary edges are counted on the grid and by exact coordinates", "[engine][unit]") {
     using Counts = std::pair<std::uint64_t, std::uint64_t>;
     const auto counts = [](const lamella::MeshView& mesh) {
-        const lamella::Result<lamella::MeshInfo> info = inspect(mesh);
-        REQUIRE(info.ok());
-        return Counts(info->boundary_edges, info->exact_boundary_edges);
+        const lamella::MeshInfo info = value_of(inspect(mesh));
+        return Counts(info.boundary_edges, info.exact_boundary_edges);
     };
     shapes::Soup cube = shapes::box({1, 1, 1}, {2, 2, 2});
     CHECK(counts(view_of(cube)) == Counts(0, 0));
@@ -160,4 +170,108 @@ TEST_CASE("boundary edges are counted on the grid and by exact coordinates", "[e
     REQUIRE(small != floats.end());
     *small = std::nextafter(*small, 1.0F);
     CHECK(counts(view()) == Counts(0, 4));
+}
+
+TEST_CASE("a unit too fine for the mesh is doubled on request, and the result says how often", "[engine][unit]") {
+    const shapes::Soup small = box({0, 0, 0}, {4, 4, 4});
+    const shapes::Soup large = box({0, 0, 0}, {4, 4, 3000});
+    SliceOptions options = at_heights({2});
+    options.unit_mm = 1e-6;
+    CHECK(failure_of(view_of(large), options).code == ErrorCode::bad_coordinate);
+    const std::uint64_t fitting = hash_result(sliced(small, options));
+    options.unit_fit = UnitFit::coarser_if_needed;
+    const SliceResult kept = sliced(small, options);
+    CHECK(kept.unit_mm == 1e-6);
+    CHECK(kept.summary.unit_doublings == 0);
+    CHECK(hash_result(kept) == fitting);
+    const SliceResult coarser = sliced(large, options);  // 1,073.7 mm fit 1e-6, and 4,294 mm four times as much
+    CHECK(coarser.unit_mm == 4e-6);
+    CHECK(coarser.summary.unit_doublings == 2);
+    options.unit_fit = UnitFit::as_asked;
+    options.unit_mm = 4e-6;
+    CHECK(hash_result(sliced(large, options)) == hash_result(coarser));
+    options.unit_mm = 0;
+    CHECK(sliced(small, options).summary.unit_doublings == 0);
+    CHECK(sliced(large, options).summary.unit_doublings == 2);
+}
+
+TEST_CASE("the unit of parts is doubled for the box of all", "[engine][unit][parts]") {
+    const shapes::Soup small = box({0, 0, 0}, {4, 4, 4});
+    const shapes::Soup large = box({0, 0, 0}, {4, 4, 3000});
+    const std::vector<Part> parts = {{.mesh = view_of(small)}, {.mesh = view_of(large)}};
+    SliceOptions options = at_heights({2});
+    options.unit_mm = 1e-6;
+    CHECK(error_of(slice_parts(parts, options)).code == ErrorCode::bad_coordinate);
+    options.unit_fit = UnitFit::coarser_if_needed;
+    const auto result = value_of(slice_parts(parts, options));
+    CHECK(result.unit_mm == 4e-6);
+    CHECK(result.summary.unit_doublings == 2);
+    CHECK(result.contours.size() == 2);
+}
+
+TEST_CASE("a unit that is none is refused however it may be fitted", "[engine][unit][errors]") {
+    SliceOptions options = at_heights({2});
+    options.unit_fit = UnitFit::coarser_if_needed;
+    for (const double unit : {-3.0, 1e-16, 1e10}) {
+        options.unit_mm = unit;
+        CHECK(failure_of(view_of(box({0, 0, 0}, {4, 4, 4})), options).code == ErrorCode::invalid_argument);
+    }
+}
+
+TEST_CASE("an empty mesh gives empty layers at given heights and no others, where allowed", "[engine][empty]") {
+    const shapes::Soup nothing;
+    const shapes::Soup collapsed = lines();
+    for (const shapes::Soup* soup : {&nothing, &collapsed}) {
+        CHECK(failure_of(view_of(*soup), at_heights({2})).code == ErrorCode::empty_mesh);
+        const SliceResult given = sliced(*soup, allowing(at_heights({5, 2, 5})));
+        REQUIRE(given.layers.size() == 2);
+        CHECK(given.layers[0].plane_mm == 2);
+        CHECK(given.layers[0].contour_count == 0);
+        CHECK(given.layer_of[0] == 1);
+        CHECK(given.layer_of[1] == 0);
+        CHECK(given.points.empty());
+        CHECK(given.summary.triangles == soup->size() / 9);
+        CHECK(given.summary.degenerate == soup->size() / 9);
+        CHECK(sliced(*soup, allowing(uniform(1))).layers.empty());
+        SliceOptions random = allowing(uniform(1));
+        random.plan.spacing = lamella::RandomLayers{1, 2, 3};
+        CHECK(sliced(*soup, random).layers.empty());
+        CHECK(failure_of(view_of(*soup), allowing(uniform(-1))).code == ErrorCode::invalid_argument);
+    }
+}
+
+TEST_CASE("allowing empty meshes changes nothing of others", "[engine][empty]") {
+    const shapes::Soup soup = box({0, 0, 0}, {4, 4, 4});
+    CHECK(hash_result(sliced(soup, allowing(uniform(1)))) == hash_result(sliced(soup, uniform(1))));
+    lamella::Workspace workspace;
+    SliceResult result;
+    REQUIRE(slice(view_of(soup), allowing(uniform(1)), workspace, result).ok());
+    REQUIRE(slice(view_of({}), allowing(uniform(1)), workspace, result).ok());
+    CHECK(result.layers.empty());
+    REQUIRE(slice(view_of(soup), allowing(uniform(1)), workspace, result).ok());
+    CHECK(hash_result(result) == hash_result(sliced(soup, uniform(1))));
+}
+
+TEST_CASE("empty parts take their place among others, and choose no planes", "[engine][empty][parts]") {
+    const shapes::Soup nothing;
+    const shapes::Soup collapsed = lines();
+    const shapes::Soup soup = box({1, 1, 1}, {4, 4, 4});
+    const std::vector<Part> parts = {{.mesh = view_of(nothing)}, {.mesh = view_of(soup)}, {.mesh = view_of(nothing)}};
+    CHECK(error_of(slice_parts(parts, uniform(1))).code == ErrorCode::empty_mesh);
+    const auto result = value_of(slice_parts(parts, allowing(uniform(1))));
+    REQUIRE(result.layers.size() == 3);
+    CHECK(result.contours.size() == 3);
+    CHECK(result.contours[0].part == 1);
+    CHECK(result.summary.min_mm[0] == 1);
+    CHECK(result.part_count == 3);
+    const std::vector<Part> none = {{.mesh = view_of(nothing)}, {.mesh = view_of(collapsed)}};
+    for (const auto regions : {lamella::PartRegions::separate, lamella::PartRegions::united}) {
+        SliceOptions options = allowing(uniform(1));
+        options.region.fill_rule = lamella::FillRule::non_zero;
+        const auto empty = value_of(slice_parts(none, options, regions));
+        CHECK(empty.layers.empty());
+        options.plan = at_heights({3, 1}).plan;
+        const auto layers = value_of(slice_parts(none, options, regions));
+        CHECK(layers.layers.size() == 2);
+    }
 }

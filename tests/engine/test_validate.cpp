@@ -6,8 +6,10 @@
 
 #include <catch2/catch.hpp>
 
+#include "engine/slicing.hpp"
 #include "lamella/audit/validate.hpp"
 #include "lamella/result.hpp"
+#include "rings.hpp"
 
 using lamella::Contour;
 using lamella::Layer;
@@ -24,16 +26,6 @@ void append(lamella::Array<T>& array, const std::vector<T>& values) {
     longer.resize_discarding(array.size() + values.size());
     std::copy(values.begin(), values.end(), std::copy(array.begin(), array.end(), longer.begin()));
     array = std::move(longer);
-}
-
-std::int64_t twice_area(const Points& points) {
-    std::int64_t sum = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const Point a = points[i];
-        const Point b = points[(i + 1) % points.size()];
-        sum += std::int64_t{a.x} * b.y - std::int64_t{a.y} * b.x;
-    }
-    return sum;
 }
 
 void add_layer(SliceResult& result, std::int32_t z) {
@@ -56,7 +48,7 @@ void add_contour(SliceResult& result, Role role, int orientation, std::int64_t p
     contour.orientation = static_cast<std::int8_t>(orientation);
     contour.parent = parent;
     contour.flags = static_cast<std::uint16_t>(flags);
-    const std::int64_t area = role == Role::open ? 0 : twice_area(points);
+    const std::int64_t area = role == Role::open ? 0 : static_cast<std::int64_t>(rings::twice_area(points));
     contour.twice_area = {static_cast<std::uint64_t>(area), area < 0 ? -1 : 0};
     append(result.contours, {contour});
     append(result.points, points);
@@ -126,9 +118,7 @@ void swap_contours(SliceResult& result, std::size_t a, std::size_t b) {
 }  // namespace
 
 TEST_CASE("a valid result passes", "[result][validate]") {
-    const lamella::Status status = validate(sound());
-    INFO((status ? std::string() : status.error().message));
-    CHECK(status.ok());
+    require_ok(validate(sound()));
     CHECK(validate(SliceResult()).ok());
 }
 
@@ -219,9 +209,7 @@ TEST_CASE("a contour through a start does not enclose it", "[result][validate]")
     add_contour(result, Role::outer, 1, -1, square(0, 20));
     // Starts on the first contour's left side, inside its box.
     add_contour(result, Role::outer, 1, -1, {{0, 5}, {10, 5}, {10, 10}, {0, 10}});
-    const lamella::Status status = validate(result);
-    INFO((status ? std::string() : status.error().message));
-    CHECK(status.ok());
+    require_ok(validate(result));
     result.contours[1].parent = 0;
     CHECK_FALSE(validate(result).ok());
 }

@@ -1,13 +1,23 @@
-// Meshes as callers hold them: soup or indexed, float or double, strided, transformed.
+// Meshes as callers hold them: soup or indexed, float, double or whole numbers, strided, transformed. Vertices that are
+// placed once give what their triangles give corner by corner.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
+#include <random>
+#include <vector>
 
 #include <catch2/catch.hpp>
 
+#include "engine/rounds.hpp"
 #include "engine/slicing.hpp"
 #include "oracle/compare.hpp"
+#include "slicing/buckets/mesh_source.hpp"
 
+using lamella::Arithmetic;
 using lamella::CoordinateType;
+using lamella::IndexType;
 using lamella::MeshView;
 using lamella::Transform;
 
@@ -44,6 +54,106 @@ void check_turned(double nx, double ny, double nz, std::size_t layers, double ar
     for (const lamella::Layer& layer : result.layers) {
         CHECK(layer.contour_count == 1);
         CHECK(result.area_mm2(layer) == Approx(area).epsilon(1e-5));
+    }
+}
+
+/// Vertices as numbers of any type, whole mm, so that every type holds the same.
+template <class Number>
+struct Mesh {
+    std::vector<Number> xyz;
+    std::vector<std::uint32_t> indices;
+
+    MeshView view() const {
+        const lamella::CoordinateType type = [] {
+            if constexpr (std::is_same_v<Number, float>) {
+                return lamella::CoordinateType::f32;
+            } else if constexpr (std::is_same_v<Number, double>) {
+                return lamella::CoordinateType::f64;
+            } else if constexpr (std::is_same_v<Number, std::int32_t>) {
+                return lamella::CoordinateType::i32;
+            } else {
+                return lamella::CoordinateType::i64;
+            }
+        }();
+        return MeshView::indexed(reinterpret_cast<const std::byte*>(xyz.data()), xyz.size() / 3, 3 * sizeof(Number), type,
+                                 indices);
+    }
+    /// Three vertices of its own for each triangle.
+    std::vector<Number> soup() const {
+        std::vector<Number> numbers;
+        for (const std::uint32_t index : indices) {
+            numbers.insert(numbers.end(), xyz.begin() + 3 * index, xyz.begin() + 3 * index + 3);
+        }
+        return numbers;
+    }
+};
+
+/// Triangles of vertices that lie close together; some vertices lie in one place, some triangles have a vertex twice.
+template <class Number>
+Mesh<Number> tangle(std::size_t vertices, std::size_t triangles, unsigned seed) {
+    std::mt19937 random(seed);
+    Mesh<Number> mesh;
+    for (std::size_t v = 0; v < vertices; ++v) {
+        const bool doubled = v > 0 && v % 13 == 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto fresh = static_cast<Number>(static_cast<std::int64_t>(random() % 64 + v / 4) - 40);
+            mesh.xyz.push_back(doubled ? mesh.xyz[3 * (v - 1) + axis] : fresh);
+        }
+    }
+    for (std::size_t t = 0; t < triangles; ++t) {
+        const std::size_t near = random() % (vertices - 30);
+        for (int corner = 0; corner < 3; ++corner) {
+            mesh.indices.push_back(static_cast<std::uint32_t>(near + random() % 30));
+        }
+    }
+    return mesh;
+}
+
+struct Outcome {
+    std::uint64_t hash;
+    std::uint64_t degenerate;
+    std::uint64_t crossed;
+    std::vector<double> box;
+
+    friend bool operator==(const Outcome&, const Outcome&) = default;
+};
+
+Outcome outcome_of(const MeshView& mesh, const lamella::SliceOptions& options) {
+    const lamella::SliceResult result = sliced(mesh, options);
+    const lamella::SliceSummary& summary = result.summary;
+    Outcome outcome{hash_result(result), summary.degenerate, summary.crossed, {}};
+    outcome.box.insert(outcome.box.end(), summary.min_mm, summary.min_mm + 3);
+    outcome.box.insert(outcome.box.end(), summary.max_mm, summary.max_mm + 3);
+    return outcome;
+}
+
+std::vector<lamella::SliceOptions> ways_of_slicing() {
+    std::vector<lamella::SliceOptions> ways;
+    for (const double unit_mm : {0.0, 0.001, 2.5}) {
+        ways.push_back(uniform(7, unit_mm));
+        ways.push_back(uniform(7, unit_mm));
+        ways.back().plan.spacing = lamella::ExplicitPlanes{{-11, 3, 3, 90, 17.25, 12, 1000}};
+        ways.back().transform.m = {0.3, 0.7, -0.1, 4, 0.7, -0.3, 0.2, 0.1, 0.1, 0.2, 0.9, -2};
+        ways.back().control.threads = 3;
+        ways.push_back(ways.back());
+        ways.back().transform.arithmetic = Arithmetic::as_mesh;
+    }
+    return ways;
+}
+
+template <class Number>
+void check_against_soup() {
+    const Mesh<Number> mesh = tangle<Number>(900, 20000, 5);
+    REQUIRE(lamella::IndexedSource::pays_for(mesh.view()));
+    const std::vector<Number> corners = mesh.soup();
+    const MeshView soup = MeshView::strided_soup(reinterpret_cast<const std::byte*>(corners.data()), corners.size() / 9,
+                                                 9 * sizeof(Number), mesh.view().coordinate_type);
+    for (const lamella::SliceOptions& options : ways_of_slicing()) {
+        INFO("unit " << options.unit_mm << ", arithmetic " << static_cast<int>(options.transform.arithmetic));
+        const Outcome expected = outcome_of(soup, options);
+        CHECK(expected.degenerate > 1000);
+        CHECK(expected.crossed > 100);
+        CHECK(outcome_of(mesh.view(), options) == expected);
     }
 }
 
@@ -97,17 +207,6 @@ TEST_CASE("a normal turns the mesh, and the result carries the frame", "[engine]
     check_turned(0, -1, 0, 6, 8);
 }
 
-TEST_CASE("a turned mesh keeps its volume", "[engine][views]") {
-    lamella::SliceOptions options = uniform(0.01);
-    options.transform = Transform::from_normal(1, -2, 0.5);
-    const lamella::SliceResult result = sliced(brick, options);
-    double volume = 0;
-    for (const lamella::Layer& layer : result.layers) {
-        volume += result.area_mm2(layer) * 0.01;
-    }
-    CHECK(volume == Approx(24).epsilon(1e-4));
-}
-
 TEST_CASE("a transform applies before the grid", "[engine][views]") {
     lamella::SliceOptions options = at_heights({5, 7, 9});
     options.transform.m = {2, 0, 0, 10, 0, 1, 0, 0, 0, 0, 1, 4};
@@ -118,4 +217,99 @@ TEST_CASE("a transform applies before the grid", "[engine][views]") {
     CHECK(contours_at(result, 2).size() == 1);
     CHECK(result.summary.min_mm[0] == 12);
     CHECK(result.summary.max_mm[2] == 9);
+}
+
+TEST_CASE("shared vertices give what a soup gives", "[engine][indexed][threads]") {
+    check_against_soup<float>();
+    check_against_soup<double>();
+    check_against_soup<std::int32_t>();
+    check_against_soup<std::int64_t>();
+}
+
+TEST_CASE("shared vertices are found by indices of any type and stride", "[engine][indexed]") {
+    const Mesh<float> mesh = tangle<float>(300, 2000, 7);
+    const Outcome expected = outcome_of(mesh.view(), uniform(3));
+    const MeshView view = mesh.view();
+    const auto by_wide_indices = [&view](const std::vector<std::uint64_t>& numbers) {
+        return MeshView::indexed(view.vertices, view.vertex_count, view.stride, view.coordinate_type,
+                                 reinterpret_cast<const std::byte*>(numbers.data()), view.triangle_count,
+                                 numbers.size() / view.triangle_count * sizeof(std::uint64_t), IndexType::u64);
+    };
+    const std::vector<std::uint64_t> packed(mesh.indices.begin(), mesh.indices.end());
+    CHECK(outcome_of(by_wide_indices(packed), uniform(3)) == expected);
+    std::vector<std::uint64_t> records;  // three indices and a number that is none
+    for (std::size_t i = 0; i < mesh.indices.size(); ++i) {
+        records.push_back(mesh.indices[i]);
+        if (i % 3 == 2) {
+            records.push_back(std::numeric_limits<std::uint64_t>::max());
+        }
+    }
+    CHECK(outcome_of(by_wide_indices(records), uniform(3)) == expected);
+}
+
+TEST_CASE("vertices that no triangle has bound nothing and may be anything", "[engine][indexed]") {
+    Mesh<double> mesh = tangle<double>(300, 2000, 9);
+    const Outcome expected = outcome_of(mesh.view(), uniform(3));
+    for (const double stray : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300}) {
+        mesh.xyz.insert(mesh.xyz.end(), 3, stray);
+    }
+    REQUIRE(lamella::IndexedSource::pays_for(mesh.view()));
+    CHECK(outcome_of(mesh.view(), uniform(3)) == expected);
+}
+
+// The box of all vertices is that of the mesh where triangles have a vertex on each of its faces.
+TEST_CASE("a vertex that no triangle has moves no face of the box", "[engine][indexed][threads]") {
+    lamella::SliceOptions options = uniform(3);
+    options.control.threads = GENERATE(1, 4);
+    const Mesh<double> mesh = tangle<double>(300, options.control.threads == 1 ? 2000 : 20000, 15);
+    const Outcome expected = outcome_of(mesh.view(), options);
+    unsigned combination = 0;
+    for (std::size_t face = 0; face < 6; ++face) {
+        for (const double beyond_mm : {0.0, 0.5, 7.0}) {  // 0: on the face
+            for (const bool first : {true, false}) {
+                if (!tried(combination++)) {
+                    continue;
+                }
+                Mesh<double> with_stray = mesh;
+                std::array<double, 3> stray = {mesh.xyz[0], mesh.xyz[1], mesh.xyz[2]};
+                stray[face % 3] = expected.box[face] + (face < 3 ? -beyond_mm : beyond_mm);
+                with_stray.xyz.insert(first ? with_stray.xyz.begin() : with_stray.xyz.end(), stray.begin(), stray.end());
+                for (std::uint32_t& index : with_stray.indices) {
+                    index += first ? 1 : 0;
+                }
+                INFO("face " << face << ", " << beyond_mm << " mm beyond it, first " << first);
+                CHECK(outcome_of(with_stray.view(), options) == expected);
+            }
+        }
+    }
+}
+
+TEST_CASE("what is wrong with an indexed mesh is named by its first triangle", "[engine][indexed][errors]") {
+    Mesh<double> mesh = tangle<double>(300, 20000, 11);
+    const auto at_triangle = [&mesh](std::size_t t) -> std::uint32_t& { return mesh.indices[3 * t + 1]; };
+    SECTION("an index that names no vertex") {
+        at_triangle(17000) = 300;
+        at_triangle(12345) = GENERATE(300U, 4000000000U);
+        const lamella::Error error = failure_of(mesh.view(), uniform(3));
+        CHECK(error.code == lamella::ErrorCode::invalid_argument);
+        CHECK(error.message == "triangle 12345 has an index beyond the last vertex");
+    }
+    SECTION("a coordinate that is no number") {
+        mesh.xyz.insert(mesh.xyz.end(), {1, std::numeric_limits<double>::quiet_NaN(), 2});
+        at_triangle(12345) = 300;
+        const lamella::Error error = failure_of(mesh.view(), uniform(3));
+        CHECK(error.code == lamella::ErrorCode::bad_coordinate);
+        CHECK(error.message == "triangle 12345, vertex 1, y is not finite");
+    }
+    SECTION("a coordinate that is too large") {
+        mesh.xyz.insert(mesh.xyz.end(), {1, 2, -2e9});
+        at_triangle(12345) = 300;
+        CHECK(failure_of(mesh.view(), uniform(3)).message == "triangle 12345, vertex 1, z is beyond 1e9 mm");
+    }
+}
+
+TEST_CASE("meshes with vertices of their own are read corner by corner", "[engine][indexed]") {
+    const Mesh<float> few = tangle<float>(300, 299, 13);
+    CHECK_FALSE(lamella::IndexedSource::pays_for(few.view()));
+    CHECK_FALSE(lamella::IndexedSource::pays_for(MeshView::soup(std::span<const float>(few.xyz))));
 }

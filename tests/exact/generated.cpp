@@ -10,7 +10,6 @@
 #include "engine/slicing.hpp"
 #include "exact/judge.hpp"
 #include "exact/meshes.hpp"
-#include "exact/second_opinion.hpp"
 #include "models/models.hpp"
 
 using exact::Soup;
@@ -23,28 +22,12 @@ constexpr std::uint64_t many_seeds = 200;
 constexpr std::size_t few_planes = 6;
 constexpr std::size_t many_planes = 40;
 
-enum class Trait {
-    simple,
-    contradictory,  ///< some facets' orientations contradict each other
-    touching,       ///< some edges have more than two faces
-};
-
 struct Kind {
     const char* name;
     double unit_mm;
     std::function<Soup(std::uint64_t seed, bool large)> make;
-    Trait trait = Trait::simple;
+    bool contradictory = false;  ///< some facets' orientations contradict each other
 };
-
-Soup generated(Shape shape, std::uint64_t triangles, std::uint64_t seed) {
-    lamella::models::Recipe recipe;
-    recipe.shape = shape;
-    recipe.triangles = triangles;
-    recipe.height_mm = 20;
-    recipe.seed = seed;
-    const std::vector<float> soup = lamella::models::make_soup(recipe);
-    return {soup.begin(), soup.end()};
-}
 
 constexpr double fine = lamella::default_unit_mm;
 
@@ -65,17 +48,17 @@ const std::vector<Kind>& kinds() {
         {"shells", fine, [](std::uint64_t seed, bool large) { return exact::shells(seed, large ? 7 : 4); }},
         {"needles", fine, [](std::uint64_t seed, bool large) { return exact::needles(seed, large ? 20 : 8, 0.01); }},
         {"needles as thin as the grid", fine,
-         [](std::uint64_t seed, bool large) { return exact::needles(seed, large ? 20 : 8, 0x1p-17); }, Trait::contradictory},
+         [](std::uint64_t seed, bool large) { return exact::needles(seed, large ? 20 : 8, 0x1p-17); }, true},
         {"ripples at the edge of the grid", fine,
          [](std::uint64_t seed, bool large) {
              return shapes::moved(exact::ripples(seed, large ? 30 : 8, 1 + seed % 9, 0x1p-19), {-1000, 990, 0});
          }},
         {"crossing hulls, some inside out", fine,
-         [](std::uint64_t seed, bool large) { return exact::crossing_hulls(seed, large ? 30 : 8); }, Trait::contradictory},
+         [](std::uint64_t seed, bool large) { return exact::crossing_hulls(seed, large ? 30 : 8); }, true},
         {"terraces", coarse_unit_mm,
          [](std::uint64_t seed, bool large) { return exact::terraces(seed, large ? 40 : 10, 2 + seed % 4); }},
         {"cells that touch", coarse_unit_mm,
-         [](std::uint64_t seed, bool large) { return exact::cells(seed, large ? 12 : 4); }, Trait::touching},
+         [](std::uint64_t seed, bool large) { return exact::cells(seed, large ? 12 : 4); }},
         {"spindle", fine, [](std::uint64_t seed, bool large) { return exact::spindle(seed, large ? 90 : 12, 6); }},
     };
     return all;
@@ -109,7 +92,7 @@ void judge(const Kind& kind, std::uint64_t seed, bool large, std::size_t planes,
     INFO(kind.name << ", seed " << seed);
     const lamella::SliceResult result = sliced(soup, exact::through_vertices(soup, kind.unit_mm, seed, planes));
     CHECK(result.summary.open_contours == 0);
-    CHECK((kind.trait == Trait::contradictory || count_overruled(result) == 0));
+    CHECK((kind.contradictory || count_overruled(result) == 0));
     REQUIRE_THAT(exact::difference(result, oracle::quantise(soup, kind.unit_mm)), Catch::Equals(""));
     ++tally.meshes;
     tally.layers += result.layers.size();
@@ -139,16 +122,6 @@ TEST_CASE("contours of thousands of random closed meshes equal the exact ones", 
     }
     WARN("judged " << tally.meshes << " meshes, " << tally.layers << " layers, " << tally.contours << " contours, "
                    << tally.points << " points");
-}
-
-TEST_CASE("the exact contours equal those of CGAL's own slicer", "[second_opinion]") {
-    for (const Kind& kind : kinds()) {
-        const Soup soup = kind.make(1, false);
-        const lamella::SliceResult result = sliced(soup, exact::through_vertices(soup, kind.unit_mm, 1, 3));
-        const std::string opinion = exact::second_opinion(result, oracle::quantise(soup, kind.unit_mm));
-        INFO(kind.name);
-        CHECK(opinion == (kind.trait == Trait::touching ? "the triangles form no closed manifold" : ""));
-    }
 }
 
 TEST_CASE("the exact judge finds every kind of difference", "[meshes]") {

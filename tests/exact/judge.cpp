@@ -86,16 +86,6 @@ void drop_repeated(std::vector<Point>& points, bool closed) {
     }
 }
 
-oracle::Int128 twice_area_of(const std::vector<Point>& points) {
-    oracle::Int128 sum = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const Point a = points[i];
-        const Point b = points[(i + 1) % points.size()];
-        sum += oracle::Int128{a.x} * b.y - oracle::Int128{a.y} * b.x;
-    }
-    return sum;
-}
-
 Judged judged(Chain chain, const std::set<Point>& engine) {
     Judged result;
     result.chain = std::move(chain);
@@ -113,8 +103,9 @@ Judged judged(Chain chain, const std::set<Point>& engine) {
     contour.segments = static_cast<std::uint32_t>(contour.points.size() - (result.chain.closed ? 0 : 1));
     contour.start_is_unique = false;  // the judge knows no mesh edges, so contours are compared from any start
     drop_repeated(contour.points, result.chain.closed);
+    contour.role = result.chain.closed ? Role::flat : Role::open;
     if (result.chain.closed) {
-        contour.twice_area = twice_area_of(contour.points);
+        contour.twice_area = rings::twice_area(contour.points);
         contour.orientation = static_cast<int>(contour.twice_area > 0) - static_cast<int>(contour.twice_area < 0);
     }
     return result;
@@ -136,49 +127,12 @@ void find_parents(std::vector<Judged>& layer) {
     }
 }
 
-/// The role follows the facets' orientation. If a winding number from the outside in is negative, it follows the number of
-/// enclosing contours.
-void decide_role(Judged& judged, const std::vector<Judged>& layer) {
-    oracle::Contour& contour = judged.contour;
-    contour.role = judged.chain.closed ? Role::flat : Role::open;
-    if (contour.orientation == 0) {
-        return;
-    }
-    std::vector<int> orientations{contour.orientation};
-    for (int around = contour.parent; around >= 0; around = layer[static_cast<std::size_t>(around)].contour.parent) {
-        orientations.push_back(layer[static_cast<std::size_t>(around)].contour.orientation);
-    }
-    int winding = 0;
-    bool overruled = false;
-    for (auto orientation = orientations.rbegin(); orientation != orientations.rend(); ++orientation) {
-        winding += *orientation;
-        overruled = overruled || winding < 0;
-    }
-    const bool outer = overruled ? orientations.size() % 2 == 1 : contour.orientation > 0;
-    contour.role = outer ? Role::outer : Role::hole;
-    contour.flags = overruled ? unsigned{lamella::orientation_overruled} : 0U;
-    if (outer != (contour.orientation > 0)) {
-        std::reverse(contour.points.begin(), contour.points.end());
-        contour.twice_area = -contour.twice_area;
-    }
-}
-
-long double perimeter_of(std::span<const Point> points, bool closed) {
-    long double sum = 0;
-    for (std::size_t i = 0; i + (closed ? 0 : 1) < points.size(); ++i) {
-        const Point a = points[i];
-        const Point b = points[(i + 1) % points.size()];
-        sum += std::hypot(static_cast<long double>(b.x) - a.x, static_cast<long double>(b.y) - a.y);
-    }
-    return sum;
-}
-
 /// Differences beyond what rounding explains: the area by a unit along the perimeter, the perimeter by two units a point.
-std::string beyond_rounding(const Judged& judged) {
-    const oracle::Contour& contour = judged.contour;
+std::string beyond_rounding(const Judged& judged, const oracle::Contour& contour) {
     const long double exact_area = std::abs(judged.twice_area) / 2;
     const long double area = std::abs(static_cast<long double>(contour.twice_area)) / 2;
-    const long double perimeter = perimeter_of(contour.points, judged.chain.closed);
+    const Point ends[] = {contour.points.back(), contour.points.front()};  // an open one does not lead back
+    const long double perimeter = rings::perimeter(contour.points) - (judged.chain.closed ? 0 : rings::perimeter(ends) / 2);
     const long double reach = std::max(perimeter, judged.perimeter) + 2;
     std::ostringstream out;
     if (judged.chain.closed && std::abs(area - exact_area) > reach) {
@@ -202,13 +156,13 @@ std::string difference_at(const lamella::SliceResult& result, const lamella::Lay
     }
     find_parents(layer);
     oracle::Layer expected;
-    for (Judged& judged : layer) {
-        decide_role(judged, layer);
+    for (const Judged& judged : layer) {
         expected.push_back(judged.contour);
     }
+    oracle::decide_roles(expected);
     std::string found = oracle::difference(result, at, expected);
-    for (auto judged = layer.begin(); judged != layer.end() && found.empty(); ++judged) {
-        found = beyond_rounding(*judged);
+    for (std::size_t i = 0; i < layer.size() && found.empty(); ++i) {
+        found = beyond_rounding(layer[i], expected[i]);
     }
     return found;
 }

@@ -13,6 +13,8 @@
 
 namespace exact {
 
+using shapes::append;
+using shapes::quad;
 using shapes::Xyz;
 
 namespace {
@@ -27,18 +29,8 @@ double fraction(Random& random) {
     return static_cast<double>(random() >> 11) * 0x1p-53;
 }
 
-void append(Soup& soup, const Soup& part) {
-    soup.insert(soup.end(), part.begin(), part.end());
-}
-
 void add(Soup& soup, Xyz a, Xyz b, Xyz c) {
     append(soup, shapes::triangle(a, b, c));
-}
-
-/// A quad a, b, c, d, counter-clockwise as seen from outside.
-void add_quad(Soup& soup, Xyz a, Xyz b, Xyz c, Xyz d) {
-    add(soup, a, b, c);
-    add(soup, a, c, d);
 }
 
 Xyz sum(Xyz a, Xyz b) {
@@ -74,7 +66,7 @@ Soup torus(int rows, int columns, const std::function<Xyz(int, int)>& at) {
         for (int c = 0; c < columns; ++c) {
             const int next_r = (r + 1) % rows;
             const int next_c = (c + 1) % columns;
-            add_quad(soup, at(r, c), at(next_r, c), at(next_r, next_c), at(r, next_c));
+            append(soup, quad(at(r, c), at(next_r, c), at(next_r, next_c), at(r, next_c)));
         }
     }
     return soup;
@@ -86,13 +78,13 @@ Soup height_field(int size, const std::function<double(int, int)>& height, doubl
     Soup soup;
     for (int i = 0; i < size; ++i) {
         for (int j = 0; j < size; ++j) {
-            add_quad(soup, top(i, j), top(i + 1, j), top(i + 1, j + 1), top(i, j + 1));
-            add_quad(soup, base(i, j), base(i, j + 1), base(i + 1, j + 1), base(i + 1, j));
+            append(soup, quad(top(i, j), top(i + 1, j), top(i + 1, j + 1), top(i, j + 1)));
+            append(soup, quad(base(i, j), base(i, j + 1), base(i + 1, j + 1), base(i + 1, j)));
         }
-        add_quad(soup, base(i, 0), base(i + 1, 0), top(i + 1, 0), top(i, 0));
-        add_quad(soup, base(i + 1, size), base(i, size), top(i, size), top(i + 1, size));
-        add_quad(soup, base(0, i + 1), base(0, i), top(0, i), top(0, i + 1));
-        add_quad(soup, base(size, i), base(size, i + 1), top(size, i + 1), top(size, i));
+        append(soup, quad(base(i, 0), base(i + 1, 0), top(i + 1, 0), top(i, 0)));
+        append(soup, quad(base(i + 1, size), base(i, size), top(i, size), top(i + 1, size)));
+        append(soup, quad(base(0, i + 1), base(0, i), top(0, i), top(0, i + 1)));
+        append(soup, quad(base(size, i), base(size, i + 1), top(size, i + 1), top(size, i)));
     }
     return soup;
 }
@@ -106,7 +98,7 @@ void add_cell_side(Soup& soup, const int (&place)[3], std::size_t axis, bool upp
     last[(axis + 2) % 3] += 1;
     Xyz across = next;
     across[(axis + 2) % 3] += 1;
-    add_quad(soup, corner, upper ? next : last, across, upper ? last : next);
+    append(soup, quad(corner, upper ? next : last, across, upper ? last : next));
 }
 
 /// One random number for each node of a square, by seed.
@@ -288,7 +280,7 @@ Soup spindle(std::uint64_t seed, int sides, int steps) {
         const int next = (side + 1) % sides;
         for (std::size_t level = 0; level + 1 < profile.size(); ++level) {
             if (profile[level] != profile[level + 1]) {
-                add_quad(soup, at(level, side), at(level, next), at(level + 1, next), at(level + 1, side));
+                append(soup, quad(at(level, side), at(level, next), at(level + 1, next), at(level + 1, side)));
             }
         }
         add(soup, {0, 0, 0}, at(0, next), at(0, side));

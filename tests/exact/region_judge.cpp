@@ -41,9 +41,8 @@ double distance(Spot spot, regions::Point a, regions::Point b) {
 double distance(Spot spot, const Polygons& polygons) {
     double least = HUGE_VAL;
     for (const regions::Polygon& polygon : polygons) {
-        for (std::size_t i = 0; i < polygon.size(); ++i) {
-            least = std::min(least, distance(spot, polygon[i], polygon[i + 1 < polygon.size() ? i + 1 : 0]));
-        }
+        rings::each_edge(polygon,
+                         [&](regions::Point a, regions::Point b) { least = std::min(least, distance(spot, a, b)); });
     }
     return least;
 }
@@ -55,11 +54,9 @@ double length(double dx, double dy) {
 double length(const Polygons& polygons) {
     double sum = 0;
     for (const regions::Polygon& polygon : polygons) {
-        for (std::size_t i = 0; i < polygon.size(); ++i) {
-            const regions::Point a = polygon[i];
-            const regions::Point b = polygon[i + 1 < polygon.size() ? i + 1 : 0];
+        rings::each_edge(polygon, [&](regions::Point a, regions::Point b) {
             sum += length(static_cast<double>(b.x) - a.x, static_cast<double>(b.y) - a.y);
-        }
+        });
     }
     return sum;
 }
@@ -205,11 +202,7 @@ std::string fault_in_rings(const Polygons& polygons, FillRule rule, const Polygo
 }
 
 std::string fault_in_region(const Polygons& polygons, FillRule rule, const lamella::LayerContours& contours) {
-    Polygons rings;
-    for (const lamella::Contour& contour : contours.contours) {
-        const auto points = contours.points.span().subspan(contour.first_point, contour.point_count);
-        rings.emplace_back(points.begin(), points.end());
-    }
+    const Polygons rings = regions::rings_of(contours);
     Overlay overlay(polygons, rings);
     if (std::string fault = fault_in_rings(polygons, rule, rings, overlay); !fault.empty()) {
         return fault;

@@ -119,12 +119,7 @@ TEST_CASE("the exact judge and the lattice judge expect the same regions", "[reg
 TEST_CASE("the exact judge of regions finds every kind of fault", "[regions]") {
     const Polygons polygons{{{0, 0}, {100, 10}, {90, 80}, {10, 90}}, {{50, 50}, {300, 60}, {290, 70}, {60, 200}}};
     const auto fault = [&](auto&& damage) {
-        Polygons rings;
-        const lamella::LayerContours region = regions::region_of(polygons, FillRule::non_zero);
-        for (const lamella::Contour& contour : region.contours) {
-            const auto points = region.points.span().subspan(contour.first_point, contour.point_count);
-            rings.emplace_back(points.begin(), points.end());
-        }
+        Polygons rings = regions::rings_of(regions::region_of(polygons, FillRule::non_zero));
         REQUIRE(rings.size() == 1);
         damage(rings);
         return exact::fault_in_rings(polygons, FillRule::non_zero, rings);

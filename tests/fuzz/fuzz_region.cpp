@@ -11,8 +11,8 @@ using lamella::FillRule;
 using lamella::LayerContours;
 using lamella::Point;
 using lamella::RegionRules;
-using regions::Ring;
-using regions::Rings;
+using Ring = regions::Polygon;
+using Rings = regions::Polygons;
 
 namespace {
 

@@ -13,6 +13,7 @@ namespace golden {
 
 namespace {
 
+using shapes::append;
 using shapes::box;
 using shapes::flipped;
 using shapes::joined;
@@ -20,10 +21,6 @@ using shapes::moved;
 using shapes::Xyz;
 
 using Cell = std::array<int, 3>;
-
-void append(Soup& soup, const Soup& more) {
-    soup.insert(soup.end(), more.begin(), more.end());
-}
 
 void append(Soup& soup, const Xyz& a, const Xyz& b, const Xyz& c) {
     append(soup, shapes::triangle(a, b, c));
@@ -205,10 +202,7 @@ Soup tetrahedra(std::uint64_t seed, int count, int spread, int range) {
         const Xyz b = lattice_point(random, at, range);
         const Xyz c = lattice_point(random, at, range);
         const Xyz d = lattice_point(random, at, range);
-        append(soup, a, b, c);
-        append(soup, a, c, d);
-        append(soup, a, d, b);
-        append(soup, b, d, c);
+        append(soup, shapes::tetrahedron(a, b, c, d));
     }
     return soup;
 }

@@ -1,27 +1,10 @@
 #include "golden/shape_cases.hpp"
 
-#include <cstdint>
-#include <vector>
-
 #include "engine/slicing.hpp"
-#include "models/models.hpp"
 
 using lamella::models::Shape;
 
 namespace shape_cases {
-
-namespace {
-
-shapes::Soup model(Shape shape, std::uint64_t triangles, double height_mm = 20) {
-    lamella::models::Recipe recipe;
-    recipe.shape = shape;
-    recipe.triangles = triangles;
-    recipe.height_mm = height_mm;
-    const std::vector<float> soup = lamella::models::make_soup(recipe);
-    return {soup.begin(), soup.end()};
-}
-
-}  // namespace
 
 std::map<std::string, shapes::Soup> meshes() {
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 4);
@@ -32,10 +15,10 @@ std::map<std::string, shapes::Soup> meshes() {
             {"crossing balls", shapes::joined({ball, shapes::moved(ball, {3, 4, 5}), shapes::flipped(ball)})},
             {"tetrahedra", shapes::random_tetrahedra(11, 60, 9)},
             {"tangle", shapes::joined({shapes::random_soup(5, 200, 8), shapes::random_tetrahedra(6, 20, 8)})},
-            {"bone", model(Shape::bone, 30'000)},
-            {"gyroid", model(Shape::gyroid, 30'000)},
-            {"torus", model(Shape::torus, 5'000)},
-            {"prism", model(Shape::prism, 2'000)}};
+            {"bone", generated(Shape::bone, 30'000)},
+            {"gyroid", generated(Shape::gyroid, 30'000)},
+            {"torus", generated(Shape::torus, 5'000)},
+            {"prism", generated(Shape::prism, 2'000)}};
 }
 
 std::map<std::string, lamella::SliceOptions> plans() {

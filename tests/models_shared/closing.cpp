@@ -5,8 +5,8 @@
 
 namespace {
 
-regions::Rings layer_of(const lamella::SliceResult& result, const lamella::Layer& layer) {
-    regions::Rings rings;
+regions::Polygons layer_of(const lamella::SliceResult& result, const lamella::Layer& layer) {
+    regions::Polygons rings;
     for (const lamella::Contour& contour : result.contours_of(layer)) {
         if (contour.role == lamella::Role::outer || contour.role == lamella::Role::hole) {
             const auto points = result.points_of(contour);
@@ -26,7 +26,7 @@ TEST_CASE("closing agrees with closing everything on layers of real meshes", "[c
         lamella::RegionRules rules;
         rules.fill_rule = lamella::FillRule::non_zero;
         for (const lamella::Layer& layer : result.layers) {
-            const regions::Rings rings = layer_of(result, layer);
+            const regions::Polygons rings = layer_of(result, layer);
             if (rings.empty()) {
                 continue;
             }

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "rings.hpp"
 #include "slicing/nesting/nest.hpp"
 
 namespace lamella::test {
@@ -37,20 +38,8 @@ private:
 
 namespace oracle {
 
-__extension__ using Int128 = __int128;
-
-inline Int128 cross(Point a, Point b, Point q) {
-    return Int128{std::int64_t{b.x} - a.x} * (std::int64_t{q.y} - a.y) -
-           Int128{std::int64_t{b.y} - a.y} * (std::int64_t{q.x} - a.x);
-}
-
-inline Int128 twice_area(const std::vector<Point>& points) {
-    Int128 sum = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        sum += cross({0, 0}, points[i], points[(i + 1) % points.size()]);
-    }
-    return sum;
-}
+using rings::Int128;
+using rings::twice_area;
 
 inline std::size_t start_of(const std::vector<Point>& points) {
     return static_cast<std::size_t>(std::min_element(points.begin(), points.end()) - points.begin());
@@ -59,29 +48,6 @@ inline std::size_t start_of(const std::vector<Point>& points) {
 inline std::vector<Point> from_start(std::vector<Point> points) {
     std::rotate(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(start_of(points)), points.end());
     return points;
-}
-
-inline bool on_edge(Point a, Point b, Point q) {
-    return cross(a, b, q) == 0 && std::min(a.x, b.x) <= q.x && q.x <= std::max(a.x, b.x) && std::min(a.y, b.y) <= q.y &&
-           q.y <= std::max(a.y, b.y);
-}
-
-/// Whether the contour contains the point, by a ray towards -y and all edges.
-inline bool contains(const std::vector<Point>& points, Point q) {
-    int winding = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const Point a = points[i];
-        const Point b = points[(i + 1) % points.size()];
-        if (on_edge(a, b, q)) {
-            return false;
-        }
-        if (a.x <= q.x && q.x < b.x) {
-            winding += cross(a, b, q) > 0;
-        } else if (b.x <= q.x && q.x < a.x) {
-            winding -= cross(b, a, q) > 0;
-        }
-    }
-    return winding != 0;
 }
 
 struct Size {
@@ -212,7 +178,7 @@ inline std::vector<NestItem> LayerSample::expected() const {
     }
     for (NestItem& item : items) {
         for (std::size_t other = 0; item.orientation != 0 && other < items.size(); ++other) {
-            if (items[other].orientation != 0 && oracle::contains(contours_[other].points, item.points[item.start]) &&
+            if (items[other].orientation != 0 && rings::strictly_around(contours_[other].points, item.points[item.start]) &&
                 (item.parent < 0 || oracle::smaller(oracle::size_of(items[other]),
                                                     oracle::size_of(items[static_cast<std::size_t>(item.parent)])))) {
                 item.parent = static_cast<std::int32_t>(other);

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <random>
 
+#include "engine/counting_memory.hpp"
 #include "layer_sample.hpp"
 
 using lamella::Nester;
@@ -260,34 +261,22 @@ TEST_CASE("ten thousand contours nest as constructed", "[nesting]") {
 }
 
 TEST_CASE("scratch memory is reused from layer to layer", "[nesting]") {
-    struct Counter : lamella::Memory {
-        Counter() : Memory(lamella::memory_of(*this)) {}
-        int allocations = 0;
-
-        void* allocate(std::size_t bytes, std::size_t alignment) {
-            ++allocations;
-            return ::operator new (bytes, std::align_val_t{alignment});
-        }
-        void deallocate(void* memory, std::size_t, std::size_t alignment) {
-            ::operator delete (memory, std::align_val_t{alignment});
-        }
-    };
     std::mt19937 random(3);
     LayerSample nested;
     add_nested(nested, random, {-1000, -1000}, {1000, 1000}, 4);
     std::vector<NestItem> many = nested.items();
     const LayerSample concentric = lamella::test::concentric_rings(40, 500);
     std::vector<NestItem> rings = concentric.items();
-    Counter counter;
+    CountingMemory counter;
     lamella::Worker worker(&counter);
     Nester nester(worker);
     nester.nest(many);
     nester.nest(rings);
-    const int first = counter.allocations;
+    const std::uint64_t first = counter.asked();
     REQUIRE(first > 0);
     nester.nest(rings);
     nester.nest(many);
-    CHECK(counter.allocations == first);
+    CHECK(counter.asked() == first);
 }
 
 TEST_CASE("nesting does not depend on the order of contours or on earlier layers", "[nesting]") {

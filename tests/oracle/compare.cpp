@@ -14,25 +14,12 @@ const char* name_of(lamella::Role role) {
     return names[static_cast<std::size_t>(role)];
 }
 
-/// The smallest rotation, compared as a sequence. It is the same for all starts.
-std::vector<Point> smallest_rotation(const std::vector<Point>& points) {
-    std::vector<Point> smallest = points;
-    for (std::size_t i = 1; i < points.size(); ++i) {
-        if (points[i] == *std::min_element(points.begin(), points.end())) {
-            std::vector<Point> rotated = points;
-            std::rotate(rotated.begin(), rotated.begin() + static_cast<std::ptrdiff_t>(i), rotated.end());
-            smallest = std::min(smallest, rotated);
-        }
-    }
-    return smallest;
-}
-
 void print(std::ostream& out, const Contour& contour, bool any_start) {
     out << name_of(contour.role) << " sense " << contour.orientation << " flags " << contour.flags << " segments "
         << contour.segments << " twice area " << static_cast<std::int64_t>(contour.twice_area >> 64) << " * 2^64 + "
         << static_cast<std::uint64_t>(contour.twice_area) << " points";
     const bool rotate = any_start && contour.role != lamella::Role::open;
-    for (const Point p : rotate ? smallest_rotation(contour.points) : contour.points) {
+    for (const Point p : rotate ? rings::from_smallest(contour.points) : contour.points) {
         out << ' ' << p.x << ',' << p.y;
     }
 }

@@ -185,16 +185,6 @@ Walk walk_from(std::size_t first, const std::vector<End>& ends, std::vector<char
     return walk;
 }
 
-Int128 twice_area_of(std::span<const Point> points) {
-    Int128 sum = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const Point a = points[i];
-        const Point b = points[(i + 1) % points.size()];
-        sum += Int128{a.x} * b.y - Int128{a.y} * b.x;
-    }
-    return sum;
-}
-
 /// The points from the canonical start on, without equal successive points.
 std::vector<Point> canonical_points(std::vector<Crossing>& crossings, bool closed) {
     if (closed) {
@@ -248,28 +238,11 @@ Contour contour_of(Walk walk) {
     contour.start = walk.crossings.front();
     contour.start_is_unique = std::count(walk.crossings.begin(), walk.crossings.end(), contour.start) == 1;
     if (walk.closed) {
-        contour.twice_area = twice_area_of(contour.points);
+        contour.twice_area = rings::twice_area(contour.points);
         contour.orientation = (contour.twice_area > 0) - (contour.twice_area < 0);
         contour.role = contour.orientation == 0 ? Role::flat : Role::outer;
     }
     return contour;
-}
-
-/// Non-zero winding; the boundary is not inside.
-bool strictly_around(std::span<const Point> points, Point p) {
-    int winding = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const Point a = points[i];
-        const Point b = points[(i + 1) % points.size()];
-        const Int128 side = (Int128{b.x} - a.x) * (Int128{p.y} - a.y) - (Int128{b.y} - a.y) * (Int128{p.x} - a.x);
-        const bool in_box =
-            std::min(a.x, b.x) <= p.x && p.x <= std::max(a.x, b.x) && std::min(a.y, b.y) <= p.y && p.y <= std::max(a.y, b.y);
-        if (side == 0 && in_box) {
-            return false;
-        }
-        winding += (a.y <= p.y && b.y > p.y && side > 0) - (b.y <= p.y && a.y > p.y && side < 0);
-    }
-    return winding != 0;
 }
 
 Int128 size_of(const Contour& contour) {
@@ -285,38 +258,9 @@ void find_parents(Layer& layer) {
     for (Contour& child : layer) {
         for (std::size_t i = 0; i < layer.size() && child.orientation != 0; ++i) {
             const bool closer = child.parent < 0 || smaller(layer[i], layer[static_cast<std::size_t>(child.parent)]);
-            if (layer[i].orientation != 0 && closer && strictly_around(layer[i].points, child.points.front())) {
+            if (layer[i].orientation != 0 && closer && rings::strictly_around(layer[i].points, child.points.front())) {
                 child.parent = static_cast<int>(i);
             }
-        }
-    }
-}
-
-void decide_roles(Layer& layer) {
-    for (Contour& contour : layer) {
-        std::vector<int> orientations;  // from the contour out to its outermost ancestor
-        for (const Contour* c = &contour; c->orientation != 0; c = &layer[static_cast<std::size_t>(c->parent)]) {
-            orientations.push_back(c->orientation);
-            if (c->parent < 0) {
-                break;
-            }
-        }
-        int winding = 0;
-        bool negative = false;
-        for (std::size_t i = orientations.size(); i-- > 0;) {
-            winding += orientations[i];
-            negative = negative || winding < 0;
-        }
-        if (contour.orientation != 0) {
-            const bool outer = negative ? orientations.size() % 2 == 1 : contour.orientation > 0;
-            contour.role = outer ? Role::outer : Role::hole;
-            contour.flags |= negative ? unsigned{lamella::orientation_overruled} : 0U;
-        }
-    }
-    for (Contour& contour : layer) {
-        if (contour.orientation != 0 && (contour.role == Role::outer) != (contour.twice_area > 0)) {
-            std::reverse(contour.points.begin() + 1, contour.points.end());
-            contour.twice_area = -contour.twice_area;
         }
     }
 }
@@ -351,6 +295,35 @@ Layer in_order(const Layer& layer) {
 }
 
 }  // namespace
+
+void decide_roles(Layer& layer) {
+    for (Contour& contour : layer) {
+        std::vector<int> orientations;  // from the contour out to its outermost ancestor
+        for (const Contour* c = &contour; c->orientation != 0; c = &layer[static_cast<std::size_t>(c->parent)]) {
+            orientations.push_back(c->orientation);
+            if (c->parent < 0) {
+                break;
+            }
+        }
+        int winding = 0;
+        bool negative = false;
+        for (std::size_t i = orientations.size(); i-- > 0;) {
+            winding += orientations[i];
+            negative = negative || winding < 0;
+        }
+        if (contour.orientation != 0) {
+            const bool outer = negative ? orientations.size() % 2 == 1 : contour.orientation > 0;
+            contour.role = outer ? Role::outer : Role::hole;
+            contour.flags |= negative ? unsigned{lamella::orientation_overruled} : 0U;
+        }
+    }
+    for (Contour& contour : layer) {
+        if (contour.orientation != 0 && (contour.role == Role::outer) != (contour.twice_area > 0)) {
+            std::reverse(contour.points.begin() + 1, contour.points.end());
+            contour.twice_area = -contour.twice_area;
+        }
+    }
+}
 
 std::vector<Triangle> quantise(std::span<const double> coordinates, double unit_mm) {
     const auto even = [&](double mm) { return 2 * static_cast<std::int32_t>(std::nearbyint(mm / (2 * unit_mm))); };

@@ -11,10 +11,11 @@
 #include "lamella/assemble.hpp"
 #include "lamella/grid.hpp"
 #include "lamella/result.hpp"
+#include "rings.hpp"
 
 namespace oracle {
 
-__extension__ using Int128 = __int128;
+using rings::Int128;
 
 using Triangle = std::array<lamella::GridVertex, 3>;
 using EdgeKey = std::pair<lamella::GridVertex, lamella::GridVertex>;  ///< lower end, upper end
@@ -46,6 +47,10 @@ using Layer = std::vector<Contour>;
 
 /// The segments of the plane at odd height `z`, with the keys and ranks that assemble() takes.
 std::vector<lamella::Segment> segments_at(std::span<const Triangle> triangles, std::int32_t z);
+
+/// Roles by the orientations from the outside in: where a winding number is negative, by the number of contours around.
+/// Contours are turned round to suit theirs. Parents must be known.
+void decide_roles(Layer& layer);
 
 Layer slice_at(std::span<const Triangle> triangles, std::int32_t z);
 

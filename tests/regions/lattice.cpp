@@ -264,59 +264,6 @@ Region Lattice::region(FillRule rule) const {
     return canonical(rule == FillRule::outermost ? without_holes(region) : region);
 }
 
-std::size_t Lattice::area(FillRule rule) const {
-    const std::vector<char> all = filled(rule);
-    return static_cast<std::size_t>(std::count(all.begin(), all.end(), 1));
-}
-
-std::vector<std::size_t> Lattice::pieces_around_solids(FillRule rule) const {
-    const std::vector<std::size_t> solid_of = solids(filled(rule));
-    // The triangles around every point, so that flooding also goes through points.
-    std::map<Point, std::vector<std::size_t>> around;
-    std::vector<std::vector<Point>> corners_of;
-    for (std::int32_t y = -1; y <= size_; ++y) {
-        for (std::int32_t x = -1; x <= size_; ++x) {
-            const std::array<Point, 4> corners{
-                {{2 * x, 2 * y}, {2 * x + 2, 2 * y}, {2 * x + 2, 2 * y + 2}, {2 * x, 2 * y + 2}}};
-            for (std::size_t quarter = 0; quarter < 4; ++quarter) {
-                corners_of.push_back({corners[quarter], corners[(quarter + 1) % 4], {2 * x + 1, 2 * y + 1}});
-                for (const Point& corner : corners_of.back()) {
-                    around[corner].push_back(corners_of.size() - 1);
-                }
-            }
-        }
-    }
-    std::vector<std::size_t> pieces;
-    const std::size_t solids = *std::max_element(solid_of.begin(), solid_of.end());
-    for (std::size_t solid = 1; solid <= solids; ++solid) {
-        std::vector<char> seen(solid_of.size(), 0);
-        std::size_t count = 0;
-        for (std::size_t seed = 0; seed < solid_of.size(); ++seed) {
-            if (solid_of[seed] == solid || seen[seed] != 0) {
-                continue;
-            }
-            ++count;
-            std::vector<std::size_t> open{seed};
-            seen[seed] = 1;
-            while (!open.empty()) {
-                const std::size_t at = open.back();
-                open.pop_back();
-                for (const Point& corner : corners_of[at]) {
-                    for (const std::size_t next : around[corner]) {
-                        if (solid_of[next] != solid && seen[next] == 0) {
-                            seen[next] = 1;
-                            open.push_back(next);
-                        }
-                    }
-                }
-            }
-        }
-        pieces.push_back(count);
-    }
-    std::sort(pieces.begin(), pieces.end());
-    return pieces;
-}
-
 Polygons random_octilinear(std::mt19937& random, std::int32_t size) {
     Polygons polygons;
     for (std::int32_t count = draw(random, 1, 6); count > 0; --count) {

@@ -27,11 +27,6 @@ public:
 
     /// In half cells: a lattice point (x, y) is (2 x, 2 y).
     Region region(lamella::FillRule rule) const;
-    /// Filled triangles.
-    std::size_t area(lamella::FillRule rule) const;
-    /// By flooding alone: of each solid, into how many pieces the rest of the plane falls, where pieces that touch in a
-    /// point count as one. Sorted.
-    std::vector<std::size_t> pieces_around_solids(lamella::FillRule rule) const;
 
 private:
     std::size_t triangle(std::int32_t x, std::int32_t y, std::size_t quarter) const;

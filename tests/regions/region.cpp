@@ -14,73 +14,16 @@ using lamella::Role;
 
 namespace {
 
-Int128 cross(Point a, Point b, Point c) {
-    const auto wide = [](std::int32_t value) { return Int128{value}; };
-    return (wide(b.x) - a.x) * (wide(c.y) - a.y) - (wide(b.y) - a.y) * (wide(c.x) - a.x);
-}
-
 Polygon corners_of(std::span<const Point> ring) {
     Polygon corners;
     for (std::size_t i = 0; i < ring.size(); ++i) {
         const Point before = ring[(i + ring.size() - 1) % ring.size()];
         const Point after = ring[(i + 1) % ring.size()];
-        if (cross(before, ring[i], after) != 0) {
+        if (rings::cross(before, ring[i], after) != 0) {
             corners.push_back(ring[i]);
         }
     }
     return corners;
-}
-
-Polygon from_smallest(const Polygon& ring) {
-    Polygon best = ring;
-    if (ring.empty()) {
-        return best;
-    }
-    const Point smallest = *std::min_element(ring.begin(), ring.end());
-    Polygon turned = ring;
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-        if (ring[i] == smallest) {
-            std::rotate_copy(ring.begin(), ring.begin() + static_cast<std::ptrdiff_t>(i), ring.end(), turned.begin());
-            best = std::min(best, turned);
-        }
-    }
-    return best;
-}
-
-std::span<const Point> points_of(const LayerContours& layer, const Contour& contour) {
-    return layer.points.span().subspan(contour.first_point, contour.point_count);
-}
-
-/// A point of the segment between two corners, times `parts`.
-struct Fraction {
-    Int128 x, y;
-    std::int64_t parts;
-};
-
-Fraction part_of(Point from, Point to, std::int64_t parts) {
-    return {Int128{from.x} * (parts - 1) + to.x, Int128{from.y} * (parts - 1) + to.y, parts};
-}
-
-/// Winding number; none for a point on the ring.
-std::optional<int> winding(std::span<const Point> ring, const Fraction& q) {
-    int number = 0;
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-        const Point& from = ring[i];
-        const Point& to = ring[(i + 1) % ring.size()];
-        const Int128 ax = Int128{from.x} * q.parts - q.x;
-        const Int128 ay = Int128{from.y} * q.parts - q.y;
-        const Int128 bx = Int128{to.x} * q.parts - q.x;
-        const Int128 by = Int128{to.y} * q.parts - q.y;
-        const Int128 turn = ax * by - ay * bx;
-        const bool within = std::min(ax, bx) <= 0 && std::max(ax, bx) >= 0 && std::min(ay, by) <= 0 && std::max(ay, by) >= 0;
-        if (turn == 0 && within) {
-            return std::nullopt;
-        }
-        if ((ay > 0) != (by > 0)) {
-            number += (by > 0 && turn > 0 ? 1 : 0) - (ay > 0 && turn < 0 ? 1 : 0);
-        }
-    }
-    return number;
 }
 
 struct Box {
@@ -100,7 +43,9 @@ struct Box {
 /// first edge lies off the hole.
 bool lies_around(const Polygon& hole, const Polygon& ring) {
     for (std::int64_t parts = 2; parts < 1'000'000; ++parts) {
-        if (const std::optional<int> number = winding(hole, part_of(ring[0], ring[1], parts))) {
+        if (const std::optional<int> number =
+                rings::winding(hole, rings::Place{Int128{ring[0].x} * (parts - 1) + ring[1].x,
+                                                  Int128{ring[0].y} * (parts - 1) + ring[1].y, parts})) {
             return *number != 0;
         }
     }
@@ -109,57 +54,6 @@ bool lies_around(const Polygon& hole, const Polygon& ring) {
 
 std::string place(const Ring& ring) {
     return (ring.hole ? "hole" : "outer ring") + (" " + text_of({ring.corners}));
-}
-
-bool same_contour(const Contour& a, const Contour& b) {
-    return a.first_point == b.first_point && a.twice_area == b.twice_area && a.parent == b.parent &&
-           a.point_count == b.point_count && a.segments == b.segments && a.role == b.role &&
-           a.orientation == b.orientation && a.flags == b.flags;
-}
-
-bool same_bytes(const LayerContours& a, const LayerContours& b) {
-    return std::equal(a.contours.begin(), a.contours.end(), b.contours.begin(), b.contours.end(), same_contour) &&
-           std::equal(a.points.begin(), a.points.end(), b.points.begin(), b.points.end());
-}
-
-bool turns_back(std::span<const Point> ring) {
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-        const Point& before = ring[(i + ring.size() - 1) % ring.size()];
-        const Point& at = ring[i];
-        const Point& after = ring[(i + 1) % ring.size()];
-        const Int128 along =
-            (Int128{at.x} - before.x) * (Int128{after.x} - at.x) + (Int128{at.y} - before.y) * (Int128{after.y} - at.y);
-        if (along < 0 && cross(before, at, after) == 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
-std::string fault_in_ring(const Contour& contour, std::span<const Point> points) {
-    if (points.size() < 3) {
-        return "has fewer than three points";
-    }
-    if (std::adjacent_find(points.begin(), points.end()) != points.end() || points.front() == points.back()) {
-        return "has equal consecutive points";
-    }
-    if (turns_back(points)) {
-        return "turns back along itself";
-    }
-    if (*std::min_element(points.begin(), points.end()) != points.front()) {
-        return "does not start at its smallest point";
-    }
-    if (lamella::to_int128(contour.twice_area) != twice_area(points)) {
-        return "states a false area";
-    }
-    const bool outer = contour.role == Role::outer;
-    if (!outer && contour.role != Role::hole) {
-        return "is neither outer nor hole";
-    }
-    if (contour.orientation != (outer ? 1 : -1) || (twice_area(points) > 0) != outer || twice_area(points) == 0) {
-        return "does not run as its role demands";
-    }
-    return "";
 }
 
 }  // namespace
@@ -183,7 +77,7 @@ Region canonical(Region region) {
     std::vector<std::size_t> order(region.size());
     for (std::size_t r = 0; r < region.size(); ++r) {
         order[r] = r;
-        region[r].corners = from_smallest(corners_of(region[r].corners));
+        region[r].corners = rings::from_smallest(corners_of(region[r].corners));
     }
     std::sort(order.begin(), order.end(),
               [&](std::size_t a, std::size_t b) { return region[a].corners < region[b].corners; });
@@ -258,16 +152,6 @@ Region without_holes(const Region& region) {
     return outermost;
 }
 
-Int128 twice_area(std::span<const Point> polygon) {
-    Int128 sum = 0;
-    for (std::size_t i = 0; i < polygon.size(); ++i) {
-        const Point& a = polygon[i];
-        const Point& b = polygon[i + 1 < polygon.size() ? i + 1 : 0];
-        sum += Int128{a.x} * b.y - Int128{a.y} * b.x;
-    }
-    return sum;
-}
-
 Int128 twice_area(const Region& region) {
     Int128 sum = 0;
     for (const Ring& ring : region) {
@@ -299,56 +183,17 @@ std::string difference(const Region& expected, const Region& found) {
     return "";
 }
 
-std::string fault_in(const LayerContours& layer) {
-    const auto start_of = [&](std::size_t c) { return layer.points[layer.contours[c].first_point]; };
-    std::uint64_t points = 0;
-    std::size_t outer = 0;  // the last one
-    for (std::size_t c = 0; c < layer.contours.size(); ++c) {
-        const Contour& contour = layer.contours[c];
-        const auto fault = [&](const std::string& what) { return "contour " + std::to_string(c) + " " + what; };
-        if (contour.first_point != points || contour.point_count > layer.points.size() - points) {
-            return fault("does not begin where the one before it ends");
-        }
-        points += contour.point_count;
-        if (std::string found = fault_in_ring(contour, points_of(layer, contour)); !found.empty()) {
-            return fault(found);
-        }
-        if (contour.parent < -1 || contour.parent >= static_cast<std::int64_t>(layer.contours.size())) {
-            return fault("has a parent that is no contour");
-        }
-        if (contour.parent < 0 ? contour.role == Role::hole
-                               : layer.contours[static_cast<std::size_t>(contour.parent)].role == contour.role) {
-            return fault("has no parent of the other role");
-        }
-        const bool hole = contour.role == Role::hole;
-        const std::size_t before = hole ? c - 1 : outer;  // an outer one follows the last outer one and its holes
-        if (hole && contour.parent != static_cast<std::int64_t>(outer)) {
-            return fault("is a hole that does not follow its outer contour");
-        }
-        if (c > 0 && start_of(c) < start_of(before)) {
-            return fault("starts before the one that it follows");
-        }
-        outer = hole ? outer : c;
-    }
-    return points == layer.points.size() ? "" : "points that belong to no contour";
-}
-
 std::string dependence_on_order(const Polygons& polygons, const lamella::RegionRules& rules, const LayerContours& found,
                                 std::mt19937& random) {
-    Polygons other = polygons;
-    std::shuffle(other.begin(), other.end(), random);
-    for (Polygon& polygon : other) {
-        const auto first = static_cast<std::ptrdiff_t>(random() % std::max<std::size_t>(1, polygon.size()));
-        std::rotate(polygon.begin(), polygon.begin() + first, polygon.end());
-    }
-    if (!same_bytes(region_of(other, rules), found)) {
+    Polygons other = shuffled(polygons, static_cast<std::uint32_t>(random()));
+    if (!same(region_of(other, rules), found)) {
         return "other bytes for the contours in another order, from other starts: " + text_of(other);
     }
     if (rules.fill_rule != FillRule::positive) {
         for (Polygon& polygon : other) {
             std::reverse(polygon.begin(), polygon.end());
         }
-        if (!same_bytes(region_of(other, rules), found)) {
+        if (!same(region_of(other, rules), found)) {
             return "other bytes for the contours reversed: " + text_of(other);
         }
     }

@@ -1,5 +1,4 @@
-// Regions as sets of contours without regard to how they are stored, and what must hold for every region that the engine
-// returns.
+// Regions as sets of contours without regard to how they are stored.
 //
 // Judges give what they expect as a Region. Contours are compared by their corners: points within straight lines, the point
 // that a contour starts at and the order of contours do not count; roles and parents do.
@@ -12,17 +11,9 @@
 #include <vector>
 
 #include "base/numbers.hpp"
-#include "lamella/assemble.hpp"
-#include "lamella/region.hpp"
+#include "engine/region_checks.hpp"
 
 namespace regions {
-
-using lamella::Int128;
-using lamella::Point;
-
-/// Closed; the last point leads to the first.
-using Polygon = std::vector<Point>;
-using Polygons = std::vector<Polygon>;
 
 /// A contour with the solid on its left.
 struct Ring {
@@ -51,15 +42,10 @@ bool fills(lamella::FillRule rule, std::int64_t winding);
 /// Of a region by non-zero: its outer rings that lie in no hole.
 Region without_holes(const Region& region);
 
-/// Twice the area within the polygon, positive where it runs counter-clockwise.
-Int128 twice_area(std::span<const Point> polygon);
 Int128 twice_area(const Region& region);
 
 /// The first difference, in words; or empty.
 std::string difference(const Region& expected, const Region& found);
-
-/// What a single look at the contours shows: areas, orientations, roles, starts, order. Empty if nothing is wrong.
-std::string fault_in(const lamella::LayerContours& contours);
 
 /// Empty if the engine returns the same bytes for the polygons in another order, from other starts, and, by a rule that does
 /// not look at orientation, all of them reversed.

@@ -54,64 +54,6 @@ TEST_CASE("an edge that rounding lays along its neighbour leaves no spike", "[re
     }
 }
 
-TEST_CASE("the lattice judge: solids that touch in a point are two, holes that touch in a point are one contour",
-          "[regions]") {
-    const Polygons touching{square(0, 2), square(2, 4)};
-    const Region two{{{{0, 0}, {4, 0}, {4, 4}, {0, 4}}, false, -1}, {{{4, 4}, {8, 4}, {8, 8}, {4, 8}}, false, -1}};
-    CHECK(regions::difference(two, on_lattice(touching, FillRule::non_zero)) == "");
-
-    const Polygons holes{square(0, 6), square(1, 3), square(3, 5)};
-    const Region around{{{{0, 0}, {12, 0}, {12, 12}, {0, 12}}, false, -1},
-                        {{{2, 2}, {2, 6}, {6, 6}, {6, 10}, {10, 10}, {10, 6}, {6, 6}, {6, 2}}, true, 0}};
-    CHECK(regions::difference(around, on_lattice(holes, FillRule::even_odd)) == "");
-    const Region full{{{{0, 0}, {12, 0}, {12, 12}, {0, 12}}, false, -1}};
-    CHECK(regions::difference(full, on_lattice(holes, FillRule::non_zero)) == "");
-}
-
-TEST_CASE("the lattice judge: a ring whose ends touch in a point is one outer contour, and encloses no other", "[regions]") {
-    const Polygons ring{{{0, 0}, {8, 0}, {8, 8}, {4, 8}, {6, 6}, {6, 2}, {2, 2}, {2, 6}, {4, 8}, {0, 8}}, square(3, 5)};
-    const Region expected{
-        {{{0, 0}, {16, 0}, {16, 16}, {8, 16}, {12, 12}, {12, 4}, {4, 4}, {4, 12}, {8, 16}, {0, 16}}, false, -1},
-        {{{6, 6}, {10, 6}, {10, 10}, {6, 10}}, false, -1}};
-    for (const FillRule rule : all_rules) {
-        CHECK(regions::difference(expected, on_lattice(ring, rule)) == "");
-    }
-}
-
-TEST_CASE("the lattice judge: an outer ring in a hole has the smallest hole around it as parent", "[regions]") {
-    const Polygons nested{square(0, 12), square(1, 11), square(2, 10), square(3, 9), square(4, 6)};
-    const Region found = on_lattice(nested, FillRule::even_odd);
-    REQUIRE(found.size() == 5);
-    for (std::size_t r = 0; r < 5; ++r) {
-        CHECK(found[r].hole == (r % 2 == 1));
-        CHECK(found[r].parent == static_cast<std::int64_t>(r) - 1);
-    }
-    CHECK(on_lattice(nested, FillRule::outermost).size() == 1);
-}
-
-TEST_CASE("the lattice judge's contours enclose what flooding finds", "[regions]") {
-    std::mt19937 random(7);
-    for (int number = 0; number < 200; ++number) {
-        const Polygons polygons = regions::random_octilinear(random, 8);
-        const Lattice lattice(polygons, 8);
-        for (const FillRule rule : {FillRule::even_odd, FillRule::non_zero, FillRule::positive}) {
-            const Region region = lattice.region(rule);
-            // A triangle's area is a quarter of a cell, which is 2 x 2 half cells: twice the area is 2.
-            CHECK(regions::twice_area(region) == static_cast<regions::Int128>(2 * lattice.area(rule)));
-            std::vector<std::size_t> contours;
-            for (std::size_t r = 0; r < region.size(); ++r) {
-                const auto own_hole = [&](const regions::Ring& ring) { return ring.hole && ring.parent == std::int64_t(r); };
-                if (!region[r].hole) {
-                    contours.push_back(1 + static_cast<std::size_t>(std::count_if(region.begin(), region.end(), own_hole)));
-                }
-            }
-            std::sort(contours.begin(), contours.end());
-            INFO(regions::text_of(polygons));
-            REQUIRE(contours == lattice.pieces_around_solids(rule));
-        }
-    }
-}
-
 TEST_CASE("the lattice judge finds every kind of difference", "[regions]") {
     const Polygons polygons{square(0, 12), square(1, 11), square(2, 10), square(3, 9), square(4, 6), square(6, 8)};
     const Region right = on_lattice(polygons, FillRule::even_odd);

@@ -33,14 +33,14 @@ std::uint64_t most_steps(std::uint64_t edges) noexcept {
     return steps_per_comparison * edges * static_cast<std::uint64_t>(std::bit_width(edges) + 1);
 }
 
-/// Whether the direction from `o` to `p` lies strictly within the turn to the left from that to `a` to that to `b`.
+/// True if the direction from `o` to `p` lies strictly within the turn to the left from that to `a` to that to `b`.
 bool in_turn(Point o, Point a, Point b, Point p) noexcept {
     const bool left_of_a = side_of(o, a, p) > 0;
     const bool right_of_b = side_of(o, b, p) < 0;
     return side_of(o, a, b) > 0 ? left_of_a && right_of_b : left_of_a || right_of_b;
 }
 
-/// Whether `p` lies in the direction from `o` to `a`.
+/// True if `p` lies in the direction from `o` to `a`.
 bool in_line(Point o, Point a, Point p) noexcept {
     return side_of(o, a, p) == 0 &&
            (Int128{a.x} - o.x) * (Int128{p.x} - o.x) + (Int128{a.y} - o.y) * (Int128{p.y} - o.y) > 0;
@@ -66,7 +66,7 @@ struct Limits {
     std::uint64_t crossings = most_crossings_in_layer;
 };
 
-/// What some strips of a layer hold.
+/// The crossings in some strips of a layer.
 struct Found {
     std::uint64_t count = 0;
     Point first;

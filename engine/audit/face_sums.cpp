@@ -17,7 +17,7 @@ constexpr double top_limb_unit = 0x1p84;
 constexpr std::uint32_t faces_between_carries = std::uint32_t{1} << 18;
 static_assert(CornerSums::limb_bits + 18 + 1 + 1 < 63, "a limb holds its sum until it is carried");
 
-/// Of the edge from one to the other; that of its opposite is the negative.
+/// A hash of the edge from one to the other; that of its opposite is the negative.
 std::uint64_t directed(std::uint64_t from, std::uint64_t to) noexcept {
     const std::uint64_t edge = mul_fold((from + to) ^ 0x94D049BB133111EBU, (from ^ to) ^ 0xD6E8FEB86659FD93U);
     return (std::uint64_t{from < to} - std::uint64_t{from > to}) * edge;
@@ -199,7 +199,7 @@ void FaceSums::add(const GridTriangle& t) noexcept {
     }
 }
 
-/// Of a face that is neither upright nor level, by height.
+/// The face is neither upright nor level; all is by height.
 void FaceSums::add_corners(std::int64_t covered, const std::array<std::int32_t, 3>& z,
                            const std::array<PlaneIndex, 3>& above) noexcept {
     const std::int64_t height = std::int64_t{z[2]} - z[0];

@@ -1,5 +1,5 @@
-// What the faces of a mesh and their corners cover below each plane, for the certificate of areas and volumes (volume.cpp
-// says what for). All sums are of whole numbers, so that they are the same in any order.
+// Areas that the faces of a mesh and their corners cover below each plane, for the certificate of areas and volumes
+// (volume.cpp says what for). All sums are of whole numbers, so that they are the same in any order.
 #pragma once
 
 #include <array>
@@ -78,7 +78,7 @@ struct CornerKernels {
 /// For tests; FaceSums takes the best.
 std::span<const Form<CornerKernels>> corner_kernel_forms() noexcept;
 
-/// Of one plane and the slab below it. Squares have sides of two units, heights are in units.
+/// Sums for one plane and the slab below it. Squares have sides of two units, heights are in units.
 struct PlaneSums {
     Int128 area = 0;       ///< of corners, at the plane
     Int128 volume = 0;     ///< of corners, within the slab
@@ -87,7 +87,7 @@ struct PlaneSums {
     std::int64_t cut = 0;  ///< faces that the plane is the first to cut, less those that it is the first to miss
 };
 
-/// What one worker sums.
+/// The sums of one worker.
 class FaceSums {
 public:
     FaceSums(const PlaneSet& planes, const PlaneHeights& heights, CornerScale scale);

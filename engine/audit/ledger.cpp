@@ -52,7 +52,7 @@ private:
     std::vector<std::uint32_t> part_of_;  // ascending
 };
 
-/// What one worker counts, and the triangles that it found for each part.
+/// The counts of one worker, and the triangles that it found for each part.
 struct Share {
     std::uint64_t cut = 0;
     std::uint64_t degenerate = 0;
@@ -160,7 +160,7 @@ private:
         }
     }
 
-    /// What stands in memory for a triangle alone.
+    /// Reads ahead the memory of one triangle.
     void prefetch(std::uint32_t t) const noexcept {
 #ifdef __GNUC__
         const auto* const at =

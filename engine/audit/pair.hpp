@@ -1,4 +1,4 @@
-// What calls on a finished result check first: that its parts lie within its arrays.
+// Checks that calls on a finished result make first: its parts lie within its arrays.
 #pragma once
 
 #include "base/parallel.hpp"

@@ -14,7 +14,7 @@ bool is_lower(const GridVertex& a, const GridVertex& b) noexcept {
     return std::tie(a.z, a.x, a.y) < std::tie(b.z, b.x, b.y);
 }
 
-/// Of two at one height the smaller (x, y) stands for both.
+/// The smaller (x, y) of two at one height stands for both.
 bool is_higher(const GridVertex& a, const GridVertex& b) noexcept {
     return a.z != b.z ? a.z > b.z : std::tie(a.x, a.y) < std::tie(b.x, b.y);
 }

@@ -1,4 +1,4 @@
-// What validate() says of a result, by plain methods that share nothing with the slicing stages.
+// The parts of validate(), by plain methods that share nothing with the slicing stages.
 #pragma once
 
 #include <string>
@@ -19,10 +19,10 @@ inline bool has_area(const Contour& contour) noexcept {
 std::string layer_place(std::size_t layer);
 std::string layer_place(std::size_t layer, std::size_t contour);
 
-/// Of origins, as far as they can be seen without the mesh. Precondition: contours lie within the points.
+/// Checks origins, as far as that can be done without the mesh. Precondition: contours lie within the points.
 Complaint complaint_about_origins(const SliceResult& result);
 
-/// Of parents, roles and order of a layer's contours, each of which keeps its own promises.
+/// Checks parents, roles and order of a layer's contours, each of which keeps its own promises.
 Complaint complaint_about_nesting(const SliceResult& result, std::size_t layer);
 
 }  // namespace lamella

@@ -25,7 +25,7 @@ struct Edge {
         return low() <= p.y && p.y <= high() && std::min(from.x, to.x) <= p.x && p.x <= std::max(from.x, to.x) &&
                side_of_line(from, to, p) == 0;
     }
-    /// What the edge adds to the winding number about p: the ray from p towards +x, each edge without its upper end.
+    /// The edge's share of the winding number about p: the ray from p towards +x, each edge without its upper end.
     int winding_about(Point p) const noexcept {
         if (from.y <= p.y && p.y < to.y) {
             return side_of_line(from, to, p) > 0 ? 1 : 0;

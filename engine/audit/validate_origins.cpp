@@ -1,4 +1,4 @@
-// Whether origins are where points came from, for validate().
+// Checks for validate() that points came from their origins.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -47,7 +47,7 @@ CornerScale scale_of(const Bounds& bounds, const SliceResult& result) noexcept {
     return {bits, std::max(0, bits - 32)};
 }
 
-/// What all workers summed.
+/// The sums of all workers.
 struct Sums {
     std::vector<PlaneSums> planes;  ///< and one more, for the slab above them
     Int128 six_volumes = 0;
@@ -84,7 +84,7 @@ Sums sum_faces(const MeshView& mesh, const SliceResult& result, const PlaneSet& 
     return all;
 }
 
-/// What a layer's contours enclose, in square units; and how far their edges run along the axes.
+/// The area that a layer's contours enclose, in square units; and how far their edges run along the axes.
 struct LayerSize {
     double area = 0;
     double length = 0;

@@ -21,7 +21,7 @@ std::align_val_t alignment_for(std::size_t bytes) {
     return std::align_val_t{takes_huge_pages(bytes) ? huge_page : cache_line};
 }
 
-/// What is taken for them: a last huge page that is half full is worth filling up.
+/// The bytes taken for them: a last huge page that is half full is worth filling up.
 std::size_t whole_pages(std::size_t bytes) {
     const std::size_t rest = bytes % huge_page;
     return takes_huge_pages(bytes) && rest >= huge_page / 2 ? bytes + (huge_page - rest) : bytes;

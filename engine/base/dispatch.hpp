@@ -33,7 +33,7 @@ constexpr __mmask16 all_lanes = 0xFFFF;
 /// Each level includes those before it. On x86-64, `portable` may use SSE2.
 enum class InstructionSet : std::uint8_t { portable, avx2, avx512 };
 
-/// What this processor runs.
+/// The highest level that this processor runs.
 inline InstructionSet instruction_set() noexcept {
 #ifdef LAMELLA_X86_FORMS
     if (__builtin_cpu_supports("avx2") != 0) {

@@ -27,7 +27,7 @@ T require(Result<T> result) {
     return std::move(result).value();
 }
 
-/// What `call` returns, a Result or a Status, or the Error that its exception stands for.
+/// Returns what `call` returns, a Result or a Status, or the Error that its exception stands for.
 template <class Call>
 auto guarded(Call&& call) noexcept -> decltype(call()) {
     try {

@@ -167,7 +167,7 @@ void Parallel::run(std::size_t count, FunctionRef<void(std::size_t, int)> task) 
         try {
             arena_->execute(workers, [&] { dispenser.join(); });
         } catch (const std::exception&) {
-            // What tasks throw, the dispenser keeps: this is a thread that the system would not start.
+            // The dispenser keeps what tasks throw: this is a thread that the system would not start.
             throw std::bad_alloc();
         }
     }

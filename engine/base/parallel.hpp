@@ -1,5 +1,5 @@
-// What a call uses of its host: threads, stop requests and progress. oneTBB is included in parallel.cpp and nowhere else;
-// the thread-sanitizer build runs the same interface on std::thread, because Debian's oneTBB is not instrumented.
+// The host's part in a call: threads, stop requests and progress. oneTBB is included in parallel.cpp and nowhere else; the
+// thread-sanitizer build runs the same interface on std::thread, because Debian's oneTBB is not instrumented.
 #pragma once
 
 #include <algorithm>
@@ -124,7 +124,7 @@ public:
     Parallel& operator=(const Parallel&) = delete;
 
     int threads() const noexcept { return threads_; }
-    /// Whether it runs tasks as one made for `control` would.
+    /// True if it runs tasks as one made for `control` would.
     bool serves(const Control& control) const;
     /// A call begins, on this thread, that ends when `stop` says so.
     void follow(const StopCheck& stop) noexcept { stop_.follow(stop); }

@@ -1,11 +1,10 @@
-// What every call of lamella.h has in common: no exception leaves it, its error becomes a status and a message.
+// The frame of every call of lamella.h: no exception leaves it, its error becomes a status and a message.
 #pragma once
 
 #include <memory>
 #include <utility>
 
 #include "base/guard.hpp"
-#include "c/call_options.hpp"
 #include "c/handles.hpp"
 
 namespace lamella::c {

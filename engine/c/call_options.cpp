@@ -1,5 +1,4 @@
-#include "c/call_options.hpp"
-
+// The options of a call from C, as those of C++.
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>

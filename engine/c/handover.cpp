@@ -5,7 +5,6 @@
 #include <variant>
 
 #include "c/call.hpp"
-#include "c/call_options.hpp"
 #include "c/handles.hpp"
 #include "c/sized.hpp"
 #include "lamella/host_output.hpp"

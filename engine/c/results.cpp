@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "c/call.hpp"
-#include "c/call_options.hpp"
 #include "c/handles.hpp"
 #include "c/sized.hpp"
 #include "lamella/assemble.hpp"

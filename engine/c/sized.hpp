@@ -102,7 +102,7 @@ Status check_unknown(const T* given, std::size_t size, const T& known, const cha
                                                   "_init(), or use a later version of the library"};
 }
 
-/// What the program gave, and the defaults beyond; all defaults where it gave nothing.
+/// Reads what the program gave, and the defaults beyond; all defaults where it gave nothing.
 template <class T>
 Status read_sized(const T* given, const char* name, T& whole) {
     check_sized<T>();

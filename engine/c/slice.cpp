@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "c/call.hpp"
-#include "c/call_options.hpp"
 #include "c/handles.hpp"
 #include "lamella/parts.hpp"
 #include "lamella/prepare.hpp"
@@ -36,7 +35,7 @@ Status read_parts(const lamella_mesh* const* meshes, const double* transforms, s
     return {};
 }
 
-/// What slabs know nothing of is refused, not left undone in silence.
+/// Refuses what slabs know nothing of, rather than leave it undone in silence.
 Status slab_options_of(const SliceOptions& given, SlabOptions& options) {
     if (given.close_gaps_mm != 0 || given.origins) {
         return Error{ErrorCode::invalid_argument, "slabs have neither gaps that are joined nor origins"};

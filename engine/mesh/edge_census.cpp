@@ -26,7 +26,7 @@ namespace {
 constexpr std::size_t sides_per_partition = std::size_t{1} << 15;
 constexpr std::size_t most_partitions = std::size_t{1} << 14;
 
-/// What is counted of edges.
+/// Edges, counted by the faces at each.
 struct Counts {
     std::uint64_t edges = 0;
     std::uint64_t boundary = 0;

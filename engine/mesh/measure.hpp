@@ -1,4 +1,4 @@
-// What inspect() and check() measure and count of a mesh.
+// Measures and counts of a mesh, for inspect() and check().
 #pragma once
 
 #include <cstdint>

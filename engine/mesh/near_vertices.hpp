@@ -61,7 +61,7 @@ public:
                      [&](std::size_t part, int worker) { sort_part(part, scratch[static_cast<std::size_t>(worker)]); });
     }
 
-    /// Whether a vertex before it lies within the tolerance.
+    /// True if a vertex before it lies within the tolerance.
     bool has_earlier(Vertex vertex) const {
         bool found = false;
         for_each_cell_near(vertex, [&](std::uint32_t begin, std::uint32_t end) {

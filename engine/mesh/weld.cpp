@@ -1,7 +1,6 @@
 #include "lamella/mesh/weld.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -31,7 +30,7 @@ struct Corner {
     std::uint32_t index;  // 3 * triangle + corner
 };
 
-// Of the progress, when the step is done.
+// The progress when a step is done.
 constexpr double sorted_share = 0.5;
 constexpr double numbered_share = 0.65;
 constexpr double searched_share = 0.85;
@@ -39,35 +38,41 @@ constexpr double joined_share = 0.9;
 
 constexpr std::size_t weld_grain = 8192;
 
-/// Whether corner `i` names a vertex that there is not.
-bool is_dangling(const MeshView& mesh, std::size_t i) {
-    return mesh.indices != nullptr && mesh.vertex_of(i / 3, i % 3) >= mesh.vertex_count;
+/// The first corner of triangle t that names a vertex that there is not, or 3.
+std::size_t dangling_corner(const MeshView& mesh, std::size_t t) {
+    std::size_t corner = mesh.indices != nullptr ? 0 : 3;
+    while (corner < 3 && mesh.vertex_of(t, corner) < mesh.vertex_count) {
+        ++corner;
+    }
+    return corner;
 }
 
-/// Reads corner `i` alone, as the triangle's other corners may be dangling. False if a coordinate cannot be used.
+/// Writes the three corners of triangle t; false if a coordinate cannot be used.
 template <class Number>
-bool read_corner(const PlacedReader& read, std::size_t i, Corner<Number>& corner) {
-    const std::array<double, 3> xyz = read.corner(i / 3, i % 3);
+bool write_corners(const RawTriangle& raw, std::size_t t, Corner<Number>* corners) {
     bool usable = true;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        usable = usable && std::abs(xyz[axis]) <= largest_coordinate_mm;
-        corner.place.at[axis] = static_cast<Number>(xyz[axis]) + Number{0};  // one zero, not two
+    for (std::size_t i = 0; i < 9; ++i) {
+        const auto coordinate = static_cast<Number>(raw.v[i]);
+        usable = usable && std::abs(coordinate) <= static_cast<Number>(largest_coordinate_mm);
+        corners[i / 3].place.at[i % 3] = coordinate + Number{0};  // one zero, not two
     }
-    corner.index = static_cast<std::uint32_t>(i);
+    for (std::size_t i = 0; i < 3; ++i) {
+        corners[i].index = static_cast<std::uint32_t>(3 * t + i);
+    }
     return usable;
 }
 
-/// Of corner `i`, the first that cannot be used.
-Error unusable(const MeshView& mesh, std::size_t i) {
-    const std::string triangle = "triangle " + std::to_string(i / 3);
-    if (is_dangling(mesh, i)) {
+/// Says why triangle t cannot be used.
+Error unusable(const MeshView& mesh, std::size_t t) {
+    const std::string triangle = "triangle " + std::to_string(t);
+    if (const std::size_t corner = dangling_corner(mesh, t); corner < 3) {
         return {ErrorCode::invalid_argument,
-                triangle + " has index " + std::to_string(mesh.vertex_of(i / 3, i % 3)) + ", but there are " +
+                triangle + " has index " + std::to_string(mesh.vertex_of(t, corner)) + ", but there are " +
                     std::to_string(mesh.vertex_count) + " vertices",
-                static_cast<std::int64_t>(i / 3)};
+                static_cast<std::int64_t>(t)};
     }
     return {ErrorCode::bad_coordinate, triangle + " has a coordinate that is not finite or beyond 1e9",
-            static_cast<std::int64_t>(i / 3)};
+            static_cast<std::int64_t>(t)};
 }
 
 template <class Number>
@@ -77,11 +82,11 @@ Result<Array<Corner<Number>>> sorted_corners(const MeshView& mesh, const Memory*
     const PlacedReader read(mesh, {});
     constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
     std::vector<std::size_t> first_bad(static_cast<std::size_t>(parallel.threads()), none);
-    parallel.run_ranges(corners.size(), weld_grain, [&](std::size_t begin, std::size_t end, int worker) {
-        for (std::size_t i = begin; i < end; ++i) {
-            if (is_dangling(mesh, i) || !read_corner(read, i, corners[i])) {
+    parallel.run_ranges(mesh.triangle_count, weld_grain / 3, [&](std::size_t begin, std::size_t end, int worker) {
+        for (std::size_t t = begin; t < end; ++t) {
+            if (dangling_corner(mesh, t) < 3 || !write_corners(read(t), t, corners.data() + 3 * t)) {
                 std::size_t& first = first_bad[static_cast<std::size_t>(worker)];
-                first = std::min(first, i);
+                first = std::min(first, t);
                 return;
             }
         }
@@ -119,7 +124,7 @@ Result<Array<Place<Number>>> distinct_places(const MeshView& mesh, std::span<std
     return places;
 }
 
-/// What each vertex becomes.
+/// The vertex that each vertex becomes.
 struct Joining {
     Array<std::uint32_t> target;  ///< of each vertex the one that it moves onto, or itself
     std::uint64_t joined = 0;

@@ -79,7 +79,7 @@ private:
     int damping_ = 0;
 };
 
-// Whether the spacing gives more than one step in each direction and a number of nodes that can be visited.
+// True if the spacing gives more than one step in each direction and a number of nodes that can be visited.
 bool sensible(const Field& field, const Spacing& spacing) {
     constexpr double most_nodes = 4e11;
     constexpr double most_plane_nodes = 2e7;

@@ -1,4 +1,4 @@
-// What the generators share: a surface whose size is known before any triangle is made, and the output of its
+// Shared by the generators: a surface whose size is known before any triangle is made, and the output of its
 // triangles. Output sorts triangles by height and splits some until their number is the requested one.
 #pragma once
 

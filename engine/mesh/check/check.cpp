@@ -128,33 +128,33 @@ private:
     }
 
     void find_faults(const GridMesh& mesh, const EdgeTable& edges) {
-        Notes notes(mesh, options_.most_places, check_.findings);
+        FaultCollector faults(mesh, options_.most_places, check_.findings);
         begin(joints_share);
         const EmbeddedStars stars(mesh, edges, parallel_);
-        const std::uint64_t unbalanced = find_edge_faults(mesh, edges, notes, parallel_);
-        find_loops(mesh, edges, notes, parallel_);
-        find_face_faults(mesh, options_.sliver_ratio, notes, parallel_);
-        find_split_vertices(mesh, stars, notes, parallel_);
-        find_flipped_faces(mesh, edges, notes, parallel_);
+        const std::uint64_t unbalanced = find_edge_faults(mesh, edges, faults, parallel_);
+        find_loops(mesh, edges, faults, parallel_);
+        find_face_faults(mesh, options_.sliver_ratio, faults, parallel_);
+        find_split_vertices(mesh, stars, faults, parallel_);
+        find_flipped_faces(mesh, edges, faults, parallel_);
         check_.ms.joints = lap();
         begin(tree_share);
         const FaceTree tree(mesh, stars, parallel_);
         check_.ms.meeting = lap();
         begin(shells_share);
-        const Array<std::uint32_t> shell_of = find_shells(mesh, edges, tree, notes, check_, parallel_);
+        const Array<std::uint32_t> shell_of = find_shells(mesh, edges, tree, faults, check_, parallel_);
         check_.ms.shells = lap();
         const std::vector<std::uint8_t> meets_other =
-            find_meeting_faces(mesh, tree, stars, shell_of, check_.shells, notes, meeting_share, parallel_);
+            find_meeting_faces(mesh, tree, stars, shell_of, check_.shells, faults, meeting_share, parallel_);
         const bool all_known = check_.nesting_complete && !check_.of(Fault::crossing_faces).at_least;
-        find_misoriented_shells(check_.shells, meets_other, all_known, notes);
+        find_misoriented_shells(check_.shells, meets_other, all_known, faults);
         check_.ms.meeting += lap();
         begin(gaps_share);
-        find_gaps(mesh, edges, options_.tolerance_mm, notes, parallel_);
+        find_gaps(mesh, edges, options_.tolerance_mm, faults, parallel_);
         check_.ms.gaps = lap();
         complete_info(mesh, edges, unbalanced);
     }
 
-    /// What inspect() counts by another method.
+    /// Fills in what inspect() counts by another method.
     void complete_info(const GridMesh& mesh, const EdgeTable& edges, std::uint64_t unbalanced) {
         MeshInfo& info = check_.info;
         info.degenerate = mesh.collapsed.size();

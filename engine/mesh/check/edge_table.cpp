@@ -16,7 +16,7 @@ constexpr std::size_t sides_a_part = std::size_t{1} << 14;
 
 using Ends = std::array<std::uint32_t, 2>;
 
-/// Of the edge on which a side lies, the lower vertex first.
+/// The vertices of the edge on which a side lies, the lower first.
 Ends ends_of(const GridMesh& mesh, std::uint32_t side) {
     const auto& corners = mesh.faces[side / 3].corners;
     const auto [lower, upper] = std::minmax(corners[side % 3], corners[(side % 3 + 1) % 3]);

@@ -41,10 +41,10 @@ public:
 
     /// Edges that have not one face on either hand, ascending: one face, or more than two, or two that run the same way.
     const Array<std::uint32_t>& irregular() const noexcept { return irregular_; }
-    /// Of these, those with one face.
+    /// Those of them with one face.
     const std::vector<std::uint32_t>& boundary() const noexcept { return boundary_; }
 
-    /// Whether two vertices are joined by an edge. O(log n).
+    /// True if two vertices are joined by an edge. O(log n).
     bool joins(std::uint32_t a, std::uint32_t b) const noexcept;
 
 private:

@@ -22,13 +22,13 @@ public:
     /// O(n), in three calls of run(). Throws std::bad_alloc.
     EmbeddedStars(const GridMesh& mesh, const EdgeTable& edges, const Parallel& parallel);
 
-    /// Whether the vertex is known to have one: then its faces form one closed fan, and no two meet but in an edge or vertex
+    /// True if the vertex is known to have one: then its faces form one closed fan, and no two meet but in an edge or vertex
     /// that they share.
     bool contains(std::uint32_t vertex) const noexcept {
         return (words_[vertex] & ~every_view) == one_round && (words_[vertex] & every_view) != 0;
     }
 
-    /// Whether a face has area.
+    /// True if a face has area.
     bool has_area(std::size_t face) const noexcept { return areas_[face] != 0; }
 
 private:

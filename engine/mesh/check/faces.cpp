@@ -36,7 +36,7 @@ Shape shape_of(const GridVector& ab, const GridVector& ac, const GridVector& bc,
     return {longest / twice_area, std::sqrt(longest / shortest)};
 }
 
-/// What shape_of() would say, without roots and with a margin for rounding: false for nearly all faces.
+/// A quick test in place of shape_of(), without roots and with a margin for rounding: false for nearly all faces.
 bool may_be_sliver(const GridVector& ab, const GridVector& ac, const GridVector& bc, const GridVector& normal,
                    double sliver_ratio) {
     constexpr double margin = 1 - 1e-9;
@@ -44,14 +44,14 @@ bool may_be_sliver(const GridVector& ab, const GridVector& ac, const GridVector&
     return longest * longest >= margin * sliver_ratio * sliver_ratio * real_square(normal);
 }
 
-void judge_shape(const GridMesh& mesh, const Face& face, double sliver_ratio, Notes& notes) {
+void judge_shape(const GridMesh& mesh, const Face& face, double sliver_ratio, FaultCollector& faults) {
     const std::array<GridVertex, 3> corners = mesh.corners(face);
     const GridVector ab = half(corners[1]) - half(corners[0]);
     const GridVector ac = half(corners[2]) - half(corners[0]);
     const GridVector bc = half(corners[2]) - half(corners[1]);
     const GridVector normal = cross(ab, ac);
     if (normal == GridVector{}) {
-        notes.add(Fault::zero_area_face, [&] { return notes.at(face); });
+        faults.add(Fault::zero_area_face, [&] { return faults.at(face); });
         return;
     }
     if (!may_be_sliver(ab, ac, bc, normal, sliver_ratio)) {
@@ -59,22 +59,22 @@ void judge_shape(const GridMesh& mesh, const Face& face, double sliver_ratio, No
     }
     const Shape shape = shape_of(ab, ac, bc, normal);
     if (shape.over_height >= sliver_ratio) {
-        notes.add(shape.over_shortest > needle_ratio ? Fault::needle_face : Fault::cap_face, [&] {
-            FaultPlace place = notes.at(face);
+        faults.add(shape.over_shortest > needle_ratio ? Fault::needle_face : Fault::cap_face, [&] {
+            FaultPlace place = faults.at(face);
             place.measure = shape.over_height;
             return place;
         });
     }
 }
 
-FaultPlace place_of_pair(const Face& face, const Face& other, const Notes& notes) {
-    FaultPlace place = notes.at(face);
+FaultPlace place_of_pair(const Face& face, const Face& other, const FaultCollector& faults) {
+    FaultPlace place = faults.at(face);
     place.triangles[1] = other.source;
     return place;
 }
 
 /// Faces [begin, end) have the same vertices; they are sorted by orientation.
-void judge_group(const GridMesh& mesh, std::size_t begin, std::size_t end, Notes& notes) {
+void judge_group(const GridMesh& mesh, std::size_t begin, std::size_t end, FaultCollector& faults) {
     const auto same_orientation = [&](std::size_t i) { return mesh.faces[i].corners == mesh.faces[begin].corners; };
     std::size_t middle = begin;
     while (middle != end && same_orientation(middle)) {
@@ -83,29 +83,31 @@ void judge_group(const GridMesh& mesh, std::size_t begin, std::size_t end, Notes
     for (std::size_t i = begin + 1; i < end; ++i) {
         if (i != middle) {
             const Face& first = mesh.faces[i < middle ? begin : middle];
-            notes.add(Fault::duplicate_face, [&] { return place_of_pair(first, mesh.faces[i], notes); });
+            faults.add(Fault::duplicate_face, [&] { return place_of_pair(first, mesh.faces[i], faults); });
         }
     }
     for (std::size_t i = 0; i < std::min(middle - begin, end - middle); ++i) {
-        notes.add(Fault::opposite_face, [&] { return place_of_pair(mesh.faces[begin + i], mesh.faces[middle + i], notes); });
+        faults.add(Fault::opposite_face,
+                   [&] { return place_of_pair(mesh.faces[begin + i], mesh.faces[middle + i], faults); });
     }
 }
 
 }  // namespace
 
-void find_face_faults(const GridMesh& mesh, double sliver_ratio, Notes& notes, const Parallel& parallel) {
+void find_face_faults(const GridMesh& mesh, double sliver_ratio, FaultCollector& faults, const Parallel& parallel) {
     for (const Face& face : mesh.collapsed) {
-        notes.add(Fault::collapsed_face, [&] { return notes.at(face); });
+        faults.add(Fault::collapsed_face, [&] { return faults.at(face); });
     }
     const auto same_vertices = [&](std::size_t a, std::size_t b) {
         return vertex_set(mesh.faces[a]) == vertex_set(mesh.faces[b]);
     };
-    notes.in_groups(mesh.faces.size(), parallel, same_vertices, [&](std::size_t begin, std::size_t end, Notes& own) {
-        for (std::size_t face = begin; face != end; ++face) {
-            judge_shape(mesh, mesh.faces[face], sliver_ratio, own);
-        }
-        judge_group(mesh, begin, end, own);
-    });
+    faults.in_groups(mesh.faces.size(), parallel, same_vertices,
+                     [&](std::size_t begin, std::size_t end, FaultCollector& own) {
+                         for (std::size_t face = begin; face != end; ++face) {
+                             judge_shape(mesh, mesh.faces[face], sliver_ratio, own);
+                         }
+                         judge_group(mesh, begin, end, own);
+                     });
 }
 
 }  // namespace lamella

@@ -19,9 +19,9 @@ namespace lamella {
 
 using Findings = std::array<FaultFinding, fault_count>;
 
-class Notes {
+class FaultCollector {
 public:
-    Notes(const GridMesh& mesh, std::size_t most, Findings& findings) noexcept
+    FaultCollector(const GridMesh& mesh, std::size_t most, Findings& findings) noexcept
         : mesh_(mesh), most_(most), findings_(findings) {}
 
     std::size_t most() const noexcept { return most_; }
@@ -36,15 +36,15 @@ public:
         }
     }
 
-    /// One call of run(): search(begin, end, notes) for ranges of [0, count), each with notes of its own, which are added to
-    /// these in the order of the ranges. So faults of a kind come in the order of the items.
+    /// One call of run(): search(begin, end, faults) for ranges of [0, count), each with a collector of its own, which are
+    /// added to this one in the order of the ranges. So faults of a kind come in the order of the items.
     template <class Search>
     void in_ranges(std::size_t count, const Parallel& parallel, Search search) {
         constexpr std::size_t items_a_range = std::size_t{1} << 15;
         const std::size_t ranges = count / items_a_range + 1;
         std::vector<Findings> found(ranges);
         parallel.run(ranges, [&](std::size_t range, int) {
-            Notes own(mesh_, most_, found[range]);
+            FaultCollector own(mesh_, most_, found[range]);
             search(count * range / ranges, count * (range + 1) / ranges, own);
         });
         for (const Findings& own : found) {
@@ -52,10 +52,10 @@ public:
         }
     }
 
-    /// The same for groups of items that follow one another and are alike(i, i - 1): judge(begin, end, notes) for each.
+    /// The same for groups of items that follow one another and are alike(i, i - 1): judge(begin, end, faults) for each.
     template <class Alike, class Judge>
     void in_groups(std::size_t count, const Parallel& parallel, Alike alike, Judge judge) {
-        in_ranges(count, parallel, [&](std::size_t first, std::size_t last, Notes& own) {
+        in_ranges(count, parallel, [&](std::size_t first, std::size_t last, FaultCollector& own) {
             while (first < last && first > 0 && alike(first, first - 1)) {
                 ++first;  // belongs to the range before
             }
@@ -109,19 +109,20 @@ private:
 };
 
 /// Edges by the faces at each. Returns how many have more faces one way than the other. O(edges), one call of run().
-std::uint64_t find_edge_faults(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, const Parallel& parallel);
+std::uint64_t find_edge_faults(const GridMesh& mesh, const EdgeTable& edges, FaultCollector& faults,
+                               const Parallel& parallel);
 
 /// Loops of boundary edges. O(b log b) for b of them.
-void find_loops(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, const Parallel& parallel);
+void find_loops(const GridMesh& mesh, const EdgeTable& edges, FaultCollector& faults, const Parallel& parallel);
 
 /// Vertices whose triangles do not form one cone. O(n + s log s) for s faces around vertices without embedded stars.
-void find_split_vertices(const GridMesh& mesh, const EmbeddedStars& stars, Notes& notes, const Parallel& parallel);
+void find_split_vertices(const GridMesh& mesh, const EmbeddedStars& stars, FaultCollector& faults, const Parallel& parallel);
 
 /// Flipped faces and one-sided patches, once edge faults have been found. O(n), where any edge is mismatched.
-void find_flipped_faces(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, const Parallel& parallel);
+void find_flipped_faces(const GridMesh& mesh, const EdgeTable& edges, FaultCollector& faults, const Parallel& parallel);
 
 /// Faces that are bad by themselves, and faces on the same three vertices. O(n), one call of run().
-void find_face_faults(const GridMesh& mesh, double sliver_ratio, Notes& notes, const Parallel& parallel);
+void find_face_faults(const GridMesh& mesh, double sliver_ratio, FaultCollector& faults, const Parallel& parallel);
 
 /// Fills in depth and parent of shells. Rays upwards from a few vertices of each count, exactly, how often each closed shell
 /// winds around them; where a vertex lies on the other shell's surface, the next one is tried. Of `whole`, a shell is around
@@ -131,25 +132,27 @@ bool nest_shells(const GridMesh& mesh, const FaceTree& tree, const Array<std::ui
                  std::vector<MeshShell>& shells, bool whole, const Parallel& parallel);
 
 /// Shells, their orientations and nesting, `whole` as for nest_shells(). Returns the shell of each face.
-Array<std::uint32_t> find_shells(const GridMesh& mesh, const EdgeTable& edges, const FaceTree& tree, const Notes& notes,
-                                 MeshCheck& check, const Parallel& parallel, bool whole = false);
+Array<std::uint32_t> find_shells(const GridMesh& mesh, const EdgeTable& edges, const FaceTree& tree,
+                                 const FaultCollector& faults, MeshCheck& check, const Parallel& parallel,
+                                 bool whole = false);
 
 /// Pairs of faces that cross, overlap or touch. Returns for each shell 1 if it and another one are closed and meet, else 0.
 /// The search itself leads the progress on to `progress`.
 std::vector<std::uint8_t> find_meeting_faces(const GridMesh& mesh, const FaceTree& tree, const EmbeddedStars& stars,
                                              const Array<std::uint32_t>& shell_of, const std::vector<MeshShell>& shells,
-                                             Notes& notes, double progress, const Parallel& parallel);
+                                             FaultCollector& faults, double progress, const Parallel& parallel);
 
-/// Whether the orientation contradicts the depth: outwards is right within an even number of others.
+/// True if the orientation contradicts the depth: outwards is right within an even number of others.
 inline bool is_misoriented(const MeshShell& shell) noexcept {
     return shell.orientation != 0 && shell.orientation != (shell.depth % 2 == 0 ? 1 : -1);
 }
 
 /// Misoriented shells, where the depth is conclusive (shells.cpp).
 void find_misoriented_shells(const std::vector<MeshShell>& shells, const std::vector<std::uint8_t>& meets_other,
-                             bool all_known, Notes& notes);
+                             bool all_known, FaultCollector& faults);
 
 /// T-junctions and cracks.
-void find_gaps(const GridMesh& mesh, const EdgeTable& edges, double tolerance_mm, Notes& notes, const Parallel& parallel);
+void find_gaps(const GridMesh& mesh, const EdgeTable& edges, double tolerance_mm, FaultCollector& faults,
+               const Parallel& parallel);
 
 }  // namespace lamella

@@ -58,10 +58,11 @@ double distance_to_inside(const GridVector& p, const GridVector& a, const GridVe
 
 class GapSearch {
 public:
-    GapSearch(const GridMesh& mesh, const EdgeTable& edges, double tolerance_mm, Notes& notes, const Parallel& parallel)
+    GapSearch(const GridMesh& mesh, const EdgeTable& edges, double tolerance_mm, FaultCollector& faults,
+              const Parallel& parallel)
         : mesh_(mesh),
           edges_(edges),
-          notes_(notes),
+          faults_(faults),
           parallel_(parallel),
           reach_(tolerance_mm / mesh.unit_mm),
           half_reach_(reach_ / 2),
@@ -110,7 +111,7 @@ public:
                 }
             },
             [&](const Near& near) {
-                FaultPlace place = notes_.at({near.first, near.second});
+                FaultPlace place = faults_.at({near.first, near.second});
                 place.measure = length(at(near.second) - at(near.first)) * 2 * mesh_.unit_mm;
                 return place;
             });
@@ -123,8 +124,8 @@ private:
     /// Calls visit() for every vertex of the boundary and every item whose box is within reach; it adds to what is found.
     template <class Visit, class MakePlace>
     void search(Fault fault, const BoxTree<GridVertex>& tree, Visit visit, MakePlace make_place) {
-        Tally<Near> tally(notes_.most(), parallel_);
-        FaultFinding& finding = notes_.of(fault);
+        Tally<Near> tally(faults_.most(), parallel_);
+        FaultFinding& finding = faults_.of(fault);
         BudgetedSearch<Near> search(vertices_.size(), search_budget(vertices_.size()), parallel_);
         finding.at_least = !search.run(
             [&](std::size_t query, std::size_t limit, std::vector<Near>& found) {
@@ -156,11 +157,11 @@ private:
     FaultPlace place_of_t_junction(std::uint32_t vertex, std::uint32_t edge) const {
         const auto [lower, upper] = edges_[edge];
         double share = 0;
-        FaultPlace place = notes_.at({vertex});
+        FaultPlace place = faults_.at({vertex});
         place.measure = distance_to_inside(at(vertex), at(lower), at(upper), share) * 2 * mesh_.unit_mm;
         place.triangles[0] = mesh_.faces[EdgeTable::face_of(edges_.sides(edge)[0])].source;
-        const Real from = notes_.mm(mesh_.vertices[lower]);
-        const Real to = notes_.mm(mesh_.vertices[upper]);
+        const Real from = faults_.mm(mesh_.vertices[lower]);
+        const Real to = faults_.mm(mesh_.vertices[upper]);
         place.point_count = 2;
         for (std::size_t axis = 0; axis < 3; ++axis) {
             place.points_mm[1][axis] = from[axis] + share * (to[axis] - from[axis]);
@@ -170,7 +171,7 @@ private:
 
     const GridMesh& mesh_;
     const EdgeTable& edges_;
-    Notes& notes_;
+    FaultCollector& faults_;
     const Parallel& parallel_;
     double reach_;                                ///< the tolerance in grid units
     double half_reach_;                           ///< the tolerance in halves of vertices, which are twice the unit
@@ -180,8 +181,9 @@ private:
 
 }  // namespace
 
-void find_gaps(const GridMesh& mesh, const EdgeTable& edges, double tolerance_mm, Notes& notes, const Parallel& parallel) {
-    GapSearch search(mesh, edges, tolerance_mm, notes, parallel);
+void find_gaps(const GridMesh& mesh, const EdgeTable& edges, double tolerance_mm, FaultCollector& faults,
+               const Parallel& parallel) {
+    GapSearch search(mesh, edges, tolerance_mm, faults, parallel);
     search.find_t_junctions();
     search.find_cracks();
 }

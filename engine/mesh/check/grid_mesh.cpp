@@ -2,15 +2,226 @@
 
 #include <algorithm>
 #include <cassert>
+#include <functional>
 #include <limits>
+#include <span>
 #include <tuple>
 #include <utility>
+#include <vector>
 
+#include "base/number_table.hpp"
 #include "base/parallel_sort.hpp"
+#include "mesh/exact_reader.hpp"
+#include "slicing/grid/vertex_hash.hpp"
 
 namespace lamella {
 
 namespace {
+
+constexpr std::size_t vertices_a_part = std::size_t{1} << 14;
+
+/// A vertex on the grid, and a hash of its coordinates as they are.
+struct Vertex {
+    GridVertex place;
+    std::uint32_t exact;
+};
+
+/// Numbers vertices in the order in which they come; its memory is kept.
+class VertexTable {
+public:
+    void clear() {
+        numbers_.clear(std::max(found_.size(), least_room));  // as many as last time are to be expected
+        found_.clear();
+    }
+
+    std::uint32_t number(const Vertex& vertex) {
+        const std::uint32_t number = numbers_.number(
+            hash_of(vertex.place), [&](std::uint32_t i) { return found_[i].place == vertex.place; },
+            [&](std::uint32_t i) { return hash_of(found_[i].place); });
+        if (number == found_.size()) {
+            found_.push_back(vertex);
+        }
+        joined_ = joined_ || found_[number].exact != vertex.exact;
+        return number;
+    }
+
+    const std::vector<Vertex>& found() const noexcept { return found_; }
+    /// True if it ever gave one number to vertices that differ as they are.
+    bool joined() const noexcept { return joined_; }
+
+private:
+    static constexpr std::size_t least_room = 512;
+
+    std::vector<Vertex> found_;
+    NumberTable numbers_;
+    bool joined_ = false;
+};
+
+/// Seven calls of run(). Corners are numbered within ranges of triangles, then what the ranges have found in parts of the
+/// order of vertices, each by a hash table in the cache: O(n) expected for the corners, O(v log v) for v vertices.
+/// Coordinates are compared by hashes of 32 bits: that the only difference is missed has a chance of 2^-32.
+///
+/// Triangles that follow one another share most of their vertices: each range of them is numbered by itself first, so that
+/// only what it found need be brought together with what the others found.
+///
+///     range 0: corners a b c  b d c   ->  a b c d   numbers 0 1 2  1 3 2
+///     range 1: corners c d e  d f e   ->  c d e f   numbers 0 1 2  1 3 2   ->  all: a b c d e f
+class Numbering {
+public:
+    Numbering(const MeshView& mesh, const Transform& transform, const MeshInfo& info, const Parallel& parallel,
+              const Memory* memory)
+        : mesh_(mesh),
+          transform_(transform),
+          unit_mm_(info.unit_mm),
+          order_(info),
+          parallel_(parallel),
+          memory_(memory),
+          ranges_(ranges_for(mesh.triangle_count, parallel)),
+          of_corners_(memory),
+          of_found_(memory),
+          tables_(static_cast<std::size_t>(parallel.threads())) {}
+
+    /// Fills in vertices and `joined`; the number of each corner, three a triangle.
+    Array<std::uint32_t> run(GridMesh& grid) {
+        number_ranges();
+        Distributed<Item> parts = distribute_found();
+        grid.vertices = number_parts(parts);
+        rename_corners();
+        grid.joined = std::any_of(tables_.begin(), tables_.end(), [](const VertexTable& table) { return table.joined(); });
+        return std::move(of_corners_);
+    }
+
+private:
+    /// A vertex that some range has found.
+    struct Item {
+        Vertex vertex;
+        std::uint32_t number;  ///< among all that were found
+    };
+
+    std::size_t first_triangle(std::size_t range) const noexcept { return mesh_.triangle_count * range / ranges_; }
+
+    /// Leaves each corner its vertex's number among what its range has found.
+    void number_ranges() {
+        found_.resize(ranges_);
+        of_corners_.resize_discarding(3 * mesh_.triangle_count);
+        const ExactReader exact(mesh_);
+        with_reader(mesh_, transform_, unit_mm_, [&](const auto& read) {
+            parallel_.run(ranges_, [&](std::size_t range, int worker) {
+                VertexTable& table = tables_[static_cast<std::size_t>(worker)];
+                table.clear();
+                for (std::size_t t = first_triangle(range); t != first_triangle(range + 1); ++t) {
+                    const GridTriangle places = read(t);
+                    const GridTriangle as_they_are = exact(t);
+                    for (std::size_t i = 0; i < 3; ++i) {
+                        const auto hash = static_cast<std::uint32_t>(hash_of(as_they_are[i]));
+                        of_corners_[3 * t + i] = table.number({places[i], hash});
+                    }
+                }
+                found_[range] = table.found();
+            });
+        });
+    }
+
+    /// In parts of the Morton order. Frees what the ranges have found.
+    Distributed<Item> distribute_found() {
+        firsts_.assign(ranges_ + 1, 0);
+        for (std::size_t range = 0; range < ranges_; ++range) {
+            firsts_[range + 1] = firsts_[range] + static_cast<std::uint32_t>(found_[range].size());
+        }
+        const std::size_t count = firsts_.back();
+        Array<Vertex> all(memory_);
+        all.resize_discarding(count);
+        parallel_.run(ranges_, [&](std::size_t range, int) {
+            std::copy(found_[range].begin(), found_[range].end(), all.begin() + firsts_[range]);
+            found_[range] = {};
+        });
+        const auto key = [&](std::size_t i) { return order_.key(all[i].place); };
+        const Splitters<std::uint64_t, std::less<>> splitters(count, parts_for(count, vertices_a_part), std::less<>{}, key);
+        return distribute<Item>(
+            count, splitters.parts(), parallel_,
+            [&](std::size_t begin, std::size_t end, const auto& emit) {
+                for (std::size_t i = begin; i != end; ++i) {
+                    emit(splitters.part_of(key(i)), Item{all[i], static_cast<std::uint32_t>(i)});
+                }
+            },
+            memory_);
+    }
+
+    /// All vertices in order; of_found_ becomes the number of each that a range has found.
+    Array<GridVertex> number_parts(Distributed<Item>& parts) {
+        std::vector<std::vector<GridVertex>> vertices(parts.size());
+        of_found_.resize_discarding(parts.items.size());
+        parallel_.run(parts.size(), [&](std::size_t part, int worker) {
+            vertices[part] = number_part(parts.of(part), tables_[static_cast<std::size_t>(worker)]);
+        });
+        std::vector<std::uint32_t> firsts(parts.size() + 1, 0);
+        for (std::size_t part = 0; part < parts.size(); ++part) {
+            firsts[part + 1] = firsts[part] + static_cast<std::uint32_t>(vertices[part].size());
+        }
+        Array<GridVertex> all(memory_);
+        all.resize_discarding(firsts.back());
+        parallel_.run(parts.size(), [&](std::size_t part, int) {
+            std::copy(vertices[part].begin(), vertices[part].end(), all.begin() + firsts[part]);
+            for (const Item& item : parts.of(part)) {
+                of_found_[item.number] += firsts[part];
+            }
+        });
+        return all;
+    }
+
+    /// The part's vertices in order; of_found_ becomes the rank among these.
+    std::vector<GridVertex> number_part(std::span<const Item> items, VertexTable& table) {
+        struct Ranked {
+            std::uint64_t key;
+            GridVertex place;
+            std::uint32_t arrival;
+        };
+        table.clear();
+        for (const Item& item : items) {
+            of_found_[item.number] = table.number(item.vertex);
+        }
+        std::vector<Ranked> ranked;
+        ranked.reserve(table.found().size());
+        for (const Vertex& vertex : table.found()) {
+            ranked.push_back({order_.key(vertex.place), vertex.place, static_cast<std::uint32_t>(ranked.size())});
+        }
+        std::sort(ranked.begin(), ranked.end(),
+                  [](const Ranked& a, const Ranked& b) { return a.key != b.key ? a.key < b.key : a.place < b.place; });
+        std::vector<std::uint32_t> ranks(ranked.size());
+        std::vector<GridVertex> vertices;
+        vertices.reserve(ranked.size());
+        for (const Ranked& vertex : ranked) {
+            ranks[vertex.arrival] = static_cast<std::uint32_t>(vertices.size());
+            vertices.push_back(vertex.place);
+        }
+        for (const Item& item : items) {
+            of_found_[item.number] = ranks[of_found_[item.number]];
+        }
+        return vertices;
+    }
+
+    void rename_corners() {
+        parallel_.run(ranges_, [&](std::size_t range, int) {
+            const std::uint32_t* const of_own = of_found_.data() + firsts_[range];
+            for (std::size_t corner = 3 * first_triangle(range); corner != 3 * first_triangle(range + 1); ++corner) {
+                of_corners_[corner] = of_own[of_corners_[corner]];
+            }
+        });
+    }
+
+    const MeshView& mesh_;
+    const Transform& transform_;
+    double unit_mm_;
+    MortonOrder order_;
+    const Parallel& parallel_;
+    const Memory* memory_;
+    std::size_t ranges_;
+    Array<std::uint32_t> of_corners_;
+    Array<std::uint32_t> of_found_;
+    std::vector<VertexTable> tables_;         ///< by worker
+    std::vector<std::vector<Vertex>> found_;  ///< by range
+    std::vector<std::uint32_t> firsts_;       ///< of each range, among all that were found
+};
 
 constexpr std::size_t faces_a_part = std::size_t{1} << 13;
 
@@ -60,7 +271,7 @@ GridMesh make_grid_mesh(const MeshView& mesh, const Transform& transform, const 
     assert(mesh.triangle_count < std::numeric_limits<std::uint32_t>::max() / 3);
     GridMesh grid(memory);
     grid.unit_mm = info.unit_mm;
-    const Array<std::uint32_t> numbers = number_vertices(mesh, transform, info, parallel, grid);
+    const Array<std::uint32_t> numbers = Numbering(mesh, transform, info, parallel, memory).run(grid);
     Distributed<Face> parts = distribute_faces(numbers, grid.vertices.size(), parallel, memory);
     const std::size_t whole = parts.size() - 1;
     std::vector<PartSort<Face>> workers(static_cast<std::size_t>(parallel.threads()));

@@ -1,5 +1,5 @@
 // The mesh that check() works on: vertices and faces on the grid, in an order that depends on nothing but coordinates.
-// What is found in this order is the same for any order of the input and any number of threads.
+// Faults found in this order are the same for any order of the input and any number of threads.
 #pragma once
 
 #include <algorithm>
@@ -83,14 +83,6 @@ struct GridMesh {
         return {vertices[face.corners[0]], vertices[face.corners[1]], vertices[face.corners[2]]};
     }
 };
-
-/// Seven calls of run(): fills in `vertices` and `joined`, and returns the number of each corner, three a triangle. Corners
-/// are numbered within ranges of triangles, then what the ranges have found in parts of the order of vertices, each by a
-/// hash table in the cache: O(n) expected for the corners, O(v log v) for v vertices. `info` holds the box and the unit.
-/// Coordinates are compared by hashes of 32 bits: that the only difference is missed has a chance of 2^-32. Throws
-/// std::bad_alloc.
-Array<std::uint32_t> number_vertices(const MeshView& mesh, const Transform& transform, const MeshInfo& info,
-                                     const Parallel& parallel, GridMesh& grid);
 
 /// O(n log n), in eleven calls of run(). `info` holds the box and the unit. Precondition: indices in range, coordinates
 /// within the grid, fewer than 2^32 / 3 triangles. Throws std::bad_alloc.

@@ -159,10 +159,10 @@ private:
 
 }  // namespace
 
-void find_loops(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, const Parallel& parallel) {
+void find_loops(const GridMesh& mesh, const EdgeTable& edges, FaultCollector& faults, const Parallel& parallel) {
     for (const Loop& loop : LoopWalk(mesh, edges, parallel).run()) {
-        notes.add(Fault::boundary_loop, [&] {
-            FaultPlace place = notes.at({loop.vertex});
+        faults.add(Fault::boundary_loop, [&] {
+            FaultPlace place = faults.at({loop.vertex});
             place.triangles[0] = mesh.faces[EdgeTable::face_of(loop.side)].source;
             place.parts = loop.edges;
             place.measure = loop.length * mesh.unit_mm;

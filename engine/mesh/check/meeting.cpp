@@ -24,7 +24,7 @@ constexpr std::size_t previous(std::size_t i) {
     return i == 0 ? 2 : i - 1;
 }
 
-/// What two triangles share: how many vertices, and the last of them as a corner of each.
+/// The vertices that two triangles share: how many, and the last of them as a corner of each.
 struct Shared {
     int count = 0;
     std::size_t of_a = 0;
@@ -101,7 +101,7 @@ public:
         return segments_meet(p, q, a, b) || segments_meet(p, q, b, c) || segments_meet(p, q, c, a);
     }
 
-    /// Whether a side of `face` separates it from `other`: then their insides are apart.
+    /// True if a side of `face` separates it from `other`: then their insides are apart.
     bool side_parts(const ExactFace& face, const ExactFace& other) const {
         const int orientation = turn(face.corners[0], face.corners[1], face.corners[2]);
         for (std::size_t i = 0; i < 3; ++i) {
@@ -203,7 +203,7 @@ Meeting meet_at_plane(const ExactFace& a, const Sides& a_sides, const ExactFace&
     return touch ? Meeting::touch : Meeting::none;
 }
 
-/// Whether the corners of `face` but the common ones lie on one side of the plane. In double: with u = 2^-53, the normal and
+/// True if the corners of `face` but the common ones lie on one side of the plane. In double: with u = 2^-53, the normal and
 /// its products with the differences, which are exact, and their sums are off by less than 5 u of `products` by the
 /// differences.
 bool lies_beside(const RealFace& plane, const RealFace& face, unsigned common) noexcept {

@@ -31,7 +31,7 @@ struct ExactFace {
     Int128 height(const GridVector& p) const noexcept { return dot(normal, p - corners[0]); }
 };
 
-/// Whether p lies in the triangle, its sides included. Precondition: it has area.
+/// True if p lies in the triangle, its sides included. Precondition: it has area.
 bool contains(const ExactFace& face, const GridVector& p) noexcept;
 
 /// A triangle in double, to tell most pairs apart without exact arithmetic.

@@ -19,8 +19,8 @@ namespace {
 using FacePair = std::array<std::uint32_t, 2>;
 
 /// By Meeting, from the first at which faces meet.
-constexpr std::array faults = {Fault::touching_faces, Fault::crossing_faces, Fault::overlapping_faces};
-constexpr std::size_t place_among_faults(Meeting meeting) {
+constexpr std::array kinds = {Fault::touching_faces, Fault::crossing_faces, Fault::overlapping_faces};
+constexpr std::size_t place_among_kinds(Meeting meeting) {
     return static_cast<std::size_t>(meeting) - static_cast<std::size_t>(Meeting::touch);
 }
 
@@ -38,7 +38,7 @@ struct Met {
     FacePair faces;
 };
 
-/// Of eight faces the vertices with embedded stars.
+/// The vertices of eight faces that have embedded stars.
 class StarBlock {
 public:
     void set(std::size_t lane, const Face& face, const EmbeddedStars& stars) {
@@ -76,7 +76,7 @@ public:
           shells_(shells),
           parallel_(parallel),
           blocks_(mesh.memory),
-          tallies_(faults.size(), Tally<FacePair>(most, parallel)),
+          tallies_(kinds.size(), Tally<FacePair>(most, parallel)),
           meets_other_(shells.size()) {
         blocks_.resize_discarding(tree.boxes.groups());
         parallel.run_ranges(blocks_.size(), grain, [&](std::size_t begin, std::size_t end, int) {
@@ -86,7 +86,7 @@ public:
         });
     }
 
-    /// Whether nothing was left out.
+    /// True if nothing was left out.
     bool run(double progress) {
         const std::size_t groups = tree_.boxes.groups();
         parallel_.begin_stage(progress, BudgetedSearch<Met>::runs_for(groups));
@@ -100,7 +100,7 @@ public:
             });
     }
 
-    const Tally<FacePair>& tally(std::size_t fault) const { return tallies_[fault]; }
+    const Tally<FacePair>& tally(std::size_t kind) const { return tallies_[kind]; }
 
     std::vector<std::uint8_t> meets_other() const { return {meets_other_.begin(), meets_other_.end()}; }
 
@@ -137,7 +137,7 @@ private:
     }
 
     void note(const Met& met, int worker) {
-        tallies_[place_among_faults(met.meeting)].add(met.faces, worker);
+        tallies_[place_among_kinds(met.meeting)].add(met.faces, worker);
         const auto [face, other] = met.faces;
         const std::uint32_t shell = shell_of_[face];
         const std::uint32_t other_shell = shell_of_[other];
@@ -153,7 +153,7 @@ private:
     const std::vector<MeshShell>& shells_;
     const Parallel& parallel_;
     Array<StarBlock> blocks_;                             ///< by group
-    std::vector<Tally<FacePair>> tallies_;                ///< as in `faults`
+    std::vector<Tally<FacePair>> tallies_;                ///< as in `kinds`
     std::vector<std::atomic<std::uint8_t>> meets_other_;  ///< by shell
 };
 
@@ -184,13 +184,13 @@ FaultPlace place_of(const GridMesh& mesh, const FacePair& pair, bool cross) {
 
 std::vector<std::uint8_t> find_meeting_faces(const GridMesh& mesh, const FaceTree& tree, const EmbeddedStars& stars,
                                              const Array<std::uint32_t>& shell_of, const std::vector<MeshShell>& shells,
-                                             Notes& notes, double progress, const Parallel& parallel) {
-    MeetingSearch search(mesh, tree, stars, shell_of, shells, notes.most(), parallel);
+                                             FaultCollector& faults, double progress, const Parallel& parallel) {
+    MeetingSearch search(mesh, tree, stars, shell_of, shells, faults.most(), parallel);
     const bool complete = search.run(progress);
-    for (std::size_t i = 0; i < faults.size(); ++i) {
-        FaultFinding& finding = notes.of(faults[i]);
+    for (std::size_t i = 0; i < kinds.size(); ++i) {
+        FaultFinding& finding = faults.of(kinds[i]);
         finding.at_least = !complete;
-        const bool cross = faults[i] == Fault::crossing_faces;
+        const bool cross = kinds[i] == Fault::crossing_faces;
         search.tally(i).fill_in(finding, [&](const FacePair& pair) { return place_of(mesh, pair, cross); });
     }
     return search.meets_other();

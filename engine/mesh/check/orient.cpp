@@ -42,8 +42,8 @@ Result<OrientedMesh> orient_or_throw(const MeshView& view, const OrientOptions& 
         parallel.begin_stage(0.8, 9);
         const FaceTree tree(grid, stars, parallel);
         parallel.begin_stage(0.99, 20);
-        const Notes notes(grid, 0, found.findings);
-        const Array<std::uint32_t> shell_of = find_shells(grid, edges, tree, notes, found, parallel, true);
+        const FaultCollector faults(grid, 0, found.findings);
+        const Array<std::uint32_t> shell_of = find_shells(grid, edges, tree, faults, found, parallel, true);
         for (std::size_t face = 0; face < grid.faces.size(); ++face) {
             if (is_misoriented(found.shells[shell_of[face]])) {
                 const std::size_t first = 3 * std::size_t{grid.faces[face].source};

@@ -56,7 +56,7 @@ private:
     std::vector<Share> shares_;  ///< by worker
 };
 
-/// What a search may cost in all, in boxes compared: about a second, which suffices for real meshes.
+/// The cost of a search at most, in boxes compared: about a second, which suffices for real meshes.
 constexpr std::size_t search_budget(std::size_t items) {
     return (std::size_t{1} << 29) + 1024 * items;
 }

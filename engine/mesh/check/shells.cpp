@@ -70,7 +70,7 @@ FirstPlace first_place(const Corners& corners, std::uint32_t face) {
     return {std::min({corners[0], corners[1], corners[2]}), face};
 }
 
-/// What faces that follow one another in one shell add to it.
+/// The sums of faces that follow one another in one shell.
 struct ShellPart {
     std::uint32_t shell;
     std::uint32_t triangles;
@@ -91,13 +91,13 @@ public:
           firsts_(shells.size()) {}
 
     /// Five calls of run() or more. Returns what each shell is known by.
-    std::vector<FirstPlace> run(const Notes& notes) {
+    std::vector<FirstPlace> run(const FaultCollector& faults) {
         find_origins();
         add_faces();
         find_open();
         const double cube_mm3 = 8 * mesh_.unit_mm * mesh_.unit_mm * mesh_.unit_mm;
         for (std::size_t i = 0; i < shells_.size(); ++i) {
-            shells_[i].first_mm = notes.mm(firsts_[i].vertex);
+            shells_[i].first_mm = faults.mm(firsts_[i].vertex);
             shells_[i].triangle = mesh_.faces[firsts_[i].face].source;
             if (shells_[i].closed) {
                 shells_[i].orientation = sign_of(volumes_[i]);
@@ -203,7 +203,7 @@ void sort_shells(const std::vector<FirstPlace>& firsts, std::vector<MeshShell>& 
     });
 }
 
-/// Whether neither the shell nor any shell around it meets another one. Where one does, solids overlap or touch, and the
+/// True if neither the shell nor any shell around it meets another one. Where one does, solids overlap or touch, and the
 /// depth does not tell which orientation is right.
 bool lies_apart(const std::vector<MeshShell>& shells, const std::vector<std::uint8_t>& meets_other, std::size_t shell) {
     while (meets_other[shell] == 0 && shells[shell].parent >= 0) {
@@ -214,24 +214,24 @@ bool lies_apart(const std::vector<MeshShell>& shells, const std::vector<std::uin
 
 }  // namespace
 
-Array<std::uint32_t> find_shells(const GridMesh& mesh, const EdgeTable& edges, const FaceTree& tree, const Notes& notes,
-                                 MeshCheck& check, const Parallel& parallel, bool whole) {
+Array<std::uint32_t> find_shells(const GridMesh& mesh, const EdgeTable& edges, const FaceTree& tree,
+                                 const FaultCollector& faults, MeshCheck& check, const Parallel& parallel, bool whole) {
     std::uint32_t count = 0;
     Array<std::uint32_t> shell_of = join_shells(mesh, edges, count, parallel);
     check.shells.resize(count);
-    const std::vector<FirstPlace> firsts = ShellMeasure(mesh, edges, shell_of, check.shells, parallel).run(notes);
+    const std::vector<FirstPlace> firsts = ShellMeasure(mesh, edges, shell_of, check.shells, parallel).run(faults);
     sort_shells(firsts, check.shells, shell_of, parallel);
     check.nesting_complete = nest_shells(mesh, tree, shell_of, check.shells, whole, parallel);
     return shell_of;
 }
 
 void find_misoriented_shells(const std::vector<MeshShell>& shells, const std::vector<std::uint8_t>& meets_other,
-                             bool all_known, Notes& notes) {
-    notes.of(Fault::misoriented_shell).at_least = !all_known;
+                             bool all_known, FaultCollector& faults) {
+    faults.of(Fault::misoriented_shell).at_least = !all_known;
     for (std::size_t i = 0; all_known && i < shells.size(); ++i) {
         const MeshShell& shell = shells[i];
         if (is_misoriented(shell) && (shell.depth == 0 || lies_apart(shells, meets_other, i))) {
-            notes.add(Fault::misoriented_shell, [&] {
+            faults.add(Fault::misoriented_shell, [&] {
                 FaultPlace place;
                 place.points_mm[0] = shell.first_mm;
                 place.triangles[0] = shell.triangle;

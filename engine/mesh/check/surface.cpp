@@ -16,8 +16,8 @@ namespace lamella {
 namespace {
 
 /// With its first faces.
-FaultPlace place_of_edge(const GridMesh& mesh, const EdgeTable& edges, std::size_t edge, const Notes& notes) {
-    FaultPlace place = notes.at({edges[edge].lower, edges[edge].upper});
+FaultPlace place_of_edge(const GridMesh& mesh, const EdgeTable& edges, std::size_t edge, const FaultCollector& faults) {
+    FaultPlace place = faults.at({edges[edge].lower, edges[edge].upper});
     const std::span<const std::uint32_t> sides = edges.sides(edge);
     for (std::size_t i = 0; i < std::min(sides.size(), place.triangles.size()); ++i) {
         place.triangles[i] = mesh.faces[EdgeTable::face_of(sides[i])].source;
@@ -95,7 +95,7 @@ std::vector<Patch> sizes_of(Patches& patches, std::size_t faces, const Parallel&
     return sizes;
 }
 
-/// Of a corner: 3 * face + index.
+/// `corner`: 3 * face + index.
 std::uint32_t vertex_of(const GridMesh& mesh, std::size_t corner) {
     return mesh.faces[corner / 3].corners[corner % 3];
 }
@@ -153,9 +153,10 @@ private:
 
 }  // namespace
 
-std::uint64_t find_edge_faults(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, const Parallel& parallel) {
+std::uint64_t find_edge_faults(const GridMesh& mesh, const EdgeTable& edges, FaultCollector& faults,
+                               const Parallel& parallel) {
     std::atomic<std::uint64_t> unbalanced = 0;
-    notes.in_ranges(edges.irregular().size(), parallel, [&](std::size_t begin, std::size_t end, Notes& own) {
+    faults.in_ranges(edges.irregular().size(), parallel, [&](std::size_t begin, std::size_t end, FaultCollector& own) {
         std::uint64_t unbalanced_here = 0;
         for (std::size_t i = begin; i != end; ++i) {
             const std::uint32_t edge = edges.irregular()[i];
@@ -176,12 +177,13 @@ std::uint64_t find_edge_faults(const GridMesh& mesh, const EdgeTable& edges, Not
     return unbalanced;
 }
 
-void find_split_vertices(const GridMesh& mesh, const EmbeddedStars& stars, Notes& notes, const Parallel& parallel) {
+void find_split_vertices(const GridMesh& mesh, const EmbeddedStars& stars, FaultCollector& faults,
+                         const Parallel& parallel) {
     const Array<std::uint32_t> corners = loose_corners(mesh, stars, parallel);
     const auto same_vertex = [&](std::size_t a, std::size_t b) {
         return vertex_of(mesh, corners[a]) == vertex_of(mesh, corners[b]);
     };
-    notes.in_groups(corners.size(), parallel, same_vertex, [&](std::size_t begin, std::size_t end, Notes& own) {
+    faults.in_groups(corners.size(), parallel, same_vertex, [&](std::size_t begin, std::size_t end, FaultCollector& own) {
         const std::size_t fans = FanCount(mesh).run(corners.span().subspan(begin, end - begin));
         if (fans > 1) {
             own.add(Fault::split_vertex, [&] {
@@ -194,13 +196,13 @@ void find_split_vertices(const GridMesh& mesh, const EmbeddedStars& stars, Notes
     });
 }
 
-void find_flipped_faces(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, const Parallel& parallel) {
-    if (notes.of(Fault::mismatched_edge).count == 0) {
+void find_flipped_faces(const GridMesh& mesh, const EdgeTable& edges, FaultCollector& faults, const Parallel& parallel) {
+    if (faults.of(Fault::mismatched_edge).count == 0) {
         return;  // all faces of a patch agree
     }
     Patches patches(mesh, edges, parallel);
     const std::vector<Patch> sizes = sizes_of(patches, mesh.faces.size(), parallel);
-    notes.in_ranges(mesh.faces.size(), parallel, [&](std::size_t begin, std::size_t end, Notes& own) {
+    faults.in_ranges(mesh.faces.size(), parallel, [&](std::size_t begin, std::size_t end, FaultCollector& own) {
         for (auto face = static_cast<std::uint32_t>(begin); face != end; ++face) {
             const std::uint32_t first = patches.first_face(face);
             const bool flipped = patches.is_opposite(face) == (sizes[first].opposite <= sizes[first].alike);

@@ -43,7 +43,7 @@ bool is_main_thread() {
     return main.cast<unsigned long>() == PyThread_get_thread_ident();
 }
 
-/// Of Python, as of the tool.
+/// Python's defaults, which are the tool's.
 SliceOptions default_options() {
     SliceOptions options;
     options.region.fill_rule = FillRule::non_zero;
@@ -238,8 +238,7 @@ PYBIND11_MODULE(_native, module) {
     python::define_options(module);
     python::define_meshes(module);
     python::define_results(module);
-    python::define_audits(module);
     python::define_slicing(module);
     python::define_stream(module);
-    python::define_check(module);
+    python::define_checks(module);
 }

@@ -1,4 +1,4 @@
-// What the files of the native module share: engine calls, meshes, options and results as Python holds them.
+// Shared by the files of the native module: engine calls, meshes, options and results as Python holds them.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -38,12 +38,12 @@ Executor executor_here() noexcept;
 /// An exception that a handler or the report raises stays pending and ends the call.
 class Caller {
 public:
-    /// Of the calling thread, which holds the interpreter. `progress` says which callable is told the progress, if any: see
+    /// The calling thread holds the interpreter. `progress` says which callable is told the progress, if any: see
     /// progress_of(). It outlives this.
     explicit Caller(const Progress& progress);
     StopCheck check() noexcept;
     Progress progress() noexcept;
-    /// Whether Python has raised. Precondition: the calling thread has released the interpreter.
+    /// True if Python has raised. Precondition: the calling thread has released the interpreter.
     bool look() noexcept;
     /// The call has succeeded. The thread holds the interpreter again.
     void finish();
@@ -98,7 +98,7 @@ auto run(const Control& asked, Work&& work) {
 /// Meshes in arrays of Python, which it keeps alive.
 class View {
 public:
-    /// Of (vertices, faces or None, mm per unit, 3x4 transform or None). Arrays are as _mesh.py leaves them.
+    /// Each mesh is (vertices, faces or None, mm per unit, 3x4 transform or None). Arrays are as _mesh.py leaves them.
     explicit View(const py::list& meshes);
 
     const std::vector<Part>& parts() const noexcept { return parts_; }
@@ -118,7 +118,7 @@ private:
 /// without: nobody waits, and a forked process does not hang where its parent held the lock.
 class Spares {
 public:
-    /// Of the module. It is never destroyed: results may go after everything else.
+    /// The module's own. It is never destroyed: results may go after everything else.
     static Spares& all() noexcept;
 
     Workspace take_workspace() noexcept;
@@ -170,7 +170,6 @@ void define_meshes(py::module_& module);
 void define_slicing(py::module_& module);
 void define_stream(py::module_& module);
 void define_results(py::module_& module);
-void define_audits(py::module_& module);
-void define_check(py::module_& module);
+void define_checks(py::module_& module);
 
 }  // namespace lamella::python

@@ -195,7 +195,7 @@ py::object coarse_grid(const HeldResult& held, const View& view) {
     return py::make_tuple(held.result.unit_mm, scale.diagonal_mm, scale.finest_unit_mm);
 }
 
-/// What pickle keeps beside the arrays.
+/// The fields that pickle keeps beside the arrays.
 struct Rest {
     SliceSummary summary;
     Transform frame;

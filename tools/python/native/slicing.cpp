@@ -27,7 +27,7 @@ void give_back_waste(Array<T>& array) {
     }
 }
 
-/// Of a MeshView or PreparedMesh.
+/// `mesh` is a MeshView or a PreparedMesh.
 template <class Mesh>
 HeldResult slice_with_spares(const Mesh& mesh, SliceOptions& options) {
     HeldResult held(Spares::all().take_result());
@@ -84,7 +84,7 @@ EndKey key_of(Point point) {
     return {static_cast<std::uint32_t>(point.x), static_cast<std::uint32_t>(point.y), 1};
 }
 
-/// Of rows (x, y, x, y) in mm and of pairs of keys, or none.
+/// Made of rows (x, y, x, y) in mm and of pairs of keys, or none.
 std::vector<Segment> segments_of(const py::array_t<double>& rows, const py::object& keys, double unit_mm) {
     std::vector<Segment> segments(static_cast<std::size_t>(rows.shape(0)));
     const bool keyed = !keys.is_none();

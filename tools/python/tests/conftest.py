@@ -53,7 +53,7 @@ def matplotlib():
 
 @pytest.fixture(autouse=True)
 def examples(doctest_namespace):
-    """What the examples in docstrings take for granted."""
+    """Names that the examples in docstrings take for granted."""
     doctest_namespace.update(
         lamella=lamella,
         np=np,

@@ -1,4 +1,4 @@
-"""What several tests and their child processes use: in a module of its own, which spawned ones import."""
+"""Helpers of several tests and their child processes, which import this module when they are spawned."""
 
 import numpy as np
 

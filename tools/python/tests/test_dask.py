@@ -97,7 +97,7 @@ def test_what_is_done_is_not_done_again(folder):
     first = inode_after(["cube.off"])
     assert inode_after(["torus.off", "cube.off"]) == first
     assert inode_after(["cube.off"], layer_height=1) != first
-    # What an earlier run, which did not come to its end, left of another division.
+    # A leftover of an earlier run by another division, which did not come to its end.
     (folder / "results.0-of-7.jsonl").write_text("")
     inode_after(["cube.off", "torus.off"], force=True)
 

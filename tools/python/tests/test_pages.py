@@ -1,4 +1,4 @@
-"""What README, the pages on Python, the notebook and the examples in docstrings show runs, and is true."""
+"""README, the pages on Python, the notebook and the examples in docstrings run, and are true."""
 
 import doctest
 import importlib

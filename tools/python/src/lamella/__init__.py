@@ -44,7 +44,6 @@ Wherever a mesh is asked for, any of these will do, and arrays are not copied:
 Coordinates are in mm unless `unit` says otherwise. Faces run counter-clockwise as seen from outside.
 """
 
-from ._assemble import assemble
 from ._check import Check, Finding, check
 from ._errors import (
     CancelledError,
@@ -66,7 +65,7 @@ from ._mesh import Mesh, read, weld
 from ._native import version as __version__
 from ._prepared import Prepared, prepare
 from ._result import Certificate, Result
-from ._slice import section, section_multiplane, slice, slice_parts, stream
+from ._slice import assemble, section, section_multiplane, slice, slice_parts, stream
 
 __all__ = [
     "NO_TRIANGLE",

@@ -30,7 +30,7 @@ class Finding:
     measure: npt.NDArray[np.float64]
     """A loop's length or a gap's width in mm, a sliver's ratio, a shell's volume in mm³; else 0."""
     closed: npt.NDArray[np.bool_]
-    """Of a loop."""
+    """True of loops that close."""
 
 
 def _rows(columns: Dict[str, npt.NDArray[Any]]) -> npt.NDArray[np.void]:

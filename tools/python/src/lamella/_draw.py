@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ._result import Result
 
 SIDE = 160
-"""Of a picture, pixels."""
+"""Width and height of a picture, pixels."""
 MOST_POINTS = 4000
 """About so many are drawn."""
 MOST_CONTOURS = 500

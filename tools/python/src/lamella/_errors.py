@@ -1,4 +1,4 @@
-"""What is raised, with the evidence, and what is warned of."""
+"""Errors that are raised, with the evidence, and warnings."""
 
 from __future__ import annotations
 

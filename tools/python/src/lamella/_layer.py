@@ -23,7 +23,7 @@ SEVERAL_PARTS = 0xFFFFFFFF
 
 
 class Role(enum.IntEnum):
-    """What ``Result.contours["role"]`` says."""
+    """The values of ``Result.contours["role"]``."""
 
     OUTER = 0
     """Closed, counter-clockwise, solid inside."""
@@ -126,7 +126,7 @@ class Layer:
         return np.linalg.inv(self.result.frame) @ lift
 
     def polygons(self) -> List[Polygon]:
-        """What is solid, as outers with their holes.
+        """The solid area, as outers with their holes.
 
         Returns
         -------
@@ -153,7 +153,7 @@ class Layer:
         return [points for role, points in self._paths() if role == Role.OPEN]
 
     def to_shapely(self) -> shapely.geometry.MultiPolygon:
-        """What is solid, as a shapely MultiPolygon. Needs shapely.
+        """The solid area as a shapely MultiPolygon. Needs shapely.
 
         Contours that cross make it invalid for shapely; slicing with ``fill_rule="non-zero"`` leaves none that do.
         """

@@ -264,7 +264,7 @@ def _parts_of(mesh: MeshLike) -> Tuple[Any, ...]:
 
 
 def _faces_of_cells(cells: Any) -> npt.NDArray[Any]:
-    """Of meshio: blocks of cells of one type, or a dict of them."""
+    """As meshio has them: blocks of cells of one type, or a dict of them."""
     blocks = cells.items() if isinstance(cells, dict) else [(block.type, block.data) for block in cells]
     triangles = [np.asarray(data) for kind, data in blocks if kind == "triangle"]
     others = sorted({kind for kind, _ in blocks if kind not in ("triangle", "line", "vertex")})
@@ -274,7 +274,7 @@ def _faces_of_cells(cells: Any) -> npt.NDArray[Any]:
 
 
 def _faces_of_vtk(faces: Any) -> npt.NDArray[Any]:
-    """Of VTK: each face led by its number of corners, [3, a, b, c, 3, ...]."""
+    """As VTK has them: each face led by its number of corners, [3, a, b, c, 3, ...]."""
     flat = np.asarray(faces)
     if flat.ndim == 2 and flat.shape[1] == 3:
         return flat

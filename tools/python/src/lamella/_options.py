@@ -204,7 +204,7 @@ def _choice(attribute: str, *allowed: str) -> Tuple[str, Callable[[str, Any], An
     return attribute, lambda name, value: one_of(name, value, allowed)
 
 
-# What becomes of each option but those of planes: an attribute of _native.Options, and what checks the value.
+# Where each option but those of planes goes: an attribute of _native.Options, and what checks the value.
 _ATTRIBUTES: Dict[str, Tuple[str, Callable[[str, Any], Any]]] = {
     "side": _choice("side", "below", "above"),
     "grid": ("unit_mm", lambda _, value: _grid(value)),

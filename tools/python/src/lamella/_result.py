@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Certificate:
-    """Whether areas and volumes of a result are those of the mesh, by another computation than slicing."""
+    """Tells whether areas and volumes of a result are those of the mesh, by another computation than slicing."""
 
     verdict: str
     """"holds", "areas differ", "volumes differ", or why it does not apply: "open mesh", "contours not as walked", "solid is
@@ -38,7 +38,7 @@ class Certificate:
     worst_difference: float
     """By so many mm²."""
     worst_allowed: float
-    """Of so many mm²."""
+    """They may differ by so many mm²."""
     differing_layers: int = 0
     """Layers in which what is solid is not what the mesh encloses, as shells overlap or are turned inwards."""
     differing_signed: float = 0
@@ -192,7 +192,7 @@ class Result:
 
     @functools.cached_property
     def certificate(self) -> Certificate:
-        """Whether areas and volumes are those of the mesh. Takes about as long as slicing.
+        """Tells whether areas and volumes are those of the mesh. Takes about as long as slicing.
 
         Needs the mesh, which must be as it was when it was sliced.
         """

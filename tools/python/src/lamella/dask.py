@@ -46,7 +46,7 @@ class LostItemError(Error):
 
 
 class Many:
-    """What `slice_many` has begun: a future for each mesh, and the table that they make.
+    """Slices that `slice_many` has begun: a future for each mesh, and the table that they make.
 
     Attributes
     ----------
@@ -213,7 +213,7 @@ def _estimate(path: str) -> int:
 
 
 def _needs(paths: Sequence[str], folder: str, memory: MemoryLike, workers: Mapping[str, Any]) -> List[int]:
-    """Of the resource MEMORY, for each mesh; 0: nothing is asked for."""
+    """The share of the resource MEMORY for each mesh; 0: nothing is asked for."""
     of_workers = [worker["resources"]["MEMORY"] for worker in workers.values() if "MEMORY" in worker.get("resources", {})]
     if memory is None or (memory == "auto" and not of_workers):
         return [0] * len(paths)
@@ -248,7 +248,7 @@ def _row_of(path: str, future: Any) -> Row:
 
 
 class _Batch:
-    """What workers run: one shard for each mesh, in the client's folder, since records name inputs as the client does."""
+    """The work of workers: one shard for each mesh, in the client's folder, since records name inputs as the client does."""
 
     def __init__(self, tool: str, folder: str, results: str, words: List[str], shards: int) -> None:
         self.tool = tool

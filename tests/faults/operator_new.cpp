@@ -109,11 +109,6 @@ using lamella::ErrorCode;
 /// The code with which a call failed, or nothing.
 using Call = std::function<std::optional<ErrorCode>()>;
 
-template <class Outcome>
-std::optional<ErrorCode> code_of(const Outcome& outcome) {
-    return outcome.ok() ? std::optional<ErrorCode>() : outcome.error().code;
-}
-
 #ifdef LAMELLA_TESTS_SANITIZED
 constexpr std::int64_t stride = 2;  // each allocation fails, in one of the two ways
 #else

@@ -1,0 +1,97 @@
+#!/usr/bin/env python3
+"""Prints how large the house is, and what a newcomer opens to follow one slice; holds the bars.
+
+    figures.py ROOT              prints the figures; exit status 1 if one is beyond its bar
+    figures.py --self-test ROOT  checks that lines above a bar, and a file that includes more, are noticed
+
+Lines are those of C++, C, Python and shell. Files of a slice: what calls.cpp includes in the engine, each header with its
+source, followed on; the core of it leaves out regions, offsets, simplification, repair, slabs and parts.
+"""
+
+import pathlib
+import re
+import sys
+
+FOLDERS = ("engine", "include", "tests", "bench", "tools")
+SUFFIXES = {".cpp", ".hpp", ".h", ".py", ".sh"}
+OPTIONAL = ("regions", "offset", "simplify", "repair", "slabs", "parts")
+# Figure: (at most, or at least, this). A bar is lowered when the house has become smaller.
+AT_MOST = {"lines": 120900, "files of a slice": 142, "lines of a slice": 18000, "longest file": 500}
+AT_LEAST = {"comment lines, %": 6.9}
+
+
+def sources(root):
+    return sorted(path for folder in FOLDERS for path in (root / folder).rglob("*") if path.suffix in SUFFIXES and path.is_file())
+
+
+def is_comment(line):
+    return line.lstrip().startswith(("//", "/*", "* ", "#")) and not line.lstrip().startswith(("#include", "#if", "#endif", "#define", "#pragma", "#el", "#!"))
+
+
+def reached(root, without=()):
+    """The engine's files that calls.cpp reaches by includes."""
+    engine, include = root / "engine", root / "include"
+    found, left = set(), [engine / "slicing" / "calls.cpp"]
+    while left:
+        path = left.pop()
+        if path in found or any(f"/slicing/{room}/" in path.as_posix() for room in without):
+            continue
+        found.add(path)
+        for name in re.findall(r'^#include "([^"]+)"', path.read_text(), re.MULTILINE):
+            left += [base / name for base in (engine, include) if (base / name).is_file()]
+        if path.suffix == ".hpp":
+            left += [source for source in (path.with_suffix(".cpp"),) if source.is_file()]
+    return found
+
+
+def count(path):
+    return path.read_bytes().count(b"\n")
+
+
+def figures(root):
+    files = sources(root)
+    lines = [line for path in files for line in path.read_text(errors="replace").splitlines()]
+    whole, core = reached(root), reached(root, OPTIONAL)
+    return {
+        "lines": len(lines),
+        "files": len(files),
+        "median lines of a file": sorted(map(count, files))[len(files) // 2],
+        "longest file": max(map(count, files)),
+        "comment lines, %": 100 * sum(map(is_comment, lines)) / sum(1 for line in lines if line.strip()),
+        "files of a slice": len(whole),
+        "lines of a slice": sum(map(count, whole)),
+        "files of its core": len(core),
+        "lines of its core": sum(map(count, core)),
+    }
+
+
+def beyond(found):
+    return [f"{name} is {found[name]:g}, at most {bar:g}" for name, bar in AT_MOST.items() if found[name] > bar] + [
+        f"{name} is {found[name]:g}, at least {bar:g}" for name, bar in AT_LEAST.items() if found[name] < bar
+    ]
+
+
+def self_test(root):
+    found = figures(root)
+    for name, bar in AT_MOST.items():
+        assert beyond({**found, name: bar + 1}), f"{name} beyond its bar goes unnoticed"
+    for name, bar in AT_LEAST.items():
+        assert beyond({**found, name: bar - 1}), f"{name} below its bar goes unnoticed"
+    assert found["files of its core"] < found["files of a slice"] < found["files"]
+    assert root / "engine" / "slicing" / "calls.cpp" in reached(root)
+
+
+def main():
+    if sys.argv[1] == "--self-test":
+        return self_test(pathlib.Path(sys.argv[2]))
+    found = figures(pathlib.Path(sys.argv[1]))
+    for name, value in found.items():
+        bar = f"  at most {AT_MOST[name]:,}" if name in AT_MOST else f"  at least {AT_LEAST[name]}" if name in AT_LEAST else ""
+        print(f"{name:24} {value:>10,.4g}{bar}" if isinstance(value, float) else f"{name:24} {value:>10,}{bar}")
+    problems = beyond(found)
+    print(*problems, sep="\n", end="\n" if problems else "")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

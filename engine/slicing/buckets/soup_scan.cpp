@@ -8,14 +8,6 @@
 
 namespace lamella {
 
-/// The forms of what a scan does.
-struct SoupScan::Kernels {
-    std::uint64_t (*ranges)(const SoupScan& scan, std::size_t begin, Ranges& ranges);
-    std::uint64_t (*write)(const SoupScan& scan, std::size_t begin, std::uint64_t crossed, const PlaneIndex* reach_end,
-                           std::uint32_t* list_end, CrossedTriangle* records, Written& written);
-    std::size_t (*append)(const SoupScan& scan, std::size_t begin, std::uint64_t wanted, CrossedTriangle* records);
-};
-
 namespace {
 
 /// Float arithmetic finds a plane to within one, if floats resolve planes and rounding of heights (to 24 bits, then to the
@@ -39,19 +31,6 @@ SoupScan::SoupScan(const MeshView& mesh, const Transform& transform, double unit
     if (planes.uniform() && planes.size() <= most_by_arithmetic && planes.planes_per_unit() * least_step_units <= 1) {
         planes_per_unit_ = static_cast<float>(planes.planes_per_unit());
     }
-}
-
-std::uint64_t SoupScan::ranges(std::size_t begin, Ranges& ranges) const noexcept {
-    return kernels_->ranges(*this, begin, ranges);
-}
-
-std::uint64_t SoupScan::write(std::size_t begin, std::uint64_t crossed, const PlaneIndex* reach_end, std::uint32_t* list_end,
-                              CrossedTriangle* records, Written& written) const noexcept {
-    return kernels_->write(*this, begin, crossed, reach_end, list_end, records, written);
-}
-
-std::size_t SoupScan::append(std::size_t begin, std::uint64_t wanted, CrossedTriangle* records) const noexcept {
-    return kernels_->append(*this, begin, wanted, records);
 }
 
 #ifdef LAMELLA_X86_FORMS

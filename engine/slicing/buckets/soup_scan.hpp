@@ -25,7 +25,7 @@ public:
         PlaneIndex last[block_triangles];
     };
     /// Triangles [begin, begin + 64), all of which must exist; returns which of them planes cut. Precondition: usable().
-    std::uint64_t ranges(std::size_t begin, Ranges& ranges) const noexcept;
+    std::uint64_t ranges(std::size_t begin, Ranges& ranges) const noexcept { return kernels_->ranges(*this, begin, ranges); }
 
     /// Where records were written.
     struct Written {
@@ -36,15 +36,24 @@ public:
     /// Writes a record for each triangle begin + t with bit t in `crossed` to records[list_end[its first plane]++]; returns
     /// which of them reach as far as reach_end[its first plane]. Precondition: usable().
     std::uint64_t write(std::size_t begin, std::uint64_t crossed, const PlaneIndex* reach_end, std::uint32_t* list_end,
-                        CrossedTriangle* records, Written& written) const noexcept;
+                        CrossedTriangle* records, Written& written) const noexcept {
+        return kernels_->write(*this, begin, crossed, reach_end, list_end, records, written);
+    }
 
     /// Writes a record with its first plane for each triangle begin + t with bit t in `wanted` that planes cut, one after
     /// the other; returns how many. Precondition: usable().
-    std::size_t append(std::size_t begin, std::uint64_t wanted, CrossedTriangle* records) const noexcept;
+    std::size_t append(std::size_t begin, std::uint64_t wanted, CrossedTriangle* records) const noexcept {
+        return kernels_->append(*this, begin, wanted, records);
+    }
 
 private:
     friend struct SoupKernel;
-    struct Kernels;
+    struct Kernels {
+        std::uint64_t (*ranges)(const SoupScan& scan, std::size_t begin, Ranges& ranges);
+        std::uint64_t (*write)(const SoupScan& scan, std::size_t begin, std::uint64_t crossed, const PlaneIndex* reach_end,
+                               std::uint32_t* list_end, CrossedTriangle* records, Written& written);
+        std::size_t (*append)(const SoupScan& scan, std::size_t begin, std::uint64_t wanted, CrossedTriangle* records);
+    };
     static const Kernels* kernels() noexcept;
 
     const std::byte* vertices_;

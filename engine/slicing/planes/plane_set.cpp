@@ -7,6 +7,7 @@
 #include <numeric>
 #include <string>
 
+#include "base/guard.hpp"
 #include "base/numbers.hpp"
 #include "base/vector.hpp"
 #include "base/words.hpp"
@@ -54,19 +55,17 @@ Status PlaneSet::build(const LayerPlan& plan, const Bounds& bounds, double unit_
     inverse_step_ = 0;
     heights_mm_.clear();
     plane_of_listed_.clear();
-    Status status = build_spacing(plan, bounds, memory_limit);
-    planned_ = count_;
-    return status;
-}
-
-Status PlaneSet::build_spacing(const LayerPlan& plan, const Bounds& bounds, std::uint64_t memory_limit) {
-    if (const auto* uniform = std::get_if<UniformLayers>(&plan.spacing)) {
-        return build_uniform(*uniform, bounds, memory_limit);
-    }
-    if (const auto* listed = std::get_if<ExplicitPlanes>(&plan.spacing)) {
-        return build_explicit(*listed);
-    }
-    return build_random(std::get<RandomLayers>(plan.spacing), bounds, memory_limit);
+    return guarded([&]() -> Status {
+        if (const auto* uniform = std::get_if<UniformLayers>(&plan.spacing)) {
+            build_uniform(*uniform, bounds, memory_limit);
+        } else if (const auto* listed = std::get_if<ExplicitPlanes>(&plan.spacing)) {
+            build_explicit(*listed);
+        } else {
+            build_random(std::get<RandomLayers>(plan.spacing), bounds, memory_limit);
+        }
+        planned_ = count_;
+        return {};
+    });
 }
 
 Status PlaneSet::keep(const LayerRange& range) {
@@ -134,44 +133,42 @@ std::int32_t PlaneSet::round_height(double mm) const noexcept {
     return to_even_grid(std::clamp(as_vertex, -reach_mm, reach_mm), unit_mm_) + (side_ == PlaneSide::below ? -1 : 1);
 }
 
-Status PlaneSet::check_count(double planes, std::uint64_t memory_limit) const {
+void PlaneSet::check_count(double planes, std::uint64_t memory_limit) const {
     if (!(planes <= most_planes)) {
-        return Error{ErrorCode::bad_planes, "more than 2^31 planes"};
+        throw Refused{{ErrorCode::bad_planes, "more than 2^31 planes"}};
     }
     if (planes * static_cast<double>(sizeof(Layer) + 4 * sizeof(std::int32_t)) > static_cast<double>(memory_limit)) {
-        return Error{ErrorCode::result_too_large, counted(static_cast<std::uint64_t>(planes), "layer") +
-                                                      " alone exceed the memory limit of " + std::to_string(memory_limit) +
-                                                      " bytes"};
+        throw Refused{{ErrorCode::result_too_large, counted(static_cast<std::uint64_t>(planes), "layer") +
+                                                        " alone exceed the memory limit of " + std::to_string(memory_limit) +
+                                                        " bytes"}};
     }
-    return {};
 }
 
 /// Distinct after rounding, else the first pair that is not.
-Status PlaneSet::check_distinct() const {
+void PlaneSet::check_distinct() const {
     for (PlaneIndex i = 1; i < count_; ++i) {
         const double below = height_mm(i - 1);
         const double above = height_mm(i);
         if (above <= below || z(i) <= z(i - 1)) {
-            return Error{ErrorCode::bad_planes,
-                         "planes " + std::to_string(i - 1) + " and " + std::to_string(i) + " (" + mm_text(below) + ", " +
-                             mm_text(above) + ") are the same on the grid",
-                         -1, static_cast<std::int64_t>(i)};
+            throw Refused{{ErrorCode::bad_planes,
+                           "planes " + std::to_string(i - 1) + " and " + std::to_string(i) + " (" + mm_text(below) + ", " +
+                               mm_text(above) + ") are the same on the grid",
+                           -1, static_cast<std::int64_t>(i)}};
         }
     }
-    return {};
 }
 
-Status PlaneSet::build_uniform(const UniformLayers& plan, const Bounds& bounds, std::uint64_t memory_limit) {
+void PlaneSet::build_uniform(const UniformLayers& plan, const Bounds& bounds, std::uint64_t memory_limit) {
     const double h = plan.layer_height_mm;
     if (!(h > 0) || !std::isfinite(h)) {
-        return Error{ErrorCode::invalid_argument, "the layer height must be positive"};
+        throw Refused{{ErrorCode::invalid_argument, "the layer height must be positive"}};
     }
     if (plan.first_height_mm && !std::isfinite(*plan.first_height_mm)) {
-        return Error{ErrorCode::invalid_argument, "the first height must be finite"};
+        throw Refused{{ErrorCode::invalid_argument, "the first height must be finite"}};
     }
     if (h < 2 * unit_mm_) {
-        return Error{ErrorCode::bad_planes, "a layer height of " + mm_text(h) + " is under two grid units (" +
-                                                mm_text(2 * unit_mm_) + "); choose a finer grid"};
+        throw Refused{{ErrorCode::bad_planes, "a layer height of " + mm_text(h) + " is under two grid units (" +
+                                                  mm_text(2 * unit_mm_) + "); choose a finer grid"}};
     }
     const double low = bounds.min_mm[2];
     const double high = bounds.max_mm[2];
@@ -185,9 +182,7 @@ Status PlaneSet::build_uniform(const UniformLayers& plan, const Bounds& bounds, 
     step = from_first ? std::max(step, 0.0) : step;
     const double last_step = std::ceil((high - first_mm_) / h) + 1;
     const double candidates = std::max(last_step - step + 1, 0.0);
-    if (Status status = check_count(candidates, memory_limit); !status) {
-        return status;
-    }
+    check_count(candidates, memory_limit);
     const std::int32_t lowest = to_even_grid(low, unit_mm_);
     const std::int32_t highest = to_even_grid(high, unit_mm_);
     padded_.resize_discarding(static_cast<std::size_t>(candidates) + 2);
@@ -209,33 +204,29 @@ Status PlaneSet::build_uniform(const UniformLayers& plan, const Bounds& bounds, 
             padded_[++count_] = z;
         }
     }
-    if (Status status = check_distinct(); !status) {
-        return status;
-    }
+    check_distinct();
     padded_[0] = below_all;
     padded_[count_ + 1] = above_all;
     first_z_ = count_ > 0 ? padded_[1] : 0;
     inverse_step_ = unit_mm_ / h;
     last_guess_ = count_ > 0 ? static_cast<double>(count_ - 1) : 0;
     make_table();
-    return {};
 }
 
-Status PlaneSet::build_explicit(const ExplicitPlanes& plan) {
+void PlaneSet::build_explicit(const ExplicitPlanes& plan) {
     if (plan.heights_mm.size() > most_listed) {
-        return Error{ErrorCode::bad_planes, "more than 2^27 planes listed"};
+        throw Refused{{ErrorCode::bad_planes, "more than 2^27 planes listed"}};
     }
     for (std::size_t i = 0; i < plan.heights_mm.size(); ++i) {
         if (!std::isfinite(plan.heights_mm[i])) {
-            return Error{ErrorCode::bad_planes, "plane " + std::to_string(i) + " is not finite", -1,
-                         static_cast<std::int64_t>(i)};
+            throw Refused{
+                {ErrorCode::bad_planes, "plane " + std::to_string(i) + " is not finite", -1, static_cast<std::int64_t>(i)}};
         }
     }
     sort_listed(plan.heights_mm);
     keep_distinct();
     fill_from_heights();
     make_table();
-    return {};
 }
 
 void PlaneSet::sort_listed(const std::vector<double>& heights_mm) {
@@ -275,20 +266,19 @@ bool PlaneSet::share_plane(double below_mm, double above_mm) const noexcept {
            (within_reach(below_mm) && within_reach(above_mm) && round_height(below_mm) == round_height(above_mm));
 }
 
-Status PlaneSet::build_random(const RandomLayers& plan, const Bounds& bounds, std::uint64_t memory_limit) {
+void PlaneSet::build_random(const RandomLayers& plan, const Bounds& bounds, std::uint64_t memory_limit) {
     const double least = plan.min_height_mm;
     const double most = plan.max_height_mm;
     if (!(least > 0) || !(most >= least) || !std::isfinite(most)) {
-        return Error{ErrorCode::invalid_argument, "random heights need 0 < minimum <= maximum"};
+        throw Refused{{ErrorCode::invalid_argument, "random heights need 0 < minimum <= maximum"}};
     }
     if (least < 2 * unit_mm_) {
-        return Error{ErrorCode::bad_planes, "a step of " + mm_text(least) + " is under two grid units; choose a finer grid"};
+        throw Refused{
+            {ErrorCode::bad_planes, "a step of " + mm_text(least) + " is under two grid units; choose a finer grid"}};
     }
     const double low = bounds.min_mm[2];
     const double high = bounds.max_mm[2];
-    if (Status status = check_count((high - low) / least + 2, memory_limit); !status) {
-        return status;
-    }
+    check_count((high - low) / least + 2, memory_limit);
     const std::int32_t lowest = to_even_grid(low, unit_mm_);
     const std::int32_t highest = to_even_grid(high, unit_mm_);
     Generator random(plan.seed);
@@ -304,11 +294,8 @@ Status PlaneSet::build_random(const RandomLayers& plan, const Bounds& bounds, st
         }
     }
     fill_from_heights();
-    if (Status status = check_distinct(); !status) {
-        return status;
-    }
+    check_distinct();
     make_table();
-    return {};
 }
 
 /// Heights far outside the grid cut nothing and only keep their order: they get consecutive values at its ends.

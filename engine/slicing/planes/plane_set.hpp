@@ -92,12 +92,12 @@ public:
     void trim();
 
 private:
-    Status build_spacing(const LayerPlan& plan, const Bounds& bounds, std::uint64_t memory_limit);
-    Status build_uniform(const UniformLayers& plan, const Bounds& bounds, std::uint64_t memory_limit);
-    Status build_explicit(const ExplicitPlanes& plan);
-    Status build_random(const RandomLayers& plan, const Bounds& bounds, std::uint64_t memory_limit);
-    Status check_count(double planes, std::uint64_t memory_limit) const;
-    Status check_distinct() const;
+    // These throw Refused:
+    void build_uniform(const UniformLayers& plan, const Bounds& bounds, std::uint64_t memory_limit);
+    void build_explicit(const ExplicitPlanes& plan);
+    void build_random(const RandomLayers& plan, const Bounds& bounds, std::uint64_t memory_limit);
+    void check_count(double planes, std::uint64_t memory_limit) const;
+    void check_distinct() const;
     void sort_listed(const std::vector<double>& heights_mm);
     void keep_distinct();
     bool share_plane(double below_mm, double above_mm) const noexcept;

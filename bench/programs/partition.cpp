@@ -8,14 +8,17 @@
 #include <iostream>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <vector>
 
+#include "base/guard.hpp"
 #include "base/parallel.hpp"
 #include "catalogue.hpp"
 #include "copy_bandwidth.hpp"
 #include "prepared.hpp"
 #include "slicing/bands/bands.hpp"
 #include "slicing/buckets/bucket.hpp"
+#include "slicing/buckets/mesh_source.hpp"
 #include "slicing/grid/bounds.hpp"
 #include "slicing/planes/plane_set.hpp"
 #include "slicing/sweep/band_sweep.hpp"
@@ -31,32 +34,23 @@ constexpr int repetitions = 3;
 /// The stages of slice() on one thread, callable one by one, with the memory that they reuse.
 class Stages {
 public:
-    Stages(const MeshView& mesh, const LayerPlan& plan) : mesh_(mesh), plan_(plan) {}
+    Stages(const MeshView& mesh, const LayerPlan& plan) : plan_(plan) { narrow_to(mesh); }
 
     /// Finds bounds and unit.
     Status measure() {
-        const Result<Bounds> bounds = measure_bounds(mesh_, Transform{}, 0, parallel_, blocks_);
-        if (!bounds) {
-            return bounds.error();
-        }
-        bounds_ = *bounds;
-        const Result<ChosenUnit> unit = choose_unit(bounds_, 0);
-        if (!unit) {
-            return unit.error();
-        }
-        unit_mm_ = unit->mm;
-        return {};
+        return guarded([&]() -> Status {
+            bounds_ = source_->measure(0);
+            unit_mm_ = require(choose_unit(bounds_, 0)).mm;
+            return {};
+        });
     }
     Status plan_planes() {
-        return planes_.build(plan_, bounds_, unit_mm_, mesh_.coordinate_type, std::numeric_limits<std::uint64_t>::max());
+        return planes_.build(plan_, bounds_, unit_mm_, source_->info.number, std::numeric_limits<std::uint64_t>::max());
     }
-    void count() { count_crossings(mesh_, Transform{}, unit_mm_, blocks_, planes_, parallel_, buckets_); }
+    void count() { source_->count(unit_mm_); }
     /// Cuts bands as for this number of threads. scatter() and find_seeds() must follow.
     void cut_bands_for(int threads) { bands_.cut(buckets_, planes_.size(), 0, threads); }
-    void scatter() {
-        reaching_ = scatter_triangles(mesh_, Transform{}, unit_mm_, planes_, bands_.band_end, parallel_, buckets_,
-                                      bands_.reaching.span());
-    }
+    void scatter() { reaching_ = source_->scatter(bands_.band_end, bands_.reaching.span(), false); }
     /// Once after scatter(): may release the notes that it made.
     void find_seeds() { bands_.find_seeds(planes_.size(), reaching_); }
     void sweep_band(std::size_t band) {
@@ -65,22 +59,23 @@ public:
     }
 
     /// Makes look_at_bounds(), count(), cut_bands_for() and scatter() use `part` only, on the planes of the whole mesh.
-    void narrow_to(const MeshView& part) { mesh_ = part; }
+    void narrow_to(const MeshView& part) {
+        source_.emplace(part, Transform{}, nullptr, SourceTools{parallel_, planes_, buckets_});
+    }
     /// Does the work of measure(), but keeps only the table of blocks.
-    void look_at_bounds() { (void)measure_bounds(mesh_, Transform{}, 0, parallel_, blocks_).ok(); }
+    void look_at_bounds() { (void)source_->measure(0); }
 
     const PlaneSet& planes() const noexcept { return planes_; }
     const BandPlan& bands() const noexcept { return bands_; }
 
 private:
-    MeshView mesh_;
     LayerPlan plan_;
     Parallel parallel_{Control{.threads = 1}};
     Bounds bounds_{};
     double unit_mm_ = 0;
-    BlockTable blocks_{nullptr};
     PlaneSet planes_{nullptr};
     Buckets buckets_{nullptr};
+    std::optional<SoupSource> source_;
     BandPlan bands_{nullptr};
     std::size_t reaching_ = 0;  // entries of bands_.reaching
     BandSweep sweep_{nullptr};

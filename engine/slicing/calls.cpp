@@ -61,9 +61,7 @@ Result<SliceResult> slice_once(const Mesh& mesh, const SliceOptions& options) no
 template <class Mesh>
 Status slice_again(const Mesh& mesh, const SliceOptions& options, Workspace& workspace, SliceResult& result) noexcept {
     return guarded(options.control, [&] {
-        if (result.points.memory() != options.control.memory) {
-            result = SliceResult(options.control.memory);
-        }
+        move_to(options.control.memory, result);
         ResultTarget target;
         slice_for(target, mesh, options, workspace, result);
         return Status();

@@ -41,6 +41,12 @@ void ResultTarget::finish(const SweepInput& input) {
     set_counts(input.scratch.placement.contour_counts(), result);
 }
 
+void move_to(const Memory* memory, SliceResult& result) {
+    if (result.points.memory() != memory) {
+        result = SliceResult(memory);
+    }
+}
+
 void fill_layers(const SweepInput& input, std::span<Layer> layers) {
     input.parallel.run_ranges(layers.size(), 1 << 10, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i < end; ++i) {

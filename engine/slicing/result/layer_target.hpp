@@ -65,6 +65,9 @@ public:
     void finish(const SweepInput& input) override;
 };
 
+/// Has the arrays of `result` take their memory from there. Those that take it from elsewhere are emptied.
+void move_to(const Memory* memory, SliceResult& result);
+
 /// The layer of a plane, without its contours.
 inline Layer describe_layer(const PlaneSet& planes, PlaneIndex plane, std::uint64_t segments) {
     return {planes.bottom_mm(plane),     planes.height_mm(plane), planes.top_mm(plane), 0, 0, segments,

@@ -224,10 +224,12 @@ const char* lamella_status_name(int32_t status) {
     return known ? status_names[status] : "unknown";
 }
 
+// NOLINTBEGIN(bugprone-macro-parentheses): a type
 #define LAMELLA_INIT_SIZED(T)                  \
     void T##_init_sized(T* out, size_t size) { \
         lamella::c::init_sized(out, size);     \
     }
+// NOLINTEND(bugprone-macro-parentheses)
 LAMELLA_INIT_SIZED(lamella_error)
 LAMELLA_INIT_SIZED(lamella_control)
 LAMELLA_INIT_SIZED(lamella_mesh)

@@ -31,7 +31,7 @@ inline constexpr std::size_t end_of_fields = 0;
 
 #define LAMELLA_LAST_FIELD(T, field) \
     template <>                      \
-    inline constexpr std::size_t end_of_fields<T> = offsetof(T, field) + sizeof(T::field)
+    inline constexpr std::size_t end_of_fields<T> = (offsetof(T, field) + sizeof(T::field))
 LAMELLA_LAST_FIELD(lamella_error, message);
 LAMELLA_LAST_FIELD(lamella_control, progress_context);
 LAMELLA_LAST_FIELD(lamella_mesh, coordinate_mm);

@@ -138,12 +138,13 @@ void add_options(const Record& record, std::span<const fs::path> files, InputLay
         std::string value = record.options[i];
         if (RecordedOption{name, value}.names_file()) {
             if (files.empty()) {
-                throw Failure(bad_input, "its record lacks the SHA-256 of " + name + " " + value);
+                throw Failure(bad_input,
+                              std::string("its record lacks the SHA-256 of ").append(name).append(" ").append(value));
             }
             value = layout.add(record.inputs[file++].path, files.front());
             files = files.subspan(1);
         }
-        words.push_back(name + "=" + value);
+        words.push_back(std::string(name).append("=").append(value));
     }
 }
 

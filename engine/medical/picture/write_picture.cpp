@@ -141,15 +141,15 @@ int decimals_of(const std::vector<double>& heights) noexcept {
 /// The height of each; of an image's slices in the patient, and along which axis.
 std::vector<std::string> labels_of(const std::vector<Drawing>& drawings, const ImageGeometry* image) {
     static constexpr std::array<const char*, 3> axes = {"L ", "P ", "S "};
-    std::vector<double> heights;
-    for (const Drawing& drawing : drawings) {
-        heights.push_back(image != nullptr ? image->height_lps_mm(drawing.height_mm) : drawing.height_mm);
-    }
+    std::vector<double> heights(drawings.size());
+    std::transform(drawings.begin(), drawings.end(), heights.begin(), [image](const Drawing& drawing) {
+        return image != nullptr ? image->height_lps_mm(drawing.height_mm) : drawing.height_mm;
+    });
     const int decimals = decimals_of(heights);
-    std::vector<std::string> labels;
-    for (const double height : heights) {
-        labels.push_back((image != nullptr ? axes[image->slice_axis()] : "") + decimal_text(height, decimals) + " mm");
-    }
+    std::vector<std::string> labels(heights.size());
+    std::transform(heights.begin(), heights.end(), labels.begin(), [&](double height) {
+        return (image != nullptr ? axes[image->slice_axis()] : "") + decimal_text(height, decimals) + " mm";
+    });
     return labels;
 }
 

@@ -37,7 +37,7 @@ std::vector<std::string> group_folders(const std::string& controller) {
     }
     std::vector<std::string> folders;
     while (true) {
-        folders.push_back("/sys/fs/cgroup/" + controller + group + "/");
+        folders.push_back(std::string("/sys/fs/cgroup/").append(controller).append(group).append("/"));
         const std::size_t slash = group.rfind('/');
         if (slash == std::string::npos) {
             return folders;

@@ -89,7 +89,7 @@ std::string expand_pattern(const std::string& pattern, const MeshSource& mesh, c
     for (std::size_t open = pattern.find('{'); open != std::string::npos; open = pattern.find('{', at)) {
         const std::size_t close = pattern.find('}', open);
         if (close == std::string::npos) {
-            throw Failure(bad_usage, option + ": '" + pattern + "': a { is not closed");
+            throw Failure(bad_usage, std::string(option).append(": '").append(pattern).append("': a { is not closed"));
         }
         text += pattern.substr(at, open - at) + word_for(pattern.substr(open + 1, close - open - 1), mesh, option);
         at = close + 1;
@@ -260,7 +260,7 @@ std::vector<std::string> SliceWords::words(const OptionValues& values) const {
             continue;
         }
         for (const std::string& value : found->second) {
-            words.push_back(is_flag(*known) ? name : name + "=" + value);
+            words.push_back(is_flag(*known) ? name : std::string(name).append("=").append(value));
         }
     }
     return words;

@@ -51,6 +51,7 @@ public:
                                if constexpr (std::is_floating_point_v<decltype(sample)>) {
                                    return to_integer(number, value);
                                } else {
+                                   // NOLINTNEXTLINE(bugprone-signed-char-misuse): a number, not a character
                                    value = static_cast<std::int64_t>(number);
                                    return true;
                                }

@@ -140,8 +140,9 @@ private:
         SliceArguments whole = arguments_;
         whole.layers.clear();
         whole.hash = false;
+        const SliceResult cut = cut_mesh(mesh, {}, options_of(whole), whole, nullptr, stages_, run_);
         ExplicitPlanes planes;
-        for (const Layer& layer : cut_mesh(mesh, {}, options_of(whole), whole, nullptr, stages_, run_).layers.span()) {
+        for (const Layer& layer : cut.layers) {
             planes.heights_mm.push_back(layer.plane_mm);
         }
         return planes;

@@ -5,8 +5,8 @@
 #     bench/run.sh            everything; takes tens of minutes, the first time some more for the meshes
 #     bench/run.sh --quick    a hundredth of the sizes, into build/bench-quick: shows only that the benchmarks run
 #
-# The raw output goes to build/bench-runs: Google Benchmark's JSON and the like, and every measurement as a row of
-# runs.csv. The medians go to bench/results/summary.json, from which the tables are made.
+# The raw output goes to build/bench-runs: Google Benchmark's JSON, with every measurement, and the like. The medians go to
+# bench/results/summary.json, from which the tables are made.
 #
 # PIN=LIST pins the whole process to these cores (taskset -c LIST). FILTER=REGEX runs only the benchmarks that match,
 # FILTER=-REGEX only those that do not. The medians of all others stay, if they were measured on the same machine.
@@ -73,16 +73,19 @@ if ((${#quick[@]} == 0)); then
 else
     meshes+=("scan=$(echo "$cache"/bone-34000-*mm.stl)")
 fi
-python3 bench/scripts/peaks.py build/bench/lamella_peak "$runs/peaks.json" "${meshes[@]}"
+for mesh in "${meshes[@]}"; do
+    for band_planes in 0 16 1; do
+        build/bench/lamella_peak "${mesh%%=*}" "${mesh#*=}" 0.032 2 "$band_planes"
+    done
+done > "$runs/peaks.json"
 
 stage "tables and plot"
 add=()
 [[ -z "${FILTER:-}" ]] || add=(--add)
-python3 bench/scripts/summarise.py "$runs" "$results" "${add[@]}"
-python3 bench/scripts/scaling.py "$results"
-if ((${#quick[@]} == 0)); then
-    python3 bench/scripts/figures.py "$results" bench/README.md
-fi
+"${pin[@]}" python3 bench/scripts/summarise.py "$runs" "$results" "${add[@]}"
+readme=()
+((${#quick[@]} > 0)) || readme=(bench/README.md)
+python3 bench/scripts/figures.py "$results" "${readme[@]}"
 status=0
 python3 bench/scripts/bars.py "$results" || status=$?
 if ((status == 1 && ${#quick[@]} > 0)); then

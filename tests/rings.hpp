@@ -26,13 +26,13 @@ inline int side(Point a, Point b, Point p) {
     return (twice > 0 ? 1 : 0) - (twice < 0 ? 1 : 0);
 }
 
-/// Whether p lies on the segment from a to b.
+/// True if p lies on the segment from a to b.
 inline bool lies_on(Point a, Point b, Point p) {
     return cross(a, b, p) == 0 && std::min(a.x, b.x) <= p.x && p.x <= std::max(a.x, b.x) && std::min(a.y, b.y) <= p.y &&
            p.y <= std::max(a.y, b.y);
 }
 
-/// Whether two segments have a point in common.
+/// True if two segments have a point in common.
 inline bool meet(Point a, Point b, Point c, Point d) {
     return (side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0) || lies_on(c, d, a) ||
            lies_on(c, d, b) || lies_on(a, b, c) || lies_on(a, b, d);

@@ -40,7 +40,7 @@ public:
         return path_ / name;
     }
 
-    /// Of what is in it, sorted.
+    /// Names of the entries, sorted.
     std::vector<std::string> names() const {
         std::vector<std::string> names;
         for (const auto& entry : std::filesystem::directory_iterator(path_)) {

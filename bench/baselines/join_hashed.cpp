@@ -8,7 +8,7 @@
 //   entries under numbered keys. Contours that touch may therefore fuse or be split.
 // - An open polyline ends at an entry with one neighbour. It is then followed from p_1 towards `last`.
 // - A segment of no length after rounding would be its own neighbour. It is dropped.
-#include "join_hashed.hpp"
+#include "methods.hpp"
 
 #include <algorithm>
 #include <unordered_map>

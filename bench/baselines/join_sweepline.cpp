@@ -5,7 +5,7 @@
 // Segments of thin walls can cross after rounding. They are split at the crossing, which is rounded; segments that lie
 // on each other become one. Open polylines begin at vertices of odd degree, so these are walked first. Segments of no
 // length after rounding are dropped.
-#include "join_sweepline.hpp"
+#include "methods.hpp"
 
 #include <cmath>
 

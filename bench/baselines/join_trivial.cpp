@@ -4,7 +4,7 @@
 // Segment ends are compared by their rounded points, so contours that touch may fuse or be split. The paper assumes
 // well-formed input. For other input, a segment of no length after rounding is dropped, and a polyline that ends is
 // continued from its other end.
-#include "join_trivial.hpp"
+#include "methods.hpp"
 
 #include <algorithm>
 

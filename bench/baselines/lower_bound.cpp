@@ -73,7 +73,7 @@ SearchInstance make_search_instance(std::uint32_t n, std::uint32_t k, std::uint6
             below + 1 + 2 * static_cast<std::int32_t>(random.below(static_cast<std::uint32_t>(plane - below) / 2));
         for (const GridVertex& vertex : facet_of(j, value, plane)) {
             for (const std::int32_t units : {vertex.x, vertex.y, vertex.z}) {
-                instance.soup.push_back(static_cast<float>(units * default_unit_mm));
+                instance.soup.push_back(static_cast<float>(units * default_grid_mm));
             }
         }
         instance.solution.push_back(i);

@@ -1,4 +1,20 @@
-#include "mcmains.hpp"
+// The coherent sweep plane slicer: S. McMains and C. Séquin, "A coherent sweep plane slicer for layered manufacturing",
+// 1999; the paper's section 2.1. It slices meshes with topology. Here the topology is first recovered from the soup by
+// a binary tree of the vertices, as in E. Béchet, J.-C. Cuillière and F. Trochu (2002).
+//
+// A plane sweeps the mesh upwards and keeps its contours as rings of edges. Rings change only at vertices: edges that
+// end there are replaced by those that begin there. At a vertex with one run of edges below and one above, the ring
+// continues. The lowest vertex of a part begins a ring, and the highest ends it. At any other vertex rings merge or
+// split, so the rings through it are walked to find which they are. At a slicing plane each ring is a contour; only its
+// points have to be computed.
+//
+// O(n log n + m). As the paper says, up to O(n^2) where rings merge and split often, because each such vertex costs the
+// length of its rings.
+//
+// Kept from the source: only closed meshes are sliced; others give no contours. Vertices of equal height are swept in
+// the order of their numbers, as if the mesh were tilted slightly. Level edges and facets therefore need no special
+// cases. Planes never meet a vertex. Left out: the nesting of the rings, which no measurement here needs.
+#include "methods.hpp"
 
 #include <algorithm>
 #include <functional>
@@ -13,25 +29,6 @@ namespace lamella::baselines {
 namespace {
 
 constexpr std::uint32_t none = 0xFFFFFFFF;
-
-/// Half-edges grouped by their first vertex: those from vertex v are at [first[v], first[v + 1]).
-struct Fans {
-    std::vector<std::uint32_t> first;
-    std::vector<std::uint32_t> half_edges;
-};
-
-Fans make_fans(const SharedVertices& mesh) {
-    const auto half_edges = static_cast<std::uint32_t>(3 * mesh.facets.size());
-    Fans fans{std::vector<std::uint32_t>(mesh.vertices.size() + 2), std::vector<std::uint32_t>(half_edges)};
-    for (std::uint32_t h = 0; h < half_edges; ++h) {
-        ++fans.first[mesh.from(h) + 2];
-    }
-    std::partial_sum(fans.first.begin(), fans.first.end(), fans.first.begin());
-    for (std::uint32_t h = 0; h < half_edges; ++h) {
-        fans.half_edges[fans.first[mesh.from(h) + 1]++] = h;
-    }
-    return fans;
-}
 
 /// The contours in which the sweep plane cuts the mesh, as rings of edges. An edge is named by its half-edge that runs
 /// down, where the contour enters a facet.
@@ -105,7 +102,8 @@ public:
         : planes_(problem.planes),
           mesh_(std::move(mesh)),
           twins_(std::move(twins)),
-          fans_(make_fans(mesh_)),
+          fans_(grouped(static_cast<std::uint32_t>(twins_.size()), mesh_.vertices.size(),
+                        [&](std::uint32_t h) { return mesh_.from(h); })),
           rings_(twins_.size()) {
         order_vertices();
     }
@@ -154,8 +152,7 @@ private:
         ended_.clear();
         begun_.clear();
         run_ = {};
-        for (std::uint32_t i = fans_.first[vertex]; i < fans_.first[vertex + 1]; ++i) {
-            const std::uint32_t out = fans_.half_edges[i];
+        for (const std::uint32_t out : fans_.of(vertex)) {
             const std::uint32_t in = previous_in_facet(out);
             const std::uint32_t opposite = next_in_facet(out);
             const bool a_is_above = is_below(vertex, mesh_.to(out));
@@ -195,7 +192,7 @@ private:
         }
     }
 
-    /// Whether the same ring continues through the vertex. Other rings may still begin or end there if the mesh touches
+    /// True where the same ring continues through the vertex. Other rings may still begin or end there if the mesh touches
     /// itself.
     bool is_one_run_for_one() const {
         if (run_.count != 1 || std::ranges::adjacent_find(ended_, std::not_equal_to()) != ended_.end()) {
@@ -221,7 +218,7 @@ private:
     const std::vector<std::int32_t>& planes_;
     SharedVertices mesh_;
     std::vector<std::uint32_t> twins_;
-    Fans fans_;
+    Groups fans_;  // half-edges by their first vertex
     Rings rings_;
     std::vector<std::uint32_t> order_;  // vertices, lowest first
     std::vector<std::uint32_t> rank_;   // by vertex: its index in order_
@@ -236,12 +233,7 @@ private:
 };
 
 WholeOutcome run(const Problem& problem) {
-    SharedVertices mesh = share_vertices_by_tree(quantised(problem));
-    std::vector<std::uint32_t> twins = find_twins(mesh);
-    if (twins.empty()) {
-        return {.contours = Contours(problem.planes.size())};
-    }
-    return Sweep(problem, std::move(mesh), std::move(twins)).run();
+    return run_on_topology<Sweep>(problem, share_vertices_by_tree);
 }
 
 }  // namespace
@@ -249,8 +241,6 @@ WholeOutcome run(const Problem& problem) {
 const WholeMethod mcmains{
     .name = "McMains",
     .source = "McMains and Sequin 1999; topology by Bechet, Cuilliere and Trochu 2002",
-    .uniform_only = false,
-    .takes_open_meshes = false,
     .run = run,
 };
 

@@ -33,7 +33,7 @@ using Contours = std::vector<std::vector<Polyline>>;  ///< by plane; contours in
 
 struct Problem {
     std::span<const float> soup;       ///< mm, nine numbers a triangle
-    double unit_mm = default_unit_mm;  ///< grid unit
+    double unit_mm = default_grid_mm;  ///< grid unit
     std::vector<std::int32_t> planes;  ///< grid units, odd, ascending
     bool uniform = false;              ///< whether plane i lies within a quarter of a step of first + i * step
     double first = 0;                  ///< grid units; for uniform planes only
@@ -74,7 +74,6 @@ struct WholeOutcome {
 struct WholeMethod {
     std::string_view name;
     std::string_view source;
-    bool uniform_only = false;
     bool takes_open_meshes = false;
     WholeOutcome (*run)(const Problem&) = nullptr;
 };

@@ -4,11 +4,10 @@
 //
 // A point on the other's boundary decides nothing, so the next point is tested. Contours that cross each other get
 // arbitrary roles.
-#include "sense_by_rays.hpp"
-
 #include <algorithm>
 
 #include "base/numbers.hpp"
+#include "methods.hpp"
 
 namespace lamella::baselines {
 

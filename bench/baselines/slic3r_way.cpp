@@ -1,7 +1,20 @@
-#include "slic3r_way.hpp"
+// The method of Slic3r's TriangleMeshSlicer (A. Ranellucci and others), which the paper times as "Slic3r".
+//
+// 1. Topology: facets get shared vertices, and edges get numbers by sorting the edges of all facets.
+// 2. Facet by facet: binary search finds the planes between the facet's lowest and highest vertex. Each such plane's
+// list gets a line, with the numbers of the two edges on which the line ends.
+// 3. Plane by plane: lines are sorted by the edge on which they begin. Binary search finds the line that begins on the
+// edge where the chain ends. Finally, chains that did not close are joined with one another, reversed if needed.
+//
+// O(n log n + n log k + m log m). Any planes, any mesh.
+//
+// Nothing is corrected. Lines are sorted in each layer, as in later versions. The version that the paper timed built a
+// table of all 3 n edge numbers in every layer, O(n k). Left out: vertex numbers and marks of level facets, by which
+// Slic3r chains lines that end exactly on a vertex (planes never meet a vertex here); locks; and gap closing. Where
+// more than two facets share an edge, Slic3r pairs them in order of appearance; here they are paired as in the engine.
+#include "methods.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #include "geometry.hpp"
@@ -226,18 +239,8 @@ private:
 };
 
 WholeOutcome run(const Problem& problem) {
-    const auto start = std::chrono::steady_clock::now();
-    const MeshSlicer slicer(quantised(problem));
-    std::vector<Lines> lines = slicer.slice(problem.planes);
-    WholeOutcome outcome;
-    outcome.slicing_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    outcome.contours.resize(lines.size());
-    for (std::size_t i = 0; i < lines.size(); ++i) {
-        outcome.segments += lines[i].size();
-        outcome.contours[i] = LineChainer(lines[i]).chains();
-        Lines().swap(lines[i]);
-    }
-    return outcome;
+    return in_two_steps([&] { return MeshSlicer(quantised(problem)).slice(problem.planes); },
+                        [](const Lines& lines) { return LineChainer(lines).chains(); });
 }
 
 }  // namespace
@@ -245,7 +248,6 @@ WholeOutcome run(const Problem& problem) {
 const WholeMethod slic3r_way{
     .name = "Slic3r",
     .source = "TriangleMeshSlicer of Slic3r",
-    .uniform_only = false,
     .takes_open_meshes = true,
     .run = run,
 };

@@ -11,17 +11,9 @@
 #include <forward_list>
 #include <functional>
 
-#include "facet_heights.hpp"
 #include "geometry.hpp"
-#include "method.hpp"
 
 namespace lamella::baselines {
-
-/// Division for uniform planes, O(n + k + m); binary search for others, O(n log k + k + m).
-extern const SlicingMethod incremental_slicing;
-
-/// The same with srt = true: O(n + k + m) for any planes. Precondition, not checked: the triangles ascend by z_min.
-extern const SlicingMethod presorted_slicing;
 
 using TriangleList = std::forward_list<const Facet*>;
 using TriangleLists = std::vector<TriangleList>;  ///< by first plane above a triangle's lowest vertex; the last list holds

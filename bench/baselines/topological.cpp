@@ -1,9 +1,22 @@
-#include "topological.hpp"
+// TSlicer traces contours through the half-edge structure of the mesh. R. D. da Silva, H. R. Ramalho, R. Minetto, N.
+// Volpato and J. Stolfi, "TSlicer: An optimal topology-based slicing algorithm for Z-monotone 3D meshes", 2024: the
+// successor of the paper's own algorithm, by its authors.
+//
+// Edges are put into lists by the first plane that cuts them (the paper's Algorithm 2, with edges instead of
+// triangles). Planes are visited from the lowest up, with the set of edges that they cut. A contour is traced from any
+// edge that this plane has not visited yet, from half-edge to half-edge: the next crossing is on the same face, and
+// then on its twin. Each edge remembers the next half-edge of the last plane (the short cut). While the plane still
+// cuts that one, the face need not be examined, however many edges it has.
+//
+// O(n + k + m) for uniform planes, O(n log k + k + m) for others, plus the topology: O(n) here, by hashing.
+//
+// Kept from the source: only closed meshes are sliced; others give no contours. Faces are triangles here, as the soup's
+// are. Written from the published abstract and descriptions of the algorithm, not from its source code.
+#include "methods.hpp"
 
 #include <utility>
 
 #include "base/rounding.hpp"
-#include "first_plane.hpp"
 #include "geometry.hpp"
 #include "topology.hpp"
 
@@ -43,7 +56,7 @@ public:
         std::vector<std::uint32_t> active;
         for (std::uint32_t i = 0; i < planes_.size(); ++i) {
             std::erase_if(active, [&](std::uint32_t e) { return edges_[e].top < planes_[i]; });
-            for (std::uint32_t e = starts_[i]; e < starts_[i + 1]; ++e) {
+            for (std::uint32_t e = by_plane_.first[i]; e < by_plane_.first[i + 1]; ++e) {
                 active.push_back(e);
             }
             for (const std::uint32_t e : active) {
@@ -60,30 +73,16 @@ private:
     /// Lists the edges that planes cut, by the first plane that cuts them.
     void list_edges(const Problem& problem) {
         const FirstPlaneAbove first_plane(problem);
-        const auto half_edges = static_cast<std::uint32_t>(twins_.size());
-        std::vector<std::uint32_t> first(half_edges, no_plane);
-        starts_.assign(planes_.size() + 2, 0);
-        for (std::uint32_t h = 0; h < half_edges; ++h) {
-            const GridVertex& upper = mesh_.vertices[mesh_.from(h)];
-            const GridVertex& lower = mesh_.vertices[mesh_.to(h)];
-            if (lower.z < upper.z) {
-                const std::uint32_t plane = first_plane(lower.z);
-                if (plane < planes_.size() && planes_[plane] < upper.z) {
-                    first[h] = plane;
-                    ++starts_[plane + 2];
-                }
-            }
-        }
-        for (std::size_t i = 2; i < starts_.size(); ++i) {
-            starts_[i] += starts_[i - 1];
-        }
-        edges_.resize(starts_.back());
-        edge_of_.assign(half_edges, no_edge);
-        for (std::uint32_t h = 0; h < half_edges; ++h) {
-            if (first[h] != no_plane) {
-                edge_of_[h] = starts_[first[h] + 1]++;
-                edges_[edge_of_[h]] = cut_edge(h);
-            }
+        by_plane_ = grouped(static_cast<std::uint32_t>(twins_.size()), planes_.size(), [&](std::uint32_t h) {
+            const std::int32_t upper = mesh_.vertices[mesh_.from(h)].z;
+            const std::int32_t lower = mesh_.vertices[mesh_.to(h)].z;
+            const std::uint32_t plane = lower < upper ? first_plane(lower) : no_key;
+            return plane < planes_.size() && planes_[plane] < upper ? plane : no_key;
+        });
+        edge_of_.assign(twins_.size(), no_edge);
+        for (const std::uint32_t h : by_plane_.items) {
+            edge_of_[h] = static_cast<std::uint32_t>(edges_.size());
+            edges_.push_back(cut_edge(h));
         }
     }
 
@@ -126,24 +125,18 @@ private:
         return edge_of_[twins_[apex > plane ? after : next_in_facet(after)]];
     }
 
-    static constexpr std::uint32_t no_plane = 0xFFFFFFFF;
     static constexpr std::uint32_t no_edge = 0xFFFFFFFF;
 
     const std::vector<std::int32_t>& planes_;
     SharedVertices mesh_;
     std::vector<std::uint32_t> twins_;
     std::vector<CutEdge> edges_;
-    std::vector<std::uint32_t> starts_;   // edges whose first plane is i: [starts_[i], starts_[i + 1])
+    Groups by_plane_;                     // half-edges by the first plane that cuts them; edges_ has the same order
     std::vector<std::uint32_t> edge_of_;  // by half-edge
 };
 
 WholeOutcome run(const Problem& problem) {
-    SharedVertices mesh = share_vertices_by_hash(quantised(problem));
-    std::vector<std::uint32_t> twins = find_twins(mesh);
-    if (twins.empty()) {
-        return {.contours = Contours(problem.planes.size())};
-    }
-    return Tracer(problem, std::move(mesh), std::move(twins)).run();
+    return run_on_topology<Tracer>(problem, share_vertices_by_hash);
 }
 
 }  // namespace
@@ -151,8 +144,6 @@ WholeOutcome run(const Problem& problem) {
 const WholeMethod topological{
     .name = "topological",
     .source = "da Silva, Ramalho, Minetto, Volpato and Stolfi 2024 (TSlicer)",
-    .uniform_only = false,
-    .takes_open_meshes = false,
     .run = run,
 };
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <span>
 
+#include "geometry.hpp"
 #include "slicing/contours/pairing.hpp"
 #include "slicing/grid/vertex_hash.hpp"
 
@@ -51,28 +52,6 @@ private:
     std::vector<GridVertex>& vertices_;
     std::vector<std::uint32_t> slots_;
 };
-
-/// Half-edges grouped by the lesser of their two vertices: those of vertex v are at [first[v], first[v + 1]).
-struct Buckets {
-    std::vector<std::uint32_t> first;
-    std::vector<std::uint32_t> half_edges;
-};
-
-Buckets by_lesser_vertex(const SharedVertices& mesh) {
-    const auto lesser = [&](std::uint32_t h) { return std::min(mesh.from(h), mesh.to(h)); };
-    const auto half_edges = static_cast<std::uint32_t>(3 * mesh.facets.size());
-    Buckets buckets{std::vector<std::uint32_t>(mesh.vertices.size() + 2), std::vector<std::uint32_t>(half_edges)};
-    for (std::uint32_t h = 0; h < half_edges; ++h) {
-        ++buckets.first[lesser(h) + 2];
-    }
-    for (std::size_t v = 2; v < buckets.first.size(); ++v) {
-        buckets.first[v] += buckets.first[v - 1];
-    }
-    for (std::uint32_t h = 0; h < half_edges; ++h) {
-        buckets.half_edges[buckets.first[lesser(h) + 1]++] = h;
-    }
-    return buckets;
-}
 
 /// Returns false if a half-edge of this edge has no partner of opposite direction.
 bool pair_one_edge(const SharedVertices& mesh, std::span<const std::uint32_t> edge, std::vector<std::uint32_t>& twins) {
@@ -151,13 +130,13 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> pair_round_edge(const Share
 }
 
 std::vector<std::uint32_t> find_twins(const SharedVertices& mesh) {
-    Buckets buckets = by_lesser_vertex(mesh);
-    std::vector<std::uint32_t> twins(3 * mesh.facets.size(), no_half_edge);
+    const auto half_edges = static_cast<std::uint32_t>(3 * mesh.facets.size());
+    Groups by_lesser =
+        grouped(half_edges, mesh.vertices.size(), [&](std::uint32_t h) { return std::min(mesh.from(h), mesh.to(h)); });
+    std::vector<std::uint32_t> twins(half_edges, no_half_edge);
     const auto greater = [&](std::uint32_t h) { return std::max(mesh.from(h), mesh.to(h)); };
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-        // Usually about six half-edges, two for each edge.
-        const std::span<std::uint32_t> bucket(buckets.half_edges.data() + buckets.first[v],
-                                              buckets.half_edges.data() + buckets.first[v + 1]);
+        const std::span<std::uint32_t> bucket = by_lesser.of(v);  // usually about six half-edges, two for each edge
         std::ranges::sort(bucket, {}, greater);
         for (std::size_t begin = 0; begin < bucket.size();) {
             std::size_t end = begin + 1;

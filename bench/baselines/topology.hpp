@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "method.hpp"
+#include "geometry.hpp"
 
 namespace lamella::baselines {
 
@@ -56,5 +56,16 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> pair_round_edge(const Share
 /// because the mesh is not closed or its facets disagree about which side is solid. O(n), plus sorting for edges of
 /// more than two facets.
 std::vector<std::uint32_t> find_twins(const SharedVertices& mesh);
+
+/// Runs a method that slices closed meshes only: no contours of others.
+template <class Slicer>
+WholeOutcome run_on_topology(const Problem& problem, SharedVertices (*share)(const std::vector<Facet>&)) {
+    SharedVertices mesh = share(quantised(problem));
+    std::vector<std::uint32_t> twins = find_twins(mesh);
+    if (twins.empty()) {
+        return {.contours = Contours(problem.planes.size())};
+    }
+    return Slicer(problem, std::move(mesh), std::move(twins)).run();
+}
 
 }  // namespace lamella::baselines

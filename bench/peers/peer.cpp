@@ -1,20 +1,17 @@
 #include "peer.hpp"
 
-#include <cstdlib>
 #include <exception>
 #include <fstream>
 #include <iostream>
-#include <stdexcept>
+#include <numeric>
 #include <utility>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "base/clock.hpp"
 #include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
 #include "mesh.hpp"
-#include "timed_runs.hpp"
 
 namespace lamella::peers {
 
@@ -28,19 +25,19 @@ struct Request {
     unsigned limit_s = 0;
 };
 
-LayerPlan plan_of(const Request& request) {
+SliceOptions options_of(const Request& request) {
     if (request.planes.empty()) {
-        return {.spacing = UniformLayers{.layer_height_mm = request.layer_height_mm}};
+        return {.layer_height_mm = request.layer_height_mm};
     }
     std::ifstream file(request.planes);
-    ExplicitPlanes planes;
+    std::vector<double> heights_mm;
     for (double height_mm = 0; file >> height_mm;) {
-        planes.heights_mm.push_back(height_mm);
+        heights_mm.push_back(height_mm);
     }
     if (!file.eof()) {
-        throw std::runtime_error(request.planes + ": not a list of heights in mm");
+        bench::fail(request.planes + ": not a list of heights in mm");
     }
-    return {.spacing = std::move(planes)};
+    return {.heights_mm = std::move(heights_mm)};
 }
 
 /// The number of planes whose number of contours differs from the engine's, and the sum of these differences.
@@ -58,17 +55,9 @@ std::pair<std::uint64_t, std::uint64_t> difference(const SliceResult& expected, 
 
 nlohmann::ordered_json to_json(const Peer& peer, const Problem& problem, const SliceResult& expected, const Found& found,
                                const std::vector<Times>& runs) {
-    std::vector<double> build_s;
-    std::vector<double> slice_s;
     std::vector<double> total_s;
     for (const Times& times : runs) {
-        build_s.push_back(times.build_s);
-        slice_s.push_back(times.slice_s);
         total_s.push_back(times.sum());
-    }
-    std::uint64_t contours = 0;
-    for (const std::uint64_t count : found.contours) {
-        contours += count;
     }
     const auto [planes_apart, contours_apart] = difference(expected, found);
     return {{"peer", peer.name},
@@ -77,28 +66,26 @@ nlohmann::ordered_json to_json(const Peer& peer, const Problem& problem, const S
             {"threads", problem.threads},
             {"triangles", problem.triangles()},
             {"planes", problem.planes_mm.size()},
-            {"contours", contours},
+            {"contours", std::accumulate(found.contours.begin(), found.contours.end(), std::uint64_t{0})},
             {"segments", found.segments},
             {"engine_contours", expected.contours.size()},
-            {"engine_segments", expected.summary.segments},
+            {"engine_segments", expected.info.segments},
             {"planes_apart", planes_apart},
             {"contours_apart", contours_apart},
-            {"build_s", build_s},
-            {"slice_s", slice_s},
+            {"build_s", bench::values_of(runs, &Times::build_s)},
+            {"slice_s", bench::values_of(runs, &Times::slice_s)},
             {"total_s", total_s},
             {"peak_bytes", bench::peak_bytes()}};
 }
 
 void run(const Peer& peer, const Request& request) {
     const auto start = Clock::now();
-    const bench::Mesh mesh = bench::checked(bench::load_mesh(request.mesh));
-    const double load_s = milliseconds_since(start) / 1000;
-    SliceOptions options;
-    options.plan = plan_of(request);
-    const SliceResult expected = bench::checked(slice(mesh.view(), options));
+    const bench::Mesh mesh = bench::load_mesh(request.mesh);
+    const double load_s = bench::seconds_since(start);
+    const SliceResult expected = bench::checked(slice(mesh.view(), options_of(request)));
     Problem problem{mesh.soup.span(), {}, request.threads};
     for (const Layer& layer : expected.layers) {
-        problem.planes_mm.push_back(layer.plane.z() * expected.unit_mm);
+        problem.planes_mm.push_back(layer.plane.z() * expected.info.grid_mm);
     }
     bench::end_after(request.limit_s);
     Found found;

@@ -2,13 +2,13 @@
 // and one line of JSON.
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
-#include <thread>
 #include <vector>
+
+#include "timing.hpp"
 
 namespace lamella::peers {
 
@@ -42,21 +42,7 @@ struct Peer {
 /// main() of a peer's program. Exit status: 0 done, 75 over the time limit, 1 failed.
 int run_program(const Peer& peer, int count, char** words) noexcept;
 
-/// Calls work(worker, item) for every item below `count`. Each worker runs on a thread of its own; worker 0 runs on the
-/// calling thread.
-template <class Work>
-void share_out(std::size_t count, int threads, const Work& work) {
-    std::atomic<std::size_t> next = 0;
-    const auto take_items = [&](std::size_t worker) {
-        for (std::size_t item = next++; item < count; item = next++) {
-            work(worker, item);
-        }
-    };
-    std::vector<std::jthread> others;
-    for (std::size_t worker = 1; worker < static_cast<std::size_t>(threads); ++worker) {
-        others.emplace_back(take_items, worker);
-    }
-    take_items(0);
-}
+using bench::seconds_since;
+using bench::share_out;
 
 }  // namespace lamella::peers

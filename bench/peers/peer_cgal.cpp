@@ -16,7 +16,6 @@
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/version.h>
 
-#include "base/clock.hpp"
 #include "peer.hpp"
 
 namespace {
@@ -60,19 +59,19 @@ Times run(const Problem& problem, Found& found) {
     Tree tree(edges(mesh).first, edges(mesh).second, mesh);
     tree.build();
     const Slicer slicer(mesh, tree);
-    const double build_ms = lamella::milliseconds_since(start);
+    const double build_s = seconds_since(start);
     std::vector<Polylines> contours(problem.planes_mm.size());
     share_out(contours.size(), problem.threads, [&](std::size_t, std::size_t plane) {
         slicer(Kernel::Plane_3(0, 0, 1, -problem.planes_mm[plane]), std::back_inserter(contours[plane]));
     });
-    const double all_ms = lamella::milliseconds_since(start);
+    const double all_s = seconds_since(start);
     for (const Polylines& polylines : contours) {
         found.contours.push_back(polylines.size());
         for (const auto& polyline : polylines) {
             found.segments += polyline.size() - 1;  // a closed polyline ends with its first point
         }
     }
-    return {build_ms / 1000, (all_ms - build_ms) / 1000};
+    return {build_s, all_s - build_s};
 }
 
 }  // namespace

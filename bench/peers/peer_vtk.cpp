@@ -17,7 +17,6 @@
 #include <vtkStripper.h>
 #include <vtkVersion.h>
 
-#include "base/clock.hpp"
 #include "peer.hpp"
 
 namespace {
@@ -99,18 +98,18 @@ Times run(const Problem& problem, Found& found) {
     const vtkSmartPointer<vtkPolyData> mesh = mesh_of(problem);
     std::vector<std::optional<Pipeline>> pipelines(static_cast<std::size_t>(problem.threads));
     share_out(pipelines.size(), problem.threads, [&](std::size_t, std::size_t i) { pipelines[i].emplace(mesh); });
-    const double build_ms = lamella::milliseconds_since(start);
+    const double build_s = seconds_since(start);
     std::vector<Lines> contours(problem.planes_mm.size());
     share_out(contours.size(), problem.threads, [&](std::size_t worker, std::size_t plane) {
         contours[plane] = pipelines[worker]->cut(problem.planes_mm[plane]);
     });
-    const double all_ms = lamella::milliseconds_since(start);
+    const double all_s = seconds_since(start);
     for (const Lines& lines : contours) {
         const vtkIdType polylines = lines.polylines->GetNumberOfCells();
         found.contours.push_back(static_cast<std::uint64_t>(polylines));
         found.segments += static_cast<std::uint64_t>(lines.polylines->GetNumberOfConnectivityIds() - polylines);
     }
-    return {build_ms / 1000, (all_ms - build_ms) / 1000};
+    return {build_s, all_s - build_s};
 }
 
 }  // namespace

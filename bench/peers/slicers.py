@@ -54,7 +54,17 @@ class Transcript:
         return float(found[1]) if found else None
 
 
-class Slic3r:
+class Slicer:
+    """What may differ between the programs: also words(request, engine), stages(transcript) and planes(folder, transcript)."""
+
+    output = "paths.gcode"
+    version_words, version_pattern = ["--help"], None
+
+    def contours(self, _folder):
+        return None  # tool paths are offset, joined and dropped, so contours cannot be counted
+
+
+class Slic3r(Slicer):
     program = "slic3r"
     way = "slices exported as SVG"
     output = "slices.svg"
@@ -76,11 +86,10 @@ class Slic3r:
         return len(self.contours(folder))
 
 
-class PrusaSlicer:
+class PrusaSlicer(Slicer):
     program = "prusa-slicer"
     way = "G-code of one perimeter; gaps are not closed"
-    output = "paths.gcode"
-    version_words, version_pattern = ["--help"], r"PrusaSlicer-([\d.]+)"
+    version_pattern = r"PrusaSlicer-([\d.]+)"
 
     def words(self, request, _engine):
         height = str(request.layer_height)
@@ -96,18 +105,14 @@ class PrusaSlicer:
         begin = "Slicing volumes..."
         return transcript.time_of(begin), transcript.span(begin, "Generating perimeters")
 
-    def contours(self, _folder):
-        return None  # tool paths are offset, joined and dropped, so contours cannot be counted
-
     def planes(self, folder, _transcript):
         with open(os.path.join(folder, self.output), encoding="utf-8") as paths:
             return sum(line.startswith(";LAYER_CHANGE") for line in paths)
 
 
-class CuraEngine:
+class CuraEngine(Slicer):
     program = "CuraEngine"
     way = "G-code of one wall"
-    output = "paths.gcode"
     version_words, version_pattern = ["help"], r"version ([\d.]+)"
 
     def words(self, request, engine):
@@ -126,9 +131,6 @@ class CuraEngine:
     def stages(self, transcript):
         return (transcript.number(r"Loaded from disk in ([\d.]+)s"),
                 transcript.number(r"Progress: slice accomplished in ([\d.]+)s"))
-
-    def contours(self, _folder):
-        return None  # as with PrusaSlicer, contours cannot be counted
 
     def planes(self, _folder, transcript):
         layers = transcript.number(r"Layer count: (\d+)")
@@ -186,11 +188,6 @@ class Runner:
         return None if self.deadline is None else max(0, self.deadline - time.monotonic())
 
 
-def wanted_runs(seconds):
-    """Five runs if a run takes less than 2 s, three if less than 10 s, else one."""
-    return 5 if seconds < 2 else 3 if seconds < 10 else 1
-
-
 def version_of(peer):
     if shutil.which(peer.program) is None:
         raise NotInstalled(f"{peer.program} is not installed")
@@ -218,7 +215,8 @@ def measure(peer, request, folder):
     words = [peer.program, *peer.words(request, engine)]
     runner = Runner(request, folder)
     load_s, planes, contours, slice_s, total_s = None, None, None, [], []
-    while not total_s or len(total_s) < wanted_runs(total_s[0]):
+    wanted = 1
+    while len(total_s) < wanted:
         transcript, seconds = runner.run(words)
         if seconds is None and total_s:
             break
@@ -229,6 +227,7 @@ def measure(peer, request, folder):
         total_s.append(seconds)
         if seconds is None:
             break
+        wanted = 5 if total_s[0] < 2 else 3 if total_s[0] < 10 else 1
         planes, contours = peer.planes(folder, transcript), peer.contours(folder)
     apart = [abs(a - b) for a, b in itertools.zip_longest(contours, expected, fillvalue=0)] if contours else None
     return {"peer": peer.program, "version": version, "way": peer.way, "threads": request.threads,

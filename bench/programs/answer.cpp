@@ -38,51 +38,48 @@ void add_contour(PlaneAnswer& plane, std::span<const Point> points, bool closed)
     }
 }
 
-void sort_contours(Answer& answer) {
-    for (PlaneAnswer& plane : answer) {
-        std::sort(plane.closed.begin(), plane.closed.end());
+/// `add(plane, l)` adds what plane l has.
+template <class Add>
+Answer answer_of_planes(std::size_t planes, const Add& add) {
+    Answer answer(planes);
+    for (std::size_t l = 0; l < planes; ++l) {
+        add(answer[l], l);
+        std::sort(answer[l].closed.begin(), answer[l].closed.end());
     }
+    return answer;
 }
 
 }  // namespace
 
 Answer answer_of(const SliceResult& result) {
-    Answer answer(result.layers.size());
-    for (std::size_t l = 0; l < answer.size(); ++l) {
+    return answer_of_planes(result.layers.size(), [&](PlaneAnswer& plane, std::size_t l) {
         for (const Contour& contour : result.contours_of(result.layers[l])) {
-            add_contour(answer[l], result.points_of(contour), contour.role != Role::open);
+            add_contour(plane, result.points_of(contour), contour.role != Role::open);
         }
-    }
-    sort_contours(answer);
-    return answer;
+    });
 }
 
 Answer answer_of(const baselines::Contours& contours) {
-    Answer answer(contours.size());
-    for (std::size_t l = 0; l < answer.size(); ++l) {
+    return answer_of_planes(contours.size(), [&](PlaneAnswer& plane, std::size_t l) {
         for (const baselines::Polyline& contour : contours[l]) {
-            add_contour(answer[l], contour.points, contour.closed);
+            add_contour(plane, contour.points, contour.closed);
         }
-    }
-    sort_contours(answer);
-    return answer;
+    });
 }
 
 Answer answer_of(const baselines::SegmentLists& lists) {
-    Answer answer(lists.size());
-    for (std::size_t l = 0; l < answer.size(); ++l) {
+    return answer_of_planes(lists.size(), [&](PlaneAnswer& plane, std::size_t l) {
         for (const baselines::Segment& segment : lists[l]) {
-            add_segment(answer[l], segment.from, segment.to);
+            add_segment(plane, segment.from, segment.to);
         }
-    }
-    return answer;
+    });
 }
 
 Difference difference(const Answer& expected, const Answer& found) {
     assert(expected.size() == found.size());
     Difference all;
     for (std::size_t l = 0; l < expected.size(); ++l) {
-        all.planes += expected[l].segments != found[l].segments ? 1 : 0;
+        all.planes += expected[l].segments != found[l].segments ? 1U : 0U;
         std::vector<std::uint64_t> apart;
         std::set_symmetric_difference(expected[l].closed.begin(), expected[l].closed.end(), found[l].closed.begin(),
                                       found[l].closed.end(), std::back_inserter(apart));

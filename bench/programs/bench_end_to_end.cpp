@@ -1,6 +1,4 @@
 // Times slicing from a triangle soup in memory, or from an STL file in the page cache, to the finished result.
-#include <memory>
-
 #ifdef LAMELLA_BENCH_MIMALLOC
 #include <mimalloc.h>
 #endif
@@ -23,82 +21,63 @@ void empty_allocator() {
 template <class Before, class Slice>
 void run(benchmark::State& state, Prepared& prepared, std::uint64_t input_bytes, int threads, const Before& before,
          const Slice& slice_once) {
-    bool ok = true;
-    const double seconds = measure(state, before, [&] { ok = slice_once() && ok; });
-    if (!ok) {
-        state.SkipWithError("slicing failed");
-    }
+    const double seconds = measure(state, before, slice_once);
     count(state,
-          {.segments = prepared.summary().segments,
+          {.segments = prepared.info().segments,
            .triangles = prepared.mesh().triangles(),
-           .planes = prepared.planes(),
+           .planes = prepared.info().layers,
            .bytes = input_bytes + prepared.result_bytes()},
           seconds, threads);
 }
 
 void run_warm(benchmark::State& state, Prepared& prepared, int threads) {
-    const SliceOptions options = prepared.options(threads);
-    const MeshView view = prepared.mesh().view();
-    const auto slice_once = [&] { return slice(view, options, prepared.workspace, prepared.result).ok(); };
-    (void)slice_once();
+    const auto slice_once = [&] { prepared.slice(threads); };
+    slice_once();
     run(
         state, prepared, prepared.mesh().bytes(), threads, [] {}, slice_once);
 }
 
 /// Memory comes fresh from the system; freeing it is not timed.
 void run_cold(benchmark::State& state, Prepared& prepared, int threads) {
-    const SliceOptions options = prepared.options(threads);
-    const MeshView view = prepared.mesh().view();
-    std::unique_ptr<Workspace> workspace;
-    std::unique_ptr<SliceResult> result;
     const auto free_all = [&] {
-        workspace.reset();
-        result.reset();
+        prepared.slicer = Slicer();
+        prepared.result = SliceResult();
         empty_allocator();
     };
-    run(state, prepared, prepared.mesh().bytes(), threads, free_all, [&] {
-        workspace = std::make_unique<Workspace>();
-        result = std::make_unique<SliceResult>();
-        return slice(view, options, *workspace, *result).ok();
-    });
+    run(state, prepared, prepared.mesh().bytes(), threads, free_all, [&] { prepared.slice(threads); });
 }
 
 /// The memory of the result and the engine is warm. read_mesh() chooses where the file's bytes go.
 void run_file(benchmark::State& state, Prepared& prepared, int threads) {
-    const SliceOptions options = prepared.options(threads);
-    ReadOptions reading;
-    reading.control.threads = threads;
-    Result<MeshFile> mesh = read_mesh(prepared.mesh().file, reading);
-    if (!mesh || mesh->triangle_count != prepared.mesh().triangles()) {
-        state.SkipWithError(mesh ? "the file holds another mesh" : mesh.error().message.c_str());
-        return;
+    const auto read = [&] { return checked(read_mesh(prepared.mesh().file, {}, {.threads = threads})); };
+    MeshFile mesh = read();
+    if (mesh.triangle_count != prepared.mesh().triangles()) {
+        fail("the file holds another mesh");
     }
-    const std::uint64_t file_bytes = mesh->file_bytes;
+    const std::uint64_t file_bytes = mesh.file_bytes;
     run(
-        state, prepared, file_bytes, threads, [&] { mesh = Error{}; },
+        state, prepared, file_bytes, threads, [&] { mesh = MeshFile(); },
         [&] {
-            mesh = read_mesh(prepared.mesh().file, reading);
-            return mesh.ok() && slice(mesh->view(), options, prepared.workspace, prepared.result).ok();
+            mesh = read();
+            prepared.slice(mesh, threads);
         });
 }
 
 }  // namespace
 
 void add_end_to_end(const Options& options, const Case& wanted) {
+    static Preparer preparer;
     const Measured& measured = wanted.measured;
     for (const int threads : thread_counts(options)) {
         if (measured.single_use && measured.threads != threads) {
             continue;
         }
         const auto add = [&](const std::string& variant, void (*run_variant)(benchmark::State&, Prepared&, int)) {
-            add_case_benchmark(benchmark_name("end_to_end", wanted.name, variant, threads), options, wanted,
-                               [=](benchmark::State& state, Prepared& prepared) {
-                                   if (const std::string failure = prepared.check(threads); !failure.empty()) {
-                                       state.SkipWithError(failure.c_str());
-                                       return;
-                                   }
-                                   run_variant(state, prepared, threads);
-                               });
+            add_benchmark("end_to_end/" + wanted.name + "/" + variant, threads, options, [=](benchmark::State& state) {
+                Prepared& prepared = preparer.get(wanted);
+                prepared.check(threads);
+                run_variant(state, prepared, threads);
+            });
         };
         add("warm_swept", run_warm);
         if (measured.cold) {

@@ -1,12 +1,10 @@
 // region_of() on layers whose contours lie beside or across each other by the thousand. Each region's area is known.
-#include <memory>
+#include <span>
 #include <vector>
 
-#include "lamella/assemble.hpp"
-#include "lamella/region.hpp"
+#include "engine/counting_memory.hpp"
+#include "lamella/layers.hpp"
 #include "measure.hpp"
-#include "peak_memory.hpp"
-#include "region_area.hpp"
 
 namespace lamella::bench {
 
@@ -63,22 +61,15 @@ Layer2d comb(std::int32_t teeth) {
 }
 
 void run_region(benchmark::State& state, const Layer2d& layer, FillRule rule) {
-    RegionRules rules;
-    rules.fill_rule = rule;
+    const RegionRules rules{.fill_rule = rule};
+    constexpr double unit_mm = 1;  // so that areas are in square grid units
     const std::vector<std::span<const Point>> contours = layer.spans();
-    PeakMemory memory;
-    {
-        const Result<LayerContours> once = region_of(contours, rules, default_unit_mm, {.memory = &memory});
-        if (!once || area_of(*once) != (rule == FillRule::non_zero ? layer.non_zero : layer.even_odd)) {
-            state.SkipWithError(once ? "the region has not the known area" : once.error().message.c_str());
-            return;
-        }
+    CountingMemory memory;
+    if (checked(region_of(contours, rules, unit_mm, {.memory = &memory}))[0].area_mm2() !=
+        (rule == FillRule::non_zero ? layer.non_zero : layer.even_odd)) {
+        fail("the region has not the known area");
     }
-    bool ok = true;
-    const double seconds = measure(state, [&] { ok = region_of(contours, rules).ok() && ok; });
-    if (!ok) {
-        state.SkipWithError("no region");
-    }
+    const double seconds = measure(state, [&] { checked(region_of(contours, rules, unit_mm)); });
     count(state, {.contours = layer.contours.size()}, seconds, 1);
     state.counters["peak_bytes"] = benchmark::Counter(static_cast<double>(memory.peak()));
 }
@@ -89,7 +80,7 @@ void add_regions(const Options& options) {
     const std::int32_t less = options.quick ? 10 : 1;
     const auto add = [&](const std::string& name, auto make) {
         for (const FillRule rule : {FillRule::non_zero, FillRule::even_odd}) {
-            add_benchmark(benchmark_name("region", name, std::string(lamella::name_of(rule)), 1), options,
+            add_benchmark("region/" + name + "/" + std::string(lamella::name_of(rule)), 1, options,
                           [=](benchmark::State& state) { run_region(state, make(), rule); });
         }
     };

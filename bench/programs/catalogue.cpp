@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <optional>
+#include <thread>
 #include <utility>
 
 namespace lamella::bench {
@@ -13,25 +16,25 @@ constexpr std::uint64_t few_planes_segments = 5'000'000;
 constexpr double few_planes_height_mm = 10;
 constexpr double segments_per_triangle = 5;  // for the linear series and for weak scaling
 
-using PlanOf = std::function<LayerPlan(const Mesh&)>;
+using PlanOf = std::function<Plan(const Mesh&)>;
 
 PlanOf uniform(double height_mm) {
-    return [=](const Mesh&) { return LayerPlan{UniformLayers{.layer_height_mm = height_mm}}; };
+    return [=](const Mesh&) { return Plan{{.layer_height_mm = height_mm}}; };
 }
 
 /// Random steps with as many planes as uniform(layer_mm) on average.
 PlanOf irregular() {
-    return [](const Mesh&) { return LayerPlan{RandomLayers{layer_mm / 2, layer_mm * 3 / 2, 1}}; };
+    return [](const Mesh&) { return Plan{{}, {.random_heights = RandomHeights{layer_mm / 2, layer_mm * 3 / 2, 1}}}; };
 }
 
 /// `count` planes, evenly spaced between the lowest and the highest vertex.
 PlanOf few(int count) {
     return [=](const Mesh& mesh) {
-        ExplicitPlanes planes;
+        std::vector<double> heights_mm;
         for (int i = 0; i < count; ++i) {
-            planes.heights_mm.push_back(mesh.low_mm + (mesh.high_mm - mesh.low_mm) * (i + 0.5) / count);
+            heights_mm.push_back(mesh.low_mm + (mesh.high_mm - mesh.low_mm) * (i + 0.5) / count);
         }
-        return LayerPlan{planes};
+        return Plan{{.heights_mm = heights_mm}};
     };
 }
 
@@ -39,7 +42,7 @@ PlanOf few(int count) {
 PlanOf constant_ratio() {
     return [](const Mesh& mesh) {
         const double crossings = segments_per_triangle * static_cast<double>(mesh.triangles());
-        return LayerPlan{UniformLayers{.layer_height_mm = mesh.rise_mm / crossings}};
+        return Plan{{.layer_height_mm = mesh.rise_mm / crossings}};
     };
 }
 
@@ -62,16 +65,13 @@ public:
 private:
     std::uint64_t scaled(std::uint64_t count) const { return options_.quick ? count / 100 : count; }
 
-    Case& add(const std::string& name, const std::string& mesh_name, std::function<Result<Mesh>()> mesh, PlanOf plan,
+    Case& add(const std::string& name, const std::string& mesh_name, std::function<Mesh()> mesh, PlanOf plan,
               const Measured& measured) {
         return cases_.emplace_back(Case{name, std::move(mesh), mesh_name, std::move(plan), measured});
     }
 
-    std::function<Result<Mesh>()> made(const models::Recipe& recipe) const {
-        return [recipe, cache = options_.cache]() -> Result<Mesh> {
-            const Result<std::filesystem::path> file = cached_mesh(recipe, cache);
-            return file ? load_mesh(*file) : Result<Mesh>(file.error());
-        };
+    std::function<Mesh()> made(const models::Recipe& recipe) const {
+        return [recipe, cache = options_.cache] { return load_mesh(cached_mesh(recipe, cache)); };
     }
 
     /// Real meshes. Where one is absent, a bone of about as many triangles replaces it, under a name that says so.
@@ -125,8 +125,8 @@ private:
             const std::uint64_t facets = all / static_cast<std::uint64_t>(planes);
             const auto count = static_cast<std::uint32_t>(facets / (2 * sides));
             const std::string suffix = "_planes" + std::to_string(planes);
-            add("columns" + suffix, "columns" + suffix,
-                [=] { return Result<Mesh>(make_columns(count, sides, few_planes_height_mm)); }, few(planes), {})
+            add("columns" + suffix, "columns" + suffix, [=] { return make_columns(count, sides, few_planes_height_mm); },
+                few(planes), {})
                 .segments = all;
             const models::Recipe prism{.shape = models::Shape::prism,
                                        .triangles = facets * 2,
@@ -166,6 +166,35 @@ private:
 };
 
 }  // namespace
+
+bool take_option(std::string_view argument, Options& options) {
+    const std::size_t equals = std::min(argument.find('='), argument.size());
+    const std::string_view name = argument.substr(0, equals);
+    const std::string value(argument.substr(std::min(equals + 1, argument.size())));
+    if (name == "--quick") {
+        options.quick = true;
+    } else if (name == "--cache") {
+        options.cache = value;
+    } else if (name == "--shared") {
+        options.shared = value;
+    } else if (name == "--max-threads") {
+        options.max_threads = std::max(0, std::atoi(value.c_str()));
+    } else {
+        return false;
+    }
+    return true;
+}
+
+std::vector<int> thread_counts(const Options& options) {
+    const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+    const int most = options.max_threads > 0 ? options.max_threads : cores;
+    std::vector<int> counts;
+    for (int threads = 1; threads < most; threads *= 2) {
+        counts.push_back(threads);
+    }
+    counts.push_back(most);
+    return counts;
+}
 
 std::vector<Case> make_catalogue(const Options& options) {
     return CatalogueMaker(options).make();

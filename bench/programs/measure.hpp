@@ -4,12 +4,10 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <string>
 
-#include "options.hpp"
 #include "prepared.hpp"
 
 namespace lamella::bench {
@@ -17,13 +15,10 @@ namespace lamella::bench {
 /// Times only work(); setup() runs before each call. Returns the mean in seconds.
 template <class Setup, class Work>
 double measure(benchmark::State& state, Setup&& setup, Work&& work) {
-    using Clock = std::chrono::steady_clock;
     double all = 0;
     for (auto _ : state) {
         setup();
-        const auto start = Clock::now();
-        work();
-        const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+        const double seconds = seconds_of(work);
         state.SetIterationTime(seconds);
         all += seconds;
     }
@@ -47,14 +42,11 @@ struct Handled {
 
 void count(benchmark::State& state, const Handled& handled, double seconds, int threads);
 
-/// Registers `name`. `run` is called with the prepared case; if there is none, the benchmark reports why.
-void add_case_benchmark(const std::string& name, const Options& options, const Case& wanted,
-                        std::function<void(benchmark::State&, Prepared&)> run);
-/// Registers a benchmark that needs no case.
-void add_benchmark(const std::string& name, const Options& options, std::function<void(benchmark::State&)> run);
+/// So many items or bytes an iteration, as a rate.
+benchmark::Counter rate_of(std::uint64_t items);
 
-/// Returns "what/case/variant/threads:N".
-std::string benchmark_name(const std::string& what, const std::string& case_name, const std::string& variant, int threads);
+/// Registers "NAME/threads:N", NAME being "what/case/variant". The benchmark reports as its error what `run` throws.
+void add_benchmark(const std::string& name, int threads, const Options& options, std::function<void(benchmark::State&)> run);
 
 /// One function for each source file of benchmarks.
 void add_end_to_end(const Options& options, const Case& wanted);
@@ -62,8 +54,5 @@ void add_copies(const Options& options);
 void add_nesting_series(const Options& options);
 void add_reads(const Options& options);
 void add_regions(const Options& options);
-
-/// Adds machine, compiler, flags, threads, pinning and huge pages to the context of the results.
-void describe_context(const Options& options);
 
 }  // namespace lamella::bench

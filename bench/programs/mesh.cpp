@@ -3,13 +3,34 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numbers>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "base/parallel.hpp"
 #include "lamella/io/mesh_file.hpp"
+#include "timing.hpp"
 
 namespace lamella::bench {
+
+namespace {
+
+struct Corner {
+    float x, y, z;
+};
+
+std::vector<Corner> ring(double x, double y, double z, double radius, std::uint32_t sides) {
+    std::vector<Corner> corners;
+    for (std::uint32_t i = 0; i < sides; ++i) {
+        const double angle = 2 * std::numbers::pi * i / sides;
+        corners.push_back({static_cast<float>(x + radius * std::cos(angle)),
+                           static_cast<float>(y + radius * std::sin(angle)), static_cast<float>(z)});
+    }
+    return corners;
+}
+
+}  // namespace
 
 void Mesh::measure() noexcept {
     low_mm = high_mm = soup.empty() ? 0 : static_cast<double>(soup[2]);
@@ -22,25 +43,22 @@ void Mesh::measure() noexcept {
     }
 }
 
-Result<Mesh> load_mesh(const std::filesystem::path& file) {
-    const Result<MeshFile> stl = read_mesh(file);
-    if (!stl) {
-        return stl.error();
-    }
+Mesh load_mesh(const std::filesystem::path& file) {
+    const MeshFile stl = checked(read_mesh(file));
     Mesh mesh;
     mesh.file = file;
-    mesh.soup.resize_discarding(9 * stl->triangle_count);
-    const MeshView view = stl->view();
-    Parallel().run_ranges(stl->triangle_count, 1 << 14, [&](std::size_t begin, std::size_t end, int) {
+    mesh.soup.resize_discarding(9 * stl.triangle_count);
+    const MeshView view = stl.view();
+    Parallel().run_ranges(stl.triangle_count, 1 << 14, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t t = begin; t < end; ++t) {
-            std::memcpy(mesh.soup.data() + 9 * t, view.vertices + t * view.stride, 9 * sizeof(float));
+            std::memcpy(mesh.soup.data() + 9 * t, view.vertex_at(t), 9 * sizeof(float));
         }
     });
     mesh.measure();
     return mesh;
 }
 
-Result<std::filesystem::path> cached_mesh(const models::Recipe& recipe, const std::filesystem::path& cache) {
+std::filesystem::path cached_mesh(const models::Recipe& recipe, const std::filesystem::path& cache) {
     std::error_code ignored;
     std::filesystem::create_directories(cache, ignored);
     std::string name = std::string(models::shape_names[static_cast<std::size_t>(recipe.shape)]) + "-" +
@@ -51,11 +69,40 @@ Result<std::filesystem::path> cached_mesh(const models::Recipe& recipe, const st
     }
     const std::filesystem::path file = cache / (name + (recipe.order == models::Order::random ? "-random.stl" : ".stl"));
     if (!std::filesystem::exists(file, ignored)) {
-        if (const Result<std::uint64_t> made = models::write_stl(recipe, file); !made) {
-            return made.error();
-        }
+        checked(models::write_stl(recipe, file));
     }
     return file;
+}
+
+Mesh make_columns(std::uint32_t count, std::uint32_t sides, double height_mm) {
+    Mesh mesh;
+    mesh.soup.resize_discarding(std::size_t{9} * count * (2 * sides + 2 * (sides - 2)));
+    float* out = mesh.soup.data();
+    const auto triangle = [&out](const Corner& a, const Corner& b, const Corner& c) {
+        for (const Corner& corner : {a, b, c}) {
+            *out++ = corner.x;
+            *out++ = corner.y;
+            *out++ = corner.z;
+        }
+    };
+    const auto row = static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(count))));
+    for (std::uint32_t column = 0; column < count; ++column) {
+        const double x = column % row;
+        const double y = column / row;  // NOLINT(bugprone-integer-division): the row's number
+        const std::vector<Corner> low = ring(x, y, 0, 0.40, sides);
+        const std::vector<Corner> high = ring(x, y, height_mm, 0.45, sides);
+        for (std::uint32_t i = 0; i < sides; ++i) {
+            const std::uint32_t next = (i + 1) % sides;
+            triangle(low[i], low[next], high[i]);
+            triangle(low[next], high[next], high[i]);
+        }
+        for (std::uint32_t i = 1; i + 1 < sides; ++i) {
+            triangle(low[0], low[i + 1], low[i]);
+            triangle(high[0], high[i], high[i + 1]);
+        }
+    }
+    mesh.measure();
+    return mesh;
 }
 
 }  // namespace lamella::bench

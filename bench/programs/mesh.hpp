@@ -5,7 +5,6 @@
 #include <filesystem>
 
 #include "lamella/array.hpp"
-#include "lamella/error.hpp"
 #include "lamella/mesh.hpp"
 #include "models/models.hpp"
 
@@ -26,10 +25,11 @@ struct Mesh {
     void measure() noexcept;
 };
 
-Result<Mesh> load_mesh(const std::filesystem::path& file);
+// These throw std::runtime_error.
+Mesh load_mesh(const std::filesystem::path& file);
 
 /// The file of the recipe's mesh in `cache`. Makes it unless it exists.
-Result<std::filesystem::path> cached_mesh(const models::Recipe& recipe, const std::filesystem::path& cache);
+std::filesystem::path cached_mesh(const models::Recipe& recipe, const std::filesystem::path& cache);
 
 /// `count` closed columns of `sides` sides on a square lattice of 1 mm. A column has 2 * sides facets over its full
 /// height and sides - 2 at either end.

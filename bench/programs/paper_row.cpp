@@ -9,10 +9,8 @@
 // then adds the orientation of contours by rays. Exit status 75: over the time limit; 78: the method does not apply to
 // this mesh.
 #include <algorithm>
-#include <cstdlib>
 #include <exception>
 #include <iostream>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -20,14 +18,13 @@
 #include <nlohmann/json.hpp>
 
 #include "answer.hpp"
-#include "base/clock.hpp"
 #include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
 #include "mesh.hpp"
 #include "methods.hpp"
-#include "sense_by_rays.hpp"
 #include "slice_incremental.hpp"
-#include "timed_runs.hpp"
+#include "slicing/tuning.hpp"
+#include "timing.hpp"
 
 namespace {
 
@@ -42,16 +39,14 @@ struct Request {
     int threads = 1;
     unsigned limit_s = 0;
 
-    SliceOptions options() const {
-        SliceOptions options;
-        options.control.threads = threads;
+    SliceInfo slice_to(SliceResult& result, Slicer& slicer, const Mesh& mesh, int on_threads) const {
+        Tuning tuning;
         if (const std::size_t colon = random_heights.find(':'); colon != std::string::npos) {
-            options.plan.spacing =
-                RandomLayers{std::stod(random_heights.substr(0, colon)), std::stod(random_heights.substr(colon + 1)), 1};
-        } else {
-            options.plan.spacing = UniformLayers{.layer_height_mm = layer_height_mm};
+            tuning.random_heights = {std::stod(random_heights.substr(0, colon)),
+                                     std::stod(random_heights.substr(colon + 1))};
         }
-        return options;
+        return checked(
+            slice_tuned(slicer, result, mesh.view(), {.layer_height_mm = layer_height_mm}, tuning, {.threads = on_threads}));
     }
 };
 
@@ -61,10 +56,6 @@ struct Run {
     double sense_s = 0;
     double sum() const noexcept { return slicing_s + contours_s + sense_s; }
 };
-
-double seconds_since(Clock::time_point start) {
-    return milliseconds_since(start) / 1000;
-}
 
 /// Each run has the full limit.
 template <class RunOnce>
@@ -81,15 +72,13 @@ std::vector<Run> repeated_within(unsigned limit_s, const RunOnce& run_once) {
 class Reference {
 public:
     Reference(const Mesh& mesh, const Request& request) {
-        SliceOptions options = request.options();
-        options.control.threads = 0;
-        const SliceResult result = checked(slice(mesh.view(), options));
+        SliceResult result;
+        Slicer slicer;
+        info = request.slice_to(result, slicer, mesh, 0);
         answer = answer_of(result);
-        summary = result.summary;
-        contours = result.contours.size();
         problem.soup = mesh.soup.span();
-        problem.unit_mm = result.unit_mm;
-        for (const Layer& layer : result.layers) {
+        problem.unit_mm = result.info.grid_mm;
+        for (const LayerView layer : result) {
             problem.planes.push_back(layer.plane.z());
         }
         if (request.random_heights.empty() && problem.planes.size() > 1) {
@@ -101,8 +90,7 @@ public:
     }
 
     Answer answer;
-    SliceSummary summary;
-    std::uint64_t contours = 0;
+    SliceInfo info;
     baselines::Problem problem;
 };
 
@@ -116,16 +104,13 @@ struct Row {
 };
 
 Row run_engine(const Mesh& mesh, const Request& request) {
-    const SliceOptions options = request.options();
-    Workspace workspace;
+    Slicer slicer;
     SliceResult result;
     const auto run_once = [&] {
         const auto start = Clock::now();
-        if (const Status status = slice(mesh.view(), options, workspace, result); !status) {
-            throw std::runtime_error(status.error().message);
-        }
+        request.slice_to(result, slicer, mesh, request.threads);
         const double all = seconds_since(start);
-        const double contours = (result.summary.ms.contours + result.summary.ms.nesting) / 1000;
+        const double contours = (result.info.ms.contours + result.info.ms.nesting) / 1000;
         return Run{all - contours, contours};
     };
     run_once();  // warms memory, as in all other measurements
@@ -181,52 +166,47 @@ Row run_steps(const baselines::SlicingMethod& slicing, const baselines::ContourM
     return row;
 }
 
-template <class Method>
-const Method* find(std::span<const Method* const> methods, const std::string& name) {
-    const auto found = std::find_if(methods.begin(), methods.end(), [&](const Method* m) { return m->name == name; });
-    return found == methods.end() ? nullptr : *found;
+template <class Methods>
+auto find(const Methods& methods, const std::string& name) {
+    const auto found = std::ranges::find_if(methods, [&](const auto* method) { return method->name == name; });
+    return found == std::end(methods) ? nullptr : *found;
 }
 
 Row run_method(const Mesh& mesh, const Request& request, const baselines::Problem& problem) {
     if (request.method == "engine") {
         return run_engine(mesh, request);
     }
-    if (const auto* whole = find(baselines::whole_methods(), request.method)) {
+    if (const auto* whole = find(baselines::whole_methods, request.method)) {
         return run_whole(*whole, problem, request.limit_s);
     }
     const std::vector<std::string> steps = CLI::detail::split(request.method, '+');
-    const auto* slicing = find(baselines::slicing_methods(), steps[0]);
-    const auto* contours = steps.size() > 1 ? find(baselines::contour_methods(), steps[1]) : nullptr;
+    const auto* slicing = find(baselines::slicing_methods, steps[0]);
+    const auto* contours = steps.size() > 1 ? find(baselines::contour_methods, steps[1]) : nullptr;
     const bool tells_sense = steps.size() == 3 && steps[2] == "rays";
     if (slicing == nullptr || steps.size() > 3 || (steps.size() > 1 && contours == nullptr) ||
         (steps.size() == 3 && !tells_sense)) {
-        throw std::runtime_error("no method is called " + request.method);
+        fail("no method is called " + request.method);
     }
     return run_steps(*slicing, contours, tells_sense, problem, request.limit_s);
 }
 
 nlohmann::ordered_json to_json(const Request& request, const Mesh& mesh, const Reference& reference, const Row& row) {
     const Difference apart = difference(reference.answer, row.answer);
-    nlohmann::ordered_json slicing = nlohmann::ordered_json::array();
-    nlohmann::ordered_json contours = nlohmann::ordered_json::array();
-    nlohmann::ordered_json orientation = nlohmann::ordered_json::array();
-    for (const Run& run : row.runs) {
-        slicing.push_back(run.slicing_s);
-        contours.push_back(run.contours_s);
-        orientation.push_back(run.sense_s);
-    }
+    const auto times = [&](double Run::*member, bool measured) {
+        return measured ? nlohmann::ordered_json(values_of(row.runs, member)) : nlohmann::ordered_json();
+    };
     return {{"method", request.method},
             {"source", row.source},
             {"threads", request.threads},
             {"uniform", reference.problem.uniform},
             {"n", mesh.triangles()},
             {"k", reference.problem.planes.size()},
-            {"m", reference.summary.segments},
-            {"contours", reference.contours},
-            {"open", reference.summary.open_contours},
-            {"slicing_s", slicing},
-            {"contours_s", row.joins ? contours : nlohmann::ordered_json()},
-            {"sense_s", row.tells_sense ? orientation : nlohmann::ordered_json()},
+            {"m", reference.info.segments},
+            {"contours", reference.info.contours},
+            {"open", reference.info.open_contours},
+            {"slicing_s", times(&Run::slicing_s, true)},
+            {"contours_s", times(&Run::contours_s, row.joins)},
+            {"sense_s", times(&Run::sense_s, row.tells_sense)},
             {"planes_apart", apart.planes},
             {"contours_apart", row.joins ? nlohmann::ordered_json(apart.contours) : nlohmann::ordered_json()},
             {"peak_bytes", peak_bytes()}};
@@ -246,7 +226,7 @@ bool ascends(const Mesh& mesh) {
 }
 
 int run(const Request& request) {
-    const Mesh mesh = checked(load_mesh(request.mesh));
+    const Mesh mesh = load_mesh(request.mesh);
     if (request.method == baselines::presorted_slicing.name && !ascends(mesh)) {
         std::cerr << "the triangles do not ascend by z_min\n";
         constexpr int not_for_this_mesh = 78;

@@ -1,27 +1,25 @@
 // Times every band and every part of the other stages, alone on one thread, as the engine divides them for 1 to 128
 // threads. Prints the times as JSON; scripts/partition.py makes schedules from them.
 #include <algorithm>
-#include <chrono>
 #include <cstddef>
-#include <exception>
-#include <functional>
 #include <iostream>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
+
+#include <nlohmann/json.hpp>
 
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
 #include "catalogue.hpp"
-#include "copy_bandwidth.hpp"
 #include "prepared.hpp"
 #include "slicing/bands/bands.hpp"
 #include "slicing/buckets/bucket.hpp"
 #include "slicing/buckets/mesh_source.hpp"
-#include "slicing/grid/bounds.hpp"
 #include "slicing/planes/plane_set.hpp"
+#include "slicing/slice_layers.hpp"
 #include "slicing/sweep/band_sweep.hpp"
+#include "timing.hpp"
 
 namespace lamella::bench {
 
@@ -34,25 +32,25 @@ constexpr int repetitions = 3;
 /// The stages of slice() on one thread, callable one by one, with the memory that they reuse.
 class Stages {
 public:
-    Stages(const MeshView& mesh, const LayerPlan& plan) : plan_(plan) { narrow_to(mesh); }
+    Stages(const MeshView& mesh, const Plan& plan) : plan_(plan) { narrow_to(mesh); }
 
-    /// Finds bounds and unit.
-    Status measure() {
+    /// Finds box, unit and planes.
+    Status begin() {
         return guarded([&]() -> Status {
-            bounds_ = source_->measure(0);
-            unit_mm_ = require(choose_unit(bounds_, 0)).mm;
+            frame_ = choose_frame(source_->measure(0), source_->info.number, {}, {});
+            plan_planes();
             return {};
         });
     }
-    Status plan_planes() {
-        return planes_.build(plan_, bounds_, unit_mm_, source_->info.number, std::numeric_limits<std::uint64_t>::max());
+    void plan_planes() {
+        planes_.build(plan_.options, plan_.tuning.random_heights, frame_, std::numeric_limits<std::uint64_t>::max());
     }
-    void count() { source_->count(unit_mm_); }
+    void count() { source_->count(frame_.unit.mm); }
     /// Cuts bands as for this number of threads. scatter() and find_seeds() must follow.
     void cut_bands_for(int threads) { bands_.cut(buckets_, planes_.size(), 0, threads); }
     void scatter() { reaching_ = source_->scatter(bands_.band_end, bands_.reaching.span(), false); }
     /// Once after scatter(): may release the notes that it made.
-    void find_seeds() { bands_.find_seeds(planes_.size(), reaching_); }
+    void find_seeds() { bands_.find_seeds(planes_.size(), reaching_, {}); }
     void sweep_band(std::size_t band) {
         output_.begin({output_.buffer.data(), output_.buffer.capacity()});
         (void)sweep_.run(bands_.bands[band], bands_.seeds_of(band), buckets_, planes_, ContourForm::swept, {}, output_);
@@ -60,19 +58,18 @@ public:
 
     /// Makes look_at_bounds(), count(), cut_bands_for() and scatter() use `part` only, on the planes of the whole mesh.
     void narrow_to(const MeshView& part) {
-        source_.emplace(part, Transform{}, nullptr, SourceTools{parallel_, planes_, buckets_});
+        source_.emplace(part, Placing{}, nullptr, SourceTools{parallel_, planes_, buckets_});
     }
-    /// Does the work of measure(), but keeps only the table of blocks.
+    /// The first read, of which only the table of blocks is kept.
     void look_at_bounds() { (void)source_->measure(0); }
 
     const PlaneSet& planes() const noexcept { return planes_; }
     const BandPlan& bands() const noexcept { return bands_; }
 
 private:
-    LayerPlan plan_;
-    Parallel parallel_{Control{.threads = 1}};
-    Bounds bounds_{};
-    double unit_mm_ = 0;
+    Plan plan_;
+    Parallel parallel_{Context{.threads = 1}};
+    SharedFrame frame_{};
     PlaneSet planes_{nullptr};
     Buckets buckets_{nullptr};
     std::optional<SoupSource> source_;
@@ -81,12 +78,6 @@ private:
     BandSweep sweep_{nullptr};
     BandOutput output_{nullptr};
 };
-
-double seconds(const std::function<void()>& work) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 void keep_least(double& least, double value) {
     least = least == 0 ? value : std::min(least, value);
@@ -103,15 +94,15 @@ Json time_part(const Prepared& prepared, std::size_t part, std::size_t parts) {
     double count = 0;
     double scatter = 0;
     // The planes are those of the whole mesh, so they are made before the view is narrowed to a part.
-    if (!whole.measure() || !whole.plan_planes()) {
+    if (!whole.begin()) {
         return {};
     }
     whole.narrow_to(MeshView::soup(std::span<const float>(first, 9 * (end - begin))));
     for (int i = 0; i < repetitions; ++i) {
-        keep_least(bounds, seconds([&] { whole.look_at_bounds(); }));
-        keep_least(count, seconds([&] { whole.count(); }));
+        keep_least(bounds, seconds_of([&] { whole.look_at_bounds(); }));
+        keep_least(count, seconds_of([&] { whole.count(); }));
         whole.cut_bands_for(1);
-        keep_least(scatter, seconds([&] { whole.scatter(); }));
+        keep_least(scatter, seconds_of([&] { whole.scatter(); }));
     }
     return {{"bounds", bounds}, {"count", count}, {"scatter", scatter}};
 }
@@ -121,7 +112,7 @@ std::vector<double> time_bands(Stages& stages) {
     std::vector<double> least(stages.bands().bands.size(), 0);
     for (int i = 0; i < repetitions; ++i) {
         for (std::size_t band = 0; band < least.size(); ++band) {
-            keep_least(least[band], seconds([&] { stages.sweep_band(band); }));
+            keep_least(least[band], seconds_of([&] { stages.sweep_band(band); }));
         }
     }
     return least;
@@ -131,9 +122,9 @@ Json time_partition(const Prepared& prepared, Stages& stages, int threads) {
     double plan_bands = 0;
     for (int i = 0; i < repetitions; ++i) {
         stages.count();
-        const double cut = seconds([&] { stages.cut_bands_for(threads); });
+        const double cut = seconds_of([&] { stages.cut_bands_for(threads); });
         stages.scatter();
-        keep_least(plan_bands, cut + seconds([&] { stages.find_seeds(); }));
+        keep_least(plan_bands, cut + seconds_of([&] { stages.find_seeds(); }));
     }
     Json json{{"threads", threads}, {"plan_bands", plan_bands}, {"bands", time_bands(stages)}};
     std::vector<std::uint64_t> segments;
@@ -154,21 +145,19 @@ Json time_partition(const Prepared& prepared, Stages& stages, int threads) {
 
 Json time_case(Prepared& prepared) {
     Stages stages(prepared.mesh().view(), prepared.plan());
-    if (!stages.measure() || !stages.plan_planes()) {
+    if (!stages.begin()) {
         return {};
     }
     Json json{{"triangles", prepared.mesh().triangles()},
               {"planes", stages.planes().size()},
-              {"segments", prepared.summary().segments},
-              {"contours", prepared.contours()},
+              {"segments", prepared.info().segments},
+              {"contours", prepared.info().contours},
               {"copy_bytes_per_s", copy_bandwidth(1)}};
     double planes = 0;
     double end_to_end = 0;
-    const SliceOptions options = prepared.options(1);
     for (int i = 0; i < repetitions; ++i) {
-        keep_least(planes, seconds([&] { (void)stages.plan_planes().ok(); }));
-        keep_least(end_to_end,
-                   seconds([&] { (void)slice(prepared.mesh().view(), options, prepared.workspace, prepared.result).ok(); }));
+        keep_least(planes, seconds_of([&] { stages.plan_planes(); }));
+        keep_least(end_to_end, seconds_of([&] { prepared.slice(1); }));
     }
     json["plan_planes"] = planes;
     json["end_to_end_1_thread"] = end_to_end;
@@ -183,41 +172,32 @@ bool is_wanted(const Case& each) {
     return each.measured.partition || each.name.find("_planes") != std::string::npos;
 }
 
-int run(const Options& options) {
+void run(const std::vector<std::string>& words) {
+    Options options;
+    for (const std::string& word : words) {
+        if (!take_option(word, options)) {
+            fail("unknown option " + word);
+        }
+    }
     if (options.quick) {
         set_copy_size(std::size_t{16} << 20);
     }
     Preparer preparer;
     Json all;
     for (const Case& each : make_catalogue(options)) {
-        if (!is_wanted(each)) {
-            continue;
+        if (is_wanted(each)) {
+            std::cerr << each.name << '\n';
+            all[each.name] = time_case(preparer.get(each));
         }
-        Prepared* prepared = preparer.get(each);
-        if (prepared == nullptr || !prepared->failure().empty()) {
-            std::cerr << each.name << ": " << (prepared == nullptr ? preparer.failure() : prepared->failure()) << '\n';
-            return 1;
-        }
-        std::cerr << each.name << '\n';
-        all[each.name] = time_case(*prepared);
     }
     std::cout << all.dump(1) << '\n';
-    return 0;
 }
 
 }  // namespace
 
 }  // namespace lamella::bench
 
-int main(int count, char** words) try {
-    std::vector<char*> arguments(words + 1, words + count);
-    const lamella::bench::Options options = lamella::bench::take_options(arguments);
-    if (!arguments.empty()) {
-        std::cerr << "usage: lamella_partition [--cache=DIR] [--shared=DIR] [--quick]\n";
-        return 2;
-    }
-    return lamella::bench::run(options);
-} catch (const std::exception& failure) {
-    std::cerr << failure.what() << '\n';
-    return 1;
+int main(int count, char** words) {
+    return lamella::bench::run_program(count, words, 0, 4, "[--cache=DIR] [--shared=DIR] [--quick] [--max-threads=N]",
+                                       lamella::bench::run);
 }

@@ -1,114 +1,113 @@
 #include "prepared.hpp"
 
+#include <array>
 #include <cmath>
+#include <cstring>
+#include <map>
+#include <utility>
+
+#include "base/parallel.hpp"
+#include "lamella/array.hpp"
 
 namespace lamella::bench {
 
 namespace {
 
-bool within(std::uint64_t found, std::uint64_t stated, double tolerance) {
-    return std::abs(static_cast<double>(found) - static_cast<double>(stated)) <= tolerance * static_cast<double>(stated);
+std::size_t copy_bytes = std::size_t{256} << 20;
+
+double measure_copy(int threads) {
+    Array<char> from;
+    Array<char> to;
+    from.resize_discarding(copy_bytes);
+    to.resize_discarding(copy_bytes);
+    std::memset(from.data(), 1, from.size());
+    std::memset(to.data(), 2, to.size());
+    const Parallel parallel({.threads = threads});
+    std::vector<double> ms(9);
+    for (double& took : ms) {
+        took = ms_of([&] {
+            parallel.run_ranges(from.size(), 1 << 20, [&](std::size_t begin, std::size_t end, int) {
+                std::memcpy(to.data() + begin, from.data() + begin, end - begin);
+            });
+        });
+    }
+    return 2 * static_cast<double>(copy_bytes) / (median_of(ms) / 1000);
 }
 
-std::string differs(const char* what, std::uint64_t found, std::uint64_t stated) {
-    return std::string(what) + ": " + std::to_string(found) + ", stated " + std::to_string(stated);
+void require_near(const char* what, std::uint64_t found, std::uint64_t stated, double tolerance) {
+    if (std::abs(static_cast<double>(found) - static_cast<double>(stated)) > tolerance * static_cast<double>(stated)) {
+        fail(std::string(what) + ": " + std::to_string(found) + ", stated " + std::to_string(stated));
+    }
 }
 
 }  // namespace
 
+void set_copy_size(std::size_t bytes) {
+    copy_bytes = bytes;
+}
+
+double copy_bandwidth(int threads) {
+    static std::map<int, double> measured;
+    const auto [at, fresh] = measured.try_emplace(threads, 0.0);
+    if (fresh) {
+        at->second = measure_copy(threads);
+    }
+    return at->second;
+}
+
 Prepared::Prepared(const Case& wanted, std::shared_ptr<const Mesh> mesh)
-    : mesh_(std::move(mesh)), plan_(wanted.plan(*mesh_)), failure_(check_case(wanted)) {}
-
-SliceOptions Prepared::options(int threads) const {
-    SliceOptions options;
-    options.plan = plan_;
-    options.control.threads = threads;
-    return options;
-}
-
-std::uint64_t Prepared::result_bytes() const noexcept {
-    return layer_count_ * sizeof(Layer) + contour_count_ * sizeof(Contour) + point_count_ * sizeof(Point);
-}
-
-std::string Prepared::check_case(const Case& wanted) {
-    if (wanted.triangles != 0 && !within(mesh_->triangles(), wanted.triangles, 0.01)) {
-        return differs("triangles", mesh_->triangles(), wanted.triangles);
+    : mesh_(std::move(mesh)), plan_(wanted.plan(*mesh_)) {
+    if (wanted.triangles != 0) {
+        require_near("triangles", mesh_->triangles(), wanted.triangles, 0.01);
     }
     if (wanted.known) {
-        if (std::string failure = check_known(*wanted.known); !failure.empty()) {
-            return failure;
-        }
+        check_known(*wanted.known);
     }
-    if (Status status = slice(mesh_->view(), options(1), workspace, result); !status) {
-        return status.error().message;
+    info_ = slice(1);
+    const AuditOptions structure{.open = false, .volume = false, .ledger = false, .crossings = false, .structure = true};
+    const Audit audited = checked(audit(result, MeshView{}, structure));
+    if (!*audited.structure) {
+        fail(audited.structure->error().message);
     }
-    if (Status status = validate(result); !status) {
-        return status.error().message;
+    hash_ = result.hash();
+    if (wanted.segments != 0) {
+        require_near("segments", info_.segments, wanted.segments, 0.05);
     }
-    summary_ = result.summary;
-    layer_count_ = result.layers.size();
-    contour_count_ = result.contours.size();
-    point_count_ = result.points.size();
-    hash_ = hash_result(result);
-    if (wanted.segments != 0 && !within(summary_.segments, wanted.segments, 0.05)) {
-        return differs("segments", summary_.segments, wanted.segments);
-    }
-    return {};
 }
 
-std::string Prepared::check_known(const KnownAnswer& known) {
-    SliceOptions exact = options(1);
-    exact.plan = LayerPlan{UniformLayers{.layer_height_mm = 0.032, .first_height_mm = 0.008}};
-    exact.unit_mm = 0.004;
-    if (Status status = slice(mesh_->view(), exact, workspace, result); !status) {
-        return status.error().message;
-    }
-    const std::pair<const char*, std::pair<std::uint64_t, std::uint64_t>> counts[] = {
-        {"planes", {result.layers.size(), known.planes}},
-        {"segments", {result.summary.segments, known.segments}},
-        {"contours", {result.contours.size(), known.contours}},
-        {"open contours", {result.summary.open_contours, known.open}},
-    };
-    for (const auto& [what, count] : counts) {
-        if (count.first != count.second) {
-            return differs(what, count.first, count.second);
-        }
-    }
-    return {};
+void Prepared::check_known(const KnownAnswer& known) {
+    const SliceOptions exact{.layer_height_mm = 0.032, .planes = {.first_height_mm = 0.008}, .frame = {.grid_mm = 0.004}};
+    const SliceInfo sliced = checked(slicer.slice_to(result, mesh_->view(), exact, {.threads = 1}));
+    require_near("planes", sliced.layers, known.planes, 0);
+    require_near("segments", sliced.segments, known.segments, 0);
+    require_near("contours", sliced.contours, known.contours, 0);
+    require_near("open contours", sliced.open_contours, known.open, 0);
 }
 
-std::string Prepared::check(int threads) {
-    if (!failure_.empty() || checked_.contains(threads)) {
-        return failure_;
+void Prepared::check(int threads) {
+    if (checked_.contains(threads)) {
+        return;
     }
-    if (Status status = slice(mesh_->view(), options(threads), workspace, result); !status) {
-        return status.error().message;
-    }
-    if (hash_result(result) != hash_) {
-        return "the answer differs from that of one thread";
+    slice(threads);
+    if (result.hash() != hash_) {
+        fail("the answer differs from that of one thread");
     }
     checked_.insert(threads);
-    return {};
 }
 
-Prepared* Preparer::get(const Case& wanted) {
-    if (prepared_ != nullptr && case_name_ == wanted.name) {
-        return prepared_.get();
-    }
-    prepared_.reset();
-    if (mesh_name_ != wanted.mesh_name) {
-        mesh_.reset();
-        Result<Mesh> made = wanted.mesh();
-        if (!made) {
-            failure_ = made.error().message;
-            return nullptr;
+Prepared& Preparer::get(const Case& wanted) {
+    if (prepared_ == nullptr || case_name_ != wanted.name) {
+        prepared_.reset();
+        if (mesh_name_ != wanted.mesh_name) {
+            mesh_.reset();
+            mesh_name_.clear();
+            mesh_ = std::make_shared<const Mesh>(wanted.mesh());
+            mesh_name_ = wanted.mesh_name;
         }
-        mesh_ = std::make_shared<const Mesh>(std::move(made).value());
-        mesh_name_ = wanted.mesh_name;
+        prepared_ = std::make_unique<Prepared>(wanted, mesh_);
+        case_name_ = wanted.name;
     }
-    case_name_ = wanted.name;
-    prepared_ = std::make_unique<Prepared>(wanted, mesh_);
-    return prepared_.get();
+    return *prepared_;
 }
 
 }  // namespace lamella::bench

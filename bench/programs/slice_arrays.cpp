@@ -5,24 +5,18 @@
 //
 // VERTICES holds three float32 a vertex, FACES three uint32 a triangle. For each line `LAYER_MM CALLS HOW` of standard input
 // the program slices so often, after one call that only warms, and prints a line of JSON with the time of each call in ms.
-// HOW is `kept`, workspace and result reused, or `fresh`, neither. Between two lines it waits, so that programs can take
+// HOW is `kept`, Slicer and result used again, or `fresh`, neither. Between two lines it waits, so that programs can take
 // turns.
-#include <cstdio>
-#include <cstdlib>
-#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "lamella/lamella.hpp"
-#include "medians.hpp"
-#include "timed_runs.hpp"
+#include "timing.hpp"
 
 namespace lamella::bench {
 
@@ -34,58 +28,41 @@ std::vector<T> numbers_of(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
     file.read(reinterpret_cast<char*>(numbers.data()), static_cast<std::streamsize>(numbers.size() * sizeof(T)));
     if (!file) {
-        throw std::runtime_error("cannot read " + path);
+        fail("cannot read " + path);
     }
     return numbers;
 }
 
-void require(const Status& done) {
-    if (!done) {
-        throw std::runtime_error(done.error().message);
+/// The time of each call, and what tells that the result is another's. Freeing the result is not timed.
+nlohmann::json time_calls(const MeshView& mesh, const SliceOptions& options, const Context& context, int calls, bool kept) {
+    Slicer slicer;
+    SliceResult result;
+    std::vector<double> times;
+    for (int call = 0; call <= calls; ++call) {
+        if (kept) {
+            times.push_back(ms_of([&] { checked(slicer.slice_to(result, mesh, options, context)); }));
+        } else {
+            result = SliceResult{};
+            times.push_back(ms_of([&] { result = checked(slice(mesh, options, context)); }));
+        }
     }
-}
-
-/// The time of each call, and what tells that the result is another's.
-nlohmann::json report_of(const SliceResult& result, std::vector<double> times) {
     times.erase(times.begin());
-    return {{"ms", times}, {"layers", result.layers.size()}, {"hash", hash_result(result)}};
+    return {{"ms", times}, {"layers", result.layers.size()}, {"hash", result.hash()}};
 }
 
-nlohmann::json slice_kept(const MeshView& mesh, const SliceOptions& options, int calls) {
-    Workspace workspace;
-    SliceResult result;
-    std::vector<double> times;
-    for (int call = 0; call <= calls; ++call) {
-        times.push_back(ms_of([&] { require(slice(mesh, options, workspace, result)); }));
-    }
-    return report_of(result, std::move(times));
-}
-
-/// Freeing the result is not timed.
-nlohmann::json slice_fresh(const MeshView& mesh, const SliceOptions& options, int calls) {
-    SliceResult result;
-    std::vector<double> times;
-    for (int call = 0; call <= calls; ++call) {
-        result = SliceResult{};
-        times.push_back(ms_of([&] { result = checked(slice(mesh, options)); }));
-    }
-    return report_of(result, std::move(times));
-}
-
-void run(const std::string& vertices, const std::string& faces, int threads) {
-    const auto xyz = numbers_of<float>(vertices);
-    const auto indices = numbers_of<std::uint32_t>(faces);
+void run(const std::vector<std::string>& words) {
+    const auto xyz = numbers_of<float>(words[0]);
+    const auto indices = numbers_of<std::uint32_t>(words[1]);
     const MeshView mesh = MeshView::indexed(xyz, indices);
     SliceOptions options;
-    options.control.threads = threads;
     options.region.fill_rule = FillRule::non_zero;
-    options.close_gaps_mm = gaps_by_mesh;
+    options.stitch_mm = stitch_by_mesh;
     double layer_mm = 0;
     int calls = 0;
     std::string how;
     while (std::cin >> layer_mm >> calls >> how) {
-        options.plan = {UniformLayers{.layer_height_mm = layer_mm}};
-        std::cout << (how == "kept" ? slice_kept(mesh, options, calls) : slice_fresh(mesh, options, calls)) << std::endl;
+        options.layer_height_mm = layer_mm;
+        std::cout << time_calls(mesh, options, {.threads = std::stoi(words[2])}, calls, how == "kept") << std::endl;
     }
 }
 
@@ -94,15 +71,5 @@ void run(const std::string& vertices, const std::string& faces, int threads) {
 }  // namespace lamella::bench
 
 int main(int count, char** words) {
-    if (count != 4) {
-        std::fputs("usage: lamella_slice_arrays VERTICES FACES THREADS\n", stderr);
-        return 2;
-    }
-    try {
-        lamella::bench::run(words[1], words[2], std::stoi(words[3]));
-        return EXIT_SUCCESS;
-    } catch (const std::exception& error) {
-        std::fprintf(stderr, "%s\n", error.what());
-        return EXIT_FAILURE;
-    }
+    return lamella::bench::run_program(count, words, 3, 3, "VERTICES FACES THREADS", lamella::bench::run);
 }

@@ -16,12 +16,11 @@ import pathlib
 import resource
 import shutil
 import statistics
-import subprocess
 import sys
 import tempfile
 import time
 
-from readme_table import mark, mark_least, show, table_parser
+from readme_table import compare, markdown_table, run
 
 THROUGHPUT_BAR = 1.8
 PROCESSOR_BAR = 1.10
@@ -43,7 +42,7 @@ def timed(work):
 
 
 def options(folder):
-    return ["--like", str(folder / "like.nii.gz"), "--frame", "lps"]
+    return ["--like", folder / "like.nii.gz", "--frame", "lps"]
 
 
 def make_meshes(tool, folder, count, large):
@@ -51,35 +50,32 @@ def make_meshes(tool, folder, count, large):
     meshes.mkdir(parents=True)
     for i in range(DISTINCT):
         triangles = round(LEAST * (MOST / LEAST) ** (i / (DISTINCT - 1)))
-        made = folder / f"made{i}.stl"
         shape = ["bone", "bone", "torus", "sphere"][i % 4]
-        command = [tool, "make", shape, "--triangles", str(triangles), "--height", "100", "-o", str(made)]
-        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+        run(tool, "make", shape, "--triangles", str(triangles), "--height", "100", "-o", folder / f"made{i}.stl")
     for i in range(count - DAMAGED - 1):
         os.link(folder / f"made{i % DISTINCT}.stl", meshes / f"mesh{i:03}.stl")
     for i in range(DAMAGED):
         (meshes / f"damaged{i}.stl").write_bytes((folder / f"made{i}.stl").read_bytes()[: 84 + 50 * 1000 + 17])
-    command = [tool, "make", "bone", "--triangles", str(large), "--height", "100", "-o", str(meshes / "large.stl")]
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-    command = [tool, "slice", str(folder / "made3.stl"), "--spacing", "1,1,1", "--frame", "lps", "-o", str(folder / "like.nii.gz")]
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    run(tool, "make", "bone", "--triangles", str(large), "--height", "100", "-o", meshes / "large.stl")
+    run(tool, "slice", folder / "made3.stl", "--spacing", "1,1,1", "--frame", "lps", "-o", folder / "like.nii.gz")
+
+
+def emptied(folder):
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    return folder
 
 
 def slice_one_by_one(tool, folder, memory):
-    out = folder / "single"
-    shutil.rmtree(out, ignore_errors=True)
-    out.mkdir()
+    out = emptied(folder / "single")
     for mesh in sorted((folder / "meshes").iterdir()):
-        command = [tool, "slice", str(mesh), "--threads", "1", *options(folder), "-o", str(out / f"{mesh.stem}.nii.gz")]
-        command += ["--memory", memory] if mesh.stem == "large" else []
-        subprocess.run(command, check=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        budget = ["--memory", memory] if mesh.stem == "large" else []
+        run(tool, "slice", mesh, "--threads", "1", *options(folder), "-o", out / f"{mesh.stem}.nii.gz", *budget, may_fail=True)
 
 
 def slice_batch(tool, folder, jobs, memory):
-    shutil.rmtree(folder / "out", ignore_errors=True)
-    command = [tool, "batch", str(folder / "meshes"), *options(folder), "-o", str(folder / "out" / "{stem}.nii.gz"),
-               "--jobs", str(jobs), "--memory", memory, "--progress", "never"]  # fmt: skip
-    subprocess.run(command, check=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    run(tool, "batch", folder / "meshes", *options(folder), "-o", emptied(folder / "out") / "{stem}.nii.gz", "--jobs", str(jobs),
+        "--memory", memory, "--progress", "never", may_fail=True)
 
 
 def wrong_results(folder, count):
@@ -98,25 +94,16 @@ def wrong_results(folder, count):
     return wrong
 
 
-def main():
-    parser = table_parser(__doc__, "tool")
-    parser.add_argument("--meshes", type=int, default=500)
-    parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--memory", default="1G")
-    parser.add_argument("--large", type=int, default=10_000_000, help="triangles of the mesh larger than the memory")
-    parser.add_argument("--rounds", type=int, default=1)
-    parser.add_argument("--folder", type=pathlib.Path)
-    arguments = parser.parse_args()
-    tool = str(pathlib.Path(arguments.tool).resolve())
-    with tempfile.TemporaryDirectory(dir=arguments.folder) as name:
-        folder = pathlib.Path(name)
+def tables(arguments, bars):
+    with tempfile.TemporaryDirectory(dir=arguments.folder or None) as name:
+        tool, folder = arguments.tool, pathlib.Path(name)
         make_meshes(tool, folder, arguments.meshes, arguments.large)
-        runs = {"single runs, one after the other": lambda: slice_one_by_one(tool, folder, arguments.memory),
-                "batch, 1 job": lambda: slice_batch(tool, folder, 1, arguments.memory),
-                f"batch, {arguments.jobs} jobs": lambda: slice_batch(tool, folder, arguments.jobs, arguments.memory)}  # fmt: skip
-        times = {what: [] for what in runs}
+        works = {"single runs, one after the other": lambda: slice_one_by_one(tool, folder, arguments.memory),
+                 "batch, 1 job": lambda: slice_batch(tool, folder, 1, arguments.memory),
+                 f"batch, {arguments.jobs} jobs": lambda: slice_batch(tool, folder, arguments.jobs, arguments.memory)}  # fmt: skip
+        times = {what: [] for what in works}
         for _ in range(arguments.rounds):
-            for what, work in runs.items():
+            for what, work in works.items():
                 now = timed(work)
                 times[what].append(now)
                 print(f"{what}: {now[0]:.1f} s, {now[1]:.1f} s of processors, load {os.getloadavg()[0]:.1f}", file=sys.stderr)
@@ -124,17 +111,15 @@ def main():
     single, one, several = times.values()
     gain = statistics.median(a[0] / b[0] for a, b in zip(one, several))
     cost = statistics.median(b[1] / a[1] for a, b in zip(single, several))
-    medians = {what: map(statistics.median, zip(*rounds)) for what, rounds in times.items()}
-    lines = ["| run | s | s of processors |", "|---|---|---|"]
-    lines += [f"| {what} | {wall:.1f} | {processor:.1f} |" for what, (wall, processor) in medians.items()]
-    lines += ["", "| bar | measured |", "|---|---|",
-              f"| throughput of {arguments.jobs} jobs over one, at least {THROUGHPUT_BAR} | {mark_least(f'{gain:.2f}', gain, THROUGHPUT_BAR)[0]} |",
-              f"| processor time over the single runs', at most {PROCESSOR_BAR} | {mark(f'{cost:.3f}', cost, PROCESSOR_BAR)[0]} |"]  # fmt: skip
-    show(arguments.readme, "batch", lines)
+    rows = [[f"throughput of {arguments.jobs} jobs over one, at least {THROUGHPUT_BAR}", bars.least(f"{gain:.2f}", gain, THROUGHPUT_BAR)],
+            [f"processor time over the single runs', at most {PROCESSOR_BAR}", bars.most(f"{cost:.3f}", cost, PROCESSOR_BAR)]]
+    medians = [[what, *(f"{statistics.median(each):.1f}" for each in zip(*rounds))] for what, rounds in times.items()]
     if wrong:
-        print("wrong results: " + "; ".join(wrong[:10]))
-    return 0 if not wrong and gain >= THROUGHPUT_BAR and cost <= PROCESSOR_BAR else 1
+        bars.met = False
+        print("wrong results: " + "; ".join(wrong[:10]), file=sys.stderr)
+    return [markdown_table(["run", "s", "s of processors"], medians), markdown_table(["bar", "measured"], rows)]
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    # `large`: triangles of the mesh larger than the memory
+    sys.exit(compare(__doc__, "batch", tables, "tool", meshes=500, jobs=2, memory="1G", large=10_000_000, rounds=1, folder=""))

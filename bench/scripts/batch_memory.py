@@ -14,7 +14,7 @@ import subprocess
 import sys
 import tempfile
 
-from readme_table import show, table_parser
+from readme_table import compare, markdown_table, run
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "python"))
 import mesh_formats  # noqa: E402
@@ -51,29 +51,23 @@ def peak_bytes(tool, mesh, work, folder):
     return 1024 * int(done.stderr.splitlines()[-1])
 
 
-def main():
-    parser = table_parser(__doc__, "tool")
-    parser.add_argument("--triangles", type=int, default=1_000_000)
-    arguments = parser.parse_args()
-    tool = str(pathlib.Path(arguments.tool).resolve())
-    lines = ["| format | bytes of file a triangle | " + " | ".join(WORK) + " |", "|" + "---|" * (len(WORK) + 2)]
+def tables(arguments, _bars):
+    tool, rows = arguments.tool, []
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         for path, triangles in (("bone.stl", arguments.triangles), ("bare.stl", BARE_TRIANGLES)):
-            make = [tool, "make", "bone", "--triangles", str(triangles), "--height", "100", "-o", str(folder / path)]
-            subprocess.run(make, check=True, stdout=subprocess.DEVNULL)
+            run(tool, "make", "bone", "--triangles", str(triangles), "--height", "100", "-o", folder / path)
         bare = {what: peak_bytes(tool, "bare.stl", work, folder) for what, work in WORK.items()}
         triangles = ((folder / "bone.stl").stat().st_size - 84) // 50
         files = folder / "files"
         files.mkdir()
         write_formats(folder / "bone.stl", files)
         for file in sorted(files.iterdir()):
-            cells = [f"{file.stat().st_size / triangles:.1f}"]
-            cells += [f"{(peak_bytes(tool, file, work, folder) - bare[what]) / triangles:.0f}" for what, work in WORK.items()]
-            lines.append(f"| {file.name} | " + " | ".join(cells) + " |")
-    lines.append(f"\nBare process: {max(bare.values()) / 1e6:.0f} MB; {triangles:,} triangles.")
-    show(arguments.readme, "batch memory", lines)
+            peaks = [f"{(peak_bytes(tool, file, work, folder) - bare[what]) / triangles:.0f}" for what, work in WORK.items()]
+            rows.append([file.name, f"{file.stat().st_size / triangles:.1f}", *peaks])
+    return [markdown_table(["format", "bytes of file a triangle", *WORK], rows),
+            f"Bare process: {max(bare.values()) / 1e6:.0f} MB; {triangles:,} triangles."]
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(compare(__doc__, "batch memory", tables, "tool", triangles=1_000_000))

@@ -87,64 +87,51 @@ class Panel:
         bars = [series for series in self.series if series.kind == "bars"]
         if bars and self.y.base:  # room below the top of the lowest bar
             self.y.low = math.floor(self.y.low)
-        area = Area(left + LEFT, TOP, width - LEFT - RIGHT, height, self.x, self.y)
-        parts = [text(area.left + area.width / 2, TOP - 10, self.title, 13)] + area.frame()
+        self.left, self.width, self.height, self.bottom = left + LEFT, width - LEFT - RIGHT, height, TOP + height
+        parts = [text(self.left + self.width / 2, TOP - 10, self.title, 13)] + self.frame()
         for number, series in enumerate(self.series):
             colour = "#000" if series.kind == "dotted" else COLOURS[number % len(COLOURS)]
-            nth = bars.index(series) if series in bars else 0
-            parts += [area.draw(series, colour, nth, len(bars)), self.legend_entry(series, colour, area, number)]
+            drawn = self.draw_bars(series, colour, bars.index(series), len(bars)) if series in bars else self.draw_line(series, colour)
+            parts += [drawn, self.legend_entry(series, colour, number)]
         return parts
 
-    def legend_entry(self, series, colour, area, number):
+    def legend_entry(self, series, colour, number):
         row, column = divmod(number, 2)
-        x = area.left + column * area.width / 2
-        y = area.top + area.height + BOTTOM + row * LEGEND_LINE
+        x, y = self.left + column * self.width / 2, self.bottom + BOTTOM + row * LEGEND_LINE
         dash = ' stroke-dasharray="2"' if series.kind == "dotted" else ""
         return (f'<path d="M{x:.1f},{y - 4:.1f}h16" stroke="{colour}" stroke-width="2"{dash}/>' +
                 text(x + 22, y, series.label, 10, "start"))
 
-
-class Area:
-    """The plot area of a panel, between its axes, in px."""
-
-    def __init__(self, left, top, width, height, x, y):
-        self.left, self.top, self.width, self.height, self.x, self.y = left, top, width, height, x, y
-
-    def at(self, point):
-        return self.left + self.width * self.x.place(point[0]), self.top + self.height * (1 - self.y.place(point[1]))
+    def at(self, x, y):
+        return self.left + self.width * self.x.place(x), TOP + self.height * (1 - self.y.place(y))
 
     def frame(self):
-        bottom = self.top + self.height
         x_ticks = [(self.left + self.width * self.x.place(tick), tick) for tick in self.x.ticks()]
-        y_ticks = [(self.top + self.height * (1 - self.y.place(tick)), tick) for tick in self.y.ticks()]
-        grid = "".join(f"M{x:.1f},{self.top}v{self.height}" for x, _ in x_ticks)
+        y_ticks = [(TOP + self.height * (1 - self.y.place(tick)), tick) for tick in self.y.ticks()]
+        grid = "".join(f"M{x:.1f},{TOP}v{self.height}" for x, _ in x_ticks)
         grid += "".join(f"M{self.left},{y:.1f}h{self.width:.1f}" for y, _ in y_ticks)
         return [
             f'<path d="{grid}" stroke="#ddd"/>',
-            f'<path d="M{self.left},{self.top}h{self.width:.1f}v{self.height}h{-self.width:.1f}z" stroke="#000"/>',
-            "".join(text(x, bottom + 14, tick_label(tick, self.x), 10) for x, tick in x_ticks),
+            f'<path d="M{self.left},{TOP}h{self.width:.1f}v{self.height}h{-self.width:.1f}z" stroke="#000"/>',
+            "".join(text(x, self.bottom + 14, tick_label(tick, self.x), 10) for x, tick in x_ticks),
             "".join(text(self.left - 5, y + 4, tick_label(tick, self.y), 10, "end") for y, tick in y_ticks),
-            text(self.left + self.width / 2, bottom + 30, self.x.label),
-            text(0, 0, self.y.label, more=f' transform="translate({self.left - 42:.1f},{self.top + self.height / 2:.1f})rotate(-90)"'),
+            text(self.left + self.width / 2, self.bottom + 30, self.x.label),
+            text(0, 0, self.y.label, more=f' transform="translate({self.left - 42:.1f},{TOP + self.height / 2:.1f})rotate(-90)"'),
         ]
 
-    def draw(self, series, colour, nth, bars):
-        if series.kind == "bars":
-            return self.draw_bars(series.points, colour, nth, bars)
-        places = [self.at(point) for point in series.points]
+    def draw_line(self, series, colour):
+        places = [self.at(x, y) for x, y in series.points]
         if series.kind == "dotted":
             return f'<path d="{path(places)}" stroke="#000" stroke-dasharray="2"/>'
         dots = "".join(f"M{x:.1f},{y:.1f}h0" for x, y in places)
         return (f'<g stroke="{colour}"><path d="{path(places)}" stroke-width="1.5"/>'
                 f'<path d="{dots}" stroke-width="5" stroke-linecap="round"/></g>')
 
-    def draw_bars(self, points, colour, nth, bars):
+    def draw_bars(self, series, colour, nth, bars):
         width = 0.8 * self.width / (self.x.high - self.x.low) / bars
-        boxes = []
-        for point in points:
-            x, y = self.at(point)
-            boxes.append(f"M{x + (nth - bars / 2) * width:.1f},{self.top + self.height}V{y:.1f}h{width:.1f}V{self.top + self.height}z")
-        return f'<path d="{"".join(boxes)}" fill="{colour}"/>'
+        boxes = "".join(f"M{x + (nth - bars / 2) * width:.1f},{self.bottom}V{y:.1f}h{width:.1f}V{self.bottom}z"
+                        for x, y in (self.at(*point) for point in series.points))
+        return f'<path d="{boxes}" fill="{colour}"/>'
 
 
 class Names(Axis):

@@ -1,11 +1,15 @@
 #!/usr/bin/env python3
-"""Writes the figures of a results folder into README.md, between its two marks. Usage: figures.py FOLDER README"""
+"""Draws scaling.svg from a folder's summary.json, into the same folder; with README, writes the tables between its two marks.
+
+Usage: figures.py FOLDER [README]"""
+import os
+import pathlib
 import sys
 
-from bars import bars_table, number
-from results import Results, markdown_table, ratio
-
-BEGIN, END = "<!-- figures: begin -->\n", "<!-- figures: end -->\n"
+from bars import REAL, bars_table, number
+from chart import Axis, Panel, save
+from readme_table import markdown_table, replace_table
+from results import Results, ratio
 
 
 def machine(results):
@@ -30,7 +34,7 @@ def times(results):
         ms = [results.ms(case, threads, variant) for threads in counts]
         rate = results.counter("segments/s", case, most, variant)
         figures = [*ms, ratio(ms[0], ms[-1]), ratio(rate, 1e6), results.counter("floor", case, most, variant)]
-        rows.append([case, variant] + [number(value, "") for value in figures])
+        rows.append([case, variant] + [number(value) for value in figures])
     heads = (["case", "variant"] + [f"ms, {threads} thr." for threads in counts] +
              [f"speed-up, {most}", "M segments/s", "floor"])
     return markdown_table(heads, rows)
@@ -41,9 +45,9 @@ def reading(results):
     rows = []
     for case, variant in results.case_variants("read"):
         def rates(counter):
-            return [number(ratio(results.counter(counter, case, threads, variant, "read"), 1e6), "") for threads in counts]
+            return [number(ratio(results.counter(counter, case, threads, variant, "read"), 1e6)) for threads in counts]
         share = results.counter("share_of_pread", case, counts[-1], variant, "read")
-        rows.append([case, variant] + rates("bytes/s") + rates("unpacked_bytes/s") + [number(share, "")])
+        rows.append([case, variant] + rates("bytes/s") + rates("unpacked_bytes/s") + [number(share)])
     heads = ["format", "as"] + [f"{what}, {threads} thr." for what in ("MB/s", "unpacked") for threads in counts]
     return markdown_table(heads + ["share of pread"], rows)
 
@@ -52,7 +56,7 @@ def nesting(results):
     rows = []
     for case in results.cases("nesting"):
         rate = results.counter("contours/s", case, 1, "series", "nesting")
-        rows.append([case, number(results.ms(case, 1, "series", "nesting"), ""), number(1e9 / rate, "") if rate else "-"])
+        rows.append([case, number(results.ms(case, 1, "series", "nesting")), number(1e9 / rate) if rate else "-"])
     return markdown_table(["layer", "ms", "ns a contour"], rows)
 
 
@@ -79,13 +83,43 @@ def text(results):
     return "\n\n".join(parts)
 
 
+def strong(results):
+    counts = results.thread_counts()
+    panel = Panel("strong scaling, measured", Axis("threads", ticks=counts), Axis("speed-up"))
+    for case in REAL + ("columns_planes1", "columns_planes4", "prism_planes1", "prism_planes4"):
+        points = [(threads, ratio(results.ms(case, 1), results.ms(case, threads))) for threads in counts]
+        if all(speedup is not None for _, speedup in points):
+            panel.line(case, points)
+    panel.dotted("ideal", [(threads, threads) for threads in counts])
+    return panel
+
+
+def weak(results):
+    counts = results.thread_counts()
+    base = results.ms("weak_1", 1)
+    points = [(threads, ratio(base, results.ms(f"weak_{threads}", threads))) for threads in counts]
+    panel = Panel("weak scaling, measured", Axis("threads", ticks=counts), Axis("efficiency", limits=(0, 1.2)))
+    panel.line("1 M triangles a thread", [point for point in points if point[1] is not None])
+    panel.dotted("ideal", [(threads, 1) for threads in counts])
+    return panel
+
+
+def allowed_panel(results):
+    panel = Panel("allowed by the partition: computed, not measured", Axis("threads", base=2), Axis("speed-up", base=2))
+    for name, case in results.partition.items():
+        panel.line(name, case["speedups"])
+    panel.dotted("ideal", [(2 ** i, 2 ** i) for i in range(8)])
+    return panel
+
+
 def main():
     results = Results(sys.argv[1])
-    with open(sys.argv[2], encoding="utf-8") as file:
-        before, _, rest = file.read().partition(BEGIN)
-    _, _, after = rest.partition(END)
-    with open(sys.argv[2], "w", encoding="utf-8") as file:
-        file.write(before + BEGIN + "\n" + text(results) + "\n\n" + END + after)
+    context = results.context
+    heading = (f"{context['processor']}, {context['num_cpus']} cores, {context['compiler']}",
+               f"{context['flags']}; {context['pinning']}")
+    save(os.path.join(sys.argv[1], "scaling.svg"), [strong(results), weak(results), allowed_panel(results)], 400, 300, heading)
+    for readme in sys.argv[2:]:
+        replace_table(pathlib.Path(readme), "figures", text(results) + "\n")
 
 
 if __name__ == "__main__":

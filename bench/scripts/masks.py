@@ -12,38 +12,30 @@ meet its bar by either.
 import sys
 import tempfile
 
-from readme_table import mark_least, output_of, show, table_parser
+from readme_table import Bars, compare, markdown_table, output_of
 
 BAR = 1.0  # G voxels/s of the raster, 2 threads
 VOXELS = 512 * 512 * 275
 WAYS = {"raster": "contours to voxels in memory", "nii": "`write_mask()`, .nii", "nrrd": "`write_mask()`, .nrrd (gzip)"}
 
 
-def report_of(program, mesh, threads, rounds):
+def tables(arguments, bars):
     with tempfile.TemporaryDirectory() as folder:
-        return output_of(program, mesh, str(threads), folder, str(rounds))
-
-
-def main():
-    parser = table_parser(__doc__, "build", "mesh")
-    parser.add_argument("--rounds", type=int, default=15)
-    arguments = parser.parse_args()
-    reports = [report_of(arguments.build / "bench" / "lamella_masks", arguments.mesh, threads, arguments.rounds) for threads in (1, 2)]
-    lines = [f"{reports[0]['triangles']:,} triangles, {reports[0]['points']:,} points, 512 x 512 x 275 voxels:", "",
-             "| way | threads | wall time, median (least) | processor time | G voxels/s, median | of processor time |", "|" + "---|" * 6]
-    met = False
+        reports = [output_of(arguments.build / "bench" / "lamella_masks", arguments.mesh, str(threads), folder, str(arguments.rounds))
+                   for threads in (1, 2)]
+    heads = ["way", "threads", "wall time, median (least)", "processor time", "G voxels/s, median", "of processor time"]
+    rows, bars.met = [], False
     for way, words in WAYS.items():
         for report in reports:
             threads, times = report["threads"], report[way]
             by_wall, by_work = times["voxels_per_s"] / 1e9, VOXELS * threads / times["processor_ms"] / 1e6
             bar = BAR if way == "raster" and threads == 2 else None
-            text, good = mark_least(f"{by_work:.2f}", by_work, bar)
-            met = met or (bar is not None and (good or by_wall >= bar))
-            lines.append(f"| {words} | {threads} | {times['wall_ms']:.0f} ms ({times['least_wall_ms']:.0f}) | {times['processor_ms']:.0f} ms "
-                         f"| {by_wall:.2f} | {text} |")
-    show(arguments.readme, "masks", lines)
-    return 0 if met else 1
+            rows.append([words, threads, f"{times['wall_ms']:.0f} ms ({times['least_wall_ms']:.0f})",
+                         f"{times['processor_ms']:.0f} ms", f"{by_wall:.2f}", Bars().least(f"{by_work:.2f}", by_work, bar)])
+            bars.met = bars.met or (bar is not None and max(by_wall, by_work) >= bar)
+    sizes = f"{reports[0]['triangles']:,} triangles, {reports[0]['points']:,} points, 512 x 512 x 275 voxels:"
+    return [sizes, markdown_table(heads, rows)]
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(compare(__doc__, "masks", tables, "build", "mesh", rounds=15))

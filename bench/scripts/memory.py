@@ -15,7 +15,7 @@ import subprocess
 import sys
 import time
 
-from readme_table import add_meshes, mark, show, table_parser
+from readme_table import compare, markdown_table, name_and_mesh
 
 HALF_BAR = 1.2  # over the time in memory
 READS_BAR = 3.0  # over the time of two reads
@@ -75,12 +75,10 @@ def ranges_of(run):
 
 
 def row(name, budget, run, ratio):
-    return (
-        f"| {name} | {budget} | {run.wall:.2f} s | {ratio} | {run.processor:.2f} s | {run.peak_mb:.0f} MB | {ranges_of(run)} |"
-    )
+    return [name, budget, f"{run.wall:.2f} s", ratio, f"{run.processor:.2f} s", f"{run.peak_mb:.0f} MB", ranges_of(run)]
 
 
-def measure(tool, name, mesh, arguments):
+def measure(tool, name, mesh, arguments, bars):
     whole = slicing(tool, mesh, arguments.layer_height, None, "--hash")
     whole.again()
     budgets = [int(whole.peak_mb * 1e6 / part) for part in PARTS]
@@ -88,51 +86,37 @@ def measure(tool, name, mesh, arguments):
     for _ in range(arguments.rounds + 1):
         for run in (whole, *within):
             run.again()
-    met = all(run.lines["hash"] == whole.lines["hash"] for run in within)
-    lines = [row(name, "in memory", whole, "1")]
+    bars.met = bars.met and all(run.lines["hash"] == whole.lines["hash"] for run in within)
+    rows = [row(name, "in memory", whole, "1")]
     for part, budget, run in zip(PARTS, budgets, within):
         ratio = run.wall / whole.wall
-        text, good = mark(f"{ratio:.2f}", ratio, HALF_BAR) if part == 2 else (f"{ratio:.2f}", True)
-        met = met and good
-        lines.append(row("", f"1/{part}: {budget / 1e6:.0f} MB", run, text))
-    return lines, met
+        text = bars.most(f"{ratio:.2f}", ratio, HALF_BAR if part == 2 else None)
+        rows.append(row("", f"1/{part}: {budget / 1e6:.0f} MB", run, text))
+    return rows
 
 
-def measure_giant(tool, name, mesh, arguments):
+def measure_giant(tool, name, mesh, arguments, bars):
     reads = Reads(mesh)
     within = slicing(tool, mesh, arguments.layer_height, GIANT_BYTES)
     for _ in range(arguments.rounds + 1):
         reads.again()
         within.again()
     ratio = within.wall / reads.wall
-    text, good = mark(f"{ratio:.2f}", ratio, READS_BAR)
-    line = row(name, f"{GIANT_BYTES / 1e6:.0f} MB", within, f"{text} of two reads, {reads.wall:.2f} s")
-    return [line], good and within.peak_mb <= GIANT_BAR_MB
+    text = bars.most(f"{ratio:.2f}", ratio, READS_BAR)
+    bars.met = bars.met and within.peak_mb <= GIANT_BAR_MB
+    return [row(name, f"{GIANT_BYTES / 1e6:.0f} MB", within, f"{text} of two reads, {reads.wall:.2f} s")]
 
 
-def main():
-    parser = table_parser(__doc__, "tool")
-    add_meshes(parser, "*")
-    parser.add_argument("--giant", metavar="NAME=MESH")
-    parser.add_argument("--layer-height", default="0.1", metavar="MM")
-    parser.add_argument("--rounds", type=int, default=3)
-    arguments = parser.parse_args()
-    lines = [
-        "| mesh | budget | time | over that in memory (a half: at most 1.2; two reads: at most 3) | processor time | peak | ranges |",
-        "|---|---|---|---|---|---|---|",
-    ]
-    met = True
+def table(arguments, bars):
+    rows = []
     for name, mesh in arguments.meshes:
-        more, good = measure(arguments.tool, name, mesh, arguments)
-        lines += more
-        met = met and good
+        rows += measure(arguments.tool, name, mesh, arguments, bars)
     if arguments.giant:
-        more, good = measure_giant(arguments.tool, *arguments.giant.split("=", 1), arguments)
-        lines += more
-        met = met and good
-    show(arguments.readme, "memory", lines)
-    return 0 if met else 1
+        rows += measure_giant(arguments.tool, *name_and_mesh(arguments.giant), arguments, bars)
+    heads = ["mesh", "budget", "time", "over that in memory (a half: at most 1.2; two reads: at most 3)", "processor time", "peak",
+             "ranges"]
+    return [markdown_table(heads, rows)]
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(compare(__doc__, "memory", table, "tool", "meshes", giant="", layer_height="0.1", rounds=3))

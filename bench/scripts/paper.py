@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """Runs the paper's experiments and writes their tables and figures. Called by bench/paper.sh, which builds what it needs."""
 import argparse
-import json
 import os
 import subprocess
 import sys
@@ -11,7 +10,7 @@ from paper_figures import compact_layers, figure_9, figure_11, figure_12
 from paper_models import MODELS, QUICK
 from paper_rows import PEERS, Bench, failures, measure
 from paper_tables import Rows, bars, exponents, peers, table_1, table_2, table_3, table_4
-from results import markdown_table
+from readme_table import machine_table, markdown_table, output_of
 
 PICTURES = [  # like the paper's Figures 2 and 10: name, model, options of `lamella slice`
     ("paper_figure_2.svg", "liver", ["--layer-height", "4", "--normal", "0,1,0.3"]),
@@ -43,22 +42,14 @@ def arguments():
 
 
 def environment(told):
-    with open("/proc/cpuinfo", encoding="utf-8") as file:
-        processor = next((line.split(":", 1)[1].strip() for line in file if line.startswith("model name")), "unknown")
-    compiler = subprocess.run(["c++", "--version"], capture_output=True, text=True, check=False).stdout.splitlines()
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False).stdout.strip()
-    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2 ** 30
-    rows = [["processor", processor], ["cores", os.cpu_count()], ["memory", f"{memory:.0f} GiB"],
-            ["compiler", compiler[0] if compiler else "unknown"], ["build", "Release, mimalloc for all methods"],
-            ["commit", commit or "unknown"], ["limit", f"{told.limit} s"], ["measured", time.strftime("%Y-%m-%d")],
-            ["command", "`bench/paper.sh " + " ".join(sys.argv[3:]) + "`"]]
-    return markdown_table(["", ""], rows)
+    return machine_table("c++", {"build": "Release, mimalloc for all methods", "limit": f"{told.limit} s",
+                                 "command": "`bench/paper.sh " + " ".join(sys.argv[3:]) + "`"})
 
 
 def lower_bound(build):
-    made = subprocess.run([os.path.join(build, "bench/lamella_lower_bound")], capture_output=True, text=True, check=True)
+    made = output_of(os.path.join(build, "bench/lamella_lower_bound"))
     rows = [[f"{one['n']:,}", f"{one['k']:,}", f"{one['least']:,.0f}", f"{one['search']:,}", f"{one['sweep']:,}",
-             f"{(one['search'] + one['sweep']) / one['least']:.2f}"] for one in json.loads(made.stdout)]
+             f"{(one['search'] + one['sweep']) / one['least']:.2f}"] for one in made]
     return markdown_table(["n", "k", "n log2 k", "comparisons of the search", "of the sweep", "all / n log2 k"], rows)
 
 

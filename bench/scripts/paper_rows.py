@@ -112,18 +112,11 @@ class Bench:
                 return Row(*json.load(file))
         self.make_mesh(model)
         done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode == 0:
-            row = Row(model.name, spacing, method, threads, json.loads(done.stdout.splitlines()[-1]))
-        elif done.returncode == OVER_LIMIT:
-            row = Row(model.name, spacing, method, threads, None, f"> {limit} s")
-        elif done.returncode == NOT_INSTALLED:
-            row = Row(model.name, spacing, method, threads, None, "not installed")
-        elif done.returncode == NOT_FOR_THIS_MESH:
-            row = Row(model.name, spacing, method, threads, None, "n/a")
-        else:
-            said = done.stderr.strip().splitlines()
-            row = Row(model.name, spacing, method, threads, None,
-                      f"failed: {said[-1] if said else 'status ' + str(done.returncode)}")
+        said = done.stderr.strip().splitlines()
+        reasons = {OVER_LIMIT: f"> {limit} s", NOT_INSTALLED: "not installed", NOT_FOR_THIS_MESH: "n/a"}
+        failed = f"failed: {said[-1] if said else 'status ' + str(done.returncode)}"
+        figures = json.loads(done.stdout.splitlines()[-1]) if done.returncode == 0 else None
+        row = Row(model.name, spacing, method, threads, figures, "" if figures else reasons.get(done.returncode, failed))
         with open(path + ".part", "w", encoding="utf-8") as file:
             json.dump(row, file)
         os.replace(path + ".part", path)
@@ -169,32 +162,25 @@ def measure(bench, models, threads, say):
             for method in METHODS:
                 if spacing == "adaptive" and not method.adaptive:
                     continue
-                rows.append(one_row(bench, model, mesh, spacing, method, closed, beaten, say))
-        rows += [peer_row(bench, model, mesh, peer, beaten, say) for peer in PEERS]
+                if not closed and not method.takes_open:
+                    rows.append(Row(model.name, spacing, method.name, 1, None, "n/a"))
+                    continue
+                limit = bench.limit if method.limited else 0
+                command = bench.command(mesh, spacing, method.name, 1, limit)
+                rows.append(row_within(limit, bench, model, spacing, method.name, command, beaten, say))
+        for peer in PEERS:
+            rows.append(row_within(bench.limit, bench, model, "uniform", "peer " + peer, bench.peer_command(mesh, peer, 1), beaten, say))
         bench.forget_mesh(model)
     return rows
 
 
-def peer_row(bench, model, mesh, peer, beaten, say):
-    name = "peer " + peer
-    if name in beaten:
-        return Row(model.name, "uniform", name, 1, None, beaten[name])
-    say(f"{model.name}: {peer}")
-    row = bench.run(model, "uniform", name, 1, bench.peer_command(mesh, peer, 1), bench.limit)
-    stopped = row.figures is not None and None in row.figures["total_s"]  # stopped at the limit, after its slices were made
-    if stopped or row.missing.startswith(">"):
-        beaten[name] = f"not run: > {bench.limit} s on {model.name}"
-    return row
-
-
-def one_row(bench, model, mesh, spacing, method, closed, beaten, say):
-    if not closed and not method.takes_open:
-        return Row(model.name, spacing, method.name, 1, None, "n/a")
-    if (spacing, method.name) in beaten:
-        return Row(model.name, spacing, method.name, 1, None, beaten[spacing, method.name])
-    say(f"{model.name}, {spacing}: {method.name}")
-    limit = bench.limit if method.limited else 0
-    row = bench.run(model, spacing, method.name, 1, bench.command(mesh, spacing, method.name, 1, limit), limit)
-    if row.missing.startswith(">"):
-        beaten[spacing, method.name] = f"not run: {row.missing} on {model.name}"
+def row_within(limit, bench, model, spacing, method, command, beaten, say):
+    """The row of a method that was not stopped on a smaller model."""
+    if (spacing, method) in beaten:
+        return Row(model.name, spacing, method, 1, None, beaten[spacing, method])
+    say(f"{model.name}, {spacing}: {method}")
+    row = bench.run(model, spacing, method, 1, command, limit)
+    late = row.figures is not None and None in row.figures.get("total_s", [])  # stopped at the limit, after its slices were made
+    if late or row.missing.startswith(">"):
+        beaten[spacing, method] = f"not run: > {limit} s on {model.name}"
     return row

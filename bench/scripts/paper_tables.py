@@ -3,7 +3,8 @@ import math
 import statistics
 
 from paper_models import MODELS
-from results import fitted_exponent, markdown_table, ratio
+from readme_table import markdown_table
+from results import fitted_exponent, ratio
 
 PRINTED = "incremental+hashed+rays"
 SWEEP_LINE = "Huang+sweep-line+rays"
@@ -41,7 +42,6 @@ class Rows:
         contours = self.seconds(model, SWEEP_LINE, "contours_s")
         return None if slicing is None or contours is None else slicing + contours
 
-
     def printed_with_sense(self, model):
         parts = [self.seconds(model, PRINTED, key) for key in ("total_s", "sense_s")]
         return None if None in parts else sum(parts)
@@ -65,74 +65,82 @@ def name_of(rows, model):
     return model.name + (" (stand-in)" if model.recipe is not None and rows.engine(model).figures.get("stand_in") else "")
 
 
+def paper_columns(names, figures):
+    """Columns are heads and functions of the model. These hold the paper's own figures."""
+    return [(f"{name}, paper", lambda model, i=i: shown(figures(model)[i])) for i, name in enumerate(names)]
+
+
+def columns(rows, key, methods, spacing="uniform"):
+    """Measured times, by method."""
+    return [(head, lambda model, method=method: rows.cell(model, method, key, spacing)) for head, method in methods.items()]
+
+
+def engine_columns(rows, key, spacing="uniform", counts=None):
+    return [(f"engine, {count} thr.", lambda model, count=count: rows.cell(model, "engine", key, spacing, count))
+            for count in counts or rows.threads]
+
+
+def model_table(rows, *groups, spacing="uniform"):
+    """A row for each model that was measured."""
+    all_columns = [("model", lambda model: name_of(rows, model)), *(column for group in groups for column in group)]
+    return markdown_table([head for head, _ in all_columns],
+                          [[cell(model) for _, cell in all_columns] for model in rows.models if rows.engine(model, spacing)])
+
+
 def table_1(rows):
     lines = []
     for model in rows.models:
         for spacing, k, m in (("uniform", model.k, model.m), ("adaptive", model.k_random, model.m_random)):
             engine = rows.engine(model, spacing)
             if engine is not None:
-                figures = engine.figures
-                lines.append([name_of(rows, model), spacing, f"{model.n:,}", f"{k:,}", f"{m:,}", f"{figures['n']:,}",
-                              f"{figures['k']:,}", f"{figures['m']:,}", f"{figures['contours']:,}"])
+                here = [engine.figures[key] for key in ("n", "k", "m", "contours")]
+                lines.append([name_of(rows, model), spacing] + [f"{count:,}" for count in (model.n, k, m, *here)])
     return markdown_table(["model", "spacing", "n, paper", "k", "m", "n, here", "k", "m", "contours"], lines)
 
 
 def table_2(rows, spacing):
-    uniform = spacing == "uniform"
-    methods = ["trivial", "Tata"] + (["Huang"] if uniform else []) + ["sort-first", "presorted", "Slic3r", PRINTED]
-    heads = ["model"] + (["Park, paper", "Slic3r, paper", "proposed, paper"] if uniform else ["Park, paper", "proposed, paper"])
-    heads += ["trivial (Park)"] + methods[1:-1] + ["incremental, as printed"]
-    heads += [f"engine, {count} thr." for count in rows.threads] + ["M items/s, engine"]
-    lines = []
-    for model in rows.models:
+    def rate(model):
         engine = rows.engine(model, spacing)
-        if engine is None:
-            continue
-        items = sum(engine.figures[key] for key in "nkm")
-        lines.append([name_of(rows, model)] + [shown(s) for s in (model.slicing[:3] if uniform else model.slicing[3:])] +
-                     [rows.cell(model, method, "slicing_s", spacing) for method in methods] +
-                     [rows.cell(model, "engine", "slicing_s", spacing, count) for count in rows.threads] +
-                     [f"{items / engine.seconds('slicing_s') / 1e6:.0f}"])
-    return markdown_table(heads, lines)
+        return f"{sum(engine.figures[key] for key in 'nkm') / engine.seconds('slicing_s') / 1e6:.0f}"
+
+    uniform = spacing == "uniform"
+    paper = (paper_columns(("Park", "Slic3r", "proposed"), lambda model: model.slicing) if uniform else
+             paper_columns(("Park", "proposed"), lambda model: model.slicing[3:]))
+    same = ["Tata"] + (["Huang"] if uniform else []) + ["sort-first", "presorted", "Slic3r"]
+    methods = {"trivial (Park)": "trivial", **{name: name for name in same}, "incremental, as printed": PRINTED}
+    return model_table(rows, paper, columns(rows, "slicing_s", methods, spacing), engine_columns(rows, "slicing_s", spacing),
+                       [("M items/s, engine", rate)], spacing=spacing)
 
 
 def table_3(rows):
-    methods = ["Huang+trivial", SWEEP_LINE, "Slic3r", PRINTED]
-    heads = (["model", "trivial, paper", "Park, paper", "Slic3r, paper", "proposed, paper", "trivial", "sweep line (Park)",
-              "Slic3r", "hashed, as printed", "sense by rays"] + [f"engine, {count} thr." for count in rows.threads])
-    lines = [[name_of(rows, model)] + [shown(s) for s in model.contours] +
-             [rows.cell(model, method, "contours_s") for method in methods] + [rows.cell(model, PRINTED, "sense_s")] +
-             [rows.cell(model, "engine", "contours_s", threads=count) for count in rows.threads] for model in rows.models]
-    return markdown_table(heads, lines)
+    methods = {"trivial": "Huang+trivial", "sweep line (Park)": SWEEP_LINE, "Slic3r": "Slic3r", "hashed, as printed": PRINTED}
+    return model_table(rows, paper_columns(("trivial", "Park", "Slic3r", "proposed"), lambda model: model.contours),
+                       columns(rows, "contours_s", methods), columns(rows, "sense_s", {"sense by rays": PRINTED}),
+                       engine_columns(rows, "contours_s"))
 
 
 def table_4(rows):
-    methods = ["McMains", "topological", "LDNI, 0.1 mm"]
-    heads = (["model", "Park, paper", "Slic3r, paper", "proposed, paper", "Park", "Slic3r", "as printed", "and sense by rays"] + methods +
-             [f"engine, {count} thr." for count in rows.threads] + ["paper's share of contours", "engine's"])
-    lines = []
-    for model in rows.models:
+    def share(model):
         engine = rows.engine(model)
-        contours, total = engine.seconds("contours_s"), engine.seconds("total_s")
-        lines.append([name_of(rows, model)] + [shown(s) for s in model.totals()] + [shown(rows.park_total(model))] +
-                     [rows.cell(model, method, "total_s") for method in ("Slic3r", PRINTED)] +
-                     [shown(rows.printed_with_sense(model))] + [rows.cell(model, method, "total_s") for method in methods] +
-                     [rows.cell(model, "engine", "total_s", threads=count) for count in rows.threads] +
-                     [f"{100 * model.contours[3] / model.totals()[2]:.0f} %", f"{100 * contours / total:.0f} %"])
-    return markdown_table(heads, lines)
+        return f"{100 * engine.seconds('contours_s') / engine.seconds('total_s'):.0f} %"
+
+    methods = {name: name for name in ("McMains", "topological", "LDNI, 0.1 mm")}
+    return model_table(rows, paper_columns(("Park", "Slic3r", "proposed"), lambda model: model.totals()),
+                       [("Park", lambda model: shown(rows.park_total(model)))],
+                       columns(rows, "total_s", {"Slic3r": "Slic3r", "as printed": PRINTED}),
+                       [("and sense by rays", lambda model: shown(rows.printed_with_sense(model)))],
+                       columns(rows, "total_s", methods), engine_columns(rows, "total_s"),
+                       [("paper's share of contours", lambda model: f"{100 * model.contours[3] / model.totals()[2]:.0f} %"),
+                        ("engine's", share)])
 
 
 def peers(rows, names):
-    heads = ["model", "engine, 1 thr.", f"engine, {rows.threads[-1]} thr."] + names
-    lines = []
-    for model in rows.models:
-        cells = []
-        for peer in names:
-            row = rows.get(model, "peer " + peer)
-            cells.append("-" if row is None else row.missing or peer_cell(row.figures))
-        lines.append([name_of(rows, model)] +
-                     [rows.cell(model, "engine", "total_s", threads=count) for count in (1, rows.threads[-1])] + cells)
-    return markdown_table(heads, lines)
+    def cell(model, peer):
+        row = rows.get(model, "peer " + peer)
+        return "-" if row is None else row.missing or peer_cell(row.figures)
+
+    return model_table(rows, engine_columns(rows, "total_s", counts=(1, rows.threads[-1])),
+                       [(peer, lambda model, peer=peer: cell(model, peer)) for peer in names])
 
 
 def peer_time(figures):
@@ -152,14 +160,11 @@ def exponents(rows):
                   if rows.engine(model, spacing) is not None and seconds_of(model)]
         return f"{fitted_exponent(points):.2f}" if len(points) > 1 else "-"
 
-    uniform = ("n + k + m, uniform, slicing", lambda f: f["n"] + f["k"] + f["m"], "uniform", "slicing_s")
-    adaptive = ("n log2 k + k + m, adaptive, slicing", lambda f: f["n"] * math.log2(f["k"]) + f["k"] + f["m"], "adaptive",
-                "slicing_s")
-    joined = ("m, uniform, contours", lambda f: f["m"], "uniform", "contours_s")
-    lines = []
-    for what, x_of, spacing, key in (uniform, adaptive, joined):
-        lines.append([what] + [fit(x_of, lambda model, m=method: rows.seconds(model, m, key, spacing), spacing)
-                               for method in (PRINTED, "engine")])
+    bounds = (("n + k + m, uniform, slicing", lambda f: f["n"] + f["k"] + f["m"], "uniform", "slicing_s"),
+              ("n log2 k + k + m, adaptive, slicing", lambda f: f["n"] * math.log2(f["k"]) + f["k"] + f["m"], "adaptive", "slicing_s"),
+              ("m, uniform, contours", lambda f: f["m"], "uniform", "contours_s"))
+    lines = [[what] + [fit(x_of, lambda model, m=method, key=key: rows.seconds(model, m, key, spacing), spacing)
+                       for method in (PRINTED, "engine")] for what, x_of, spacing, key in bounds]
     return markdown_table(["seconds against", "as printed", "engine, 1 thr."], lines)
 
 

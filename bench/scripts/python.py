@@ -24,9 +24,7 @@ import time
 
 import numpy as np
 
-from python_page import page
-from readme_table import mark, mark_least
-from results import markdown_table
+from readme_table import Bars, field, machine_table, markdown_table, medians_of, ms_of
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "python"))
 import meshes  # noqa: E402
@@ -39,6 +37,20 @@ LEAST_LAYERS_PER_S = 1e6
 CALLS_A_TURN = 3
 TURN_MS = 200
 SMALL_TRIANGLES, SMALL_PLANES, SMALL_MM = 500, 100_000, 150
+HEAD = """# lamella in Python
+
+`bench/scripts/python.py` made this page. What is timed is described in [bench/README.md](../README.md#python).
+"""
+TEXTS = ("""## The same slice in C++
+
+Vertices are float32, indices int32, in memory. Each side is a process of its own, and they take turns. Freeing results is not
+timed. The bar is met by at most 1.05 times the time in C++ plus 200 us.
+""", """## Many layers of a small mesh
+""", """## Other ways to cut the femur, layers of 0.32 mm
+
+Times are from mesh to contours. numpy starts at arrays, VTK at a mesh of its own; `prepared` is `lamella.prepare(mesh)`. An answer
+of VTK counts as another one if a polyline is open, or if the number of contours or the area is not lamella's.
+""")
 APART_MM = {"numpy": 1e-6, "vtk": 2e-5}  # VTK computes in float32
 
 
@@ -51,27 +63,12 @@ def require(true, text):
         raise WrongAnswer(text)
 
 
-def ms_of(work):
-    start = time.perf_counter()
-    work()
-    return 1000 * (time.perf_counter() - start)
-
-
 def turn_of(work):
     """Milliseconds a call, of at least TURN_MS of them: what follows another's turn finds caches and threads cold."""
     times = [ms_of(work)]
     while sum(times) < TURN_MS:
         times.append(ms_of(work))
     return statistics.fmean(times)
-
-
-def medians_of(works, rounds):
-    """Milliseconds by name. All take turns, so that a change of the machine's load falls on all; the first turn only warms."""
-    times = {name: [] for name in works}
-    for _ in range(rounds + 1):
-        for name, work in works.items():
-            times[name].append(turn_of(work))
-    return {name: statistics.median(own[1:]) for name, own in times.items()}
 
 
 class InCpp:
@@ -137,13 +134,12 @@ def over(python, cpp):
     return f"{100 * (python / cpp - 1):+.1f} %, {1000 * (python - cpp):+.0f} us"
 
 
-def cpp_row(name, layer_mm, layers, ms, has_bar):
-    """A row, and whether the bar is met."""
+def cpp_row(name, layer_mm, layers, ms, bars):
     most = (1 + OVER_SHARE) * ms["kept"] + OVER_MS
-    text, met = mark(over(ms["python"], ms["kept"]), ms["python"], most if has_bar else None)
+    text = bars.most(over(ms["python"], ms["kept"]), ms["python"], most if name == "liver" else None)
     times = {way: f"{each:.2f} ms" for way, each in ms.items()}
     return [name, f"{layer_mm:.3g} mm", f"{layers:,}", times["kept"], times["fresh"], times["python"], text,
-            over(ms["python"], ms["fresh"]), times["points"]], met
+            over(ms["python"], ms["fresh"]), times["points"]]
 
 
 def blocks_of(in_python, layer_mm):
@@ -161,7 +157,7 @@ def walk(result):
         pass
 
 
-def layer_table(in_python, layer_mm, rounds):
+def layer_table(in_python, layer_mm, rounds, bars):
     """Layers of the small mesh: objects, and areas as an array and by a loop."""
     blocks = blocks_of(in_python, layer_mm)
     result = in_python.result
@@ -175,13 +171,12 @@ def layer_table(in_python, layer_mm, rounds):
         times["loop"].append(ms_of(lambda: [layer.area for layer in result]))
     ms = {name: statistics.median(own) for name, own in times.items()}
     rate = 1000 * len(result) / ms["walk"]
-    blocks_text, lean = mark(f"{blocks:,}", blocks, MOST_BLOCKS)
-    rate_text, fast = mark_least(f"{rate / 1e6:.2f} M/s", rate, LEAST_LAYERS_PER_S)
-    rows = [["blocks of Python's allocator that the result and all its arrays take (at most 1,000)", blocks_text],
-            ["`for layer in s` (at least 1 M layers/s)", rate_text],
+    rows = [["blocks of Python's allocator that the result and all its arrays take (at most 1,000)",
+             bars.most(f"{blocks:,}", blocks, MOST_BLOCKS)],
+            ["`for layer in s` (at least 1 M layers/s)", bars.least(f"{rate / 1e6:.2f} M/s", rate, LEAST_LAYERS_PER_S)],
             ["areas of all layers, `s.areas` of a new result", f"{ms['array']:.2f} ms"],
             ["`[layer.area for layer in s]`", f"{ms['loop']:.1f} ms"]]
-    return markdown_table([f"{len(result):,} layers", ""], rows), lean and fast
+    return markdown_table([f"{len(result):,} layers", ""], rows)
 
 
 def check_numpy(mesh, result, heights):
@@ -239,20 +234,19 @@ def ways_to_cut(lamella, mesh, result, layer_mm, heights, threads):
     return ways
 
 
-def ways_table(lamella, in_python, mesh, layer_mm, threads, rounds):
+def ways_table(lamella, in_python, mesh, layer_mm, threads, rounds, bars):
     result = in_python.slice(layer_mm)
     heights = [int(z) * result.grid for z in result.layers["z_grid"]]
     ways = ways_to_cut(lamella, mesh, result, layer_mm, heights, threads)
     works = {"`lamella.slice`": lambda: in_python.slice(layer_mm), **{name: way[0] for name, way in ways.items()}}
-    ms = medians_of(works, rounds)
-    own, met, rows = ms["`lamella.slice`"], True, []
+    ms = medians_of(works, rounds, turn_of)
+    own, rows = ms["`lamella.slice`"], []
     for name in works:
         _, bar, said = ways.get(name, (None, None, ""))
-        text, good = mark_least(f"{ms[name] / own:.0f}", ms[name] / own, bar)
-        met = met and good
-        rows.append([name, f"{ms[name]:.1f} ms", f"{1000 * ms[name] / len(heights):.1f} us", text, said])
+        rows.append([name, f"{ms[name]:.1f} ms", f"{1000 * ms[name] / len(heights):.1f} us",
+                     bars.least(f"{ms[name] / own:.0f}", ms[name] / own, bar), said])
     head = [f"{len(heights)} planes", "all", "a plane", "times as long (numpy at least 50, vtkCutter at least 20)", "answer"]
-    return markdown_table(head, rows), met
+    return markdown_table(head, rows)
 
 
 @contextlib.contextmanager
@@ -282,28 +276,32 @@ def measure(lamella, arguments):
     """Tables in order, and whether all bars are met."""
     build, threads, rounds = arguments.build, arguments.threads, arguments.rounds
     named = {name: meshes.read_stl(path) for name, path in (pair.split("=", 1) for pair in arguments.meshes)}
-    cpp_rows, others, met = [], [], []
+    cpp_rows, others, bars = [], [], Bars()
     for name, mesh in named.items():
         with both(build, lamella, mesh, threads) as (in_cpp, in_python):
             layer_mm = 3.2 if arguments.quick else 0.032
             ms, layers = beside_cpp(in_cpp, in_python, layer_mm, rounds)
-            row, good = cpp_row(name, layer_mm, layers, ms, name == "liver")
-            cpp_rows.append(row)
-            met.append(good)
+            cpp_rows.append(cpp_row(name, layer_mm, layers, ms, bars))
             if name == "femur":
-                others = ways_table(lamella, in_python, mesh, 3.2 if arguments.quick else 0.32, threads, min(rounds, 5))
-                met.append(others[1])
+                others = [ways_table(lamella, in_python, mesh, 3.2 if arguments.quick else 0.32, threads, min(rounds, 5), bars)]
     mesh, planes = small_mesh(build), SMALL_PLANES // 100 if arguments.quick else SMALL_PLANES
     layer_mm = small_layer_mm(mesh[0], planes)
     with both(build, lamella, mesh, threads) as (in_cpp, in_python):
         ms, layers = beside_cpp(in_cpp, in_python, layer_mm, rounds)
         require(layers == planes, f"{layers} layers for {planes}")
-        cpp_rows.append(cpp_row(f"torus of {len(mesh[1])} triangles", layer_mm, layers, ms, False)[0])
-        of_layers, good = layer_table(in_python, layer_mm, rounds)
-        met.append(good)
+        cpp_rows.append(cpp_row(f"torus of {len(mesh[1])} triangles", layer_mm, layers, ms, bars))
+        of_layers = layer_table(in_python, layer_mm, rounds, bars)
     head = ["mesh", "layers of", "layers", "C++, memory kept", "C++, fresh memory", "`lamella.slice`",
             "over C++ with memory kept (liver at most 5 % and 200 us)", "over C++ with fresh memory", "with points in mm"]
-    return [markdown_table(head, cpp_rows), of_layers, *others[:1]], all(met)
+    return [markdown_table(head, cpp_rows), of_layers, *others], bars.met
+
+
+def page(build, versions, command, tables):
+    compiler = field(build / "CMakeCache.txt", r"CMAKE_CXX_COMPILER:\w*")
+    parts = [HEAD, machine_table(compiler, {**versions, "command": f"`{command}`"}) + "\n"]
+    for text, table in zip(TEXTS, tables):
+        parts += [text, table + "\n"]
+    return "\n".join(parts)
 
 
 def main():

@@ -1,24 +1,45 @@
 """What scripts share that compare figures with bars and put their tables into bench/README.md."""
 import argparse
 import json
+import os
 import pathlib
+import platform
 import re
+import statistics
 import subprocess
 import sys
+import time
 
 
-def table_parser(doc, *words):
-    """A parser of these words and --readme, whose help is the script's own."""
+def name_and_mesh(word):
+    return tuple(word.split("=", 1))
+
+
+WORDS = {
+    "build": {"type": pathlib.Path},
+    "tool": {"type": os.path.abspath},
+    "meshes": {"nargs": "*", "metavar": "NAME=MESH", "type": name_and_mesh},
+}
+
+
+def compare(doc, name, measure, *words, **options):
+    """The main() of a script: takes words, options with these defaults, and --readme; shows the tables of measure(arguments, bars).
+
+    The help is the script's own. Returns the exit status: 1 if a bar is not met."""
     parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
     for word in words:
-        parser.add_argument(word, type=pathlib.Path if word == "build" else str)
+        parser.add_argument(word, **WORDS.get(word, {}))
+    for option, default in options.items():
+        parser.add_argument("--" + option.replace("_", "-"), type=type(default), default=default)
     parser.add_argument("--readme", type=pathlib.Path)
-    return parser
-
-
-def add_meshes(parser, least="+"):
-    """NAME=MESH words, as pairs."""
-    parser.add_argument("meshes", nargs=least, metavar="NAME=MESH", type=lambda word: tuple(word.split("=", 1)))
+    arguments, bars = parser.parse_args(), Bars()
+    if "meshes" in words and not arguments.meshes and not options.keys() & {"giant"}:
+        parser.error("no NAME=MESH is given")
+    text = "\n\n".join(measure(arguments, bars)) + "\n"
+    print(text, end="")
+    if arguments.readme:
+        replace_table(arguments.readme, name, text)
+    return 0 if bars.met else 1
 
 
 def output_of(*command):
@@ -26,30 +47,78 @@ def output_of(*command):
     return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
 
 
-def show(readme, name, lines):
-    """Prints the lines; with `readme` they also replace the table of that name there."""
-    table = "\n".join(lines) + "\n"
-    print(table, end="")
-    if readme:
-        replace_table(readme, name, table)
+def run(*command, may_fail=False):
+    """Runs a program and drops what it prints."""
+    subprocess.run(command, check=not may_fail, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL if may_fail else None)
 
 
-def mark(text, value, bar):
-    """The text, with whether the bar is met; and that."""
-    return (text, True) if bar is None else (f"{text} ({'met' if value <= bar else 'not met'})", value <= bar)
+def ms_of(work):
+    start = time.perf_counter()
+    work()
+    return 1000 * (time.perf_counter() - start)
 
 
-def mark_least(text, value, bar):
-    """The same for a bar that the value must reach."""
-    met = bar is None or value >= bar
-    return (text if bar is None else f"{text} ({'met' if met else 'not met'})"), met
+def medians_of(works, rounds, time_of=ms_of):
+    """By name. All take turns, so that a change of the machine's load falls on all; the first turn only warms."""
+    times = {name: [] for name in works}
+    for _ in range(rounds + 1):
+        for name, work in works.items():
+            times[name].append(time_of(work))
+    return {name: statistics.median(own[1:]) for name, own in times.items()}
 
 
-def replace_table(readme, name, table):
-    """Puts `table` between the markers `<!-- name: begin -->` and `<!-- name: end -->` of the file `readme`."""
-    text = readme.read_text()
-    parts = re.split(rf"(<!-- {name}: (?:begin|end) -->\n)", text)
+class Bars:
+    """Remembers whether all bars are met."""
+
+    def __init__(self):
+        self.met = True
+
+    def most(self, text, value, bar):
+        """The text, with whether the value is at most the bar, if there is one."""
+        return self._mark(text, bar, bar is None or value <= bar)
+
+    def least(self, text, value, bar):
+        return self._mark(text, bar, bar is None or value >= bar)
+
+    def _mark(self, text, bar, met):
+        self.met = self.met and met
+        return text if bar is None else f"{text} ({'met' if met else 'not met'})"
+
+
+def markdown_table(heads, rows):
+    lines = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
+    return "\n".join(lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows])
+
+
+def field(path, name):
+    """What follows a name in a file of names and values, which a colon or an equals sign separates."""
+    found = re.search(rf"^{name}\s*[:=]\s*(.*)$", pathlib.Path(path).read_text(), re.MULTILINE)
+    return found.group(1) if found else "unknown"
+
+
+def machine_table(compiler, more):
+    """The processor and what else decides times, and the rows of `more`, by name."""
+    def output(*command):
+        return subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip()
+
+    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
+    rows = {
+        "processor": field("/proc/cpuinfo", "model name"),
+        "cores": len(os.sched_getaffinity(0)),
+        "memory": f"{memory:.0f} GiB",
+        "system": platform.freedesktop_os_release()["PRETTY_NAME"],
+        "compiler": (output(compiler, "--version").splitlines() or ["unknown"])[0],
+        "commit": output("git", "-C", str(pathlib.Path(__file__).parent), "rev-parse", "--short", "HEAD") or "unknown",
+        "measured": time.strftime("%Y-%m-%d"),
+        **more,
+    }
+    return markdown_table(["", ""], rows.items())
+
+
+def replace_table(readme, name, text):
+    """Puts `text` between the markers `<!-- name: begin -->` and `<!-- name: end -->` of the file `readme`."""
+    parts = re.split(rf"(<!-- {name}: (?:begin|end) -->\n)", readme.read_text())
     if len(parts) != 5:
         sys.exit(f"{readme}: has not one pair of markers '<!-- {name}: begin -->' and '... end'")
-    parts[2] = "\n" + table + "\n"
+    parts[2] = "\n" + text + "\n"
     readme.write_text("".join(parts))

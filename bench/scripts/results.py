@@ -59,8 +59,3 @@ def fitted_exponent(points):
     mean_x, mean_y = statistics.fmean(xs), statistics.fmean(ys)
     below = sum((x - mean_x) ** 2 for x in xs)
     return sum((x - mean_x) * (y - mean_y) for x, y in zip(xs, ys)) / below if below > 0 else None
-
-
-def markdown_table(heads, rows):
-    lines = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
-    return "\n".join(lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows])

@@ -3,18 +3,17 @@
 
 Usage: summarise.py RUN_FOLDER RESULTS_FOLDER [--add]
 
-Reads bench.json, partition.json and peaks.json from RUN_FOLDER, and writes every single measurement to runs.csv there. With
---add, medians of earlier runs on the same machine are kept unless this run measured them again."""
-import csv
+Reads bench.json, partition.json and peaks.json from RUN_FOLDER. With --add, medians of earlier runs on the same machine are kept
+unless this run measured them again."""
 import json
-import math
 import os
+import pathlib
 import re
 import statistics
 import sys
-from typing import NamedTuple, Optional
 
 from partition import accounted_for, allowed_speedups
+from readme_table import field
 
 MACHINE = ("processor", "num_cpus", "memory", "compiler", "flags", "allocator", "pinning", "transparent_huge_pages", "sizes",
            "thread_counts")
@@ -22,56 +21,32 @@ NOT_COUNTERS = {"name", "family_index", "per_family_instance_index", "run_name",
                 "iterations", "real_time", "cpu_time", "time_unit", "threads", "error_occurred", "error_message"}
 
 
-class Run(NamedTuple):
-    what: str
-    case: str
-    variant: str
-    threads: int
-    repetition: int
-    ms: float
-    error: Optional[str]
-    counters: dict
+def rounded(value):
+    """To eight digits, enough for tables to equal those made from the single runs."""
+    return float(f"{value:.8g}")
 
 
-def run_of(entry):
-    what, case, variant, threads = entry["name"].split("/")[:4]
-    counters = {key: value for key, value in entry.items() if key not in NOT_COUNTERS and isinstance(value, (int, float))}
-    return Run(what, case, variant, int(re.sub(r"\D", "", threads)), entry.get("repetition_index", 0),
-               entry.get("real_time", math.nan), entry.get("error_message"), counters)
+def median(runs, name):
+    values = [run[name] for run in runs if name in run]
+    return rounded(statistics.median(values)) if values else None
 
 
-def write_runs(path, runs):
-    counters = sorted({name for run in runs for name in run.counters})
-    with open(path, "w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(["what", "case", "variant", "threads", "repetition", "ms", "error"] + counters)
-        writer.writerows([*run[:6], run.error or ""] + [run.counters.get(name, "") for name in counters] for run in runs)
-
-
-def median(values):
-    """Rounds to eight digits, enough for tables to equal those made from the single runs."""
-    return float(f"{statistics.median(values):.8g}") if values else None
+def key_of(row):
+    return row["what"], row["case"], row["variant"], row["threads"]
 
 
 def medians(runs):
     """One row for all repetitions of a benchmark, without those that failed."""
     repetitions = {}
     for run in runs:
-        repetitions.setdefault(run[:4], []).append(run)
-    rows = []
+        repetitions.setdefault(tuple(run["name"].split("/")[:4]), []).append(run)
     for (what, case, variant, threads), all_runs in repetitions.items():
-        good = [run for run in all_runs if run.error is None]
-        names = dict.fromkeys(name for run in good for name in run.counters)
-        rows.append({
-            "what": what, "case": case, "variant": variant, "threads": threads, "ms": median([run.ms for run in good]),
-            "counters": {name: median([run.counters[name] for run in good if name in run.counters]) for name in names},
-            "errors": list(dict.fromkeys(run.error for run in all_runs if run.error is not None)),
-        })
-    return rows
-
-
-def key_of(row):
-    return row["what"], row["case"], row["variant"], row["threads"]
+        good = [run for run in all_runs if "error_message" not in run]
+        names = dict.fromkeys(name for run in good for name, value in run.items()
+                              if name not in NOT_COUNTERS and isinstance(value, (int, float)))
+        yield {"what": what, "case": case, "variant": variant, "threads": int(re.sub(r"\D", "", threads)),
+               "ms": median(good, "real_time"), "counters": {name: median(good, name) for name in names},
+               "errors": list(dict.fromkeys(run["error_message"] for run in all_runs if "error_message" in run))}
 
 
 def added(earlier, summary):
@@ -79,55 +54,52 @@ def added(earlier, summary):
     other = [name for name in MACHINE if earlier["context"][name] != summary["context"][name]]
     if other:
         raise SystemExit("error: the earlier medians come from a different " + ", ".join(other) + "; run all of bench/run.sh")
-    rows = {key_of(row): row for row in earlier["medians"]} | {key_of(row): row for row in summary["medians"]}
+    rows = {key_of(row): row for row in earlier["medians"] + summary["medians"]}
     dates = dict.fromkeys(earlier["context"]["dates"] + summary["context"]["dates"])
-    context = summary["context"] | {"dates": list(dates)}
     measured_again = {peak["name"] for peak in summary["peaks"]}
     peaks = [peak for peak in earlier["peaks"] if peak["name"] not in measured_again] + summary["peaks"]
-    return {"context": context, "partition": earlier["partition"] | summary["partition"], "peaks": peaks,
-            "medians": list(rows.values())}
+    return {"context": summary["context"] | {"dates": list(dates)}, "partition": earlier["partition"] | summary["partition"],
+            "peaks": peaks, "medians": list(rows.values())}
 
 
-def read_json(path):
-    with open(path, encoding="utf-8") as file:
-        return json.load(file)
+def machine():
+    """What the benchmarks ran on, as this script does."""
+    pages = pathlib.Path("/sys/kernel/mm/transparent_hugepage/enabled")
+    cores = ",".join(map(str, sorted(os.sched_getaffinity(0))))
+    return {"processor": field("/proc/cpuinfo", "model name"), "memory": field("/proc/meminfo", "MemTotal"),
+            "pinning": f"process on cores {cores}, threads not pinned one by one",
+            "transparent_huge_pages": pages.read_text().strip() if pages.exists() else "unknown"}
 
 
 def read_summary(folder):
-    """The summary of a run, and the run's measurements."""
-    bench, partition, peaks = (read_json(os.path.join(folder, name)) for name in ("bench.json", "partition.json", "peaks.json"))
-    runs = [run_of(entry) for entry in bench["benchmarks"] if entry.get("run_type") != "aggregate"]
-    context = {name: bench["context"].get(name, "unknown") for name in MACHINE} | {"dates": [bench["context"]["date"]]}
-    allowed = {name: {"speedups": [[threads, float(f"{speedup:.8g}")] for threads, speedup in allowed_speedups(case)],
-                      "accounted_for": float(f"{accounted_for(case):.8g}")} for name, case in partition.items()}
-    return {"context": context, "partition": allowed, "peaks": peaks, "medians": medians(runs)}, runs
+    """The summary of a run."""
+    bench, partition = (json.loads((folder / name).read_text()) for name in ("bench.json", "partition.json"))
+    found = bench["context"] | machine()
+    context = {name: found.get(name, "unknown") for name in MACHINE} | {"dates": [bench["context"]["date"]]}
+    allowed = {name: {"speedups": [[threads, rounded(speedup)] for threads, speedup in allowed_speedups(case)],
+                      "accounted_for": rounded(accounted_for(case))} for name, case in partition.items()}
+    return {"context": context, "partition": allowed,
+            "peaks": [json.loads(line) for line in (folder / "peaks.json").read_text().splitlines()],
+            "medians": list(medians(run for run in bench["benchmarks"] if run.get("run_type") != "aggregate"))}
 
 
-def write_summary(path, summary):
+def text_of(summary):
     """JSON with one row a line, so that a diff shows what was measured again."""
-    def lines(items):
-        return ",\n".join("  " + item for item in items)
-
-    def fields(values):
-        return "{\n" + lines(f"{json.dumps(key)}: {json.dumps(value)}" for key, value in values.items()) + "\n }"
-
-    def rows(values):
-        return "[\n" + lines(json.dumps(value) for value in values) + "\n ]"
-
-    parts = {"context": fields(summary["context"]), "partition": fields(summary["partition"]),
-             "peaks": rows(summary["peaks"]), "medians": rows(summary["medians"])}
-    with open(path, "w", encoding="utf-8") as file:
-        file.write("{\n" + ",\n".join(f' "{name}": {part}' for name, part in parts.items()) + "\n}\n")
+    parts = []
+    for name, part in summary.items():
+        keyed = isinstance(part, dict)
+        rows = [f"{json.dumps(key)}: {json.dumps(part[key])}" if keyed else json.dumps(key) for key in part]
+        begin, end = "{}" if keyed else "[]"
+        parts.append(f' "{name}": {begin}\n' + ",\n".join("  " + row for row in rows) + f"\n {end}")
+    return "{\n" + ",\n".join(parts) + "\n}\n"
 
 
 def main():
-    run_folder, results_folder = sys.argv[1:3]
-    summary, runs = read_summary(run_folder)
-    write_runs(os.path.join(run_folder, "runs.csv"), runs)
-    path = os.path.join(results_folder, "summary.json")
-    if "--add" in sys.argv[3:] and os.path.exists(path):
-        summary = added(read_json(path), summary)
-    write_summary(path, summary)
+    path = pathlib.Path(sys.argv[2]) / "summary.json"
+    summary = read_summary(pathlib.Path(sys.argv[1]))
+    if "--add" in sys.argv[3:] and path.exists():
+        summary = added(json.loads(path.read_text()), summary)
+    path.write_text(text_of(summary))
 
 
 if __name__ == "__main__":

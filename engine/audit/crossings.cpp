@@ -1,5 +1,5 @@
 // Crossings of contours, found among the edges that come near one another.
-#include "lamella/audit/crossings.hpp"
+#include "lamella/audit.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,8 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "audit/pair.hpp"
-#include "base/guard.hpp"
+#include "audit/questions.hpp"
 #include "base/numbers.hpp"
 #include "base/parallel.hpp"
 #include "slicing/edges/edge_runs.hpp"
@@ -164,7 +163,7 @@ class CrossingSearch {
 public:
     CrossingSearch(const SliceResult& result, const Parallel& parallel) : result_(result), parallel_(parallel) {}
 
-    Crossings run() {
+    Crossings run(const ProgressShare& progress) {
         std::vector<std::size_t> wide;
         for (std::size_t layer = 0; layer < result_.layers.size(); ++layer) {
             if (is_wide(result_.layers[layer])) {
@@ -172,7 +171,7 @@ public:
             }
         }
         constexpr std::size_t runs_of_wide_layer = 6;
-        parallel_.begin_stage(0.99, runs_of_wide_layer * wide.size() + 1);
+        progress.begin(1, runs_of_wide_layer * wide.size() + 1);
         for (const std::size_t layer : wide) {
             search_wide(layer);
         }
@@ -289,20 +288,10 @@ private:
     std::vector<LayerCrossings> all_;
 };
 
-Result<Crossings> find_or_throw(const SliceResult& result, const Control& control) {
-    if (Status status = examine(result); !status) {
-        return status.error();
-    }
-    const Parallel parallel(control);
-    Crossings all = CrossingSearch(result, parallel).run();
-    parallel.finish();
-    return all;
-}
-
 }  // namespace
 
-Result<Crossings> find_crossings(const SliceResult& result, const Control& control) noexcept {
-    return guarded(control, [&] { return find_or_throw(result, control); });
+Crossings find_crossings(const SliceResult& result, const ProgressShare& progress) {
+    return CrossingSearch(result, progress.parallel).run(progress);
 }
 
 }  // namespace lamella

@@ -72,7 +72,7 @@ struct FaceCorner {
 /// Adds a corner to `sums`; each number is rounded towards zero, so that opposite faces cancel.
 using AddCorner = void (*)(const double* z, const FaceCorner& corner, CornerSums& sums);
 struct CornerKernels {
-    AddCorner rising;   ///< of a corner whose apex is its lowest point
+    AddCorner rising;   ///< for corners whose apex is their lowest point
     AddCorner falling;  ///< or its highest
 };
 /// For tests; FaceSums takes the best.
@@ -80,9 +80,9 @@ std::span<const Form<CornerKernels>> corner_kernel_forms() noexcept;
 
 /// Sums for one plane and the slab below it. Squares have sides of two units, heights are in units.
 struct PlaneSums {
-    Int128 area = 0;       ///< of corners, at the plane
-    Int128 volume = 0;     ///< of corners, within the slab
-    Int128 step = 0;       ///< of faces that are whole from within the slab on
+    Int128 area = 0;       ///< by corners, at the plane
+    Int128 volume = 0;     ///< by corners, within the slab
+    Int128 step = 0;       ///< by faces that are whole from within the slab on
     Int128 lever = 0;      ///< the same, times the heights from which on
     std::int64_t cut = 0;  ///< faces that the plane is the first to cut, less those that it is the first to miss
 };
@@ -95,7 +95,7 @@ public:
     void add(const GridTriangle& t) noexcept;
     void add_to(PlaneSums& all, std::size_t plane) const noexcept;
 
-    Int128 six_volumes() const noexcept { return six_volumes_; }  ///< of tetrahedra, in cubes of two units
+    Int128 six_volumes() const noexcept { return six_volumes_; }  ///< tetrahedra, in cubes of two units
     Int128 reach() const noexcept { return reach_; }  ///< area times height of all faces: their corners cannot be larger
     std::uint64_t edges() const noexcept { return edges_; }  ///< hash of directed edges; opposite ones cancel
 

@@ -1,12 +1,12 @@
-#include "lamella/audit/ledger.hpp"
+#include "lamella/audit.hpp"
 
 #include <algorithm>
+#include <functional>
 
-#include "audit/pair.hpp"
+#include "audit/questions.hpp"
 #include "audit/slab_pieces.hpp"
-#include "base/guard.hpp"
+#include "base/parallel_sort.hpp"
 #include "slicing/grid/quantise.hpp"
-#include "slicing/planes/plane_set.hpp"
 
 namespace lamella {
 
@@ -16,36 +16,27 @@ constexpr std::size_t grain = 4096;
 constexpr std::size_t part_triangles = 1 << 14;  ///< whose vertices stay in the cache
 constexpr std::size_t least_part_triangles = 1 << 11;
 constexpr std::size_t parts_for_balance = 16;  ///< so that a few threads end together
-constexpr std::size_t most_samples = 1 << 12;
 
 /// Slabs in ranges that hold about as many triangles each, so that threads can take one after the other.
 class Parts {
 public:
-    /// `samples`: slabs of vertices from all over the mesh.
-    Parts(std::vector<PlaneIndex> samples, std::size_t triangles, PlaneIndex planes) : part_of_(std::size_t{planes} + 1) {
-        std::sort(samples.begin(), samples.end());
+    /// `slab_of`: of a vertex of each triangle.
+    template <class SlabOf>
+    Parts(std::size_t triangles, PlaneIndex planes, SlabOf slab_of) : part_of_(std::size_t{planes} + 1) {
         const std::size_t for_balance = std::min(triangles / least_part_triangles, parts_for_balance);
-        const std::size_t parts =
-            std::clamp<std::size_t>(std::max(triangles / part_triangles, for_balance), 1, samples.size());
-        std::uint32_t part = 0;
-        std::size_t next = 1;  // part that is due to begin
+        const std::size_t wanted = std::max(parts_for(triangles, part_triangles), for_balance);
+        const Splitters<PlaneIndex, std::less<>> splitters(triangles, wanted, std::less<>{}, slab_of);
         for (PlaneIndex slab = 0; slab <= planes; ++slab) {
-            const auto below =
-                static_cast<std::size_t>(std::lower_bound(samples.begin(), samples.end(), slab) - samples.begin());
-            if (slab > 0 && below >= samples.size() * next / parts) {
-                ++part;
-                next = below * parts / samples.size() + 1;
-            }
-            part_of_[slab] = part;
+            part_of_[slab] = static_cast<std::uint32_t>(splitters.part_of(slab));
         }
     }
 
     std::size_t size() const noexcept { return std::size_t{part_of_.back()} + 1; }
     std::uint32_t of(PlaneIndex slab) const noexcept { return part_of_[slab]; }
-    /// Slabs [first, last].
+    /// Slabs [begin, end): none where many triangles lie in one.
     std::pair<PlaneIndex, PlaneIndex> slabs(std::size_t part) const noexcept {
         const auto [begin, end] = std::equal_range(part_of_.begin(), part_of_.end(), static_cast<std::uint32_t>(part));
-        return {static_cast<PlaneIndex>(begin - part_of_.begin()), static_cast<PlaneIndex>(end - part_of_.begin() - 1)};
+        return {static_cast<PlaneIndex>(begin - part_of_.begin()), static_cast<PlaneIndex>(end - part_of_.begin())};
     }
 
 private:
@@ -68,15 +59,14 @@ struct PartEntries {
 template <class Reader>
 class Bookkeeping {
 public:
-    Bookkeeping(const MeshView& mesh, const Reader& read, const SliceResult& result, const PlaneSet& planes,
-                const Parallel& parallel)
-        : mesh_(mesh),
+    Bookkeeping(const SlicedMesh& sliced, const Reader& read, const Parallel& parallel)
+        : mesh_(sliced.mesh),
           read_(read),
-          result_(result),
-          planes_(planes),
+          result_(sliced.result),
+          planes_(sliced.planes),
           parallel_(parallel),
-          triangles_(result.summary.triangles),
-          parts_(sample(), triangles_, planes.size()),
+          triangles_(mesh_.triangle_count),
+          parts_(triangles_, planes_.size(), [&](std::size_t t) { return planes_.first_above(read_(t)[0].z); }),
           shares_(static_cast<std::size_t>(parallel.threads())) {}
 
     Ledger run() {
@@ -86,16 +76,6 @@ public:
     }
 
 private:
-    std::vector<PlaneIndex> sample() const {
-        std::vector<PlaneIndex> samples(std::min(most_samples, triangles_));
-        parallel_.run_ranges(samples.size(), grain, [&](std::size_t begin, std::size_t end, int) {
-            for (std::size_t i = begin; i < end; ++i) {
-                samples[i] = planes_.first_above(read_(triangles_ * i / samples.size())[0].z);
-            }
-        });
-        return samples;
-    }
-
     /// Each triangle to the parts of its vertices.
     void share_out() {
         for (Share& share : shares_) {
@@ -139,11 +119,14 @@ private:
 
     std::vector<PartEntries> go_through_parts() {
         std::vector<PartEntries> entries(parts_.size());
-        std::vector<SlabPieces> workers(shares_.size(), SlabPieces(planes_, result_.unit_mm));
+        std::vector<SlabPieces> workers(shares_.size(), SlabPieces(planes_, result_.info.grid_mm));
         parallel_.run(parts_.size(), [&](std::size_t part, int worker) {
             SlabPieces& pieces = workers[static_cast<std::size_t>(worker)];
-            const auto [first, last] = parts_.slabs(part);
-            pieces.begin(first, last, triangles_of(part));
+            const auto [begin, end] = parts_.slabs(part);
+            if (begin == end) {
+                return;
+            }
+            pieces.begin(begin, end, triangles_of(part));
             for (const Share& share : shares_) {
                 add_all(share.parts[part], pieces);
             }
@@ -163,10 +146,9 @@ private:
     /// Reads ahead the memory of one triangle.
     void prefetch(std::uint32_t t) const noexcept {
 #ifdef __GNUC__
-        const auto* const at =
-            mesh_.indices != nullptr ? mesh_.indices + t * mesh_.index_stride : mesh_.vertices + t * mesh_.stride;
+        const auto* const at = mesh_.indices != nullptr ? mesh_.indices_at(t) : mesh_.vertex_at(t);
         __builtin_prefetch(at);
-        __builtin_prefetch(at + (mesh_.indices != nullptr ? 12 : mesh_.stride) - 1);
+        __builtin_prefetch(at + (mesh_.indices != nullptr ? 12 : mesh_.vertex_step()) - 1);
 #endif
     }
 
@@ -226,21 +208,6 @@ private:
     std::vector<Share> shares_;  // by worker
 };
 
-Result<Ledger> ledger_or_throw(const MeshView& mesh, const SliceResult& result, const Control& control) {
-    const Parallel parallel(control);
-    parallel.begin_stage(0.1);
-    if (const Result<Bounds> bounds = examine(mesh, result, parallel); !bounds) {
-        return bounds.error();
-    }
-    PlaneSet planes(nullptr);
-    planes.build(result.layers);
-    parallel.begin_stage(0.99, 3);
-    Ledger ledger = with_reader(mesh, result.frame, result.unit_mm,
-                                [&](const auto& read) { return Bookkeeping(mesh, read, result, planes, parallel).run(); });
-    parallel.finish();
-    return ledger;
-}
-
 }  // namespace
 
 std::string_view name_of(SurfacePieceKind kind) noexcept {
@@ -248,8 +215,10 @@ std::string_view name_of(SurfacePieceKind kind) noexcept {
     return names[static_cast<std::size_t>(kind)];
 }
 
-Result<Ledger> make_ledger(const MeshView& mesh, const SliceResult& result, const Control& control) noexcept {
-    return guarded(control, [&] { return ledger_or_throw(mesh, result, control); });
+Ledger make_ledger(const SlicedMesh& sliced, const ProgressShare& progress) {
+    progress.begin(1, 3);
+    return with_reader(sliced.mesh, sliced.placing, sliced.result.info.grid_mm,
+                       [&](const auto& read) { return Bookkeeping(sliced, read, progress.parallel).run(); });
 }
 
 }  // namespace lamella

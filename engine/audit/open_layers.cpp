@@ -1,13 +1,13 @@
-#include "lamella/audit/open_layers.hpp"
+#include "lamella/audit.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "audit/questions.hpp"
 #include "base/guard.hpp"
 #include "base/words.hpp"
 #include "slicing/repair/gaps.hpp"
-#include "slicing/result/layer_view.hpp"
 
 namespace lamella {
 
@@ -37,8 +37,8 @@ std::string percent_text(double share) {
 
 /// How far apart ends of one part's polylines are that have to be joined, in grid units. Sets `stuck` where some have
 /// nothing to be joined to.
-double reach_of(std::span<const PolylineEnds> ends, GapSense sense, GapCloser& closer, bool& stuck) {
-    const std::span<const Gap> gaps = closer.close(ends, {any_reach, any_reach, sense});
+double reach_of(std::span<const PolylineEnds> ends, StitchDirection direction, GapCloser& closer, bool& stuck) {
+    const std::span<const Gap> gaps = closer.close(ends, {any_reach, any_reach, direction});
     double longest = 1;  // ends at one point have to be joined too
     for (const Gap& gap : gaps) {
         const auto at = [&](PolylineEnd end) { return ends[end.polyline()].at(end.last()); };
@@ -48,15 +48,15 @@ double reach_of(std::span<const PolylineEnds> ends, GapSense sense, GapCloser& c
     return longest * beyond;
 }
 
-OpenLayers open_layer(const LayerView& view, GapSense sense, const StopCheck& stop) {
+OpenLayers open_layer(const LayerView& view, StitchDirection direction, const StopCheck& stop) {
     OpenLayers found;
-    if (view.layer.segments == 0) {
+    if (view.segments == 0) {
         return found;
     }
     found.crossed = 1;
-    found.crossed_mm = view.layer.top_mm - view.layer.bottom_mm;
-    for (const ClosedGap& gap : view.closed_gaps) {
-        found.reach_mm = std::max(found.reach_mm, std::sqrt(squared_distance(gap.from, gap.to)) * view.unit_mm * beyond);
+    found.crossed_mm = view.top_mm - view.bottom_mm;
+    for (const Stitch& gap : view.stitches) {
+        found.reach_mm = std::max(found.reach_mm, std::sqrt(squared_distance(gap.from, gap.to)) * view.grid_mm * beyond);
     }
     std::vector<const Contour*> open;
     for (const Contour& contour : view.contours) {
@@ -78,7 +78,7 @@ OpenLayers open_layer(const LayerView& view, GapSense sense, const StopCheck& st
         const std::span<const Point> points = view.points_of(*open[i]);
         ends.push_back({points.front(), points.back()});
         if (i + 1 == open.size() || open[i + 1]->part != open[i]->part) {
-            found.reach_mm = std::max(found.reach_mm, reach_of(ends, sense, closer, stuck) * view.unit_mm);
+            found.reach_mm = std::max(found.reach_mm, reach_of(ends, direction, closer, stuck) * view.grid_mm);
             ends.clear();
         }
     }
@@ -102,25 +102,22 @@ void OpenLayers::add(const OpenLayers& other) noexcept {
     reach_mm = std::max(reach_mm, other.reach_mm);
 }
 
-Result<OpenLayers> find_open_layer(const LayerView& layer, GapSense sense, const StopCheck& stop) noexcept {
-    return guarded([&]() -> Result<OpenLayers> { return open_layer(layer, sense, stop); });
+Result<OpenLayers> find_open_layer(const LayerView& layer, StitchDirection direction, const Context& context) noexcept {
+    return guarded(context, [&]() -> Result<OpenLayers> { return open_layer(layer, direction, context.stop); });
 }
 
-Result<OpenLayers> find_open_layers(const SliceResult& result, const Control& control) noexcept {
-    return guarded(control, [&]() -> Result<OpenLayers> {
-        const Parallel parallel(control);
-        std::vector<OpenLayers> layers(result.layers.size());
-        parallel.run_ranges(layers.size(), layers_at_once, [&](std::size_t begin, std::size_t end, int) {
-            for (std::size_t i = begin; i < end; ++i) {
-                layers[i] = open_layer(view_of_layer(result, i), result.gap_sense, parallel.stop());
-            }
-        });
-        OpenLayers all;
-        for (const OpenLayers& layer : layers) {
-            all.add(layer);
+OpenLayers find_open_layers(const SliceResult& result, const Parallel& parallel) {
+    std::vector<OpenLayers> layers(result.size());
+    parallel.run_ranges(layers.size(), layers_at_once, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) {
+            layers[i] = open_layer(result[i], result.info.options.stitch_direction, parallel.stop());
         }
-        return all;
     });
+    OpenLayers all;
+    for (const OpenLayers& layer : layers) {
+        all.add(layer);
+    }
+    return all;
 }
 
 std::string describe(const OpenLayers& open, std::string_view option) {

@@ -30,15 +30,15 @@ bool comes_before(const SurfacePiece& a, const SurfacePiece& b) noexcept {
 
 }  // namespace
 
-void SlabPieces::begin(PlaneIndex first, PlaneIndex last, std::size_t triangles) {
+void SlabPieces::begin(PlaneIndex first, PlaneIndex end, std::size_t triangles) {
     first_ = first;
-    last_ = last;
+    end_ = end;
     // A closed surface has half as many vertices as triangles.
     numbers_.clear(triangles / 2);
     nodes_.clear();
     pieces_.clear();
     sets_.assign(0);
-    totals_.assign(std::size_t{last} - first + 1, {});
+    totals_.assign(end - first, {});
 }
 
 void SlabPieces::add(const SlabTriangle& triangle) {
@@ -120,8 +120,8 @@ SurfacePiece SlabPieces::entry_of(const Piece& piece) {
     const std::int32_t high = kind == SurfacePieceKind::pit ? planes_.z(piece.slab) : piece.highest.z;
     return {kind,
             piece.slab,
-            {at.x * unit_mm_, at.y * unit_mm_, at.z * unit_mm_},
-            (static_cast<double>(high) - low) * unit_mm_,
+            {at.x * grid_mm_, at.y * grid_mm_, at.z * grid_mm_},
+            (static_cast<double>(high) - low) * grid_mm_,
             piece.triangles};
 }
 
@@ -132,7 +132,7 @@ void SlabPieces::finish(std::vector<Slab>& slabs, std::vector<SurfacePiece>& pie
         pieces.push_back(entry_of(piece));
     }
     std::sort(pieces.begin() + begun, pieces.end(), comes_before);
-    const double half_mm2 = unit_mm_ * unit_mm_ / 2;
+    const double half_mm2 = grid_mm_ * grid_mm_ / 2;
     for (std::size_t i = 0; i < totals_.size(); ++i) {
         const Total& total = totals_[i];
         if (total.triangles + total.shells + total.peaks + total.pits > 0) {

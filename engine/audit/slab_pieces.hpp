@@ -9,7 +9,7 @@
 #include "base/disjoint_sets.hpp"
 #include "base/number_table.hpp"
 #include "base/numbers.hpp"
-#include "lamella/audit/ledger.hpp"
+#include "lamella/audit.hpp"
 #include "slicing/grid/quantise.hpp"
 #include "slicing/planes/plane_set.hpp"
 
@@ -30,10 +30,10 @@ struct SlabTriangle {
 /// Goes through one range of slabs after another; its memory is kept.
 class SlabPieces {
 public:
-    SlabPieces(const PlaneSet& planes, double unit_mm) noexcept : planes_(planes), unit_mm_(unit_mm) {}
+    SlabPieces(const PlaneSet& planes, double grid_mm) noexcept : planes_(planes), grid_mm_(grid_mm) {}
 
-    /// Begins anew, for slabs [first, last] and about so many triangles.
-    void begin(PlaneIndex first, PlaneIndex last, std::size_t triangles);
+    /// Begins anew, for slabs [first, end) and about so many triangles.
+    void begin(PlaneIndex first, PlaneIndex end, std::size_t triangles);
     /// To be called once for every triangle with a vertex in the range, in any order.
     void add(const SlabTriangle& triangle);
     /// Appends what the range holds; the slabs from below, their pieces by kind and place.
@@ -49,8 +49,8 @@ private:
         GridVertex vertex;
         PlaneIndex slab;
         std::uint32_t triangles;  ///< within the slab, whose first vertex it is
-        std::uint32_t piece;      ///< of the root of a set, once all edges are in
-        std::uint8_t meets;       ///< of a root then: the whole set
+        std::uint32_t piece;      ///< in the root of a set, once all edges are in
+        std::uint8_t meets;       ///< in a root then: what the whole set meets
     };
     /// A set that does not join two planes.
     struct Piece {
@@ -69,19 +69,19 @@ private:
         std::uint64_t pits = 0;
     };
 
-    bool holds(PlaneIndex slab) const noexcept { return first_ <= slab && slab <= last_; }
+    bool holds(PlaneIndex slab) const noexcept { return first_ <= slab && slab < end_; }
     std::uint32_t node_at(const GridVertex& vertex, PlaneIndex slab);
     void gather();
     SurfacePiece entry_of(const Piece& piece);
 
     const PlaneSet& planes_;
-    double unit_mm_;
+    double grid_mm_;
     PlaneIndex first_ = 0;
-    PlaneIndex last_ = 0;
-    NumberTable numbers_;  // of nodes, by their vertices
+    PlaneIndex end_ = 0;
+    NumberTable numbers_;  // nodes, by their vertices
     std::vector<Node> nodes_;
     std::vector<Piece> pieces_;
-    DisjointSets sets_;  // of nodes, united over the edges within a slab
+    DisjointSets sets_;  // nodes, united over the edges within a slab
     std::vector<Total> totals_;
 };
 

@@ -14,7 +14,7 @@
 // are the same in any order, and what cancels does so to the last bit. A running sum of the corners' coefficients would
 // visit a face three times only, whatever planes it crosses, but its squares of heights need 256 bits to cancel; it was not
 // tried.
-#include "lamella/audit/volume.hpp"
+#include "lamella/audit.hpp"
 
 #include <algorithm>
 #include <array>
@@ -24,11 +24,10 @@
 #include <utility>
 
 #include "audit/face_sums.hpp"
-#include "audit/pair.hpp"
-#include "base/guard.hpp"
+#include "audit/questions.hpp"
 #include "base/words.hpp"
 #include "slicing/grid/quantise.hpp"
-#include "slicing/planes/plane_set.hpp"
+#include "slicing/regions/rules.hpp"
 
 namespace lamella {
 
@@ -39,9 +38,9 @@ constexpr double relative_tolerance = 1e-12;
 
 /// No face covers more than the mesh's box.
 CornerScale scale_of(const Bounds& bounds, const SliceResult& result) noexcept {
-    double most = static_cast<double>(result.summary.triangles);
+    double most = static_cast<double>(result.info.triangles);
     for (int axis = 0; axis < 2; ++axis) {
-        most *= (bounds.max_mm[axis] - bounds.min_mm[axis]) / (2 * result.unit_mm) + 2;
+        most *= (bounds.max_mm[axis] - bounds.min_mm[axis]) / (2 * result.info.grid_mm) + 2;
     }
     const int bits = 123 - (std::ilogb(most) + 1);
     return {bits, std::max(0, bits - 32)};
@@ -55,20 +54,20 @@ struct Sums {
     std::uint64_t edges = 0;
 };
 
-Sums sum_faces(const MeshView& mesh, const SliceResult& result, const PlaneSet& planes, CornerScale scale,
-               const Parallel& parallel) {
-    const PlaneHeights heights(planes);
-    std::vector<FaceSums> workers(static_cast<std::size_t>(parallel.threads()), FaceSums(planes, heights, scale));
-    with_reader(mesh, result.frame, result.unit_mm, [&](const auto& read) {
-        parallel.run_ranges(mesh.triangle_count, certified_grain, [&](std::size_t begin, std::size_t end, int worker) {
-            FaceSums& sums = workers[static_cast<std::size_t>(worker)];
-            for (std::size_t t = begin; t < end; ++t) {
-                sums.add(read(t));
-            }
-        });
+Sums sum_faces(const SlicedMesh& sliced, CornerScale scale, const Parallel& parallel) {
+    const PlaneHeights heights(sliced.planes);
+    std::vector<FaceSums> workers(static_cast<std::size_t>(parallel.threads()), FaceSums(sliced.planes, heights, scale));
+    with_reader(sliced.mesh, sliced.placing, sliced.result.info.grid_mm, [&](const auto& read) {
+        parallel.run_ranges(sliced.mesh.triangle_count, certified_grain,
+                            [&](std::size_t begin, std::size_t end, int worker) {
+                                FaceSums& sums = workers[static_cast<std::size_t>(worker)];
+                                for (std::size_t t = begin; t < end; ++t) {
+                                    sums.add(read(t));
+                                }
+                            });
     });
     Sums all;
-    all.planes.resize(result.layers.size() + 1);
+    all.planes.resize(sliced.result.layers.size() + 1);
     for (const FaceSums& own : workers) {
         all.six_volumes += own.six_volumes();
         all.reach += own.reach();
@@ -149,7 +148,7 @@ public:
     }
 
 private:
-    double cube_mm3() const noexcept { return result_.unit_mm * result_.unit_mm * result_.unit_mm; }
+    double cube_mm3() const noexcept { return result_.info.grid_mm * result_.info.grid_mm * result_.info.grid_mm; }
 
     /// Faces are in squares of two units, of which a face's normal spans two: half an area each; those below face down.
     double area(Int128 sum) const noexcept { return -2 * std::ldexp(static_cast<double>(sum), -scale_.area_bits); }
@@ -157,17 +156,12 @@ private:
 
     /// No step has moved or dropped contours but FillRule::non_zero.
     bool are_comparable() const noexcept {
-        const RegionRules& rules = result_.region;
-        const auto serves = [](FillRule rule) { return rule == FillRule::contours || rule == FillRule::non_zero; };
-        return serves(rules.fill_rule) &&
-               std::all_of(rules.fill_from.begin(), rules.fill_from.end(),
-                           [&](const FillFrom& from) { return serves(from.rule); }) &&
-               rules.close_mm == 0 && rules.offset_mm == 0 && !rules.largest_only && rules.simplify_mm == 0 &&
-               result_.closed_gaps.empty();
+        const SliceOptions& options = result_.info.options;
+        return options.content == LayerContent::section && keeps_solid(options.region) && result_.stitches.empty();
     }
 
     bool is_filled(std::size_t layer) const noexcept {
-        return result_.region.rule_of(result_.first_layer + layer) != FillRule::contours;
+        return result_.info.options.region.rule_of(result_.info.first_layer + layer) != FillRule::contours;
     }
 
     void measure() {
@@ -175,7 +169,7 @@ private:
         areas_.resize(planes);
         cut_.resize(planes);
         certificate_.slab_mm3.resize(planes + 1);
-        Int128 whole = 0;  // of faces wholly below
+        Int128 whole = 0;  // faces wholly below
         std::int64_t cut = 0;
         std::int64_t below = planes > 0 ? result_.layers[0].plane.z() : 0;
         for (std::size_t i = 0; i <= planes; ++i) {
@@ -198,7 +192,7 @@ private:
     }
 
     bool volumes_agree() const noexcept {
-        const double corners = crossings_ + 2 * static_cast<double>(result_.summary.triangles);
+        const double corners = crossings_ + 2 * static_cast<double>(result_.info.triangles);
         const double lost =
             2 * (static_cast<double>(sums_.reach) * 0x1p-49 + 2 * std::ldexp(corners, -scale_.volume_bits)) * cube_mm3();
         return std::abs(certificate_.slabs_mm3 - certificate_.mesh_mm3) <=
@@ -210,7 +204,7 @@ private:
         std::vector<LayerSize> sizes(result_.layers.size());
         parallel_.run(sizes.size(),
                       [&](std::size_t l, int) { sizes[l] = size_of(result_, result_.layers[l], is_filled(l)); });
-        const double square_mm2 = result_.unit_mm * result_.unit_mm;
+        const double square_mm2 = result_.info.grid_mm * result_.info.grid_mm;
         constexpr double moved = 0.5 + 0x1p-16;  // a point, along an axis; with what double loses of a corner's square
         constexpr double made = 3;               // snap rounding moves what it cuts by a unit more
         const double turn = certificate_.mesh_mm3 < 0 ? -1 : 1;
@@ -242,35 +236,12 @@ private:
     const Sums& sums_;
     CornerScale scale_;
     const Parallel& parallel_;
-    std::vector<double> areas_;  // of each layer, square units
+    std::vector<double> areas_;  // by layer, square units
     std::vector<double> cut_;    // triangles that the layer's plane cuts
     double crossings_ = 0;
     Int128 slabs_ = 0;
     VolumeCertificate certificate_;
 };
-
-Result<VolumeCertificate> certify_or_throw(const MeshView& mesh, const SliceResult& result, const Control& control) {
-    const Parallel parallel(control);
-    parallel.begin_stage(0.1);
-    const Result<Bounds> bounds = examine(mesh, result, parallel);
-    if (!bounds) {
-        return bounds.error();
-    }
-    PlaneSet planes(nullptr);
-    planes.build(result.layers);
-    const CornerScale scale = scale_of(*bounds, result);
-    parallel.begin_stage(0.8, static_cast<std::size_t>(parallel.threads()));
-    const Sums sums = sum_faces(mesh, result, planes, scale, parallel);
-    parallel.begin_stage(0.99);
-    VolumeCertificate certificate = sums.edges == 0 ? Certifier(result, sums, scale, parallel).run() : VolumeCertificate{};
-    const Result<OpenLayers> open = find_open_layers(result, parallel.within(control));
-    if (!open) {
-        return open.error();
-    }
-    certificate.open = *open;
-    parallel.finish();
-    return certificate;
-}
 
 }  // namespace
 
@@ -295,8 +266,13 @@ std::string words_for(const VolumeCertificate& certificate) {
     return text;
 }
 
-Result<VolumeCertificate> certify_volume(const MeshView& mesh, const SliceResult& result, const Control& control) noexcept {
-    return guarded(control, [&] { return certify_or_throw(mesh, result, control); });
+VolumeCertificate certify_volume(const SlicedMesh& sliced, const ProgressShare& progress) {
+    const CornerScale scale = scale_of(sliced.bounds, sliced.result);
+    const Parallel& parallel = progress.parallel;
+    progress.begin(0.8, static_cast<std::size_t>(parallel.threads()));
+    const Sums sums = sum_faces(sliced, scale, parallel);
+    progress.begin(1);
+    return sums.edges == 0 ? Certifier(sliced.result, sums, scale, parallel).run() : VolumeCertificate{};
 }
 
 }  // namespace lamella

@@ -1,5 +1,5 @@
 #include "lamella/array.hpp"
-#include "lamella/memory.hpp"
+#include "lamella/context.hpp"
 
 #include <new>
 
@@ -34,7 +34,7 @@ void* take_memory(const Memory* memory, std::size_t bytes) {
         return nullptr;
     }
     if (memory != nullptr) {
-        void* const block = memory->allocate(memory->context, bytes, cache_line);
+        void* const block = memory->allocate(bytes, cache_line);
         if (block == nullptr) {
             throw std::bad_alloc();
         }
@@ -54,7 +54,7 @@ void give_memory(const Memory* memory, void* block, std::size_t bytes) noexcept 
         return;
     }
     if (memory != nullptr) {
-        memory->release(memory->context, block, bytes, cache_line);
+        memory->release(block, bytes, cache_line);
     } else {
         ::operator delete(block, alignment_for(bytes));
     }

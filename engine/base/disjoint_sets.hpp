@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
+#include <numeric>
 #include <utility>
 
 #include "base/atomic_word.hpp"
@@ -52,24 +52,16 @@ private:
 template <class Index>
 class SharedSets {
 public:
-    /// Members [0, count), each to be set alone or left out before any is united.
-    explicit SharedSets(std::size_t count, const Memory* memory = nullptr) : parents_(memory) {
-        parents_.resize_discarding(count);
-    }
     /// One call of run(): members [0, count), each alone in its set.
-    SharedSets(std::size_t count, const Parallel& parallel, const Memory* memory) : SharedSets(count, memory) {
+    SharedSets(std::size_t count, const Parallel& parallel, const Memory* memory) : parents_(memory) {
         constexpr std::size_t grain = std::size_t{1} << 16;
+        parents_.resize_discarding(count);
         parallel.run_ranges(count, grain, [&](std::size_t begin, std::size_t end, int) {
-            for (std::size_t i = begin; i != end; ++i) {
-                set_alone(i);
-            }
+            std::iota(parents_.begin() + begin, parents_.begin() + end, static_cast<Index>(begin));
         });
     }
 
     std::size_t size() const noexcept { return parents_.size(); }
-
-    void set_alone(std::size_t i) { parents_[i] = static_cast<Index>(i); }
-    void leave_out(std::size_t i) { parents_[i] = left_out; }
 
     /// Once no thread unites any more.
     bool is_root(std::size_t i) const { return parents_[i] == i; }
@@ -103,8 +95,6 @@ public:
     }
 
 private:
-    static constexpr Index left_out = std::numeric_limits<Index>::max();
-
     AtomicWord<Index> at(Index i) { return AtomicWord<Index>(parents_[i]); }
 
     Array<Index> parents_;

@@ -26,7 +26,7 @@
 namespace lamella {
 
 #ifdef LAMELLA_X86_FORMS
-constexpr std::size_t lanes_of_512 = 16;  // of 32 bits
+constexpr std::size_t lanes_of_512 = 16;  // 32 bits each
 constexpr __mmask16 all_lanes = 0xFFFF;
 #endif
 
@@ -52,7 +52,7 @@ struct Form {
     Kernel kernel;
 };
 
-/// Those of `forms` that this processor runs. Precondition: they are ordered by level, the portable one last.
+/// The `forms` that this processor runs. Precondition: they are ordered by level, the portable one last.
 template <class Kernel>
 std::span<const Form<Kernel>> supported(std::span<const Form<Kernel>> forms) noexcept {
     const auto first = std::find_if(forms.begin(), forms.end() - 1,
@@ -68,6 +68,21 @@ const Kernel& best_of(std::span<const Form<Kernel>> forms) noexcept {
 template <class Kernel>
 const Kernel& portable_of(std::span<const Form<Kernel>> forms) noexcept {
     return forms.back().kernel;
+}
+
+// Reading ahead of streams that the processor's own prefetchers do not keep up with.
+
+/// How far ahead: measured, and flat from 4 KiB on.
+inline constexpr std::size_t prefetch_bytes = 4096;
+
+/// Asks for [at + prefetch_bytes, at + prefetch_bytes + bytes), which need not exist.
+inline void prefetch_ahead(const std::byte* at, std::size_t bytes) noexcept {
+#ifdef __GNUC__
+    constexpr std::size_t cache_line = 64;
+    for (std::size_t offset = 0; offset < bytes; offset += cache_line) {
+        __builtin_prefetch(at + prefetch_bytes + offset);
+    }
+#endif
 }
 
 }  // namespace lamella

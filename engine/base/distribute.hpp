@@ -22,7 +22,7 @@ public:
     explicit Distributed(const Memory* memory) noexcept : items(memory) {}
 
     Array<T> items;
-    std::vector<std::size_t> firsts;  ///< of each part, and the end of the last
+    std::vector<std::size_t> firsts;  ///< by part, and the end of the last
 
     std::size_t size() const noexcept { return firsts.size() - 1; }
     std::span<T> of(std::size_t part) noexcept {
@@ -91,7 +91,7 @@ Array<std::uint32_t> indices_where(std::size_t count, const Parallel& parallel, 
     const auto first = [&](std::size_t range) { return count * range / ranges; };
     Array<std::uint32_t> found(memory);
     found.resize_discarding(count);
-    std::vector<std::size_t> ends(ranges);  // of what a range has found, which it writes from its beginning on
+    std::vector<std::size_t> ends(ranges);  // by range: where what it has found ends, from its beginning on
     parallel.run(ranges, [&](std::size_t range, int) {
         std::size_t end = first(range);
         for (std::size_t i = end; i != first(range + 1); ++i) {
@@ -174,7 +174,7 @@ public:
 
 private:
     std::vector<T> unsorted_;
-    std::vector<std::uint32_t> ends_;  ///< of the items of a number, once they are placed
+    std::vector<std::uint32_t> ends_;  ///< by number: where its items end, once they are placed
 };
 
 /// How many parts of about `wanted` items make up `count`.

@@ -1,4 +1,4 @@
-// Eight 32-bit integers that are compared at once, with what every compiler and processor has: vectors of four.
+// Int32x8 32-bit integers that are compared at once, with what every compiler and processor has: vectors of four.
 #pragma once
 
 #include <array>
@@ -23,30 +23,30 @@ void each_lane(LaneBits bits, Visit visit) {
     }
 }
 
-class Eight {
+class Int32x8 {
 public:
     static constexpr std::size_t lanes = 8;
     /// As they lie in memory, where lanes are read and written one by one.
     using Stored = std::array<std::int32_t, lanes>;
 
-    explicit Eight(std::int32_t all) noexcept : low_{all, all, all, all}, high_{all, all, all, all} {}
-    explicit Eight(const Stored& stored) noexcept {
+    explicit Int32x8(std::int32_t all) noexcept : low_{all, all, all, all}, high_{all, all, all, all} {}
+    explicit Int32x8(const Stored& stored) noexcept {
         std::memcpy(&low_, stored.data(), sizeof low_);
         std::memcpy(&high_, stored.data() + lanes / 2, sizeof high_);
     }
 
     /// Lanes of -1 where it holds, else 0.
-    friend Eight operator>(const Eight& a, const Eight& b) noexcept { return {a.low_ > b.low_, a.high_ > b.high_}; }
-    friend Eight operator==(const Eight& a, const Eight& b) noexcept { return {a.low_ == b.low_, a.high_ == b.high_}; }
-    friend Eight operator|(const Eight& a, const Eight& b) noexcept { return {a.low_ | b.low_, a.high_ | b.high_}; }
+    friend Int32x8 operator>(const Int32x8& a, const Int32x8& b) noexcept { return {a.low_ > b.low_, a.high_ > b.high_}; }
+    friend Int32x8 operator==(const Int32x8& a, const Int32x8& b) noexcept { return {a.low_ == b.low_, a.high_ == b.high_}; }
+    friend Int32x8 operator|(const Int32x8& a, const Int32x8& b) noexcept { return {a.low_ | b.low_, a.high_ | b.high_}; }
 
-    /// Of lanes that are -1 or 0: which are -1.
+    /// The lanes that are -1; all are -1 or 0.
     LaneBits bits() const noexcept { return bits_of(low_) | bits_of(high_) << 4; }
 
 private:
     using Four = std::int32_t __attribute__((vector_size(16)));
 
-    Eight(Four low, Four high) noexcept : low_(low), high_(high) {}
+    Int32x8(Four low, Four high) noexcept : low_(low), high_(high) {}
 
     static LaneBits bits_of(Four four) noexcept {
 #ifdef LAMELLA_X86_FORMS

@@ -41,11 +41,11 @@ auto guarded(Call&& call) noexcept -> decltype(call()) {
     }
 }
 
-/// The same for a call that takes `control`.
+/// The same for a call that takes `context`.
 template <class Call>
-auto guarded(const Control& control, Call&& call) noexcept -> decltype(call()) {
+auto guarded(const Context& context, Call&& call) noexcept -> decltype(call()) {
     return guarded([&]() -> decltype(call()) {
-        if (control.threads < 0) {
+        if (context.threads < 0) {
             return Error{ErrorCode::invalid_argument, "threads must not be negative"};
         }
         return std::forward<Call>(call)();

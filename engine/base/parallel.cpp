@@ -60,7 +60,7 @@ struct Dispenser {
 private:
     /// Relaxed: the join orders results, and any other order among tasks would hide their races from the thread sanitizer.
     std::size_t claim() noexcept {
-        if (has_work() && stop.stop_requested()) {
+        if (has_work() && stop_requested(stop)) {
             stopped.store(true, std::memory_order_relaxed);
         }
         return stopped.load(std::memory_order_relaxed) ? count : next.fetch_add(1, std::memory_order_relaxed);
@@ -115,19 +115,20 @@ struct Parallel::Arena {
 
 #endif
 
-int Parallel::count_for(const Control& control) {
-    if (control.threads > 0) {
-        return control.threads;
+int Parallel::count_for(const Context& context) {
+    if (context.threads > 0) {
+        return context.threads;
     }
-    return std::max(1, control.executor.run != nullptr ? control.executor.threads : Arena::available());
+    return std::max(1, context.executor ? context.executor_threads : Arena::available());
 }
 
-Parallel::Parallel(const Control& control)
-    : arena_(control.executor.run != nullptr ? nullptr : std::make_unique<Arena>(count_for(control))),
-      executor_(control.executor),
-      stop_(control.stop),
-      stages_(control.progress),
-      threads_(count_for(control)) {}
+Parallel::Parallel(const Context& context)
+    : arena_(context.executor ? nullptr : std::make_unique<Arena>(count_for(context))),
+      memory_(context.memory),
+      executor_(context.executor),
+      stop_(context.stop),
+      stages_(context.progress),
+      threads_(count_for(context)) {}
 
 Parallel::~Parallel() = default;
 
@@ -146,9 +147,8 @@ void Parallel::Stages::begin_run() noexcept {
     }
 }
 
-bool Parallel::serves(const Control& control) const {
-    return threads_ == count_for(control) && executor_.run == control.executor.run &&
-           executor_.context == control.executor.context;
+bool Parallel::serves(const Context& context) const {
+    return threads_ == count_for(context) && executor_ == context.executor;
 }
 
 void Parallel::run(std::size_t count, FunctionRef<void(std::size_t, int)> task) const {
@@ -159,10 +159,9 @@ void Parallel::run(std::size_t count, FunctionRef<void(std::size_t, int)> task) 
     };
     stages_.begin_run();
     Dispenser dispenser{count, workers, shown, stop()};
-    if (workers > 1 && executor_.run != nullptr) {
-        executor_.run(
-            executor_.context, workers, [](void* argument) noexcept { static_cast<Dispenser*>(argument)->join(); },
-            &dispenser);
+    if (workers > 1 && executor_) {
+        auto join = [&]() noexcept { dispenser.join(); };
+        executor_(workers, join);
     } else if (workers > 1) {
         try {
             arena_->execute(workers, [&] { dispenser.join(); });

@@ -15,9 +15,16 @@
 
 #include "base/clock.hpp"
 #include "base/function_ref.hpp"
-#include "lamella/control.hpp"
+#include "lamella/context.hpp"
 
 namespace lamella {
+
+/// True where the host wants the call to end.
+using StopCheck = Callback<bool()>;
+
+inline bool stop_requested(const StopCheck& check) noexcept {
+    return check && check();
+}
 
 /// Thrown where the host wants the call to end.
 struct Stopped {};
@@ -39,7 +46,7 @@ public:
         caller_ = std::this_thread::get_id();
         next_[0] = next_[1] = 0;
         const auto look = [](void* self) noexcept { return static_cast<PacedStop*>(self)->look(); };
-        check_ = host.requested == nullptr ? StopCheck{} : StopCheck{look, this};
+        check_ = host ? StopCheck{this, look} : StopCheck{};
     }
 
     /// For any thread. A look that does not ask the host costs a look at the clock.
@@ -50,7 +57,7 @@ public:
 
 private:
     static void stop_if(const StopCheck& check) {
-        if (check.stop_requested()) {
+        if (stop_requested(check)) {
             throw Stopped();
         }
     }
@@ -67,7 +74,7 @@ private:
         if (now() < due || !next.compare_exchange_strong(due, while_asking, std::memory_order_relaxed)) {
             return false;
         }
-        if (!host_.stop_requested()) {
+        if (!stop_requested(host_)) {
             next.store(now() + Clock::duration(interval).count(), std::memory_order_relaxed);
             return false;
         }
@@ -84,30 +91,30 @@ private:
 /// Progress reported to the host: by one thread at a time, and never falling.
 class ProgressMeter {
 public:
-    explicit ProgressMeter(const Progress& sink) noexcept : sink_(sink) {}
+    explicit ProgressMeter(const Callback<void(double)>& sink) noexcept : sink_(sink) {}
 
     /// From any thread, which does not wait: while another one reports, this is left out. So is what is not below 1, since
     /// the call may still fail.
     void reach(double fraction) noexcept {
-        if (sink_.report == nullptr) {
+        if (!sink_) {
             return;
         }
         const std::unique_lock lock(mutex_, std::try_to_lock);
         if (lock.owns_lock() && fraction > reported_ && fraction < 1) {
             reported_ = fraction;
-            sink_.report(sink_.context, fraction);
+            sink_(fraction);
         }
     }
 
     /// The call has succeeded, and no thread works on it any more.
     void finish() noexcept {
-        if (sink_.report != nullptr) {
-            sink_.report(sink_.context, 1);
+        if (sink_) {
+            sink_(1);
         }
     }
 
 private:
-    Progress sink_;
+    Callback<void(double)> sink_;
     std::mutex mutex_;
     double reported_ = -1;
 };
@@ -115,27 +122,29 @@ private:
 /// Runs tasks on at most `threads()` threads of the host's executor or of oneTBB. Holds no threads of its own.
 class Parallel {
 public:
-    /// The threads that `control` stands for: where it names none, all that its executor or the calling thread's task arena
+    /// The threads that `context` stands for: where it names none, all that its executor or the calling thread's task arena
     /// has.
-    static int count_for(const Control& control);
-    explicit Parallel(const Control& control = {});
+    static int count_for(const Context& context);
+    explicit Parallel(const Context& context = {});
     ~Parallel();
     Parallel(const Parallel&) = delete;
     Parallel& operator=(const Parallel&) = delete;
 
     int threads() const noexcept { return threads_; }
-    /// True if it runs tasks as one made for `control` would.
-    bool serves(const Control& control) const;
+    /// The host's; null for operator new.
+    const Memory* memory() const noexcept { return memory_; }
+    /// True if it runs tasks as one made for `context` would.
+    bool serves(const Context& context) const;
     /// A call begins, on this thread, that ends when `stop` says so.
     void follow(const StopCheck& stop) noexcept { stop_.follow(stop); }
     /// The host's stop request, paced by time: for whatever works within the call.
     const StopCheck& stop() const noexcept { return stop_.check(); }
 
-    /// For a call within the call that `control` is of: it ends with this one, and reports no progress of its own.
-    Control within(Control control) const noexcept {
-        control.stop = stop();
-        control.progress = {};
-        return control;
+    /// For a call within the call that `context` is of: it ends with this one, and reports no progress of its own.
+    Context within(Context context) const noexcept {
+        context.stop = stop();
+        context.progress = {};
+        return context;
     }
 
     /// How many workers run() may have for so many indices; at least one.
@@ -171,7 +180,7 @@ private:
     /// How far the stages have led.
     class Stages {
     public:
-        explicit Stages(const Progress& sink) noexcept : meter_(sink) {}
+        explicit Stages(const Callback<void(double)>& sink) noexcept : meter_(sink) {}
         void begin(double fraction, std::size_t runs) noexcept;
         void begin_run() noexcept;
         void reach(std::size_t index, std::size_t count) noexcept {
@@ -193,7 +202,8 @@ private:
 
     struct Arena;
     std::unique_ptr<Arena> arena_;
-    Executor executor_;
+    const Memory* memory_;
+    Callback<void(int, Callback<void()>)> executor_;
     PacedStop stop_;
     mutable Stages stages_;
     int threads_;
@@ -257,7 +267,7 @@ public:
     /// At once.
     void ask() {
         left_ = work_between_asks;
-        if (host_.stop_requested()) {
+        if (stop_requested(host_)) {
             throw Stopped();
         }
     }

@@ -11,7 +11,7 @@ namespace lamella {
 namespace {
 
 constexpr std::size_t unit_bytes = std::size_t{1} << 16;   ///< free blocks have a multiple of it
-constexpr std::size_t least_bytes = std::size_t{1} << 20;  ///< what is recycled
+constexpr std::size_t least_bytes = std::size_t{1} << 20;  ///< smaller blocks are not recycled
 
 constexpr std::size_t rounded(std::size_t bytes) {
     return (bytes + unit_bytes - 1) / unit_bytes * unit_bytes;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "lamella/array.hpp"
-#include "lamella/memory.hpp"
+#include "lamella/context.hpp"
 
 namespace lamella {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/parallel.hpp"
-#include "lamella/memory.hpp"
+#include "lamella/context.hpp"
 
 namespace lamella {
 
@@ -14,7 +14,7 @@ public:
     explicit Worker(const Memory* memory = nullptr) noexcept : memory_(memory) {}
     /// The host is asked from the start.
     Worker(const Memory* memory, const StopCheck& host) noexcept : memory_(memory) { follow(host); }
-    Worker(const Worker&) = delete;  // what works on it refers to it
+    Worker(const Worker&) = delete;  // referred to by what works on it
     Worker& operator=(const Worker&) = delete;
 
     const Memory* memory() const noexcept { return memory_; }

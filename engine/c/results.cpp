@@ -1,21 +1,17 @@
-// The calls of lamella.h that look at results, make structs and names, and put contours together.
+// The calls of lamella.h that look at results, judge meshes and results, and make structs and names.
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
-#include <memory>
-#include <new>
+#include <iterator>
 #include <span>
-#include <string_view>
+#include <string>
 #include <utility>
-#include <vector>
 
 #include "c/call.hpp"
-#include "c/handles.hpp"
-#include "c/sized.hpp"
-#include "lamella/assemble.hpp"
-#include "lamella/islands.hpp"
-#include "lamella/region.hpp"
+#include "lamella/audit.hpp"
+#include "lamella/check.hpp"
 #include "lamella/version.hpp"
+#include "lamella/weld.hpp"
 
 namespace lamella::c {
 
@@ -34,56 +30,144 @@ std::int32_t status_of(ErrorCode code) noexcept {
 static_assert(LAMELLA_INVALID_ARGUMENT == static_cast<int>(ErrorCode::invalid_argument) + 1);
 static_assert(LAMELLA_BAD_PLANES == static_cast<int>(ErrorCode::bad_planes) + 1);
 static_assert(LAMELLA_UNWRITABLE_FILE == static_cast<int>(ErrorCode::unwritable_file) + 1);
+static_assert(std::size(lamella_check_result{}.faults) == fault_count);
 
-lamella_view view_of(const SliceResult& result) noexcept {
+void copy_box(const Box& box, double (&least)[3], double (&most)[3]) noexcept {
+    std::copy(box.min_mm.begin(), box.min_mm.end(), least);
+    std::copy(box.max_mm.begin(), box.max_mm.end(), most);
+}
+
+lamella_check_result check_of(const MeshCheck& found, bool counts_only) noexcept {
+    lamella_check_result c{};
+    c.closed = found.closed ? 1 : 0;
+    c.clean = !counts_only && found.clean() ? 1 : 0;
+    c.complete = found.complete() ? 1 : 0;
+    c.triangles = found.triangles;
+    c.degenerate = found.degenerate;
+    c.edges = found.edges;
+    c.boundary_edges = found.boundary_edges;
+    c.overfull_edges = found.overfull_edges;
+    c.mismatched_edges = found.mismatched_edges;
+    c.shells = found.shell_count;
+    copy_box(found.box, c.min_mm, c.max_mm);
+    c.volume_mm3 = found.volume_mm3;
+    c.area_mm2 = found.area_mm2;
+    c.grid_mm = found.grid_mm;
+    std::transform(found.findings.begin(), found.findings.end(), c.faults, [](const FaultFinding& f) { return f.count; });
+    return c;
+}
+
+lamella_audit_result audit_of(const Audit& found) noexcept {
+    lamella_audit_result c{};
+    c.open_layers = found.open->layers;
+    c.open_share = found.open->share();
+    c.stitch_mm = found.open->reach_mm;
+    c.stuck_layers = found.open->stuck;
+    c.crossings = found.crossings->count;
+    c.structure = *found.structure ? LAMELLA_OK : status_of(found.structure->error().code);
+    const VolumeCertificate none;
+    const VolumeCertificate& volume = found.volume ? *found.volume : none;
+    c.volume = static_cast<std::int32_t>(volume.verdict);
+    c.mesh_mm3 = volume.mesh_mm3;
+    c.slabs_mm3 = volume.slabs_mm3;
+    if (found.ledger) {
+        c.triangles_between_planes = found.ledger->between;
+        c.shells_between_planes = found.ledger->shells.count;
+    }
+    return c;
+}
+
+lamella_view arrays_of(const SliceResult& result) noexcept {
     lamella_view view{};
-    view.unit_mm = result.unit_mm;
     view.layers = as_c<lamella_layer>(result.layers.data());
-    view.layer_count = result.layers.size();
     view.contours = as_c<lamella_contour>(result.contours.data());
-    view.contour_count = result.contours.size();
     view.points = as_c<lamella_point>(result.points.data());
-    view.point_count = result.points.size();
-    view.closed_gaps = as_c<lamella_closed_gap>(result.closed_gaps.data());
-    view.closed_gap_count = result.closed_gaps.size();
-    view.layer_of = result.layer_of.data();
-    view.layer_of_count = result.layer_of.size();
-    copy_summary(result.summary, view);
     view.origins = result.origins.empty() ? nullptr : as_c<lamella_point_origin>(result.origins.data());
+    view.stitches = as_c<lamella_stitch>(result.stitches.data());
+    view.info = info_of(result.info);
     return view;
 }
 
-/// A result of one layer, at height 0.
-Status give_layer(Result<LayerContours> given, double unit_mm, const Memory* memory, lamella_result** result) {
-    return fill_result(result, [&](SliceResult& filled) -> Status {
-        if (!given) {
-            return given.error();
-        }
-        filled = SliceResult(memory);
-        filled.contours = std::move(given->contours);
-        filled.points = std::move(given->points);
-        filled.unit_mm = unit_mm;
-        filled.layers.resize_discarding(1);
-        filled.layers[0] = Layer{};
-        filled.layers[0].contour_count = filled.contours.size();
-        for (const Contour& contour : filled.contours) {
-            filled.layers[0].segments += contour.segments;
-            filled.summary.holes += contour.role == Role::hole ? 1 : 0;
-            filled.summary.flat_contours += contour.role == Role::flat ? 1 : 0;
-            filled.summary.open_contours += contour.role == Role::open ? 1 : 0;
-        }
-        filled.summary.segments = filled.layers[0].segments;
-        return {};
-    });
+/// The struct of `kind`, of as many bytes as the program knows, with its defaults.
+template <class T>
+bool init_if(std::int32_t kind, void* it, std::size_t size, const T& defaults) noexcept {
+    if (kind != Sized<T>::kind) {
+        return false;
+    }
+    std::memcpy(it, &defaults, std::min(size, sizeof(T)));
+    return true;
 }
 
 }  // namespace
 
+lamella_error empty_error() noexcept {
+    lamella_error error{};
+    error.part = -1;
+    error.triangle = -1;
+    error.plane = -1;
+    error.byte_offset = -1;
+    return error;
+}
+
+lamella_arrays default_arrays() noexcept {
+    lamella_arrays arrays{};
+    arrays.point_type = LAMELLA_I32;
+    arrays.scale = 1;
+    return arrays;
+}
+
+lamella_info info_of(const SliceInfo& info) noexcept {
+    lamella_info c{};
+    c.struct_size = sizeof c;
+    c.grid_doublings = info.grid_doublings;
+    c.grid_mm = info.grid_mm;
+    copy_box(info.box, c.min_mm, c.max_mm);
+    c.stitch_mm = info.options.stitch_mm;
+    c.part_count = info.part_count;
+    c.first_layer = info.first_layer;
+    c.planned_layers = info.planned_layers;
+    c.triangles = info.triangles;
+    c.degenerate = info.degenerate;
+    c.crossed = info.crossed;
+    c.layers = info.layers;
+    c.segments = info.segments;
+    c.contours = info.contours;
+    c.points = info.points;
+    c.stitches = info.stitches;
+    c.holes = info.holes;
+    c.open_contours = info.open_contours;
+    c.flat_contours = info.flat_contours;
+    c.overruled_contours = info.overruled_contours;
+    c.would_close_contours = info.would_close_contours;
+    c.emptied_layers = info.emptied_layers;
+    c.cancelled_layers = info.cancelled_layers;
+    c.layer_of = info.layer_of.data();
+    c.layer_of_count = info.layer_of.size();
+    return c;
+}
+
+lamella_layer_view view_of(const LayerView& layer) noexcept {
+    lamella_layer_view c{};
+    c.struct_size = sizeof c;
+    c.index = layer.index;
+    c.grid_mm = layer.grid_mm;
+    c.layer = *as_c<lamella_layer>(static_cast<const Layer*>(&layer));
+    c.contours = as_c<lamella_contour>(layer.contours.data());
+    c.points = as_c<lamella_point>(layer.points.data());
+    c.point_count = layer.points.size();
+    c.first_point = layer.first_point;
+    c.origins = layer.origins.empty() ? nullptr : as_c<lamella_point_origin>(layer.origins.data());
+    c.stitches = as_c<lamella_stitch>(layer.stitches.data());
+    c.stitch_count = layer.stitches.size();
+    return c;
+}
+
 std::int32_t report(const Status& status, lamella_error* error) noexcept {
-    lamella_error c = defaults<lamella_error>();
+    lamella_error c = empty_error();
     if (!status) {
         const Error& what = status.error();
         c.status = status_of(what.code);
+        c.part = what.part;
         c.triangle = what.triangle;
         c.plane = what.plane;
         c.byte_offset = what.byte_offset;
@@ -96,45 +180,53 @@ std::int32_t report(const Status& status, lamella_error* error) noexcept {
 }  // namespace lamella::c
 
 using lamella::Contour;
-using lamella::Control;
-using lamella::default_unit_mm;
-using lamella::Point;
-using lamella::Status;
+using lamella::require;
+using lamella::c::arrays_of;
 using lamella::c::as_c;
 using lamella::c::as_cpp;
 using lamella::c::called;
-using lamella::c::CallOptions;
-using lamella::c::give_layer;
-using lamella::c::missing;
-using lamella::c::status_names;
+using lamella::c::Host;
+using lamella::c::init_if;
+using lamella::c::read_mesh;
+using lamella::c::read_options;
+using lamella::c::refuse;
 using lamella::c::view_of;
 using lamella::c::write_sized;
 
 void lamella_result_view(const lamella_result* result, lamella_view* view) {
-    write_sized(result == nullptr ? lamella_view{} : view_of(result->result), view);
+    write_sized(result == nullptr ? lamella_view{} : arrays_of(result->result), view);
 }
 
-double lamella_result_area_mm2(const lamella_result* result, uint64_t layer) {
-    return result == nullptr || layer >= result->result.layers.size()
-               ? 0
-               : result->result.area_mm2(result->result.layers[layer]);
+int32_t lamella_result_layer(const lamella_result* result, uint64_t layer, lamella_layer_view* view) {
+    if (result == nullptr || layer >= result->result.size()) {
+        return LAMELLA_INVALID_ARGUMENT;
+    }
+    write_sized(view_of(result->result[layer]), view);
+    return LAMELLA_OK;
 }
 
 uint64_t lamella_result_hash(const lamella_result* result) {
-    return result == nullptr ? 0 : lamella::hash_result(result->result);
+    return result == nullptr ? 0 : result->result.hash();
 }
 
 void lamella_result_free(lamella_result* result) {
     delete result;
 }
 
-double lamella_contour_area_mm2(const lamella_contour* contour, double unit_mm) {
-    if (contour == nullptr) {
+double lamella_area_mm2(const lamella_layer_view* layer) {
+    if (layer == nullptr) {
         return 0;
     }
-    lamella::SliceResult units;
-    units.unit_mm = unit_mm;
-    return units.area_mm2(*as_cpp(contour));
+    lamella::LayerView view;
+    view.contours = {as_cpp(layer->contours), layer->layer.contour_count};
+    view.grid_mm = layer->grid_mm;
+    return view.area_mm2();
+}
+
+double lamella_contour_area_mm2(const lamella_contour* contour, double grid_mm) {
+    lamella::LayerView view;
+    view.grid_mm = grid_mm;
+    return contour == nullptr ? 0 : view.area_mm2(*as_cpp(contour));
 }
 
 int32_t lamella_next_island(const lamella_contour* contours, uint64_t contour_count, uint64_t* at, lamella_island* island) {
@@ -142,7 +234,7 @@ int32_t lamella_next_island(const lamella_contour* contours, uint64_t contour_co
         return 0;
     }
     const std::span<const Contour> rest(as_cpp(contours) + *at, contour_count - *at);
-    const lamella::Islands islands = lamella::islands_of(rest);
+    const lamella::Islands islands(rest);
     if (islands.begin() == islands.end()) {
         *at = contour_count;
         return 0;
@@ -153,65 +245,63 @@ int32_t lamella_next_island(const lamella_contour* contours, uint64_t contour_co
     return 1;
 }
 
-lamella_workspace* lamella_workspace_create(void) {
-    return new (std::nothrow) lamella_workspace;
-}
-
-uint64_t lamella_workspace_bytes(const lamella_workspace* workspace) {
-    return workspace == nullptr ? 0 : workspace->workspace.bytes();
-}
-
-void lamella_workspace_trim(lamella_workspace* workspace) {
-    if (workspace != nullptr) {
-        workspace->workspace.trim();
-    }
-}
-
-void lamella_workspace_reset(lamella_workspace* workspace) {
-    if (workspace != nullptr) {
-        workspace->workspace.reset();
-    }
-}
-
-void lamella_workspace_free(lamella_workspace* workspace) {
-    delete workspace;
-}
-
-int32_t lamella_region_of(const lamella_path* contours, size_t count, const lamella_region_rules* rules, double unit_mm,
-                          const lamella_control* control, lamella_result** result, lamella_error* error) {
-    return called(error, [&]() -> Status {
-        CallOptions call;
-        if (Status status = call.read_control(control); !status) {
-            return status;
-        }
-        if (Status status = call.read_rules(rules); !status) {
-            return status;
-        }
-        if (contours == nullptr && count != 0) {
-            return missing("contours");
-        }
-        std::vector<std::span<const Point>> paths;
-        for (std::size_t i = 0; i < count; ++i) {
-            paths.emplace_back(as_cpp(contours[i].points), contours[i].count);
-        }
-        const double unit = unit_mm == 0 ? default_unit_mm : unit_mm;
-        const Control& host = call.options.control;
-        return give_layer(lamella::region_of(paths, call.options.region, unit, host), unit, host.memory, result);
+int32_t lamella_check(const lamella_mesh* mesh, const lamella_options* options, int32_t counts_only,
+                      const lamella_context* context, lamella_check_result* found, lamella_error* error) {
+    return called(error, [&] {
+        const Host host(context);
+        lamella::SliceOptions frame;
+        read_options(options, frame);
+        const bool counts = counts_only != 0;
+        const auto check = require(
+            lamella::check(read_mesh(mesh), {.frame = frame.frame, .counts_only = counts, .most_places = 0}, host.context));
+        write_sized(lamella::c::check_of(check, counts), found);
     });
 }
 
-int32_t lamella_assemble(const lamella_segment* segments, size_t count, const lamella_control* control,
-                         lamella_result** result, lamella_error* error) {
-    return called(error, [&]() -> Status {
-        CallOptions call;
-        if (Status status = call.read_control(control); !status) {
-            return status;
+int32_t lamella_weld(const lamella_mesh* mesh, double tolerance_mm, int32_t orient_shells, const lamella_context* context,
+                     lamella_welded** welded, lamella_error* error) {
+    return called(error, [&] {
+        if (welded == nullptr) {
+            refuse("there is nowhere to put the welded mesh: welded is NULL");
         }
-        if (segments == nullptr && count != 0) {
-            return missing("segments");
+        const Host host(context);
+        auto made = require(lamella::weld(read_mesh(mesh), tolerance_mm, host.context));
+        if (orient_shells != 0) {
+            made = require(lamella::orient_shells(made.view(), 0, host.context)).mesh;
         }
-        const Control& host = call.options.control;
-        return give_layer(lamella::assemble({as_cpp(segments), count}, host), default_unit_mm, host.memory, result);
+        auto fresh = std::make_unique<lamella_welded>(lamella_welded{std::move(made)});
+        lamella_welded_free(std::exchange(*welded, fresh.release()));
+    });
+}
+
+void lamella_welded_mesh(const lamella_welded* welded, lamella_mesh* mesh) {
+    lamella_mesh c = lamella::c::default_mesh();
+    if (welded != nullptr) {
+        const lamella::MeshView view = welded->mesh.view();
+        c.vertex_type = static_cast<std::int32_t>(view.vertex_type);
+        c.vertices = view.vertices;
+        c.vertex_count = view.vertex_count;
+        c.triangle_count = view.triangle_count;
+        c.indices = view.indices;
+        c.mm_per_unit = view.mm_per_unit;
+    }
+    write_sized(c, mesh);
+}
+
+void lamella_welded_free(lamella_welded* welded) {
+    delete welded;
+}
+
+int32_t lamella_audit(const lamella_result* result, const lamella_mesh* mesh, const lamella_context* context,
+                      lamella_audit_result* found, lamella_error* error) {
+    return called(error, [&] {
+        if (result == nullptr) {
+            refuse("the result is NULL");
+        }
+        const Host host(context);
+        const lamella::MeshView view = mesh == nullptr ? lamella::MeshView{} : read_mesh(mesh);
+        const lamella::AuditOptions all{.volume = mesh != nullptr, .ledger = mesh != nullptr, .structure = true};
+        write_sized(lamella::c::audit_of(require(lamella::audit(result->result, view, all, host.context))), found);
     });
 }
 
@@ -220,23 +310,19 @@ const char* lamella_version(void) {
 }
 
 const char* lamella_status_name(int32_t status) {
-    const bool known = status >= 0 && static_cast<std::size_t>(status) < std::size(status_names);
-    return known ? status_names[status] : "unknown";
+    const bool known = status >= 0 && static_cast<std::size_t>(status) < std::size(lamella::c::status_names);
+    return known ? lamella::c::status_names[status] : "unknown";
 }
 
-// NOLINTBEGIN(bugprone-macro-parentheses): a type
-#define LAMELLA_INIT_SIZED(T)                  \
-    void T##_init_sized(T* out, size_t size) { \
-        lamella::c::init_sized(out, size);     \
+void lamella_init_sized(void* it, int32_t kind, size_t size) {
+    if (it == nullptr || size < sizeof(std::uint32_t)) {
+        return;
     }
-// NOLINTEND(bugprone-macro-parentheses)
-LAMELLA_INIT_SIZED(lamella_error)
-LAMELLA_INIT_SIZED(lamella_control)
-LAMELLA_INIT_SIZED(lamella_mesh)
-LAMELLA_INIT_SIZED(lamella_region_rules)
-LAMELLA_INIT_SIZED(lamella_options)
-LAMELLA_INIT_SIZED(lamella_view)
-LAMELLA_INIT_SIZED(lamella_totals)
-LAMELLA_INIT_SIZED(lamella_output_bounds)
-LAMELLA_INIT_SIZED(lamella_host_output)
-#undef LAMELLA_INIT_SIZED
+    std::memset(it, 0, size);
+    static_cast<void>(
+        init_if(kind, it, size, lamella::c::empty_error()) || init_if(kind, it, size, lamella::c::default_context()) ||
+        init_if(kind, it, size, lamella::c::default_mesh()) || init_if(kind, it, size, lamella::c::default_options()) ||
+        init_if(kind, it, size, lamella::c::default_arrays()));
+    const auto bytes = static_cast<std::uint32_t>(size);
+    std::memcpy(it, &bytes, sizeof bytes);
+}

@@ -1,188 +1,282 @@
-// The calls of lamella.h that cut a mesh into a result.
+// The calls of lamella.h that cut, and that put contours together.
+#include <algorithm>
 #include <memory>
+#include <new>
+#include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "c/call.hpp"
-#include "c/handles.hpp"
-#include "lamella/parts.hpp"
-#include "lamella/prepare.hpp"
-#include "lamella/slabs.hpp"
-#include "lamella/slice.hpp"
+#include "lamella/layers.hpp"
 
 namespace lamella::c {
 
 namespace {
 
-/// `transforms`: twelve numbers a mesh, or null.
-Status read_parts(const lamella_mesh* const* meshes, const double* transforms, std::size_t count, std::vector<Part>& parts) {
-    if (meshes == nullptr && count != 0) {
-        return missing("meshes");
-    }
-    for (std::size_t p = 0; p < count; ++p) {
-        Part& part = parts.emplace_back();
-        double in_mm = 1;
-        if (Status status = read_mesh(meshes[p], part.mesh, in_mm); !status) {
-            return status;
+/// The program's source. Holds the parts that the C++ source views.
+class GivenSource {
+public:
+    explicit GivenSource(const lamella_source* given) {
+        if (given == nullptr) {
+            refuse("the source is NULL");
         }
-        if (transforms != nullptr) {
-            std::copy_n(transforms + 12 * p, 12, part.transform.m.begin());
+        c_ = read_sized(given, {sizeof(lamella_source), 0, nullptr, nullptr, nullptr, 0});
+        const int set = (c_.mesh != nullptr ? 1 : 0) + (c_.prepared != nullptr ? 1 : 0) + (c_.parts != nullptr ? 1 : 0);
+        if (set != 1) {
+            refuse("of mesh, prepared and parts of a source exactly one must be set, and " + std::to_string(set) + " are");
         }
-        if (in_mm != 1) {
-            part.transform = part.transform * Transform::scale(in_mm);
+        if (c_.parts != nullptr) {
+            read_parts();
         }
     }
-    return {};
+
+    Source source() const {
+        if (c_.prepared != nullptr) {
+            return c_.prepared->mesh;
+        }
+        return c_.parts != nullptr ? Source(parts_) : Source(read_mesh(c_.mesh));
+    }
+
+private:
+    void read_parts() {
+        for (std::size_t p = 0; p < c_.part_count; ++p) {
+            Part& part = parts_.emplace_back();
+            part.mesh = read_mesh(c_.parts[p].mesh);
+            const double* const placement = c_.parts[p].placement;
+            if (std::any_of(placement, placement + 12, [](double entry) { return entry != 0; })) {
+                std::copy_n(placement, 12, part.placement.m.begin());
+            }
+        }
+    }
+
+    lamella_source c_{};
+    std::vector<Part> parts_;
+};
+
+/// Hands layers to functions of C.
+struct SinkOfC {
+    lamella_sink c;
+
+    void take(const LayerView& layer) const noexcept {
+        const lamella_layer_view view = view_of(layer);
+        c.take(c.object, &view);
+    }
+    void begin(const SliceInfo& info) const noexcept {
+        const lamella_info given = info_of(info);
+        c.begin(c.object, &given);
+    }
+};
+
+lamella_sink read_sink(const lamella_sink* given) {
+    const lamella_sink c = read_sized(given, {sizeof(lamella_sink), 0, nullptr, nullptr, nullptr});
+    if (c.take == nullptr) {
+        refuse("the sink has no function that takes layers");
+    }
+    if (c.order != LAMELLA_SINK_ANY && c.order != LAMELLA_SINK_ASCENDING) {
+        refuse("the sink's order is " + std::to_string(c.order) + ", but the choices are 0 to 1");
+    }
+    return c;
 }
 
-/// Refuses what slabs know nothing of, rather than leave it undone in silence.
-Status slab_options_of(const SliceOptions& given, SlabOptions& options) {
-    if (given.close_gaps_mm != 0 || given.origins) {
-        return Error{ErrorCode::invalid_argument, "slabs have neither gaps that are joined nor origins"};
+HostArrays read_arrays(const lamella_arrays* given) {
+    const lamella_arrays c = read_sized(given, default_arrays());
+    if (c.point_type < LAMELLA_F32 || c.point_type > LAMELLA_I64) {
+        refuse("point_type is " + std::to_string(c.point_type) + ", but the choices are 0 to 3");
     }
-    options.plan = given.plan;
-    options.unit_mm = given.unit_mm;
-    options.unit_fit = given.unit_fit;
-    options.allow_empty = given.allow_empty;
-    options.transform = given.transform;
-    options.region = given.region;
-    options.memory_limit_bytes = given.memory_limit_bytes;
-    options.control = given.control;
-    return {};
+    return {.points = c.points,
+            .point_capacity = c.point_capacity,
+            .point_type = static_cast<Number>(c.point_type),
+            .point_stride = c.point_stride,
+            .scale = c.scale,
+            .contours = {as_cpp(c.contours), c.contour_capacity},
+            .layers = {as_cpp(c.layers), c.layer_capacity},
+            .stitches = {as_cpp(c.stitches), c.stitches == nullptr ? 0 : c.stitch_capacity},
+            .origins = {as_cpp(c.origins), c.origins == nullptr ? 0 : c.point_capacity}};
 }
 
-/// `mesh` is a MeshView or a PreparedMesh.
-template <class Mesh>
-Status slice_result(const Mesh& mesh, Call& call, lamella_result** result) {
-    return fill_result(result, [&](SliceResult& filled) { return slice(mesh, call.options(), call.workspace(), filled); });
+/// A slicer that the program keeps, or one for this call.
+class Kept {
+public:
+    explicit Kept(lamella_slicer* given) : kept_(given) {
+        if (kept_ == nullptr) {
+            own_ = std::make_unique<lamella_slicer>();
+            kept_ = own_.get();
+        }
+    }
+    lamella_slicer* operator->() const noexcept { return kept_; }
+
+    /// What the call found, for the program. The list of layers is that of `result` or else of the slicer; where the program
+    /// keeps neither, it ends with the call.
+    void give(Result<SliceInfo> found, lamella_info* info, const SliceResult* result = nullptr) {
+        kept_->info = require(std::move(found));
+        lamella_info c = info_of(result != nullptr ? result->info : kept_->info);
+        if (result == nullptr && own_ != nullptr) {
+            c.layer_of = nullptr;
+            c.layer_of_count = 0;
+        }
+        write_sized(c, info);
+    }
+
+private:
+    std::unique_ptr<lamella_slicer> own_;
+    lamella_slicer* kept_;
+};
+
+void slice_to(Kept& kept, const lamella_destination& to, const Source& from, const Context& context, lamella_info* info) {
+    const SliceOptions& options = kept->options;
+    if (to.result != nullptr) {
+        fill_result(to.result, [&](SliceResult& result) {
+            kept.give(kept->slicer.slice_to(result, from, options, context), info, &result);
+        });
+    } else if (to.sink != nullptr) {
+        SinkOfC sink{read_sink(to.sink)};
+        auto take = [&](const LayerView& layer) noexcept { sink.take(layer); };
+        auto begin = [&](const SliceInfo& found) noexcept { sink.begin(found); };
+        LayerSink cpp{.take = take, .order = sink.c.order == LAMELLA_SINK_ANY ? SinkOrder::any : SinkOrder::ascending};
+        if (sink.c.begin != nullptr) {
+            cpp.begin = begin;
+        }
+        kept.give(kept->slicer.slice_to(cpp, from, options, context), info);
+    } else {
+        kept.give(kept->slicer.slice_to(read_arrays(to.arrays), from, options, context), info);
+    }
 }
 
 }  // namespace
 }  // namespace lamella::c
 
-using lamella::Error;
-using lamella::ErrorCode;
-using lamella::Part;
-using lamella::PartRegions;
-using lamella::PreparedMesh;
-using lamella::PrepareOptions;
-using lamella::Result;
-using lamella::SlabOptions;
-using lamella::Slabs;
-using lamella::SliceResult;
-using lamella::Status;
-using lamella::c::Call;
 using lamella::c::called;
-using lamella::c::called_with;
-using lamella::c::CallOptions;
-using lamella::c::give_result;
-using lamella::c::read_parts;
-using lamella::c::slab_options_of;
-using lamella::c::slice_result;
+using lamella::c::fill_result;
+using lamella::c::GivenSource;
+using lamella::c::Host;
+using lamella::c::Kept;
+using lamella::c::read_mesh;
+using lamella::c::read_options;
+using lamella::c::refuse;
 
-int32_t lamella_slice(const lamella_mesh* mesh, const lamella_options* options, lamella_workspace* workspace,
+int32_t lamella_slice(lamella_slicer* slicer, const lamella_mesh* mesh, const lamella_options* options,
                       lamella_result** result, lamella_error* error) {
-    return called_with(mesh, options, workspace, error,
-                       [&](const auto& view, auto& call) { return slice_result(view, call, result); });
-}
-
-int32_t lamella_slice_parts(const lamella_mesh* const* meshes, const double* transforms, size_t count,
-                            const lamella_options* options, int32_t part_regions, lamella_result** result,
-                            lamella_error* error) {
-    return called(error, [&]() -> Status {
-        CallOptions call;
-        if (Status status = call.read(options); !status) {
-            return status;
-        }
-        if (part_regions != LAMELLA_PARTS_SEPARATE && part_regions != LAMELLA_PARTS_UNITED) {
-            return Error{ErrorCode::invalid_argument,
-                         "part_regions is " + std::to_string(part_regions) + ", but the choices are 0 to 1"};
-        }
-        std::vector<Part> parts;
-        if (Status status = read_parts(meshes, transforms, count, parts); !status) {
-            return status;
-        }
-        const auto regions = part_regions == LAMELLA_PARTS_UNITED ? PartRegions::united : PartRegions::separate;
-        return give_result(lamella::slice_parts(parts, call.options, regions), result);
+    return called(error, [&] {
+        Kept kept(slicer);
+        read_options(options, kept->options);
+        const lamella::Source from = read_mesh(mesh);
+        fill_result(result, [&](lamella::SliceResult& filled) {
+            kept.give(kept->slicer.slice_to(filled, from, kept->options), nullptr);
+        });
     });
 }
 
-int32_t lamella_slice_slabs(const lamella_mesh* mesh, const lamella_options* options, lamella_result** top,
-                            lamella_result** bottom, lamella_error* error) {
-    return called(error, [&]() -> Status {
-        Call call(nullptr);
-        if (Status status = call.read(mesh, options); !status) {
-            return status;
+int32_t lamella_slice_to(lamella_slicer* slicer, const lamella_destination* to, const lamella_source* from,
+                         const lamella_options* options, const lamella_context* context, lamella_info* info,
+                         lamella_error* error) {
+    return called(error, [&] {
+        const auto where = lamella::c::read_sized(to, {sizeof(lamella_destination), 0, nullptr, nullptr, nullptr});
+        const int set =
+            (where.result != nullptr ? 1 : 0) + (where.sink != nullptr ? 1 : 0) + (where.arrays != nullptr ? 1 : 0);
+        if (set != 1) {
+            refuse("of result, sink and arrays of a destination exactly one must be set, and " + std::to_string(set) +
+                   " are");
         }
-        SlabOptions how;
-        if (Status status = slab_options_of(call.options(), how); !status) {
-            return status;
-        }
-        how.top = top != nullptr;
-        how.bottom = bottom != nullptr;
-        Result<Slabs> slabs = lamella::slice_slabs(call.mesh, how);
-        if (!slabs) {
-            return slabs.error();
-        }
-        // Both results are made before either is given.
-        std::unique_ptr<lamella_result> fresh[2];
-        lamella_result** const places[] = {top, bottom};
-        SliceResult* const made[] = {&slabs->top, &slabs->bottom};
-        for (int i = 0; i < 2; ++i) {
-            if (places[i] != nullptr && *places[i] == nullptr) {
-                fresh[i] = std::make_unique<lamella_result>();
-            }
-        }
-        for (int i = 0; i < 2; ++i) {
-            if (places[i] != nullptr) {
-                *places[i] = fresh[i] != nullptr ? fresh[i].release() : *places[i];
-                (*places[i])->result = std::move(*made[i]);
-            }
-        }
-        return {};
+        Kept kept(slicer);
+        const Host host(context);
+        read_options(options, kept->options);
+        const GivenSource source(from);
+        lamella::c::slice_to(kept, where, source.source(), host.context, info);
     });
 }
 
-int32_t lamella_prepare(const lamella_mesh* mesh, const lamella_options* options, lamella_prepared** prepared,
-                        lamella_error* error) {
-    return called(error, [&]() -> Status {
+int32_t lamella_outline(lamella_slicer* slicer, const lamella_source* from, const lamella_options* options,
+                        const lamella_context* context, lamella_info* info, lamella_error* error) {
+    return called(error, [&] {
+        Kept kept(slicer);
+        const Host host(context);
+        read_options(options, kept->options);
+        const GivenSource source(from);
+        kept.give(kept->slicer.outline(source.source(), kept->options, host.context), info);
+    });
+}
+
+int32_t lamella_prepare(const lamella_mesh* mesh, const lamella_options* options, const lamella_context* context,
+                        lamella_prepared** prepared, lamella_error* error) {
+    return called(error, [&] {
         if (prepared == nullptr) {
-            return Error{ErrorCode::invalid_argument, "there is nowhere to put the prepared mesh: prepared is NULL"};
+            refuse("there is nowhere to put the prepared mesh: prepared is NULL");
         }
-        Call call(nullptr);
-        if (Status status = call.read(mesh, options); !status) {
-            return status;
-        }
-        PrepareOptions how;
-        how.unit_mm = call.options().unit_mm;
-        how.unit_fit = call.options().unit_fit;
-        how.allow_empty = call.options().allow_empty;
-        how.transform = call.options().transform;
-        how.control = call.options().control;
-        Result<PreparedMesh> made = lamella::prepare(call.mesh, how);
-        if (!made) {
-            return made.error();
-        }
-        auto fresh = std::make_unique<lamella_prepared>(lamella_prepared{std::move(*made)});
+        const Host host(context);
+        lamella::SliceOptions how;
+        read_options(options, how);
+        auto made = lamella::require(lamella::prepare(read_mesh(mesh), how.frame, host.context));
+        auto fresh = std::make_unique<lamella_prepared>(lamella_prepared{std::move(made)});
         lamella_prepared_free(std::exchange(*prepared, fresh.release()));
-        return {};
     });
-}
-
-int32_t lamella_slice_prepared(const lamella_prepared* prepared, const lamella_options* options,
-                               lamella_workspace* workspace, lamella_result** result, lamella_error* error) {
-    return called_with(prepared, options, workspace, error,
-                       [&](const auto& made, auto& call) { return slice_result(made, call, result); });
 }
 
 uint64_t lamella_prepared_bytes(const lamella_prepared* prepared) {
     return prepared == nullptr ? 0 : prepared->mesh.bytes();
 }
 
-double lamella_prepared_unit_mm(const lamella_prepared* prepared) {
-    return prepared == nullptr ? 0 : prepared->mesh.unit_mm();
+double lamella_prepared_grid_mm(const lamella_prepared* prepared) {
+    return prepared == nullptr ? 0 : prepared->mesh.frame().grid_mm;
 }
 
 void lamella_prepared_free(lamella_prepared* prepared) {
     delete prepared;
+}
+
+lamella_slicer* lamella_slicer_create(void) {
+    return new (std::nothrow) lamella_slicer;
+}
+
+uint64_t lamella_slicer_bytes(const lamella_slicer* slicer) {
+    return slicer == nullptr ? 0 : slicer->slicer.bytes();
+}
+
+void lamella_slicer_trim(lamella_slicer* slicer) {
+    if (slicer != nullptr) {
+        slicer->slicer.trim();
+    }
+}
+
+void lamella_slicer_reset(lamella_slicer* slicer) {
+    if (slicer != nullptr) {
+        slicer->slicer.reset();
+    }
+}
+
+void lamella_slicer_free(lamella_slicer* slicer) {
+    delete slicer;
+}
+
+int32_t lamella_region_of(const lamella_path* contours, size_t count, const lamella_options* options, double grid_mm,
+                          const lamella_context* context, lamella_result** result, lamella_error* error) {
+    return called(error, [&] {
+        const Host host(context);
+        lamella::SliceOptions how;
+        read_options(options, how);
+        if (contours == nullptr && count != 0) {
+            refuse("contours is NULL, but its count is not 0");
+        }
+        std::vector<std::span<const lamella::Point>> paths;
+        for (std::size_t i = 0; i < count; ++i) {
+            paths.emplace_back(lamella::c::as_cpp(contours[i].points), contours[i].count);
+        }
+        const double step = grid_mm == 0 ? lamella::default_grid_mm : grid_mm;
+        fill_result(result, [&](lamella::SliceResult& filled) {
+            filled = lamella::require(lamella::region_of(paths, how.region, step, host.context));
+        });
+    });
+}
+
+int32_t lamella_assemble(const lamella_segment* segments, size_t count, const lamella_context* context,
+                         lamella_result** result, lamella_error* error) {
+    return called(error, [&] {
+        const Host host(context);
+        if (segments == nullptr && count != 0) {
+            refuse("segments is NULL, but its count is not 0");
+        }
+        fill_result(result, [&](lamella::SliceResult& filled) {
+            filled = lamella::require(lamella::assemble({lamella::c::as_cpp(segments), count}, host.context));
+        });
+    });
 }

@@ -9,7 +9,6 @@
 #include "base/disjoint_sets.hpp"
 #include "base/distribute.hpp"
 #include "base/number_table.hpp"
-#include "mesh/exact_reader.hpp"
 #include "mesh/measure.hpp"
 #include "slicing/grid/mesh_edge.hpp"
 #include "slicing/grid/quantise.hpp"
@@ -90,12 +89,12 @@ private:
         Index forward = 0;
         Index backward = 0;
         Index triangle = 0;
-        std::uint64_t exact = 0;  ///< of the first side
+        std::uint64_t exact = 0;  ///< hash of the first side's ends
         bool joined = false;      ///< some other side has other ends, as the coordinates are
     };
 
     struct Scratch {
-        std::vector<Edge> edges;  ///< of a partition
+        std::vector<Edge> edges;  ///< in a partition
         NumberTable numbers;
         Counts counts;
     };
@@ -199,21 +198,22 @@ void with_census(const Reader& reader, const MeshView& mesh, const Parallel& par
 
 }  // namespace
 
-void count_edges(const MeshView& mesh, const Transform& transform, const Parallel& parallel, MeshInfo& info) {
+void count_edges(const MeshView& mesh, const Frame& frame, const Parallel& parallel, MeshCheck& check) {
     const auto fill_in = [&](auto&& census) {
         const Counts counts = census.run();
-        info.degenerate = census.degenerate();
-        info.edges = counts.edges;
-        info.boundary_edges = counts.boundary;
-        info.overfull_edges = counts.overfull;
-        info.mismatched_edges = counts.mismatched;
-        info.shells = census.shells();
-        info.closed = counts.edges > 0 && counts.unbalanced == 0;
+        check.degenerate = census.degenerate();
+        check.edges = counts.edges;
+        check.boundary_edges = counts.boundary;
+        check.overfull_edges = counts.overfull;
+        check.mismatched_edges = counts.mismatched;
+        check.shell_count = census.shells();
+        check.closed = counts.edges > 0 && counts.unbalanced == 0;
         // Where the sides at every edge have the same ends, edges are the same with and without the grid.
-        const bool same = counts.joined == 0 && info.degenerate == 0;
-        info.exact_boundary_edges = same ? counts.boundary : count_exact_boundary(mesh, parallel);
+        const bool same = counts.joined == 0 && check.degenerate == 0;
+        check.exact_boundary_edges = same ? counts.boundary : count_exact_boundary(mesh, parallel);
     };
-    with_reader(mesh, transform, info.unit_mm, [&](const auto& reader) { with_census(reader, mesh, parallel, fill_in); });
+    with_reader(mesh, placing_of(mesh, frame), check.grid_mm,
+                [&](const auto& reader) { with_census(reader, mesh, parallel, fill_in); });
 }
 
 std::uint64_t count_exact_boundary(const MeshView& mesh, const Parallel& parallel) {

@@ -23,9 +23,9 @@
 namespace lamella {
 
 /// A vertex as the mesh has it.
-template <class Number>
+template <class Real>
 struct Place {
-    Number at[3];
+    Real at[3];
 
     friend bool operator==(const Place& a, const Place& b) noexcept {
         return a.at[0] == b.at[0] && a.at[1] == b.at[1] && a.at[2] == b.at[2];
@@ -35,17 +35,17 @@ struct Place {
     }
 };
 
-template <class Number>
+template <class Real>
 class NearVertices {
 public:
     using Vertex = std::uint32_t;
     static constexpr Vertex none = std::numeric_limits<Vertex>::max();
 
     /// `places` ascend and outlive this. Three calls of run(); O(v) expected for v vertices. Throws std::bad_alloc.
-    NearVertices(std::span<const Place<Number>> places, double tolerance, const Parallel& parallel, const Memory* memory)
+    NearVertices(std::span<const Place<Real>> places, double tolerance, const Parallel& parallel)
         : places_(places),
           tolerance_(tolerance),
-          cells_(parts_for(places.size(), std::size_t{1} << 15), Vector<Cell>(memory)),
+          cells_(parts_for(places.size(), std::size_t{1} << 15), Vector<Cell>(parallel.memory())),
           items_(distribute<Vertex>(
               places.size(), cells_.size(), parallel,
               [this](std::size_t begin, std::size_t end, const auto& emit) {
@@ -53,8 +53,8 @@ public:
                       emit(part_of(hash_of(cell_of(static_cast<Vertex>(v)))), static_cast<Vertex>(v));
                   }
               },
-              memory)),
-          kept_until_(memory) {
+              parallel.memory())),
+          kept_until_(parallel.memory()) {
         std::vector<std::vector<std::uint32_t>> scratch(static_cast<std::size_t>(parallel.threads()));
         kept_until_.resize_discarding(places.size());
         parallel.run(cells_.size(),
@@ -217,9 +217,9 @@ private:
         return p;
     }
 
-    std::span<const Place<Number>> places_;
+    std::span<const Place<Real>> places_;
     double tolerance_;
-    std::vector<Vector<Cell>> cells_;  ///< of each part by the cells' hashes: open addressing
+    std::vector<Vector<Cell>> cells_;  ///< by part, then by the cells' hashes: open addressing
     Distributed<Vertex> items_;
     /// By item: is_kept, or of a dropped one that no item from here on to itself is kept.
     Array<std::uint32_t> kept_until_;

@@ -1,4 +1,4 @@
-#include "lamella/mesh/weld.hpp"
+#include "lamella/weld.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,8 +15,8 @@
 #include "base/distribute.hpp"
 #include "base/guard.hpp"
 #include "base/parallel_sort.hpp"
+#include "lamella/context.hpp"
 #include "lamella/grid.hpp"
-#include "lamella/memory.hpp"
 #include "mesh/near_vertices.hpp"
 #include "slicing/grid/placed_reader.hpp"
 
@@ -24,9 +24,9 @@ namespace lamella {
 
 namespace {
 
-template <class Number>
+template <class Real>
 struct Corner {
-    Place<Number> place;
+    Place<Real> place;
     std::uint32_t index;  // 3 * triangle + corner
 };
 
@@ -48,13 +48,13 @@ std::size_t dangling_corner(const MeshView& mesh, std::size_t t) {
 }
 
 /// Writes the three corners of triangle t; false if a coordinate cannot be used.
-template <class Number>
-bool write_corners(const RawTriangle& raw, std::size_t t, Corner<Number>* corners) {
+template <class Real>
+bool write_corners(const RawTriangle& raw, std::size_t t, Corner<Real>* corners) {
     bool usable = true;
     for (std::size_t i = 0; i < 9; ++i) {
-        const auto coordinate = static_cast<Number>(raw.v[i]);
-        usable = usable && std::abs(coordinate) <= static_cast<Number>(largest_coordinate_mm);
-        corners[i / 3].place.at[i % 3] = coordinate + Number{0};  // one zero, not two
+        const auto coordinate = static_cast<Real>(raw.v[i]);
+        usable = usable && std::abs(coordinate) <= static_cast<Real>(largest_coordinate_mm);
+        corners[i / 3].place.at[i % 3] = coordinate + Real{0};  // one zero, not two
     }
     for (std::size_t i = 0; i < 3; ++i) {
         corners[i].index = static_cast<std::uint32_t>(3 * t + i);
@@ -75,9 +75,9 @@ Error unusable(const MeshView& mesh, std::size_t t) {
             static_cast<std::int64_t>(t)};
 }
 
-template <class Number>
-Result<Array<Corner<Number>>> sorted_corners(const MeshView& mesh, const Memory* memory, const Parallel& parallel) {
-    Array<Corner<Number>> corners(memory);
+template <class Real>
+Result<Array<Corner<Real>>> sorted_corners(const MeshView& mesh, const Parallel& parallel) {
+    Array<Corner<Real>> corners(parallel.memory());
     corners.resize_discarding(3 * mesh.triangle_count);
     const PlacedReader read(mesh, {});
     constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
@@ -96,22 +96,22 @@ Result<Array<Corner<Number>>> sorted_corners(const MeshView& mesh, const Memory*
     }
     // Which of two equal corners comes first does not show: both get one vertex.
     sort_in_parallel(
-        corners.span(), [](const auto& a, const auto& b) { return a.place < b.place; }, parallel, memory);
+        corners.span(), [](const auto& a, const auto& b) { return a.place < b.place; }, parallel, parallel.memory());
     return corners;
 }
 
 /// The mesh's distinct vertices, ascending; `of_corners` gets the number of each corner's.
-template <class Number>
-Result<Array<Place<Number>>> distinct_places(const MeshView& mesh, std::span<std::uint32_t> of_corners,
-                                             const Parallel& parallel, const Memory* memory) {
+template <class Real>
+Result<Array<Place<Real>>> distinct_places(const MeshView& mesh, std::span<std::uint32_t> of_corners,
+                                           const Parallel& parallel) {
     parallel.begin_stage(sorted_share, 4);
-    const Result<Array<Corner<Number>>> sorted = sorted_corners<Number>(mesh, memory, parallel);
+    const Result<Array<Corner<Real>>> sorted = sorted_corners<Real>(mesh, parallel);
     if (!sorted) {
         return sorted.error();
     }
-    const std::span<const Corner<Number>> corners = sorted->span();
+    const std::span<const Corner<Real>> corners = sorted->span();
     parallel.begin_stage(numbered_share, 2);
-    Array<Place<Number>> places(memory);
+    Array<Place<Real>> places(parallel.memory());
     number_where(
         corners.size(), parallel, [&](std::size_t i) { return i == 0 || !(corners[i - 1].place == corners[i].place); },
         [&](std::size_t count) { places.resize_discarding(count); },
@@ -126,7 +126,7 @@ Result<Array<Place<Number>>> distinct_places(const MeshView& mesh, std::span<std
 
 /// The vertex that each vertex becomes.
 struct Joining {
-    Array<std::uint32_t> target;  ///< of each vertex the one that it moves onto, or itself
+    Array<std::uint32_t> target;  ///< by vertex: the one that it moves onto, or itself
     std::uint64_t joined = 0;
     double largest_squared = 0;
 
@@ -135,18 +135,19 @@ struct Joining {
 
 /// The vertices that have another before them within the tolerance are found on all threads; where they are many, most of
 /// the time. They then decide one after the other, since what each finds depends on where those before it have moved.
-template <class Number>
-Joining join(std::span<const Place<Number>> places, double tolerance, const Parallel& parallel, const Memory* memory) {
+template <class Real>
+Joining join(std::span<const Place<Real>> places, double tolerance, const Parallel& parallel) {
     constexpr std::size_t vertices_between_stops = std::size_t{1} << 12;
     parallel.begin_stage(searched_share, 5);
-    NearVertices<Number> near(places, tolerance, parallel, memory);
-    Joining joining{Array<std::uint32_t>(memory)};
+    NearVertices<Real> near(places, tolerance, parallel);
+    Joining joining{Array<std::uint32_t>(parallel.memory())};
     joining.target.resize_discarding(places.size());
     parallel.run_ranges(places.size(), weld_grain, [&](std::size_t begin, std::size_t end, int) {
         std::iota(joining.target.begin() + begin, joining.target.begin() + end, static_cast<std::uint32_t>(begin));
     });
-    const Array<std::uint32_t> waiting = indices_where(
-        places.size(), parallel, memory, [&](std::size_t v) { return near.has_earlier(static_cast<std::uint32_t>(v)); });
+    const Array<std::uint32_t> waiting = indices_where(places.size(), parallel, parallel.memory(), [&](std::size_t v) {
+        return near.has_earlier(static_cast<std::uint32_t>(v));
+    });
     for (std::size_t i = 0; i < waiting.size(); ++i) {
         if (i % vertices_between_stops == 0) {
             parallel.stop_if_asked();
@@ -155,7 +156,7 @@ Joining join(std::span<const Place<Number>> places, double tolerance, const Para
         }
         const std::uint32_t vertex = waiting[i];
         const std::uint32_t nearest = near.nearest_kept(vertex);
-        if (nearest != NearVertices<Number>::none) {
+        if (nearest != NearVertices<Real>::none) {
             joining.target[vertex] = nearest;
             near.drop(vertex);
             ++joining.joined;
@@ -166,16 +167,15 @@ Joining join(std::span<const Place<Number>> places, double tolerance, const Para
 }
 
 /// Writes the coordinates of the vertices that are kept, and their numbers in place of those among all.
-template <class Number>
-void keep(std::span<const Place<Number>> places, const Joining& joining, const Parallel& parallel, const Memory* memory,
-          WeldedMesh& welded) {
-    Array<std::uint32_t> number_of(memory);
+template <class Real>
+void keep(std::span<const Place<Real>> places, const Joining& joining, const Parallel& parallel, WeldedMesh& welded) {
+    Array<std::uint32_t> number_of(parallel.memory());
     number_of.resize_discarding(places.size());
     number_where(
         places.size(), parallel, [&](std::size_t v) { return joining.is_kept(v); },
         [&](std::size_t count) {
             welded.vertex_count = count;
-            welded.coordinates.resize_discarding(count * sizeof(Place<Number>));
+            welded.coordinates.resize_discarding(count * sizeof(Place<Real>));
         },
         [&](std::size_t v, std::uint32_t number, bool kept) {
             if (kept) {
@@ -190,8 +190,8 @@ void keep(std::span<const Place<Number>> places, const Joining& joining, const P
     });
 }
 
-template <class Number>
-void keep_all(std::span<const Place<Number>> places, const Parallel& parallel, WeldedMesh& welded) {
+template <class Real>
+void keep_all(std::span<const Place<Real>> places, const Parallel& parallel, WeldedMesh& welded) {
     welded.vertex_count = places.size();
     welded.coordinates.resize_discarding(places.size_bytes());
     parallel.run_ranges(places.size(), weld_grain, [&](std::size_t begin, std::size_t end, int) {
@@ -200,36 +200,36 @@ void keep_all(std::span<const Place<Number>> places, const Parallel& parallel, W
     });
 }
 
-template <class Number>
-Result<WeldedMesh> weld_corners(const MeshView& mesh, double tolerance, const Memory* memory, const Parallel& parallel) {
-    WeldedMesh welded{Array<std::byte>(memory), Array<std::uint32_t>(memory),
-                      std::is_same_v<Number, float> ? CoordinateType::f32 : CoordinateType::f64};
+template <class Real>
+Result<WeldedMesh> weld_corners(const MeshView& mesh, double tolerance, const Parallel& parallel) {
+    WeldedMesh welded{Array<std::byte>(parallel.memory()), Array<std::uint32_t>(parallel.memory()),
+                      std::is_same_v<Real, float> ? Number::f32 : Number::f64};
     welded.indices.resize_discarding(3 * mesh.triangle_count);
-    const Result<Array<Place<Number>>> places = distinct_places<Number>(mesh, welded.indices.span(), parallel, memory);
+    const Result<Array<Place<Real>>> places = distinct_places<Real>(mesh, welded.indices.span(), parallel);
     if (!places) {
         return places.error();
     }
     Joining joining;
     if (tolerance > 0) {  // else equal vertices are one already
-        joining = join(places->span(), tolerance, parallel, memory);
+        joining = join(places->span(), tolerance, parallel);
     }
     parallel.begin_stage(1, 3);
     if (joining.joined == 0) {
         keep_all(places->span(), parallel, welded);
     } else {
-        keep(places->span(), joining, parallel, memory, welded);
+        keep(places->span(), joining, parallel, welded);
     }
     welded.joined = joining.joined;
     welded.largest_move_mm = std::sqrt(joining.largest_squared);
     return welded;
 }
 
-Result<WeldedMesh> weld_or_throw(const MeshView& mesh, const WeldOptions& options) {
+Result<WeldedMesh> weld_or_throw(const MeshView& mesh, double tolerance_mm, const Context& context) {
     constexpr double smallest = 1e-9;  // so that the cells of all coordinates have 64-bit numbers
-    if (!(options.mm_per_unit > 0) || !std::isfinite(options.mm_per_unit)) {
+    if (!(mesh.mm_per_unit > 0) || !std::isfinite(mesh.mm_per_unit)) {
         return Error{ErrorCode::invalid_argument, "the mesh's unit must be a positive number of mm"};
     }
-    const double tolerance = options.tolerance_mm / options.mm_per_unit;
+    const double tolerance = tolerance_mm / mesh.mm_per_unit;
     if (!(tolerance == 0 || tolerance >= smallest) || !std::isfinite(tolerance)) {
         return Error{ErrorCode::invalid_argument, "the welding tolerance must be 0 or between 1e-9 and what is finite"};
     }
@@ -239,32 +239,22 @@ Result<WeldedMesh> weld_or_throw(const MeshView& mesh, const WeldOptions& option
     if (mesh.triangle_count > std::numeric_limits<std::uint32_t>::max() / 3) {
         return Error{ErrorCode::invalid_argument, "more than 2^32 / 3 triangles cannot be welded"};
     }
-    const Parallel parallel(options.control);
-    const Memory* const memory = options.control.memory;
-    Result<WeldedMesh> welded = mesh.coordinate_type == CoordinateType::f32
-                                    ? weld_corners<float>(mesh, tolerance, memory, parallel)
-                                    : weld_corners<double>(mesh, tolerance, memory, parallel);
+    const Parallel parallel(context);
+    Result<WeldedMesh> welded = mesh.vertex_type == Number::f32 ? weld_corners<float>(mesh, tolerance, parallel)
+                                                                : weld_corners<double>(mesh, tolerance, parallel);
     if (welded) {
         parallel.finish();
-        welded->tolerance_mm = options.tolerance_mm;
-        welded->mm_per_unit = options.mm_per_unit;
-        welded->largest_move_mm *= options.mm_per_unit;
+        welded->tolerance_mm = tolerance_mm;
+        welded->mm_per_unit = mesh.mm_per_unit;
+        welded->largest_move_mm *= mesh.mm_per_unit;
     }
     return welded;
 }
 
 }  // namespace
 
-Result<WeldedMesh> weld(const MeshView& mesh, const WeldOptions& options) noexcept {
-    return guarded(options.control, [&] { return weld_or_throw(mesh, options); });
-}
-
-Result<SliceResult> slice(const WeldedMesh& mesh, const SliceOptions& options) noexcept {
-    return guarded([&] {
-        SliceOptions in_mm = options;
-        in_mm.transform = options.transform * mesh.to_mm();
-        return slice(mesh.view(), in_mm);
-    });
+Result<WeldedMesh> weld(const MeshView& mesh, double tolerance_mm, const Context& context) noexcept {
+    return guarded(context, [&] { return weld_or_throw(mesh, tolerance_mm, context); });
 }
 
 }  // namespace lamella

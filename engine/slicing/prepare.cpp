@@ -1,45 +1,42 @@
-#include "lamella/prepare.hpp"
-
 #include <utility>
 
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
+#include "lamella/source.hpp"
 #include "slicing/buckets/prepared_source.hpp"
-#include "slicing/frame.hpp"
+#include "slicing/slice_layers.hpp"
 
 namespace lamella {
 
-PreparedMesh::PreparedMesh(std::unique_ptr<const detail::PreparedParts> parts) noexcept : parts_(std::move(parts)) {}
+PreparedMesh::PreparedMesh(std::unique_ptr<const detail::PreparedImpl> impl) noexcept : impl_(std::move(impl)) {}
 PreparedMesh::~PreparedMesh() = default;
 PreparedMesh::PreparedMesh(PreparedMesh&&) noexcept = default;
 PreparedMesh& PreparedMesh::operator=(PreparedMesh&&) noexcept = default;
 
 std::size_t PreparedMesh::bytes() const noexcept {
-    return parts_->bytes();
+    return impl_->bytes();
 }
 
-double PreparedMesh::unit_mm() const noexcept {
-    return parts_->frame.unit.mm;
+const Frame& PreparedMesh::frame() const noexcept {
+    return impl_->asked;
 }
 
-Result<PreparedMesh> prepare(const MeshView& mesh, const PrepareOptions& options) noexcept {
-    return guarded(options.control, [&]() -> Result<PreparedMesh> {
-        const Parallel parallel(options.control);
+Result<PreparedMesh> prepare(const MeshView& mesh, const Frame& frame, const Context& context) noexcept {
+    return guarded(context, [&]() -> Result<PreparedMesh> {
+        const Parallel parallel(context);
         parallel.begin_stage(1, 5);
-        auto parts = std::make_unique<detail::PreparedParts>(options.control.memory);
-        parts->frame = choose_frame(mesh, options, {}, parallel);
-        parts->bounds = parts->frame.bounds;
-        parts->transform = options.transform;
-        parts->asked_unit_mm = options.unit_mm;
-        parts->build(mesh, parallel);
-        if (parts->triangles.empty()) {
-            if (!options.allow_empty) {
-                return all_collapsed(mesh.triangle_count, parts->frame.unit.mm);
-            }
-            parts->frame.bounds = {};
+        auto made = std::make_unique<detail::PreparedImpl>(context.memory);
+        made->frame = choose_frame(mesh, frame, true, {}, parallel);
+        made->bounds = made->frame.bounds;
+        made->asked = frame;
+        made->asked_grid_mm = frame.grid_mm;
+        made->asked.grid_mm = made->frame.unit.mm;
+        made->build(mesh, parallel);
+        if (made->triangles.empty()) {
+            made->frame.bounds = {};  // the box of nothing chooses no planes
         }
         parallel.finish();
-        return PreparedMesh(std::move(parts));
+        return PreparedMesh(std::move(made));
     });
 }
 

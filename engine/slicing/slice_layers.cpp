@@ -22,8 +22,6 @@
 #include "base/clock.hpp"
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
-#include "slicing/frame.hpp"
-#include "slicing/repair/gaps.hpp"
 #include "slicing/sweep/band_sweep.hpp"
 #include "slicing/sweep/wide_plane.hpp"
 
@@ -31,43 +29,22 @@ namespace lamella {
 
 namespace {
 
-std::uint64_t memory_limit_of(const SliceOptions& options, const detail::WorkspaceParts& kept) noexcept {
-    return options.memory_limit_bytes != 0 ? options.memory_limit_bytes : kept.usual_limit;
-}
-
-/// Sets what is known of a result before its planes are.
-void describe(const TriangleSource& source, const Bounds& box, const ChosenUnit& unit, const SliceOptions& options,
-              SliceResult& result) {
-    result.unit_mm = unit.mm;
-    result.frame = source.info.transform;
-    result.plan = options.plan;
-    result.part_count = 1;
-    result.part_regions = PartRegions::separate;
-    result.region = options.region;
-    result.close_gaps_mm = gap_length_mm(options.close_gaps_mm, box);
-    result.gap_sense = options.gap_sense;
-    result.summary = {};
-    result.summary.triangles = source.info.triangles;
-    result.summary.unit_doublings = unit.doublings;
-    std::copy_n(box.min_mm, 3, result.summary.min_mm);
-    std::copy_n(box.max_mm, 3, result.summary.max_mm);
-}
-
 /// Sweeps all bands, and splits the time that it takes among its phases.
 class BandSweeping {
 public:
-    BandSweeping(const SliceOptions& options, detail::WorkspaceParts& kept, const Parallel& parallel,
-                 ProgressMeter& progress, BandTarget& target, const SliceResult& result)
-        : options_(options), kept_(kept), parallel_(parallel), progress_(progress), target_(target) {
+    BandSweeping(const SliceCall& call, ProgressMeter& progress, BandTarget& target, const SliceInfo& info)
+        : form_(call.tuning.form), kept_(call.kept), parallel_(*kept_.parallel), progress_(progress), target_(target) {
+        const SliceOptions& options = call.options;
+        const double stitch_mm = info.options.stitch_mm;
         rules_ = {.region = &options.region,
-                  .unit_mm = result.unit_mm,
-                  .close_gaps = result.close_gaps_mm / result.unit_mm,
-                  .crossing_gaps = crossing_gap_mm(options.close_gaps_mm, result.close_gaps_mm) / result.unit_mm,
-                  .gap_sense = options.gap_sense,
-                  .first_layer = kept.planes.first_kept()};
-        kept.last_made_regions = !options.region.leaves_contours();
-        kept.sweeps_made_regions = kept.sweeps_made_regions || kept.last_made_regions;
-        kept.sweeps.resize(std::max(kept.sweeps.size(), static_cast<std::size_t>(parallel.threads())));
+                  .grid_mm = info.grid_mm,
+                  .stitch = stitch_mm / info.grid_mm,
+                  .crossing_stitch = crossing_gap_mm(options.stitch_mm, stitch_mm) / info.grid_mm,
+                  .direction = options.stitch_direction,
+                  .first_layer = kept_.planes.first_kept()};
+        kept_.last_made_regions = !options.region.leaves_contours();
+        kept_.sweeps_made_regions = kept_.sweeps_made_regions || kept_.last_made_regions;
+        kept_.sweeps.resize(std::max(kept_.sweeps.size(), static_cast<std::size_t>(parallel_.threads())));
     }
 
     /// Wide planes by all threads, the bands between them by one thread each.
@@ -75,7 +52,7 @@ public:
         const auto& bands = kept_.bands.bands;
         for (std::size_t begin = 0; begin < bands.size();) {
             parallel_.stop_if_asked();
-            if (bands[begin].wide && options_.tuning.form == ContourForm::swept) {
+            if (bands[begin].wide && form_ == ContourForm::swept) {
                 sweep_wide(begin++);
                 continue;
             }
@@ -117,8 +94,8 @@ private:
             }
             sweep->set_rules(rules_);
             sweep->set_origins(output.with_origins);
-            sweep->run(kept_.bands.bands[band], kept_.bands.seeds_of(band), kept_.buckets, kept_.planes,
-                       options_.tuning.form, parallel_.stop(), output);
+            sweep->run(kept_.bands.bands[band], kept_.bands.seeds_of(band), kept_.buckets, kept_.planes, form_,
+                       parallel_.stop(), output);
         });
         count_done(band);
     }
@@ -156,8 +133,8 @@ private:
                         static_cast<double>(std::max<std::uint64_t>(1, kept_.buckets.segment_count)));
     }
 
-    const SliceOptions& options_;
-    detail::WorkspaceParts& kept_;
+    ContourForm form_;
+    detail::SlicerImpl& kept_;
     const Parallel& parallel_;
     ProgressMeter& progress_;
     BandTarget& target_;
@@ -168,75 +145,77 @@ private:
 
 }  // namespace
 
-void check_options(const SliceOptions& options) {
-    if (options.tuning.band_planes < 0) {
+void check_options(const SliceOptions& options, const Tuning& tuning) {
+    if (tuning.band_planes < 0) {
         throw Refused{{ErrorCode::invalid_argument, "the number of planes in a band must not be negative"}};
     }
-    if (options.close_gaps_mm != gaps_by_mesh && (!(options.close_gaps_mm >= 0) || !std::isfinite(options.close_gaps_mm))) {
-        throw Refused{
-            {ErrorCode::invalid_argument, "the length up to which gaps are closed must be finite and not negative"}};
+    if (options.stitch_mm != stitch_by_mesh && (!(options.stitch_mm >= 0) || !std::isfinite(options.stitch_mm))) {
+        throw Refused{{ErrorCode::invalid_argument, "the length of stitches must be finite and not negative"}};
     }
-    require(check_rules(options.region));
+    require(check_rules(working_rules(options)));
 }
 
-void count_layers(TriangleSource& source, const SliceOptions& options, detail::WorkspaceParts& kept, SliceResult& result) {
-    const SourceInfo& info = source.info;
-    const double asked_mm = info.frame != nullptr ? info.frame->unit.mm : options.unit_mm;
-    const Bounds box = options.allow_empty && info.triangles == 0 ? Bounds{} : source.measure(asked_mm);
-    SharedFrame frame =
-        info.frame != nullptr ? *info.frame : choose_frame(box, info.number, asked_mm, options.unit_fit, options.region);
+void count_layers(TriangleSource& source, const SliceCall& call, SliceInfo& info) {
+    const auto& [options, tuning, context, kept] = call;
+    const SharedFrame* const given = source.info.frame;
+    const double asked_mm = given != nullptr ? given->unit.mm : options.frame.grid_mm;
+    const bool is_empty = source.info.triangles == 0;
+    const Bounds box = options.allow_empty && is_empty ? Bounds{} : source.measure(asked_mm);
+    SharedFrame frame = given != nullptr ? *given : choose_frame(box, source.info.number, options.frame, options.region);
     // A frame's unit may have been chosen without these rules.
     require(check_reach(options.region, frame.unit.mm, box.farthest_in_plane()));
-    describe(source, box, frame.unit, options, result);
-    build_planes(options.plan, options.layers, frame, memory_limit_of(options, kept), kept.planes);
+    begin_info(options, box, frame.unit, info);
+    info.triangles = source.info.triangles;
+    build_planes(call, frame, kept.planes);
     source.count(frame.unit.mm);
     if (kept.buckets.degenerate == info.triangles) {
         if (!options.allow_empty) {
             throw Refused{all_collapsed(info.triangles, frame.unit.mm)};
         }
-        if (info.frame == nullptr) {
+        if (given == nullptr) {
             frame.bounds = {};  // the box of nothing chooses no planes
-            build_planes(options.plan, options.layers, frame, memory_limit_of(options, kept), kept.planes);
+            build_planes(call, frame, kept.planes);
             source.count(frame.unit.mm);
         }
     }
-    describe_plan(kept.planes, result);
+    info.degenerate = kept.buckets.degenerate;
+    info.segments = kept.buckets.segment_count;
+    info.threads = kept.parallel->threads();
+    describe_plan(kept.planes, tuning.random_heights.has_value(), info);
 }
 
-void slice_layers(TriangleSource& source, LayerTarget& target, const SliceOptions& options, detail::WorkspaceParts& kept,
-                  SliceResult& result, std::uint64_t first_index) {
+void slice_layers(TriangleSource& source, LayerTarget& target, const SliceCall& call, SliceResult& result,
+                  std::uint64_t first_index) {
     Clock::time_point start = Clock::now();
+    detail::SlicerImpl& kept = call.kept;
     const Parallel& parallel = *kept.parallel;
-    ProgressMeter progress(options.control.progress);
-    SliceSummary& summary = result.summary;
-    count_layers(source, options, kept, result);
-    SweepInput input{kept.planes, kept.buckets, {}, parallel, kept.output, options.origins, result, first_index};
-    target.admit(input, memory_limit_of(options, kept));
+    ProgressMeter progress(call.context.progress);
+    SliceInfo& info = result.info;
+    count_layers(source, call, info);
+    SweepInput input{kept.planes, kept.buckets, {}, parallel, kept.output, call.options.origins, result, first_index};
+    target.admit(input, call.memory_limit());
 
     // Bands are cut between counting and scattering, so that scattering notes the triangles that reach beyond their band.
     parallel.stop_if_asked();
-    kept.bands.cut(kept.buckets, kept.planes.size(), options.tuning.band_planes, parallel.threads(),
+    kept.bands.cut(kept.buckets, kept.planes.size(), static_cast<int>(call.tuning.band_planes), parallel.threads(),
                    target.most_band_segments(parallel.threads()));
     input.bands = kept.bands.bands;
-    const std::size_t reaching = source.scatter(kept.bands.band_end, kept.bands.reaching.span(), options.origins);
+    const std::size_t reaching = source.scatter(kept.bands.band_end, kept.bands.reaching.span(), call.options.origins);
     kept.bands.find_seeds(kept.planes.size(), reaching, parallel.stop());
-    summary.crossed = kept.buckets.records.size();
-    summary.degenerate = kept.buckets.degenerate;
-    summary.segments = kept.buckets.segment_count;
-    summary.bands = kept.bands.bands.size();
-    summary.threads = parallel.threads();
-    summary.ms.bucket = milliseconds_since(start);
+    info.crossed = kept.buckets.records.size();
+    info.bands = kept.bands.bands.size();
+    info.ms.bucket = milliseconds_since(start);
 
     start = Clock::now();
-    BandSweeping sweeping(options, kept, parallel, progress, target.begin(input), result);
+    BandSweeping sweeping(call, progress, target.begin(input), info);
     sweeping.run();
     source.give_back();
     kept.bands.forget_many_seeds();  // before the result's contours are added to what is held
-    sweeping.split_time(milliseconds_since(start), summary.ms);
+    sweeping.split_time(milliseconds_since(start), info.ms);
 
     start = Clock::now();
     target.finish(input);
-    summary.ms.contours += milliseconds_since(start);
+    info.ms.contours += milliseconds_since(start);
     progress.finish();
 }
 

@@ -1,22 +1,87 @@
 // Slicing for callers within the library: from any source, for any target.
 #pragma once
 
-#include "lamella/slice.hpp"
+#include <utility>
+#include <vector>
+
+#include "base/guard.hpp"
 #include "slicing/buckets/triangle_source.hpp"
+#include "slicing/grid/bounds.hpp"
+#include "slicing/grid/placed_reader.hpp"
+#include "slicing/regions/rules.hpp"
+#include "slicing/repair/gaps.hpp"
 #include "slicing/result/layer_target.hpp"
-#include "slicing/workspace.hpp"
+#include "slicing/slicer.hpp"
+#include "slicing/tuning.hpp"
 
 namespace lamella {
 
+/// All that is asked and lent.
+struct SliceCall {
+    const SliceOptions& options;
+    const Tuning& tuning;
+    const Context& context;
+    detail::SlicerImpl& kept;
+
+    /// Of a result.
+    std::uint64_t memory_limit() const noexcept {
+        return context.memory_limit_bytes != 0 ? context.memory_limit_bytes : kept.usual_limit;
+    }
+};
+
 /// Refuses what no mesh can be sliced with.
-void check_options(const SliceOptions& options);
+void check_options(const SliceOptions& options, const Tuning& tuning);
 
-/// A slice of `source`, which has the tools of `kept`. `result` gets what is not in layers; `first_index` is that of the
-/// first layer that a sink gets. Preconditions: options were checked. Throws Refused, Stopped, std::bad_alloc.
-void slice_layers(TriangleSource& source, LayerTarget& target, const SliceOptions& options, detail::WorkspaceParts& kept,
-                  SliceResult& result, std::uint64_t first_index = 0);
+/// A slice of `source`, which has the tools of `call.kept`. `result` gets what is not in layers; `first_index` is that of
+/// the first layer that a sink gets. Preconditions: options were checked. Throws Refused, Stopped, std::bad_alloc.
+void slice_layers(TriangleSource& source, LayerTarget& target, const SliceCall& call, SliceResult& result,
+                  std::uint64_t first_index = 0);
 
-/// The stages up to the count of crossings, which leave planes and buckets in `kept`.
-void count_layers(TriangleSource& source, const SliceOptions& options, detail::WorkspaceParts& kept, SliceResult& result);
+/// The stages up to the count of crossings, which leave planes and buckets in `call.kept`.
+void count_layers(TriangleSource& source, const SliceCall& call, SliceInfo& info);
+
+// The grid and the box of what is sliced: from both come the planes. One choice for a mesh, for several parts of one result,
+// for a prepared mesh and for a file.
+
+/// For triangles within `bounds`, whose planes are rounded to `number`. Throws Refused.
+inline SharedFrame choose_frame(const Bounds& bounds, Number number, const Frame& asked, const RegionRules& rules) {
+    return {bounds, require(choose_unit_for(bounds, asked.grid_mm, asked.coarser_if_needed, rules)), number};
+}
+
+/// For one mesh. Without triangles, where that is allowed, the box is a point.
+inline SharedFrame choose_frame(const MeshView& mesh, const Frame& asked, bool allow_empty, const RegionRules& rules,
+                                const Parallel& parallel) {
+    const Placing placing = placing_of(mesh, asked);
+    Bounds bounds{};
+    if (!allow_empty || mesh.triangle_count > 0) {
+        BlockTable blocks(parallel.memory());
+        bounds = require(measure_bounds(mesh, placing, asked.grid_mm, parallel, blocks));
+    }
+    return choose_frame(bounds, placed_number(mesh, placing), asked, rules);
+}
+
+/// The planes that are asked for within the frame's box, less the layers that are left out. Throws Refused.
+inline void build_planes(const SliceCall& call, const SharedFrame& frame, PlaneSet& planes) {
+    planes.build(call.options, call.tuning.random_heights, frame, call.memory_limit());
+    planes.keep(call.options.planes.first_layer, call.options.planes.end_layer);
+}
+
+inline Box box_of(const Bounds& bounds) noexcept {
+    return {std::to_array(bounds.min_mm), std::to_array(bounds.max_mm)};
+}
+
+/// What is known of a slice before its triangles are counted.
+inline void begin_info(const SliceOptions& options, const Bounds& box, const ChosenUnit& unit, SliceInfo& info) {
+    std::vector<std::uint64_t> layer_of = std::move(info.layer_of);  // keeps its memory
+    SliceOptions asked = std::move(info.options);
+    asked = options;
+    info = {};
+    info.options = std::move(asked);
+    info.layer_of = std::move(layer_of);
+    info.options.stitch_mm = gap_length_mm(options.stitch_mm, box);
+    info.grid_mm = unit.mm;
+    info.grid_doublings = unit.doublings;
+    info.box = box_of(box);
+}
 
 }  // namespace lamella

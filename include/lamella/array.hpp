@@ -18,7 +18,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "lamella/memory.hpp"
+#include "lamella/context.hpp"
 
 namespace lamella {
 

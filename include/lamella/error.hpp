@@ -42,6 +42,7 @@ struct Error {
     std::int64_t triangle = -1;     ///< index of the offending triangle in the input, or -1
     std::int64_t plane = -1;        ///< index of the offending plane, or -1
     std::int64_t byte_offset = -1;  ///< where in the file, or -1
+    std::int64_t part = -1;         ///< index of the offending part, where there are several, or -1
 };
 
 /// Either a value or an Error. `Result<void>` is spelled `Status`.
@@ -64,7 +65,8 @@ public:
     const T* operator->() const { return &*value_; }
 
     /// Precondition: not ok().
-    const Error& error() const { return error_; }
+    const Error& error() const& { return error_; }
+    Error&& error() && { return std::move(error_); }
 
 private:
     std::optional<T> value_;

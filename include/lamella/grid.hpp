@@ -1,9 +1,9 @@
 // The integer grid that everything is computed on.
 //
 //     const lamella::Point point = result.points[0];               // grid units
-//     const double x_mm = point.x * result.unit_mm;                // or result.to_mm(point).x
+//     const double x_mm = point.x * result.info.grid_mm;                // or result.to_mm(point).x
 //     const lamella::PlaneHeight plane = result.layers[0].plane;   // an odd number of grid units
-//     std::printf("%g mm at height %g mm\n", x_mm, plane.z() * result.unit_mm);
+//     std::printf("%g mm at height %g mm\n", x_mm, plane.z() * result.info.grid_mm);
 //
 // Source: section 3.1 of the paper. Vertices are rounded to even multiples of the unit and planes to odd ones, so that no
 // vertex ever lies on a plane and every intersection is a proper segment. Parity is in the types: a GridVertex cannot be odd
@@ -29,12 +29,12 @@ namespace lamella {
 inline constexpr std::int32_t grid_limit = 1 << 30;
 
 /// The unit used when nothing else is asked for, in mm: exactly representable, and 1,024 mm = grid_limit units.
-inline constexpr double default_unit_mm = 1.0 / (1 << 20);
+inline constexpr double default_grid_mm = 1.0 / (1 << 20);
 
-/// Asked for as the unit: the finest power of two, from 2^-49 mm on, of which the mesh's farthest coordinate has at most
-/// grid_limit - 2, with room for how far closing, offset and mark reach in the plane (but not in prepare(), which does not
-/// know them). For meshes far smaller than a metre. Equal parts at other places may then get other grids.
-inline constexpr double unit_by_box = -1;
+/// Asked for as Frame::grid_mm: the finest power of two, from 2^-49 mm on, of which the mesh's farthest coordinate has at
+/// most grid_limit - 2, with room for how far closing, offset and mark reach in the plane (but not in prepare(), which does
+/// not know them). For meshes far smaller than a metre. Equal parts at other places may then get other grids.
+inline constexpr double finest_grid = -1;
 
 /// Inputs with a coordinate beyond this are refused.
 inline constexpr double largest_coordinate_mm = 1e9;

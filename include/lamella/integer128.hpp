@@ -1,7 +1,7 @@
 // A signed 128-bit integer, which holds the exact area of a contour.
 //
 //     const lamella::Integer128 twice_area = result.contours[0].twice_area;  // square grid units
-//     const double mm2 = twice_area.to_double() / 2 * result.unit_mm * result.unit_mm;
+//     const double mm2 = twice_area.to_double() / 2 * result.info.grid_mm * result.info.grid_mm;
 //     std::printf("%g mm2\n", mm2);
 //
 // Compilers have such a type of their own, but it is not portable.

@@ -3,36 +3,34 @@
  *     const float soup[] = {0, 0, 0, 0, 9, 0, 9, 0, 0,  0, 0, 0, 9, 0, 0, 0, 0, 9,
  *                           0, 0, 0, 0, 0, 9, 0, 9, 0,  9, 0, 0, 0, 9, 0, 0, 0, 9};
  *     lamella_mesh mesh;
- *     lamella_mesh_init(&mesh);
+ *     LAMELLA_INIT(&mesh, LAMELLA_MESH);
  *     mesh.vertices = soup;
  *     mesh.triangle_count = 4;
  *     lamella_options options;
- *     lamella_options_init(&options);
+ *     LAMELLA_INIT(&options, LAMELLA_OPTIONS);
  *     options.layer_height_mm = 0.5;
  *     lamella_result* result = NULL;
  *     lamella_error error;
- *     lamella_error_init(&error);
- *     if (lamella_slice(&mesh, &options, NULL, &result, &error) != LAMELLA_OK) {
+ *     LAMELLA_INIT(&error, LAMELLA_ERROR);
+ *     if (lamella_slice(NULL, &mesh, &options, &result, &error) != LAMELLA_OK) {
  *         fprintf(stderr, "%s\n", error.message);
  *         return;
  *     }
- *     lamella_view view;
- *     lamella_view_init(&view);
- *     lamella_result_view(result, &view);
- *     for (uint64_t i = 0; i < view.layer_count; ++i) {
- *         printf("z %g mm: %g mm2\n", view.layers[i].plane_mm, lamella_result_area_mm2(result, i));
+ *     lamella_layer_view layer;
+ *     LAMELLA_INIT(&layer, LAMELLA_LAYER_VIEW);
+ *     for (uint64_t i = 0; lamella_result_layer(result, i, &layer) == LAMELLA_OK; ++i) {
+ *         printf("z %g mm: %g mm2\n", layer.layer.plane_mm, lamella_area_mm2(&layer));
  *     }
  *     lamella_result_free(result);
  *
- * The calls are those of the C++ headers, whose comments say what they do; here stands what C adds. In C++ alone are
- * SliceOptions::layers with first_layer and all_layers of results, experiments.hpp, what lamella/mesh and lamella/audit
- * declare (inspect(), check(), weld(), validate()), and files.
+ * The shape is that of C++, whose headers say what each call does: a source is sliced by options within a context to a
+ * destination. Here stands what C adds.
  *
- * Structs that grow from version to version begin with their size and are initialised by a call of that name. A library that
- * is newer than the program gives fields that the program does not know their defaults. One that is older refuses the struct
+ * Structs that grow from version to version begin with their size and are initialised by LAMELLA_INIT. A library that is
+ * newer than the program gives fields that the program does not know their defaults. One that is older refuses the struct
  * with LAMELLA_INVALID_ARGUMENT where a field is set that it does not know, and takes it where such fields are 0, as the
- * initialisation leaves them. Fields named `reserved` are 0, too. The structs without a size (points, contours, layers, the
- * sink) never change. Enumerations are kept in int32_t.
+ * initialisation leaves them. Fields named `reserved` are 0, too. The structs without a size (points, contours, layers)
+ * never change. Enumerations are kept in int32_t.
  *
  * What a call returns is a status, LAMELLA_OK or what went wrong; `error`, which may be NULL, then says more. A handle that
  * was made is given back by its _free(), which takes NULL too. Views point into their handle and live as long, or until it
@@ -41,7 +39,7 @@
  * its status (tools/docs/embedding.md shows it in Python).
  *
  * A handle may be used by one thread at a time, but for a prepared mesh: that any number of threads may slice at once, each
- * with a workspace and a result of its own. */
+ * with a slicer and a result of its own. */
 #ifndef LAMELLA_LAMELLA_H
 #define LAMELLA_LAMELLA_H
 
@@ -61,89 +59,101 @@ extern "C" {
 /* --- Status and errors */
 
 enum { /* see lamella/error.hpp */
-    LAMELLA_OK = 0,
-    LAMELLA_INVALID_ARGUMENT = 1,
-    LAMELLA_UNREADABLE_FILE = 2,
-    LAMELLA_MALFORMED_MESH = 3,
-    LAMELLA_EMPTY_MESH = 4,
-    LAMELLA_BAD_COORDINATE = 5,
-    LAMELLA_BAD_PLANES = 6,
-    LAMELLA_RESULT_TOO_LARGE = 7,
-    LAMELLA_OUT_OF_MEMORY = 8,
-    LAMELLA_CANCELLED = 9,
-    LAMELLA_UNWRITABLE_FILE = 10
+    LAMELLA_OK = 0, LAMELLA_INVALID_ARGUMENT = 1, LAMELLA_UNREADABLE_FILE = 2, LAMELLA_MALFORMED_MESH = 3,
+    LAMELLA_EMPTY_MESH = 4, LAMELLA_BAD_COORDINATE = 5, LAMELLA_BAD_PLANES = 6, LAMELLA_RESULT_TOO_LARGE = 7,
+    LAMELLA_OUT_OF_MEMORY = 8, LAMELLA_CANCELLED = 9, LAMELLA_UNWRITABLE_FILE = 10
 };
 
 typedef struct lamella_error {
     uint32_t struct_size;
     int32_t status;
+    int64_t part;        /* index of the offending part, or -1 */
     int64_t triangle;    /* index of the offending triangle, or -1 */
     int64_t plane;       /* index of the offending plane, or -1 */
     int64_t byte_offset; /* where in a file, or -1 */
     char message[512];   /* one line, cut off where it is longer */
 } lamella_error;
 
-/* --- What a call may use of its host: lamella/control.hpp, lamella/memory.hpp */
+/* --- What a call may use of its host: lamella/context.hpp */
 
 /* Must outlive every handle that is filled by a call which takes it. */
 typedef struct lamella_memory {
-    void* (*allocate)(void* context, size_t bytes, size_t alignment); /* NULL where there are none */
-    void (*release)(void* context, void* memory, size_t bytes, size_t alignment);
-    void* context;
+    void* allocate_object;
+    void* (*allocate)(void* object, size_t bytes, size_t alignment); /* NULL where there are none */
+    void* release_object;
+    void (*release)(void* object, void* memory, size_t bytes, size_t alignment);
 } lamella_memory;
 
-typedef struct lamella_control {
+typedef struct lamella_context {
     uint32_t struct_size;
-    int32_t threads; /* at most this many; 0: all that the executor has */
+    int32_t threads;               /* at most this many; 0: all that the executor has */
+    int32_t (*stop)(void* object); /* not 0 ends the call with LAMELLA_CANCELLED; asked by several threads at once */
+    void* stop_object;
+    void (*progress)(void* object, double fraction); /* on any working thread, one call at a time; 1 in the last */
+    void* progress_object;
+    const lamella_memory* memory; /* NULL: the C++ library's */
+    uint64_t memory_limit_bytes;  /* of a result; 0: half of physical memory */
     /* Calls body(argument) up to `workers` times, at once or one by one, and returns when they have. NULL: oneTBB. */
-    void (*executor)(void* context, int32_t workers, void (*body)(void* argument), void* argument);
-    void* executor_context;
+    void (*executor)(void* object, int32_t workers, void (*body)(void* argument), void* argument);
+    void* executor_object;
     int32_t executor_threads;
     int32_t reserved;
-    const lamella_memory* memory;   /* NULL: the C++ library's */
-    int32_t (*stop)(void* context); /* not 0 ends the call with LAMELLA_CANCELLED; asked by several threads at once */
-    void* stop_context;
-    void (*progress)(void* context, double fraction); /* on any working thread, one call at a time; 1 in the last */
-    void* progress_context;
-} lamella_control;
+} lamella_context;
 
 /* --- The mesh: lamella/mesh.hpp */
 
-enum { LAMELLA_F32 = 0, LAMELLA_F64 = 1, LAMELLA_I32 = 2, LAMELLA_I64 = 3 };
-enum { LAMELLA_INDEX_U32 = 0, LAMELLA_INDEX_U64 = 1 };
+enum { LAMELLA_F32 = 0, LAMELLA_F64 = 1, LAMELLA_I32 = 2, LAMELLA_I64 = 3, LAMELLA_U32 = 4, LAMELLA_U64 = 5 };
 
 /* A view of triangles where they lie. Without `indices` triangle t has nine numbers at vertices + t * vertex_stride; with
  * them vertex v has three at vertices + v * vertex_stride, and triangle t three indices at indices + t * index_stride. */
 typedef struct lamella_mesh {
     uint32_t struct_size;
-    int32_t coordinate_type; /* LAMELLA_F32 ... */
+    int32_t vertex_type; /* LAMELLA_F32 ... LAMELLA_I64 */
     const void* vertices;
-    size_t vertex_stride; /* bytes; 0: packed */
-    size_t vertex_count;  /* with indices only */
-    const void* indices;  /* NULL: a soup */
-    size_t index_stride;  /* bytes; 0: packed */
-    int32_t index_type;   /* LAMELLA_INDEX_U32 ... */
-    int32_t reserved;
+    size_t vertex_count; /* with indices only */
     size_t triangle_count;
-    double coordinate_mm; /* what 1 means in mm, for coordinates of any type; 1 by default */
+    const void* indices;  /* NULL: a soup */
+    size_t vertex_stride; /* bytes; 0: packed */
+    size_t index_stride;  /* bytes; 0: packed */
+    double mm_per_unit;   /* of coordinates of any type; 1 by default */
+    int32_t index_type;   /* LAMELLA_U32 by default, or LAMELLA_U64 */
+    int32_t reserved;
 } lamella_mesh;
 
-/* --- Options: lamella/slice.hpp, lamella/planes.hpp, lamella/region.hpp */
+typedef struct lamella_prepared lamella_prepared;
 
-enum { LAMELLA_LAYERS_UNIFORM = 0, LAMELLA_LAYERS_AT_HEIGHTS = 1 };
+/* A mesh among several. */
+typedef struct lamella_part {
+    const lamella_mesh* mesh;
+    double placement[12]; /* into the space that all parts share; all 0: it stays where it is */
+} lamella_part;
+
+/* What is cut: exactly one is set. */
+typedef struct lamella_source {
+    uint32_t struct_size;
+    int32_t reserved;
+    const lamella_mesh* mesh;
+    const lamella_prepared* prepared;
+    const lamella_part* parts;
+    size_t part_count;
+} lamella_source;
+
+/* --- Options: lamella/options.hpp says what each does; here they are flat. Written by engine/options/generate.py */
+
+/* begin choices */
+enum { LAMELLA_STITCH_DIRECTION_ORIENTED = 0, LAMELLA_STITCH_DIRECTION_ANY = 1 };
+enum { LAMELLA_LAYER_CONTENT_SECTION = 0, LAMELLA_LAYER_CONTENT_UPWARD_FACES = 1, LAMELLA_LAYER_CONTENT_DOWNWARD_FACES = 2 };
 enum { LAMELLA_DATUM_MESH_MIN = 0, LAMELLA_DATUM_ZERO = 1 };
-enum { LAMELLA_SIDE_BELOW = 0, LAMELLA_SIDE_ABOVE = 1 };
-enum { LAMELLA_UNIT_AS_ASKED = 0, LAMELLA_UNIT_COARSER_IF_NEEDED = 1 };
-enum { LAMELLA_ARITHMETIC_F64 = 0, LAMELLA_ARITHMETIC_AS_MESH = 1 };
-enum { LAMELLA_GAP_SENSE_KEPT = 0, LAMELLA_GAP_SENSE_ANY = 1 };
-enum {
-    LAMELLA_FILL_CONTOURS = 0,
-    LAMELLA_FILL_EVEN_ODD = 1,
-    LAMELLA_FILL_NON_ZERO = 2,
-    LAMELLA_FILL_POSITIVE = 3,
-    LAMELLA_FILL_OUTERMOST = 4
-};
-enum { LAMELLA_PARTS_SEPARATE = 0, LAMELLA_PARTS_UNITED = 1 };
+enum { LAMELLA_PLANE_SIDE_BELOW = 0, LAMELLA_PLANE_SIDE_ABOVE = 1 };
+enum { LAMELLA_FILL_RULE_CONTOURS = 0, LAMELLA_FILL_RULE_EVEN_ODD = 1, LAMELLA_FILL_RULE_NON_ZERO = 2,
+       LAMELLA_FILL_RULE_POSITIVE = 3, LAMELLA_FILL_RULE_OUTERMOST = 4 };
+/* end choices */
+
+#define LAMELLA_DEFAULT_GRID_MM (1.0 / 1048576) /* what grid_mm 0 stands for */
+#define LAMELLA_FINEST_GRID (-1.0)
+#define LAMELLA_STITCH_BY_MESH (-1.0)
+#define LAMELLA_ALL_LAYERS UINT64_MAX
+#define LAMELLA_GRID_LIMIT 1073741824 /* the largest magnitude of a point's x and y */
 
 /* From this layer on another rule. */
 typedef struct lamella_fill_from {
@@ -152,60 +162,54 @@ typedef struct lamella_fill_from {
     int32_t reserved;
 } lamella_fill_from;
 
-typedef struct lamella_region_rules {
-    uint32_t struct_size;
-    int32_t fill_rule;
-    const lamella_fill_from* fill_from;
-    size_t fill_from_count;
-    int32_t largest_only;
-    int32_t drop_collinear;
-    double close_mm;
-    double offset_mm;
-    double miter_limit;
-    double mark_near_mm;
-    double simplify_mm;
-} lamella_region_rules;
-
-#define LAMELLA_DEFAULT_UNIT_MM (1.0 / 1048576) /* lamella/grid.hpp: what unit_mm 0 stands for */
-#define LAMELLA_UNIT_BY_BOX (-1.0)
-#define LAMELLA_GAPS_BY_MESH (-1.0)
-#define LAMELLA_GRID_LIMIT 1073741824 /* the largest magnitude of a point's x and y */
-
 typedef struct lamella_options {
     uint32_t struct_size;
-    int32_t spacing; /* LAMELLA_LAYERS_UNIFORM ... */
-    double layer_height_mm;
-    double first_height_mm;   /* NaN: the plane in the middle of each layer */
-    int32_t datum;            /* LAMELLA_DATUM_MESH_MIN ... */
-    int32_t side;             /* LAMELLA_SIDE_BELOW ... */
-    const double* heights_mm; /* for LAMELLA_LAYERS_AT_HEIGHTS: in any order */
-    size_t height_count;
-    double unit_mm;       /* of the grid; 0: the default; LAMELLA_UNIT_BY_BOX: the finest that the mesh's box allows */
-    double transform[12]; /* three rows of four, to mm: x' = t[0] x + t[1] y + t[2] z + t[3] */
-    int32_t arithmetic;   /* LAMELLA_ARITHMETIC_F64 ... */
-    int32_t unit_fit;     /* LAMELLA_UNIT_AS_ASKED ... */
-    const lamella_region_rules* region; /* NULL: contours as the mesh gives them */
-    double close_gaps_mm; /* 0: none; LAMELLA_GAPS_BY_MESH: a hundredth of the diagonal of the mesh's box */
-    int32_t gap_sense; /* LAMELLA_GAP_SENSE_KEPT ... */
-    int32_t allow_empty;
-    uint64_t memory_limit_bytes;
-    const lamella_control* control; /* NULL: oneTBB's threads, the C++ library's memory, no stop, no progress */
-    int32_t origins;                /* not 0: say which triangle each contour edge comes from */
     int32_t reserved;
+    /* begin options */
+    double layer_height_mm; /* Height of uniform layers. */
+    const double* heights_mm; /* Cut at these heights instead, in any order; an empty list cuts nothing. */
+    size_t height_count;
+    double stitch_mm; /* Join ends of open polylines at most so far apart, the nearest first; 0 joins none. */
+    double first_height_mm; /* Height of the first plane above the datum; not given, half a layer. */
+    uint64_t first_layer; /* Cut the layers of the plan from this one on only. */
+    uint64_t end_layer; /* One past the last layer that is cut; may lie beyond the plan's end. */
+    double transform[12]; /* From the mesh in mm to the space of planes and points: planes are horizontal after it. */
+    double grid_mm; /* Step of the integer grid; 0: 2^-20 mm, doubled until the mesh fits. */
+    double closing_mm; /* Fill gaps narrower than twice this, between contours and within one. */
+    double offset_mm; /* Grow what is solid by so much, or shrink it where negative. */
+    double miter_limit; /* Cut corners off that closing or offset would move farther than so many times its length. */
+    double simplify_mm; /* Drop points that lie within so much of the lines left, last of all. */
+    double flag_closing_mm; /* Flag contours that closing by so much would change, and change nothing. */
+    const lamella_fill_from* fill_from; /* Other fill rules from these layers of the plan on, ascending. */
+    size_t fill_from_count;
+    int32_t at_heights;
+    int32_t stitch_direction; /* Which ends of open polylines may be stitched. */
+    int32_t origins; /* Say which triangle each contour edge comes from. */
+    int32_t unite_parts; /* The rules of regions are done to all parts of a layer together, and not to each by itself. */
+    int32_t allow_empty; /* A mesh without triangles, or of which none is left on the grid, is no error. */
+    int32_t content; /* What a layer shows: the section at its plane, or what faces project onto it. */
+    int32_t datum; /* Where heights of uniform layers count from: the mesh's lowest vertex, or z = 0. */
+    int32_t side; /* Where a plane passes a vertex of exactly its height. */
+    int32_t coarser_if_needed; /* A grid that is too fine for the mesh is doubled until it fits, instead of refused. */
+    /* The transform is computed in floats where the mesh has floats, and heights are rounded to floats. */
+    int32_t as_mesh_numbers;
+    int32_t fill_rule; /* What is solid where contours overlap, nest in the same direction or run backwards. */
+    int32_t drop_collinear; /* Drop points exactly on the line between their neighbours. */
+    int32_t largest_only; /* Keep the outer contour of the largest area of a layer only, with its holes. */
+    int32_t reserved_0_3;
+    /* end options */
 } lamella_options;
 
 /* --- Results: lamella/result.hpp */
 
 enum { LAMELLA_ROLE_OUTER = 0, LAMELLA_ROLE_HOLE = 1, LAMELLA_ROLE_FLAT = 2, LAMELLA_ROLE_OPEN = 3 };
-enum { LAMELLA_ORIENTATION_OVERRULED = 1, LAMELLA_ORIENTATION_MIXED = 2, LAMELLA_GAP_CLOSED = 4, LAMELLA_NEAR_CONTOUR = 8 };
+enum { LAMELLA_ORIENTATION_OVERRULED = 1, LAMELLA_ORIENTATION_MIXED = 2, LAMELLA_STITCHED = 4, LAMELLA_WOULD_CLOSE = 8 };
 
 #define LAMELLA_SEVERAL_PARTS UINT32_MAX
 #define LAMELLA_NO_TRIANGLE UINT32_MAX
 #define LAMELLA_NO_EDGE 3
-
-typedef struct lamella_point { /* grid units; times unit_mm they are mm */
-    int32_t x;
-    int32_t y;
+typedef struct lamella_point { /* grid units; times grid_mm they are mm */
+    int32_t x, y;
 } lamella_point;
 
 typedef struct lamella_contour {
@@ -224,7 +228,7 @@ typedef struct lamella_contour {
 /* Of a point and the contour edge that begins there. Edge e of a triangle leads from corner e to corner (e + 1) % 3. */
 typedef struct lamella_point_origin {
     uint32_t triangle; /* index in the mesh, or LAMELLA_NO_TRIANGLE */
-    uint16_t part;     /* index of that mesh among those of lamella_slice_parts() */
+    uint16_t part;     /* index of that mesh among the parts */
     uint8_t edge;      /* on which the contour edge begins, or LAMELLA_NO_EDGE */
     uint8_t end_edge;  /* and on which it ends */
 } lamella_point_origin;
@@ -240,57 +244,65 @@ typedef struct lamella_layer {
     int32_t reserved;
 } lamella_layer;
 
-typedef struct lamella_closed_gap {
+typedef struct lamella_stitch {
     uint64_t layer;
-    lamella_point from;
-    lamella_point to;
-} lamella_closed_gap;
+    lamella_point from, to;
+} lamella_stitch;
 
-typedef struct lamella_view {
+/* What is known of a slice but its layers. */
+typedef struct lamella_info {
     uint32_t struct_size;
-    int32_t unit_doublings; /* how often the unit asked for was doubled */
-    double unit_mm;
-    const lamella_layer* layers;
-    uint64_t layer_count;
-    const lamella_contour* contours;
-    uint64_t contour_count;
-    const lamella_point* points;
-    uint64_t point_count;
-    const lamella_closed_gap* closed_gaps;
-    uint64_t closed_gap_count;
-    const uint64_t* layer_of; /* of each height given its layer */
-    uint64_t layer_of_count;
+    int32_t grid_doublings; /* how often the step asked for was doubled */
+    double grid_mm;
+    double min_mm[3], max_mm[3]; /* box of the transformed mesh */
+    double stitch_mm; /* as asked, or by the mesh, in mm */
+    uint64_t part_count;
+    uint64_t first_layer; /* of the first layer among those of the plan */
+    uint64_t planned_layers;
     uint64_t triangles;
     uint64_t degenerate; /* dropped: two equal vertices on the grid */
+    uint64_t crossed;
+    uint64_t layers;
     uint64_t segments;
+    uint64_t contours; /* from here on known at the end only */
+    uint64_t points;
+    uint64_t stitches;
     uint64_t holes;
     uint64_t open_contours;
     uint64_t flat_contours;
     uint64_t overruled_contours;
-    uint64_t near_contours;
+    uint64_t would_close_contours;
     uint64_t emptied_layers;
-    double min_mm[3];
-    double max_mm[3];
+    uint64_t cancelled_layers;
+    const uint64_t* layer_of; /* the layer of each height given: of the result, or of the slicer until its next call */
+    uint64_t layer_of_count;
+} lamella_info;
+
+/* One layer, of a result or in a sink, where it is valid until the sink returns. The points of a contour c are
+ * points + (c->first_point - first_point), those of parent p contours + (p - layer.first_contour). */
+typedef struct lamella_layer_view {
+    uint32_t struct_size;
+    int32_t reserved;
+    uint64_t index;
+    double grid_mm;
+    lamella_layer layer;
+    const lamella_contour* contours;
+    const lamella_point* points;
+    uint64_t point_count;
+    uint64_t first_point;
     const lamella_point_origin* origins; /* of each point; NULL without lamella_options.origins */
-} lamella_view;
+    const lamella_stitch* stitches;
+    uint64_t stitch_count;
+} lamella_layer_view;
 
-typedef struct lamella_result lamella_result;
-typedef struct lamella_workspace lamella_workspace;
-typedef struct lamella_prepared lamella_prepared;
+/* Net solid area; NaN, not known, where a contour is open. */
+LAMELLA_C_API double lamella_area_mm2(const lamella_layer_view* layer);
+/* Within a contour: positive for an outer one, negative for a hole. */
+LAMELLA_C_API double lamella_contour_area_mm2(const lamella_contour* contour, double grid_mm);
 
-LAMELLA_C_API void lamella_result_view(const lamella_result* result, lamella_view* view);
-/* Outers minus holes; NaN, not known, where the layer has an open contour. */
-LAMELLA_C_API double lamella_result_area_mm2(const lamella_result* result, uint64_t layer);
-LAMELLA_C_API uint64_t lamella_result_hash(const lamella_result* result);
-LAMELLA_C_API void lamella_result_free(lamella_result* result);
-
-/* mm2 within a contour: positive for an outer one, negative for a hole. */
-LAMELLA_C_API double lamella_contour_area_mm2(const lamella_contour* contour, double unit_mm);
-
-/* lamella/islands.hpp: an outer contour and the holes in it. */
+/* An outer contour and the holes in it. */
 typedef struct lamella_island {
-    const lamella_contour* outer;
-    const lamella_contour* holes;
+    const lamella_contour *outer, *holes;
     uint64_t hole_count;
 } lamella_island;
 
@@ -299,112 +311,41 @@ typedef struct lamella_island {
 LAMELLA_C_API int32_t lamella_next_island(const lamella_contour* contours, uint64_t contour_count, uint64_t* at,
                                           lamella_island* island);
 
-/* --- Calls
- *
- * `options` may be NULL: the defaults. `*result` is NULL, or a result that is filled anew and whose memory is used again.
- * Where a call fails, NULL stays NULL, and what a given result holds is unspecified. */
+typedef struct lamella_result lamella_result;
 
-/* Scratch that is kept from call to call, one for each thread that calls. NULL where there is no memory. */
-LAMELLA_C_API lamella_workspace* lamella_workspace_create(void);
-LAMELLA_C_API uint64_t lamella_workspace_bytes(const lamella_workspace* workspace);
-LAMELLA_C_API void lamella_workspace_trim(lamella_workspace* workspace);
-LAMELLA_C_API void lamella_workspace_reset(lamella_workspace* workspace);
-LAMELLA_C_API void lamella_workspace_free(lamella_workspace* workspace);
-
-/* lamella/slice.hpp. `workspace` may be NULL. */
-LAMELLA_C_API int32_t lamella_slice(const lamella_mesh* mesh, const lamella_options* options, lamella_workspace* workspace,
-                                    lamella_result** result, lamella_error* error);
-
-/* lamella/parts.hpp. `transforms`: twelve numbers a mesh, or NULL. */
-LAMELLA_C_API int32_t lamella_slice_parts(const lamella_mesh* const* meshes, const double* transforms, size_t count,
-                                          const lamella_options* options, int32_t part_regions, lamella_result** result,
-                                          lamella_error* error);
-
-/* lamella/slabs.hpp: what upward and downward faces project onto each layer. `top` or `bottom` is NULL where it is not asked
- * for. Of `options` the fill rule of regions, gaps and origins must be left out. */
-LAMELLA_C_API int32_t lamella_slice_slabs(const lamella_mesh* mesh, const lamella_options* options, lamella_result** top,
-                                          lamella_result** bottom, lamella_error* error);
-
-/* lamella/prepare.hpp. Of `options` transform, arithmetic, unit, allow_empty and control are used. */
-LAMELLA_C_API int32_t lamella_prepare(const lamella_mesh* mesh, const lamella_options* options, lamella_prepared** prepared,
-                                      lamella_error* error);
-LAMELLA_C_API int32_t lamella_slice_prepared(const lamella_prepared* prepared, const lamella_options* options,
-                                             lamella_workspace* workspace, lamella_result** result, lamella_error* error);
-LAMELLA_C_API uint64_t lamella_prepared_bytes(const lamella_prepared* prepared);
-LAMELLA_C_API double lamella_prepared_unit_mm(const lamella_prepared* prepared);
-LAMELLA_C_API void lamella_prepared_free(lamella_prepared* prepared);
-
-/* lamella/sink.hpp. */
-enum { LAMELLA_SINK_ANY = 0, LAMELLA_SINK_ASCENDING = 1 };
-
-/* Valid until the sink returns. Contours and parents are numbered within the layer. A library that is older than the program
- * gives a smaller struct_size, and no more fields than that. */
-typedef struct lamella_layer_view {
+/* All of a result, in the flat arrays that contours and points index. */
+typedef struct lamella_view {
     uint32_t struct_size;
     int32_t reserved;
-    uint64_t index;
-    double unit_mm;
-    const lamella_layer* layer;
+    const lamella_layer* layers;
     const lamella_contour* contours;
-    uint64_t contour_count;
     const lamella_point* points;
-    uint64_t point_count;
-    const lamella_closed_gap* closed_gaps;
-    uint64_t closed_gap_count;
     const lamella_point_origin* origins; /* of each point; NULL without lamella_options.origins */
-} lamella_layer_view;
+    const lamella_stitch* stitches;
+    lamella_info info;
+} lamella_view;
+
+LAMELLA_C_API void lamella_result_view(const lamella_result* result, lamella_view* view);
+/* LAMELLA_INVALID_ARGUMENT past the last layer. */
+LAMELLA_C_API int32_t lamella_result_layer(const lamella_result* result, uint64_t layer, lamella_layer_view* view);
+LAMELLA_C_API uint64_t lamella_result_hash(const lamella_result* result);
+LAMELLA_C_API void lamella_result_free(lamella_result* result);
+
+/* --- Where layers go: lamella/destination.hpp */
+
+enum { LAMELLA_SINK_ASCENDING = 0, LAMELLA_SINK_ANY = 1 };
 
 typedef struct lamella_sink {
-    void (*take)(void* context, const lamella_layer_view* layer); /* by several threads at once where order is any */
-    void* context;
-    int32_t order; /* LAMELLA_SINK_ANY ... */
-    int32_t reserved;
+    uint32_t struct_size;
+    int32_t order; /* LAMELLA_SINK_ASCENDING ... */
+    void (*take)(void* object, const lamella_layer_view* layer); /* by several threads at once where order is any */
+    void (*begin)(void* object, const lamella_info* info);       /* before the first layer; or NULL */
+    void* object;
 } lamella_sink;
 
-typedef struct lamella_totals {
+typedef struct lamella_arrays {
     uint32_t struct_size;
-    int32_t unit_doublings;
-    double unit_mm;
-    uint64_t layers;
-    uint64_t contours;
-    uint64_t points;
-    uint64_t closed_gaps;
-    uint64_t open_contours;
-    uint64_t triangles;
-    uint64_t degenerate;
-    uint64_t segments;
-    uint64_t holes;
-    uint64_t flat_contours;
-    uint64_t overruled_contours;
-    uint64_t near_contours;
-    uint64_t emptied_layers;
-    double min_mm[3];
-    double max_mm[3];
-    uint64_t* layer_of;         /* the program's, filled in with the layer of each height given; or NULL */
-    uint64_t layer_of_capacity; /* at least the number of heights */
-} lamella_totals;
-
-/* `workspace` and `totals` may be NULL. */
-LAMELLA_C_API int32_t lamella_slice_to(const lamella_sink* sink, const lamella_mesh* mesh, const lamella_options* options,
-                                       lamella_workspace* workspace, lamella_totals* totals, lamella_error* error);
-LAMELLA_C_API int32_t lamella_slice_prepared_to(const lamella_sink* sink, const lamella_prepared* prepared,
-                                                const lamella_options* options, lamella_workspace* workspace,
-                                                lamella_totals* totals, lamella_error* error);
-
-/* lamella/host_output.hpp. */
-typedef struct lamella_output_bounds {
-    uint32_t struct_size;
-    int32_t are_certain;
-    uint64_t layers;
-    uint64_t contours;
-    uint64_t points;
-    uint64_t segments;
-    double unit_mm;
-} lamella_output_bounds;
-
-typedef struct lamella_host_output {
-    uint32_t struct_size;
-    int32_t point_type; /* LAMELLA_F32 ... */
+    int32_t point_type; /* LAMELLA_I32, LAMELLA_I64, LAMELLA_F32 or LAMELLA_F64 */
     void* points;
     uint64_t point_capacity;
     size_t point_stride; /* bytes; 0: packed */
@@ -413,74 +354,144 @@ typedef struct lamella_host_output {
     uint64_t contour_capacity;
     lamella_layer* layers;
     uint64_t layer_capacity;
-    lamella_closed_gap* closed_gaps; /* NULL: they are only counted */
-    uint64_t closed_gap_capacity;
+    lamella_stitch* stitches; /* NULL: they are only counted */
+    uint64_t stitch_capacity;
     lamella_point_origin* origins; /* room for point_capacity, filled in with lamella_options.origins; NULL: none */
-} lamella_host_output;
+} lamella_arrays;
 
-LAMELLA_C_API int32_t lamella_bound_output(const lamella_mesh* mesh, const lamella_options* options,
-                                           lamella_workspace* workspace, lamella_output_bounds* bounds,
-                                           lamella_error* error);
-LAMELLA_C_API int32_t lamella_bound_prepared_output(const lamella_prepared* prepared, const lamella_options* options,
-                                                    lamella_workspace* workspace, lamella_output_bounds* bounds,
-                                                    lamella_error* error);
-LAMELLA_C_API int32_t lamella_slice_into(const lamella_host_output* output, const lamella_mesh* mesh,
-                                         const lamella_options* options, lamella_workspace* workspace,
-                                         lamella_totals* totals, lamella_error* error);
-LAMELLA_C_API int32_t lamella_slice_prepared_into(const lamella_host_output* output, const lamella_prepared* prepared,
-                                                  const lamella_options* options, lamella_workspace* workspace,
-                                                  lamella_totals* totals, lamella_error* error);
+/* Exactly one is set. */
+typedef struct lamella_destination {
+    uint32_t struct_size;
+    int32_t reserved;
+    lamella_result** result; /* *result is NULL, or a result that is filled anew and whose memory is used again */
+    const lamella_sink* sink;
+    const lamella_arrays* arrays;
+} lamella_destination;
 
-/* --- Contours that are not cut from a mesh. The result has one layer. */
+/* --- Slicing: lamella/slice.hpp
+ *
+ * Slicer, options, context, info and error may be NULL. Where a call fails, a result that was NULL stays NULL, and what a
+ * given one holds is unspecified. */
+
+typedef struct lamella_slicer lamella_slicer;
+
+/* Scratch that is kept from call to call, one for each thread that calls. NULL where there is no memory. */
+LAMELLA_C_API lamella_slicer* lamella_slicer_create(void);
+LAMELLA_C_API uint64_t lamella_slicer_bytes(const lamella_slicer* slicer);
+LAMELLA_C_API void lamella_slicer_trim(lamella_slicer* slicer);
+LAMELLA_C_API void lamella_slicer_reset(lamella_slicer* slicer);
+LAMELLA_C_API void lamella_slicer_free(lamella_slicer* slicer);
+
+/* The usual case of the next. */
+LAMELLA_C_API int32_t lamella_slice(lamella_slicer* slicer, const lamella_mesh* mesh, const lamella_options* options,
+                                    lamella_result** result, lamella_error* error);
+LAMELLA_C_API int32_t lamella_slice_to(lamella_slicer* slicer, const lamella_destination* to, const lamella_source* from,
+                                       const lamella_options* options, const lamella_context* context, lamella_info* info,
+                                       lamella_error* error);
+LAMELLA_C_API int32_t lamella_outline(lamella_slicer* slicer, const lamella_source* from, const lamella_options* options,
+                                      const lamella_context* context, lamella_info* info, lamella_error* error);
+
+/* Of `options` those of the frame are used. */
+LAMELLA_C_API int32_t lamella_prepare(const lamella_mesh* mesh, const lamella_options* options,
+                                      const lamella_context* context, lamella_prepared** prepared, lamella_error* error);
+LAMELLA_C_API uint64_t lamella_prepared_bytes(const lamella_prepared* prepared);
+LAMELLA_C_API double lamella_prepared_grid_mm(const lamella_prepared* prepared);
+LAMELLA_C_API void lamella_prepared_free(lamella_prepared* prepared);
+
+/* --- Contours that are not cut from a mesh: lamella/layers.hpp. The result has one layer. */
 
 typedef struct lamella_path {
     const lamella_point* points;
     size_t count;
 } lamella_path;
 
-/* lamella/region.hpp. `unit_mm` 0: the default. */
-LAMELLA_C_API int32_t lamella_region_of(const lamella_path* contours, size_t count, const lamella_region_rules* rules,
-                                        double unit_mm, const lamella_control* control, lamella_result** result,
+/* Of `options` the rules of regions are used. `grid_mm` 0: the default. */
+LAMELLA_C_API int32_t lamella_region_of(const lamella_path* contours, size_t count, const lamella_options* options,
+                                        double grid_mm, const lamella_context* context, lamella_result** result,
                                         lamella_error* error);
 
 typedef struct lamella_segment {
-    uint64_t from_key[3];
-    uint64_t to_key[3];
-    lamella_point from;
-    lamella_point to;
-    uint32_t from_rank;
-    uint32_t to_rank;
+    uint64_t from_key[3], to_key[3];
+    lamella_point from, to;
+    uint32_t from_rank, to_rank;
 } lamella_segment;
 
-/* lamella/assemble.hpp. */
-LAMELLA_C_API int32_t lamella_assemble(const lamella_segment* segments, size_t count, const lamella_control* control,
+LAMELLA_C_API int32_t lamella_assemble(const lamella_segment* segments, size_t count, const lamella_context* context,
                                        lamella_result** result, lamella_error* error);
+
+/* --- Is the mesh sound, and the result right? lamella/check.hpp, lamella/weld.hpp, lamella/audit.hpp */
+
+typedef struct lamella_check_result {
+    uint32_t struct_size;
+    int32_t closed;   /* every edge has as many faces one way as the other */
+    int32_t clean;    /* no fault was found but slivers; 0 with `counts_only` */
+    int32_t complete; /* no search was cut short */
+    uint64_t triangles;
+    uint64_t degenerate;
+    uint64_t edges;
+    uint64_t boundary_edges;
+    uint64_t overfull_edges;
+    uint64_t mismatched_edges;
+    uint64_t shells;
+    double min_mm[3], max_mm[3];
+    double volume_mm3;
+    double area_mm2;
+    double grid_mm;
+    uint64_t faults[20]; /* of each kind, in the order of lamella::Fault */
+} lamella_check_result;
+
+/* Of `options` those of the frame are used. With `counts_only` in O(n), and without faults. */
+LAMELLA_C_API int32_t lamella_check(const lamella_mesh* mesh, const lamella_options* options, int32_t counts_only,
+                                    const lamella_context* context, lamella_check_result* found, lamella_error* error);
+
+typedef struct lamella_welded lamella_welded;
+
+/* Joins vertices at most `tolerance_mm` apart, and with `orient_shells` turns closed shells the right way round. */
+LAMELLA_C_API int32_t lamella_weld(const lamella_mesh* mesh, double tolerance_mm, int32_t orient_shells,
+                                   const lamella_context* context, lamella_welded** welded, lamella_error* error);
+LAMELLA_C_API void lamella_welded_mesh(const lamella_welded* welded, lamella_mesh* mesh);
+LAMELLA_C_API void lamella_welded_free(lamella_welded* welded);
+
+enum {
+    LAMELLA_VOLUME_HOLDS = 0, LAMELLA_VOLUME_AREAS_DIFFER = 1, LAMELLA_VOLUME_VOLUMES_DIFFER = 2,
+    LAMELLA_VOLUME_OPEN_MESH = 3, LAMELLA_VOLUME_NOT_AS_WALKED = 4, LAMELLA_VOLUME_SOLID_DIFFERS = 5
+};
+
+typedef struct lamella_audit_result {
+    uint32_t struct_size;
+    int32_t volume; /* LAMELLA_VOLUME_HOLDS ... */
+    double mesh_mm3;
+    double slabs_mm3;
+    uint64_t open_layers;
+    double open_share; /* of the crossed height */
+    double stitch_mm;  /* would close them, but `stuck_layers` */
+    uint64_t stuck_layers;
+    uint64_t triangles_between_planes;
+    uint64_t shells_between_planes;
+    uint64_t crossings;
+    int32_t structure; /* LAMELLA_OK, or not as slicing makes results */
+    int32_t reserved;
+} lamella_audit_result;
+
+/* `mesh` is what was sliced, or NULL: then volume and what lies between planes are left out. */
+LAMELLA_C_API int32_t lamella_audit(const lamella_result* result, const lamella_mesh* mesh, const lamella_context* context,
+                                    lamella_audit_result* found, lamella_error* error);
 
 /* --- Names, and structs with their defaults */
 
-LAMELLA_C_API const char* lamella_version(void);               /* "0.2.0" */
+LAMELLA_C_API const char* lamella_version(void);               /* "0.3.0" */
 LAMELLA_C_API const char* lamella_status_name(int32_t status); /* "bad_planes" */
 
-LAMELLA_C_API void lamella_error_init_sized(lamella_error* error, size_t size);
-LAMELLA_C_API void lamella_control_init_sized(lamella_control* control, size_t size);
-LAMELLA_C_API void lamella_mesh_init_sized(lamella_mesh* mesh, size_t size);
-LAMELLA_C_API void lamella_region_rules_init_sized(lamella_region_rules* rules, size_t size);
-LAMELLA_C_API void lamella_options_init_sized(lamella_options* options, size_t size);
-LAMELLA_C_API void lamella_view_init_sized(lamella_view* view, size_t size);
-LAMELLA_C_API void lamella_totals_init_sized(lamella_totals* totals, size_t size);
-LAMELLA_C_API void lamella_output_bounds_init_sized(lamella_output_bounds* bounds, size_t size);
-LAMELLA_C_API void lamella_host_output_init_sized(lamella_host_output* output, size_t size);
+enum {
+    LAMELLA_ERROR = 0, LAMELLA_CONTEXT = 1, LAMELLA_MESH = 2, LAMELLA_SOURCE = 3, LAMELLA_OPTIONS = 4, LAMELLA_INFO = 5,
+    LAMELLA_LAYER_VIEW = 6, LAMELLA_VIEW = 7, LAMELLA_SINK = 8, LAMELLA_ARRAYS = 9, LAMELLA_DESTINATION = 10,
+    LAMELLA_CHECK_RESULT = 11, LAMELLA_AUDIT_RESULT = 12
+};
 
-/* These pass the size that the program was compiled with. */
-#define lamella_error_init(error) lamella_error_init_sized((error), sizeof(lamella_error))
-#define lamella_control_init(control) lamella_control_init_sized((control), sizeof(lamella_control))
-#define lamella_mesh_init(mesh) lamella_mesh_init_sized((mesh), sizeof(lamella_mesh))
-#define lamella_region_rules_init(rules) lamella_region_rules_init_sized((rules), sizeof(lamella_region_rules))
-#define lamella_options_init(options) lamella_options_init_sized((options), sizeof(lamella_options))
-#define lamella_view_init(view) lamella_view_init_sized((view), sizeof(lamella_view))
-#define lamella_totals_init(totals) lamella_totals_init_sized((totals), sizeof(lamella_totals))
-#define lamella_output_bounds_init(bounds) lamella_output_bounds_init_sized((bounds), sizeof(lamella_output_bounds))
-#define lamella_host_output_init(output) lamella_host_output_init_sized((output), sizeof(lamella_host_output))
+/* Sets the struct that `it` points to, one of the above, to its defaults; an unknown kind to zeros. */
+LAMELLA_C_API void lamella_init_sized(void* it, int32_t kind, size_t size);
+/* Passes the size that the program was compiled with. */
+#define LAMELLA_INIT(it, kind) lamella_init_sized((it), (kind), sizeof *(it))
 
 #ifdef __cplusplus
 } /* extern "C" */

@@ -1,10 +1,10 @@
 // What slicing gives: layers, contours and points.
 //
-//     for (const lamella::Layer& layer : result.layers) {
-//         std::printf("z %g mm: %g mm2\n", layer.plane_mm, result.area_mm2(layer));
-//         for (const lamella::Contour& contour : result.contours_of(layer)) {
-//             for (const lamella::Point& point : result.points_of(contour)) {
-//                 const lamella::PointMm mm = result.to_mm(point);
+//     for (const lamella::LayerView layer : result) {
+//         std::printf("z %g mm: %g mm2\n", layer.plane_mm, layer.area_mm2());
+//         for (const lamella::Contour& contour : layer.contours) {
+//             for (const lamella::Point& point : layer.points_of(contour)) {
+//                 const lamella::PointMm mm = layer.to_mm(point);
 //                 std::printf("  %g %g\n", mm.x, mm.y);
 //             }
 //         }
@@ -20,19 +20,19 @@
 #pragma once
 
 #include <compare>
+#include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "lamella/array.hpp"
+#include "lamella/context.hpp"
 #include "lamella/error.hpp"
 #include "lamella/grid.hpp"
 #include "lamella/integer128.hpp"
-#include "lamella/memory.hpp"
 #include "lamella/mesh.hpp"
-#include "lamella/planes.hpp"
-#include "lamella/region.hpp"
+#include "lamella/options.hpp"
 
 namespace lamella {
 
@@ -48,23 +48,17 @@ enum ContourFlag : std::uint16_t {
     /// The facets' orientation gives a winding number below zero here or around here: an inverted shell, a flipped patch.
     /// The role was decided by the number of contours around, and the points run as the role demands.
     orientation_overruled = 1,
-    /// Neighbouring facets disagree about which side is solid, or polylines that were joined over gaps by GapSense::any;
-    /// the contour runs as most of its segments do.
+    /// Neighbouring facets disagree about which side is solid, or polylines that were stitched in StitchDirection::any; the
+    /// contour runs as most of its segments do.
     orientation_mixed = 2,
-    /// Ends of open polylines were joined; see SliceResult::closed_gaps.
-    gap_closed = 4,
-    /// Closing by RegionRules::mark_near_mm would change it: it comes within twice that of another contour or of itself.
-    near_contour = 8,
+    /// Ends of open polylines were joined; see SliceResult::stitches.
+    stitched = 4,
+    /// Closing by RegionRules::flag_closing_mm would change it: it comes within twice that of another contour or of itself.
+    would_close = 8,
 };
 
 /// The part of a contour whose edges come from more than one.
 inline constexpr std::uint32_t several_parts = 0xffffffff;
-
-/// What the rules of regions are done to where there are several meshes.
-enum class PartRegions : std::uint8_t {
-    separate,  ///< each part by itself: contours of parts may overlap
-    united,    ///< all parts of a layer together
-};
 
 /// 48 bytes. A closed contour starts at its smallest (x, y, mesh edge), edges in the order of EndKey, and the first point is
 /// not repeated; an open one starts at its source end. Equal consecutive points are stored once; `segments` still counts
@@ -79,7 +73,7 @@ struct Contour {
     Role role = Role::outer;
     std::int8_t orientation = 0;  ///< by the facets or the fill rule: 1 counter-clockwise, -1 clockwise, 0 flat, open
     std::uint16_t flags = 0;      ///< ContourFlag bits
-    std::uint32_t part = 0;       ///< index of the mesh that it comes from, among those of slice_parts(), or several_parts
+    std::uint32_t part = 0;       ///< index of the mesh that it comes from, among the parts, or several_parts
 };
 
 inline constexpr std::uint32_t no_triangle = 0xffffffff;
@@ -108,21 +102,14 @@ inline constexpr std::uint8_t no_edge = 3;  ///< edge e of a triangle leads from
 /// does the last point of an open polyline that it leads to. All other edges keep theirs.
 struct PointOrigin {
     std::uint32_t triangle = no_triangle;  ///< index in the mesh
-    std::uint16_t part = 0;                ///< index of that mesh among those of slice_parts(); 0 where no_triangle
+    std::uint16_t part = 0;                ///< index of that mesh among the parts; 0 where no_triangle
     std::uint8_t edge = no_edge;           ///< where the contour edge begins
     std::uint8_t end_edge = no_edge;       ///< where it ends
     friend constexpr auto operator<=>(const PointOrigin&, const PointOrigin&) = default;
 };
 
-/// Which ends of open polylines may be joined. Pairs are joined by distance, the nearest first, and at most one to each end.
-enum class GapSense : std::uint8_t {
-    kept,  ///< an end to a start: every polyline keeps its orientation
-    any,   ///< also two ends or two starts, for facets that disagree: one of the two polylines is turned round. Of equally
-           ///< near pairs those that keep the orientation come first.
-};
-
 /// Where two ends of open polylines were joined.
-struct ClosedGap {
+struct Stitch {
     std::uint64_t layer = 0;  ///< index into SliceResult::layers
     Point from;               ///< a polyline's end; of two ends or two starts the smaller point
     Point to;                 ///< a polyline's start; of two ends or two starts the larger point
@@ -131,12 +118,18 @@ struct ClosedGap {
 /// One plane with the slab that it stands for.
 struct Layer {
     double bottom_mm = 0;
-    double plane_mm = 0;  ///< the height asked for; where it was really cut is `plane` times the unit
+    double plane_mm = 0;  ///< the height asked for; where it was really cut is `plane` times the grid's step
     double top_mm = 0;
-    std::uint64_t first_contour = 0;  ///< index into SliceResult::contours
+    std::uint64_t first_contour = 0;  ///< index into SliceResult::contours; in a sink 0
     std::uint64_t contour_count = 0;
-    std::uint64_t segments = 0;  ///< triangles that the plane crosses
+    std::uint64_t segments = 0;  ///< triangles that the plane crosses, or pieces of faces that project onto it
     PlaneHeight plane;           ///< grid units
+};
+
+/// A point of a contour, in mm within its plane.
+struct PointMm {
+    double x = 0;
+    double y = 0;
 };
 
 struct StageTimes {  ///< wall time, ms; the sweep and its fused phases are split by thread time
@@ -147,60 +140,175 @@ struct StageTimes {  ///< wall time, ms; the sweep and its fused phases are spli
     double fill = 0;  ///< fill rule, closing, offset, simplification and marks, where asked for
 };
 
-/// What was done, for reports.
-struct SliceSummary {
+/// All that is known of a slice but its layers: what every destination is told. Heights, points and areas are in the frame
+/// of the slicing: after Frame::transform.
+struct SliceInfo {
+    /// As asked, but that stitch_mm is the length in mm: of several parts the longest of theirs.
+    SliceOptions options;
+    double grid_mm = default_grid_mm;  ///< grid units times this give mm
+    int grid_doublings = 0;            ///< how often the step asked for, or the default, was doubled to fit the mesh
+    Box box;                           ///< of the transformed mesh
+    std::uint64_t part_count = 1;      ///< meshes
+    std::uint64_t first_layer = 0;     ///< of the first layer among those of the plan: see PlaneOptions::first_layer
+    std::uint64_t planned_layers = 0;  ///< of the plan
+    /// The layer of the plan that each of SliceOptions::heights_mm has; the result's own begin with `first_layer`.
+    std::vector<std::uint64_t> layer_of;
+
     std::uint64_t triangles = 0;   ///< in the input
     std::uint64_t degenerate = 0;  ///< dropped: two equal vertices after rounding
     std::uint64_t crossed = 0;     ///< crossed by at least one plane
+    std::uint64_t layers = 0;
     std::uint64_t segments = 0;
+    // What follows is known at the end only.
+    std::uint64_t contours = 0;
+    std::uint64_t points = 0;
+    std::uint64_t stitches = 0;
     std::uint64_t holes = 0;
     std::uint64_t open_contours = 0;
     std::uint64_t flat_contours = 0;
-    std::uint64_t overruled_contours = 0;  ///< contours with orientation_overruled
-    std::uint64_t near_contours = 0;       ///< contours with near_contour
-    std::uint64_t emptied_layers = 0;      ///< layers that the mesh crosses, but of which the rules leave no contour
+    std::uint64_t overruled_contours = 0;    ///< with orientation_overruled
+    std::uint64_t would_close_contours = 0;  ///< with would_close
+    std::uint64_t emptied_layers = 0;        ///< layers that the mesh crosses, but of which the rules leave no contour
     /// Layers in which shells turned inwards overlap others, so that FillRule::non_zero or outermost takes solid away there:
     /// contours that meet have winding numbers below and above zero. Not kept in archives.
     std::uint64_t cancelled_layers = 0;
     std::uint64_t bands = 0;
-    int unit_doublings = 0;  ///< how often the unit asked for, or the default, was doubled to fit the mesh
     int threads = 1;
-    double min_mm[3] = {0, 0, 0};  ///< box of the transformed mesh
-    double max_mm[3] = {0, 0, 0};
     StageTimes ms;
 };
 
-/// A point of a contour, in mm within its plane.
-struct PointMm {
-    double x = 0;
-    double y = 0;
+/// An outer contour and what is cut out of it: what a host calls an ExPolygon or a polygon with holes.
+struct Island {
+    const Contour* outer = nullptr;
+    std::span<const Contour> holes;
 };
 
-/// Heights, points and areas are in the frame of the slicing: after SliceOptions::transform.
+/// The islands of a layer: a forward range; nothing is allocated. It rests on the order of contours, in which each outer is
+/// followed by its holes. Contours of role flat and open belong to no island.
+class Islands {
+public:
+    class Iterator {
+    public:
+        using value_type = Island;
+        using difference_type = std::ptrdiff_t;
+        using iterator_category = std::input_iterator_tag;  // since an Island is made, not referred to
+        using iterator_concept = std::forward_iterator_tag;
+
+        Iterator() = default;
+        Iterator(const Contour* at, const Contour* end) noexcept : at_(at), end_(end) { find(); }
+
+        Island operator*() const noexcept { return {at_, {at_ + 1, next_}}; }
+        Iterator& operator++() noexcept {
+            at_ = next_;
+            find();
+            return *this;
+        }
+        Iterator operator++(int) noexcept {
+            const Iterator before = *this;
+            ++*this;
+            return before;
+        }
+        friend bool operator==(const Iterator& a, const Iterator& b) noexcept { return a.at_ == b.at_; }
+
+    private:
+        void find() noexcept {
+            while (at_ != end_ && at_->role != Role::outer) {
+                ++at_;
+            }
+            next_ = at_ == end_ ? end_ : at_ + 1;
+            while (next_ != end_ && next_->role == Role::hole) {
+                ++next_;
+            }
+        }
+
+        const Contour* at_ = nullptr;    // an outer, or the end
+        const Contour* next_ = nullptr;  // past its holes
+        const Contour* end_ = nullptr;
+    };
+
+    explicit Islands(std::span<const Contour> contours) noexcept : contours_(contours) {}
+    Iterator begin() const noexcept { return {contours_.data(), contours_.data() + contours_.size()}; }
+    Iterator end() const noexcept {
+        const Contour* const past = contours_.data() + contours_.size();
+        return {past, past};
+    }
+
+private:
+    std::span<const Contour> contours_;
+};
+
+/// One layer, of a result or in a sink, where it is valid until the sink returns: code that reads layers is written once.
+struct LayerView : Layer {
+    std::uint64_t index = 0;               ///< as in SliceResult::layers
+    std::span<const Contour> contours;     ///< of this layer
+    std::span<const Point> points;         ///< of this layer, grid units
+    std::span<const PointOrigin> origins;  ///< of each of `points`; empty unless SliceOptions::origins
+    std::span<const Stitch> stitches;      ///< of this layer, by `from` and `to`
+    std::uint64_t first_point = 0;         ///< what Contour::first_point counts from
+    double grid_mm = default_grid_mm;
+
+    std::span<const Point> points_of(const Contour& contour) const noexcept {
+        return points.subspan(contour.first_point - first_point, contour.point_count);
+    }
+    /// Precondition: there are origins.
+    std::span<const PointOrigin> origins_of(const Contour& contour) const noexcept {
+        return origins.subspan(contour.first_point - first_point, contour.point_count);
+    }
+    /// Null where there is none.
+    const Contour* parent_of(const Contour& contour) const noexcept {
+        return contour.parent < 0 ? nullptr : &contours[static_cast<std::uint64_t>(contour.parent) - first_contour];
+    }
+    Islands islands() const noexcept { return Islands(contours); }
+    PointMm to_mm(Point point) const noexcept { return {point.x * grid_mm, point.y * grid_mm}; }
+    /// Where the layer was really cut. How far from `plane_mm`: see grid.hpp.
+    double cut_mm() const noexcept { return plane.z() * grid_mm; }
+    /// Net solid area, mm²: outers minus holes. O(contours). NaN, not known, where a contour is open: audit() says how many
+    /// layers have one, and check() where the mesh is open.
+    double area_mm2() const noexcept;
+    /// Area within a contour, mm²: positive for an outer one, negative for a hole, 0 for flat and open ones.
+    double area_mm2(const Contour& contour) const noexcept;
+};
+
+/// Three flat arrays, and a range of LayerViews. Move-only; copy() copies on purpose.
 struct SliceResult {
     /// Its arrays will take their memory from `memory`; null: operator new.
     explicit SliceResult(const Memory* memory = nullptr) noexcept
-        : layers(memory), contours(memory), points(memory), origins(memory), closed_gaps(memory), layer_of(memory) {}
+        : layers(memory), contours(memory), points(memory), origins(memory), stitches(memory) {}
 
     Array<Layer> layers;
     Array<Contour> contours;
     Array<Point> points;
-    Array<PointOrigin> origins;     ///< of each of `points`; empty unless SliceOptions::origins
-    Array<ClosedGap> closed_gaps;   ///< by layer, then by `from` and `to`
-    std::uint64_t first_layer = 0;  ///< of `layers[0]` among those of the plan: see SliceOptions::layers
-    std::uint64_t all_layers = 0;   ///< of the plan
-    /// The layer of each of ExplicitPlanes::heights_mm, an index into `layers` where these are all layers of the plan. Empty
-    /// for other plans.
-    Array<std::uint64_t> layer_of;
-    std::uint32_t part_count = 1;  ///< meshes
-    PartRegions part_regions = PartRegions::separate;
-    RegionRules region;
-    double close_gaps_mm = 0;  ///< ends at most so far apart were joined; of several parts the longest of their lengths
-    GapSense gap_sense = GapSense::kept;
-    double unit_mm = default_unit_mm;  ///< grid units times this give mm; to_mm() does it
-    Transform frame;                   ///< from the caller's space to the space of layers and points
-    LayerPlan plan;
-    SliceSummary summary;
+    Array<PointOrigin> origins;  ///< of each of `points`; empty unless SliceOptions::origins
+    Array<Stitch> stitches;      ///< by layer, then by `from` and `to`
+    SliceInfo info;
+
+    class Iterator {
+    public:
+        using value_type = LayerView;
+        using difference_type = std::ptrdiff_t;
+        using iterator_category = std::input_iterator_tag;  // since a view is made, not referred to
+        using iterator_concept = std::forward_iterator_tag;
+
+        Iterator() = default;
+        Iterator(const SliceResult* result, std::size_t at) noexcept : result_(result), at_(at) {}
+        LayerView operator*() const noexcept { return (*result_)[at_]; }
+        Iterator& operator++() noexcept {
+            ++at_;
+            return *this;
+        }
+        Iterator operator++(int) noexcept { return {result_, at_++}; }
+        friend bool operator==(const Iterator&, const Iterator&) = default;
+
+    private:
+        const SliceResult* result_ = nullptr;
+        std::size_t at_ = 0;
+    };
+
+    /// O(1), but O(log stitches) where there are some.
+    LayerView operator[](std::size_t layer) const noexcept;
+    std::size_t size() const noexcept { return layers.size(); }
+    Iterator begin() const noexcept { return {this, 0}; }
+    Iterator end() const noexcept { return {this, size()}; }
 
     std::span<const Contour> contours_of(const Layer& layer) const noexcept {
         return {contours.data() + layer.first_contour, layer.contour_count};
@@ -212,21 +320,28 @@ struct SliceResult {
     std::span<const PointOrigin> origins_of(const Contour& contour) const noexcept {
         return {origins.data() + contour.first_point, contour.point_count};
     }
-    PointMm to_mm(Point point) const noexcept { return {point.x * unit_mm, point.y * unit_mm}; }
-    /// Where a layer was really cut: `to_mm(layer.plane)`. How far from the height asked for: see grid.hpp.
-    double to_mm(PlaneHeight height) const noexcept { return height.z() * unit_mm; }
-    /// Net solid area of a layer, mm²: outers minus holes. O(contours). NaN, not known, where the layer has an open
-    /// polyline: find_open_layers() says how many have, and check() where the mesh is open.
-    double area_mm2(const Layer& layer) const noexcept;
-    /// Area within a contour, mm²: positive for an outer one, negative for a hole, 0 for flat and open ones.
-    double area_mm2(const Contour& contour) const noexcept;
-    double length_mm(const ClosedGap& gap) const noexcept;
+    PointMm to_mm(Point point) const noexcept { return {point.x * info.grid_mm, point.y * info.grid_mm}; }
+
+    /// Errors: out_of_memory.
+    Result<SliceResult> copy(const Memory* memory = nullptr) const noexcept;
+
+    /// A 64-bit hash (FNV-1a over 8-byte little-endian words) of: k; per layer the plane (int32 as int64) and its number of
+    /// contours; per contour role, orientation, flags and part (one word: role | (orientation & 0xff) << 8 | flags << 16 |
+    /// part << 32), segments, point_count, parent minus the layer's first contour (or -1), area low, area high; per point x
+    /// and y (one word: x low, y high). Origins are left out. Equal on every platform, thread count and band size.
+    std::uint64_t hash() const noexcept;
 };
 
-/// A 64-bit hash (FNV-1a over 8-byte little-endian words) of: k; per layer the plane (int32 as int64) and its number of
-/// contours; per contour role, orientation, flags and part (one word: role | (orientation & 0xff) << 8 | flags << 16 |
-/// part << 32), segments, point_count, parent minus the layer's first contour (or -1), area low, area high; per point x and
-/// y (one word: x low, y high). Origins are left out. Equal on every platform, thread count and band size.
-std::uint64_t hash_result(const SliceResult& result) noexcept;
+/// SliceResult::hash() of layers that are never held together: add() each in ascending order. The number of layers must be
+/// known first.
+class LayerHash {
+public:
+    explicit LayerHash(std::uint64_t layers) noexcept;
+    void add(const LayerView& layer) noexcept;
+    std::uint64_t value() const noexcept { return hash_; }
+
+private:
+    std::uint64_t hash_;
+};
 
 }  // namespace lamella

@@ -1,119 +1,97 @@
-// Slicing a mesh that is in memory.
+// Slicing: a Source is sliced by SliceOptions within a Context to a Destination.
 //
 //     const std::vector<double> soup = {0, 0, 0, 0, 9, 0, 9, 0, 0,   // nine numbers a triangle,
 //                                       0, 0, 0, 9, 0, 0, 0, 0, 9,   // counter-clockwise as seen from outside
 //                                       9, 0, 0, 0, 9, 0, 0, 0, 9,
 //                                       0, 9, 0, 0, 0, 0, 0, 0, 9};
-//     lamella::SliceOptions options;
-//     options.plan.spacing = lamella::UniformLayers{.layer_height_mm = 0.5};
-//     const lamella::Result<lamella::SliceResult> sliced = lamella::slice(lamella::MeshView::soup(soup), options);
+//     lamella::Slicer slicer;
+//     const auto sliced = slicer.slice(lamella::MeshView::soup(soup), {.layer_height_mm = 0.5});
 //     if (sliced) {
-//         for (const lamella::Layer& layer : sliced->layers) {
-//             std::printf("z %g mm: %g mm2\n", layer.plane_mm, sliced->area_mm2(layer));
+//         for (const lamella::LayerView layer : *sliced) {
+//             std::printf("z %g mm: %g mm2\n", layer.plane_mm, layer.area_mm2());
 //         }
 //     }
+//
+// Any source goes to any destination, by the same options, with the same bytes. Only faces (LayerContent) want one
+// mesh in memory, and a file has no origins.
+//
+//     Source        what is cut       MeshView, PreparedMesh, a list of Parts, a file          source.hpp
+//     SliceOptions  what is asked     may change the bytes; the result repeats them            options.hpp
+//     Context       what is lent      threads, memory, stop, progress; changes no byte         context.hpp
+//     Destination   where layers go   SliceResult, LayerSink, HostArrays                       destination.hpp
+//
+// n triangles, k planes, m crossings, q points in a layer: O(n + k + m) for uniform planes, O(n log k + k + m) otherwise,
+// and O(q log q) per layer for ordering and nesting. A prepared mesh of which t triangles lie near planes: O(n / 4096 + t +
+// k + m). Memory: O(n + k + m). Regions take O((q + c) log (q + c)) per layer for c contacts, and a thread O(q + c) memory.
 //
 // Source: the paper's Algorithms 1 to 3 (slicing) and 4 (contours), with orientation and nesting, in parallel.
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 
-#include "lamella/control.hpp"
+#include "lamella/context.hpp"
+#include "lamella/destination.hpp"
 #include "lamella/error.hpp"
-#include "lamella/experiments.hpp"
-#include "lamella/mesh.hpp"
-#include "lamella/planes.hpp"
-#include "lamella/region.hpp"
+#include "lamella/options.hpp"
 #include "lamella/result.hpp"
+#include "lamella/source.hpp"
 
 namespace lamella {
 
 namespace detail {
-struct WorkspaceParts;
+struct SlicerImpl;
 }  // namespace detail
 
-/// What is done where the mesh does not fit a grid of the unit asked for.
-enum class UnitFit : std::uint8_t {
-    as_asked,           ///< bad_coordinate
-    coarser_if_needed,  ///< the unit is doubled until it does; SliceSummary::unit_doublings says how often
-};
-
-/// Asked for as the length up to which gaps are closed: a hundredth of the diagonal of the mesh's box, after the transform;
-/// of several parts each has its own. No joint longer than a tenth of that crosses a contour of its layer or a shorter
-/// joint. For meshes that lack faces here and there, as most bones of an atlas do:
-///
-///       .-------------.     .-------------.      .----------.    Ends are joined nearest first, an end to a start: `ab`.
-///       |             |     |             |      |    ||    |    Where a wall lies between them, they stay open: `cd`.
-///       '----a   b----'     '----a---b----'      '---c||d---'    Each joint is listed in SliceResult::closed_gaps.
-inline constexpr double gaps_by_mesh = -1;
-
-struct SliceOptions {
-    LayerPlan plan{};
-    /// Cut these layers of the plan only: they have the bytes that they have in the whole, grid and planes being chosen for
-    /// the whole mesh. SliceResult::first_layer says where they lie.
-    LayerRange layers{};
-    double unit_mm = 0;  ///< grid unit; 0 chooses the default, unit_by_box the finest (see grid.hpp)
-    UnitFit unit_fit = UnitFit::as_asked;
-    /// A mesh without triangles, or of which none is left on the grid, is no error: given heights give empty layers, other
-    /// plans none. The box of a mesh without triangles is a point at zero.
-    bool allow_empty = false;
-    Transform transform{};  ///< from the mesh's coordinates to mm and to the slicing direction, which is z
-    RegionRules region{};
-    double close_gaps_mm = 0;  ///< join ends of open polylines at most so far apart; 0 joins none; or gaps_by_mesh
-    GapSense gap_sense = GapSense::kept;   ///< which ends are joined
-    bool origins = false;                  ///< say which triangle each contour edge comes from: SliceResult::origins
-    std::uint64_t memory_limit_bytes = 0;  ///< larger results are refused before allocation; 0: half of physical memory
-    Control control{};
-    Tuning tuning{};  ///< for experiments
-};
-
-/// Scratch memory kept from call to call: the second slice of a similar mesh touches no fresh page. One per concurrent call.
-class Workspace {
+/// Slices again and again with the scratch of the call before: the second slice of a similar mesh touches no fresh page. One
+/// for each call at the same time.
+class Slicer {
 public:
-    Workspace() noexcept;
-    ~Workspace();
-    Workspace(Workspace&&) noexcept;
-    Workspace& operator=(Workspace&&) noexcept;
+    Slicer() noexcept;
+    Slicer(Slicer&&) noexcept;
+    Slicer& operator=(Slicer&&) noexcept;
+    ~Slicer();
+
+    /// Cuts `from` at the planes of the options. A mesh that no plane meets is no error: uniform layers then give no layer,
+    /// given heights give empty ones.
+    ///
+    /// A result is refused as too large by what is known before anything is linked: 64 bytes a layer, a point of 8 bytes a
+    /// crossing and its origin of 8 where asked for, and a contour of 48 in each layer that has crossings. How many contours
+    /// more there are is known only once they are walked: a result of closed contours is at most three times as large as
+    /// that, one of open polylines of a single segment each eight times. What the host's memory does not hold then is
+    /// out_of_memory. Errors: invalid_argument, empty_mesh (unless SliceOptions::allow_empty), bad_coordinate (with the
+    /// triangle), bad_planes (with the plane, or for layers that the plan does not have), result_too_large, out_of_memory,
+    /// cancelled; of several parts the message begins with "part N: " where one is to blame.
+    Result<SliceResult> slice(const Source& from, const SliceOptions& options = {}, const Context& context = {}) noexcept;
+
+    /// The same to any destination. A result is filled anew, and its memory used again; on error it is left valid but
+    /// unspecified. To a sink, the context's limit counts 64 bytes a layer. To arrays: invalid_argument where one is null
+    /// though it has a capacity, a stride is shorter than a point, or coordinates times the scale may exceed the type;
+    /// result_too_large where a capacity is too small. More layers than that are refused before anything is cut; of
+    /// contours, points and stitches the message says how many are needed once they are known.
+    Result<SliceInfo> slice_to(const Destination& to, const Source& from, const SliceOptions& options = {},
+                               const Context& context = {}) noexcept;
+
+    /// What is known before anything is cut, in a tenth of the time of slicing or less: O(n + k), two reads of the mesh.
+    /// `layers` and `segments` are exact; contours are at most `segments`, points at most twice that, and of a mesh without
+    /// open polylines at most `segments`. Rules of regions may make more: slice_to() then says what was needed.
+    Result<SliceInfo> outline(const Source& from, const SliceOptions& options = {}, const Context& context = {}) noexcept;
+
     /// The memory that it holds.
     std::size_t bytes() const noexcept;
     /// Gives back what the last call did not need, as after one of a much larger mesh: what stays is at most about twice
-    /// what a new workspace would hold after that call.
+    /// what a new Slicer would hold after that call.
     void trim() noexcept;
-    /// Gives all memory back: before the host's Memory that it came from goes.
+    /// Gives all memory back: before the host's Memory that it came from goes. Where the memory of a call is another than
+    /// that of the call before, what is kept of the other is given back first.
     void reset() noexcept;
 
 private:
-    friend struct detail::WorkspaceParts;
-    std::unique_ptr<detail::WorkspaceParts> parts_;
+    friend struct detail::SlicerImpl;
+    std::unique_ptr<detail::SlicerImpl> impl_;
 };
 
-/// Slices `mesh` at the planes of `options.plan`. A mesh that no plane meets is no error: uniform layers then give no layer,
-/// given heights give empty ones.
-///
-/// n triangles, k planes, m crossings, q points in a layer: O(n + k + m) for uniform planes, O(n log k + k + m) otherwise,
-/// and O(q log q) per layer for ordering and nesting. Memory: O(n + k + m). Regions take O((q + c) log (q + c)) per layer
-/// for c contacts, and a thread O(q + c) memory; see region.hpp.
-///
-/// The result and all scratch that grows with the mesh, that of regions included, come from `options.control.memory`, with
-/// these exceptions, which take operator new: the list of contours in a plane that all threads work on together; the heights
-/// of planes that are not uniform; the fill rules by layer that the result repeats; and objects of a fixed size, some a
-/// call, a thread and a band.
-///
-/// A result is refused as too large by what is known before anything is linked: 64 bytes a layer, a point of 8 bytes a
-/// crossing and its origin of 8 where asked for, and a contour of 48 in each layer that has crossings. How many contours
-/// more there are is known only once they are walked. A closed contour that has an area has three points or more, so that
-/// such a result is at most three times as large as that; one of open polylines of a single segment each, eight times. What
-/// the host's memory does not hold then is out_of_memory. Errors: invalid_argument, empty_mesh (unless
-/// SliceOptions::allow_empty), bad_coordinate (with the triangle), bad_planes (with the plane, or for
-/// SliceOptions::layers that the plan does not have), result_too_large,
-/// out_of_memory, cancelled.
-Result<SliceResult> slice(const MeshView& mesh, const SliceOptions& options = {}) noexcept;
-
-/// The same into an existing result and with scratch that is kept: for programs that slice again and again. Where
-/// `options.control.memory` differs from call to call, what is kept of the other memory is given back first. On error
-/// `result` is left valid but unspecified.
-Status slice(const MeshView& mesh, const SliceOptions& options, Workspace& workspace, SliceResult& result) noexcept;
+/// One call, without scratch that is kept.
+Result<SliceResult> slice(const Source& from, const SliceOptions& options = {}, const Context& context = {}) noexcept;
 
 }  // namespace lamella

@@ -45,10 +45,10 @@ self_test() {
     compare "$baseline" "$library"
     must_report function_gone "lamella_result_hash_of" "s/'lamella_result_hash'/'lamella_result_hash_of'/"
     must_report function_of_another_type "lamella_result_hash" \
-        "s/(<function-decl name='lamella_result_)area_mm2('.*) mangled-name='lamella_result_area_mm2'(.*elf-symbol-id=')[^']*/\1hash\2 mangled-name='lamella_result_hash'\3lamella_result_hash/"
-    must_report field_renamed "coordinate_m'" "s/'coordinate_mm'/'coordinate_m'/"
+        "/<function-decl name='lamella_result_hash'/,/<\/function-decl>/s/(<return type-id=')[^']*/\1type-id-1/"
+    must_report field_renamed "mm_per_uni'" "s/'mm_per_unit'/'mm_per_uni'/"
     must_report field_moved "heights_mm" \
-        "/layout-offset-in-bits='256'/{N;s/256(.*'heights_mm')/264\1/}"
+        "/layout-offset-in-bits='128'/{N;s/128(.*'heights_mm')/136\1/}"
     must_report struct_larger "struct lamella_options" "s/(class-decl name='lamella_options' size-in-bits=)'[0-9]*'/\1'8000'/"
     must_report soname "SONAME" "s/soname='liblamella_c[.]so[.]0'/soname='liblamella_c.so.1'/"
     must_report broken_baseline "parser error" "s/<abi-instr/<<abi-instr/"

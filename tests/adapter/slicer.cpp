@@ -74,8 +74,8 @@ host::Mesh sphere(int rings, float radius) {
 
 std::vector<host::Layer> slice(const host::Mesh& mesh, const std::vector<double>& heights_mm,
                                const host::Settings& settings = {}) {
-    lamella::Workspace workspace;
-    return host::slice(mesh, heights_mm, settings, go_on, workspace);
+    lamella::Slicer slicer;
+    return host::slice(mesh, heights_mm, settings, go_on, slicer);
 }
 
 double area_mm2(const host::Polygon& polygon) {
@@ -134,9 +134,9 @@ std::vector<float> soup_of(const host::Mesh& mesh) {
 // One plane by the library's plainest call.
 lamella::SliceResult slice_by_library(const host::Mesh& mesh, double height_mm, lamella::Transform transform = {}) {
     lamella::SliceOptions options;
-    options.plan.spacing = lamella::ExplicitPlanes{{height_mm}};
-    options.unit_mm = 1e-6;
-    options.transform = transform;
+    options.heights_mm = std::vector<double>{height_mm};
+    options.frame.grid_mm = 1e-6;
+    options.frame.transform = transform;
     options.region.fill_rule = lamella::FillRule::non_zero;
     options.region.drop_collinear = true;
     const std::vector<float> soup = soup_of(mesh);
@@ -278,16 +278,16 @@ TEST_CASE("a mesh beyond a metre keeps its size in nanometres") {
     CHECK(static_cast<double>(far.y) == Approx(3e9).margin(8));
 }
 
-TEST_CASE("what the host's cancel function throws arrives, and the workspace can be used again") {
+TEST_CASE("what the host's cancel function throws arrives, and the slicer can be used again") {
     struct Cancelled {
         std::shared_ptr<int> token;
     };
     const host::Mesh mesh = sphere(200, 20);
     const std::vector<double> heights = every(0.01, 2000);
     std::atomic<int> calls = 0;
-    lamella::Workspace workspace;
+    lamella::Slicer slicer;
     const std::vector<host::Layer> whole = host::slice(
-        mesh, heights, {}, [&] { ++calls; }, workspace);
+        mesh, heights, {}, [&] { ++calls; }, slicer);
     const int middle = calls / 2;
     REQUIRE(middle > 1);
 
@@ -302,7 +302,7 @@ TEST_CASE("what the host's cancel function throws arrives, and the workspace can
                     throw Cancelled{token};
                 }
             },
-            workspace);
+            slicer);
     } catch (const Cancelled& thrown) {
         cancelled = true;
         CHECK(thrown.token == token);
@@ -311,8 +311,8 @@ TEST_CASE("what the host's cancel function throws arrives, and the workspace can
     CHECK(calls >= middle);
     CHECK(token.use_count() == 1);  // nobody keeps the exception
 
-    CHECK(workspace.bytes() > 0);
-    const std::vector<host::Layer> again = host::slice(mesh, heights, {}, go_on, workspace);
+    CHECK(slicer.bytes() > 0);
+    const std::vector<host::Layer> again = host::slice(mesh, heights, {}, go_on, slicer);
     CHECK(std::equal(whole.begin(), whole.end(), again.begin(), again.end(),
                      [](const host::Layer& a, const host::Layer& b) { return same(a, b); }));
 }

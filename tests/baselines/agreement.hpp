@@ -1,4 +1,4 @@
-// What the tests of the baselines share: the engine's planes as a baseline's problem, and a canonical form of contours
+// Shared by the tests of the baselines: the engine's planes as a baseline's problem, and a canonical form of contours
 // that does not depend on their start.
 #pragma once
 
@@ -13,6 +13,7 @@
 #include "method.hpp"
 #include "models/models.hpp"
 #include "rings.hpp"
+#include "slicing/tuning.hpp"
 
 namespace agreement {
 
@@ -21,18 +22,19 @@ using lamella::Point;
 
 /// The engine's result, and the problem with the same planes.
 struct Case {
-    Case(std::vector<float> triangles, const lamella::SliceOptions& options)
-        : soup(std::move(triangles)), result(sliced(lamella::MeshView::soup(std::span<const float>(soup)), options)) {
+    Case(std::vector<float> triangles, const lamella::SliceOptions& options, const lamella::Tuning& tuning = {})
+        : soup(std::move(triangles)),
+          result(sliced(lamella::MeshView::soup(std::span<const float>(soup)), options, {}, tuning)) {
+        const lamella::SliceOptions& done = result.info.options;
         problem.soup = soup;
-        problem.unit_mm = result.unit_mm;
+        problem.unit_mm = result.info.grid_mm;
         for (const lamella::Layer& layer : result.layers) {
             problem.planes.push_back(layer.plane.z());
         }
-        if (const auto* uniform = std::get_if<lamella::UniformLayers>(&options.plan.spacing);
-            uniform && !problem.planes.empty()) {
+        if (!done.heights_mm && !problem.planes.empty()) {
             problem.uniform = true;
-            problem.step = uniform->layer_height_mm / result.unit_mm;
-            problem.first = result.layers[0].plane_mm / result.unit_mm - 1;
+            problem.step = done.layer_height_mm / result.info.grid_mm;
+            problem.first = result.layers[0].plane_mm / result.info.grid_mm - 1;
         }
     }
     Case(const Case&) = delete;
@@ -53,10 +55,8 @@ inline std::vector<float> from_recipe(lamella::models::Shape shape, std::uint64_
 }
 
 /// Layers of random heights.
-inline lamella::SliceOptions irregular(double least_mm, double most_mm) {
-    lamella::SliceOptions options;
-    options.plan.spacing = lamella::RandomLayers{least_mm, most_mm, 7};
-    return options;
+inline lamella::Tuning irregular(double least_mm, double most_mm) {
+    return {.random_heights = lamella::RandomHeights{least_mm, most_mm, 7}};
 }
 
 /// A ball, an inverted ball inside it, and a ball inside that: an outer contour, its hole, and an outer contour in the
@@ -79,9 +79,13 @@ inline std::vector<float> with_gaps(const std::vector<float>& soup, std::size_t 
 
 using Line = std::pair<bool, std::vector<Point>>;  ///< whether it is closed, and its points
 
-/// A closed contour starts at its smallest point. If it passes there twice, it starts with the rotation that compares
-/// smallest. If not `directed`, the smaller of the two directions is taken.
+/// Without equal successive points. A closed contour starts at its smallest point. If it passes there twice, it starts with
+/// the rotation that compares smallest. If not `directed`, the smaller of the two directions is taken.
 inline Line canonical(std::vector<Point> points, bool closed, bool directed) {
+    points.erase(std::unique(points.begin(), points.end()), points.end());
+    while (closed && points.size() > 1 && points.front() == points.back()) {
+        points.pop_back();
+    }
     const auto from_smallest = [closed](const std::vector<Point>& line) {
         return closed ? rings::from_smallest(line) : line;
     };
@@ -103,14 +107,17 @@ inline std::vector<Line> lines_of(const std::vector<baselines::Polyline>& plane,
     return lines;
 }
 
+/// The engine's contours, with the orientation of the facets.
 inline std::vector<Line> lines_of(const lamella::SliceResult& result, const lamella::Layer& layer, bool directed) {
-    std::vector<Line> lines;
+    std::vector<baselines::Polyline> contours;
     for (const lamella::Contour& contour : result.contours_of(layer)) {
         const auto points = result.points_of(contour);
-        lines.push_back(canonical({points.begin(), points.end()}, contour.role != lamella::Role::open, directed));
+        contours.push_back({{points.begin(), points.end()}, contour.role != lamella::Role::open});
+        if (contour.orientation == (contour.role == lamella::Role::outer ? -1 : 1)) {  // reversed to fit its role
+            std::reverse(contours.back().points.begin(), contours.back().points.end());
+        }
     }
-    std::sort(lines.begin(), lines.end());
-    return lines;
+    return lines_of(contours, directed);
 }
 
 /// Requires that the contours of every plane equal the engine's.

@@ -5,13 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "baselines/agreement.hpp"
-#include "join_hashed.hpp"
-#include "join_trivial.hpp"
-#include "sense_by_rays.hpp"
-#include "slice_trivial.hpp"
-#ifdef LAMELLA_BASELINES_CGAL
-#include "join_sweepline.hpp"
-#endif
+#include "methods.hpp"
 
 using agreement::Case;
 using lamella::Point;
@@ -26,17 +20,9 @@ using lamella::baselines::trivial_contours;
 
 namespace {
 
-const ContourMethod* const methods[] = {
-    &trivial_contours,
-    &hashed_contours,
-#ifdef LAMELLA_BASELINES_CGAL
-    &lamella::baselines::sweepline_contours,
-#endif
-};
-
 void require_engines(const Case& given) {
     const SegmentLists lists = lamella::baselines::trivial_slicing.slice(given.problem);
-    for (const ContourMethod* method : methods) {
+    for (const ContourMethod* method : lamella::baselines::contour_methods) {
         INFO(method->name);
         agreement::require_same(method->join(lists), given.result, false);
     }
@@ -88,7 +74,7 @@ std::ptrdiff_t open_of(const std::vector<Polyline>& polylines) {
 
 Case coarse(const shapes::Soup& soup) {
     lamella::SliceOptions options = at_heights({0.5, 1, 1.5, 2, 2.5, 3, 3.5, 4, 4.5, 5});
-    options.unit_mm = 0.125;
+    options.frame.grid_mm = 0.125;
     return {shapes::floats(soup), options};
 }
 
@@ -135,12 +121,12 @@ TEST_CASE("baselines join closed meshes into the engine's contours", "[baselines
     const Shape shape = GENERATE(Shape::sphere, Shape::torus, Shape::gyroid, Shape::bone, Shape::prism);
     const std::vector<float> soup = agreement::from_recipe(shape, 3000);
     require_engines(Case(soup, uniform(0.25)));
-    require_engines(Case(soup, agreement::irregular(0.1, 0.9)));
+    require_engines(Case(soup, {}, agreement::irregular(0.1, 0.9)));
 }
 
 TEST_CASE("baselines join open meshes into the engine's polylines", "[baselines]") {
     const Case given(agreement::with_gaps(shapes::floats(agreement::nested_balls()), 7), uniform(0.3));
-    REQUIRE(given.result.summary.open_contours > 0);
+    REQUIRE(given.result.info.open_contours > 0);
     require_engines(given);
 }
 
@@ -227,7 +213,7 @@ TEST_CASE("rays find the engine's roles and orientations", "[baselines]") {
     for (const Shape shape : {Shape::gyroid, Shape::bone, Shape::torus}) {
         require_engines_roles(Case(agreement::from_recipe(shape, 3000), uniform(0.25)));
     }
-    require_engines_roles(Case(shapes::floats(agreement::nested_balls()), agreement::irregular(0.05, 0.3)));
+    require_engines_roles(Case(shapes::floats(agreement::nested_balls()), {}, agreement::irregular(0.05, 0.3)));
     require_engines_roles(Case(shapes::floats(shapes::box({0, 0, 0}, {3, 3, 3})), uniform(0.1)));
 }
 

@@ -6,13 +6,10 @@
 #include <catch2/catch.hpp>
 
 #include "baselines/agreement.hpp"
-#include "first_plane.hpp"
+#include "geometry.hpp"
+#include "methods.hpp"
 #include "oracle/oracle.hpp"
-#include "slice_huang.hpp"
 #include "slice_incremental.hpp"
-#include "slice_sort_first.hpp"
-#include "slice_tata.hpp"
-#include "slice_trivial.hpp"
 
 using agreement::Case;
 using lamella::baselines::Problem;
@@ -85,13 +82,13 @@ TEST_CASE("baselines cut closed meshes into the oracle's segments", "[baselines]
     const std::vector<float> soup = agreement::from_recipe(shape, 1500);
     require_oracles(Case(soup, uniform(0.25)));
     require_oracles(Case(soup, uniform(0.0371)));
-    require_oracles(Case(soup, agreement::irregular(0.01, 0.5)));
+    require_oracles(Case(soup, {}, agreement::irregular(0.01, 0.5)));
 }
 
 TEST_CASE("baselines cut open meshes into the oracle's segments", "[baselines]") {
     const std::vector<float> soup = agreement::with_gaps(shapes::floats(agreement::nested_balls()), 7);
     require_oracles(Case(soup, uniform(0.3)));
-    require_oracles(Case(soup, agreement::irregular(0.1, 0.6)));
+    require_oracles(Case(soup, {}, agreement::irregular(0.1, 0.6)));
 }
 
 TEST_CASE("baselines drop degenerate triangles on a grid as coarse as the planes", "[baselines]") {
@@ -106,16 +103,15 @@ TEST_CASE("baselines drop degenerate triangles on a grid as coarse as the planes
 
 TEST_CASE("planes below, above and between all triangles have no segments", "[baselines]") {
     lamella::SliceOptions options;
-    options.plan.spacing = lamella::ExplicitPlanes{{-3, -2, 0.5, 2, 3, 4.5, 6, 7}};
+    options.heights_mm = std::vector<double>{-3, -2, 0.5, 2, 3, 4.5, 6, 7};
     require_oracles(Case(
         shapes::floats(shapes::joined({shapes::box({0, 0, 0}, {1, 1, 1}), shapes::box({0, 0, 4}, {1, 1, 5})})), options));
 }
 
 TEST_CASE("presorted triangles give the oracle's segments", "[baselines]") {
     const std::vector<float> soup = presorted(agreement::from_recipe(lamella::models::Shape::bone, 1500));
-    for (const lamella::SliceOptions& options : {uniform(0.25), agreement::irregular(0.01, 0.5)}) {
-        require_oracles(lamella::baselines::presorted_slicing, Case(soup, options));
-    }
+    require_oracles(lamella::baselines::presorted_slicing, Case(soup, uniform(0.25)));
+    require_oracles(lamella::baselines::presorted_slicing, Case(soup, {}, agreement::irregular(0.01, 0.5)));
 }
 
 TEST_CASE("no planes or no triangles give no segments", "[baselines]") {

@@ -6,10 +6,8 @@
 #include <catch2/catch.hpp>
 
 #include "lower_bound.hpp"
+#include "methods.hpp"
 #include "slice_incremental.hpp"
-#include "slice_sort_first.hpp"
-#include "slice_tata.hpp"
-#include "slice_trivial.hpp"
 
 namespace baselines = lamella::baselines;
 using baselines::ComparisonCount;

@@ -1,32 +1,15 @@
 #include "check/findings.hpp"
 
+#include "engine/slicing.hpp"
+
 namespace lamella::check_test {
 
-std::string text_without_triangles(MeshCheck check) {
-    for (FaultFinding& finding : check.findings) {
-        for (FaultPlace& place : finding.places) {
-            place.triangles = {-1, -1};
-        }
-    }
-    for (MeshShell& shell : check.shells) {
-        shell.triangle = -1;
-    }
-    const Result<std::string> json = make_check_json(check, {}, 1000);
-    REQUIRE(json.ok());
-    return json.value();
-}
-
-MeshCheck findings_of(const Soup& soup, CheckOptions options) {
-    options.control.threads = 1;
+MeshCheck findings_of(const Soup& soup, const CheckOptions& options) {
     const MeshView view = MeshView::soup(std::span<const double>(soup));
-    const Result<MeshCheck> one = check(view, options);
-    INFO((one ? "" : one.error().message));
-    REQUIRE(one.ok());
-    options.control.threads = 3;
-    const Result<MeshCheck> three = check(view, options);
-    REQUIRE(three.ok());
-    CHECK(make_check_json(one.value(), {}, 1000).value() == make_check_json(three.value(), {}, 1000).value());
-    return one.value();
+    const MeshCheck one = value_of(check(view, options, {.threads = 1}));
+    const MeshCheck three = value_of(check(view, options, {.threads = 3}));
+    CHECK(make_check_json(one, {}, 1000).value() == make_check_json(three, {}, 1000).value());
+    return one;
 }
 
 Counts counts(const MeshCheck& check) {

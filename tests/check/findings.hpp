@@ -1,4 +1,4 @@
-// What the tests of the diagnosis share.
+// Shared by the tests of the diagnosis.
 #pragma once
 
 #include <initializer_list>
@@ -9,8 +9,8 @@
 #include <catch2/catch.hpp>
 
 #include "engine/shapes.hpp"
+#include "lamella/check.hpp"
 #include "lamella/io/check_report.hpp"
-#include "lamella/mesh/check.hpp"
 
 namespace lamella::check_test {
 
@@ -21,10 +21,7 @@ using shapes::without;
 using shapes::Xyz;
 
 /// The findings, which must not depend on threads.
-MeshCheck findings_of(const Soup& soup, CheckOptions options = {});
-
-/// Report and marks without the numbers of triangles, which alone may depend on the order of the input.
-std::string text_without_triangles(MeshCheck check);
+MeshCheck findings_of(const Soup& soup, const CheckOptions& options = {});
 
 /// The counts that are not zero, by key.
 std::map<std::string, std::uint64_t> counts(const MeshCheck& check);

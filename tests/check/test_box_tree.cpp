@@ -14,7 +14,7 @@ namespace lamella::check_test {
 
 namespace {
 
-bool overlap(const Box& a, const Box& b) {
+bool overlap(const SpaceBox& a, const SpaceBox& b) {
     const auto [a_low, a_high] = a.numbers();
     const auto [b_low, b_high] = b.numbers();
     bool met = true;
@@ -24,11 +24,11 @@ bool overlap(const Box& a, const Box& b) {
     return met;
 }
 
-/// Of up to `size` a side, on a lattice, so that many touch.
-std::vector<Box> drawn_boxes(std::size_t count, int size) {
+/// Boxes of up to `size` a side, on a lattice, so that many touch.
+std::vector<SpaceBox> drawn_boxes(std::size_t count, int size) {
     std::mt19937 random(static_cast<std::mt19937::result_type>(count));
-    std::vector<Box> boxes(count);
-    for (Box& box : boxes) {
+    std::vector<SpaceBox> boxes(count);
+    for (SpaceBox& box : boxes) {
         const auto drawn = [&](int numbers) { return static_cast<std::int32_t>(random() % static_cast<unsigned>(numbers)); };
         box.low = {drawn(100) - 50, drawn(100) - 50, drawn(100) - 50};
         box.high = {box.low.x + drawn(size), box.low.y + drawn(size), box.low.z + drawn(size)};
@@ -38,7 +38,7 @@ std::vector<Box> drawn_boxes(std::size_t count, int size) {
 
 using Tree = BoxTree<GridVertex>;
 
-Tree tree_of(const std::vector<Box>& boxes, int threads) {
+Tree tree_of(const std::vector<SpaceBox>& boxes, int threads) {
     Tree tree;
     tree.assign(
         boxes.size(), [&](std::size_t i) { return boxes[i]; }, Parallel({.threads = threads}));
@@ -49,9 +49,9 @@ Tree tree_of(const std::vector<Box>& boxes, int threads) {
 
 TEST_CASE("the tree finds the boxes that meet a box", "[check]") {
     const std::size_t count = GENERATE(as<std::size_t>(), 0, 1, 7, 8, 9, 64, 65, 700, 5000);
-    const std::vector<Box> boxes = drawn_boxes(count, 20);
+    const std::vector<SpaceBox> boxes = drawn_boxes(count, 20);
     const Tree tree = tree_of(boxes, 2);
-    for (const Box& query : drawn_boxes(50, 30)) {
+    for (const SpaceBox& query : drawn_boxes(50, 30)) {
         std::vector<std::size_t> found;
         tree.search(query, ~std::size_t{0}, [&](std::size_t item) { found.push_back(item); });
         std::sort(found.begin(), found.end());
@@ -67,7 +67,7 @@ TEST_CASE("the tree finds the boxes that meet a box", "[check]") {
 
 TEST_CASE("the tree finds every pair of boxes that meet once", "[check]") {
     const std::size_t count = GENERATE(as<std::size_t>(), 1, 8, 9, 63, 600, 1500);
-    const std::vector<Box> boxes = drawn_boxes(count, 12);
+    const std::vector<SpaceBox> boxes = drawn_boxes(count, 12);
     const Tree tree = tree_of(boxes, 1);
     std::vector<std::pair<std::size_t, std::size_t>> found;
     for (std::size_t group = 0; group < tree.groups(); ++group) {
@@ -88,7 +88,7 @@ TEST_CASE("the tree finds every pair of boxes that meet once", "[check]") {
 }
 
 TEST_CASE("a search of the tree ends soon after its limit", "[check]") {
-    const std::vector<Box> boxes(5000, Box{{0, 0, 0}, {1, 1, 1}});
+    const std::vector<SpaceBox> boxes(5000, SpaceBox{{0, 0, 0}, {1, 1, 1}});
     const Tree tree = tree_of(boxes, 1);
     std::size_t visits = 0;
     const std::size_t cost = tree.search(boxes[0], 1000, [&](std::size_t) { ++visits; });
@@ -99,9 +99,9 @@ TEST_CASE("a search of the tree ends soon after its limit", "[check]") {
 }
 
 TEST_CASE("Morton keys take the axes' bits by turns", "[check]") {
-    MeshInfo mesh;
-    mesh.unit_mm = 1;
-    std::fill(std::begin(mesh.max_mm), std::end(mesh.max_mm), 2'000'000);  // 21 bits: every bit counts
+    MeshCheck mesh;
+    mesh.grid_mm = 1;
+    mesh.box.max_mm.fill(2'000'000);  // 21 bits: every bit counts
     const MortonOrder order(mesh);
     std::mt19937 random(3);
     for (int round = 0; round < 200; ++round) {

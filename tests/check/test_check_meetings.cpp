@@ -42,54 +42,13 @@ TEST_CASE("a tetrahedron whose tip pierces a face of another crosses it three ti
     }
 }
 
-TEST_CASE("two triangles that cross, overlap or touch are found as such", "[check]") {
-    const Soup base = triangle({0, 0, 0}, {12, 0, 0}, {0, 12, 0});
-    const auto with = [&](Xyz a, Xyz b, Xyz c) { return meetings(joined({base, triangle(a, b, c)})); };
-    SECTION("through") {
-        CHECK(with({2, 2, -1}, {4, 2, -1}, {3, 3, 1}) == Three{1, 0, 0});
-        CHECK(with({2, 2, -1}, {2, 2, 1}, {20, 20, 0}) == Three{1, 0, 0});  // out over the edge
-        CHECK(with({2, 2, 0}, {4, 4, 1}, {4, 4, -1}) == Three{1, 0, 0});    // a corner on the plane
-        CHECK(with({0, 0, 0}, {4, 4, 1}, {4, 4, -1}) == Three{1, 0, 0});    // from a common vertex
-    }
-    SECTION("touching") {
-        CHECK(with({2, 2, 0}, {4, 2, 1}, {3, 3, 1}) == Three{0, 0, 1});     // by a corner, inside
-        CHECK(with({6, 6, 0}, {6, 6, 1}, {9, 9, 3}) == Three{0, 0, 1});     // by a corner, on an edge
-        CHECK(with({2, 2, 0}, {4, 2, 0}, {3, 3, 1}) == Three{0, 0, 1});     // by an edge, inside
-        CHECK(with({-9, 1, 0}, {20, 1, 0}, {3, 3, 1}) == Three{0, 0, 1});   // by an edge, across
-        CHECK(with({6, 6, -1}, {6, 6, 1}, {20, 20, 0}) == Three{0, 0, 1});  // edge to edge in a point
-        CHECK(with({0, 0, 0}, {3, 3, 0}, {3, 3, 1}) == Three{0, 0, 1});     // by an edge from a common vertex
-        CHECK(with({0, 0, 0}, {5, 0, 0}, {3, -3, 0}) == Three{0, 0, 1});    // by part of an edge, in the plane
-        CHECK(with({0, 0, 0}, {5, 0, 0}, {3, -3, 2}) == Three{0, 0, 1});    // and out of it
-        CHECK(with({-5, 0, 0}, {5, 0, 0}, {0, -3, 0}) == Three{0, 0, 1});   // by part of an edge, no vertex in common
-        CHECK(with({6, 6, 0}, {9, 9, 0}, {9, 8, 0}) == Three{0, 0, 1});     // by a corner, in the plane
-    }
-    SECTION("overlapping") {
-        CHECK(with({1, 1, 0}, {2, 1, 0}, {1, 2, 0}) == Three{0, 1, 0});      // within
-        CHECK(with({-9, -9, 0}, {99, 0, 0}, {0, 99, 0}) == Three{0, 1, 0});  // around
-        CHECK(with({0, 0, 0}, {5, 5, 0}, {4, 5, 0}) == Three{0, 1, 0});      // from a common vertex
-        CHECK(with({0, 0, 0}, {12, 0, 0}, {3, 3, 0}) == Three{0, 1, 0});     // from a common edge
-        CHECK(with({4, -1, 0}, {4, 20, 0}, {5, -1, 0}) == Three{0, 1, 0});   // across, no corner in the other
-    }
-    SECTION("apart, or in what they share") {
-        CHECK(with({2, 2, 1}, {4, 2, 1}, {3, 3, 2}) == Three{});
-        CHECK(with({9, 9, -1}, {9, 9, 1}, {20, 20, 0}) == Three{});    // through the plane beside it
-        CHECK(with({7, 7, 0}, {9, 9, 0}, {9, 8, 0}) == Three{});       // in the plane beside it
-        CHECK(with({0, 0, 0}, {12, 0, 0}, {3, 3, 3}) == Three{});      // common edge
-        CHECK(with({0, 0, 0}, {12, 0, 0}, {3, -3, 0}) == Three{});     // common edge, in the plane
-        CHECK(with({0, 0, 0}, {-4, -4, 1}, {-4, -4, -1}) == Three{});  // common vertex, other way
-        CHECK(with({0, 0, 0}, {-4, 0, 0}, {0, -4, 0}) == Three{});     // common vertex, in the plane
-        CHECK(with({0, 0, 0}, {-4, 0, 0}, {0, -4, 5}) == Three{});
-        CHECK(with({0, 0, 0}, {12, 0, 0}, {0, 12, 0}) == Three{});  // a duplicate is counted as such
-    }
-}
-
 TEST_CASE("every pair of faces that meet is found", "[check]") {
     // Small and large triangles, coincidences of every kind.
     const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 5)));
     const Soup soup = joined({shapes::random_soup(seed, 60, 40), shapes::random_soup(seed + 100, 60, 3),
                               shapes::moved(shapes::random_soup(seed + 200, 100, 6), {15, 15, 15})});
     std::vector<ExactFace> faces;
-    std::set<std::set<std::uint32_t>> known;  // those on the same vertices are tested once
+    std::set<std::set<std::uint32_t>> known;  // faces on the same vertices are tested once
     for (std::size_t at = 0; at < soup.size(); at += 9) {
         std::array<GridVertex, 3> corners;
         std::array<std::uint32_t, 3> ids{};
@@ -130,14 +89,6 @@ TEST_CASE("boxes stacked askew overlap where they stand on one another", "[check
     CHECK(check.shells.size() == 2);
 }
 
-TEST_CASE("a surface that crosses another along their edges touches it", "[check]") {
-    // A roof pushed up through a ridge: the edge lies in the face, its two sides above and below.
-    const Soup base = triangle({-9, -9, 0}, {9, -9, 0}, {0, 18, 0});
-    const Soup above = triangle({-1, 0, 0}, {1, 0, 0}, {0, 0, 5});
-    const Soup below = triangle({1, 0, 0}, {-1, 0, 0}, {0, 1, -5});
-    CHECK(meetings(joined({base, above, below})) == Three{0, 0, 2});
-}
-
 TEST_CASE("closed models give no finding", "[check]") {
     CHECK(findings_of(shapes::octasphere({1, 2, 3}, 30, 5)).clean());
     CHECK(findings_of(shapes::prism(16, 20, 30)).clean());
@@ -150,8 +101,7 @@ TEST_CASE("a search of piled up triangles ends at its budget and reports that", 
         const Soup next = triangle({0, 0, 1.0 * i}, {1, 0, 9000.0 + i}, {0, 1, 9000.0 + i});
         soup.insert(soup.end(), next.begin(), next.end());
     }
-    CheckOptions options;
-    options.tolerance_mm = 0;
+    const CheckOptions options{.tolerance_mm = 0};
     const MeshCheck fewer = findings_of(only(soup, 0, 1000), options);
     CHECK(fewer.complete());
     CHECK(make_verdict(fewer).value().find("as far as") == std::string::npos);

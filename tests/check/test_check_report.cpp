@@ -1,24 +1,14 @@
 // The report and the marks.
-#include <filesystem>
-#include <fstream>
+#include <array>
+#include <cstdio>
 #include <sstream>
 
 #include <nlohmann/json.hpp>
 
 #include "check/findings.hpp"
+#include "temp_folder.hpp"
 
 namespace lamella::check_test {
-
-namespace {
-
-std::string text_of(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-}
-
-}  // namespace
 
 TEST_CASE("the report holds every kind, its count and its first places", "[check]") {
     const MeshCheck check = findings_of(without(shapes::box({0, 0, 0}, {2, 2, 2}), 2, 2));
@@ -58,10 +48,9 @@ TEST_CASE("a finding cut short is reported as at least so many", "[check]") {
 TEST_CASE("marks are an ASCII PLY of points and edges", "[check]") {
     const Soup cube = shapes::box({0, 0, 0}, {1, 1, 1});
     const MeshCheck check = findings_of(shapes::joined({cube, only(cube, 5, 1), shapes::moved(cube, {1, 1, 1})}));
-    const std::filesystem::path path = std::filesystem::temp_directory_path() / "lamella_test_marks.ply";
-    REQUIRE(write_marks(check, path).ok());
-    std::istringstream ply(text_of(path));
-    std::filesystem::remove(path);
+    const TempFolder folder;
+    REQUIRE(write_marks(check, folder / "marks.ply").ok());
+    std::istringstream ply(bytes_of(folder / "marks.ply"));
     // Three edges, four vertices and the duplicate face's three corners; four edges each of two points, and three.
     std::string line;
     std::size_t points = 0;
@@ -75,14 +64,12 @@ TEST_CASE("marks are an ASCII PLY of points and edges", "[check]") {
     CHECK(points == 3 * 2 + 4 + 3);
     CHECK(edges == 3 + 3);
     for (std::size_t i = 0; i < points; ++i) {
-        double x = -1;
-        double y = -1;
-        double z = -1;
-        int red = -1;
-        int green = -1;
-        int blue = -1;
-        ply >> x >> y >> z >> red >> green >> blue;
-        CHECK((x >= 0 && x <= 2 && z >= 0 && z <= 2));
+        std::array<double, 6> row{-1, -1, -1, -1, -1, -1};
+        for (double& number : row) {
+            ply >> number;
+        }
+        const auto [x, y, z, red, green, blue] = row;
+        CHECK((x >= 0 && x <= 2 && y >= 0 && z >= 0 && z <= 2));
         CHECK((red >= 0 && red < 256 && green >= 0 && blue >= 0 && blue < 256));
     }
     for (std::size_t i = 0; i < edges; ++i) {

@@ -122,9 +122,8 @@ TEST_CASE("only closed shells are around others", "[check]") {
 }
 
 TEST_CASE("volumes are exact at the ends of the grid", "[check]") {
-    CheckOptions options;
-    options.unit_mm = 1.0 / (1 << 20);
-    const MeshCheck check = findings_of(box({-1023, -1023, -1023}, {1023, 1023, 1023}), options);
+    const MeshCheck check =
+        findings_of(box({-1023, -1023, -1023}, {1023, 1023, 1023}), {.frame = {.grid_mm = default_grid_mm}});
     CHECK(check.clean());
     CHECK(check.shells.at(0).volume_mm3 == 2046.0 * 2046.0 * 2046.0);
 }

@@ -1,4 +1,4 @@
-// Edges, vertices, loops, orientations and single faces.
+// Edges, vertices, loops, orientations, single faces and gaps.
 #include <cmath>
 #include <limits>
 
@@ -34,7 +34,7 @@ TEST_CASE("a box is closed and clean", "[check]") {
     const MeshCheck check = findings_of(box({1, 2, 3}, {3, 4, 5}));
     CHECK(counts(check).empty());
     CHECK(check.clean());
-    CHECK(check.info.closed);
+    CHECK(check.closed);
     CHECK(make_verdict(check).value() == "closed and clean");
     REQUIRE(check.shells.size() == 1);
     CHECK(check.shells[0].volume_mm3 == 8);
@@ -153,20 +153,12 @@ TEST_CASE("faces on the same vertices are duplicates or opposite", "[check]") {
     CHECK(many.of(Fault::opposite_face).count == 2);
 }
 
-TEST_CASE("a body exported twice is twelve duplicates", "[check]") {
-    const Soup cube = box({0, 0, 0}, {1, 1, 1});
-    const MeshCheck check = findings_of(joined({cube, cube}));
-    CHECK(check.of(Fault::duplicate_face).count == 12);
-    CHECK(check.of(Fault::overfull_balanced).count == 18);
-    CHECK(check.of(Fault::overlapping_faces).count == 0);
-}
-
 TEST_CASE("faces without area are found, collapsed or not", "[check]") {
     const Soup cube = box({0, 0, 0}, {4, 4, 4});
     const MeshCheck collapsed =
         findings_of(joined({cube, triangle({0, 0, 0}, {0, 0, 0}, {4, 0, 0}), triangle({9, 9, 9}, {9, 9, 9}, {9, 9, 9})}));
     CHECK(counts(collapsed) == Counts{{"collapsed_faces", 2}});
-    CHECK(collapsed.info.degenerate == 2);
+    CHECK(collapsed.degenerate == 2);
     CHECK(first(collapsed, Fault::collapsed_face).triangles[0] == 12);
     const MeshCheck flat = findings_of(joined({cube, triangle({9, 0, 0}, {10, 0, 0}, {12, 0, 0})}));
     CHECK(flat.of(Fault::zero_area_face).count == 1);
@@ -176,13 +168,9 @@ TEST_CASE("faces without area are found, collapsed or not", "[check]") {
 }
 
 TEST_CASE("collapsing is judged on the grid", "[check]") {
-    Soup soup = triangle({0, 0, 0}, {0.3, 0, 0}, {0, 8, 0});
-    const Soup whole = triangle({0, 0, 10}, {9, 0, 10}, {0, 8, 10});
-    soup.insert(soup.end(), whole.begin(), whole.end());
+    const Soup soup = joined({triangle({0, 0, 0}, {0.3, 0, 0}, {0, 8, 0}), triangle({0, 0, 10}, {9, 0, 10}, {0, 8, 10})});
     CHECK(findings_of(soup).of(Fault::collapsed_face).count == 0);
-    CheckOptions coarse;
-    coarse.unit_mm = 1;
-    CHECK(findings_of(soup, coarse).of(Fault::collapsed_face).count == 1);
+    CHECK(findings_of(soup, {.frame = {.grid_mm = 1}}).of(Fault::collapsed_face).count == 1);
 }
 
 TEST_CASE("needles and caps are found from the ratio on", "[check]") {
@@ -197,20 +185,75 @@ TEST_CASE("needles and caps are found from the ratio on", "[check]") {
     const MeshCheck thin = findings_of(box({0, 0, 0}, {1, 1, 200}));
     CHECK(thin.clean());
     CHECK(make_verdict(thin).value() == "closed and clean, with 8 needles");
-    CheckOptions patient;
-    patient.sliver_ratio = 201;
-    CHECK(make_verdict(findings_of(box({0, 0, 0}, {1, 1, 200}), patient)).value() == "closed and clean");
+    CHECK(make_verdict(findings_of(box({0, 0, 0}, {1, 1, 200}), {.sliver_ratio = 201})).value() == "closed and clean");
+}
+
+TEST_CASE("a T-junction without width is found", "[check]") {
+    // The top of a box, one of its triangles split at the middle of an edge to a side that is not.
+    const Soup cube = shapes::box({0, 0, 0}, {2, 2, 2});
+    const Soup split =
+        joined({without(cube, 2, 1), triangle({0, 0, 2}, {1, 0, 2}, {2, 2, 2}), triangle({1, 0, 2}, {2, 0, 2}, {2, 2, 2})});
+    for (const double tolerance_mm : {0.01, 0.0}) {
+        const MeshCheck check = findings_of(split, {.tolerance_mm = tolerance_mm});
+        CHECK(counts(check) ==
+              Counts{{"boundary_edges", 3}, {"boundary_loops", 1}, {"t_junctions", 1}, {"touching_faces", 2}});
+        const FaultPlace& place = first(check, Fault::t_junction);
+        CHECK(place.points_mm[0] == Xyz{1, 0, 2});
+        CHECK(place.points_mm[1] == Xyz{1, 0, 2});
+        CHECK(place.measure == 0);
+    }
+}
+
+TEST_CASE("a crack is found from its width on, with the T-junction along it", "[check]") {
+    const double width = 1.0 / 256;
+    const Soup left = quad({0, 0, 0}, {1, 0, 0}, {1, 2, 0}, {0, 2, 0});
+    const Soup right = joined({quad({1 + width, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1 + width, 1, 0}),
+                               quad({1 + width, 1, 0}, {2, 1, 0}, {2, 2, 0}, {1 + width, 2, 0})});
+    const MeshCheck wide = findings_of(joined({left, right}), {.tolerance_mm = width});
+    CHECK(wide.of(Fault::crack).count == 2);
+    CHECK(first(wide, Fault::crack).measure == width);
+    CHECK(first(wide, Fault::crack).points_mm[0] == Xyz{1, 0, 0});
+    CHECK(first(wide, Fault::crack).points_mm[1] == Xyz{1 + width, 0, 0});
+    CHECK(wide.of(Fault::t_junction).count == 1);
+    CHECK(first(wide, Fault::t_junction).measure == width);
+    CHECK(first(wide, Fault::t_junction).points_mm[0] == Xyz{1 + width, 1, 0});
+    CHECK(first(wide, Fault::t_junction).points_mm[1] == Xyz{1, 1, 0});
+    CHECK(wide.of(Fault::touching_faces).count == 0);
+    const MeshCheck narrow = findings_of(joined({left, right}), {.tolerance_mm = 0.99 * width});
+    CHECK(narrow.of(Fault::crack).count == 0);
+    CHECK(narrow.of(Fault::t_junction).count == 0);
+}
+
+TEST_CASE("the ends of a short edge are no crack", "[check]") {
+    const MeshCheck check = findings_of(triangle({0, 0, 0}, {0.5, 0, 0}, {0, 9, 0}), {.tolerance_mm = 1});
+    CHECK(check.of(Fault::crack).count == 0);
+    CHECK(check.of(Fault::t_junction).count == 0);
+}
+
+TEST_CASE("a corner near a side of its own triangle makes that flat, and no T-junction", "[check]") {
+    const MeshCheck flat = findings_of(triangle({9, 0, 0}, {10, 0, 0}, {12, 0, 0}));
+    CHECK(counts(flat) == Counts{{"boundary_edges", 3}, {"boundary_loops", 1}, {"zero_area_faces", 1}});
+    const MeshCheck cap = findings_of(triangle({0, 0, 0}, {2, 0, 0}, {1, 1.0 / 256, 0}));
+    CHECK(counts(cap) == Counts{{"boundary_edges", 3}, {"boundary_loops", 1}, {"cap_faces", 1}});
+}
+
+TEST_CASE("a tolerance larger than the mesh is accepted", "[check]") {
+    const Soup two = joined({triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}), triangle({5, 5, 5}, {6, 5, 5}, {5, 6, 5})});
+    const MeshCheck check = findings_of(two, {.tolerance_mm = 1e300});
+    CHECK(check.of(Fault::crack).count == 9);
+    CHECK(check.of(Fault::t_junction).count == 0);
+}
+
+TEST_CASE("a closed mesh has no gaps, however close its sheets", "[check]") {
+    CHECK(findings_of(shapes::box({0, 0, 0}, {9, 9, 1.0 / 1024})).clean());
 }
 
 TEST_CASE("only as many places as asked for are kept, all are counted", "[check]") {
-    CheckOptions few;
-    few.most_places = 3;
-    const MeshCheck check = findings_of(shapes::random_soup(3, 40, 20), few);
+    const MeshCheck check = findings_of(shapes::random_soup(3, 40, 20), {.most_places = 3});
     CHECK(check.of(Fault::boundary_edge).count > 100);
     CHECK(check.of(Fault::boundary_edge).places.size() == 3);
     CHECK(check.of(Fault::crossing_faces).places.size() == 3);
-    few.most_places = 0;
-    const MeshCheck none = findings_of(shapes::random_soup(3, 40, 20), few);
+    const MeshCheck none = findings_of(shapes::random_soup(3, 40, 20), {.most_places = 0});
     CHECK(counts(none) == counts(check));
     CHECK(none.of(Fault::boundary_edge).places.empty());
 }
@@ -219,17 +262,15 @@ TEST_CASE("unusable input and options are refused", "[check]") {
     CHECK(check(MeshView{}).error().code == ErrorCode::empty_mesh);
     Soup soup = box({0, 0, 0}, {1, 1, 1});
     const MeshView view = MeshView::soup(std::span<const double>(soup));
-    CheckOptions options;
-    for (const double bad : {-1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
-        options.tolerance_mm = bad;
-        CHECK(check(view, options).error().code == ErrorCode::invalid_argument);
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
+    for (const double bad : {-1.0, infinity, no_number}) {
+        CHECK(check(view, {.tolerance_mm = bad}).error().code == ErrorCode::invalid_argument);
     }
-    options = {};
-    for (const double bad : {1.0, -5.0, std::numeric_limits<double>::quiet_NaN()}) {
-        options.sliver_ratio = bad;
-        CHECK(check(view, options).error().code == ErrorCode::invalid_argument);
+    for (const double bad : {1.0, -5.0, no_number}) {
+        CHECK(check(view, {.sliver_ratio = bad}).error().code == ErrorCode::invalid_argument);
     }
-    soup[13] = std::numeric_limits<double>::quiet_NaN();
+    soup[13] = no_number;
     CHECK(check(view).error().triangle == 1);
 }
 

@@ -21,7 +21,7 @@ namespace {
 struct Stars {
     std::size_t vertices = 0;
     std::size_t embedded = 0;
-    std::size_t pairs = 0;  ///< of faces at embedded vertices
+    std::size_t pairs = 0;  ///< faces at embedded vertices
 };
 
 ExactFace exact(const GridMesh& mesh, std::uint32_t face) {
@@ -32,8 +32,9 @@ ExactFace exact(const GridMesh& mesh, std::uint32_t face) {
 Stars examine(const Soup& soup, int threads) {
     const MeshView view = MeshView::soup(std::span<const double>(soup));
     const Parallel parallel({.threads = threads});
-    const MeshInfo info = measure_mesh(view, {}, 0, parallel, 1).value();
-    const GridMesh mesh = make_grid_mesh(view, {}, info, parallel, nullptr);
+    MeshCheck measured;
+    measure_mesh(view, {}, parallel, 1, measured);
+    const GridMesh mesh = make_grid_mesh(view, {}, measured, parallel);
     const EdgeTable edges(mesh, parallel);
     const EmbeddedStars stars(mesh, edges, parallel);
     std::vector<std::vector<std::uint32_t>> faces_at(mesh.vertices.size());

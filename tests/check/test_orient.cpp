@@ -9,15 +9,17 @@ using namespace shapes;
 
 namespace {
 
-OrientedMesh oriented(const Soup& soup, const OrientOptions& options = {}) {
-    Result<OrientedMesh> turned = orient_shells(MeshView::soup(std::span<const double>(soup)), options);
+OrientedMesh oriented(const Soup& soup, double mm_per_unit = 1, const Context& context = {}) {
+    MeshView mesh = MeshView::soup(std::span<const double>(soup));
+    mesh.mm_per_unit = mm_per_unit;
+    Result<OrientedMesh> turned = orient_shells(mesh, 0, context);
     REQUIRE(turned.ok());
     CHECK(turned->complete);
     return std::move(turned).value();
 }
 
 double volume_of(const OrientedMesh& oriented) {
-    return inspect(oriented.mesh.view()).value().volume_mm3;
+    return check(oriented.view(), {.counts_only = true}).value().volume_mm3;
 }
 
 }  // namespace
@@ -58,8 +60,8 @@ TEST_CASE("orient: what is open stays; the answer has the unit, and does not dep
     CHECK(beside->turned_shells == 1);
     CHECK_FALSE(beside->complete);
     const Soup many = random_tetrahedra(7, 200, 60);
-    const OrientedMesh one = oriented(many, {.mm_per_unit = 10, .unit_mm = 0, .control = {.threads = 1}});
-    const OrientedMesh several = oriented(many, {.mm_per_unit = 10, .unit_mm = 0, .control = {.threads = 5}});
+    const OrientedMesh one = oriented(many, 10, {.threads = 1});
+    const OrientedMesh several = oriented(many, 10, {.threads = 5});
     CHECK(one.mesh.mm_per_unit == 10);
     CHECK(one.turned_shells > 0);
     CHECK(std::equal(one.mesh.indices.begin(), one.mesh.indices.end(), several.mesh.indices.begin()));

@@ -95,8 +95,8 @@ test_batch_resume() {
     [[ $(wc -l < out/results.jsonl) == 5 ]] || fail "lines of the earlier batch are gone"
     expect_counts 0 "4: 0 done, 4 unchanged" "${command[@]}"
     # Lines of a version with other defaults, which it did not state.
-    sed -i 's/,"--close-gaps=auto","--fill-rule=non-zero"//; s/,"close_gaps_mm":[0-9.]*//' out/results.jsonl
-    grep -q 'close.gaps' out/results.jsonl && fail "the lines still state what older ones do not"
+    sed -i 's/,"--stitch=auto","--fill-rule=non-zero"//; s/,"stitch_mm":[0-9.]*//' out/results.jsonl
+    grep -q 'stitch' out/results.jsonl && fail "the lines still state what older ones do not"
     expect_counts 0 "4: 4 done, 0 unchanged" "${command[@]}"
     grep -qx 'again     4 meshes that an older version of lamella sliced, whose defaults were others' .stdout || fail "no word of the older version"
 }
@@ -136,7 +136,7 @@ test_batch_manifest() {
     expect 0 batch list.csv -o 'out/{stem}.csv' --layer-height 2
     expect_result --layer-height=5 in/s1.stl options 0
     expect_result --layer-height=2 in/s2.stl options 0
-    expect_result --close-gaps=auto in/s2.stl options 1
+    expect_result --stitch=auto in/s2.stl options 1
     expect_result --fill-rule=non-zero in/s2.stl options 2
     expect_result --drop-collinear in/s2.stl options 3
     expect_result 4 in/s1.stl layers
@@ -147,7 +147,7 @@ test_batch_manifest() {
 END
     expect 0 batch list.jsonl --results out
     [[ -s m/s1.nii.gz && -s m/s1.csv && -s m/cut.svg ]] || fail "outputs of a manifest"
-    grep -q -- '"options":\["--spacing=4,4,5.5","--frame=ras","--close-gaps=auto","--fill-rule=non-zero"\]' out/results.jsonl || fail "options of a manifest"
+    grep -q -- '"options":\["--spacing=4,4,5.5","--frame=ras","--stitch=auto","--fill-rule=non-zero"\]' out/results.jsonl || fail "options of a manifest"
     expect_failure 2 "needs --like" batch list.csv -o 'mask/{stem}.nii.gz'
     local line
     while IFS='|' read -r line text; do
@@ -155,7 +155,7 @@ END
         expect_failure "${text%%:*}" "bad.csv${text#*:}" batch bad.csv -o 'none/{stem}.csv'
     done << 'END'
 in/s2.stl,1|3::3: 2 cells where the first line names 3 columns
-in/s2.stl,x,|2::3: Could not convert
+in/s2.stl,x,|2::3: --layer-height: 'x' is not a number of mm that is more than 0
 in/s2.stl,-1,|2::3: --layer-height
 in/s2.stl,1,maybe|3::3: --strict: 'maybe' is neither true nor false
 ,1,|3::3: no path of a mesh
@@ -178,7 +178,7 @@ END
 {"path":["a","b"]}|3::2: 'path' is a list
 {"path":"in/s2.stl","spacing":{}}|3::2: 'spacing' is neither text
 {"path":"in/s2.stl","spacing":[]}|3::2: 'spacing' is a list of nothing
-{"path":"in/s2.stl","like":"x.nii","layer-height":1}|2::2: --layer-height excludes --like
+{"path":"in/s2.stl","like":"x.nii","layer-height":1}|2::2: --like excludes --layer-height
 END
     printf 'path,colour\nin/s1.stl,red\n' > bad.csv
     expect_failure 3 "bad.csv:1: 'colour' is neither path nor an option" batch bad.csv -o 'none/{stem}.csv'

@@ -50,7 +50,7 @@ test_structure_sets() {
     grep -q 99991231 b.dcm || fail "the date is not in the structure set"
     # Of a mesh that encloses nothing there is no ROI.
     printf 'solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 9\nvertex 0 9 9\nendloop\nendfacet\nendsolid\n' > open.stl
-    expect 3 slice open.stl --spacing 1,1,1 --frame ras --without-ct --close-gaps 0 -o c.dcm
+    expect 3 slice open.stl --spacing 1,1,1 --frame ras --without-ct --stitch 0 -o c.dcm
     grep -q "'open' has no closed contour on any slice" .stderr || fail "no word of the ROI that is missing"
     expect_failure 3 "--strict: " slice open.stl --spacing 1,1,1 --frame ras --without-ct --strict -o c.dcm
     [[ ! -e c.dcm ]] || fail "a structure set of nothing"
@@ -70,8 +70,8 @@ test_open_mesh() {
     cube side.stl 0 5
     awk '/^vertex/ {$3 *= 2; $4 *= 3} 1' side.stl > f7_open.stl
     { awk '/^vertex/ {$4 = $4 * 3 + 30} 1' whole.stl; cat f7_open.stl; } > half.stl
-    local words='30 of 30 layers (100 % of the height) have open contours: their area is not known; --close-gaps 10 would close them'
-    expect 0 slice f7_open.stl --close-gaps 0 --spacing 1,1,1 --frame lps -o m.nii -o m.csv -o m.jsonl -o m.svg --report m.json
+    local words='30 of 30 layers (100 % of the height) have open contours: their area is not known; --stitch 10 would close them'
+    expect 0 slice f7_open.stl --stitch 0 --spacing 1,1,1 --frame lps -o m.nii -o m.csv -o m.jsonl -o m.svg --report m.json
     [[ $(grep -c 'open contours' .stderr) == 1 ]] || fail "not said once"
     grep -qxF "lamella: warning: f7_open.stl: $words" .stderr || fail "not said as it should be"
     grep -qxF "open      $words" .stdout || fail "not in the summary"
@@ -80,20 +80,20 @@ test_open_mesh() {
     [[ $(grep -c '"area_mm2":null,"perimeter_mm":null,.*"centroid_x_lps_mm":null' m.jsonl) == 30 ]] || fail "areas in JSON lines"
     expect_json m.json 30 open layers
     [[ $(json_value m.json open closed_by_mm) == 10.0000* ]] || fail "another length"
-    expect 0 slice f7_open.stl --close-gaps 10 --layer-height 1 -o c.csv
+    expect 0 slice f7_open.stl --stitch 10 --layer-height 1 -o c.csv
     [[ $(grep -c '^f7_open,.*,200,60,1,0,0,0,5,10,' c.csv) == 30 && ! -s .stderr ]] || fail "the length that is named closes nothing"
-    expect 0 slice f7_open.stl whole.stl --close-gaps 0 --spacing 1,1,1 --frame lps -o two.csv
+    expect 0 slice f7_open.stl whole.stl --stitch 0 --spacing 1,1,1 --frame lps -o two.csv
     grep -q '^whole,12,1000,600,certified,$' two.meshes.csv || fail "the closed mesh has a warning of the open one"
-    expect 0 slice half.stl --close-gaps 0 --layer-height 2 -o m.csv
-    words='half.stl: 15 of 30 layers (50 % of the height) have open contours: their area is not known; --close-gaps 10 would close them'
+    expect 0 slice half.stl --stitch 0 --layer-height 2 -o m.csv
+    words='half.stl: 15 of 30 layers (50 % of the height) have open contours: their area is not known; --stitch 10 would close them'
     grep -qxF "lamella: warning: $words" .stderr || fail "not the half that is open"
     "$lamella" convert half.stl -o half.ply > /dev/null 2>&1 || fail "no PLY"
-    expect 0 slice half.ply --close-gaps 0 --layer-height 2 --memory 5M -o half.csv
+    expect 0 slice half.ply --stitch 0 --layer-height 2 --memory 5M -o half.csv
     grep -qF "${words/stl/ply}" .stderr || fail "not said with --memory"
     cmp half.csv m.csv || fail "--memory differs"
-    expect 0 batch half.stl --close-gaps 0 --layer-height 2 -o 'b/{stem}.csv'
+    expect 0 batch half.stl --stitch 0 --layer-height 2 -o 'b/{stem}.csv'
     grep -qF "\"warnings\":[\"half.stl: 15 of 30 layers (50 % of" b/results.jsonl || fail "not in results.jsonl"
-    expect_failure 3 "--strict: 15 of 30 layers" slice half.stl --close-gaps 0 --layer-height 2 --strict -o m.csv
+    expect_failure 3 "--strict: 15 of 30 layers" slice half.stl --stitch 0 --layer-height 2 --strict -o m.csv
 }
 
 # No output replaces an input, or another output, by whatever name.
@@ -170,7 +170,7 @@ test_frames() {
     expect 0 slice lps.stl --spacing 2,2,4 --frame lps -o c.csv
     grep -q "states the patient frame" .stderr && fail "a frame that is stated twice alike is doubted"
     expect_line stderr "lps.stl: states the patient frame LPS, which holds instead of --frame RAS" slice lps.stl --spacing 2,2,4 --frame ras -o c.csv
-    expect 0 slice box.stl --fill-rule NON-ZERO --fill-from 3:EVEN-ODD --datum ZERO --side ABOVE --unit MM --grid AUTO --progress NEVER -o UPPER.CSV
+    expect 0 slice box.stl --fill-rule NON-ZERO --fill-from 3:EVEN-ODD --datum ZERO --side ABOVE --unit MM --grid FINEST --progress NEVER -o UPPER.CSV
     expect 0 slice box.stl --spacing 20,20,20 --frame ras --coverage --subslices 8 -o thin.nii
     grep -q thinner .stderr && fail "a warning in spite of the remedy"
     expect 0 slice box.stl --spacing 20,20,20 --frame ras -o thin.nii

@@ -19,7 +19,7 @@ test_scale() {
     expect_line stderr 'in metres? --unit m$' check small.obj
     grep -qE ' solid, depth 0, 4 triangles, 0.000000325580 mm3,' .stdout || fail "too few digits in check"
     expect_line stderr 'in metres? --unit m$' slice small.obj --planes 0.001,1,2
-    expect_silent slice small.obj --planes 0.001,0.005 --grid auto
+    expect_silent slice small.obj --planes 0.001,0.005 --grid finest
     tetrahedron plate.obj 50
     expect_silent slice plate.obj --layer-height 100
     expect_silent slice small.obj --unit m
@@ -30,18 +30,18 @@ test_scale() {
 
     # A finer grid is offered, and taken.
     expect 0 slice small.obj --unit mm --layer-height 0.002 --report coarse.json
-    grep -q 'small.obj: the grid of 9.5367431640625e-07 mm is coarse for a mesh of 0.0216506 mm from corner to corner; --grid auto takes' .stderr ||
+    grep -q 'small.obj: the grid of 9.5367431640625e-07 mm is coarse for a mesh of 0.0216506 mm from corner to corner; --grid finest takes' .stderr ||
         fail "a coarse grid is not doubted"
     json_value coarse.json warnings 0 | grep -q 'is coarse for a mesh' || fail "no warning in the report"
-    expect_silent slice small.obj --unit mm --layer-height 0.002 --grid auto --report fine.json
+    expect_silent slice small.obj --unit mm --layer-height 0.002 --grid finest --report fine.json
     expect_json fine.json 1.4551915228366852e-11 grid_mm
     local command
     for command in slice info check; do
-        expect_failure 2 "--grid: 'fine' is neither a number of mm nor auto" "$command" small.obj --grid fine
-        expect 0 "$command" small.obj --unit mm --grid auto
+        expect_failure 2 "--grid: 'fine' is neither a number of mm that is at least 0 nor finest" "$command" small.obj --grid fine
+        expect 0 "$command" small.obj --unit mm --grid finest
         grep -q coarse .stderr && fail "$command: the finest grid is doubted"
     done
-    expect 0 info small.obj --grid auto
+    expect 0 info small.obj --grid finest
     grep -qE '^grid  *1.4551915228366852e-11 mm$' .stdout || fail "info takes another grid"
 
     # Coordinates that were rounded before they were read.
@@ -65,7 +65,7 @@ test_scale() {
 
     # The finest grid leaves room for what rules move; of a mesh beyond 1,024 mm the report says what becomes of the grid.
     tetrahedron edge.obj 0.9995
-    expect 0 slice edge.obj --grid auto --fill-rule non-zero --offset 0.002 --report grown.json
+    expect 0 slice edge.obj --grid finest --fill-rule non-zero --offset 0.002 --report grown.json
     expect_json grown.json 1.862645149230957e-09 grid_mm
     tetrahedron wide.obj 1500
     expect 0 slice wide.obj --layer-height 100 --report wide.json
@@ -77,7 +77,7 @@ test_scale() {
     expect_failure 3 "speck.obj: each of 4 triangles has two equal corners on the grid" slice speck.obj
     expect_failure 3 "speck.obj: each of 4 triangles has two equal corners on the grid" info speck.obj
     expect_failure 3 "speck.obj: each of 4 triangles has two equal corners on the grid" check speck.obj
-    expect 0 slice speck.obj --grid auto --planes 3e-10 --report speck.json
+    expect 0 slice speck.obj --grid finest --planes 3e-10 --report speck.json
     expect_json speck.json 1 contours
 
     # An extension that nothing writes.

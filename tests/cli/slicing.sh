@@ -131,24 +131,24 @@ test_simplify() {
     expect_json report.json 4 points
     grep -qxF 'dropped   points within 0.01 mm of the lines left' .stdout || fail "the summary does not say what was dropped"
     grep -qF 'Contours simplified by at most 0.01 mm' out.svg || fail "the SVG does not say what was dropped"
-    expect_failure 2 "the tolerance of simplification" slice cube.stl --simplify -1
+    expect_failure 2 "--simplify: '-1' is not a number of mm that is at least 0" slice cube.stl --simplify -1
 }
 
 test_regions() {
     cube left.stl 0 6
     cube right.stl 5 6
     cat left.stl right.stl > both.stl
-    expect 0 slice both.stl --planes 2,5 --fill-rule non-zero --fill-from 1:positive --fill-from 40:even-odd --close 0.5 \
-        --offset -1 --miter-limit 2.5 --drop-collinear --largest-only --mark-near 0.25 -o out.svg --report report.json
+    expect 0 slice both.stl --planes 2,5 --fill-rule non-zero --fill-from 1:positive --fill-from 40:even-odd --closing 0.5 \
+        --offset -1 --miter-limit 2.5 --drop-collinear --largest-only --flag-closing 0.25 -o out.svg --report report.json
     expect_json report.json 1 region fill_from 0 first_layer
     expect_json report.json positive region fill_from 0 fill_rule
     expect_json report.json even-odd region fill_from 1 fill_rule
-    expect_json report.json 0.5 region close_mm
+    expect_json report.json 0.5 region closing_mm
     expect_json report.json -1.0 region offset_mm
     expect_json report.json 2.5 region miter_limit
     expect_json report.json ON region largest_only
     expect_json report.json ON region drop_collinear
-    expect_json report.json 0.25 region mark_near_mm
+    expect_json report.json 0.25 region flag_closing_mm
     local line
     for line in 'near      0 contours would change if gaps under 0.5 mm were closed' \
         'filled    by the rule non-zero, from layer 1 on positive, from layer 40 on even-odd' 'closed    gaps under 1 mm' \
@@ -160,7 +160,7 @@ test_regions() {
         out.svg || fail "the SVG does not say the rules"
 
     cube open.stl 0 5
-    expect 0 slice open.stl --planes 5 --fill-rule non-zero --close-gaps 0
+    expect 0 slice open.stl --planes 5 --fill-rule non-zero --stitch 0
     grep -qF 'open      1 of 1 layer (100 % of the height) has open contours' .stdout || fail "no word of the open polyline"
 
     awk '/vertex/ { v[n++] = $0; if (n == 3) { print v[0]; print v[2]; print v[1]; n = 0 } next } { print }' left.stl > inverted.stl
@@ -169,12 +169,12 @@ test_regions() {
     grep -qF 'the fill rule leaves nothing: all 2 layers that the mesh crosses are empty' .stderr || fail "no warning that nothing is left"
     expect_json report.json 2 region emptied_layers
 
-    expect_failure 2 "must be finite and not negative, not -1 mm" slice both.stl --fill-rule non-zero --close -1
-    expect_failure 2 "the offset must be finite, not inf mm" slice both.stl --fill-rule non-zero --offset inf
+    expect_failure 2 "--closing: '-1' is not a number of mm that is at least 0" slice both.stl --fill-rule non-zero --closing -1
+    expect_failure 2 "--offset: 'inf' is not a number of mm" slice both.stl --fill-rule non-zero --offset inf
     expect_failure 2 "is at most" slice both.stl --fill-rule non-zero --offset 1e6
-    expect_failure 2 "nothing would happen" slice both.stl --fill-rule non-zero --close 1e-9
-    expect_failure 2 "the miter limit" slice both.stl --fill-rule non-zero --miter-limit 0.5
-    expect_failure 2 "needs a region, but layer 0" slice both.stl --close 1 --fill-rule contours
+    expect_failure 2 "nothing would happen" slice both.stl --fill-rule non-zero --closing 1e-9
+    expect_failure 2 "--miter-limit: '0.5' is not a number that is at least 1" slice both.stl --fill-rule non-zero --miter-limit 0.5
+    expect_failure 2 "needs a region, but layer 0" slice both.stl --closing 1 --fill-rule contours
     expect_failure 2 "needs a region, but layer 7" slice both.stl --largest-only --fill-rule positive --fill-from 7:contours
     expect_failure 2 "in ascending order" slice both.stl --fill-from 7:contours --fill-from 2:positive
     for line in positive 3 3: :positive -3:positive 3.5:positive 3:odd 99999999999999999999:positive; do
@@ -244,16 +244,16 @@ test_mending() {
     expect_json open.json 1 open layers
     expect_json open.json 1.0 open height_share
     grep -q '"solid_volume_mm3": null' open.json || fail "a volume of layers whose area is not known"
-    expect 0 slice open.stl --planes 5 --close-gaps 9.5 --report report.json
+    expect 0 slice open.stl --planes 5 --stitch 9.5 --report report.json
     expect_json report.json 1 open_contours
     expect_json report.json 0 gaps closed
-    expect 0 slice open.stl --planes 5 --close-gaps 10 --report report.json
+    expect 0 slice open.stl --planes 5 --stitch 10 --report report.json
     expect_json report.json 0 open_contours
     expect_json report.json 1 gaps closed
     expect_json report.json 10.0 gaps total_mm
     expect_json report.json 10.0 gaps closings 0 length_mm
     grep -q '^gaps *1 closed' .stdout || fail "the summary does not say what was closed"
-    expect_failure 2 "--close-gaps" slice open.stl --close-gaps -1
+    expect_failure 2 "--stitch" slice open.stl --stitch -1
 
     # Two opposite walls, 10 mm long and 8 mm apart, one of them flipped: ends face ends.
     cube whole.stl 0 6
@@ -261,26 +261,26 @@ test_mending() {
             if (++k == 1) {first = $0} else if (k == 2) {second = $0} else {print $0; print second; print first}
             next} print; next} m < 11 && m > 0 {next} 1' whole.stl |
         awk '$1 == "vertex" && $3 == 10 {$3 = 8} 1' > mixed.stl
-    expect 0 slice mixed.stl --planes 5 --close-gaps 8 --report report.json
-    expect_json report.json kept gaps sense
+    expect 0 slice mixed.stl --planes 5 --stitch 8 --report report.json
+    expect_json report.json oriented gaps direction
     expect_json report.json 0 gaps closed
-    expect 0 slice mixed.stl --planes 5 --close-gaps 8 --gap-sense any --report report.json
-    expect_json report.json any gaps sense
+    expect 0 slice mixed.stl --planes 5 --stitch 8 --stitch-direction any --report report.json
+    expect_json report.json any gaps direction
     expect_json report.json 2 gaps closed
     expect_json report.json 0 open_contours
-    expect_failure 2 "--gap-sense" slice mixed.stl --close-gaps 8 --gap-sense both
+    expect_failure 2 "--stitch-direction" slice mixed.stl --stitch 8 --stitch-direction both
 
     awk '/^vertex 10 10 10$/ && ++n == 3 {$2 = 10.001} 1' left.stl > cracked.stl
-    expect 0 slice cracked.stl --planes 5 --close-gaps 0 --report report.json
+    expect 0 slice cracked.stl --planes 5 --stitch 0 --report report.json
     expect_json report.json 2 open_contours
-    for words in "" "--close-gaps auto"; do
+    for words in "" "--stitch auto"; do
         expect 0 slice cracked.stl --planes 5 $words --report report.json -o out.svg
         expect_json report.json 0 open_contours
         expect_json report.json 0.17321085678674045 gaps reach_mm
         expect_json report.json 2 gaps closed
         grep -q '<desc>2 gaps of at most' out.svg || fail "the SVG does not show the gap that was closed"
     done
-    expect_failure 2 "--close-gaps: 'car' is neither a number of mm" slice cracked.stl --close-gaps car
+    expect_failure 2 "--stitch: 'car' is neither a number of mm" slice cracked.stl --stitch car
     "$lamella" convert cracked.stl -o cracked.ply > /dev/null 2>&1 || fail "no PLY"
     expect 0 slice cracked.ply --planes 2,5,8 -o whole.svg
     expect 0 slice cracked.ply --planes 2,5,8 --memory 5M -o ranges.svg

@@ -1,4 +1,4 @@
-// Every call that takes a Control and has a mesh, by name, and hosts that are asked for a stop.
+// Every call that takes a Context, by name.
 #pragma once
 
 #include <filesystem>
@@ -7,82 +7,86 @@
 #include <string>
 #include <vector>
 
-#include "engine/host_arrays.hpp"
-#include "engine/slicing.hpp"
+#include "engine/everywhere.hpp"
 #include "lamella/io.hpp"
 #include "temp_folder.hpp"
 
-/// A check that calls `ask`, which says whether to stop.
-template <class Ask>
-lamella::StopCheck asking(Ask& ask) {
-    return {[](void* context) noexcept { return static_cast<bool>((*static_cast<Ask*>(context))()); }, &ask};
-}
-
-struct ControlledCall {
+struct ContextCall {
     std::string name;
-    /// What it fails with, or nothing.
-    std::function<std::optional<lamella::ErrorCode>(const lamella::Control&)> run;
+    /// Returns the code that it fails with, or nothing.
+    std::function<std::optional<lamella::ErrorCode>(const lamella::Context&)> run;
+    bool shows_progress = true;
 };
 
 /// Calls on one mesh, which must outlive them, at layers of this height; audits are of a result at 0.1 mm.
-class ControlledCalls {
+class ContextCalls {
 public:
-    ControlledCalls(const lamella::MeshView& mesh, std::filesystem::path file, double layer_mm)
-        : mesh_(mesh), file_(std::move(file)), layer_mm_(layer_mm), result_(sliced(mesh, uniform(0.1))) {
-        prepared_.emplace(value_of(prepare(mesh)));
-        const lamella::OutputBounds bounds = value_of(bound_output(mesh, uniform(layer_mm)));
-        host_.emplace(bounds.points, bounds.contours, bounds.layers, lamella::PointType::f64);
+    ContextCalls(const lamella::MeshView& mesh, std::filesystem::path file, double layer_mm)
+        : mesh_(mesh),
+          file_(std::move(file)),
+          options_(uniform(layer_mm)),
+          result_(sliced(mesh, uniform(0.1))),
+          prepared_(value_of(prepare(mesh))),
+          parts_{{.mesh = mesh}, {.mesh = mesh}} {
+        lamella::Slicer slicer;
+        const lamella::SliceInfo outline = value_of(slicer.outline(mesh, options_));
+        host_.emplace(ArraySizes{2 * outline.segments, outline.segments, outline.layers},
+                      PointForm{.type = lamella::Number::f64});
     }
 
-    std::vector<ControlledCall> all() {
+    std::vector<ContextCall> all() {
         using namespace lamella;
-        const auto nothing = [](const LayerView&) noexcept {};
-        const auto to_sink = [=, this](SinkOrder order) {
-            return
-                [=, this](const Control& c) { return code_of(slice_to(LayerSink::to(nothing, order), mesh_, slicing(c))); };
+        const auto slices_to = [this](const Destination& to, const Source& from) {
+            return [this, to, from](const Context& c) {
+                Slicer slicer;
+                return code_of(slicer.slice_to(to, from, options_, c));
+            };
+        };
+        const auto audits_of = [this](bool AuditOptions::*question) {
+            return [this, question](const Context& c) { return code_of(audits::asked(question, result_, mesh_, c)); };
         };
         return {
-            {"slice", [this](const Control& c) { return code_of(slice(mesh_, slicing(c))); }},
-            {"prepare", [this](const Control& c) { return code_of(prepare(mesh_, {.control = c})); }},
-            {"slice of a prepared mesh", [this](const Control& c) { return code_of(slice(*prepared_, slicing(c))); }},
-            {"slice_to, in plane order", to_sink(SinkOrder::ascending)},
-            {"slice_to, in any order", to_sink(SinkOrder::any)},
-            {"slice_into", [this](const Control& c) { return code_of(slice_into(host_->output, mesh_, slicing(c))); }},
-            {"slice_slabs",
-             [this](const Control& c) {
-                 SlabOptions options;
-                 options.plan = slicing(c).plan;
-                 options.control = c;
-                 return code_of(slice_slabs(mesh_, options));
+            {"slice", slices_to(target_, mesh_)},
+            {"slice of a prepared mesh", slices_to(target_, prepared_)},
+            {"slice of parts", slices_to(target_, parts_)},
+            {"slice to a sink in plane order", slices_to(ascending_, mesh_)},
+            {"slice to a sink in any order", slices_to(any_order_, mesh_)},
+            {"slice to arrays", slices_to(host_->arrays, mesh_)},
+            {"slice of upward faces",
+             [this](const Context& c) {
+                 SliceOptions options = options_;
+                 options.content = LayerContent::upward_faces;
+                 return code_of(slice(mesh_, options, c));
              }},
-            {"inspect", [this](const Control& c) { return code_of(inspect(mesh_, {.control = c})); }},
-            {"check",
-             [this](const Control& c) {
-                 CheckOptions options;
-                 options.control = c;
-                 return code_of(check(mesh_, options));
-             }},
-            {"weld", [this](const Control& c) { return code_of(weld(mesh_, {.control = c})); }},
-            {"make_ledger", [this](const Control& c) { return code_of(make_ledger(mesh_, result_, c)); }},
-            {"certify_volume", [this](const Control& c) { return code_of(certify_volume(mesh_, result_, c)); }},
-            {"find_crossings", [this](const Control& c) { return code_of(find_crossings(result_, c)); }},
-            {"read_mesh", [this](const Control& c) { return code_of(read_mesh(file_, {.control = c})); }},
-            {"write_svg",
-             [this](const Control& c) { return code_of(write_svg(result_, folder_ / "a.svg", {.control = c})); }},
+            {"outline", [this](const Context& c) { return code_of(Slicer().outline(mesh_, options_, c)); }, false},
+            {"prepare", [this](const Context& c) { return code_of(prepare(mesh_, {}, c)); }},
+            {"check, counts only", [this](const Context& c) { return code_of(check(mesh_, {.counts_only = true}, c)); }},
+            {"check", [this](const Context& c) { return code_of(check(mesh_, {}, c)); }},
+            {"weld", [this](const Context& c) { return code_of(weld(mesh_, 0.01, c)); }},
+            {"orient_shells", [this](const Context& c) { return code_of(orient_shells(mesh_, 0, c)); }},
+            {"audit of the ledger", audits_of(&AuditOptions::ledger)},
+            {"audit of the volume", audits_of(&AuditOptions::volume)},
+            {"audit of crossings", audits_of(&AuditOptions::crossings)},
+            {"read_mesh", [this](const Context& c) { return code_of(read_mesh(file_, {}, c)); }},
+            {"write_svg", [this](const Context& c) { return code_of(write_svg(result_, folder_ / "a.svg", {}, c)); }},
         };
     }
 
 private:
-    lamella::SliceOptions slicing(const lamella::Control& control) const {
-        lamella::SliceOptions options = uniform(layer_mm_);
-        options.control = control;
-        return options;
-    }
+    struct Nothing {
+        void operator()(const lamella::LayerView& /*layer*/) noexcept {}
+    };
+
     TempFolder folder_;
     lamella::MeshView mesh_;
     std::filesystem::path file_;
-    double layer_mm_;
+    lamella::SliceOptions options_;
     lamella::SliceResult result_;
-    std::optional<lamella::PreparedMesh> prepared_;
-    std::optional<HostArrays> host_;
+    lamella::PreparedMesh prepared_;
+    std::vector<lamella::Part> parts_;
+    std::optional<GuardedArrays> host_;
+    lamella::SliceResult target_;
+    Nothing nothing_;
+    lamella::LayerSink ascending_{.take = nothing_};
+    lamella::LayerSink any_order_{.take = nothing_, .order = lamella::SinkOrder::any};
 };

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <initializer_list>
 #include <numbers>
 #include <random>
 #include <string>
@@ -108,6 +110,13 @@ struct Named {
 inline std::vector<Named> layers_to_close(double r) {
     std::vector<Named> layers;
     const auto u = [r](double times) { return rounded(times * r); };
+    const auto ring = [u](std::initializer_list<std::array<double, 2>> corners) {
+        Ring scaled;
+        for (const auto& [x, y] : corners) {
+            scaled.push_back({u(x), u(y)});
+        }
+        return scaled;
+    };
     for (const int over : {-1, 0, 1}) {
         const std::int32_t gap = rounded(2 * r) + over;
         const std::string by = " with gaps of 2 r " + std::string(over < 0 ? "- 1" : over > 0 ? "+ 1" : "");
@@ -143,15 +152,12 @@ inline std::vector<Named> layers_to_close(double r) {
                            {u(3.2 * std::cos(angle + 0.3)), u(3.2 * std::sin(angle + 0.3))}});
     }
     layers.push_back({"needles", needles});
-    layers.push_back({"one needle", {{{0, 0}, {u(100), u(0.5)}, {0, u(1)}}}});
+    layers.push_back({"one needle", {ring({{0, 0}, {100, 0.5}, {0, 1}})}});
     layers.push_back(
-        {"a slit like a needle",
-         {{{0, 0}, {u(100), 0}, {u(100), u(49.5)}, {u(10), u(50)}, {u(100), u(50.5)}, {u(100), u(100)}, {0, u(100)}}}});
+        {"a slit like a needle", {ring({{0, 0}, {100, 0}, {100, 49.5}, {10, 50}, {100, 50.5}, {100, 100}, {0, 100}})}});
     layers.push_back({"touching bodies",
-                      {box(0, 0, u(20), u(20)),
-                       box(u(20), u(20), u(40), u(40)),
-                       box(u(20), u(-10), u(40), u(10)),
-                       {{u(60), 0}, {u(80), u(20)}, {u(60), u(40)}, {u(40), u(20)}}}});
+                      {box(0, 0, u(20), u(20)), box(u(20), u(20), u(40), u(40)), box(u(20), u(-10), u(40), u(10)),
+                       ring({{60, 0}, {80, 20}, {60, 40}, {40, 20}})}});
     layers.push_back(
         {"overlapping bodies", {round(0, 0, 30 * r, 40), round(u(50), u(3), 30 * r, 41), box(u(-5), u(-50), u(5), u(50))}});
     layers.push_back({"an inverted shell", {turned(comb(5, u(3), u(1.5), u(10))), turned(round(u(70), 0, 20 * r, 30))}});
@@ -164,23 +170,9 @@ inline std::vector<Named> layers_to_close(double r) {
     steps.push_back({0, u(20)});
     layers.push_back({"steps with short edges", {steps}});
     layers.push_back({"a notch with a short floor",
-                      {{{0, 0},
-                        {u(60), 0},
-                        {u(60), u(40)},
-                        {u(31), u(40)},
-                        {u(30.3), u(20)},
-                        {u(29.9), u(20)},
-                        {u(28), u(40)},
-                        {0, u(40)}}}});
-    layers.push_back({"a shallow notch",
-                      {{{0, 0},
-                        {u(60), 0},
-                        {u(60), u(40)},
-                        {u(31.5), u(40)},
-                        {u(31.5), u(39)},
-                        {u(28.5), u(39)},
-                        {u(28.5), u(40)},
-                        {0, u(40)}}}});
+                      {ring({{0, 0}, {60, 0}, {60, 40}, {31, 40}, {30.3, 20}, {29.9, 20}, {28, 40}, {0, 40}})}});
+    layers.push_back(
+        {"a shallow notch", {ring({{0, 0}, {60, 0}, {60, 40}, {31.5, 40}, {31.5, 39}, {28.5, 39}, {28.5, 40}, {0, 40}})}});
     layers.push_back({"rounded by short edges",
                       {round(0, 0, 20 * r, 400), turned(round(0, 0, 1.5 * r, 200)), turned(round(u(10), 0, 0.9 * r, 100))}});
     return layers;

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <new>
 
-#include "lamella/memory.hpp"
+#include "lamella/context.hpp"
 
 class CountingMemory : public lamella::Memory {
 public:

@@ -43,7 +43,7 @@ std::optional<Cut> cut_of(const oracle::Triangle& t, std::uint32_t index, std::u
 Triangles::Triangles(const shapes::Soup& soup, const lamella::SliceResult& result, std::uint16_t part) : part_(part) {
     std::map<oracle::Triangle, std::uint32_t> smallest;
     for (std::uint32_t t = 0; t < soup.size() / 9; ++t) {
-        const std::vector<oracle::Triangle> own = oracle::quantise(std::span(soup).subspan(9 * t, 9), result.unit_mm);
+        const std::vector<oracle::Triangle> own = oracle::quantise(std::span(soup).subspan(9 * t, 9), result.info.grid_mm);
         triangles_.push_back(own.empty() ? oracle::Triangle{} : own[0]);
         stands_for_.push_back(smallest.emplace(turned_to_smallest(triangles_[t]), t).first->second);
     }
@@ -65,11 +65,11 @@ bool Triangles::runs_down(const PointOrigin& origin) const {
     return t[(origin.edge + 1U) % 3].z < t[origin.edge].z;
 }
 
-std::vector<Cut> Triangles::edges_of(const lamella::SliceResult& result, const lamella::Layer& layer) const {
+std::vector<Cut> Triangles::edges_of(const lamella::LayerView& layer) const {
     std::vector<Cut> edges;
-    for (const lamella::Contour& contour : result.contours_of(layer)) {
-        const std::span<const lamella::Point> points = result.points_of(contour);
-        const std::span<const PointOrigin> origins = result.origins_of(contour);
+    for (const lamella::Contour& contour : layer.contours) {
+        const std::span<const lamella::Point> points = layer.points_of(contour);
+        const std::span<const PointOrigin> origins = layer.origins_of(contour);
         const bool open = contour.role == lamella::Role::open;
         for (std::size_t i = 0; i < points.size() - (open ? 1 : 0); ++i) {
             const lamella::Point next = points[i + 1 < points.size() ? i + 1 : 0];
@@ -86,28 +86,20 @@ std::vector<Cut> Triangles::edges_of(const lamella::SliceResult& result, const l
     return edges;
 }
 
-Triangles::Named Triangles::named(std::uint32_t triangle, std::uint8_t edge) const {
-    if (edge == lamella::no_edge) {
-        return {};
-    }
-    const oracle::Triangle& t = triangles_[triangle];
-    return {t[edge], t[(edge + 1U) % 3], t[(edge + 2U) % 3]};
-}
-
 lamella::SliceOptions with_origins(lamella::SliceOptions options) {
     options.origins = true;
     return options;
 }
 
-SliceResult traced(const shapes::Soup& soup, const lamella::SliceOptions& options) {
-    SliceResult result = sliced(soup, with_origins(options));
+lamella::SliceResult traced(const shapes::Soup& soup, const lamella::SliceOptions& options, const lamella::Tuning& tuning) {
+    lamella::SliceResult result = sliced(soup, with_origins(options), {}, tuning);
     REQUIRE(result.origins.size() == result.points.size());
-    require_ok(validate(result, view_of(soup)));
+    require_ok(audits::structure_of(result, view_of(soup)));
     lamella::SliceOptions plain = options;
     plain.origins = false;
-    const SliceResult without = sliced(soup, plain);
+    const lamella::SliceResult without = sliced(soup, plain, {}, tuning);
     REQUIRE(without.origins.empty());
-    REQUIRE(hash_result(without) == hash_result(result));
+    REQUIRE(without.hash() == result.hash());
     return result;
 }
 

@@ -8,10 +8,11 @@
 #include "engine/shapes.hpp"
 #include "lamella/lamella.hpp"
 #include "oracle/oracle.hpp"
+#include "slicing/tuning.hpp"
 
 namespace origin_oracle {
 
-/// What a plane cuts of a triangle, as its facet runs.
+/// The piece that a plane cuts of a triangle, as its facet runs.
 struct Cut {
     lamella::Point from;
     lamella::Point to;
@@ -24,20 +25,12 @@ class Triangles {
 public:
     Triangles(const shapes::Soup& soup, const lamella::SliceResult& result, std::uint16_t part = 0);
 
-    /// Of all triangles with a cut that has a length, sorted. Of those with the same corners the smallest stands for all.
+    /// The cuts of all triangles whose cut has a length, sorted. Of triangles with the same corners the smallest stands for
+    /// all.
     std::vector<Cut> cuts_at(lamella::PlaneHeight plane) const;
 
     /// The contour edges of a layer that come from a triangle and have a length, as the facets run, sorted.
-    std::vector<Cut> edges_of(const lamella::SliceResult& result, const lamella::Layer& layer) const;
-
-    /// A mesh edge that an origin names, whatever the triangles' order and first corners: its ends, and the third corner.
-    struct Named {
-        lamella::GridVertex from;
-        lamella::GridVertex to;
-        lamella::GridVertex third;
-        friend auto operator<=>(const Named&, const Named&) = default;
-    };
-    Named named(std::uint32_t triangle, std::uint8_t edge) const;
+    std::vector<Cut> edges_of(const lamella::LayerView& layer) const;
 
 private:
     bool runs_down(const lamella::PointOrigin& origin) const;
@@ -50,6 +43,7 @@ private:
 lamella::SliceOptions with_origins(lamella::SliceOptions options);
 
 /// Requires a valid result whose origins suit the mesh and that is otherwise the same as without origins.
-lamella::SliceResult traced(const shapes::Soup& soup, const lamella::SliceOptions& options);
+lamella::SliceResult traced(const shapes::Soup& soup, const lamella::SliceOptions& options,
+                            const lamella::Tuning& tuning = {});
 
 }  // namespace origin_oracle

@@ -1,30 +1,29 @@
-// Whether two answers are the same, field by field.
+// Compares two answers field by field.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstring>
 #include <span>
-#include <string>
 #include <tuple>
-#include <vector>
 
 #include <catch2/catch.hpp>
 
-#include "lamella/lamella.hpp"
+#include "lamella/result.hpp"
 
 inline auto facts_of(const lamella::Layer& layer) {
     return std::tuple(layer.bottom_mm, layer.plane_mm, layer.top_mm, layer.first_contour, layer.contour_count,
                       layer.segments, layer.plane);
 }
-inline auto facts_of(const lamella::ClosedGap& gap) {
-    return std::tuple(gap.layer, gap.from, gap.to);
+inline auto facts_of(const lamella::Stitch& stitch) {
+    return std::tuple(stitch.layer, stitch.from, stitch.to);
 }
-inline auto facts_of(const lamella::SliceSummary& summary) {
-    return std::tuple(std::array{summary.triangles, summary.degenerate, summary.crossed, summary.segments, summary.holes,
-                                 summary.open_contours, summary.flat_contours, summary.overruled_contours,
-                                 summary.near_contours, summary.emptied_layers},
-                      std::to_array(summary.min_mm), std::to_array(summary.max_mm));
+inline auto facts_of(const lamella::SliceInfo& info) {
+    return std::tuple(std::array{info.triangles, info.degenerate, info.crossed, info.layers, info.segments, info.contours,
+                                 info.points, info.stitches, info.holes, info.open_contours, info.flat_contours,
+                                 info.overruled_contours, info.would_close_contours, info.emptied_layers,
+                                 info.cancelled_layers, info.part_count, info.first_layer, info.planned_layers},
+                      info.box, info.grid_mm, info.options.frame.transform, info.options.stitch_mm);
 }
 
 template <class T>
@@ -33,11 +32,16 @@ bool same_facts(std::span<const T> a, std::span<const T> b) {
                       [](const T& x, const T& y) { return facts_of(x) == facts_of(y); });
 }
 
-/// Of points, contours and origins, which have no byte between their members.
+/// For points, contours and origins, which have no byte between their members.
 template <class T>
 bool same_bytes(std::span<const T> a, std::span<const T> b) {
     static_assert(sizeof(lamella::Contour) == 48 && sizeof(lamella::Point) == 8 && sizeof(lamella::PointOrigin) == 8);
     return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
+}
+
+inline void require_same(const lamella::SliceInfo& found, const lamella::SliceInfo& expected) {
+    REQUIRE((facts_of(found) == facts_of(expected)));
+    REQUIRE(found.layer_of == expected.layer_of);
 }
 
 inline void require_same(const lamella::SliceResult& found, const lamella::SliceResult& expected) {
@@ -45,17 +49,6 @@ inline void require_same(const lamella::SliceResult& found, const lamella::Slice
     REQUIRE(same_bytes(found.contours.span(), expected.contours.span()));
     REQUIRE(same_bytes(found.points.span(), expected.points.span()));
     REQUIRE(same_bytes(found.origins.span(), expected.origins.span()));
-    REQUIRE(same_facts(found.closed_gaps.span(), expected.closed_gaps.span()));
-    REQUIRE(found.unit_mm == expected.unit_mm);
-    REQUIRE(found.frame.m == expected.frame.m);
-    REQUIRE((facts_of(found.summary) == facts_of(expected.summary)));
-}
-
-inline void require_same_totals(const lamella::SliceTotals& totals, const lamella::SliceResult& result) {
-    REQUIRE(totals.layers == result.layers.size());
-    REQUIRE(totals.contours == result.contours.size());
-    REQUIRE(totals.points == result.points.size());
-    REQUIRE(totals.closed_gaps == result.closed_gaps.size());
-    REQUIRE(totals.unit_mm == result.unit_mm);
-    REQUIRE((facts_of(totals.summary) == facts_of(result.summary)));
+    REQUIRE(same_facts(found.stitches.span(), expected.stitches.span()));
+    require_same(found.info, expected.info);
 }

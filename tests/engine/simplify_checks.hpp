@@ -23,15 +23,15 @@ namespace simplify_checks {
 
 using lamella::Contour;
 using lamella::FillRule;
-using lamella::LayerContours;
 using lamella::Point;
 using lamella::RegionRules;
 using lamella::Role;
+using lamella::SliceResult;
 using Ring = regions::Polygon;
 using Rings = regions::Polygons;
 using Wide = rings::Int128;
 
-constexpr double unit_mm = lamella::default_unit_mm;
+constexpr double unit_mm = lamella::default_grid_mm;
 
 /// A contour before and after: `left` holds indices of `points`, those that stayed, from the start on.
 struct Before {
@@ -48,10 +48,6 @@ struct Before {
 
 inline Wide dot(Point a, Point b, Point p) {
     return (Wide{b.x} - a.x) * (Wide{p.x} - a.x) + (Wide{b.y} - a.y) * (Wide{p.y} - a.y);
-}
-
-inline bool on_edge(Point p, Point a, Point b) {
-    return rings::lies_on(a, b, p);
 }
 
 /// By steps of a unit where lengths are small: exact in long double up to its rounding.
@@ -114,8 +110,8 @@ inline std::size_t meeting_lines(const std::vector<Before>& contours) {
                         found += rings::meet(a, b, from, to);
                     } else if (f != e) {
                         const bool after = f == e + 1 || (f == 0 && e + 1 == count && e != 1);
-                        found +=
-                            after ? on_edge(to, a, b) || on_edge(a, from, to) : on_edge(from, a, b) || on_edge(b, from, to);
+                        found += after ? rings::lies_on(a, b, to) || rings::lies_on(from, to, a)
+                                       : rings::lies_on(a, b, from) || rings::lies_on(from, to, b);
                     }
                 }
             }
@@ -124,19 +120,7 @@ inline std::size_t meeting_lines(const std::vector<Before>& contours) {
     return found;
 }
 
-inline int winding(std::span<const Point> ring, Point p) {
-    int sum = 0;
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-        const Point a = ring[i];
-        const Point b = ring[(i + 1) % ring.size()];
-        if ((a.y <= p.y) != (b.y <= p.y)) {
-            sum += a.y <= p.y ? rings::side(a, b, p) > 0 : -(rings::side(a, b, p) < 0);
-        }
-    }
-    return sum;
-}
-
-/// Of closed contours.
+/// Counts pairs of a closed contour and another one whose start is no longer on the same side of it.
 inline std::size_t starts_that_changed_sides(const std::vector<Before>& contours) {
     std::size_t moved = 0;
     for (const Before& around : contours) {
@@ -146,7 +130,8 @@ inline std::size_t starts_that_changed_sides(const std::vector<Before>& contours
         }
         for (const Before& other : contours) {
             const Point start = other.points.front();
-            moved += &other != &around && around.closed && winding(around.points, start) != winding(left, start);
+            moved +=
+                &other != &around && around.closed && rings::winding(around.points, start) != rings::winding(left, start);
         }
     }
     return moved;
@@ -185,7 +170,7 @@ inline RegionRules simplified_by(double units, RegionRules rules = {}) {
     return rules;
 }
 
-inline LayerContours region_by(const Rings& rings, const RegionRules& rules) {
+inline SliceResult region_by(const Rings& rings, const RegionRules& rules) {
     auto made = regions::region(rings, rules);
     INFO((made ? std::string() : made.error().message));
     REQUIRE(made.ok());
@@ -194,8 +179,8 @@ inline LayerContours region_by(const Rings& rings, const RegionRules& rules) {
 
 /// Simplifies, compares with the plain region, and again from other starts and in another order of contours.
 inline Comparison simplify(const Rings& rings, double units, const RegionRules& rules = {}) {
-    const LayerContours before = region_by(rings, rules);
-    const LayerContours after = region_by(rings, simplified_by(units, rules));
+    const SliceResult before = region_by(rings, rules);
+    const SliceResult after = region_by(rings, simplified_by(units, rules));
     const Comparison sizes = compare(before.contours, before.points, after.contours, after.points, units);
     Rings turned = rings;
     std::reverse(turned.begin(), turned.end());

@@ -2,28 +2,28 @@
 
 #include <sstream>
 
+using lamella::Context;
 using lamella::Contour;
 using lamella::Error;
-using lamella::Layer;
-using lamella::MeshView;
+using lamella::LayerView;
 using lamella::Point;
-using lamella::Result;
+using lamella::SliceInfo;
 using lamella::SliceOptions;
 using lamella::SliceResult;
+using lamella::Source;
 using lamella::Status;
+using lamella::Tuning;
 
-SliceOptions at_heights(std::vector<double> heights_mm) {
-    SliceOptions options;
-    options.plan.spacing = lamella::ExplicitPlanes{std::move(heights_mm)};
-    options.unit_mm = coarse_unit_mm;
-    options.control.threads = 1;
+SliceOptions at_heights(std::vector<double> heights_mm, double grid_mm) {
+    SliceOptions options = uniform(0.2, grid_mm);
+    options.heights_mm = std::move(heights_mm);
     return options;
 }
 
-SliceOptions uniform(double layer_height_mm, double unit_mm) {
+SliceOptions uniform(double layer_height_mm, double grid_mm) {
     SliceOptions options;
-    options.plan.spacing = lamella::UniformLayers{layer_height_mm};
-    options.unit_mm = unit_mm;
+    options.layer_height_mm = layer_height_mm;
+    options.frame.grid_mm = grid_mm;
     return options;
 }
 
@@ -32,9 +32,7 @@ lamella::SliceOptions through_quarters(std::uint64_t range) {
     for (std::uint64_t quarter = 1; quarter <= 4 * range; ++quarter) {
         heights.push_back(0.25 * static_cast<double>(quarter));
     }
-    lamella::SliceOptions options = at_heights(heights);
-    options.unit_mm = 0.125;
-    return options;
+    return at_heights(heights, 0.125);
 }
 
 shapes::Soup generated(lamella::models::Shape shape, std::uint64_t triangles, std::uint64_t seed) {
@@ -48,37 +46,32 @@ void require_ok(const Status& status) {
     REQUIRE(status.ok());
 }
 
-namespace {
-
-SliceResult valid(Result<SliceResult> made) {
-    SliceResult result = value_of(std::move(made));
-    require_ok(validate(result));
+SliceResult sliced(const Source& mesh, const SliceOptions& options, const Context& context, const Tuning& tuning) {
+    SliceResult result(context.memory);
+    (void)sliced_to(result, mesh, options, context, tuning);
+    require_ok(audits::structure_of(result));
     return result;
 }
 
-}  // namespace
-
-SliceResult sliced(const MeshView& mesh, const SliceOptions& options) {
-    return valid(slice(mesh, options));
+SliceResult sliced(const shapes::Soup& soup, const SliceOptions& options, const Context& context, const Tuning& tuning) {
+    return sliced(view_of(soup), options, context, tuning);
 }
 
-SliceResult sliced(const shapes::Soup& soup, const SliceOptions& options) {
-    return sliced(view_of(soup), options);
+SliceInfo sliced_to(const lamella::Destination& to, const Source& mesh, const SliceOptions& options, const Context& context,
+                    const Tuning& tuning) {
+    lamella::Slicer slicer;
+    return value_of(slice_tuned(slicer, to, mesh, options, tuning, context));
 }
 
-SliceResult sliced(const std::vector<lamella::Part>& parts, const SliceOptions& options, lamella::PartRegions regions) {
-    return valid(slice_parts(parts, options, regions));
-}
-
-Error failure_of(const MeshView& mesh, const SliceOptions& options) {
-    return error_of(slice(mesh, options));
+Error failure_of(const Source& mesh, const SliceOptions& options, const Context& context) {
+    return error_of(slice(mesh, options, context));
 }
 
 std::vector<std::string> contours_at(const SliceResult& result, std::size_t layer) {
-    const Layer& at = result.layers[layer];
+    const LayerView at = result[layer];
     const char* roles[] = {"outer", "hole", "flat", "open"};
     std::vector<std::string> lines;
-    for (const Contour& contour : result.contours_of(at)) {
+    for (const Contour& contour : at.contours) {
         std::ostringstream line;
         line << roles[static_cast<std::size_t>(contour.role)] << ' ' << "-0+"[contour.orientation + 1] << " x"
              << contour.segments << " in ";
@@ -89,7 +82,7 @@ std::vector<std::string> contours_at(const SliceResult& result, std::size_t laye
         }
         line << ((contour.flags & lamella::orientation_overruled) != 0 ? " overruled" : "")
              << ((contour.flags & lamella::orientation_mixed) != 0 ? " mixed" : "") << ':';
-        for (const Point p : result.points_of(contour)) {
+        for (const Point p : at.points_of(contour)) {
             line << ' ' << p.x << ',' << p.y;
         }
         lines.push_back(line.str());

@@ -1,6 +1,7 @@
-// What the engine's tests share: meshes as views, slices that are validated at once, contours as text.
+// Shared by the engine's tests: meshes as views, slices that are validated at once, contours as text.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -8,6 +9,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "engine/audits.hpp"
+#include "engine/rounds.hpp"
 #include "engine/shapes.hpp"
 #include "lamella/lamella.hpp"
 #include "models/models.hpp"
@@ -18,11 +21,21 @@ inline constexpr double coarse_unit_mm = 0.5;
 inline lamella::MeshView view_of(const shapes::Soup& soup) {
     return lamella::MeshView::soup(std::span<const double>(soup));
 }
+inline lamella::MeshView view_of(const std::vector<float>& soup) {
+    return lamella::MeshView::soup(std::span<const float>(soup));
+}
 
-/// Planes at these heights, on the coarse grid: the plane at h mm is at 2h - 1 units.
-lamella::SliceOptions at_heights(std::vector<double> heights_mm);
+/// Makes an array of these values.
+template <class T>
+void fill(lamella::Array<T>& array, const std::vector<T>& values) {
+    array.resize_discarding(values.size());
+    std::copy(values.begin(), values.end(), array.begin());
+}
 
-lamella::SliceOptions uniform(double layer_height_mm, double unit_mm = 0);
+/// Planes at these heights: on the coarse grid the plane at h mm is at 2h - 1 units.
+lamella::SliceOptions at_heights(std::vector<double> heights_mm, double grid_mm = coarse_unit_mm);
+
+lamella::SliceOptions uniform(double layer_height_mm, double grid_mm = 0);
 
 /// Planes at every quarter of a mm up to `range` mm, so at all corners of random_soup() and between them, on a grid of
 /// which a whole mm is a multiple of 8 units.
@@ -39,7 +52,7 @@ T value_of(lamella::Result<T> result) {
     return std::move(result).value();
 }
 
-/// What a call failed with, or nothing.
+/// The code that a call failed with, or nothing.
 template <class Outcome>
 std::optional<lamella::ErrorCode> code_of(const Outcome& outcome) {
     return outcome.ok() ? std::nullopt : std::optional(outcome.error().code);
@@ -55,14 +68,18 @@ lamella::Error error_of(const Outcome& outcome) {
 }
 
 /// Slices. Requires success and a valid result.
-lamella::SliceResult sliced(const lamella::MeshView& mesh, const lamella::SliceOptions& options);
-lamella::SliceResult sliced(const shapes::Soup& soup, const lamella::SliceOptions& options);
+lamella::SliceResult sliced(const lamella::Source& mesh, const lamella::SliceOptions& options,
+                            const lamella::Context& context = {}, const lamella::Tuning& tuning = {});
+lamella::SliceResult sliced(const shapes::Soup& soup, const lamella::SliceOptions& options,
+                            const lamella::Context& context = {}, const lamella::Tuning& tuning = {});
 
-/// The same for parts.
-lamella::SliceResult sliced(const std::vector<lamella::Part>& parts, const lamella::SliceOptions& options,
-                            lamella::PartRegions regions = lamella::PartRegions::separate);
+/// Slices to a destination, by a fresh Slicer. Requires success.
+lamella::SliceInfo sliced_to(const lamella::Destination& to, const lamella::Source& mesh,
+                             const lamella::SliceOptions& options, const lamella::Context& context = {},
+                             const lamella::Tuning& tuning = {});
 
-lamella::Error failure_of(const lamella::MeshView& mesh, const lamella::SliceOptions& options);
+lamella::Error failure_of(const lamella::Source& mesh, const lamella::SliceOptions& options,
+                          const lamella::Context& context = {});
 
 /// The contours of one layer, one line each:
 ///     outer + x8 in -: 0,0 1,0 8,0 ...      role, orientation, segments, parent, marks ("overruled", "mixed"), points

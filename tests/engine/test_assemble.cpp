@@ -2,13 +2,13 @@
 #include <catch2/catch.hpp>
 
 #include "engine/slicing.hpp"
-#include "lamella/assemble.hpp"
+#include "lamella/layers.hpp"
 
 using lamella::EndKey;
-using lamella::LayerContours;
 using lamella::Point;
 using lamella::Role;
 using lamella::Segment;
+using lamella::SliceResult;
 
 namespace {
 
@@ -16,8 +16,8 @@ EndKey key(std::uint64_t a) {
     return {a, 0, 0};
 }
 
-LayerContours assembled(const std::vector<Segment>& segments) {
-    LayerContours layer = value_of(assemble(segments));
+SliceResult assembled(const std::vector<Segment>& segments) {
+    SliceResult layer = value_of(assemble(segments));
     std::uint64_t sum = 0;
     for (const lamella::Contour& contour : layer.contours) {
         sum += contour.segments;
@@ -26,9 +26,9 @@ LayerContours assembled(const std::vector<Segment>& segments) {
     return layer;
 }
 
-std::vector<Point> points_of(const LayerContours& layer, std::size_t c) {
-    const Point* first = layer.points.data() + layer.contours[c].first_point;
-    return {first, first + layer.contours[c].point_count};
+std::vector<Point> points_of(const SliceResult& layer, std::size_t c) {
+    const auto points = layer.points_of(layer.contours[c]);
+    return {points.begin(), points.end()};
 }
 
 /// A closed polygon, its corners keyed from `first` on.
@@ -50,34 +50,16 @@ using Points = std::vector<Point>;
 
 }  // namespace
 
-TEST_CASE("no segments make no contours", "[assemble]") {
-    CHECK(assembled({}).contours.empty());
-}
-
-TEST_CASE("a square is one outer contour from its smallest point", "[assemble]") {
-    const LayerContours layer = assembled(polygon({{4, 0}, {4, 4}, {0, 4}, {0, 0}}, 1));
-    REQUIRE(layer.contours.size() == 1);
-    CHECK(points_of(layer, 0) == Points{{0, 0}, {4, 0}, {4, 4}, {0, 4}});
-    CHECK(layer.contours[0].role == Role::outer);
-    CHECK(layer.contours[0].twice_area == lamella::Integer128{32, 0});
-}
-
 TEST_CASE("the parent of a hole in a square is the square", "[assemble]") {
-    const LayerContours layer =
+    const SliceResult layer =
         assembled(polygon({{2, 2}, {2, 4}, {4, 4}, {4, 2}}, 1) + polygon({{9, 0}, {9, 9}, {0, 9}, {0, 0}}, 11));
     REQUIRE(layer.contours.size() == 2);
     CHECK(layer.contours[1].role == Role::hole);
     CHECK(layer.contours[1].parent == 0);
     CHECK(points_of(layer, 1) == Points{{2, 2}, {2, 4}, {4, 4}, {4, 2}});
-    const double square_unit = lamella::default_unit_mm * lamella::default_unit_mm;
-    CHECK(layer.area_mm2() == (81 - 4) * square_unit);
-    CHECK(layer.area_mm2(layer.contours[1]) == -4 * square_unit);
-}
-
-TEST_CASE("equal points with different keys do not meet", "[assemble]") {
-    const LayerContours layer =
-        assembled(polygon({{0, 0}, {4, 0}, {4, 4}, {0, 4}}, 1) + polygon({{4, 4}, {8, 4}, {8, 8}, {4, 8}}, 11));
-    CHECK(layer.contours.size() == 2);
+    const double square_unit = lamella::default_grid_mm * lamella::default_grid_mm;
+    CHECK(layer[0].area_mm2() == (81 - 4) * square_unit);
+    CHECK(layer[0].area_mm2(layer.contours[1]) == -4 * square_unit);
 }
 
 TEST_CASE("ranks decide which ends meet at a shared key", "[assemble]") {
@@ -102,25 +84,6 @@ TEST_CASE("ranks decide which ends meet at a shared key", "[assemble]") {
     // At equal ranks, targets come before sources.
     CHECK(assembled(squares(0, 0, 1, 1)).contours.size() == 1);
     CHECK(assembled(squares(0, 1, 1, 0)).contours.size() == 2);
-}
-
-TEST_CASE("ends without a partner make open polylines", "[assemble]") {
-    const LayerContours layer = assembled({{key(2), key(3), {5, 0}, {5, 5}, 0, 0}, {key(1), key(2), {9, 0}, {5, 0}, 0, 0}});
-    REQUIRE(layer.contours.size() == 1);
-    CHECK(layer.contours[0].role == Role::open);
-    CHECK(layer.contours[0].orientation == 0);
-    CHECK(points_of(layer, 0) == Points{{9, 0}, {5, 0}, {5, 5}});
-}
-
-TEST_CASE("segments that disagree are joined and marked", "[assemble]") {
-    std::vector<Segment> segments = polygon({{0, 0}, {4, 0}, {4, 4}, {0, 4}}, 1);
-    std::swap(segments[1].from, segments[1].to);
-    std::swap(segments[1].from_key, segments[1].to_key);
-    const LayerContours layer = assembled(segments);
-    REQUIRE(layer.contours.size() == 1);
-    CHECK(layer.contours[0].flags == lamella::orientation_mixed);
-    CHECK(layer.contours[0].orientation == 1);
-    CHECK(points_of(layer, 0) == Points{{0, 0}, {4, 0}, {4, 4}, {0, 4}});
 }
 
 TEST_CASE("assemble terminates and uses each segment once for any input", "[assemble]") {

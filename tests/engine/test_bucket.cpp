@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 #include <limits>
+#include <numeric>
+#include <optional>
 #include <random>
 #include <tuple>
 #include <vector>
@@ -46,12 +48,32 @@ std::vector<float> random_soup(std::size_t triangles, float rise, float width, u
     return soup;
 }
 
-std::vector<std::uint32_t> counting_up(std::size_t count) {
-    std::vector<std::uint32_t> numbers(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        numbers[i] = static_cast<std::uint32_t>(i);
+/// Where planes lie.
+struct Plan {
+    lamella::SliceOptions options;
+    std::optional<lamella::RandomHeights> random{};
+
+    void build(PlaneSet& planes, const lamella::Bounds& box, double unit_mm, lamella::Number number) const {
+        planes.build(options, random, {box, {unit_mm, 0}, number}, no_limit);
     }
-    return numbers;
+};
+
+Plan uniform_plan(double height_mm) {
+    return {{.layer_height_mm = height_mm}};
+}
+
+Plan random_plan(double least_mm, double most_mm) {
+    return {{}, lamella::RandomHeights{least_mm, most_mm}};
+}
+
+/// A few planes far apart and many close together, so that some cells of the table hold a hundred.
+Plan crowded_plan() {
+    std::vector<double> heights_mm = {-30, -19.5, -3};
+    for (int i = 0; i < 200; ++i) {
+        heights_mm.push_back(1 + i * 0x1p-16);
+    }
+    heights_mm.insert(heights_mm.end(), {7.5, 19, 40});
+    return {{.heights_mm = heights_mm}};
 }
 
 /// The results of bounds, planes, counting, bands and scattering.
@@ -60,14 +82,14 @@ struct Bucketed {
     Buckets buckets{nullptr};
     BandPlan bands{nullptr};
 
-    Bucketed(const MeshView& mesh, const lamella::LayerPlan& plan, double unit_mm, int threads, int band_planes) {
+    Bucketed(const MeshView& mesh, const Plan& plan, double unit_mm, int threads, int band_planes) {
         const lamella::Parallel parallel({.threads = threads});
         lamella::SoupSource source(mesh, {}, nullptr, {parallel, planes, buckets});
-        REQUIRE(planes.build(plan, source.measure(unit_mm), unit_mm, mesh.coordinate_type, no_limit));
+        plan.build(planes, source.measure(unit_mm), unit_mm, mesh.vertex_type);
         source.count(unit_mm);
         bands.cut(buckets, planes.size(), band_planes, threads);
         const std::size_t reaching = source.scatter(bands.band_end, bands.reaching.span(), false);
-        bands.find_seeds(planes.size(), reaching);
+        bands.find_seeds(planes.size(), reaching, {});
     }
 
     using Row =
@@ -116,31 +138,6 @@ void check_by_definition(const Bucketed& found, const MeshView& mesh, double uni
     }
 }
 
-lamella::LayerPlan uniform_plan(double height_mm) {
-    lamella::LayerPlan plan;
-    plan.spacing = lamella::UniformLayers{.layer_height_mm = height_mm};
-    return plan;
-}
-
-lamella::LayerPlan random_plan(double least_mm, double most_mm) {
-    lamella::LayerPlan plan;
-    plan.spacing = lamella::RandomLayers{.min_height_mm = least_mm, .max_height_mm = most_mm};
-    return plan;
-}
-
-/// A few planes far apart and many close together, so that some cells of the table hold a hundred.
-lamella::LayerPlan crowded_plan() {
-    lamella::ExplicitPlanes planes;
-    planes.heights_mm = {-30, -19.5, -3};
-    for (int i = 0; i < 200; ++i) {
-        planes.heights_mm.push_back(1 + i * 0x1p-16);
-    }
-    planes.heights_mm.insert(planes.heights_mm.end(), {7.5, 19, 40});
-    lamella::LayerPlan plan;
-    plan.spacing = planes;
-    return plan;
-}
-
 }  // namespace
 
 TEST_CASE("boxes of blocks equal those of the portable form", "[engine][bucket]") {
@@ -184,13 +181,11 @@ TEST_CASE("boxes of blocks equal those of the portable form", "[engine][bucket]"
 
 TEST_CASE("the table finds the first plane above a vertex", "[engine][bucket][planes]") {
     const lamella::Bounds bounds{{-20, -20, -20}, {20, 20, 20}};
-    for (const lamella::LayerPlan& plan :
-         {uniform_plan(0.25), uniform_plan(0x1p-18), random_plan(0.01, 0.03), crowded_plan()}) {
-        const bool fine = std::holds_alternative<lamella::UniformLayers>(plan.spacing) &&
-                          std::get<lamella::UniformLayers>(plan.spacing).layer_height_mm < 0.001;
+    for (const Plan& plan : {uniform_plan(0.25), uniform_plan(0x1p-18), random_plan(0.01, 0.03), crowded_plan()}) {
+        const bool fine = plan.options.layer_height_mm < 0.001;
         const lamella::Bounds box = fine ? lamella::Bounds{{0, 0, 0}, {1, 1, 0x1p-8}} : bounds;
         PlaneSet planes(nullptr);
-        REQUIRE(planes.build(plan, box, lamella::default_unit_mm, lamella::CoordinateType::f32, no_limit));
+        plan.build(planes, box, lamella::default_grid_mm, lamella::Number::f32);
         REQUIRE(planes.size() > 100);
         const auto check = [&](std::int32_t z) {
             const std::int32_t* end = planes.heights() + planes.size();
@@ -208,10 +203,10 @@ TEST_CASE("the table finds the first plane above a vertex", "[engine][bucket][pl
 }
 
 TEST_CASE("buckets hold the crossed triangles for every kind of input and thread count", "[engine][bucket]") {
-    const double unit_mm = lamella::default_unit_mm;
+    const double unit_mm = lamella::default_grid_mm;
     struct Sample {
         const char* name;
-        lamella::LayerPlan plan;
+        Plan plan;
         float rise;
     };
     const Sample samples[] = {{"uniform", uniform_plan(0.5), 1.5F},
@@ -225,7 +220,8 @@ TEST_CASE("buckets hold the crossed triangles for every kind of input and thread
         const Bucketed found(view, sample.plan, unit_mm, 1, 3);
         check_by_definition(found, view, unit_mm);
         const std::vector<double> wide(soup.begin(), soup.end());
-        const std::vector<std::uint32_t> corners = counting_up(3000);
+        std::vector<std::uint32_t> corners(3000);
+        std::iota(corners.begin(), corners.end(), 0U);
         const auto lists = found.lists();
         // Indexed input, then two threads.
         CHECK(Bucketed(MeshView::indexed(soup, corners), sample.plan, unit_mm, 1, 3).lists() == lists);
@@ -242,9 +238,9 @@ TEST_CASE("the table finds planes whose step is close to the grid unit", "[engin
         soup[i] = std::abs(std::remainder(soup[i], 0x1p-10F));
     }
     const MeshView view = MeshView::soup(soup);
-    const Bucketed found(view, uniform_plan(4.5 * lamella::default_unit_mm), lamella::default_unit_mm, 1, 0);
+    const Bucketed found(view, uniform_plan(4.5 * lamella::default_grid_mm), lamella::default_grid_mm, 1, 0);
     REQUIRE(found.planes.size() > 50);
-    check_by_definition(found, view, lamella::default_unit_mm);
+    check_by_definition(found, view, lamella::default_grid_mm);
 }
 
 TEST_CASE("seeds of a band are the triangles from below that its first plane cuts", "[engine][bucket]") {
@@ -252,7 +248,7 @@ TEST_CASE("seeds of a band are the triangles from below that its first plane cut
     const MeshView view = MeshView::soup(soup);
     for (const int band_planes : {1, 4}) {
         for (const int threads : {1, 3}) {
-            const Bucketed found(view, uniform_plan(0.5), lamella::default_unit_mm, threads, band_planes);
+            const Bucketed found(view, uniform_plan(0.5), lamella::default_grid_mm, threads, band_planes);
             REQUIRE(found.bands.bands.size() > 5);
             for (std::size_t b = 0; b < found.bands.bands.size(); ++b) {
                 const PlaneIndex first = found.bands.bands[b].first;
@@ -317,9 +313,9 @@ TEST_CASE("degenerate triangles that no plane cuts are counted", "[engine][bucke
         soup.insert(soup.end(), {x, 0, 0, x + width, 0, 0, x, 8, t == 77 ? 200.0F : 2.0F});
     }
     lamella::SliceOptions options = uniform(200, 1.0);
-    CHECK(sliced(MeshView::soup(soup), options).summary.degenerate == 64);
-    options.unit_mm = lamella::default_unit_mm * 4;
-    CHECK(sliced(MeshView::soup(soup), options).summary.degenerate == 0);
+    CHECK(sliced(MeshView::soup(soup), options).info.degenerate == 64);
+    options.frame.grid_mm = lamella::default_grid_mm * 4;
+    CHECK(sliced(MeshView::soup(soup), options).info.degenerate == 0);
 }
 
 TEST_CASE("a grid coarser than requested makes more triangles degenerate", "[engine][bucket]") {
@@ -330,5 +326,5 @@ TEST_CASE("a grid coarser than requested makes more triangles degenerate", "[eng
         const auto z = static_cast<float>(t);
         soup.insert(soup.end(), {1, 2, z, 1 + 0x1p-13F, 2, z, 100, 100, z + 1});
     }
-    CHECK(sliced(MeshView::soup(soup), uniform(1000)).summary.degenerate == 100);
+    CHECK(sliced(MeshView::soup(soup), uniform(1000)).info.degenerate == 100);
 }

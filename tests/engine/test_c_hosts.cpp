@@ -1,4 +1,4 @@
-// lamella.h: what hosts carry from mesh to layers, and the forms that they take layers in.
+// lamella.h: any source to any destination, and what hosts carry from mesh to layers.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -9,17 +9,51 @@
 
 #include "engine/c_calls.hpp"
 #include "engine/shapes.hpp"
-#include "engine/slicing.hpp"
 #include "lamella/lamella.h"
 #include "lamella/lamella.hpp"
 
-using namespace c_calls;
 using namespace lamella;
+using namespace c_calls;
 
 namespace {
 
-bool same_bytes(const lamella_point_origin* a, const lamella_point_origin* b, std::uint64_t count) {
-    return std::memcmp(a, b, count * sizeof *a) == 0;
+/// Arrays of a host that hold what the outline says.
+struct Arrays {
+    explicit Arrays(const lamella_info& outline)
+        : points(outline.segments), origins(outline.segments), contours(outline.segments), layers(outline.layers) {
+        arrays = fresh<lamella_arrays>(LAMELLA_ARRAYS);
+        arrays.points = points.data();
+        arrays.point_capacity = points.size();
+        arrays.contours = contours.data();
+        arrays.contour_capacity = contours.size();
+        arrays.layers = layers.data();
+        arrays.layer_capacity = layers.size();
+        arrays.origins = origins.data();
+    }
+    std::vector<lamella_point> points;
+    std::vector<lamella_point_origin> origins;
+    std::vector<lamella_contour> contours;
+    std::vector<lamella_layer> layers;
+    lamella_arrays arrays;
+};
+
+/// The layers that a sink was given, put together.
+struct Collected {
+    std::vector<lamella_point> points;
+    std::vector<lamella_point_origin> origins;
+    std::vector<std::uint64_t> order;
+    void operator()(const lamella_layer_view& layer) {
+        order.push_back(layer.index);
+        points.insert(points.end(), layer.points, layer.points + layer.point_count);
+        if (layer.origins != nullptr) {
+            origins.insert(origins.end(), layer.origins, layer.origins + layer.point_count);
+        }
+    }
+};
+
+template <class T>
+bool same_bytes(const std::vector<T>& got, const T* expected, std::uint64_t count) {
+    return got.size() >= count && std::memcmp(got.data(), expected, count * sizeof(T)) == 0;
 }
 
 /// A box with a box in it that is empty, beside a smaller one.
@@ -30,135 +64,125 @@ std::vector<float> hollow_and_solid() {
 
 }  // namespace
 
-TEST_CASE("origins by C are those of C++", "[c]") {
+TEST_CASE("any source goes to any destination by C", "[c]") {
     const std::vector<float> sphere = shapes::floats(shapes::octasphere({1, 2, 3}, 20, 3));
     const lamella_mesh mesh = soup_of(sphere);
     lamella_options options = options_at(0.7);
-    CHECK(view_of(sliced(mesh, options)).origins == nullptr);
     options.origins = 1;
-    SliceOptions same;
-    same.plan.spacing = UniformLayers{.layer_height_mm = 0.7};
-    same.origins = true;
-    const SliceResult expected = value_of(slice(MeshView::soup(sphere), same));
-    const ResultHandle result = sliced(mesh, options);
-    const lamella_view view = view_of(result);
-    REQUIRE(view.origins != nullptr);
-    REQUIRE(view.point_count == expected.origins.size());
-    for (std::uint64_t i = 0; i < view.point_count; ++i) {
-        const PointOrigin& origin = expected.origins[i];
-        REQUIRE(view.origins[i].triangle == origin.triangle);
-        REQUIRE(view.origins[i].triangle < mesh.triangle_count);
-        REQUIRE(view.origins[i].edge == origin.edge);
-        REQUIRE(view.origins[i].end_edge == origin.end_edge);
-    }
-
-    SECTION("in a sink") {
-        std::vector<lamella_point_origin> got;
-        const lamella_sink sink = {[](void* context, const lamella_layer_view* layer) {
-                                       if (layer->point_count != 0) {
-                                           static_cast<std::vector<lamella_point_origin>*>(context)->insert(
-                                               static_cast<std::vector<lamella_point_origin>*>(context)->end(),
-                                               layer->origins, layer->origins + layer->point_count);
-                                       }
-                                   },
-                                   &got, LAMELLA_SINK_ASCENDING, 0};
-        REQUIRE(lamella_slice_to(&sink, &mesh, &options, nullptr, nullptr, nullptr) == LAMELLA_OK);
-        REQUIRE(got.size() == view.point_count);
-        CHECK(same_bytes(got.data(), view.origins, view.point_count));
-    }
-    SECTION("in host arrays") {
-        lamella_output_bounds bounds = fresh(lamella_output_bounds_init_sized);
-        REQUIRE(lamella_bound_output(&mesh, &options, nullptr, &bounds, nullptr) == LAMELLA_OK);
-        HostArrays<std::int32_t> host(bounds, LAMELLA_I32);
-        host.output.origins = host.origins.data();
-        lamella_totals totals = fresh(lamella_totals_init_sized);
-        REQUIRE(lamella_slice_into(&host.output, &mesh, &options, nullptr, &totals, nullptr) == LAMELLA_OK);
-        REQUIRE(totals.points == view.point_count);
-        CHECK(same_bytes(host.origins.data(), view.origins, view.point_count));
-    }
-    SECTION("of parts, which they name") {
-        const lamella_mesh* const meshes[] = {&mesh, &mesh};
-        lamella_result* both = nullptr;
-        REQUIRE(lamella_slice_parts(meshes, nullptr, 2, &options, LAMELLA_PARTS_SEPARATE, &both, nullptr) == LAMELLA_OK);
-        const ResultHandle owned(both);
-        const lamella_view parts = view_of(owned);
-        REQUIRE(parts.point_count == 2 * view.point_count);
-        const auto seconds = std::count_if(parts.origins, parts.origins + parts.point_count,
-                                           [](const lamella_point_origin& origin) { return origin.part == 1; });
-        CHECK(static_cast<std::uint64_t>(seconds) == view.point_count);
-    }
-}
-
-TEST_CASE("a prepared mesh is written into host arrays by C", "[c]") {
-    const lamella_mesh mesh = soup_of(tetrahedron);
-    lamella_options options = options_at(0.5);
-    options.origins = 1;
-    const ResultHandle expected = sliced(mesh, options);
-    const lamella_view view = view_of(expected);
     lamella_prepared* handle = nullptr;
-    REQUIRE(lamella_prepare(&mesh, &options, &handle, nullptr) == LAMELLA_OK);
+    REQUIRE(lamella_prepare(&mesh, &options, nullptr, &handle, nullptr) == LAMELLA_OK);
     const std::unique_ptr<lamella_prepared, Freed> prepared(handle);
-    CHECK(lamella_prepared_unit_mm(handle) == LAMELLA_DEFAULT_UNIT_MM);
-    CHECK(lamella_prepared_unit_mm(nullptr) == 0);
-    lamella_output_bounds bounds = fresh(lamella_output_bounds_init_sized);
-    REQUIRE(lamella_bound_prepared_output(handle, &options, nullptr, &bounds, nullptr) == LAMELLA_OK);
-    CHECK(bounds.layers == view.layer_count);
-    HostArrays<std::int32_t> host(bounds, LAMELLA_I32);
-    host.output.origins = host.origins.data();
-    lamella_totals totals = fresh(lamella_totals_init_sized);
-    REQUIRE(lamella_slice_prepared_into(&host.output, handle, &options, nullptr, &totals, nullptr) == LAMELLA_OK);
-    REQUIRE(totals.points == view.point_count);
-    CHECK(std::memcmp(host.points.data(), view.points, view.point_count * sizeof(lamella_point)) == 0);
-    CHECK(same_bytes(host.origins.data(), view.origins, view.point_count));
-    CHECK(lamella_bound_prepared_output(nullptr, &options, nullptr, &bounds, nullptr) == LAMELLA_INVALID_ARGUMENT);
-    CHECK(lamella_slice_prepared_into(&host.output, nullptr, &options, nullptr, nullptr, nullptr) ==
-          LAMELLA_INVALID_ARGUMENT);
+    CHECK(lamella_prepared_grid_mm(handle) == LAMELLA_DEFAULT_GRID_MM);
+    CHECK(lamella_prepared_bytes(handle) >= mesh.triangle_count * 48);
+    lamella_part parts[2] = {{&mesh, {}}, {&mesh, {1, 0, 0, 50, 0, 1, 0, 0, 0, 0, 1, 0}}};  // the second is moved along x
+    lamella_source source = fresh<lamella_source>(LAMELLA_SOURCE);
+    std::uint64_t times = 1;
+
+    SECTION("a mesh") {
+        source.mesh = &mesh;
+    }
+    SECTION("a prepared mesh") {
+        source.prepared = handle;
+    }
+    SECTION("parts") {
+        source.parts = parts;
+        source.part_count = 2;
+        times = 2;
+    }
+    SECTION("what faces project") {
+        source.mesh = &mesh;
+        options.content =
+            GENERATE(as<std::int32_t>{}, LAMELLA_LAYER_CONTENT_UPWARD_FACES, LAMELLA_LAYER_CONTENT_DOWNWARD_FACES);
+        lamella_result* refused = nullptr;
+        CHECK(lamella_slice(nullptr, &mesh, &options, &refused, nullptr) == LAMELLA_INVALID_ARGUMENT);  // no origins
+        options.origins = 0;
+    }
+    const ResultHandle expected = sliced_from(source, options);
+    const lamella_view view = view_of(expected);
+    REQUIRE(view.info.points != 0);
+    if (source.mesh != nullptr) {
+        const auto content = static_cast<LayerContent>(options.content);
+        const auto in_cpp =
+            slice(MeshView::soup(sphere), {.layer_height_mm = 0.7, .origins = options.origins != 0, .content = content});
+        REQUIRE(in_cpp);
+        CHECK(lamella_result_hash(expected.get()) == in_cpp->hash());
+        CHECK(std::equal(in_cpp->origins.begin(), in_cpp->origins.end(), view.origins,
+                         [](const auto& a, const auto& b) { return std::memcmp(&a, &b, sizeof a) == 0; }));
+    }
+    CHECK(view.info.part_count == times);
+    if (options.content == LAMELLA_LAYER_CONTENT_SECTION) {
+        CHECK(view.info.points == times * view_of(sliced(mesh, options)).info.points);
+    }
+
+    const std::unique_ptr<lamella_slicer, Freed> slicer(lamella_slicer_create());
+    auto outline = fresh<lamella_info>(LAMELLA_INFO);
+    REQUIRE(lamella_outline(slicer.get(), &source, &options, nullptr, &outline, nullptr) == LAMELLA_OK);
+    CHECK(outline.layers == view.info.layers);
+    CHECK(lamella_slicer_bytes(slicer.get()) > 0);
+
+    Collected got;
+    const lamella_sink sink = sink_to(got);
+    auto to = into(nullptr, &sink, nullptr);
+    auto info = fresh<lamella_info>(LAMELLA_INFO);
+    REQUIRE(lamella_slice_to(slicer.get(), &to, &source, &options, nullptr, &info, nullptr) == LAMELLA_OK);
+    CHECK(info.points == view.info.points);
+    CHECK(got.order.size() == view.info.layers);
+    CHECK(std::is_sorted(got.order.begin(), got.order.end()));
+    CHECK(same_bytes(got.points, view.points, view.info.points));
+
+    outline.segments = std::max(outline.segments, view.info.points);  // regions make points
+    Arrays host(outline);
+    to = into(nullptr, nullptr, &host.arrays);
+    REQUIRE(lamella_slice_to(slicer.get(), &to, &source, &options, nullptr, &info, nullptr) == LAMELLA_OK);
+    CHECK(info.contours == view.info.contours);
+    CHECK(same_bytes(host.points, view.points, view.info.points));
+    if (view.origins != nullptr) {
+        CHECK(same_bytes(got.origins, view.origins, view.info.points));
+        CHECK(same_bytes(host.origins, view.origins, view.info.points));
+    }
+    lamella_slicer_reset(slicer.get());
+    CHECK(lamella_slicer_bytes(slicer.get()) == 0);
 }
 
-TEST_CASE("totals of C hold the counts of a result, and the layer of each height", "[c]") {
+TEST_CASE("the info of C holds the counts of a result, and the layer of each height", "[c]") {
     const std::vector<float> soup = hollow_and_solid();
     const lamella_mesh mesh = soup_of(soup);
+    const lamella_source source = source_of(mesh);
     const std::vector<double> heights = {7.5, 1, 4.5, 1};
-    lamella_options options = options_at(heights);
+    const lamella_options options = at_heights(heights);
     const ResultHandle expected = sliced(mesh, options);
-    const lamella_view view = view_of(expected);
-    const lamella_sink sink = {[](void*, const lamella_layer_view*) {}, nullptr, LAMELLA_SINK_ANY, 0};
-    std::vector<std::uint64_t> layer_of(4, 99);
-    lamella_totals totals = fresh(lamella_totals_init_sized);
-    totals.layer_of = layer_of.data();
-    totals.layer_of_capacity = layer_of.size();
-    REQUIRE(lamella_slice_to(&sink, &mesh, &options, nullptr, &totals, nullptr) == LAMELLA_OK);
-    CHECK(layer_of == std::vector<std::uint64_t>{2, 0, 1, 0});
-    CHECK(totals.layer_of == layer_of.data());
-    CHECK(totals.triangles == 36);
-    CHECK(totals.holes == 1);
-    CHECK(totals.holes == view.holes);
-    CHECK(totals.segments == view.segments);
-    CHECK(std::equal(totals.min_mm, totals.min_mm + 3, view.min_mm));
-    CHECK(totals.max_mm[0] == 15);
-
-    totals.layer_of_capacity = 3;
-    lamella_error error = fresh_error();
-    CHECK(lamella_slice_to(&sink, &mesh, &options, nullptr, &totals, &error) == LAMELLA_INVALID_ARGUMENT);
-    CHECK(std::string(error.message) == "layer_of has room for 3 layers, but there are 4 heights");
-    totals.struct_size = offsetof(lamella_totals, triangles);  // of a program that knows neither
-    CHECK(lamella_slice_to(&sink, &mesh, &options, nullptr, &totals, &error) == LAMELLA_OK);
+    const lamella_info counts = view_of(expected).info;
+    Collected got;
+    const lamella_sink sink = sink_to(got);
+    const auto to = into(nullptr, &sink, nullptr);
+    const std::unique_ptr<lamella_slicer, Freed> slicer(lamella_slicer_create());
+    auto info = fresh<lamella_info>(LAMELLA_INFO);
+    REQUIRE(lamella_slice_to(slicer.get(), &to, &source, &options, nullptr, &info, nullptr) == LAMELLA_OK);
+    REQUIRE(info.layer_of_count == 4);
+    CHECK(std::vector<std::uint64_t>(info.layer_of, info.layer_of + 4) == std::vector<std::uint64_t>{2, 0, 1, 0});
+    CHECK(info.triangles == 36);
+    CHECK(info.holes == 1);
+    CHECK(info.holes == counts.holes);
+    CHECK(info.segments == counts.segments);
+    CHECK(std::equal(info.min_mm, info.min_mm + 3, counts.min_mm));
+    CHECK(info.max_mm[0] == 15);
+    // A slicer that ends with the call keeps no list.
+    REQUIRE(lamella_slice_to(nullptr, &to, &source, &options, nullptr, &info, nullptr) == LAMELLA_OK);
+    CHECK(info.layer_of_count == 0);
 }
 
 TEST_CASE("islands and areas go through C", "[c]") {
     const std::vector<float> soup = hollow_and_solid();
-    const lamella_mesh mesh = soup_of(soup);
     const std::vector<double> heights = {4.5};
-    const lamella_options options = options_at(heights);
-    const ResultHandle result = sliced(mesh, options);
+    const ResultHandle result = sliced(soup_of(soup), at_heights(heights));
     const lamella_view view = view_of(result);
     std::vector<double> areas;
     lamella_island island;
-    for (std::uint64_t at = 0; lamella_next_island(view.contours, view.contour_count, &at, &island) != 0;) {
-        double area = lamella_contour_area_mm2(island.outer, view.unit_mm);
+    for (std::uint64_t at = 0; lamella_next_island(view.contours, view.info.contours, &at, &island) != 0;) {
+        double area = lamella_contour_area_mm2(island.outer, view.info.grid_mm);
         for (std::uint64_t h = 0; h < island.hole_count; ++h) {
             CHECK(view.contours + island.holes[h].parent == island.outer);
-            area += lamella_contour_area_mm2(island.holes + h, view.unit_mm);
+            area += lamella_contour_area_mm2(island.holes + h, view.info.grid_mm);
         }
         areas.push_back(area);
     }
@@ -166,48 +190,4 @@ TEST_CASE("islands and areas go through C", "[c]") {
     std::uint64_t none = 0;
     CHECK(lamella_next_island(nullptr, 0, &none, &island) == 0);
     CHECK(lamella_contour_area_mm2(nullptr, 1) == 0);
-}
-
-TEST_CASE("slabs by C are those of C++", "[c]") {
-    const std::vector<float> soup = hollow_and_solid();
-    const lamella_mesh mesh = soup_of(soup);
-    lamella_options options = options_at(3);
-    lamella_result* top = nullptr;
-    lamella_result* bottom = nullptr;
-    REQUIRE(lamella_slice_slabs(&mesh, &options, &top, &bottom, nullptr) == LAMELLA_OK);
-    const ResultHandle tops(top);
-    const ResultHandle bottoms(bottom);
-    SlabOptions same;
-    same.plan.spacing = UniformLayers{.layer_height_mm = 3};
-    const Slabs expected = value_of(slice_slabs(MeshView::soup(soup), same));
-    REQUIRE(view_of(tops).contour_count != 0);
-    REQUIRE(view_of(bottoms).contour_count != 0);
-    CHECK(lamella_result_hash(top) == hash_result(expected.top));
-    CHECK(lamella_result_hash(bottom) == hash_result(expected.bottom));
-    CHECK(lamella_result_hash(top) != lamella_result_hash(bottom));
-
-    lamella_result* alone = nullptr;
-    REQUIRE(lamella_slice_slabs(&mesh, &options, nullptr, &alone, nullptr) == LAMELLA_OK);
-    const ResultHandle owned(alone);
-    CHECK(lamella_result_hash(alone) == lamella_result_hash(bottom));
-    REQUIRE(lamella_slice_slabs(&mesh, &options, &alone, nullptr, nullptr) == LAMELLA_OK);
-    CHECK(lamella_result_hash(alone) == lamella_result_hash(top));
-    CHECK(lamella_slice_slabs(&mesh, &options, nullptr, nullptr, nullptr) == LAMELLA_INVALID_ARGUMENT);
-    options.origins = 1;
-    lamella_error error = fresh_error();
-    CHECK(lamella_slice_slabs(&mesh, &options, &alone, nullptr, &error) == LAMELLA_INVALID_ARGUMENT);
-    CHECK(std::string(error.message) == "slabs have neither gaps that are joined nor origins");
-}
-
-TEST_CASE("a tolerance of simplification goes through C", "[c]") {
-    const std::vector<float> sphere = shapes::floats(shapes::octasphere({0, 0, 0}, 20, 4));
-    const lamella_mesh mesh = soup_of(sphere);
-    lamella_region_rules rules = fresh(lamella_region_rules_init_sized);
-    rules.simplify_mm = 0.5;
-    lamella_options options = options_at(1);
-    const std::uint64_t points = view_of(sliced(mesh, options)).point_count;
-    options.region = &rules;
-    CHECK(view_of(sliced(mesh, options)).point_count < points / 2);
-    rules.struct_size = offsetof(lamella_region_rules, simplify_mm);
-    CHECK(view_of(sliced(mesh, options)).point_count == points);
 }

@@ -1,4 +1,4 @@
-// What control.hpp promises: threads, memory, stop and progress.
+// The promises of context.hpp: threads, memory, stop and progress.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -16,7 +16,6 @@
 #include "input/files.hpp"
 #include "lamella/io.hpp"
 
-using lamella::Control;
 using lamella::ErrorCode;
 
 namespace {
@@ -26,7 +25,7 @@ struct LateStop {
     std::uint64_t from;
     std::atomic<std::uint64_t> asked{0};
 
-    bool operator()() { return ++asked >= from; }
+    bool operator()() noexcept { return ++asked >= from; }
 };
 
 }  // namespace
@@ -35,55 +34,52 @@ TEST_CASE("every call refuses negative threads, ends when it is asked to, and sh
     const TempFolder folder;
     const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 5, 4);
     using namespace lamella::input_test;
-    ControlledCalls calls(view_of(soup), folder.write("a.stl", binary_stl(numbered_facets(5000))), 0.1);
-    for (const ControlledCall& call : calls.all()) {
+    ContextCalls calls(view_of(soup), folder.write("a.stl", binary_stl(numbered_facets(5000))), 0.1);
+    for (const ContextCall& call : calls.all()) {
         INFO(call.name);
         CHECK(call.run({.threads = -1}) == ErrorCode::invalid_argument);
         double last = 0;
         const auto note = [&last](double fraction) noexcept { last = fraction > last ? fraction : -1; };
-        CHECK(call.run({.threads = 1, .progress = lamella::Progress::to(note)}) == std::nullopt);
-        CHECK(last == 1);
+        CHECK(call.run({.threads = 1, .progress = note}) == std::nullopt);
+        CHECK(last == (call.shows_progress ? 1 : 0));
         LateStop at_once{1};
-        CHECK(call.run({.threads = 2, .stop = asking(at_once)}) == ErrorCode::cancelled);
+        CHECK(call.run({.threads = 2, .stop = at_once}) == ErrorCode::cancelled);
         CHECK(at_once.asked <= 2);
     }
     CHECK(code_of(lamella::assemble({}, {.threads = -1})) == ErrorCode::invalid_argument);
     LateStop at_once{1};
-    CHECK(code_of(lamella::assemble({}, {.stop = asking(at_once)})) == ErrorCode::cancelled);
+    CHECK(code_of(lamella::assemble({}, {.stop = at_once})) == ErrorCode::cancelled);
 }
 
 TEST_CASE("a host is asked once in an interval, and one yes of its is one for all threads", "[engine][control][threads]") {
     LateStop host{2};
-    lamella::PacedStop paced(asking(host));
-    CHECK_FALSE(paced.check().stop_requested());
+    lamella::PacedStop paced(host);
+    CHECK_FALSE(paced.check()());
     bool answered = false;
-    std::thread([&] { answered = paced.check().stop_requested(); }).join();  // another thread's first look
+    std::thread([&] { answered = paced.check()(); }).join();  // another thread's first look
     CHECK(answered);
     CHECK(host.asked == 2);
     for (int look = 0; look < 3; ++look) {
-        CHECK(paced.check().stop_requested());
+        CHECK(paced.check()());
     }
     CHECK(host.asked == 2);
     host.from = 9;
     const auto until = std::chrono::steady_clock::now() + lamella::PacedStop::interval;
-    paced.follow(asking(host));
-    CHECK_FALSE(paced.check().stop_requested());
-    CHECK_FALSE(paced.check().stop_requested());
+    paced.follow(host);
+    CHECK_FALSE(paced.check()());
+    CHECK_FALSE(paced.check()());
     CHECK((host.asked == 3 || std::chrono::steady_clock::now() > until));
 }
 
 TEST_CASE("the first yes ends a slice, whenever it comes", "[engine][control][cancel][threads]") {
     const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 5, 5);
-    lamella::SliceOptions options = uniform(0.001);
-    options.control.threads = 1;
+    const lamella::SliceOptions options = uniform(0.001);
     LateStop never{~std::uint64_t{0}};
-    options.control.stop = asking(never);
-    (void)sliced(soup, options);
+    (void)sliced(soup, options, {.threads = 1, .stop = never});
     REQUIRE(never.asked >= 4);
     for (std::uint64_t from = 1; from <= std::min<std::uint64_t>(never.asked / 2, 40); ++from) {
         LateStop stop{from};
-        options.control.stop = asking(stop);
-        REQUIRE(failure_of(view_of(soup), options).code == ErrorCode::cancelled);
+        REQUIRE(failure_of(view_of(soup), options, {.threads = 1, .stop = stop}).code == ErrorCode::cancelled);
         REQUIRE(stop.asked == from);
     }
 }
@@ -91,9 +87,12 @@ TEST_CASE("the first yes ends a slice, whenever it comes", "[engine][control][ca
 TEST_CASE("progress never falls, comes from one thread at a time and ends at 1", "[engine][control][threads]") {
     const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 6);
     lamella::SliceOptions options = uniform(0.01);
-    options.control.threads = GENERATE(1, 3);
-    options.tuning.band_planes = GENERATE(0, 20);
-    options.plan.spacing = GENERATE(lamella::UniformLayers{0.01}, lamella::UniformLayers{100, 1000.0});  // planes, and none
+    const int threads = GENERATE(1, 3);
+    const std::int64_t band_planes = GENERATE(0, 20);
+    if (GENERATE(false, true)) {  // no planes
+        options.layer_height_mm = 100;
+        options.planes.first_height_mm = 1000;
+    }
     std::atomic<int> inside = 0;
     std::atomic<bool> together = false;
     std::vector<double> seen;
@@ -103,41 +102,39 @@ TEST_CASE("progress never falls, comes from one thread at a time and ends at 1",
         std::this_thread::yield();
         --inside;
     };
-    options.control.progress = lamella::Progress::to(note);
-    const lamella::SliceResult result = sliced(soup, options);
+    const lamella::SliceResult result =
+        sliced(soup, options, {.threads = threads, .progress = note}, {.band_planes = band_planes});
     CHECK_FALSE(together);
     REQUIRE_FALSE(seen.empty());
     CHECK(std::adjacent_find(seen.begin(), seen.end(), std::greater_equal<>()) == seen.end());
     CHECK(seen.front() >= 0);
     CHECK(seen.back() == 1);
     // Bands that finish out of order are reported together; at most two a thread run ahead, which bounds their number.
-    const bool many_bands = options.tuning.band_planes == 20 && result.layers.size() > 1000;
-    CHECK((!many_bands || seen.size() >= 100 / (2 * static_cast<std::size_t>(options.control.threads) + 1)));
+    const bool many_bands = band_planes == 20 && result.layers.size() > 1000;
+    CHECK((!many_bands || seen.size() >= 100 / (2 * static_cast<std::size_t>(threads) + 1)));
 }
 
 TEST_CASE("a call that fails does not report 1", "[engine][control]") {
     const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 5);
-    lamella::SliceOptions options = uniform(0.001);  // tens of milliseconds, which is long enough to be asked
+    const lamella::SliceOptions options = uniform(0.001);  // tens of milliseconds, which is long enough to be asked
     double last = 0;
     std::atomic<bool> stop = false;
     const auto note = [&](double fraction) noexcept {
         last = fraction;
         stop = fraction > 0.5;
     };
-    options.control.threads = 1;
-    options.tuning.band_planes = 1;
-    options.control.progress = lamella::Progress::to(note);
-    options.control.stop = lamella::StopCheck::when(stop);
-    CHECK(failure_of(view_of(soup), options).code == ErrorCode::cancelled);
+    const auto ask = [&]() noexcept { return stop.load(); };
+    lamella::Slicer slicer;
+    lamella::SliceResult result;
+    const auto info = slice_tuned(slicer, result, view_of(soup), options, {.band_planes = 1},
+                                  {.threads = 1, .stop = ask, .progress = note});
+    CHECK(code_of(info) == ErrorCode::cancelled);
     CHECK((last > 0.5 && last < 1));
 }
 
 TEST_CASE("a slow progress sink holds up no other thread", "[engine][control][threads]") {
     // The sink returns only once all planes but those of its own band are through: a lock that it held would end in a hang.
     const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 5);
-    lamella::SliceOptions options = uniform(0.01);
-    options.control.threads = 2;
-    options.tuning.band_planes = 20;
     std::atomic<std::uint64_t> layers = 0;
     const auto count = [&](const lamella::LayerView&) noexcept { ++layers; };
     std::atomic<bool> first = true;
@@ -152,41 +149,21 @@ TEST_CASE("a slow progress sink holds up no other thread", "[engine][control][th
         }
         meanwhile = layers - before;
     };
-    options.control.progress = lamella::Progress::to(wait);
-    REQUIRE(slice_to(lamella::LayerSink::to(count, lamella::SinkOrder::any), view_of(soup), options).ok());
+    sliced_to(lamella::LayerSink{.take = count, .order = lamella::SinkOrder::any}, view_of(soup), uniform(0.01),
+              {.threads = 2, .progress = wait}, {.band_planes = 20});
     CHECK(meanwhile >= 40);
 }
 
 TEST_CASE("a result's arrays and its scratch come from the host's memory and go back", "[engine][control][memory]") {
     CountingMemory memory;
-    const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 5);
     {
-        lamella::SliceOptions options = uniform(0.01);
-        options.control.memory = &memory;
-        const lamella::SliceResult result = sliced(soup, options);
+        const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 5);
+        const lamella::SliceResult result = sliced(soup, uniform(0.01), {.memory = &memory});
         const std::size_t bytes = result.points.size() * sizeof(lamella::Point) +
                                   result.contours.size() * sizeof(lamella::Contour) +
                                   result.layers.size() * sizeof(lamella::Layer);
         CHECK(memory.held() >= bytes);
         CHECK(memory.peak() > memory.held());
-    }
-    CHECK(memory.held() == 0);
-    {
-        const auto welded = lamella::weld(view_of(soup), {.control = {.memory = &memory}});
-        REQUIRE(welded.ok());
-        CHECK(memory.held() >= welded->coordinates.size() + 4 * welded->indices.size());
-    }
-    CHECK(memory.held() == 0);
-    {
-        lamella::Workspace workspace;
-        lamella::SliceResult result(&memory);
-        lamella::SliceOptions options = uniform(0.1);
-        options.control.memory = &memory;
-        REQUIRE(slice(view_of(soup), options, workspace, result).ok());
-        const std::size_t with_scratch = memory.held();
-        workspace.reset();
-        CHECK(memory.held() < with_scratch);
-        REQUIRE(slice(view_of(soup), options, workspace, result).ok());
     }
     CHECK(memory.held() == 0);
 }
@@ -207,10 +184,10 @@ TEST_CASE("what is documented as noexcept is", "[engine][control]") {
     const lamella::MeshCheck check;
     STATIC_REQUIRE(noexcept(slice(mesh)));
     STATIC_REQUIRE(noexcept(lamella::assemble({})));
-    STATIC_REQUIRE(noexcept(validate(result)));
-    STATIC_REQUIRE(noexcept(make_verdict(check)));
-    STATIC_REQUIRE(noexcept(make_report_json(result)));
+    STATIC_REQUIRE(noexcept(audit(result)));
+    STATIC_REQUIRE(noexcept(lamella::make_verdict(check)));
+    STATIC_REQUIRE(noexcept(lamella::make_report_json(result)));
     STATIC_REQUIRE(noexcept(lamella::format_names()));
-    STATIC_REQUIRE(noexcept(lamella::Workspace()));
+    STATIC_REQUIRE(noexcept(lamella::Slicer()));
     STATIC_REQUIRE_FALSE(noexcept(std::declval<lamella::Array<int>&>().resize_discarding(1)));
 }

@@ -6,7 +6,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "engine/crossings.hpp"
 #include "engine/slicing.hpp"
 #include "rings.hpp"
 
@@ -24,12 +23,6 @@ struct Path {
     bool closed = true;
 };
 using Layer = std::vector<Path>;
-
-template <class T>
-void fill(lamella::Array<T>& array, const std::vector<T>& values) {
-    array.resize_discarding(values.size());
-    std::copy(values.begin(), values.end(), array.begin());
-}
 
 SliceResult result_of(const std::vector<Layer>& layers) {
     std::vector<lamella::Layer> planes;
@@ -58,7 +51,7 @@ SliceResult result_of(const std::vector<Layer>& layers) {
 }
 
 Crossings found(const SliceResult& result, int threads = 1) {
-    return value_of(find_crossings(result, {.threads = threads}));
+    return value_of(audits::crossings_of(result, {.threads = threads}));
 }
 
 std::uint64_t count_in(const Layer& layer) {
@@ -89,7 +82,7 @@ bool comes_round_before(Point a, Point b) {
     return half(a) != half(b) ? half(b) : std::int64_t{a.x} * b.y - std::int64_t{a.y} * b.x > 0;
 }
 
-/// Whether four arms of distinct directions alternate around the corner.
+/// True where four arms of distinct directions alternate around the corner.
 bool alternate(const Corner& a, const Corner& b) {
     struct Arm {
         Point to;
@@ -223,25 +216,9 @@ TEST_CASE("crossings: all threads search one wide layer, with the same answer", 
     CHECK(some.at_least);
     CHECK(some.count == lamella::most_crossings_in_layer);
     for (const int threads : {2, 3}) {
-        check_equal(found(result, threads), one);
-        check_equal(found(too_many, threads), some);
+        CHECK(audits::same(found(result, threads), one));
+        CHECK(audits::same(found(too_many, threads), some));
     }
-}
-
-TEST_CASE("crossings: overlapping outlines cross; touching, nested and separate ones do not", "[engine][crossings]") {
-    CHECK(count_in({}) == 0);
-    CHECK(count_in({square(0, 0, 10)}) == 0);
-    CHECK(count_in({square(0, 0, 10), square(20, 0, 10)}) == 0);
-    CHECK(count_in({square(0, 0, 10), square(2, 2, 3)}) == 0);
-    CHECK(count_in({square(0, 0, 10), square(5, 5, 10)}) == 2);
-    CHECK(count_in({square(0, 0, 10), square(10, 10, 10)}) == 0);                    // touches at a corner
-    CHECK(count_in({square(0, 0, 10), square(10, 0, 10)}) == 0);                     // touches along a side
-    CHECK(count_in({square(0, 0, 10), square(0, 0, 10)}) == 0);                      // equal outlines
-    CHECK(count_in({square(0, 0, 10), {{{10, 5}, {20, 0}, {20, 10}}}}) == 0);        // touches with a tip
-    CHECK(count_in({square(0, 0, 10), {{{5, 5}, {20, 0}, {20, 10}}}}) == 2);         // its tip is inside
-    CHECK(count_in({{{{0, 0}, {10, 10}, {10, 0}, {0, 10}}}}) == 1);                  // crosses itself
-    CHECK(count_in({{{{0, 0}, {5, 5}, {10, 10}, {10, 0}, {5, 5}, {0, 10}}}}) == 1);  // crosses itself at a corner
-    CHECK(count_in({{{{0, 0}, {5, 5}, {0, 10}, {10, 10}, {5, 5}, {10, 0}}}}) == 0);  // only touches itself there
 }
 
 TEST_CASE("crossings: passing through a corner counts, touching it does not", "[engine][crossings]") {
@@ -291,19 +268,6 @@ TEST_CASE("crossings: they are exact up to the limits of the grid", "[engine][cr
     CHECK(count_in({square(-far, -far, far), square(-1, -1, far)}) == 2);
 }
 
-TEST_CASE("crossings: threads do not change the crossings of intersecting shells", "[engine][crossings]") {
-    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 4);
-    const SliceResult apart = sliced(ball, uniform(0.05));
-    CHECK(found(apart, 2).count == 0);
-    const SliceResult result = sliced(shapes::joined({ball, shapes::moved(ball, {3, 4, 5})}), uniform(0.05));
-    const Crossings one = found(result);
-    CHECK(one.count >= 2 * one.layers.size());
-    CHECK(one.layers.size() > 200);
-    for (const int threads : {2, 3, 0}) {
-        check_equal(one, found(result, threads));
-    }
-}
-
 TEST_CASE("crossings: a search that takes too long stops and reports a lower bound", "[engine][crossings]") {
     // Slanting teeth side by side: each tooth's box overlaps all others.
     Path comb;
@@ -325,8 +289,7 @@ TEST_CASE("crossings: a search that takes too long stops and reports a lower bou
 
 TEST_CASE("crossings: malformed results and options are errors", "[engine][crossings]") {
     SliceResult result = result_of({{square(0, 0, 10)}});
-    CHECK(find_crossings(result, {.threads = -1}).error().code == lamella::ErrorCode::invalid_argument);
     result.contours[0].point_count = 5;
-    CHECK(find_crossings(result).error().code == lamella::ErrorCode::invalid_argument);
+    CHECK(code_of(audits::crossings_of(result)) == lamella::ErrorCode::invalid_argument);
     CHECK(found(SliceResult()).count == 0);
 }

@@ -8,8 +8,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "engine/counting_memory.hpp"
-#include "lamella/control.hpp"
+#include "lamella/context.hpp"
 #include "rings.hpp"
 #include "slicing/edges/pair_search.hpp"
 
@@ -47,7 +46,7 @@ Pairs found(lamella::EdgePairs& search, const Layer& layer, std::int32_t margin)
     return pairs;
 }
 
-/// Whether two edges of one path meet elsewhere than in a corner between them.
+/// True where two edges of one path meet elsewhere than in a corner between them.
 bool must_be_found(const EdgePath& path, std::size_t i, std::size_t j) {
     const bool leads_on = j == i + 1 || (path.closed && i == 0 && j + 1 == path.edges());
     if (!leads_on || (path.closed && path.edges() == 2)) {
@@ -243,27 +242,12 @@ TEST_CASE("edge pairs: a search ends where it is told to, and at its limit", "[e
         }
     }));
     CHECK(met == 17);
-    worker.follow({[](void*) noexcept { return true; }, nullptr});
+    const auto at_once = []() noexcept { return true; };
+    worker.follow(at_once);
     layer.resize(4000, layer[0]);
     search.clear();
     for (std::size_t p = 0; p < layer.size(); ++p) {
         search.add(layer[p].given(p));
     }
     CHECK_THROWS_AS(search.find(0, unlimited, count), lamella::Stopped);
-}
-
-TEST_CASE("edge pairs: memory comes from the host, once for layers alike", "[engine][pairs]") {
-    std::mt19937 random(25);
-    const Layer layer = random_layer(random, {200, 60, 3000, 20, false});
-    const CountingMemory memory;
-    {
-        lamella::Worker worker(&memory);
-        lamella::EdgePairs search(worker);
-        const Pairs pairs = found(search, layer, 2);
-        const std::size_t held = memory.held();
-        CHECK(held > sizeof(Point) * search.edges());
-        CHECK(found(search, layer, 2) == pairs);
-        CHECK(memory.held() == held);
-    }
-    CHECK(memory.held() == 0);
 }

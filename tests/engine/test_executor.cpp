@@ -1,4 +1,4 @@
-// The host's threads: whatever they do within what control.hpp asks of them, every call ends with the same answer.
+// The host's threads: whatever they do within what context.hpp asks of them, every call ends with the same answer.
 #include <atomic>
 #include <cstddef>
 #include <functional>
@@ -8,12 +8,10 @@
 
 #include <catch2/catch.hpp>
 
-#include "engine/collected_layers.hpp"
-#include "engine/slicing.hpp"
+#include "engine/everywhere.hpp"
 #include "lamella/io/check_report.hpp"
 
-using lamella::Control;
-using lamella::Executor;
+using lamella::Context;
 
 namespace {
 
@@ -28,34 +26,24 @@ const shapes::Soup& parts() {
     return soup;
 }
 
-/// What every call that takes threads answers, as text.
-std::string answers(const Control& control) {
-    lamella::SliceOptions options = uniform(0.05);
-    options.control = control;
-    options.tuning.band_planes = 7;
-    const lamella::SliceResult result = sliced(parts(), options);
+/// The answers of every call that takes threads, as text.
+std::string answers(const Context& context) {
+    const lamella::SliceOptions options = uniform(0.05);
+    const Way way{context, {.band_planes = 7}};
     const lamella::MeshView mesh = view_of(parts());
-    for (const auto order : {lamella::SinkOrder::any, lamella::SinkOrder::ascending}) {
-        CollectedLayers collected;
-        REQUIRE(slice_to(lamella::LayerSink::to(collected, order), mesh, options).ok());
-        REQUIRE(collected.difference(result) == "");
-    }
-    lamella::CheckOptions checking;
-    checking.control = control;
-    const lamella::MeshInfo info = value_of(inspect(mesh, {.control = control}));
-    return std::to_string(hash_result(result)) + " " + std::to_string(value_of(make_ledger(mesh, result, control)).between) +
-           " " + std::to_string(value_of(certify_volume(mesh, result, control)).mesh_mm3) + " " +
-           std::to_string(value_of(find_crossings(result, control)).count) + " " + std::to_string(info.boundary_edges) +
-           " " + std::to_string(info.shells) + "\n" + make_check_json(value_of(lamella::check(mesh, checking))).value();
+    const lamella::SliceResult result = sliced(mesh, options, way.context, way.tuning);
+    require_at_every_destination(result, mesh, options, way);
+    const lamella::Audit audited = value_of(audit(result, mesh, {}, context));
+    const lamella::MeshCheck counts = value_of(check(mesh, {.counts_only = true}, context));
+    return std::to_string(result.hash()) + " " + std::to_string(audited.ledger->between) + " " +
+           std::to_string(audited.volume->mesh_mm3) + " " + std::to_string(audited.crossings->count) + " " +
+           std::to_string(counts.boundary_edges) + " " + std::to_string(counts.shell_count) + "\n" +
+           make_check_json(value_of(check(mesh, {}, context))).value();
 }
 
 /// The same by one thread.
 const std::string& expected() {
-    static const std::string text = [] {
-        Control alone;
-        alone.threads = 1;
-        return answers(alone);
-    }();
+    static const std::string text = answers({.threads = 1});
     return text;
 }
 
@@ -74,9 +62,7 @@ void run_threads(int count, const Body& body) noexcept {
 /// Any object that calls bodies, as an executor of so many threads.
 template <class Pool>
 void require_same(Pool pool, int threads) {
-    Control control;
-    control.executor = Executor::on(pool, threads);
-    REQUIRE(answers(control) == expected());
+    REQUIRE(answers({.executor = pool, .executor_threads = threads}) == expected());
 }
 
 }  // namespace
@@ -119,10 +105,7 @@ TEST_CASE("the number of threads may differ from the executor's", "[engine][exec
         most = std::max(most, workers);
         body();
     };
-    Control control;
-    control.executor = Executor::on(pool, GENERATE(-1, 0, 1, 2, 64));
-    control.threads = 5;
-    CHECK(answers(control) == expected());
+    CHECK(answers({.threads = 5, .executor = pool, .executor_threads = GENERATE(-1, 0, 1, 2, 64)}) == expected());
     CHECK(most == 5);
 }
 
@@ -135,8 +118,6 @@ TEST_CASE("a call may be made from within a task of another one's executor", "[e
         }
         body();
     };
-    Control control;
-    control.executor = Executor::on(pool, 2);
-    CHECK(answers(control) == expected());
+    CHECK(answers({.executor = pool, .executor_threads = 2}) == expected());
     CHECK(inner == expected());
 }

@@ -7,8 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "engine/counting_memory.hpp"
-#include "engine/host_arrays.hpp"
-#include "engine/slicing.hpp"
+#include "engine/everywhere.hpp"
 #include "input/files.hpp"
 #include "lamella/io.hpp"
 
@@ -38,11 +37,13 @@ void fail_everywhere(const Call& call, std::uint64_t step = 1) {
     CHECK(failures > 0);
 }
 
-void fail_slicing_everywhere(const shapes::Soup& soup, SliceOptions options, std::uint64_t step = 1) {
+void fail_slicing_everywhere(const shapes::Soup& soup, const SliceOptions& options, Way way, std::uint64_t step = 1) {
     fail_everywhere(
         [&](const Memory* memory) {
-            options.control.memory = memory;
-            return code_of(slice(view_of(soup), options));
+            way.context.memory = memory;
+            lamella::Slicer slicer;
+            lamella::SliceResult result(memory);
+            return code_of(slice_tuned(slicer, result, view_of(soup), options, way.tuning, way.context));
         },
         step);
 }
@@ -71,97 +72,81 @@ shapes::Soup wide_plane() {
 }  // namespace
 
 TEST_CASE("a slice fails cleanly at each of its allocations", "[engine][faults]") {
-    SliceOptions options = uniform(0.4);
-    options.tuning.form = GENERATE(lamella::ContourForm::swept, lamella::ContourForm::assembled);
-    options.control.threads = GENERATE(1, 3);
-    options.tuning.band_planes = GENERATE(0, 5);
-    fail_slicing_everywhere(everything(), options);
+    const auto form = GENERATE(lamella::ContourForm::swept, lamella::ContourForm::assembled);
+    const int threads = GENERATE(1, 3);
+    fail_slicing_everywhere(everything(), uniform(0.4),
+                            {{.threads = threads}, {.band_planes = GENERATE(0, 5), .form = form}});
 }
 
-TEST_CASE("a slice to a sink fails cleanly at each of its allocations", "[engine][faults][sink]") {
+TEST_CASE("every source to every destination fails cleanly at each of its allocations", "[engine][faults][sink][host]") {
+    const shapes::Soup soup = everything();
     SliceOptions options = uniform(0.4);
-    options.close_gaps_mm = 2;
-    options.control.threads = GENERATE(1, 3);
-    options.tuning.band_planes = GENERATE(0, 5);
-    const auto order = GENERATE(lamella::SinkOrder::any, lamella::SinkOrder::ascending);
+    options.stitch_mm = 2;
+    const EverySource sources(soup, options.frame);
     const auto nothing = [](const lamella::LayerView&) noexcept {};
-    const shapes::Soup soup = everything();
-    fail_everywhere([&](const Memory* memory) {
-        options.control.memory = memory;
-        return code_of(slice_to(lamella::LayerSink::to(nothing, order), view_of(soup), options));
-    });
+    const lamella::LayerSink in_any_order{.take = nothing, .order = lamella::SinkOrder::any};
+    const lamella::LayerSink in_order{.take = nothing};
+    const ArraySizes sizes{1 << 16, 1 << 12, 1 << 10};
+    const GuardedArrays as_they_are(sizes);
+    const GuardedArrays converted(sizes, {.type = lamella::Number::f64});
+    for (const auto& [name, source] : sources.all()) {
+        for (const lamella::Destination to :
+             {lamella::Destination(in_any_order), lamella::Destination(in_order), lamella::Destination(as_they_are.arrays),
+              lamella::Destination(converted.arrays)}) {
+            for (const int threads : {1, 3}) {
+                INFO(name << ", " << threads << " threads");
+                fail_everywhere([&, &source = source](const Memory* memory) {
+                    lamella::Slicer slicer;
+                    return code_of(slicer.slice_to(to, source, options, {.threads = threads, .memory = memory}));
+                });
+            }
+        }
+    }
 }
 
-TEST_CASE("a slice into the host's arrays fails cleanly at each of its allocations", "[engine][faults][host]") {
+TEST_CASE("what faces project fails cleanly at each of its allocations", "[engine][faults][slabs]") {
     SliceOptions options = uniform(0.4);
-    options.control.threads = GENERATE(1, 3);
-    const auto type = GENERATE(lamella::PointType::i32, lamella::PointType::f64);
-    const shapes::Soup soup = everything();
-    const HostArrays host(1 << 16, 1 << 12, 1 << 10, type);
-    fail_everywhere([&](const Memory* memory) {
-        options.control.memory = memory;
-        return code_of(slice_into(host.output, view_of(soup), options));
-    });
-}
-
-TEST_CASE("slabs fail cleanly at each of their allocations", "[engine][faults][slabs]") {
-    const shapes::Soup soup = everything();
-    lamella::SlabOptions options;
-    options.plan.spacing = lamella::UniformLayers{0.4};
+    options.content = GENERATE(lamella::LayerContent::upward_faces, lamella::LayerContent::downward_faces);
     options.region.drop_collinear = true;
-    options.region.close_mm = GENERATE(0.0, 0.6);
-    options.control.threads = GENERATE(1, 3);
-    fail_everywhere([&](const Memory* memory) {
-        options.control.memory = memory;
-        return code_of(slice_slabs(view_of(soup), options));
-    });
+    options.region.closing_mm = GENERATE(0.0, 0.6);
+    fail_slicing_everywhere(everything(), options, {{.threads = GENERATE(1, 3)}, {}});
 }
 
 TEST_CASE("a slice by random planes fails cleanly at each of its allocations", "[engine][faults]") {
-    SliceOptions options;
-    options.plan.spacing = lamella::RandomLayers{0.2, 0.6, 4};
-    options.control.threads = 1;
-    fail_slicing_everywhere(everything(), options);
+    fail_slicing_everywhere(everything(), {}, {{.threads = 1}, {.random_heights = lamella::RandomHeights{0.2, 0.6, 4}}});
 }
 
 TEST_CASE("filling and closing gaps fail cleanly at each of their allocations", "[engine][faults]") {
     SliceOptions options = uniform(0.7);
     options.region.fill_rule = GENERATE(lamella::FillRule::contours, lamella::FillRule::even_odd,
                                         lamella::FillRule::non_zero, lamella::FillRule::positive);
-    options.close_gaps_mm = 2;
-    options.control.threads = 2;
-    fail_slicing_everywhere(everything(), options);
+    options.stitch_mm = 2;
+    fail_slicing_everywhere(everything(), options, {{.threads = 2}, {}});
 }
 
 TEST_CASE("every rule of regions fails cleanly at each of its allocations", "[engine][faults][closing]") {
+    using lamella::FillRule;
+    constexpr FillRule united = FillRule::non_zero;
+    const lamella::RegionRules rules[] = {
+        {.fill_rule = united, .closing_mm = 0.01},
+        {.fill_rule = united, .closing_mm = 0.6},
+        {.fill_rule = united, .closing_mm = 2},
+        {.fill_rule = united, .offset_mm = -0.5},
+        {.fill_rule = united, .offset_mm = 0.5},
+        {.fill_rule = united, .closing_mm = 0.6, .offset_mm = 0.2, .drop_collinear = true, .largest_only = true},
+        {.fill_rule = FillRule::outermost},
+        {.fill_rule = FillRule::contours, .simplify_mm = 0.3},
+        {.fill_rule = FillRule::positive, .simplify_mm = 0.3},
+        {.fill_rule = FillRule::contours, .flag_closing_mm = 0.6},
+        {.fill_rule = FillRule::positive, .flag_closing_mm = 0.6},
+    };
     SliceOptions options = uniform(1.4);
-    options.region.fill_rule = lamella::FillRule::non_zero;
-    SECTION("closing") {
-        options.region.close_mm = GENERATE(0.01, 0.6, 2.0);
+    for (const lamella::RegionRules& one : rules) {
+        INFO("case " << &one - rules);
+        options.region = one;
+        options.origins = one.simplify_mm != 0;
+        fail_slicing_everywhere(everything(), options, {{.threads = 1}, {}});
     }
-    SECTION("offset") {
-        options.region.offset_mm = GENERATE(-0.5, 0.5);
-    }
-    SECTION("closing, offset and what comes after them") {
-        options.region.close_mm = 0.6;
-        options.region.offset_mm = 0.2;
-        options.region.largest_only = true;
-        options.region.drop_collinear = true;
-    }
-    SECTION("outermost") {
-        options.region.fill_rule = lamella::FillRule::outermost;
-    }
-    SECTION("simplification") {
-        options.region.fill_rule = GENERATE(lamella::FillRule::contours, lamella::FillRule::positive);
-        options.region.simplify_mm = 0.3;
-        options.origins = true;
-    }
-    SECTION("marks") {
-        options.region.fill_rule = GENERATE(lamella::FillRule::contours, lamella::FillRule::positive);
-        options.region.mark_near_mm = 0.6;
-    }
-    options.control.threads = 1;
-    fail_slicing_everywhere(everything(), options);
 }
 
 TEST_CASE("the region of given contours fails cleanly at each of its allocations", "[engine][faults][closing]") {
@@ -171,50 +156,42 @@ TEST_CASE("the region of given contours fails cleanly at each of its allocations
     const std::vector<std::span<const lamella::Point>> contours = {low, high, beside};
     lamella::RegionRules rules;
     rules.fill_rule = lamella::FillRule::non_zero;
-    rules.close_mm = 60;
+    rules.closing_mm = 60;
     rules.offset_mm = -20;
     rules.drop_collinear = true;
-    fail_everywhere([&](const Memory* memory) {
-        lamella::Control control;
-        control.memory = memory;
-        return code_of(lamella::region_of(contours, rules, 1, control));
-    });
+    fail_everywhere(
+        [&](const Memory* memory) { return code_of(lamella::region_of(contours, rules, 1, {.memory = memory})); });
 }
 
 TEST_CASE("a wide plane fails cleanly at its allocations", "[engine][faults][wide][threads]") {
     const shapes::Soup soup = wide_plane();
     SliceOptions options;
-    options.plan.spacing = lamella::ExplicitPlanes{{0.5}};
-    options.control.threads = 2;
-    CountingMemory counting;
-    options.control.memory = &counting;
-    REQUIRE(slice(view_of(soup), options).ok());
+    options.heights_mm = std::vector<double>{0.5};
+    const CountingMemory counting;
+    REQUIRE(slice(view_of(soup), options, {.threads = 2, .memory = &counting}).ok());
     // Each run slices 2^18 segments, so only about a dozen allocations are tested, spread over all.
-    fail_slicing_everywhere(soup, options, std::max<std::uint64_t>(1, counting.asked() / 12));
+    fail_slicing_everywhere(soup, options, {{.threads = 2}, {}}, std::max<std::uint64_t>(1, counting.asked() / 12));
 }
 
-TEST_CASE("a workspace that ran out of memory slices again", "[engine][faults][threads]") {
+TEST_CASE("a slicer that ran out of memory slices again", "[engine][faults][threads]") {
     const shapes::Soup soup = everything();
-    SliceOptions options = uniform(0.4);
-    options.control.threads = 2;
-    const std::uint64_t expected = hash_result(sliced(soup, options));
+    const SliceOptions options = uniform(0.4);
+    const std::uint64_t expected = sliced(soup, options).hash();
     for (std::uint64_t at = 1; at < 200; at += 7) {
-        lamella::Workspace workspace;
+        lamella::Slicer slicer;
         lamella::SliceResult result;
-        CountingMemory memory(~std::size_t{0}, at);
-        options.control.memory = &memory;
-        (void)slice(view_of(soup), options, workspace, result);
-        options.control.memory = nullptr;
+        const CountingMemory memory(~std::size_t{0}, at);
+        (void)slicer.slice_to(result, view_of(soup), options, {.threads = 2, .memory = &memory});
         INFO("allocation " << at);
-        REQUIRE(slice(view_of(soup), options, workspace, result).ok());
-        CHECK(hash_result(result) == expected);
+        REQUIRE(slicer.slice_to(result, view_of(soup), options, {.threads = 2}).ok());
+        CHECK(result.hash() == expected);
         CHECK(memory.held() == 0);
     }
 }
 
 TEST_CASE("welding fails cleanly at each of its allocations", "[engine][faults]") {
     const shapes::Soup soup = everything();
-    fail_everywhere([&](const Memory* memory) { return code_of(weld(view_of(soup), {.control = {.memory = memory}})); });
+    fail_everywhere([&](const Memory* memory) { return code_of(weld(view_of(soup), 0.01, {.memory = memory})); });
 }
 
 TEST_CASE("assembling fails cleanly at each of its allocations", "[engine][faults]") {
@@ -223,11 +200,7 @@ TEST_CASE("assembling fails cleanly at each of its allocations", "[engine][fault
         const auto at = static_cast<std::int32_t>(i);
         segments.push_back({{i, 0, 0}, {i % 3 == 2 ? i - 2 : i + 1, 0, 0}, {at, at % 7}, {at + 1, at % 5}, 0, 0});
     }
-    fail_everywhere([&](const Memory* memory) {
-        lamella::Control control;
-        control.memory = memory;
-        return code_of(assemble(segments, control));
-    });
+    fail_everywhere([&](const Memory* memory) { return code_of(assemble(segments, {.memory = memory})); });
 }
 
 TEST_CASE("reading fails cleanly at each of its allocations", "[engine][faults]") {
@@ -236,9 +209,5 @@ TEST_CASE("reading fails cleanly at each of its allocations", "[engine][faults]"
     const bool text = GENERATE(false, true);
     const auto path = folder.write(text ? "text.stl" : "binary.stl",
                                    text ? lamella::input_test::ascii_stl(facets) : lamella::input_test::binary_stl(facets));
-    fail_everywhere([&](const Memory* memory) {
-        lamella::ReadOptions options;
-        options.control.memory = memory;
-        return code_of(read_mesh(path, options));
-    });
+    fail_everywhere([&](const Memory* memory) { return code_of(lamella::read_mesh(path, {}, {.memory = memory})); });
 }

@@ -4,9 +4,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "engine/shapes.hpp"
 #include "engine/slicing.hpp"
-#include "lamella/assemble.hpp"
 
 using lamella::FillRule;
 using lamella::Role;
@@ -21,7 +19,7 @@ SliceResult filled(const shapes::Soup& soup, FillRule rule) {
     lamella::SliceOptions options = at_heights({5});
     options.region.fill_rule = rule;
     SliceResult result = sliced(soup, options);
-    CHECK(result.region.fill_rule == rule);
+    CHECK(result.info.options.region.fill_rule == rule);
     return result;
 }
 
@@ -34,7 +32,7 @@ std::vector<std::string> regions(const shapes::Soup& soup) {
             return std::to_string(std::count_if(result.contours.begin(), result.contours.end(),
                                                 [role](const lamella::Contour& contour) { return contour.role == role; }));
         };
-        const double area = result.area_mm2(result.layers[0]);
+        const double area = result[0].area_mm2();
         lines.push_back(count(Role::outer) + " outer, " + count(Role::hole) + " hole, " +
                         (std::isnan(area) ? count(Role::open) + " open" : std::to_string(static_cast<int>(area))));
     }
@@ -112,32 +110,19 @@ TEST_CASE("fill rules: touching boxes are united even if their walls are triangu
         }
     }
     for (const FillRule rule : {FillRule::even_odd, FillRule::non_zero, FillRule::positive}) {
-        lamella::SliceOptions options = at_heights({4.3});
-        options.unit_mm = lamella::default_unit_mm;
+        lamella::SliceOptions options = at_heights({4.3}, lamella::default_grid_mm);
         options.region.fill_rule = rule;
         options.region.drop_collinear = true;
         const SliceResult result = sliced(soup, options);
         REQUIRE(result.contours.size() == 1);
         CHECK(result.contours[0].point_count == 4);
-        CHECK(result.area_mm2(result.layers[0]) == Approx(21.0 * 35));
-    }
-}
-
-TEST_CASE("fill rules: a body in a hole that several bodies form has that hole as parent", "[engine][fill]") {
-    const shapes::Soup frame = shapes::joined({shapes::box({0, 0, 0}, {30, 5, 10}), shapes::box({0, 25, 0}, {30, 30, 10}),
-                                               shapes::box({0, 1, 0}, {5, 29, 10}), shapes::box({25, 1, 0}, {30, 29, 10})});
-    for (const FillRule rule : {FillRule::non_zero, FillRule::positive}) {
-        const SliceResult result = filled(shapes::joined({frame, square(10, 10, 10)}), rule);
-        REQUIRE(result.contours.size() == 3);
-        CHECK(result.contours[2].role == Role::outer);
-        REQUIRE(result.contours[2].parent >= 0);
-        CHECK(result.contours[static_cast<std::size_t>(result.contours[2].parent)].role == Role::hole);
+        CHECK(result[0].area_mm2() == Approx(21.0 * 35));
     }
 }
 
 TEST_CASE("fill rules: layers are counted where shells turned inwards take solid away", "[engine][fill]") {
     const auto cancelled = [](const shapes::Soup& soup, FillRule rule = FillRule::non_zero) {
-        return filled(soup, rule).summary.cancelled_layers;
+        return filled(soup, rule).info.cancelled_layers;
     };
     const shapes::Soup body = square(0, 0, 10);
     const shapes::Soup across = shapes::flipped(square(5, 5, 10));
@@ -148,29 +133,6 @@ TEST_CASE("fill rules: layers are counted where shells turned inwards take solid
     CHECK(cancelled(shapes::joined({body, shapes::flipped(square(0, 2, 4))})) == 0);    // a pocket at a face
     CHECK(cancelled(shapes::joined({body, shapes::flipped(square(20, 0, 10))})) == 0);  // apart
     CHECK(cancelled(shapes::flipped(shapes::joined({body, square(5, 5, 10)}))) == 0);   // inside out as a whole
-}
-
-TEST_CASE("fill rules: rods across each other by the hundred", "[engine][fill]") {
-#ifdef LAMELLA_TESTS_SANITIZED
-    constexpr int rods = 100;
-#else
-    constexpr int rods = 300;
-#endif
-    constexpr double side = 2 * rods;
-    shapes::Soup soup;
-    for (int i = 0; i < rods; ++i) {
-        soup = shapes::joined({soup, shapes::box({2.0 * i, 0, 5}, {2.0 * i + 1, side, 10}),
-                               shapes::box({0, 2.0 * i, 5}, {side, 2.0 * i + 1, 10})});
-    }
-    lamella::SliceOptions options = at_heights({2, 6});
-    options.region.fill_rule = FillRule::non_zero;
-    const SliceResult united = sliced(soup, options);
-    CHECK(united.layers[0].contour_count == 0);
-    CHECK(united.layers[1].contour_count == 1 + (rods - 1) * (rods - 1));
-    CHECK(united.area_mm2(united.layers[1]) == 2 * rods * side - rods * rods);
-    options.region.fill_rule = FillRule::even_odd;
-    const SliceResult odd = sliced(soup, options);
-    CHECK(odd.area_mm2(odd.layers[1]) == 2 * rods * side - 2 * rods * rods);
 }
 
 TEST_CASE("fill rules: contours that meet count the windings of shells around them", "[engine][fill]") {
@@ -208,7 +170,7 @@ TEST_CASE("fill rules: bodies that touch the tip of a spike into their hole lie 
     lamella::RegionRules rules;
     rules.fill_rule = FillRule::non_zero;
     const auto check = [&](const std::vector<std::span<const lamella::Point>>& contours) {
-        const lamella::LayerContours region = value_of(lamella::region_of(contours, rules));
+        const lamella::SliceResult region = value_of(lamella::region_of(contours, rules));
         CHECK(region.contours.size() == contours.size());
         for (const lamella::Contour& contour : region.contours) {
             const bool small = contour.point_count == 3;
@@ -236,14 +198,14 @@ TEST_CASE("fill rules: region_of joins what is empty in a point, but not what is
     // "outer 4 hole 8": the points of each contour.
     const auto contours_of = [&](const std::vector<Points>& contours) {
         const std::vector<std::span<const lamella::Point>> views(contours.begin(), contours.end());
-        const lamella::LayerContours region = value_of(lamella::region_of(views, rules));
+        const lamella::SliceResult region = value_of(lamella::region_of(views, rules));
         std::string text;
         for (const lamella::Contour& contour : region.contours) {
             text += (contour.role == Role::outer ? "outer " : "hole ") + std::to_string(contour.point_count) + " ";
         }
         return text;
     };
-    CHECK(contours_of({square(0, 20), square(10, 30)}) == "outer 8 ");  // the example of region.hpp, finer
+    CHECK(contours_of({square(0, 20), square(10, 30)}) == "outer 8 ");  // the example of layers.hpp, finer
     CHECK(contours_of({square(0, 20), square(20, 40)}) == "outer 4 outer 4 ");
     CHECK(contours_of({square(-20, 90), hole(0, 20), hole(20, 40)}) == "outer 4 hole 8 ");
     CHECK(contours_of({square(0, 90), {{0, 0}, {20, 40}, {40, 20}}}) == "outer 7 ");

@@ -21,10 +21,10 @@
 using lamella::Gap;
 using lamella::GapCloser;
 using lamella::GapRules;
-using lamella::GapSense;
 using lamella::Joint;
 using lamella::Point;
 using lamella::PolylineEnds;
+using lamella::StitchDirection;
 
 namespace {
 
@@ -39,7 +39,7 @@ Pairs greedy(const std::vector<PolylineEnds>& polylines, const GapRules& rules) 
         for (std::uint32_t b = 0; b < ends; ++b) {
             const bool turns = a % 2 == b % 2;
             const bool listed =
-                turns ? rules.sense == GapSense::any && std::pair(at(a), a) < std::pair(at(b), b) : a % 2 != 0;
+                turns ? rules.sense == StitchDirection::any && std::pair(at(a), a) < std::pair(at(b), b) : a % 2 != 0;
             const double dx = static_cast<double>(at(b).x) - at(a).x;
             const double dy = static_cast<double>(at(b).y) - at(a).y;
             if (listed && dx * dx + dy * dy <= rules.reach * rules.reach) {
@@ -68,7 +68,7 @@ Pairs closed(GapCloser& closer, const std::vector<PolylineEnds>& polylines, cons
     return pairs;
 }
 
-/// Whether joined_to() agrees with the pairs.
+/// True where joined_to() agrees with the pairs.
 bool agree(const GapCloser& closer, const Pairs& pairs, std::size_t polylines) {
     std::vector<std::uint32_t> other(2 * polylines);
     std::iota(other.begin(), other.end(), 0U);
@@ -134,7 +134,7 @@ struct Joined {
     bool operator==(const Joined&) const = default;
 };
 
-Joined joined(const std::vector<Line>& lines, double reach, GapSense sense) {
+Joined joined(const std::vector<Line>& lines, double reach, StitchDirection sense) {
     std::vector<lamella::Path> polylines;
     for (const Line& line : lines) {
         lamella::Path& path = polylines.emplace_back(lamella::given_path(line.points, nullptr, false));
@@ -143,7 +143,7 @@ Joined joined(const std::vector<Line>& lines, double reach, GapSense sense) {
     }
     lamella::Worker worker;
     lamella::PolylineRepair repair(worker);
-    lamella::Vector<lamella::ClosedGap> gaps(nullptr);
+    lamella::Vector<lamella::Stitch> gaps(nullptr);
     Joined result;
     if (repair.join(polylines, {}, {reach, reach, sense}, 0, gaps)) {
         for (const lamella::Path& whole : repair.joined()) {
@@ -151,7 +151,7 @@ Joined joined(const std::vector<Line>& lines, double reach, GapSense sense) {
             result.wholes.push_back({{item.points, item.points + item.count}, whole.segments, item.flags, item.closed});
         }
     }
-    for (const lamella::ClosedGap& gap : gaps) {
+    for (const lamella::Stitch& gap : gaps) {
         result.gaps.emplace_back(gap.from, gap.to);
     }
     return result;
@@ -185,7 +185,7 @@ std::pair<std::uint32_t, std::uint32_t> senses_of(const Whole& whole, const std:
     return senses;
 }
 
-/// Whether the edge meets the joint at a place that is no end of the joint, and does not run along it.
+/// True where the edge meets the joint at a place that is no end of the joint, and does not run along it.
 bool lies_between(const Joint& joint, Point c, Point d) {
     using rings::side;
     const bool apart = side(joint.from, joint.to, c) * side(joint.from, joint.to, d) > 0;
@@ -233,7 +233,7 @@ TEST_CASE("the joined pairs and their order are those of a list of all pairs", "
         const auto polylines = random_polylines(random, count, turn % 3 == 1 ? 0 : -step * (side / 2), step, side);
         const double steps = std::uniform_real_distribution(0.0, side * 1.5)(random);
         const double reach = turn % 7 == 0 ? 1e300 : step * (turn % 7 == 1 ? std::floor(steps) : steps);
-        for (const GapSense sense : {GapSense::kept, GapSense::any}) {
+        for (const StitchDirection sense : {StitchDirection::oriented, StitchDirection::any}) {
             const Pairs expected = greedy(polylines, {reach, reach, sense});
             INFO("turn " << turn << ", " << count << " polylines, sense " << static_cast<int>(sense));
             REQUIRE(closed(closer, polylines, {reach, reach, sense}) == expected);
@@ -254,7 +254,7 @@ TEST_CASE("ends in two distant clusters are joined as from a list of all pairs",
         for (PolylineEnds& polyline : polylines) {
             polyline.last.x += apart;
         }
-        for (const GapSense sense : {GapSense::kept, GapSense::any}) {
+        for (const StitchDirection sense : {StitchDirection::oriented, StitchDirection::any}) {
             CHECK(closed(closer, polylines, {1 << 30, 1 << 30, sense}) == greedy(polylines, {1 << 30, 1 << 30, sense}));
         }
     }
@@ -266,7 +266,7 @@ TEST_CASE("closing gaps takes memory in proportion to the ends, not to their pai
     CountingMemory memory;
     lamella::Worker worker(&memory);
     GapCloser closer(worker);
-    for (const GapSense sense : {GapSense::kept, GapSense::any}) {
+    for (const StitchDirection sense : {StitchDirection::oriented, StitchDirection::any}) {
         const GapRules rules{1 << 30, 1 << 30, sense};
         CHECK(closer.close(random_polylines(random, count, 0, 1, 1 << 20), rules).size() == count);
         CHECK(closer.close(random_polylines(random, count, 0, 1, 3), rules).size() == count);  // all ends at sixteen points
@@ -279,7 +279,7 @@ TEST_CASE("joined in any sense: each segment is kept once, and most run as befor
     std::size_t mixed = 0;
     for (int turn = 0; turn < 600; ++turn) {
         const std::vector<Line> lines = random_lines(random, 1 + random() % 30);
-        const Joined result = joined(lines, static_cast<double>(random() % 20), GapSense::any);
+        const Joined result = joined(lines, static_cast<double>(random() % 20), StitchDirection::any);
         if (result.gaps.empty()) {
             continue;
         }
@@ -314,9 +314,9 @@ TEST_CASE("joined in any sense: the order of the polylines does not matter", "[e
         const std::vector<Line> again(lines.begin(), lines.begin() + static_cast<std::ptrdiff_t>(lines.size() / 3));
         lines.insert(lines.end(), again.begin(), again.end());
         const auto reach = static_cast<double>(random() % 20);
-        const Joined result = joined(lines, reach, GapSense::any);
+        const Joined result = joined(lines, reach, StitchDirection::any);
         std::shuffle(lines.begin(), lines.end(), random);
-        REQUIRE(joined(lines, reach, GapSense::any) == result);
+        REQUIRE(joined(lines, reach, StitchDirection::any) == result);
     }
 }
 

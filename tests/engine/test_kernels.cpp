@@ -2,13 +2,15 @@
 // bit, and those of the report what an obvious loop gives.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
 #include <vector>
 
 #include <catch2/catch.hpp>
 
 #include "audit/face_sums.hpp"
-#include "engine/slicing.hpp"
+#include "lamella/result.hpp"
+#include "rings.hpp"
 #include "slicing/contours/kernels.hpp"
 #include "slicing/edges/run_kernels.hpp"
 
@@ -100,6 +102,18 @@ Boxes random_boxes(std::mt19937& random, std::size_t count, int range) {
     return boxes;
 }
 
+/// Planes 20 units apart.
+lamella::PlaneSet planes_from(std::int32_t lowest, std::size_t count) {
+    lamella::Array<lamella::Layer> layers;
+    layers.resize_discarding(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        layers[i].plane = lamella::PlaneHeight(lowest + 20 * static_cast<std::int32_t>(i));
+    }
+    lamella::PlaneSet planes(nullptr);
+    planes.build(layers);
+    return planes;
+}
+
 }  // namespace
 
 TEST_CASE("all forms of the kernels agree with the portable form", "[engine][kernels]") {
@@ -114,49 +128,30 @@ TEST_CASE("all forms of the kernels agree with the portable form", "[engine][ker
     }
 }
 
-TEST_CASE("areas are exact in boxes too wide for vectors along one axis", "[engine][kernels]") {
+TEST_CASE("areas are exact in boxes too wide for vectors, and beyond 64 bits", "[engine][kernels]") {
     constexpr std::int32_t far = lamella::grid_limit;
-    std::vector<std::uint32_t> slots(40);
-    for (std::size_t i = 0; i < slots.size(); ++i) {
-        slots[i] = static_cast<std::uint32_t>(i);
+    std::vector<Point> along_x;
+    std::vector<Point> along_y;
+    for (std::int32_t i = 0; i < 12; ++i) {  // back and forth between the ends of one axis, 2^31 apart
+        along_x.push_back({i % 4 < 2 ? -far : far, i < 6 ? i : 7 * i});
+        along_y.push_back({along_x.back().y, along_x.back().x});
     }
-    for (const bool along_x : {false, true}) {
-        std::vector<Point> points;
-        for (std::int32_t i = 0; i < 12; ++i) {  // back and forth between the ends of one axis, 2^31 apart
-            const Point point{i % 4 < 2 ? -far : far, i < 6 ? i : 7 * i};
-            points.push_back(along_x ? point : Point{point.y, point.x});
-        }
-        points.resize(40, points[0]);
-        lamella::Int128 expected = 0;
-        for (std::size_t i = 0; i < 12; ++i) {
-            const Point& a = points[i];
-            const Point& b = points[(i + 1) % 12];
-            expected += lamella::Int128{a.x} * b.y - lamella::Int128{b.x} * a.y;
-        }
+    std::vector<Point> turns;
+    for (int turn = 0; turn < 10; ++turn) {
+        turns.insert(turns.end(), {{-far, -far}, {far, -far}, {far, far}, {-far, far}});
+    }
+    REQUIRE(rings::twice_area(turns) > INT64_MAX);
+    for (std::vector<Point> points : {along_x, along_y, turns}) {
+        const std::size_t count = points.size();
+        const lamella::Int128 expected = rings::twice_area(points);
+        points.resize(count + lamella::padded_count, points[0]);
+        std::vector<std::uint32_t> slots(points.size());
+        std::iota(slots.begin(), slots.end(), 0U);
         for (const auto& [needs, form] : lamella::supported(lamella::kernel_forms())) {
-            std::vector<Point> ring(40);
-            CHECK(lamella::to_integer128(form.trace(points.data(), slots.data(), 12, ring.data()).twice_area) ==
+            std::vector<Point> ring(points.size());
+            CHECK(lamella::to_integer128(form.trace(points.data(), slots.data(), count, ring.data()).twice_area) ==
                   lamella::to_integer128(expected));
         }
-    }
-}
-
-TEST_CASE("areas beyond 64 bits are exact in every form", "[engine][kernels]") {
-    constexpr std::int32_t far = lamella::grid_limit;
-    std::vector<Point> points;
-    for (int turn = 0; turn < 10; ++turn) {
-        points.insert(points.end(), {{-far, -far}, {far, -far}, {far, far}, {-far, far}});
-    }
-    std::vector<std::uint32_t> slots(points.size() + lamella::padded_count);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        slots[i] = static_cast<std::uint32_t>(i);
-    }
-    const lamella::Int128 expected = lamella::Int128{10} * 2 * (lamella::Int128{2} * far) * (lamella::Int128{2} * far);
-    REQUIRE(expected > INT64_MAX);
-    for (const auto& [needs, form] : lamella::supported(lamella::kernel_forms())) {
-        std::vector<Point> ring(slots.size());
-        const lamella::RingFacts facts = form.trace(points.data(), slots.data(), points.size(), ring.data());
-        CHECK(lamella::to_integer128(facts.twice_area) == lamella::to_integer128(expected));
     }
 }
 
@@ -267,13 +262,7 @@ TEST_CASE("every form finds the boxes that meet a box", "[engine][crossings][ker
 
 TEST_CASE("every form adds a corner of a face alike", "[engine][volume][kernels]") {
     std::mt19937 random(7);
-    lamella::PlaneSet planes(nullptr);
-    lamella::Array<lamella::Layer> layers;
-    layers.resize_discarding(37);
-    for (std::size_t i = 0; i < layers.size(); ++i) {
-        layers[i].plane = lamella::PlaneHeight(static_cast<std::int32_t>(20 * i + 1));
-    }
-    planes.build(layers);
+    const lamella::PlaneSet planes = planes_from(1, 37);
     const lamella::PlaneHeights heights(planes);
     for (int round = 0; round < 2000; ++round) {
         const auto low = 2 * static_cast<std::int32_t>(random() % 400) - 20;
@@ -299,11 +288,7 @@ TEST_CASE("every form adds a corner of a face alike", "[engine][volume][kernels]
 }
 
 TEST_CASE("sums of millions of equal corners do not overflow their limbs", "[engine][volume]") {
-    lamella::PlaneSet planes(nullptr);
-    lamella::Array<lamella::Layer> layers;
-    layers.resize_discarding(1);
-    layers[0].plane = lamella::PlaneHeight(101);
-    planes.build(layers);
+    const lamella::PlaneSet planes = planes_from(101, 1);
     const lamella::PlaneHeights heights(planes);
     const lamella::GridTriangle face = {lamella::GridVertex{0, 0, 0}, {2'000'006, 14, 154}, {6, 2'000'002, 306}};
     lamella::FaceSums once(planes, heights, {60, 28});

@@ -9,30 +9,26 @@
 #include "golden/shape_cases.hpp"
 
 using lamella::Contour;
+using lamella::FillRule;
 using lamella::Island;
-using lamella::LayerRange;
 using lamella::Role;
 using lamella::SliceOptions;
 using lamella::SliceResult;
 
-static_assert(std::forward_iterator<lamella::Islands::Iterator>);
+static_assert(std::forward_iterator<lamella::Islands::Iterator> && std::forward_iterator<SliceResult::Iterator>);
 
 namespace {
 
-/// What hash_result() reads, with indices that count from the layer's first, and the layers' heights.
-std::vector<double> numbers_of(const SliceResult& result, std::size_t first, std::size_t end) {
-    std::vector<double> numbers;
-    for (std::size_t l = first; l < end; ++l) {
-        const lamella::Layer& layer = result.layers[l];
-        numbers.insert(numbers.end(), {layer.bottom_mm, layer.plane_mm, layer.top_mm, double(layer.plane.z()),
-                                       double(layer.segments), double(layer.contour_count)});
-        for (const lamella::Contour& contour : result.contours_of(layer)) {
-            const std::int64_t parent = contour.parent < 0 ? -1 : contour.parent - std::int64_t(layer.first_contour);
-            numbers.insert(numbers.end(), {double(contour.role), double(contour.orientation), double(contour.flags),
-                                           double(contour.segments), double(parent)});
-            for (const lamella::Point& point : result.points_of(contour)) {
-                numbers.insert(numbers.end(), {double(point.x), double(point.y)});
-            }
+/// A layer as SliceResult::hash() reads it, with indices that count from the layer's first, and its heights.
+std::vector<double> numbers_of(const lamella::LayerView& layer) {
+    std::vector<double> numbers{layer.bottom_mm,         layer.plane_mm,         layer.top_mm,
+                                double(layer.plane.z()), double(layer.segments), double(layer.contour_count)};
+    for (const Contour& contour : layer.contours) {
+        const std::int64_t parent = contour.parent < 0 ? -1 : contour.parent - std::int64_t(layer.first_contour);
+        numbers.insert(numbers.end(), {double(contour.role), double(contour.orientation), double(contour.flags),
+                                       double(contour.segments), double(parent)});
+        for (const lamella::Point& point : layer.points_of(contour)) {
+            numbers.insert(numbers.end(), {double(point.x), double(point.y)});
         }
     }
     return numbers;
@@ -43,38 +39,47 @@ shapes::Soup several_shapes() {
                            shapes::triangle({-5, 0, 0.1}, {-9, 0, 15}, {-9, 5, 7})});
 }
 
-std::vector<SliceOptions> plans() {
-    std::vector<SliceOptions> all(4);
-    all[0].plan.spacing = lamella::UniformLayers{.layer_height_mm = 0.3};
-    all[1].plan.spacing = lamella::ExplicitPlanes{{-3, 9, 2, 1.5, 1.5, 11, 7.25, 3, 3.1, 3.2, 400, 5e8}};
-    all[2].plan.spacing = lamella::RandomLayers{.min_height_mm = 0.1, .max_height_mm = 1};
-    all[3].plan.spacing = lamella::UniformLayers{.layer_height_mm = 0.25};
-    all[3].region.fill_from = {{3, lamella::FillRule::non_zero}, {9, lamella::FillRule::even_odd}};
-    all[3].close_gaps_mm = 0.5;
+struct Plan {
+    SliceOptions options;
+    lamella::Tuning tuning{};
+};
+
+std::vector<Plan> plans() {
+    std::vector<Plan> all = {
+        {uniform(0.3)}, {{}}, {{}, {.random_heights = lamella::RandomHeights{0.1, 1}}}, {uniform(0.25)}};
+    all[1].options.heights_mm = {{-3, 9, 2, 1.5, 1.5, 11, 7.25, 3, 3.1, 3.2, 400, 5e8}};
+    all[3].options.region.fill_from = {{3, FillRule::non_zero}, {9, FillRule::even_odd}};
+    all[3].options.stitch_mm = 0.5;
     return all;
 }
 
 }  // namespace
 
-TEST_CASE("layers cut alone are those of the whole", "[layers]") {
+TEST_CASE("layers cut alone are those of the whole, of a mesh, a prepared mesh and of parts", "[layers]") {
     const shapes::Soup soup = several_shapes();
-    for (SliceOptions options : plans()) {
-        options.control.threads = GENERATE(1, 3);
-        const SliceResult whole = sliced(soup, options);
+    const auto prepared = value_of(prepare(view_of(soup)));
+    const std::vector<lamella::Part> parts = {{.mesh = view_of(soup)}};
+    const lamella::Source sources[] = {view_of(soup), prepared, parts};
+    const lamella::Context context{.threads = GENERATE(1, 3)};
+    for (auto [options, tuning] : plans()) {
+        const SliceResult whole = sliced(soup, options, context, tuning);
         const std::size_t k = whole.layers.size();
-        REQUIRE(whole.all_layers == k);
-        REQUIRE(whole.first_layer == 0);
+        REQUIRE(whole.info.planned_layers == k);
+        REQUIRE(whole.info.first_layer == 0);
         for (std::size_t first = 0; first < k; first += 1 + k / 7) {
             for (const std::size_t count : {std::size_t{1}, std::size_t{2}, k / 3, k}) {
-                options.layers = {first, first + count};
-                const SliceResult part = sliced(soup, options);
+                options.planes.first_layer = first;
+                options.planes.end_layer = first + count;
+                const SliceResult part = sliced(sources[(first + count) % 3], options, context, tuning);
                 const std::size_t end = std::min(k, first + count);
                 INFO("layers " << first << " to " << end << " of " << k);
-                CHECK(part.first_layer == first);
-                CHECK(part.all_layers == k);
+                CHECK(part.info.first_layer == first);
+                CHECK(part.info.planned_layers == k);
                 REQUIRE(part.layers.size() == end - first);
-                CHECK(numbers_of(part, 0, part.layers.size()) == numbers_of(whole, first, end));
-                CHECK(std::equal(part.layer_of.begin(), part.layer_of.end(), whole.layer_of.begin(), whole.layer_of.end()));
+                for (std::size_t layer = first; layer < end; ++layer) {
+                    CHECK(numbers_of(part[layer - first]) == numbers_of(whole[layer]));
+                }
+                CHECK(part.info.layer_of == whole.info.layer_of);
             }
         }
     }
@@ -83,43 +88,17 @@ TEST_CASE("layers cut alone are those of the whole", "[layers]") {
 TEST_CASE("layers that the plan does not have are refused", "[layers]") {
     SliceOptions options = uniform(1);
     const shapes::Soup soup = shapes::box({0, 0, 0}, {5, 5, 5});
-    for (const LayerRange range : {LayerRange{5, 9}, LayerRange{2, 2}, LayerRange{3, 1}, LayerRange{~0ULL, ~0ULL}}) {
-        options.layers = range;
+    for (const auto& [first, end] : std::vector<std::pair<std::uint64_t, std::uint64_t>>{
+             {5, 9}, {2, 2}, {3, 1}, {lamella::all_layers, lamella::all_layers}}) {
+        options.planes.first_layer = first;
+        options.planes.end_layer = end;
         const lamella::Error error = failure_of(view_of(soup), options);
         CHECK(error.code == lamella::ErrorCode::bad_planes);
         CHECK(error.message.find("of the 5 layers") != std::string::npos);
     }
-    options.layers = {3, 900};
+    options.planes.first_layer = 3;
+    options.planes.end_layer = 900;
     CHECK(sliced(soup, options).layers.size() == 2);
-}
-
-TEST_CASE("layers of a prepared mesh and of parts are those of the whole", "[layers]") {
-    const shapes::Soup soup = several_shapes();
-    SliceOptions options = uniform(0.5);
-    const SliceResult whole = sliced(soup, options);
-    options.layers = {4, 11};
-    const auto prepared = value_of(lamella::prepare(view_of(soup)));
-    const auto of_prepared = value_of(lamella::slice(prepared, options));
-    CHECK(numbers_of(of_prepared, 0, 7) == numbers_of(whole, 4, 11));
-    const std::vector<lamella::Part> parts = {{.mesh = view_of(soup)}};
-    const auto of_parts = value_of(lamella::slice_parts(parts, options));
-    CHECK(of_parts.first_layer == 4);
-    CHECK(numbers_of(of_parts, 0, 7) == numbers_of(whole, 4, 11));
-}
-
-TEST_CASE("every outer comes with its holes, whatever stands between", "[engine][islands]") {
-    std::vector<Contour> contours;
-    for (const Role role :
-         {Role::open, Role::outer, Role::hole, Role::hole, Role::flat, Role::outer, Role::outer, Role::hole, Role::open}) {
-        contours.emplace_back().role = role;
-    }
-    std::vector<std::pair<std::ptrdiff_t, std::size_t>> found;
-    for (const Island island : lamella::islands_of(contours)) {
-        found.emplace_back(island.outer - contours.data(), island.holes.size());
-        CHECK((island.holes.empty() || island.holes.data() == island.outer + 1));
-    }
-    CHECK(found == std::vector<std::pair<std::ptrdiff_t, std::size_t>>{{1, 2}, {5, 0}, {6, 1}});
-    CHECK(lamella::islands_of({}).begin() == lamella::islands_of({}).end());
 }
 
 TEST_CASE("the islands of a slice hold every outer and every hole once", "[engine][islands]") {
@@ -128,8 +107,8 @@ TEST_CASE("the islands of a slice hold every outer and every hole once", "[engin
         const lamella::SliceResult result = sliced(mesh, uniform(0.25));
         std::size_t outers = 0;
         std::size_t holes = 0;
-        for (const lamella::Layer& layer : result.layers) {
-            for (const Island island : lamella::islands_of(result.contours_of(layer))) {
+        for (const lamella::LayerView layer : result) {
+            for (const Island island : layer.islands()) {
                 ++outers;
                 holes += island.holes.size();
                 const auto outer = static_cast<std::int64_t>(island.outer - result.contours.data());
@@ -140,7 +119,7 @@ TEST_CASE("the islands of a slice hold every outer and every hole once", "[engin
                 }
             }
         }
-        CHECK(holes == result.summary.holes);
-        CHECK(outers + holes + result.summary.open_contours + result.summary.flat_contours == result.contours.size());
+        CHECK(holes == result.info.holes);
+        CHECK(outers + holes + result.info.open_contours + result.info.flat_contours == result.contours.size());
     }
 }

@@ -50,7 +50,7 @@ std::array<std::size_t, 3> pieces_of(const shapes::Soup& soup, const SliceResult
     Sets sets;
     std::vector<Part> parts;
     std::map<std::pair<std::size_t, std::pair<lamella::GridVertex, lamella::GridVertex>>, std::size_t> shared;
-    for (const oracle::Triangle& t : oracle::quantise(soup, result.unit_mm)) {
+    for (const oracle::Triangle& t : oracle::quantise(soup, result.info.grid_mm)) {
         const std::array<std::size_t, 3> slabs = {slab_of(t[0].z), slab_of(t[1].z), slab_of(t[2].z)};
         const auto [low, high] = std::minmax({slabs[0], slabs[1], slabs[2]});
         for (std::size_t slab = low; slab <= high; ++slab) {
@@ -88,12 +88,12 @@ bool same(const Ledger& a, const Ledger& b) {
 }
 
 Ledger booked(const shapes::Soup& soup, const SliceResult& result) {
-    const Ledger ledger = value_of(lamella::make_ledger(view_of(soup), result));
+    const Ledger ledger = value_of(audits::ledger_of(result, view_of(soup)));
     const Ledger& books = ledger;
     CHECK(books.triangles == soup.size() / 9);
     CHECK(books.cut + books.between + books.degenerate == books.triangles);
-    CHECK(books.cut == result.summary.crossed);
-    CHECK(books.degenerate == result.summary.degenerate);
+    CHECK(books.cut == result.info.crossed);
+    CHECK(books.degenerate == result.info.degenerate);
     lamella::Slab all;
     for (const lamella::Slab& slab : books.slabs) {
         all.triangles += slab.triangles;
@@ -148,12 +148,12 @@ TEST_CASE("ledger: all triangles are accounted for, degenerate and turned ones t
     for (const double height : {0.05, 0.7, 30.0}) {
         lamella::SliceOptions options = uniform(height);
         CHECK(booked(soup, sliced(soup, options)).degenerate == 1);
-        options.transform = lamella::Transform::from_normal(1, 2, 3);
+        options.frame.transform = lamella::Transform::from_normal(1, 2, 3);
         (void)booked(soup, sliced(soup, options));
     }
     const SliceResult result = sliced(soup, uniform(1));
     const shapes::Soup other = shapes::box({0, 0, 0}, {1, 1, 1});
-    CHECK(lamella::make_ledger(view_of(other), result).error().code == lamella::ErrorCode::invalid_argument);
+    CHECK(audits::ledger_of(result, view_of(other)).error().code == lamella::ErrorCode::invalid_argument);
 }
 
 TEST_CASE("ledger: shells, peaks and pits are reported with their positions", "[engine][ledger]") {
@@ -182,20 +182,6 @@ TEST_CASE("ledger: shells, peaks and pits are reported with their positions", "[
     CHECK(name_of(SurfacePieceKind::pit) == "pit");
 }
 
-TEST_CASE("ledger: a part that ends between planes is a peak beside one that continues", "[engine][ledger]") {
-    // Two towers on one base. The low one ends between the planes at 5 and 8, the high one continues.
-    const shapes::Soup towers = shapes::joined({shapes::box({0, 0, 0}, {4, 4, 7}), shapes::box({4, 0, 0}, {8, 4, 20})});
-    const Ledger apart = booked(towers, sliced(towers, at_heights({5, 8})));
-    // They share vertices only below the planes.
-    CHECK(apart.pits.count == 1);
-    CHECK(apart.peaks.count == 2);
-    // With another second plane, the low tower's roof still joins nothing else.
-    CHECK(booked(towers, sliced(towers, at_heights({5, 12}))).peaks.count == 2);
-    // Without planes everything is one shell.
-    const Ledger whole = booked(towers, sliced(towers, at_heights({})));
-    CHECK(whole.shells == lamella::SurfacePieceCount{1, 24});
-}
-
 TEST_CASE("ledger: pieces agree with their definition", "[engine][ledger]") {
     for (std::uint64_t seed = 0; seed < 200; ++seed) {
         const int count = 1 + static_cast<int>(seed % 25);
@@ -215,11 +201,11 @@ TEST_CASE("ledger: threads and triangle order do not change it", "[engine][ledge
     // Large enough for several parts.
     const shapes::Soup soup = shapes::joined({shapes::octasphere({0, 0, 0}, 10, 6), shapes::octasphere({3, 4, 5}, 10, 6)});
     const SliceResult result = sliced(soup, uniform(0.05));
-    const Ledger one = lamella::make_ledger(view_of(soup), result, {.threads = 1}).value();
+    const Ledger one = audits::ledger_of(result, view_of(soup), {.threads = 1}).value();
     CHECK(one.pieces.size() >= 4);
     for (const int threads : {2, 3, 0}) {
-        CHECK(same(one, lamella::make_ledger(view_of(soup), result, {.threads = threads}).value()));
+        CHECK(same(one, audits::ledger_of(result, view_of(soup), {.threads = threads}).value()));
     }
-    CHECK(same(one, lamella::make_ledger(view_of(shapes::shuffled(soup, 5)), result, {.threads = 2}).value()));
-    CHECK(lamella::make_ledger(view_of(soup), result, {.threads = -1}).error().code == lamella::ErrorCode::invalid_argument);
+    CHECK(same(one, audits::ledger_of(result, view_of(shapes::shuffled(soup, 5)), {.threads = 2}).value()));
+    CHECK(audits::ledger_of(result, view_of(soup), {.threads = -1}).error().code == lamella::ErrorCode::invalid_argument);
 }

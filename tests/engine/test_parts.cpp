@@ -8,7 +8,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "engine/counting_memory.hpp"
 #include "engine/shapes.hpp"
 #include "engine/slicing.hpp"
 
@@ -20,10 +19,6 @@ using lamella::SliceOptions;
 using lamella::SliceResult;
 
 namespace {
-
-lamella::Error parts_failure(const std::vector<Part>& parts, const SliceOptions& options) {
-    return error_of(slice_parts(parts, options));
-}
 
 Part part_of(const shapes::Soup& soup, const lamella::Transform& transform = {}) {
     return {view_of(soup), transform};
@@ -37,6 +32,7 @@ lamella::Transform moved_by(double x, double y, double z) {
     return transform;
 }
 
+using Parts = std::vector<Part>;
 using Names = std::vector<std::uint32_t>;
 
 Names parts_in(const SliceResult& result, std::size_t layer) {
@@ -66,8 +62,8 @@ TEST_CASE("the contours of parts that overlap lie side by side", "[engine][parts
     const shapes::Soup tube =
         shapes::joined({shapes::box({0, 0, 0}, {10, 10, 10}), shapes::flipped(shapes::box({2, 2, 0}, {8, 8, 10}))});
     const shapes::Soup cube = shapes::box({-4, 4, 0}, {4, 6, 20});
-    const SliceResult result = sliced(std::vector<Part>{part_of(tube), part_of(cube)}, at_heights({5, 15, 25}));
-    CHECK(result.part_count == 2);
+    const SliceResult result = sliced(Parts{part_of(tube), part_of(cube)}, at_heights({5, 15, 25}));
+    CHECK(result.info.part_count == 2);
     CHECK(contours_at(result, 0) == std::vector<std::string>{"outer + x8 in -: 0,0 9,0 20,0 20,9 20,20 11,20 0,20 0,11",
                                                              "hole - x8 in 0: 4,4 4,11 4,16 11,16 16,16 16,9 16,4 9,4",
                                                              "outer + x8 in -: -8,8 -4,8 8,8 8,9 8,12 4,12 -8,12 -8,11"});
@@ -75,22 +71,22 @@ TEST_CASE("the contours of parts that overlap lie side by side", "[engine][parts
     CHECK(parts_in(result, 1) == Names{1});
     CHECK(parts_in(result, 2).empty());
     CHECK(result.layers[0].segments == 24);
-    CHECK(result.area_mm2(result.layers[0]) == 64 + 16);
-    CHECK(result.summary.triangles == 36);
-    CHECK(result.summary.min_mm[0] == -4);
-    CHECK(result.summary.max_mm[2] == 20);
+    CHECK(result[0].area_mm2() == 64 + 16);
+    CHECK(result.info.triangles == 36);
+    CHECK(result.info.box.min_mm[0] == -4);
+    CHECK(result.info.box.max_mm[2] == 20);
     // Two crossings of the bar with the wall of the tube on each of its long sides.
-    const lamella::Crossings crossings = value_of(find_crossings(result));
+    const lamella::Crossings crossings = value_of(audits::crossings_of(result));
     CHECK(crossings.count == 4);
-    CHECK_FALSE(make_ledger(view_of(tube), result).ok());
-    CHECK_FALSE(certify_volume(view_of(tube), result).ok());
+    CHECK_FALSE(audits::ledger_of(result, view_of(tube)).ok());
+    CHECK_FALSE(audits::volume_of(result, view_of(tube)).ok());
 }
 
 TEST_CASE("planes and grid are those of the box around all parts", "[engine][parts]") {
     const shapes::Soup low = shapes::box({0, 0, 0}, {4, 4, 1});
     const shapes::Soup high = shapes::box({0, 0, 2.1}, {1500, 4, 3});
-    const SliceResult result = sliced(std::vector<Part>{part_of(high), part_of(low)}, uniform(0.2));
-    CHECK(result.unit_mm == 2 * lamella::default_unit_mm);
+    const SliceResult result = sliced(Parts{part_of(high), part_of(low)}, uniform(0.2));
+    CHECK(result.info.grid_mm == 2 * lamella::default_grid_mm);
     REQUIRE(result.layers.size() == 15);
     const SliceResult whole = sliced(shapes::joined({high, low}), uniform(0.2));
     REQUIRE(whole.layers.size() == 15);
@@ -104,41 +100,36 @@ TEST_CASE("planes and grid are those of the box around all parts", "[engine][par
     CHECK(parts_in(result, 14) == Names{0});
     // Its far end is at the grid's very limit, which a grid chosen by the mesh takes.
     const shapes::Soup far = shapes::box({0, 0, 0}, {1024, 4, 1});
-    CHECK(sliced(std::vector<Part>{part_of(far), part_of(low)}, uniform(0.5)).unit_mm == lamella::default_unit_mm);
-    CHECK(sliced(std::vector<Part>{part_of(low), part_of(low)}, uniform(0.5, lamella::unit_by_box)).unit_mm ==
-          sliced(low, uniform(0.5, lamella::unit_by_box)).unit_mm);
+    CHECK(sliced(Parts{part_of(far), part_of(low)}, uniform(0.5)).info.grid_mm == lamella::default_grid_mm);
+    CHECK(sliced(Parts{part_of(low), part_of(low)}, uniform(0.5, lamella::finest_grid)).info.grid_mm ==
+          sliced(low, uniform(0.5, lamella::finest_grid)).info.grid_mm);
 }
 
-TEST_CASE("one part gives the bytes of slice()", "[engine][parts]") {
+TEST_CASE("a part's placement is a transform of the mesh", "[engine][parts]") {
     const shapes::Soup soup = shapes::octasphere({1, 2, 3}, 10, 4);
     const std::vector<float> floats = shapes::floats(soup);
-    SliceOptions options = uniform(0.1);
-    options.transform = GENERATE(lamella::Transform{}, lamella::Transform::from_normal(1, 2, 3));
-    for (const lamella::MeshView& mesh : {view_of(soup), lamella::MeshView::soup(std::span<const float>(floats))}) {
-        const SliceResult alone = sliced(mesh, options);
-        CHECK(hash_result(sliced(std::vector<Part>{{mesh, {}}}, options)) == hash_result(alone));
-        SliceOptions rest = options;
-        rest.transform = {};
-        const SliceResult moved = sliced(std::vector<Part>{{mesh, options.transform}}, rest);
-        CHECK(hash_result(moved) == hash_result(alone));
-        CHECK(moved.frame.is_identity());
-        CHECK(moved.layers.size() == alone.layers.size());
+    SliceOptions turned = uniform(0.1);
+    turned.frame.transform = GENERATE(lamella::Transform{}, lamella::Transform::from_normal(1, 2, 3));
+    for (const lamella::MeshView& mesh : {view_of(soup), view_of(floats)}) {
+        const SliceResult alone = sliced(mesh, turned);
+        const SliceResult placed = sliced(Parts{{mesh, turned.frame.transform}}, uniform(0.1));
+        CHECK(placed.hash() == alone.hash());
+        CHECK(placed.info.options.frame.transform.is_identity());
+        CHECK(sliced(Parts{{mesh, {}}}, turned).hash() == alone.hash());
     }
 }
 
 TEST_CASE("a result of parts does not depend on threads", "[engine][parts][threads]") {
     const shapes::Soup first = shapes::octasphere({0, 0, 0}, 10, 4);
     const shapes::Soup second = shapes::random_tetrahedra(3, 40, 12);
-    const std::vector<Part> parts = {part_of(first), part_of(second), part_of(first, moved_by(3, 1, 2.03))};
+    const Parts parts = {part_of(first), part_of(second), part_of(first, moved_by(3, 1, 2.03))};
     SliceOptions options = uniform(0.05);
     options.region.fill_rule = GENERATE(FillRule::contours, FillRule::positive);
-    options.control.threads = 1;
-    const SliceResult expected = sliced(parts, options);
+    const SliceResult expected = sliced(parts, options, {.threads = 1});
     for (const int threads : {2, 5}) {
-        options.control.threads = threads;
-        CHECK(hash_result(sliced(parts, options)) == hash_result(expected));
+        CHECK(sliced(parts, options, {.threads = threads}).hash() == expected.hash());
     }
-    CHECK(hash_result(sliced(std::vector<Part>{parts[2], parts[1], parts[0]}, options)) != hash_result(expected));
+    CHECK(sliced(Parts{parts[2], parts[1], parts[0]}, options).hash() != expected.hash());
 }
 
 TEST_CASE("rules are done to each part by itself", "[engine][parts]") {
@@ -148,121 +139,108 @@ TEST_CASE("rules are done to each part by itself", "[engine][parts]") {
     SliceOptions options = at_heights({5});
     options.region.fill_rule = FillRule::non_zero;
     const shapes::Soup both = shapes::joined({left, right});
-    const SliceResult joined = sliced(std::vector<Part>{part_of(both), part_of(right)}, options);
+    const SliceResult joined = sliced(Parts{part_of(both), part_of(right)}, options);
     CHECK(parts_in(joined, 0) == Names{0, 1});
-    CHECK(joined.area_mm2(joined.layers[0]) == 150 + 100);
-    const SliceResult apart = sliced(std::vector<Part>{part_of(left), part_of(right)}, options);
+    CHECK(joined[0].area_mm2() == 150 + 100);
+    const SliceResult apart = sliced(Parts{part_of(left), part_of(right)}, options);
     CHECK(lines_of_part(apart, 0, 1) == contours_at(sliced(right, options), 0));
-    CHECK(apart.region.fill_rule == FillRule::non_zero);
-    CHECK(apart.area_mm2(apart.layers[0]) == 200);
+    CHECK(apart[0].area_mm2() == 200);
 }
 
 TEST_CASE("equal parts keep a contour each, and gaps are listed by layer", "[engine][parts]") {
     const shapes::Soup open = shapes::without(shapes::box({0, 0, 0}, {10, 10, 10}), 4, 2);  // no front
     SliceOptions options = at_heights({2, 5});
-    options.close_gaps_mm = 20;
-    const SliceResult result = sliced(std::vector<Part>{part_of(open), part_of(open)}, options);
+    options.stitch_mm = 20;
+    const SliceResult result = sliced(Parts{part_of(open), part_of(open)}, options);
     CHECK(parts_in(result, 1) == Names{0, 1});
-    REQUIRE(result.closed_gaps.size() == 4);
-    CHECK(result.closed_gaps[1].layer == 0);
-    CHECK(result.closed_gaps[2].layer == 1);
-    CHECK(result.close_gaps_mm == 20);
+    REQUIRE(result.stitches.size() == 4);
+    CHECK(result.stitches[1].layer == 0);
+    CHECK(result.stitches[2].layer == 1);
+    CHECK(result.info.options.stitch_mm == 20);
 }
 
 TEST_CASE("what is wrong with a part is said of that part", "[engine][parts]") {
     const shapes::Soup good = shapes::box({0, 0, 0}, {4, 4, 4});
     shapes::Soup bad = good;
     bad[40] = std::nan("");
-    CHECK(parts_failure({}, uniform(1)).code == ErrorCode::invalid_argument);
-    const lamella::Error coordinate = parts_failure({part_of(good), part_of(bad)}, uniform(1));
+    CHECK(failure_of(Parts{}, uniform(1)).code == ErrorCode::invalid_argument);
+    const lamella::Error coordinate = failure_of(Parts{part_of(good), part_of(bad)}, uniform(1));
     CHECK(coordinate.code == ErrorCode::bad_coordinate);
     CHECK_THAT(coordinate.message, Catch::StartsWith("part 1: triangle 4, "));
     CHECK(coordinate.triangle == 4);
-    CHECK(parts_failure({part_of(good), part_of({})}, uniform(1)).message == "part 1: the mesh has no triangles");
+    CHECK(failure_of(Parts{part_of(good), part_of({})}, uniform(1)).message == "part 1: the mesh has no triangles");
     const shapes::Soup dust = shapes::box({0, 0, 0}, {1e-9, 1e-9, 1e-9});
-    const lamella::Error collapsed = parts_failure({part_of(dust), part_of(good)}, uniform(1));
+    const lamella::Error collapsed = failure_of(Parts{part_of(dust), part_of(good)}, uniform(1));
     CHECK(collapsed.code == ErrorCode::empty_mesh);
     CHECK_THAT(collapsed.message, Catch::StartsWith("part 0: each of 12 triangles has"));
-    CHECK(parts_failure({part_of(good)}, uniform(-1)).message == "the layer height must be positive");
+    CHECK(failure_of(Parts{part_of(good)}, uniform(-1)).message == "the layer height must be positive");
     SliceOptions closing = uniform(1);
-    closing.region.close_mm = -1;
-    CHECK_THAT(parts_failure({part_of(bad)}, closing).message, Catch::StartsWith("the closing radius"));
+    closing.region.closing_mm = -1;
+    CHECK_THAT(failure_of(Parts{part_of(bad)}, closing).message, Catch::StartsWith("the closing radius"));
 }
 
 TEST_CASE("the memory limit is for all parts", "[engine][parts][errors]") {
     const shapes::Soup soup = shapes::box({0, 0, 0}, {4, 4, 100});
-    SliceOptions options = uniform(0.01);
     const std::uint64_t contents = 10'000 * (8 * sizeof(lamella::Point) + sizeof(Contour));
     const std::uint64_t layers = 10'000 * sizeof(lamella::Layer);
-    options.memory_limit_bytes = layers + 2 * contents;
-    CHECK(sliced(std::vector<Part>{part_of(soup), part_of(soup)}, options).contours.size() == 20'000);
-    --options.memory_limit_bytes;
-    CHECK(parts_failure({part_of(soup), part_of(soup)}, options).code == ErrorCode::result_too_large);
-    CHECK(sliced(std::vector<Part>{part_of(soup)}, options).contours.size() == 10'000);
+    const std::uint64_t limit = layers + 2 * contents;
+    const Parts two = {part_of(soup), part_of(soup)};
+    CHECK(sliced(two, uniform(0.01), {.memory_limit_bytes = limit}).contours.size() == 20'000);
+    const lamella::Context smaller{.memory_limit_bytes = limit - 1};
+    CHECK(failure_of(two, uniform(0.01), smaller).code == ErrorCode::result_too_large);
+    CHECK(sliced(Parts{part_of(soup)}, uniform(0.01), smaller).contours.size() == 10'000);
 }
 
-TEST_CASE("slicing parts takes memory from the host, gives it back, and can be stopped", "[engine][parts][cancel]") {
+TEST_CASE("slicing parts shows its progress, and can be stopped", "[engine][parts][cancel]") {
     const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 5);
-    const std::vector<Part> parts = {part_of(soup), part_of(soup, moved_by(1, 1, 1))};
-    SliceOptions options = uniform(0.05);
-    options.tuning.band_planes = 20;
-    int succeeded = 0;
-    for (std::size_t limit = 1 << 10; limit < (std::size_t{1} << 25); limit *= 2) {
-        CountingMemory memory(limit);
-        options.control.memory = &memory;
-        {
-            const lamella::Result<SliceResult> result = slice_parts(parts, options);
-            CHECK((result.ok() || result.error().code == ErrorCode::out_of_memory));
-            succeeded += result.ok();
-        }
-        CHECK(memory.held() == 0);
-    }
-    CHECK((succeeded > 0 && succeeded < 10));
-    options.control.memory = nullptr;
+    const Parts parts = {part_of(soup), part_of(soup, moved_by(1, 1, 1))};
+    const auto slice_parts = [&](const lamella::Context& context) {
+        lamella::Slicer slicer;
+        SliceResult result;
+        return code_of(slice_tuned(slicer, result, parts, uniform(0.05), {.band_planes = 20}, context));
+    };
     std::vector<double> seen;
-    std::atomic<bool> stop = false;
-    options.control.stop = lamella::StopCheck::when(stop);
     const auto note = [&](double done) noexcept { seen.push_back(done); };
-    options.control.progress = lamella::Progress::to(note);
-    (void)sliced(parts, options);
+    CHECK(slice_parts({.progress = note}) == std::nullopt);
     CHECK(std::is_sorted(seen.begin(), seen.end()));
     CHECK(seen.back() == 1);
     CHECK(std::any_of(seen.begin(), seen.end(), [](double done) { return done > 0.2 && done < 0.4; }));
+    std::atomic<bool> stopped = false;
+    const auto stop = [&]() noexcept { return stopped.load(); };
     const auto stop_late = [&](double done) noexcept {
-        if (done > 0.6 && !stop.exchange(true)) {  // in the second part; the host is asked again after two milliseconds
+        if (done > 0.6 && !stopped.exchange(true)) {  // in the second part; the host is asked again after two milliseconds
             std::this_thread::sleep_for(std::chrono::milliseconds(5));
         }
     };
-    options.control.progress = lamella::Progress::to(stop_late);
-    CHECK(parts_failure(parts, options).code == ErrorCode::cancelled);
+    CHECK(slice_parts({.stop = stop, .progress = stop_late}) == ErrorCode::cancelled);
 }
 
 TEST_CASE("a broken order of parts is found", "[engine][parts][validate]") {
     const shapes::Soup cube = shapes::box({0, 0, 0}, {10, 10, 10});
     const auto damaged = [&](void (*damage)(SliceResult&)) {
-        SliceResult result =
-            sliced(std::vector<Part>{part_of(cube), part_of(cube, moved_by(20, 0, 0)), part_of(cube)}, at_heights({5}));
+        SliceResult result = sliced(Parts{part_of(cube), part_of(cube, moved_by(20, 0, 0)), part_of(cube)}, at_heights({5}));
         damage(result);
-        const lamella::Status status = validate(result);
+        const lamella::Status status = audits::structure_of(result);
         return status ? std::string("valid") : status.error().message;
     };
     CHECK(damaged([](SliceResult&) {}) == "valid");
-    CHECK_THAT(damaged([](SliceResult& r) { r.part_count = 2; }), Catch::Contains("the part is none"));
+    CHECK_THAT(damaged([](SliceResult& r) { r.info.part_count = 2; }), Catch::Contains("the part is none"));
     CHECK_THAT(damaged([](SliceResult& r) { r.contours[2].part = 0; }), Catch::Contains("not in the order of parts"));
     CHECK_THAT(damaged([](SliceResult& r) { r.contours[2].parent = 0; }), Catch::Contains("the parent is of another part"));
 }
 
 namespace {
 
-SliceResult united(const std::vector<Part>& parts, const SliceOptions& options) {
-    return sliced(parts, options, lamella::PartRegions::united);
+SliceResult united(const Parts& parts, SliceOptions options, const lamella::Context& context = {}) {
+    options.unite_parts = true;
+    return sliced(parts, options, context);
 }
 
 std::uint64_t hash_without_parts(SliceResult result) {
     for (Contour& contour : result.contours) {
         contour.part = 0;
     }
-    return hash_result(result);
+    return result.hash();
 }
 
 /// Contours of a layer as "outer 1", "hole several", in the order of the result.
@@ -293,14 +271,13 @@ TEST_CASE("united parts are the region of one mesh that has all of them", "[engi
     const SliceResult whole = sliced(shapes::joined({ball, other, small, inverted}), options);
     const SliceResult parts = united({part_of(ball), part_of(other), part_of(small), part_of(inverted)}, options);
     CHECK(parts.contours.size() == whole.contours.size());
-    CHECK(parts.part_count == 4);
-    CHECK(parts.summary.holes == whole.summary.holes);
-    CHECK(parts.summary.emptied_layers == whole.summary.emptied_layers);
-    options.control.threads = 3;
-    CHECK(hash_result(united({part_of(ball), part_of(other), part_of(small), part_of(inverted)}, options)) ==
-          hash_result(parts));
+    CHECK(parts.info.part_count == 4);
+    CHECK(parts.info.holes == whole.info.holes);
+    CHECK(parts.info.emptied_layers == whole.info.emptied_layers);
+    CHECK(united({part_of(ball), part_of(other), part_of(small), part_of(inverted)}, options, {.threads = 3}).hash() ==
+          parts.hash());
     CHECK(hash_without_parts(united({part_of(inverted), part_of(small), part_of(other), part_of(ball)}, options)) ==
-          hash_result(whole));
+          whole.hash());
 }
 
 TEST_CASE("a contour of united parts names the part that all its edges come from", "[engine][parts][regions]") {
@@ -333,13 +310,13 @@ TEST_CASE("open polylines of united parts stay as they are", "[engine][parts][re
     options.region.fill_rule = FillRule::positive;
     const SliceResult result = united({part_of(post), part_of(open)}, options);
     CHECK(named_at(result, 0) == Lines{"outer 0", "open 1"});
-    CHECK(result.summary.open_contours == 1);
+    CHECK(result.info.open_contours == 1);
     const SliceResult alone = sliced(open, options);
     CHECK(contours_at(result, 0)[1] == contours_at(alone, 0)[0]);
-    options.close_gaps_mm = 20;
+    options.stitch_mm = 20;
     const SliceResult closed = united({part_of(post), part_of(open)}, options);
     CHECK(named_at(closed, 0) == Lines{"outer 1"});
-    CHECK(closed.closed_gaps.size() == 1);
+    CHECK(closed.stitches.size() == 1);
 }
 
 TEST_CASE("parts are united by a fill rule only", "[engine][parts][regions]") {
@@ -347,11 +324,13 @@ TEST_CASE("parts are united by a fill rule only", "[engine][parts][regions]") {
     SliceOptions options = at_heights({5});
     options.region.fill_rule = FillRule::positive;
     options.region.fill_from = {{4, FillRule::contours}};
-    const std::vector<Part> parts = {part_of(cube), part_of(cube)};
-    const lamella::Error refused = error_of(slice_parts(parts, options, lamella::PartRegions::united));
+    const Parts parts = {part_of(cube), part_of(cube)};
+    options.unite_parts = true;
+    const lamella::Error refused = failure_of(parts, options);
     CHECK(refused.code == ErrorCode::invalid_argument);
     CHECK_THAT(refused.message, Catch::StartsWith("uniting parts needs a region, but layer 4 has"));
     options.region = {};
-    CHECK_FALSE(slice_parts(parts, options, lamella::PartRegions::united).ok());
-    CHECK(slice_parts(parts, options).ok());
+    CHECK(failure_of(parts, options).code == ErrorCode::invalid_argument);
+    options.unite_parts = false;
+    CHECK(slice(parts, options).ok());
 }

@@ -7,13 +7,11 @@
 #include <catch2/catch.hpp>
 
 #include "engine/slicing.hpp"
-#include "lamella/parts.hpp"
 #include "oracle/compare.hpp"
 
-using lamella::CoordinateType;
 using lamella::Datum;
 using lamella::ErrorCode;
-using lamella::Layer;
+using lamella::Number;
 using lamella::PlaneSide;
 using lamella::SliceOptions;
 using lamella::SliceResult;
@@ -32,36 +30,22 @@ std::vector<std::int32_t> planes_of(const lamella::SliceResult& result) {
 using Planes = std::vector<std::int32_t>;
 using Layers = std::vector<std::uint64_t>;
 
-Layers layers_of(const lamella::SliceResult& result) {
-    return {result.layer_of.begin(), result.layer_of.end()};
+lamella::Tuning at_random(double least_mm, double most_mm, std::uint64_t seed) {
+    return {.random_heights = lamella::RandomHeights{least_mm, most_mm, seed}};
 }
 
-lamella::UniformLayers& uniform_of(lamella::SliceOptions& options) {
-    return std::get<lamella::UniformLayers>(options.plan.spacing);
-}
-
-/// Boxes side by side: box k of 1..count extends from `low(k)` to `high(k)`.
-template <class Height>
-shapes::Soup row_of_boxes(int count, Height low, Height high) {
-    shapes::Soup soup;
-    for (int k = 1; k <= count; ++k) {
-        shapes::append(soup, box({2.0 * k, 0, low(k)}, {2.0 * k + 1, 1, high(k)}));
-    }
-    return soup;
-}
-
-/// The plane of a height, by the rule as planes.hpp states it.
-std::int64_t plane_of(double height_mm, double unit_mm, PlaneSide side, CoordinateType number) {
-    const double rounded = number == CoordinateType::f32 ? double{static_cast<float>(height_mm)} : height_mm;
+/// The plane of a height, by the rule as options.hpp states it.
+std::int64_t plane_of(double height_mm, double unit_mm, PlaneSide side, Number number) {
+    const double rounded = number == Number::f32 ? double{static_cast<float>(height_mm)} : height_mm;
     return 2 * static_cast<std::int64_t>(std::nearbyint(rounded / (2 * unit_mm))) + (side == PlaneSide::below ? -1 : 1);
 }
 
 /// Each height's own layer, and every layer's height, by comparing all planes.
-void check_layers(const SliceResult& result, CoordinateType number) {
-    const std::vector<double>& heights = std::get<lamella::ExplicitPlanes>(result.plan.spacing).heights_mm;
+void check_layers(const SliceResult& result, Number number) {
+    const std::vector<double>& heights = *result.info.options.heights_mm;
     std::map<std::int64_t, double> least;  // by plane
     for (const double mm : heights) {
-        const std::int64_t plane = plane_of(mm, result.unit_mm, result.plan.side, number);
+        const std::int64_t plane = plane_of(mm, result.info.grid_mm, result.info.options.planes.side, number);
         const auto [at, fresh] = least.try_emplace(plane, mm);
         at->second = std::min(at->second, mm);
     }
@@ -69,12 +53,19 @@ void check_layers(const SliceResult& result, CoordinateType number) {
     std::size_t l = 0;
     for (const auto& [plane, mm] : least) {
         CHECK(result.layers[l].plane.z() == plane);
-        CHECK(result.layers[l++].plane_mm == mm);
+        CHECK(result.layers[l].plane_mm == mm);
+        if (l > 0) {
+            const double middle = (result.layers[l - 1].plane_mm + mm) / 2;
+            CHECK(result.layers[l].bottom_mm == middle);
+            CHECK(result.layers[l - 1].top_mm == middle);
+        }
+        ++l;
     }
-    REQUIRE(result.layer_of.size() == heights.size());
+    REQUIRE(result.info.layer_of.size() == heights.size());
     for (std::size_t i = 0; i < heights.size(); ++i) {
-        REQUIRE(result.layer_of[i] < result.layers.size());
-        CHECK(result.layers[result.layer_of[i]].plane.z() == plane_of(heights[i], result.unit_mm, result.plan.side, number));
+        REQUIRE(result.info.layer_of[i] < result.layers.size());
+        CHECK(result.layers[result.info.layer_of[i]].plane.z() ==
+              plane_of(heights[i], result.info.grid_mm, result.info.options.planes.side, number));
     }
 }
 
@@ -95,10 +86,30 @@ std::vector<double> drawn_heights(std::mt19937& random, double unit_mm) {
 
 }  // namespace
 
-TEST_CASE("uniform planes lie in the middle of their layers", "[engine][planes]") {
-    const shapes::Soup soup = box({0, 0, 10}, {4, 4, 14});
-    const lamella::SliceResult result = sliced(soup, uniform(2, coarse_unit_mm));
-    CHECK(planes_of(result) == Planes{21, 25});
+TEST_CASE("uniform planes lie in the middle of their layers or from a first height on, strictly inside the mesh",
+          "[engine][planes]") {
+    struct Case {
+        double bottom_mm, top_mm;  ///< of the mesh
+        double layer_mm;
+        lamella::PlaneOptions options;
+        Planes expected;
+    };
+    const auto above = PlaneSide::above;
+    const Case cases[] = {
+        {10, 14, 2, {}, {21, 25}},
+        {1, 8, 3, {.first_height_mm = 1}, {3, 9, 15}},
+        {1, 8, 3, {.first_height_mm = 1, .datum = Datum::zero}, {7, 13}},
+        {1, 8, 3, {.first_height_mm = 1, .datum = Datum::zero, .side = above}, {3, 9, 15}},
+        {0, 4, 1, {.first_height_mm = 1}, {1, 3, 5, 7}},
+        {0, 4, 1, {.first_height_mm = 1, .side = above}, {3, 5, 7}},
+        {0, 1, 10, {}, {}},
+    };
+    for (const Case& one : cases) {
+        SliceOptions options = uniform(one.layer_mm, coarse_unit_mm);
+        options.planes = one.options;
+        CHECK(planes_of(sliced(box({0, 0, one.bottom_mm}, {4, 4, one.top_mm}), options)) == one.expected);
+    }
+    const SliceResult result = sliced(box({0, 0, 10}, {4, 4, 14}), uniform(2, coarse_unit_mm));
     CHECK(result.layers[0].bottom_mm == 10);
     CHECK(result.layers[0].plane_mm == 11);
     CHECK(result.layers[0].top_mm == 12);
@@ -106,40 +117,19 @@ TEST_CASE("uniform planes lie in the middle of their layers", "[engine][planes]"
     CHECK(result.layers[1].top_mm == 14);
 }
 
-TEST_CASE("the first height counts from the datum", "[engine][planes]") {
-    const shapes::Soup soup = box({0, 0, 1}, {4, 4, 8});
-    lamella::SliceOptions options = uniform(3, coarse_unit_mm);
-    uniform_of(options).first_height_mm = 1;
-    CHECK(planes_of(sliced(soup, options)) == Planes{3, 9, 15});
-    uniform_of(options).datum = Datum::zero;
-    CHECK(planes_of(sliced(soup, options)) == Planes{7, 13});
-    options.plan.side = PlaneSide::above;
-    CHECK(planes_of(sliced(soup, options)) == Planes{3, 9, 15});
-}
-
-TEST_CASE("planes are strictly inside the mesh", "[engine][planes]") {
-    lamella::SliceOptions options = uniform(1, coarse_unit_mm);
-    uniform_of(options).first_height_mm = 1;
-    CHECK(planes_of(sliced(box({0, 0, 0}, {4, 4, 4}), options)) == Planes{1, 3, 5, 7});
-    options.plan.side = PlaneSide::above;
-    CHECK(planes_of(sliced(box({0, 0, 0}, {4, 4, 4}), options)) == Planes{3, 5, 7});
-}
-
-TEST_CASE("a mesh that no plane cuts gives an empty result", "[engine][planes]") {
-    CHECK(sliced(box({0, 0, 0}, {4, 4, 1}), uniform(10)).layers.empty());
-}
-
-TEST_CASE("explicit heights outside the mesh give empty layers", "[engine][planes]") {
-    const lamella::SliceResult result = sliced(box({0, 0, 0}, {4, 4, 4}), at_heights({-1e6, -3, 2, 5, 7, 1e8}));
-    REQUIRE(result.layers.size() == 6);
-    for (const std::size_t l : {0U, 1U, 3U, 4U, 5U}) {
-        CHECK(result.layers[l].contour_count == 0);
-        CHECK(result.layers[l].segments == 0);
+TEST_CASE("explicit heights outside the mesh, and far beyond the grid, give empty layers", "[engine][planes]") {
+    for (const double grid_mm : {coarse_unit_mm, 0.0}) {
+        SliceOptions options = at_heights({-2e8, -3000, 1e8, 2, 5, 7, -3, 1e8, 1.5e8, -2e8}, grid_mm);
+        const SliceResult result = sliced(box({0, 0, 0}, {4, 4, 4}), options);
+        REQUIRE(result.layers.size() == 8);
+        for (std::size_t l = 0; l < 8; ++l) {
+            CHECK(result.layers[l].contour_count == (l == 3 ? 1 : 0));
+            CHECK((result.layers[l].segments == 0) == (l != 3));
+        }
+        CHECK(result.layers[3].bottom_mm == -0.5);
+        CHECK(result.layers[3].top_mm == 3.5);
+        CHECK(result.info.layer_of == Layers{0, 1, 6, 3, 4, 5, 2, 6, 7, 0});
     }
-    CHECK(result.layers[2].contour_count == 1);
-    CHECK(result.layers[2].bottom_mm == -0.5);
-    CHECK(result.layers[2].top_mm == 3.5);
-    CHECK(result.layers[1].plane.z() == -7);
 }
 
 TEST_CASE("explicit heights that are not finite name the first", "[engine][planes]") {
@@ -151,61 +141,42 @@ TEST_CASE("explicit heights that are not finite name the first", "[engine][plane
 }
 
 TEST_CASE("flat faces at every plane height are always on the same side", "[engine][planes]") {
-    constexpr int count = 50;
     // Tops, then undersides, at 0.1, 0.2, ... mm, which binary numbers cannot represent exactly.
-    const auto at = [](int k) { return 0.1 * k; };
-    const shapes::Soup standing = row_of_boxes(
-        count, +[](int) { return -1.0; }, +[](int k) { return 0.1 * k; });
-    const shapes::Soup hanging = row_of_boxes(
-        count, +[](int k) { return 0.1 * k; }, +[](int) { return 6.0; });
-    const bool in_float = GENERATE(true, false);
-    const bool is_uniform = GENERATE(true, false);
-    const PlaneSide side = GENERATE(PlaneSide::below, PlaneSide::above);
-    lamella::SliceOptions options = at_heights({});
-    options.unit_mm = 0;
-    options.plan.side = side;
-    if (is_uniform) {
-        options.plan.spacing = lamella::UniformLayers{0.1, 0.0, Datum::zero};
-    } else {
-        auto& heights = std::get<lamella::ExplicitPlanes>(options.plan.spacing).heights_mm;
-        for (int k = 0; k <= count; ++k) {
-            heights.push_back(at(k));
-        }
-    }
-    const auto outers = [&](const shapes::Soup& soup) {
-        const std::vector<float> rounded = shapes::floats(soup);
-        return sliced(in_float ? lamella::MeshView::soup(std::span<const float>(rounded)) : view_of(soup), options);
-    };
-    const lamella::SliceResult tops = outers(standing);
-    const lamella::SliceResult undersides = outers(hanging);
-    // Layer k cuts the boxes with their top above it. With planes below, it also cuts boxes with their top at its height.
-    const int missing_tops = side == PlaneSide::below ? 1 : 0;
+    constexpr int count = 50;
+    shapes::Soup standing;
+    shapes::Soup hanging;
+    SliceOptions options = at_heights({});
     for (int k = 1; k <= count; ++k) {
-        INFO("height " << k << ", side " << (side == PlaneSide::below ? "below" : "above"));
-        const auto layer_at = [&](const lamella::SliceResult& result) -> const lamella::Layer* {
-            for (const lamella::Layer& layer : result.layers) {
-                if (std::abs(layer.plane_mm - at(k)) < 1e-9) {
-                    return &layer;
-                }
-            }
-            return nullptr;
-        };
-        const lamella::Layer* top = layer_at(tops);
-        const int standing_there = count - k + missing_tops;
-        CHECK((top == nullptr ? 0 : static_cast<int>(top->contour_count)) == standing_there);
-        const lamella::Layer* underside = layer_at(undersides);
-        CHECK((underside == nullptr ? 0 : static_cast<int>(underside->contour_count)) == k - missing_tops);
+        shapes::append(standing, box({2.0 * k, 0, -1}, {2.0 * k + 1, 1, 0.1 * k}));
+        shapes::append(hanging, box({2.0 * k, 0, 0.1 * k}, {2.0 * k + 1, 1, 6}));
+        options.heights_mm->push_back(0.1 * k);
     }
-}
-
-TEST_CASE("every plane is rounded from its exact height", "[engine][planes]") {
-    // Steps are a third of a millimetre. Adding rounded steps would drift by hundreds of units.
-    const lamella::SliceResult result = sliced(box({0, 0, 0}, {1, 1, 1000}), uniform(1.0 / 3));
-    REQUIRE(result.layers.size() == 3000);
-    for (std::size_t i = 0; i < result.layers.size(); ++i) {
-        const double height = (static_cast<double>(i) + 0.5) / 3;
-        const double cut = result.layers[i].plane.z() * result.unit_mm;
-        REQUIRE(std::abs(height - cut) <= 2.5 * result.unit_mm);
+    options.frame.grid_mm = 0;
+    options.planes.side = GENERATE(PlaneSide::below, PlaneSide::above);
+    if (GENERATE(true, false)) {
+        options.heights_mm.reset();
+        options.layer_height_mm = 0.1;
+        options.planes.first_height_mm = 0;
+        options.planes.datum = Datum::zero;
+    }
+    const bool in_float = GENERATE(true, false);
+    const auto counts_at = [&](const shapes::Soup& soup) {
+        const std::vector<float> rounded = shapes::floats(soup);
+        const SliceResult result = sliced(in_float ? view_of(rounded) : view_of(soup), options);
+        std::map<int, std::uint64_t> counts;  // by the number of the height
+        for (const lamella::Layer& layer : result.layers) {
+            counts[static_cast<int>(std::lround(10 * layer.plane_mm))] = layer.contour_count;
+        }
+        return counts;
+    };
+    std::map<int, std::uint64_t> tops = counts_at(standing);
+    std::map<int, std::uint64_t> undersides = counts_at(hanging);
+    // Layer k cuts the boxes with their top above it. With planes below, it also cuts boxes with their top at its height.
+    const int own = options.planes.side == PlaneSide::below ? 1 : 0;
+    for (int k = 1; k <= count; ++k) {
+        INFO("height " << k << ", planes below " << own);
+        CHECK(tops[k] == static_cast<std::uint64_t>(count - k + own));
+        CHECK(undersides[k] == static_cast<std::uint64_t>(k - own));
     }
 }
 
@@ -214,19 +185,18 @@ TEST_CASE("a plane is cut within half a number step and two units of the height 
     const shapes::Soup mesh = box({0, 0, low}, {1, 1, low + 3.3});
     const std::vector<float> floats(mesh.begin(), mesh.end());
     lamella::SliceOptions options = uniform(0.0137);
-    options.plan.side = GENERATE(PlaneSide::below, PlaneSide::above);
-    const double toward = options.plan.side == PlaneSide::below ? -1 : 1;
+    options.planes.side = GENERATE(PlaneSide::below, PlaneSide::above);
+    const double toward = options.planes.side == PlaneSide::below ? -1 : 1;
     double farthest_units = 0;
     for (const bool as_floats : {false, true}) {
-        const auto view = as_floats ? lamella::MeshView::soup(std::span<const float>(floats)) : view_of(mesh);
-        const lamella::SliceResult cut = value_of(slice(view, options));
-        const lamella::SliceResult& result = cut;
+        const auto view = as_floats ? view_of(floats) : view_of(mesh);
+        const lamella::SliceResult result = sliced(view, options);
         REQUIRE(result.layers.size() > 200);
-        for (const lamella::Layer& layer : result.layers) {
+        for (const lamella::LayerView layer : result) {
             const double asked = layer.plane_mm;
             const double step = as_floats ? std::nextafter(static_cast<float>(asked), 1e9F) - static_cast<float>(asked) : 0;
-            const double moved_units = (result.to_mm(layer.plane) - asked) / result.unit_mm;
-            CHECK(std::abs(moved_units - toward) <= step / 2 / result.unit_mm + 1.001);
+            const double moved_units = (layer.cut_mm() - asked) / result.info.grid_mm;
+            CHECK(std::abs(moved_units - toward) <= step / 2 / result.info.grid_mm + 1.001);
             farthest_units = std::max(farthest_units, std::abs(moved_units));
         }
     }
@@ -245,18 +215,16 @@ TEST_CASE("facets that end within a unit of uniform planes are cut by the right 
     }
     for (const double first : {0.1, 0.05}) {
         lamella::SliceOptions options = uniform(0.1);
-        uniform_of(options).first_height_mm = first;
+        options.planes.first_height_mm = first;
         const lamella::SliceResult result = sliced(soup, options);
         CHECK(result.layers.size() >= 299);
-        CHECK_THAT(oracle::difference(result, oracle::quantise(soup, result.unit_mm)), Catch::Equals(""));
+        CHECK_THAT(oracle::difference(result, oracle::quantise(soup, result.info.grid_mm)), Catch::Equals(""));
     }
 }
 
 TEST_CASE("random heights stay between their bounds and repeat by seed", "[engine][planes]") {
     const shapes::Soup soup = box({0, 0, 5}, {1, 1, 25});
-    lamella::SliceOptions options;
-    options.plan.spacing = lamella::RandomLayers{0.016, 0.032, 7};
-    const lamella::SliceResult result = sliced(soup, options);
+    const lamella::SliceResult result = sliced(soup, {}, {}, at_random(0.016, 0.032, 7));
     REQUIRE(result.layers.size() > 625);
     REQUIRE(result.layers.size() < 1250);
     double below = 5;
@@ -270,45 +238,35 @@ TEST_CASE("random heights stay between their bounds and repeat by seed", "[engin
     CHECK(least >= 0.016 - 1e-9);
     CHECK(most <= 0.032 + 1e-9);
     CHECK(most - least > 0.015);
-    CHECK(hash_result(sliced(soup, options)) == hash_result(result));
-    options.plan.spacing = lamella::RandomLayers{0.016, 0.032, 8};
-    CHECK(hash_result(sliced(soup, options)) != hash_result(result));
+    CHECK(sliced(soup, {}, {}, at_random(0.016, 0.032, 7)).hash() == result.hash());
+    CHECK(sliced(soup, {}, {}, at_random(0.016, 0.032, 8)).hash() != result.hash());
+    const lamella::SliceResult listed = sliced(soup, result.info.options);  // the heights that were drawn
+    CHECK(listed.hash() == result.hash());
+    CHECK(listed.info.options == result.info.options);
 }
 
 TEST_CASE("steps under two units and too many planes are refused", "[engine][planes]") {
     const shapes::Soup soup = box({0, 0, 0}, {4, 4, 100});
     CHECK(failure_of(view_of(soup), uniform(0.9, coarse_unit_mm)).code == ErrorCode::bad_planes);
     CHECK(failure_of(view_of(soup), uniform(1e-12)).code == ErrorCode::bad_planes);
-    lamella::SliceOptions random;
-    random.plan.spacing = lamella::RandomLayers{1e-7, 1e-3, 1};
-    CHECK(failure_of(view_of(soup), random).code == ErrorCode::bad_planes);
+    const auto random_failure = [&](double least_mm, double most_mm) {
+        lamella::Slicer slicer;
+        SliceResult result;
+        return code_of(slice_tuned(slicer, result, view_of(soup), {}, at_random(least_mm, most_mm, 1)));
+    };
+    CHECK(random_failure(1e-7, 1e-3) == ErrorCode::bad_planes);
+    CHECK(random_failure(2, 1) == ErrorCode::invalid_argument);
     CHECK(failure_of(view_of(soup), uniform(0)).code == ErrorCode::invalid_argument);
     CHECK(failure_of(view_of(soup), uniform(-1)).code == ErrorCode::invalid_argument);
     CHECK(failure_of(view_of(soup), uniform(std::nan(""))).code == ErrorCode::invalid_argument);
-    random.plan.spacing = lamella::RandomLayers{2, 1, 1};
-    CHECK(failure_of(view_of(soup), random).code == ErrorCode::invalid_argument);
 }
 
 TEST_CASE("uniform planes that floats cannot tell apart name the pair", "[engine][planes]") {
     const std::vector<float> mesh = shapes::floats(box({0, 0, 700}, {1, 1, 700.01}));
-    const lamella::Error error = failure_of(lamella::MeshView::soup(std::span<const float>(mesh)), uniform(1e-5));
+    const lamella::Error error = failure_of(view_of(mesh), uniform(1e-5));
     CHECK(error.code == ErrorCode::bad_planes);
     CHECK(error.plane == 1);
     CHECK_THAT(error.message, Catch::Contains("planes 0 and 1 (") && Catch::Contains("the same on the grid"));
-}
-
-TEST_CASE("planes far beyond the grid give empty layers", "[engine][planes]") {
-    lamella::SliceOptions options;
-    options.plan.spacing = lamella::ExplicitPlanes{{-2e8, -1e8, -3000, 0.5, 2500, 9e7, 1e8}};
-    const lamella::SliceResult result = sliced(shapes::box({0, 0, 0}, {1, 1, 1}), options);
-    REQUIRE(result.layers.size() == 7);
-    for (std::size_t l = 0; l < 7; ++l) {
-        CHECK(result.layers[l].contour_count == (l == 3 ? 1 : 0));
-    }
-    options.plan.spacing = lamella::ExplicitPlanes{{1e8, 0.5, -1e8, 1e8, 1.5e8, -1e8}};
-    const lamella::SliceResult repeated = sliced(shapes::box({0, 0, 0}, {1, 1, 1}), options);
-    REQUIRE(repeated.layers.size() == 4);
-    CHECK(layers_of(repeated) == Layers{2, 1, 0, 2, 3, 0});
 }
 
 TEST_CASE("layers far thicker than the mesh do not cut it", "[engine][planes]") {
@@ -317,7 +275,7 @@ TEST_CASE("layers far thicker than the mesh do not cut it", "[engine][planes]") 
     for (const double layer_mm : {5'000.0, 10'000.0, 1e6, 1e300}) {
         for (const Datum datum : {Datum::mesh_min, Datum::zero}) {
             lamella::SliceOptions options = uniform(layer_mm);
-            uniform_of(options).datum = datum;
+            options.planes.datum = datum;
             CHECK(planes_of(sliced(soup, options)).empty());
         }
     }
@@ -329,45 +287,20 @@ TEST_CASE("every height has the layer of its plane, whatever their order", "[eng
     const std::vector<float> floats = shapes::floats(soup);
     for (int round = 0; round < 60; ++round) {
         const bool as_floats = round % 2 == 0;
-        const auto mesh = as_floats ? lamella::MeshView::soup(std::span<const float>(floats)) : view_of(soup);
+        const auto mesh = as_floats ? view_of(floats) : view_of(soup);
         SliceOptions options;
-        options.unit_mm = round % 3 == 0 ? 1e-6 : 0x1p-10;
-        options.plan.side = round % 4 < 2 ? PlaneSide::below : PlaneSide::above;
-        std::vector<double> heights = drawn_heights(random, options.unit_mm);
-        options.plan.spacing = lamella::ExplicitPlanes{heights};
-        options.control.threads = 1 + round % 3;
-        const SliceResult result = sliced(mesh, options);
-        check_layers(result, as_floats ? CoordinateType::f32 : CoordinateType::f64);
+        options.frame.grid_mm = round % 3 == 0 ? 1e-6 : 0x1p-10;
+        options.planes.side = round % 4 < 2 ? PlaneSide::below : PlaneSide::above;
+        std::vector<double> heights = drawn_heights(random, options.frame.grid_mm);
+        options.heights_mm = heights;
+        const SliceResult result = sliced(mesh, options, {.threads = 1 + round % 3});
+        check_layers(result, as_floats ? Number::f32 : Number::f64);
         std::sort(heights.begin(), heights.end());
-        options.plan.spacing = lamella::ExplicitPlanes{heights};
-        options.control.threads = 3 - round % 3;
-        const SliceResult sorted = sliced(mesh, options);
-        CHECK(hash_result(sorted) == hash_result(result));
-        CHECK(std::is_sorted(sorted.layer_of.begin(), sorted.layer_of.end()));
+        options.heights_mm = heights;
+        const SliceResult sorted = sliced(mesh, options, {.threads = 3 - round % 3});
+        CHECK(sorted.hash() == result.hash());
+        CHECK(std::is_sorted(sorted.info.layer_of.begin(), sorted.info.layer_of.end()));
     }
-}
-
-TEST_CASE("heights on one plane share the layer of the least", "[engine][planes]") {
-    const SliceResult result = sliced(box({0, 0, 0}, {4, 4, 4}), at_heights({3, 1.75, 1, 2.25, 3, 2}));
-    REQUIRE(result.layers.size() == 3);
-    CHECK(result.layers[1].plane_mm == 1.75);
-    CHECK(result.layers[1].plane.z() == 3);
-    CHECK(result.layers[1].bottom_mm == (1 + 1.75) / 2);
-    CHECK(result.layers[1].top_mm == (1.75 + 3) / 2);
-    CHECK(std::vector<std::uint64_t>(result.layer_of.begin(), result.layer_of.end()) ==
-          std::vector<std::uint64_t>{2, 1, 0, 1, 2, 1});
-}
-
-TEST_CASE("only explicit heights have layers by height, and a used result forgets them", "[engine][planes]") {
-    lamella::Workspace workspace;
-    SliceResult result;
-    const shapes::Soup soup = box({0, 0, 0}, {4, 4, 4});
-    REQUIRE(slice(view_of(soup), at_heights({2, 1, 2}), workspace, result).ok());
-    CHECK(result.layer_of.size() == 3);
-    REQUIRE(slice(view_of(soup), uniform(1), workspace, result).ok());
-    CHECK(result.layer_of.empty());
-    REQUIRE(slice(view_of(soup), at_heights({}), workspace, result).ok());
-    CHECK(result.layer_of.empty());
 }
 
 TEST_CASE("parts share the layers of explicit heights", "[engine][planes][parts]") {
@@ -376,17 +309,15 @@ TEST_CASE("parts share the layers of explicit heights", "[engine][planes][parts]
     const std::vector<lamella::Part> parts = {{.mesh = view_of(low)}, {.mesh = view_of(high)}};
     SliceOptions options = at_heights({5, 1, 3, 5, 1.1});
     options.region.fill_rule = lamella::FillRule::non_zero;
-    for (const auto regions : {lamella::PartRegions::separate, lamella::PartRegions::united}) {
-        const auto result = value_of(slice_parts(parts, options, regions));
-        check_layers(result, CoordinateType::f64);
+    for (const bool united : {false, true}) {
+        options.unite_parts = united;
+        check_layers(sliced(parts, options), Number::f64);
     }
 }
 
 TEST_CASE("layers by height count towards the memory limit", "[engine][planes][errors]") {
     const shapes::Soup soup = box({0, 0, 0}, {4, 4, 4});
-    SliceOptions options = at_heights(std::vector<double>(10000, 2.0));
-    options.memory_limit_bytes = 10000;
-    CHECK(failure_of(view_of(soup), options).code == lamella::ErrorCode::result_too_large);
-    options.memory_limit_bytes = 90000;
-    CHECK(sliced(soup, options).layers.size() == 1);
+    const SliceOptions options = at_heights(std::vector<double>(10000, 2.0));
+    CHECK(failure_of(view_of(soup), options, {.memory_limit_bytes = 10000}).code == ErrorCode::result_too_large);
+    CHECK(sliced(soup, options, {.memory_limit_bytes = 90000}).layers.size() == 1);
 }

@@ -1,15 +1,23 @@
-// Raw offset curves of few corners: points, facts and winding numbers are written down.
+// Raw offset curves. Of few corners: points, facts and winding numbers are written down. Of random polygons: against
+// rectangles and wedges one by one.
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <vector>
 
 #include <catch2/catch.hpp>
 
 #include "engine/counting_memory.hpp"
 #include "engine/raw_offsets.hpp"
+#include "slicing/offset/offset_kernels.hpp"
 
 using raw_offsets::Curve;
+using raw_offsets::distance_to;
+using raw_offsets::is_counter_clockwise;
 using raw_offsets::offset_of;
+using raw_offsets::Place;
 using raw_offsets::Point;
+using raw_offsets::Polygons;
 using raw_offsets::RawCurve;
 using raw_offsets::RawOffset;
 using raw_offsets::reversed;
@@ -22,77 +30,128 @@ const Ring square{{0, 0}, {4000, 0}, {4000, 4000}, {0, 4000}};
 /// 8 wide and 6 high, with a notch 3 wide and 1 deep in its upper side (in thousands).
 const Ring notched{{0, 0}, {8000, 0}, {8000, 6000}, {6000, 6000}, {6000, 5000}, {3000, 5000}, {3000, 6000}, {0, 6000}};
 
-}  // namespace
-
-TEST_CASE("an offset square has its corners on the miters", "[engine][raw_offset]") {
-    const Curve out = offset_of(square, 1000);
-    CHECK(out.points == Ring{{-1000, -1000}, {5000, -1000}, {5000, 5000}, {-1000, 5000}});
-    CHECK(out.facts.directions_kept);
-    CHECK_FALSE(out.facts.reflex_cut);
-    CHECK_FALSE(out.facts.beyond_grid);
-    const Curve in = offset_of(square, -1000);
-    CHECK(in.points == Ring{{1000, 1000}, {3000, 1000}, {3000, 3000}, {1000, 3000}});
-    CHECK(in.facts.directions_kept);
-    CHECK(offset_of(reversed(square), -1000).points == reversed(out.points));
-    CHECK(offset_of(reversed(square), 1000).points == reversed(in.points));
-}
-
-TEST_CASE("both kinds of corners of an L move along their bisectors", "[engine][raw_offset]") {
-    const Ring ell{{0, 0}, {6000, 0}, {6000, 2000}, {2000, 2000}, {2000, 6000}, {0, 6000}};
-    const Curve out = offset_of(ell, 500);
-    CHECK(out.points == Ring{{-500, -500}, {6500, -500}, {6500, 2500}, {2500, 2500}, {2500, 6500}, {-500, 6500}});
-    CHECK(out.facts.directions_kept);
-    const Curve in = offset_of(ell, -500);
-    CHECK(in.points == Ring{{500, 500}, {5500, 500}, {5500, 1500}, {1500, 1500}, {1500, 5500}, {500, 5500}});
-    CHECK(in.facts.directions_kept);
-}
-
-TEST_CASE("a notch whose floor turns round gets joints and is filled", "[engine][raw_offset]") {
-    const Curve out = offset_of(notched, 2000);
-    CHECK_FALSE(out.facts.directions_kept);
-    CHECK_FALSE(out.facts.reflex_cut);
-    CHECK(out.points == Ring{{-2000, -2000},
-                             {10000, -2000},
-                             {10000, 8000},
-                             {4000, 8000},
-                             {4000, 5000},
-                             {6000, 5000},
-                             {6000, 7000},
-                             {3000, 7000},
-                             {3000, 5000},
-                             {5000, 5000},
-                             {5000, 8000},
-                             {-2000, 8000}});
-    CHECK(winding(out.points, {4500, 5500}) == 3);  // two walls and the floor
-    CHECK(winding(out.points, {3500, 5500}) == 2);  // one wall and the floor
-    CHECK(winding(out.points, {4500, 7500}) == 2);  // two walls' miters
-    CHECK(winding(out.points, {4500, 8100}) == 0);
-    const Curve little = offset_of(notched, 1000);
-    CHECK(little.facts.directions_kept);
-    CHECK(little.points == Ring{{-1000, -1000},
-                                {9000, -1000},
-                                {9000, 7000},
-                                {5000, 7000},
-                                {5000, 6000},
-                                {4000, 6000},
-                                {4000, 7000},
-                                {-1000, 7000}});
-}
-
-TEST_CASE("a square shrunk by more than half has no positive winding number", "[engine][raw_offset]") {
-    const Curve gone = offset_of(square, -3000);
-    CHECK_FALSE(gone.facts.directions_kept);
-    CHECK(gone.points.size() == 12);
-    int least = 0;
-    for (double x = -4050; x < 8000; x += 100) {
-        for (double y = -4050; y < 8000; y += 100) {
-            const int number = winding(gone.points, {x, y});
-            REQUIRE(number <= 0);
-            least = std::min(least, number);
+/// The sum that the curve has to be if every inner corner has the joint, from rectangles and wedges one by one.
+class Sum {
+public:
+    Sum(const Ring& ring, double distance, double limit) : ring_(ring), sign_(distance > 0 ? 1 : -1) {
+        const std::size_t count = ring.size();
+        for (std::size_t i = 0; i < count; ++i) {
+            const Point a = ring[i];
+            const Point v = ring[(i + 1) % count];
+            const Point b = ring[(i + 2) % count];
+            const Place u1 = unit(a, v);
+            const Place u2 = unit(v, b);
+            const Place n1{distance * u1.y, -distance * u1.x};
+            const Place n2{distance * u2.y, -distance * u2.x};
+            convex_.push_back({at(a), {a.x + n1.x, a.y + n1.y}, {v.x + n1.x, v.y + n1.y}, at(v)});
+            if (rings::side(a, v, b) * distance >= 0) {
+                std::vector<Place> wedge{at(v), {v.x + n1.x, v.y + n1.y}};
+                add_tip(wedge, v, u1, u2, n1, n2, distance, limit);
+                wedge.push_back({v.x + n2.x, v.y + n2.y});
+                convex_.push_back(wedge);
+            }
         }
     }
-    CHECK(least == -3);  // solid, under all four rectangles
-    CHECK(offset_of(square, -2000).facts.directions_kept == false);
+    /// How many rectangles and wedges cover p, subtracted where they erode, and the contour's own winding number.
+    int at_place(Place p) const {
+        int sum = winding(ring_, p);
+        for (const auto& part : convex_) {
+            sum += covers(part, p) ? sign_ : 0;
+        }
+        return sum;
+    }
+
+private:
+    static Place at(Point p) { return {double(p.x), double(p.y)}; }
+    static Place unit(Point a, Point b) {
+        const double length = std::hypot(double(b.x) - a.x, double(b.y) - a.y);
+        return {(double(b.x) - a.x) / length, (double(b.y) - a.y) / length};
+    }
+    /// The miter, or the two points of the cut, from the angle itself.
+    static void add_tip(std::vector<Place>& wedge, Point v, Place u1, Place u2, Place n1, Place n2, double distance,
+                        double limit) {
+        const double half = 0.5 * std::abs(std::atan2(u1.x * u2.y - u1.y * u2.x, u1.x * u2.x + u1.y * u2.y));
+        if (1 <= limit * std::cos(half)) {
+            const double far = 1 / (2 * std::cos(half) * std::cos(half));
+            wedge.push_back({v.x + far * (n1.x + n2.x), v.y + far * (n1.y + n2.y)});
+            return;
+        }
+        const double on = std::abs(distance) * std::tan(half / 2);
+        wedge.push_back({v.x + n1.x + on * u1.x, v.y + n1.y + on * u1.y});
+        wedge.push_back({v.x + n2.x - on * u2.x, v.y + n2.y - on * u2.y});
+    }
+    bool covers(const std::vector<Place>& part, Place p) const {
+        for (std::size_t i = 0; i < part.size(); ++i) {
+            const Place a = part[i];
+            const Place b = part[(i + 1) % part.size()];
+            if (sign_ * ((b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x)) < 0) {
+                return false;
+            }
+        }
+        return true;
+    }
+
+    const Ring& ring_;
+    int sign_;
+    std::vector<std::vector<Place>> convex_;
+};
+
+/// A place anywhere around the ring, or near a point of the curve.
+Place sample(Polygons& random, const Curve& curve, double size, double distance) {
+    if (curve.points.empty() || random.below(4) == 0) {
+        return {random.number(-2 * size, 2 * size), random.number(-2 * size, 2 * size)};
+    }
+    const Point near = curve.points[random.below(curve.points.size())];
+    const double reach = std::abs(distance) * std::pow(10, random.number(-2, 0.3));
+    return {near.x + random.number(-reach, reach), near.y + random.number(-reach, reach)};
+}
+
+}  // namespace
+
+TEST_CASE("curves of few corners are known", "[engine][raw_offset]") {
+    struct Case {
+        const char* name;
+        Ring ring;
+        double distance;
+        Ring expected;
+        bool directions_kept = true;
+    };
+    const Ring collinear{{0, 0}, {1000, 0}, {4000, 0}, {4000, 4000}, {0, 4000}};
+    const Ring grown{{-1000, -1000}, {5000, -1000}, {5000, 5000}, {-1000, 5000}};
+    const Ring shrunk{{1000, 1000}, {3000, 1000}, {3000, 3000}, {1000, 3000}};
+    const Case cases[] = {
+        {"a square grown has its corners on the miters", square, 1000, grown},
+        {"a hole grown", reversed(square), 1000, reversed(shrunk)},
+        {"points inside edges stay", collinear, 100, {{-100, -100}, {1000, -100}, {4100, -100}, {4100, 4100}, {-100, 4100}}},
+        {"a notch whose floor turns round gets joints",
+         notched,
+         2000,
+         {{-2000, -2000},
+          {10000, -2000},
+          {10000, 8000},
+          {4000, 8000},
+          {4000, 5000},
+          {6000, 5000},
+          {6000, 7000},
+          {3000, 7000},
+          {3000, 5000},
+          {5000, 5000},
+          {5000, 8000},
+          {-2000, 8000}},
+         false}};
+    for (const Case& one : cases) {
+        INFO(one.name);
+        const Curve curve = offset_of(one.ring, one.distance);
+        CHECK(curve.points == one.expected);
+        CHECK(curve.facts.directions_kept == one.directions_kept);
+        CHECK_FALSE(curve.facts.reflex_cut);
+        CHECK_FALSE(curve.facts.beyond_grid);
+    }
+    const Curve filled = offset_of(notched, 2000);
+    CHECK(winding(filled.points, {4500, 5500}) == 3);  // two walls and the floor
+    CHECK(winding(filled.points, {3500, 5500}) == 2);  // one wall and the floor
+    CHECK(winding(filled.points, {4500, 7500}) == 2);  // two walls' miters
+    CHECK(winding(filled.points, {4500, 8100}) == 0);
 }
 
 TEST_CASE("a curve that rounding closes to a line has no points", "[engine][raw_offset]") {
@@ -127,7 +186,7 @@ TEST_CASE("a right-angled corner is cut from a limit of the square root of two d
     CHECK(offset_of(square, -1000, 1.4142).facts.reflex_cut);
 }
 
-TEST_CASE("a spike has a cap for either sign, and points inside edges stay", "[engine][raw_offset]") {
+TEST_CASE("a spike has a cap for either sign", "[engine][raw_offset]") {
     const Ring spiked{{0, 0}, {4000, 0}, {4000, 2000}, {9000, 2000}, {4000, 2000}, {4000, 4000}, {0, 4000}};
     const Curve out = offset_of(spiked, 500);
     CHECK(std::count(out.points.begin(), out.points.end(), Point{9500, 1500}) == 1);
@@ -136,8 +195,6 @@ TEST_CASE("a spike has a cap for either sign, and points inside edges stay", "[e
     const Curve in = offset_of(spiked, -500);
     CHECK(winding(in.points, {6000, 2000}) < 0);
     CHECK(winding(in.points, {2000, 2000}) == 1);
-    const Ring collinear{{0, 0}, {1000, 0}, {4000, 0}, {4000, 4000}, {0, 4000}};
-    CHECK(offset_of(collinear, 100).points == Ring{{-100, -100}, {1000, -100}, {4100, -100}, {4100, 4100}, {-100, 4100}});
 }
 
 TEST_CASE("turns of nearly 180 degrees take their side from the points", "[engine][raw_offset]") {
@@ -178,4 +235,64 @@ TEST_CASE("curves of a layer stand one after the other, in the host's memory", "
     offset.clear();
     CHECK(offset.append(square, 1000, 3).first_point == 0);
     CHECK(offset.points().size() == 4);
+}
+
+TEST_CASE("all forms of the offset's kernels agree with the portable form", "[engine][raw_offset][kernels]") {
+    Polygons random(4);
+    struct Measured {
+        explicit Measured(std::size_t count) : numbers(5 * (count + 1)), miters(count) {}
+        std::vector<double> numbers;
+        Ring miters;
+        double least = 0;
+    };
+    const auto measured = [](const lamella::OffsetKernels& form, const Ring& ring, double distance) {
+        const std::size_t each = ring.size() + 1;
+        Measured result(ring.size());
+        double* const at = result.numbers.data();
+        const lamella::OffsetEdges edges{at, at + each, at + 2 * each};
+        form.edges(ring.data(), ring.size(), edges);
+        result.least =
+            form.corners(ring.data(), ring.size(), edges, distance, {at + 3 * each, at + 4 * each, result.miters.data()});
+        return result;
+    };
+    for (const auto& [needs, form] : lamella::supported(lamella::offset_kernel_forms())) {
+        for (int round = 0; round < 300; ++round) {
+            const double size = round % 2 == 0 ? 1e3 : 1e8;
+            const Ring ring = random.simple(size);
+            const double distance = random.number(-2, 2) * size;
+            const Measured result = measured(form, ring, distance);
+            const Measured expected = measured(lamella::portable_of(lamella::offset_kernel_forms()), ring, distance);
+            CHECK(result.numbers == expected.numbers);
+            CHECK(result.miters == expected.miters);
+            CHECK(result.least == expected.least);
+        }
+    }
+}
+
+TEST_CASE("the positive region of a curve is solid, rectangles and wedges", "[engine][raw_offset]") {
+    const double size = 1e6;
+    Polygons random(1);
+    int mixed = 0;
+    int inside = 0;
+    for (int round = 0; round < 400; ++round) {
+        const Ring ring = random.simple(size);
+        const double distance = random.number(0.005, 0.3) * (random.coin() ? size : -size);
+        const double limit = random.number(1.5, 4);
+        const Curve curve = offset_of(ring, distance, limit);
+        const Sum sum(ring, distance, limit);
+        const int around = is_counter_clockwise(ring) ? 0 : 1;  // what a hole lies in
+        mixed += !curve.facts.directions_kept && curve.points.size() < 2 * ring.size() ? 1 : 0;
+        for (int i = 0; i < 60; ++i) {
+            const Place p = sample(random, curve, size, distance);
+            if (curve.points.empty() || distance_to(curve.points, p) < 3 || distance_to(ring, p) < 3) {
+                continue;
+            }
+            const bool positive = winding(curve.points, p) + around > 0;
+            inside += positive ? 1 : 0;
+            INFO("round " << round << ", distance " << distance << ", limit " << limit << ", " << p.x << ' ' << p.y);
+            REQUIRE(positive == (sum.at_place(p) + around > 0));
+        }
+    }
+    CHECK(mixed > 100);
+    CHECK(inside > 5000);
 }

@@ -78,17 +78,15 @@ std::vector<std::vector<Cut>> cuts_of(const shapes::Soup& soup, const SliceResul
 }
 
 /// As Triangles::edges_of(), of all parts.
-std::vector<Cut> edges_of_parts(const SliceResult& result, const lamella::Layer& layer,
-                                const std::vector<const Triangles*>& parts) {
+std::vector<Cut> edges_of_parts(const lamella::LayerView& layer, const std::vector<const Triangles*>& parts) {
     std::vector<Cut> edges;
     for (std::size_t part = 0; part < parts.size(); ++part) {
-        const auto contours = result.contours_of(layer);
         const auto is_own = [part](const lamella::Contour& contour) { return contour.part == part; };
-        const auto first = std::find_if(contours.begin(), contours.end(), is_own);
-        lamella::Layer own = layer;
-        own.first_contour += static_cast<std::uint64_t>(first - contours.begin());
-        own.contour_count = static_cast<std::uint64_t>(std::count_if(contours.begin(), contours.end(), is_own));
-        const std::vector<Cut> found = parts[part]->edges_of(result, own);
+        const auto first = std::find_if(layer.contours.begin(), layer.contours.end(), is_own);
+        const auto count = std::count_if(layer.contours.begin(), layer.contours.end(), is_own);
+        lamella::LayerView own = layer;
+        own.contours = {first, first + count};
+        const std::vector<Cut> found = parts[part]->edges_of(own);
         edges.insert(edges.end(), found.begin(), found.end());
     }
     std::sort(edges.begin(), edges.end());
@@ -128,37 +126,23 @@ TEST_CASE("edges of a region keep the triangles along which they run", "[engine]
 TEST_CASE("bent edges of a region keep the triangle of the edge that was bent", "[engine][origins][regions]") {
     const auto seed = GENERATE(range(1U, 1 + rounds(59)));
     const shapes::Soup tangle = shapes::random_tetrahedra(seed, 6, 9);
-    SliceOptions options = filled(at_heights({1.25, 2.75, 4.5, 6.25}));
-    options.unit_mm = 1.0 / 64;
+    SliceOptions options = filled(at_heights({1.25, 2.75, 4.5, 6.25}, 1.0 / 64));
     const SliceResult result = traced(tangle, options);
     CHECK(without_triangle(result) == 0);
-}
-
-TEST_CASE("a region's edge where contours coincide comes from the smallest triangle", "[engine][origins][regions]") {
-    // The right one's left side lies on the left one's right side, half as long; united, only its ends stay.
-    const shapes::Soup boxes = shapes::joined(
-        {shapes::box({4, 1, 0}, {6, 3, 4}), shapes::box({0, 0, 0}, {4, 4, 4}), shapes::box({0, 0, 0}, {4, 2, 4})});
-    const SliceResult result = traced(boxes, filled(at_heights({2})));
-    REQUIRE(result.contours.size() == 1);
-    CHECK(check_region(result, cuts_of(boxes, result)) == 0);
-    // Box 1 and box 2 share their front; box 1 has the smaller triangles.
-    CHECK(std::none_of(result.origins.begin(), result.origins.end(),
-                       [](const PointOrigin& origin) { return origin.triangle >= 24; }));
 }
 
 TEST_CASE("what offset and closing move comes from no triangle, what they leave keeps its origin",
           "[engine][origins][regions]") {
     const shapes::Soup boxes = shapes::joined(
         {shapes::box({0, 0, 0}, {4, 4, 4}), shapes::box({4.5, 0, 0}, {8, 4, 4}), shapes::box({20, 0, 0}, {24, 4, 4})});
-    SliceOptions options = filled(at_heights({2}));
-    options.unit_mm = 1.0 / 1024;
+    SliceOptions options = filled(at_heights({2}, 1.0 / 1024));
     SECTION("offset") {
         options.region.offset_mm = 0.25;
         const SliceResult result = traced(boxes, options);
         CHECK(without_triangle(result) == result.points.size());
     }
     SECTION("closing") {
-        options.region.close_mm = 0.5;
+        options.region.closing_mm = 0.5;
         const SliceResult result = traced(boxes, options);
         REQUIRE(result.contours.size() == 2);
         CHECK(without_triangle(result) == result.contours[0].point_count);
@@ -193,10 +177,9 @@ TEST_CASE("a fold leaves the origins of the edges beside it", "[engine][origins]
     // A block with a notch, whose short floor closing folds into the corner of its walls.
     const shapes::Soup block =
         shapes::walls({{0, 0}, {20, 0}, {20, 10}, {12, 10}, {10.0625, 8}, {9.9375, 8}, {8, 10}, {0, 10}});
-    SliceOptions options = filled(at_heights({5}));
-    options.unit_mm = 1.0 / 1024;
+    SliceOptions options = filled(at_heights({5}, 1.0 / 1024));
     const SliceResult before = traced(block, options);
-    options.region.close_mm = 0.2;
+    options.region.closing_mm = 0.2;
     const SliceResult after = traced(block, options);
     // Each side has a point in its middle: the floor's three points have become one, and the two edges beside it longer.
     REQUIRE(after.points.size() == before.points.size() - 2);
@@ -209,26 +192,24 @@ TEST_CASE("origins name the part where there are several", "[engine][origins][pa
     const shapes::Soup high = random_boxes(2, 3);
     const std::vector<Part> parts = {{.mesh = view_of(low)}, {.mesh = view_of(high)}};
     SliceOptions options = filled(at_heights({1, 3}), FillRule::contours);
-    const auto check_parts = [&](lamella::PartRegions regions) {
-        SliceResult result = value_of(slice_parts(parts, options, regions));
-        require_ok(validate(result, parts));
-        return result;
-    };
     SECTION("separate") {
-        const SliceResult both = check_parts(lamella::PartRegions::separate);
+        const SliceResult both = sliced(parts, options);
+        require_ok(audits::structure_of(both, parts));
         const Triangles of_low(low, both, 0);
         const Triangles of_high(high, both, 1);
-        for (const lamella::Layer& layer : both.layers) {
+        for (const lamella::LayerView layer : both) {
             std::vector<Cut> expected = of_low.cuts_at(layer.plane);
             const std::vector<Cut> more = of_high.cuts_at(layer.plane);
             expected.insert(expected.end(), more.begin(), more.end());
             std::sort(expected.begin(), expected.end());
-            CHECK(edges_of_parts(both, layer, {&of_low, &of_high}) == expected);
+            CHECK(edges_of_parts(layer, {&of_low, &of_high}) == expected);
         }
     }
     SECTION("united") {
         options.region.fill_rule = FillRule::non_zero;
-        const SliceResult united = check_parts(lamella::PartRegions::united);
+        options.unite_parts = true;
+        const SliceResult united = sliced(parts, options);
+        require_ok(audits::structure_of(united, parts));
         std::vector<std::vector<Cut>> cuts;
         for (const lamella::Layer& layer : united.layers) {
             cuts.push_back(Triangles(low, united, 0).cuts_at(layer.plane));
@@ -239,9 +220,9 @@ TEST_CASE("origins name the part where there are several", "[engine][origins][pa
                           [](const lamella::Contour& contour) { return contour.part == lamella::several_parts; }));
         CHECK(check_region(united, cuts) == 0);
         options.origins = false;
-        const SliceResult plain = value_of(slice_parts(parts, options, lamella::PartRegions::united));
+        const SliceResult plain = sliced(parts, options);
         CHECK(plain.origins.empty());
-        CHECK(hash_result(plain) == hash_result(united));
+        CHECK(plain.hash() == united.hash());
     }
 }
 
@@ -250,7 +231,7 @@ TEST_CASE("more parts than an origin can name are refused", "[engine][origins][p
     const std::vector<Part> parts(65536, Part{.mesh = view_of(one)});
     SliceOptions options = at_heights({2});
     options.origins = true;
-    const lamella::Error error = error_of(slice_parts(parts, options));
+    const lamella::Error error = failure_of(parts, options);
     CHECK(error.code == lamella::ErrorCode::invalid_argument);
     CHECK(error.message == "origins name one of at most 65535 parts, not of 65536");
 }

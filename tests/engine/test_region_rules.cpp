@@ -41,12 +41,12 @@ bool is_taken(const std::function<void(RegionRules&)>& change) {
 TEST_CASE("lengths of regions that are no lengths are refused", "[engine][regions]") {
     using Catch::StartsWith;
     for (const double bad : {-1.0, -infinity, infinity, not_a_number}) {
-        CHECK_THAT(refusal_of([&](RegionRules& rules) { rules.close_mm = bad; }),
+        CHECK_THAT(refusal_of([&](RegionRules& rules) { rules.closing_mm = bad; }),
                    StartsWith("the closing radius must be finite and not negative"));
-        CHECK_THAT(refusal_of([&](RegionRules& rules) { rules.mark_near_mm = bad; }),
+        CHECK_THAT(refusal_of([&](RegionRules& rules) { rules.flag_closing_mm = bad; }),
                    StartsWith("the radius of the mark for near contours must be finite and not negative"));
     }
-    CHECK_THAT(refusal_of([](RegionRules& rules) { rules.close_mm = -1; }), Catch::EndsWith("not -1 mm"));
+    CHECK_THAT(refusal_of([](RegionRules& rules) { rules.closing_mm = -1; }), Catch::EndsWith("not -1 mm"));
     for (const double bad : {-infinity, infinity, not_a_number}) {
         CHECK_THAT(refusal_of([&](RegionRules& rules) { rules.offset_mm = bad; }),
                    StartsWith("the offset must be finite, not"));
@@ -55,6 +55,10 @@ TEST_CASE("lengths of regions that are no lengths are refused", "[engine][region
         CHECK_THAT(refusal_of([&](RegionRules& rules) { rules.miter_limit = bad; }),
                    StartsWith("the miter limit must be finite and at least 1, not"));
     }
+    for (const double bad : {-1.0, not_a_number, 0.25}) {
+        CHECK_THAT(refusal_of([&](RegionRules& rules) { rules.simplify_mm = bad; }),
+                   Catch::Contains("the tolerance of simplification"));
+    }
     CHECK(is_taken([](RegionRules& rules) { rules.offset_mm = -1; }));
     CHECK(is_taken([](RegionRules& rules) { rules.miter_limit = 1; }));
 }
@@ -62,7 +66,7 @@ TEST_CASE("lengths of regions that are no lengths are refused", "[engine][region
 TEST_CASE("radii beyond the grid or under its unit are refused with what is possible", "[engine][regions]") {
     const double reach_mm = lamella::grid_limit * coarse_unit_mm;
     using Member = double RegionRules::*;
-    for (const Member length : {&RegionRules::close_mm, &RegionRules::offset_mm, &RegionRules::mark_near_mm}) {
+    for (const Member length : {&RegionRules::closing_mm, &RegionRules::offset_mm, &RegionRules::flag_closing_mm}) {
         const auto asked = [&](double mm, double limit) {
             return [=](RegionRules& rules) {
                 rules.*length = mm;
@@ -102,7 +106,7 @@ TEST_CASE("what needs a region is refused where a layer has none", "[engine][reg
         void (*ask)(RegionRules&);
         std::string name;
     };
-    const Case cases[] = {{[](RegionRules& rules) { rules.close_mm = 1; }, "closing"},
+    const Case cases[] = {{[](RegionRules& rules) { rules.closing_mm = 1; }, "closing"},
                           {[](RegionRules& rules) { rules.offset_mm = -1; }, "an offset"},
                           {[](RegionRules& rules) { rules.drop_collinear = true; }, "dropping collinear points"},
                           {[](RegionRules& rules) { rules.largest_only = true; }, "keeping the largest contour only"}};
@@ -126,23 +130,8 @@ TEST_CASE("what needs a region is refused where a layer has none", "[engine][reg
     }
     CHECK(is_taken([](RegionRules& rules) {  // a mark changes nothing
         rules.fill_rule = FillRule::contours;
-        rules.mark_near_mm = 1;
+        rules.flag_closing_mm = 1;
     }));
-}
-
-TEST_CASE("a result holds the rules that it was made by", "[engine][regions]") {
-    const auto rules = options_with([](RegionRules& own) {
-        own.fill_from = {{3, FillRule::even_odd}};
-        own.close_mm = 1;
-        own.miter_limit = 2;
-    });
-    const lamella::SliceResult result = sliced(shapes::box({0, 0, 0}, {10, 10, 10}), rules);
-    REQUIRE(result.region.fill_from.size() == 1);
-    CHECK(result.region.fill_from[0].first_layer == 3);
-    CHECK(result.region.rule_of(2) == FillRule::non_zero);
-    CHECK(result.region.rule_of(3) == FillRule::even_odd);
-    CHECK(result.region.close_mm == 1);
-    CHECK(result.region.miter_limit == 2);
 }
 
 TEST_CASE("layers of which the rules leave nothing are counted", "[engine][regions]") {
@@ -152,7 +141,7 @@ TEST_CASE("layers of which the rules leave nothing are counted", "[engine][regio
     lamella::SliceOptions options = at_heights({-5, 5, 15});
     options.region.fill_rule = GENERATE(FillRule::contours, FillRule::non_zero, FillRule::positive);
     const lamella::SliceResult result = sliced(soup, options);
-    CHECK(result.summary.emptied_layers == (options.region.fill_rule == FillRule::positive ? 1 : 0));
+    CHECK(result.info.emptied_layers == (options.region.fill_rule == FillRule::positive ? 1 : 0));
     CHECK(result.layers[2].contour_count == (options.region.fill_rule == FillRule::positive ? 0 : 1));
 }
 
@@ -160,21 +149,21 @@ TEST_CASE("a caller's own contours are held to the same rules", "[engine][region
     const lamella::Point corners[] = {{0, 0}, {40, 0}, {40, 40}, {0, 40}};
     const std::span<const lamella::Point> square[] = {corners};
     const auto refusal = [&](const RegionRules& rules, double unit_mm) {
-        const lamella::Result<lamella::LayerContours> region = region_of(square, rules, unit_mm);
+        const lamella::Result<lamella::SliceResult> region = region_of(square, rules, unit_mm);
         return region ? std::string("taken") : region.error().message;
     };
     RegionRules rules;
     rules.fill_rule = FillRule::non_zero;
     CHECK(refusal(rules, 0.5) == "taken");
-    CHECK(region_of(square, rules, 0.5)->area_mm2() == 400);
+    CHECK((*region_of(square, rules, 0.5))[0].area_mm2() == 400);
     for (const double bad : {0.0, -1.0, infinity, not_a_number}) {
         CHECK_THAT(refusal(rules, bad), Catch::StartsWith("the grid unit must be finite and above 0, not"));
     }
-    rules.close_mm = -1;
+    rules.closing_mm = -1;
     CHECK_THAT(refusal(rules, 0.5), Catch::StartsWith("the closing radius must be finite"));
-    rules.close_mm = 0.2;
+    rules.closing_mm = 0.2;
     CHECK_THAT(refusal(rules, 0.5), Catch::Contains("is under the grid unit of 0.5 mm"));
-    rules.close_mm = 1;
+    rules.closing_mm = 1;
     rules.fill_rule = FillRule::contours;
     CHECK_THAT(refusal(rules, 0.5), Catch::StartsWith("closing needs a region, but layer 0"));
 }

@@ -1,33 +1,23 @@
-// Simplified contours keep what RegionRules::simplify_mm promises.
+// Simplified contours keep what RegionRules::simplify_mm promises. Distances are compared exactly, and few steps are taken
+// where contours are made to need many.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <numeric>
 #include <random>
 #include <vector>
 
 #include <catch2/catch.hpp>
 
+#include "cpu_time.hpp"
+#include "engine/rounds.hpp"
 #include "engine/shapes.hpp"
 #include "engine/simplify_checks.hpp"
 #include "engine/slicing.hpp"
+#include "slicing/simplify/chain.hpp"
 
 using namespace simplify_checks;
-
-TEST_CASE("points of a noisy square within the tolerance go, its corners stay", "[engine][simplify]") {
-    Ring square;
-    for (int i = 0; i < 100; ++i) {
-        square.push_back({i * 1000, i == 0 ? 0 : i * 7919 % 11});
-    }
-    for (int i = 0; i < 100; ++i) {
-        square.push_back({100'000 - i * 7919 % 11 * (i > 0), i * 1000});
-    }
-    square.push_back({100'000, 100'000});
-    square.push_back({50'000, 99'995});
-    square.push_back({0, 100'000});
-    CHECK(simplify({square}, 12).points_after == 4);
-    CHECK(simplify({square}, 3).points_after > 20);
-}
 
 TEST_CASE("a circle keeps about as many points as its tolerance needs", "[engine][simplify]") {
     const Comparison sizes = simplify({circle(1e6, 5000)}, 1000);
@@ -90,7 +80,7 @@ TEST_CASE("a hole in a bump of its outer stays within", "[engine][simplify]") {
     const Ring outer = {{0, 0}, {4000, 0}, {4500, -500}, {5500, -500}, {6000, 0}, {10'000, 0}, {10'000, 9000}, {0, 9000}};
     const Ring hole = {{4900, -300}, {4950, -200}, {5050, -300}};
     CHECK(simplify({outer}, 600).points_after == 4);
-    const LayerContours both = region_by({outer, hole}, simplified_by(600));
+    const SliceResult both = region_by({outer, hole}, simplified_by(600));
     REQUIRE(both.contours.size() == 2);
     CHECK(both.contours[1].role == Role::hole);
     simplify({outer, hole}, 600);
@@ -146,35 +136,142 @@ TEST_CASE("layers of solids and open polylines are simplified alike on any numbe
         shapes::Soup soup = shapes::octasphere({0, 0, 0}, 20, 6);
         soup.resize(open ? soup.size() / 9 * 7 / 10 * 9 : soup.size());
         lamella::SliceOptions options;
-        options.plan.spacing = lamella::UniformLayers{.layer_height_mm = 1.5};
-        options.control.threads = 1;
-        const auto before = value_of(lamella::slice(view_of(soup), options));
+        options.layer_height_mm = 1.5;
+        const SliceResult before = sliced(soup, options, {.threads = 1});
         options.region.simplify_mm = 0.05;
-        const auto after = value_of(lamella::slice(view_of(soup), options));
-        CHECK((before.summary.open_contours > 0) == open);
+        const SliceResult after = sliced(soup, options, {.threads = 1});
+        CHECK((before.info.open_contours > 0) == open);
         CHECK(after.points.size() < before.points.size() / 2);
         for (std::size_t l = 0; l < before.layers.size(); ++l) {
-            compare(before.contours_of(before.layers[l]), {before.points.data(), before.points.size()},
-                    after.contours_of(after.layers[l]), {after.points.data(), after.points.size()},
-                    std::floor(0.05 / before.unit_mm));
+            compare(before[l].contours, before.points.span(), after[l].contours, after.points.span(),
+                    std::floor(0.05 / before.info.grid_mm));
         }
-        CHECK(lamella::validate(after).ok());
         for (const int threads : {2, 3}) {
-            options.control.threads = threads;
-            const auto again = value_of(lamella::slice(view_of(soup), options));
-            CHECK(lamella::hash_result(again) == lamella::hash_result(after));
+            CHECK(sliced(soup, options, {.threads = threads}).hash() == after.hash());
         }
     }
 }
 
-TEST_CASE("a tolerance that is no length, or under the grid unit, is refused", "[engine][simplify]") {
-    const Rings rings{circle(100, 20)};
-    RegionRules rules;
-    for (const double bad : {-1.0, std::nan(""), unit_mm / 2}) {
-        rules.simplify_mm = bad;
-        const auto made = regions::region(rings, rules);
-        REQUIRE(!made.ok());
-        CHECK(made.error().code == lamella::ErrorCode::invalid_argument);
-        CHECK(made.error().message.find("the tolerance of simplification") != std::string::npos);
+TEST_CASE("the distance of a chain is compared exactly", "[engine][simplify]") {
+    std::mt19937 random(8);
+    std::size_t within = 0;
+    for (unsigned turn = 0; turn < rounds(20'000); ++turn) {
+        const unsigned side_length = 1U << (2 + random() % 12);
+        std::vector<Point> chain(2 + random() % 6);
+        for (Point& p : chain) {
+            p = {static_cast<std::int32_t>(random() % side_length), static_cast<std::int32_t>(random() % side_length)};
+        }
+        const auto tolerance = static_cast<std::int64_t>(random() % side_length);
+        const std::size_t last = chain.size() - 1;
+        const Point a = chain[0];
+        const Point b = chain[last];
+        bool expected = a != b;
+        for (std::size_t i = 1; i < last && expected; ++i) {
+            const Wide length2 = dot(a, b, b);
+            const Wide along = dot(a, b, chain[i]);
+            const Wide area = rings::cross(a, b, chain[i]);
+            const Point end = along <= 0 ? a : b;
+            expected = along > 0 && along < length2 ? area * area <= Wide{tolerance} * tolerance * length2
+                                                    : dot(end, chain[i], chain[i]) <= Wide{tolerance} * tolerance;
+        }
+        if (last >= 2) {
+            const auto reach = lamella::measure_chain(chain.data(), 0, last, tolerance);
+            REQUIRE(reach.within == expected);
+            REQUIRE((reach.furthest > 0 && reach.furthest < last));
+            within += expected;
+        }
     }
+    CHECK(within > rounds(20'000) / 10);
+}
+
+TEST_CASE("simplifying takes no square of time where each furthest point peels off one", "[engine][simplify]") {
+    constexpr int count = 300'000;
+    Ring ring;
+    for (int i = 0; i < count; ++i) {
+        ring.push_back({i, (i % 2 == 0 ? 1 : -1) * (count - i)});
+    }
+    ring.push_back({count, -2 * count});
+    ring.push_back({-5, -2 * count});
+    const double before = cpu_ms();
+    const SliceResult made = region_by({ring}, simplified_by(1));
+    CHECK(made.points.size() > count / 2);
+    CHECK(cpu_ms() - before < 4000);
+}
+
+/// How many points are left of each ring.
+std::vector<std::size_t> points_left(const Rings& rings, std::int64_t tolerance) {
+    std::vector<lamella::NestItem> items;
+    for (const Ring& ring : rings) {
+        items.push_back(lamella::closed_item(ring));
+    }
+    lamella::Worker worker;
+    lamella::Simplifier simplifier(worker);
+    simplifier.run(items, tolerance);
+    std::vector<std::size_t> points;
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        points.push_back(items[i].count);
+        CHECK(simplifier.left_of(i).size() == items[i].count);
+    }
+    return points;
+}
+
+std::size_t all_points_left(const Rings& rings, std::int64_t tolerance) {
+    const std::vector<std::size_t> points = points_left(rings, tolerance);
+    return std::accumulate(points.begin(), points.end(), std::size_t{0});
+}
+
+/// Teeth side by side below y = 0, and between each two of them a small contour.
+Rings comb(int teeth) {
+    Rings rings(1);
+    for (int i = 0; i < teeth; ++i) {
+        rings[0].insert(rings[0].end(), {{20 * i, 0}, {20 * i + 2, -50}, {20 * i + 4, 0}});
+        rings.push_back({{20 * i + 10, -30}, {20 * i + 13, -30}, {20 * i + 13, -26}, {20 * i + 11, -25}});
+    }
+    rings[0].insert(rings[0].end(), {{20 * teeth, 0}, {20 * teeth, 9000}, {0, 9000}});
+    return rings;
+}
+
+TEST_CASE("simplifying takes no square of time where many contours lie in the box of one line", "[engine][simplify]") {
+    CHECK(simplify_as_given(comb(30), 100).points_after < 250);
+    const Rings rings = comb(100'000);
+    const double before = cpu_ms();
+    CHECK(points_left(rings, 100)[0] < 50'000);
+    CHECK(cpu_ms() - before < 4000);
+}
+
+/// Needles across each other, as many one way as the other. The point in the middle of each one's tip could go.
+Rings crossing_needles(int count) {
+    Rings rings;
+    const std::int32_t length = 100 * count;
+    for (int i = 0; i < count; ++i) {
+        const std::int32_t at = 100 * i + 50;
+        rings.push_back({{-10, at}, {length, at}, {length - 1, at + 5}, {length, at + 10}, {-10, at + 10}});
+        rings.push_back({{at, -10}, {at + 10, -10}, {at + 10, length}, {at + 5, length - 1}, {at, length}});
+    }
+    return rings;
+}
+
+TEST_CASE("a layer in which far more edges cross than there are points stays whole", "[engine][simplify]") {
+    CHECK(all_points_left(crossing_needles(10), 3) == 80);
+    CHECK(all_points_left(crossing_needles(8000), 3) == 80'000);
+}
+
+/// Slanting teeth, so that the box of each holds the small contours between all others.
+Rings slanting_comb(int teeth) {
+    Rings rings(1);
+    const std::int32_t length = 40 * teeth;
+    for (int i = 0; i < teeth; ++i) {
+        const std::int32_t x = 40 * i;
+        rings[0].insert(rings[0].end(), {{x, 0}, {x + length, -length}, {x + 20, 0}});
+        const std::int32_t between = x + length / 2 + 20;
+        rings.push_back({{between, -length / 2}, {between + 4, -length / 2}, {between + 4, -length / 2 + 2}});
+    }
+    rings[0].insert(rings[0].end(), {{length, 0}, {length, 9 * length}, {0, 9 * length}});
+    return rings;
+}
+
+TEST_CASE("a layer in which boxes of far more edges hold a contour than there are points stays whole",
+          "[engine][simplify]") {
+    CHECK(all_points_left(slanting_comb(20), 2000) < 20 * 3 + 10);
+    CHECK(all_points_left(slanting_comb(30'000), 2'000'000) == 30'000 * 6 + 3);
 }

@@ -1,4 +1,4 @@
-// Simplification in every way to slice: origins, sinks, memory of the host, prepared meshes, parts, and regions.
+// Simplification within a slice: origins, parts and regions.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -6,16 +6,11 @@
 
 #include <catch2/catch.hpp>
 
-#include "engine/collected_layers.hpp"
-#include "engine/host_arrays.hpp"
-#include "engine/region_checks.hpp"
-#include "engine/same_result.hpp"
 #include "engine/slicing.hpp"
 
 using lamella::Contour;
 using lamella::FillRule;
 using lamella::Part;
-using lamella::Point;
 using lamella::PointOrigin;
 using lamella::Role;
 using lamella::SliceOptions;
@@ -40,7 +35,6 @@ SliceOptions simplified(double tolerance_mm, FillRule rule = FillRule::contours)
     options.region.fill_rule = rule;
     options.region.simplify_mm = tolerance_mm;
     options.origins = true;
-    options.control.threads = 2;
     return options;
 }
 
@@ -80,16 +74,16 @@ TEST_CASE("lines that replace points come from no triangle, all other edges keep
         for (const double tolerance : {0.001, 0.05, 0.5}) {
             SliceOptions options = simplified(tolerance, rule);
             const SliceResult result = sliced(soup, options);
-            require_ok(validate(result, view_of(soup)));
+            require_ok(audits::structure_of(result, view_of(soup)));
             options.region.simplify_mm = 0;
             const SliceResult plain = sliced(soup, options);
-            require_ok(validate(plain, view_of(soup)));
-            CHECK(plain.summary.open_contours > 0);
+            require_ok(audits::structure_of(plain, view_of(soup)));
+            CHECK(plain.info.open_contours > 0);
             CHECK(result.points.size() < plain.points.size());
             CHECK(check_origins(plain, result) > 100);
             options.region.simplify_mm = tolerance;
             options.origins = false;
-            CHECK(hash_result(sliced(soup, options)) == hash_result(result));
+            CHECK(sliced(soup, options).hash() == result.hash());
         }
     }
 }
@@ -97,12 +91,10 @@ TEST_CASE("lines that replace points come from no triangle, all other edges keep
 TEST_CASE("a contour that is turned round against its facets keeps the origins of its edges when simplified",
           "[engine][simplify][origins]") {
     const shapes::Soup soup = shapes::flipped(shapes::octasphere({0, 0, 0}, 10, 5));
-    SliceOptions options = simplified(0.02);
-    const SliceResult result = sliced(soup, options);
-    require_ok(validate(result, view_of(soup)));
-    CHECK(result.summary.overruled_contours > 0);
-    options.region.simplify_mm = 0;
-    CHECK(check_origins(sliced(soup, options), result) > 100);
+    const SliceResult result = sliced(soup, simplified(0.02));
+    require_ok(audits::structure_of(result, view_of(soup)));
+    CHECK(result.info.overruled_contours > 0);
+    CHECK(check_origins(sliced(soup, simplified(0)), result) > 100);
 }
 
 TEST_CASE("contours keep their segments when simplified, those that were made count their edges", "[engine][simplify]") {
@@ -127,76 +119,30 @@ TEST_CASE("contours keep their segments when simplified, those that were made co
     }
 }
 
-TEST_CASE("sinks, the host's arrays and prepared meshes get the simplified contours of slice()",
-          "[engine][simplify][sink][host][prepare]") {
-    const shapes::Soup soup = rough_balls();
-    const lamella::MeshView mesh = view_of(soup);
-    for (const FillRule rule : {FillRule::contours, FillRule::non_zero}) {
-        SliceOptions options = simplified(0.05, rule);
-        const SliceResult result = sliced(soup, options);
-        for (const lamella::SinkOrder order : {lamella::SinkOrder::any, lamella::SinkOrder::ascending}) {
-            CollectedLayers collected;
-            const auto totals = value_of(slice_to(lamella::LayerSink::to(collected, order), mesh, options));
-            CHECK(collected.difference(result).empty());
-            CHECK(totals.points == result.points.size());
-        }
-
-        const auto bounds = value_of(bound_output(mesh, options));
-        CHECK(bounds.are_certain == (rule == FillRule::contours));
-        CHECK(bounds.points >= result.points.size());
-        HostArrays host(result.points.size(), result.contours.size(), result.layers.size());  // no more than is needed
-        std::vector<PointOrigin> origins(result.points.size());
-        host.output.origins = origins.data();
-        require_same_totals(value_of(slice_into(host.output, mesh, options)), result);
-        CHECK(host.has_points_of(result));
-        CHECK(host.has_contours_of(result));
-        CHECK(std::equal(origins.begin(), origins.end(), result.origins.begin(), result.origins.end()));
-
-        const auto prepared = value_of(lamella::prepare(mesh));
-        const auto again = value_of(slice(prepared, options));
-        require_same(again, result);
-
-        for (const lamella::ContourForm form : {lamella::ContourForm::assembled, lamella::ContourForm::swept}) {
-            options.tuning.form = form;
-            options.tuning.band_planes = 1;
-            require_same(sliced(soup, options), result);
-        }
-    }
-}
-
-TEST_CASE("a workspace simplifies one slice after another alike", "[engine][simplify]") {
-    const shapes::Soup soup = rough_balls();
-    lamella::Workspace workspace;
-    for (const double tolerance : {0.05, 0.0, 0.5, 0.05}) {
-        const SliceOptions options = simplified(tolerance);
-        SliceResult result;
-        REQUIRE(slice(view_of(soup), options, workspace, result).ok());
-        require_same(result, sliced(soup, options));
-    }
-}
-
 TEST_CASE("parts are simplified each by itself, united ones as the region of all", "[engine][simplify][parts]") {
     const shapes::Soup left = shapes::octasphere({0, 0, 0}, 10, 5);
     const shapes::Soup right = shapes::octasphere({8, 1, 0.3}, 9, 5);
     const std::vector<Part> parts = {{.mesh = view_of(left)}, {.mesh = view_of(right)}};
     SliceOptions options = simplified(0.05, FillRule::non_zero);
-    options.unit_mm = 0x1p-20;
-    options.plan.spacing = lamella::ExplicitPlanes{{-7.25, -3.5, 0.125, 4.75}};
+    options.frame.grid_mm = 0x1p-20;
+    options.heights_mm = std::vector<double>{-7.25, -3.5, 0.125, 4.75};
 
-    const auto apart = value_of(slice_parts(parts, options));
-    CHECK(validate(apart, parts).ok());
+    const SliceResult apart = sliced(parts, options);
+    CHECK(audits::structure_of(apart, parts).ok());
     const SliceResult alone = sliced(right, options);
     for (std::size_t l = 0; l < alone.layers.size(); ++l) {
-        const auto contours = apart.contours_of(apart.layers[l]);
+        const auto contours = apart[l].contours;
         const auto own = std::find_if(contours.begin(), contours.end(), [](const Contour& c) { return c.part == 1; });
         REQUIRE(own != contours.end());
-        const auto expected = alone.points_of(alone.contours_of(alone.layers[l])[0]);
+        const auto expected = alone.points_of(alone[l].contours[0]);
         const auto found = apart.points_of(*own);
         CHECK(std::equal(found.begin(), found.end(), expected.begin(), expected.end()));
     }
 
-    const auto united = value_of(slice_parts(parts, options, lamella::PartRegions::united));
-    CHECK(validate(united, parts).ok());
+    options.unite_parts = true;
+    const SliceResult united = sliced(parts, options);
+    CHECK(audits::structure_of(united, parts).ok());
+    options.unite_parts = false;
     const SliceResult whole = sliced(shapes::joined({left, right}), options);
     CHECK(whole.points.size() < 2000);
     CHECK(std::equal(united.points.begin(), united.points.end(), whole.points.begin(), whole.points.end()));
@@ -208,8 +154,7 @@ TEST_CASE("regions of random tetrahedra stay valid regions when simplified", "[e
     std::size_t fewer = 0;
     for (std::uint64_t seed = 0; seed < 120; ++seed) {
         const shapes::Soup soup = shapes::random_tetrahedra(seed, 8 + static_cast<int>(seed % 25), 9);
-        SliceOptions options = at_heights({1.25, 2.75, 4.5, 6.25});
-        options.unit_mm = 1.0 / 64;
+        SliceOptions options = at_heights({1.25, 2.75, 4.5, 6.25}, 1.0 / 64);
         options.origins = true;
         for (const FillRule rule : {FillRule::contours, FillRule::non_zero, FillRule::even_odd, FillRule::positive}) {
             INFO("seed " << seed << ", " << lamella::name_of(rule));
@@ -218,9 +163,9 @@ TEST_CASE("regions of random tetrahedra stay valid regions when simplified", "[e
             const SliceResult plain = sliced(soup, options);
             options.region.simplify_mm = static_cast<double>(1 + seed % 40) / 32;
             const SliceResult result = sliced(soup, options);
-            require_ok(validate(result, view_of(soup)));
-            const auto crossings = find_crossings(result);
-            const auto crossings_before = find_crossings(plain);
+            require_ok(audits::structure_of(result, view_of(soup)));
+            const auto crossings = audits::crossings_of(result);
+            const auto crossings_before = audits::crossings_of(plain);
             REQUIRE(crossings.ok());
             REQUIRE(crossings_before.ok());
             REQUIRE(crossings->count <= crossings_before->count);

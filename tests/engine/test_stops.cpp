@@ -21,11 +21,10 @@
 #include <catch2/catch.hpp>
 
 #include "engine/calls.hpp"
-#include "engine/crossings.hpp"
 #include "engine/slicing.hpp"
 #include "models/models.hpp"
 
-using lamella::Control;
+using lamella::Context;
 using lamella::ErrorCode;
 
 namespace {
@@ -42,7 +41,7 @@ class StopAt {
 public:
     explicit StopAt(double ms) : at_(Clock::now() + std::chrono::microseconds(static_cast<std::int64_t>(1000 * ms))) {}
 
-    bool operator()() const { return Clock::now() >= at_; }
+    bool operator()() const noexcept { return Clock::now() >= at_; }
     double ms_late() const { return ms_since(at_); }
 
 private:
@@ -77,16 +76,16 @@ private:
 };
 
 using lamella::models::Shape;
-using Run = std::function<std::optional<ErrorCode>(const Control&)>;
+using Run = std::function<std::optional<ErrorCode>(const Context&)>;
 
 /// The longest time that a stop could have waited, as the time of the one thread that works: other processes do not count.
 class AskGaps {
 public:
-    bool operator()() {
+    bool operator()() noexcept {
         note();
         return false;
     }
-    /// Of `call`, in ms; the least of some rounds, since a busy machine slows threads, too. Later rounds find their memory
+    /// For `call`, in ms; the least of some rounds, since a busy machine slows threads, too. Later rounds find their memory
     /// touched: a virtual machine may take 20 us to give a fresh page, and that is not the library's time.
     double longest_of(const Run& call) {
         keep_freed_memory();
@@ -94,7 +93,7 @@ public:
         for (int round = 0; round < 3 && least > most_slice_ms; ++round) {
             longest_ = 0;
             last_ = thread_ms();
-            REQUIRE(call({.threads = 1, .stop = asking(*this)}) == std::nullopt);
+            REQUIRE(call({.threads = 1, .stop = *this}) == std::nullopt);
             note();
             least = std::min(least, longest_);
         }
@@ -126,7 +125,7 @@ private:
 /// How often a host is asked, on any thread.
 struct AskCount {
     std::atomic<std::uint64_t> asked{0};
-    bool operator()() {
+    bool operator()() noexcept {
         ++asked;
         return false;
     }
@@ -172,9 +171,9 @@ shapes::Soup burst(std::size_t count) {
 
 TEST_CASE("a stop that comes at any moment ends every call within 100 ms", "[engine][control][stops]") {
     const MadeFile bone(Shape::bone);
-    ControlledCalls calls(bone.view(), bone.path(), 0.02);
+    ContextCalls calls(bone.view(), bone.path(), 0.02);
     std::mt19937 random(1);
-    for (const ControlledCall& call : calls.all()) {
+    for (const ContextCall& call : calls.all()) {
         for (const int threads : {1, 2}) {
             INFO(call.name << " on " << threads << " threads");
             const Clock::time_point start = Clock::now();
@@ -183,7 +182,7 @@ TEST_CASE("a stop that comes at any moment ends every call within 100 ms", "[eng
             std::vector<double> late;
             for (int round = 0; round < stops_each; ++round) {
                 StopAt stop(std::uniform_real_distribution<double>(0, whole)(random));
-                if (call.run({.threads = threads, .stop = asking(stop)}) == ErrorCode::cancelled) {
+                if (call.run({.threads = threads, .stop = stop}) == ErrorCode::cancelled) {
                     late.push_back(stop.ms_late());
                 }
             }
@@ -197,15 +196,15 @@ TEST_CASE("a stop that comes at any moment ends every call within 100 ms", "[eng
 
 TEST_CASE("no call asks for a stop more often than once in two milliseconds a thread", "[engine][control][stops][threads]") {
     const MadeFile bone(Shape::bone);
-    ControlledCalls calls(bone.view(), bone.path(), 0.02);
-    for (const ControlledCall& call : calls.all()) {
+    ContextCalls calls(bone.view(), bone.path(), 0.02);
+    for (const ContextCall& call : calls.all()) {
         for (const int threads : {1, 2, 4}) {
             INFO(call.name << " on " << threads << " threads");
             AskCount host;
             const Clock::time_point start = Clock::now();
-            REQUIRE(call.run({.threads = threads, .stop = asking(host)}) == std::nullopt);
+            REQUIRE(call.run({.threads = threads, .stop = host}) == std::nullopt);
             const double intervals = ms_since(start) / 2;
-            const double layers = call.name.starts_with("slice_to") ? 150 / 0.02 + 1 : 0;  // after each, too
+            const double layers = call.name.starts_with("slice to a sink") ? 150 / 0.02 + 1 : 0;  // after each, too
             CHECK(host.asked >= 1);
             CHECK(static_cast<double>(host.asked) <= std::min(threads, 2) * (intervals + 1) + layers);
         }
@@ -216,80 +215,62 @@ TEST_CASE("many parts are asked about no more often than one mesh", "[engine][pa
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 2);
     const std::vector<lamella::Part> parts(500, lamella::Part{.mesh = view_of(ball)});
     AskCount host;
-    lamella::SliceOptions options = uniform(0.5);
-    options.control = {.threads = 1, .stop = asking(host)};
     const Clock::time_point start = Clock::now();
-    REQUIRE(lamella::slice_parts(parts, options).ok());
+    REQUIRE(slice(parts, uniform(0.5), {.threads = 1, .stop = host}).ok());
     CHECK(static_cast<double>(host.asked) <= ms_since(start) / 2 + 1);
 }
 
-TEST_CASE("a slice looks for a stop every 20 ms, in whatever form and with whatever rules", "[engine][control][stops]") {
+TEST_CASE("a slice looks for a stop every 20 ms, of whatever source, in whatever form and with whatever rules",
+          "[engine][control][prepare][slabs][stops]") {
     const MadeFile prism(Shape::prism, 8 * triangles);
     const MadeFile bone(Shape::bone);
     const shapes::Soup needles = burst(triangles / 8);
+    const shapes::Soup few_needles = burst(triangles / 100);
     const shapes::Soup bodies = crossing_tetrahedra(triangles);
     const lamella::SliceOptions one_plane = uniform(150);
     const lamella::SliceOptions few = uniform(5);
     const lamella::SliceOptions thin = uniform(0.02);
     struct Case {
         std::string name;
-        lamella::MeshView mesh;
+        lamella::Source mesh;
         lamella::SliceOptions options;
+        lamella::Tuning tuning{};
     };
-    std::vector<Case> cases = {{"one plane through everything", prism.view(), one_plane},
-                               {"one plane, assembled", prism.view(), one_plane},
-                               {"one plane, filled", prism.view(), one_plane},
-                               {"thin layers", bone.view(), thin},
-                               {"layers of random heights", bone.view(), thin},
-                               {"in narrow bands", bone.view(), thin},
-                               {"open polylines", view_of(needles), few},
-                               {"closed gaps", view_of(needles), few},
-                               {"even-odd", view_of(bodies), few},
-                               {"non-zero", view_of(bodies), few}};
-    cases[1].options.tuning.form = lamella::ContourForm::assembled;
-    cases[2].options.region.fill_rule = lamella::FillRule::non_zero;
-    cases[4].options.plan.spacing = lamella::RandomLayers{.min_height_mm = 0.02, .max_height_mm = 0.04, .seed = 1};
-    cases[5].options.tuning.band_planes = 2;
-    cases[7].options.close_gaps_mm = 1;
-    cases[8].options.region.fill_rule = lamella::FillRule::even_odd;
-    cases[9].options.region.fill_rule = lamella::FillRule::non_zero;
-    for (Case& sliced : cases) {
-        INFO(sliced.name);
-        CHECK(longest_wait([&](const Control& c) {
-                  sliced.options.control = c;
-                  return code_of(lamella::slice(sliced.mesh, sliced.options));
-              }) <= most_slice_ms);
-        const auto nothing = [](const lamella::LayerView&) noexcept {};
-        const auto sink = lamella::LayerSink::to(nothing, lamella::SinkOrder::ascending);
-        CHECK(longest_wait([&](const Control& c) {
-                  sliced.options.control = c;
-                  return code_of(lamella::slice_to(sink, sliced.mesh, sliced.options));
-              }) <= most_slice_ms);
-    }
-}
-
-TEST_CASE("preparing a mesh looks for a stop every 20 ms", "[engine][prepare][stops]") {
-    const MadeFile prism(Shape::prism, 8 * triangles);
-    CHECK(longest_wait([&](const Control& c) { return code_of(lamella::prepare(prism.view(), {.control = c})); }) <=
-          most_slice_ms);
-    const lamella::PreparedMesh prepared = value_of(lamella::prepare(prism.view()));
-    CHECK(longest_wait([&](const Control& c) {
-              lamella::SliceOptions options = uniform(150);
-              options.control = c;
-              return code_of(lamella::slice(prepared, options));
-          }) <= most_slice_ms);
-}
-
-TEST_CASE("projecting a large mesh onto one layer looks for a stop every 20 ms", "[engine][slabs][stops]") {
-    const MadeFile bone(Shape::bone);
-    const shapes::Soup needles = burst(triangles / 100);
-    lamella::SlabOptions options;
-    options.plan.spacing = lamella::ExplicitPlanes{{-1e6, 1e6}};
-    for (const lamella::MeshView& mesh : {bone.view(), view_of(needles)}) {
-        CHECK(longest_wait([&](const Control& c) {
-                  options.control = c;
-                  return code_of(lamella::slice_slabs(mesh, options));
-              }) <= most_slice_ms);
+    const auto filled = [](lamella::SliceOptions options, lamella::FillRule rule) {
+        options.region.fill_rule = rule;
+        return options;
+    };
+    lamella::SliceOptions stitched = few;
+    stitched.stitch_mm = 1;
+    const lamella::SliceOptions shadow{.heights_mm = {{-1e6, 1e6}}, .content = lamella::LayerContent::upward_faces};
+    CHECK(longest_wait([&](const Context& c) { return code_of(prepare(prism.view(), {}, c)); }) <= most_slice_ms);
+    const lamella::PreparedMesh prepared = value_of(prepare(prism.view()));
+    const Case cases[] = {
+        {"one plane through everything", prism.view(), one_plane},
+        {"one plane, assembled", prism.view(), one_plane, {.form = lamella::ContourForm::assembled}},
+        {"one plane, filled", prism.view(), filled(one_plane, lamella::FillRule::non_zero)},
+        {"one plane, prepared", prepared, one_plane},
+        {"projected onto one layer", bone.view(), shadow},
+        {"needles projected", view_of(few_needles), shadow},
+        {"thin layers", bone.view(), thin},
+        {"layers of random heights", bone.view(), thin, {.random_heights = lamella::RandomHeights{0.02, 0.04, 1}}},
+        {"in narrow bands", bone.view(), thin, {.band_planes = 2}},
+        {"open polylines", view_of(needles), few},
+        {"stitched", view_of(needles), stitched},
+        {"even-odd", view_of(bodies), filled(few, lamella::FillRule::even_odd)},
+        {"non-zero", view_of(bodies), filled(few, lamella::FillRule::non_zero)}};
+    const auto nothing = [](const lamella::LayerView&) noexcept {};
+    const lamella::LayerSink sink{.take = nothing};
+    for (const auto& [name, mesh, options, tuning] : cases) {
+        for (const bool to_sink : {false, true}) {
+            INFO(name << ", to a sink " << to_sink);
+            CHECK(longest_wait([&, &mesh = mesh, &options = options, &tuning = tuning](const Context& context) {
+                      lamella::Slicer slicer;
+                      lamella::SliceResult result;
+                      const lamella::Destination to = to_sink ? lamella::Destination(sink) : lamella::Destination(result);
+                      return code_of(slice_tuned(slicer, to, mesh, options, tuning, context));
+                  }) <= most_slice_ms);
+        }
     }
 }
 
@@ -311,14 +292,14 @@ TEST_CASE("the region of contours that cross 230,400 times looks for a stop ever
     const std::vector<std::span<const lamella::Point>> contours(corners.begin(), corners.end());
     lamella::RegionRules rules;
     rules.fill_rule = lamella::FillRule::non_zero;
-    const double close_mm = GENERATE(0.0, 0.01);
-    rules.close_mm = close_mm;
-    CHECK(longest_wait([&](const Control& c) {
-              return code_of(lamella::region_of(contours, rules, lamella::default_unit_mm, c));
+    const double closing_mm = GENERATE(0.0, 0.01);
+    rules.closing_mm = closing_mm;
+    CHECK(longest_wait([&](const Context& c) {
+              return code_of(lamella::region_of(contours, rules, lamella::default_grid_mm, c));
           }) <= most_slice_ms);
 }
 
-TEST_CASE("assembling a large plane looks for a stop every 20 ms, and shows its progress", "[engine][assemble][stops]") {
+TEST_CASE("assembling a large plane looks for a stop every 20 ms", "[engine][assemble][stops]") {
     constexpr std::uint64_t corners = 4 * triangles;
     std::vector<lamella::Segment> ring;
     for (std::uint64_t i = 0; i < corners; ++i) {
@@ -330,19 +311,16 @@ TEST_CASE("assembling a large plane looks for a stop every 20 ms, and shows its 
         ring.push_back({.from_key = {i}, .to_key = {(i + 1) % corners}, .from = at(i), .to = at(i + 1)});
     }
     std::shuffle(ring.begin(), ring.end(), std::mt19937(1));
-    CHECK(longest_wait([&](const Control& c) { return code_of(lamella::assemble(ring, c)); }) <= most_slice_ms);
-    std::vector<double> seen;
-    const auto note = [&](double fraction) noexcept { seen.push_back(fraction); };
-    REQUIRE(lamella::assemble(ring, {.progress = lamella::Progress::to(note)}).ok());
-    REQUIRE(seen.size() > 4);
-    CHECK(std::adjacent_find(seen.begin(), seen.end(), std::greater_equal<>()) == seen.end());
-    CHECK(seen.back() == 1);
+    CHECK(longest_wait([&](const Context& c) { return code_of(lamella::assemble(ring, c)); }) <= most_slice_ms);
 }
 
-TEST_CASE("every call shows its progress, which never falls and ends at 1", "[engine][control][stops][threads]") {
+TEST_CASE("calls show their progress, which never falls and ends at 1", "[engine][control][stops][threads]") {
     const MadeFile bone(Shape::bone);
-    ControlledCalls calls(bone.view(), bone.path(), 0.02);
-    for (const ControlledCall& call : calls.all()) {
+    ContextCalls calls(bone.view(), bone.path(), 0.02);
+    for (const ContextCall& call : calls.all()) {
+        if (!call.shows_progress) {
+            continue;
+        }
         for (const int threads : {1, 3}) {
             INFO(call.name);
             double before_last = 0;
@@ -350,7 +328,7 @@ TEST_CASE("every call shows its progress, which never falls and ends at 1", "[en
             for (int round = 0; round < 3 && before_last <= 0.5; ++round) {
                 std::vector<double> seen;
                 const auto note = [&](double fraction) noexcept { seen.push_back(fraction); };
-                REQUIRE(call.run({.threads = threads, .progress = lamella::Progress::to(note)}) == std::nullopt);
+                REQUIRE(call.run({.threads = threads, .progress = note}) == std::nullopt);
                 REQUIRE(seen.size() >= 3);
                 CHECK(std::adjacent_find(seen.begin(), seen.end(), std::greater_equal<>()) == seen.end());
                 CHECK(seen.front() >= 0);
@@ -360,47 +338,4 @@ TEST_CASE("every call shows its progress, which never falls and ends at 1", "[en
             CHECK(before_last > 0.5);
         }
     }
-}
-
-TEST_CASE("crossings of triangles through one another are counted up to a number, and the search ends soon",
-          "[engine][crossings][stops]") {
-    const shapes::Soup soup = burst(3000);
-    const lamella::SliceResult result = sliced(soup, uniform(0.5));
-    const lamella::Crossings one = lamella::find_crossings(result, {.threads = 1}).value();
-    REQUIRE(one.at_least);
-    for (const lamella::LayerCrossings& layer : one.layers) {
-        CHECK(layer.count <= lamella::most_crossings_in_layer);
-        CHECK(layer.at_least == (layer.count == lamella::most_crossings_in_layer));
-    }
-    for (const int threads : {2, 4}) {
-        check_equal(one, lamella::find_crossings(result, {.threads = threads}).value());
-    }
-}
-
-TEST_CASE("check and its report are the same on any number of threads", "[engine][stops][threads]") {
-    const MadeFile bone(Shape::bone);
-    const shapes::Soup crossing = burst(2000);
-    for (const lamella::MeshView& view : {bone.view(), view_of(crossing)}) {
-        std::string first;
-        for (const int threads : {1, 2, 4}) {
-            lamella::CheckOptions options;
-            options.control.threads = threads;
-            const std::string json = lamella::make_check_json(value_of(lamella::check(view, options))).value();
-            CHECK((first.empty() || json == first));
-            first = json;
-        }
-    }
-}
-
-TEST_CASE("check counts the edges that inspect counts", "[engine][stops]") {
-    const MadeFile bone(Shape::bone);
-    const lamella::MeshInfo info = value_of(lamella::inspect(bone.view()));
-    const lamella::MeshCheck found = value_of(lamella::check(bone.view()));
-    CHECK(found.info.edges == info.edges);
-    CHECK(found.info.boundary_edges == info.boundary_edges);
-    CHECK(found.info.exact_boundary_edges == info.exact_boundary_edges);
-    CHECK(found.info.shells == info.shells);
-    CHECK(found.info.degenerate == info.degenerate);
-    CHECK(found.info.closed == info.closed);
-    CHECK(found.info.volume_mm3 == info.volume_mm3);
 }

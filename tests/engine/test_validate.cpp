@@ -1,4 +1,4 @@
-// validate() must find every kind of broken promise. Results are made by hand, then damaged.
+// An audit of the structure finds every kind of broken promise. Results are made by hand, then damaged.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -7,7 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "engine/slicing.hpp"
-#include "lamella/audit/validate.hpp"
+#include "lamella/audit.hpp"
 #include "lamella/result.hpp"
 #include "rings.hpp"
 
@@ -55,12 +55,12 @@ void add_contour(SliceResult& result, Role role, int orientation, std::int64_t p
     Layer& layer = result.layers[result.layers.size() - 1];
     ++layer.contour_count;
     layer.segments += contour.segments;
-    result.summary.segments += contour.segments;
-    result.summary.holes += role == Role::hole;
-    result.summary.flat_contours += role == Role::flat;
-    result.summary.open_contours += role == Role::open;
-    result.summary.overruled_contours += (flags & lamella::orientation_overruled) != 0;
-    result.summary.near_contours += (flags & lamella::near_contour) != 0;
+    result.info.segments += contour.segments;
+    result.info.holes += role == Role::hole;
+    result.info.flat_contours += role == Role::flat;
+    result.info.open_contours += role == Role::open;
+    result.info.overruled_contours += (flags & lamella::orientation_overruled) != 0;
+    result.info.would_close_contours += (flags & lamella::would_close) != 0;
 }
 
 Points square(std::int32_t low, std::int32_t high) {
@@ -98,7 +98,7 @@ void check_found(const std::vector<Damage>& damages) {
     for (const Damage& damage : damages) {
         SliceResult result = sound();
         damage.apply(result);
-        const lamella::Status status = validate(result);
+        const lamella::Status status = audits::structure_of(result);
         INFO("expected: " << damage.expected);
         REQUIRE_FALSE(status.ok());
         CHECK_THAT(status.error().message, Catch::Contains(damage.expected));
@@ -118,8 +118,8 @@ void swap_contours(SliceResult& result, std::size_t a, std::size_t b) {
 }  // namespace
 
 TEST_CASE("a valid result passes", "[result][validate]") {
-    require_ok(validate(sound()));
-    CHECK(validate(SliceResult()).ok());
+    require_ok(audits::structure_of(sound()));
+    CHECK(audits::structure_of(SliceResult()).ok());
 }
 
 TEST_CASE("broken offsets and planes are found", "[result][validate]") {
@@ -132,13 +132,13 @@ TEST_CASE("broken offsets and planes are found", "[result][validate]") {
         {"left over", [](SliceResult& r) { r.contours[7].point_count = 3; }},
         {"layer 1: the plane is not above", [](SliceResult& r) { r.layers[1].plane = r.layers[0].plane; }},
         {"layer 1: the plane is not between", [](SliceResult& r) { r.layers[1].top_mm = 2.5; }},
-        {"the summary", [](SliceResult& r) { ++r.summary.holes; }},
-        {"the summary", [](SliceResult& r) { --r.summary.segments; }},
-        {"the summary", [](SliceResult& r) { r.summary.open_contours = 0; }},
-        {"the summary", [](SliceResult& r) { r.summary.overruled_contours = 1; }},
-        {"the summary", [](SliceResult& r) { r.summary.near_contours = 1; }},
-        {"the summary", [](SliceResult& r) { r.contours[0].flags |= lamella::near_contour; }},
-        {"the summary", [](SliceResult& r) { r.summary.emptied_layers = 1; }},
+        {"the summary", [](SliceResult& r) { ++r.info.holes; }},
+        {"the summary", [](SliceResult& r) { --r.info.segments; }},
+        {"the summary", [](SliceResult& r) { r.info.open_contours = 0; }},
+        {"the summary", [](SliceResult& r) { r.info.overruled_contours = 1; }},
+        {"the summary", [](SliceResult& r) { r.info.would_close_contours = 1; }},
+        {"the summary", [](SliceResult& r) { r.contours[0].flags |= lamella::would_close; }},
+        {"the summary", [](SliceResult& r) { r.info.emptied_layers = 1; }},
     });
 }
 
@@ -162,8 +162,7 @@ TEST_CASE("broken contours are found", "[result][validate]") {
         {"contour 0: closed with an area", [](SliceResult& r) { r.contours[0].orientation = 0; }},
         {"contour 4: flat or open", [](SliceResult& r) { r.contours[4].orientation = 1; }},
         {"contour 3: flat or open", [](SliceResult& r) { r.contours[3].parent = 0; }},
-        {"there is no such part",
-         [](SliceResult& r) { r.part_regions = lamella::PartRegions::united, r.contours[2].part = 1; }},
+        {"there is no such part", [](SliceResult& r) { r.info.options.unite_parts = true, r.contours[2].part = 1; }},
         {"contour 2: an unknown", [](SliceResult& r) { r.contours[2].flags = 16; }},
         {"contour 2: an unknown", [](SliceResult& r) { r.contours[2].role = static_cast<Role>(4); }},
     });
@@ -198,9 +197,9 @@ TEST_CASE("the smallest contour around a start is its parent, among any number",
     for (std::int32_t i = 0; i < 30; ++i) {
         add_contour(result, Role::outer, 1, 1 + i, square(12 + 30 * i, 20 + 30 * i));
     }
-    CHECK(validate(result).ok());
+    CHECK(audits::structure_of(result).ok());
     result.contours[40].parent = 5;
-    CHECK_FALSE(validate(result).ok());
+    CHECK_FALSE(audits::structure_of(result).ok());
 }
 
 TEST_CASE("a contour through a start does not enclose it", "[result][validate]") {
@@ -209,29 +208,29 @@ TEST_CASE("a contour through a start does not enclose it", "[result][validate]")
     add_contour(result, Role::outer, 1, -1, square(0, 20));
     // Starts on the first contour's left side, inside its box.
     add_contour(result, Role::outer, 1, -1, {{0, 5}, {10, 5}, {10, 10}, {0, 10}});
-    require_ok(validate(result));
+    require_ok(audits::structure_of(result));
     result.contours[1].parent = 0;
-    CHECK_FALSE(validate(result).ok());
+    CHECK_FALSE(audits::structure_of(result).ok());
 }
 
 TEST_CASE("areas are summed exactly", "[result]") {
     SliceResult result = sound();
-    result.unit_mm = 0.5;
-    CHECK(std::isnan(result.area_mm2(result.layers[0])));
+    result.info.grid_mm = 0.5;
+    CHECK(std::isnan(result[0].area_mm2()));
     const auto open = std::find_if(result.contours.begin(), result.contours.end(),
                                    [](const Contour& contour) { return contour.role == Role::open; });
     open->role = Role::flat;
-    CHECK(result.area_mm2(result.layers[0]) == (400 - 144 + 16) * 0.25);
-    CHECK(result.area_mm2(result.layers[1]) == 0);
-    CHECK(result.area_mm2(result.layers[2]) == (400 - 16 - 16) * 0.25);
+    CHECK(result[0].area_mm2() == (400 - 144 + 16) * 0.25);
+    CHECK(result[1].area_mm2() == 0);
+    CHECK(result[2].area_mm2() == (400 - 16 - 16) * 0.25);
     CHECK(result.contours[1].twice_area.to_double() == -288);
     CHECK(lamella::Integer128{0, -1}.to_double() == -0x1p64);
     CHECK(lamella::Integer128{~std::uint64_t{0}, -1}.to_double() == -1);
 }
 
 TEST_CASE("the hash changes with everything that it covers", "[result][hash]") {
-    const std::uint64_t whole = hash_result(sound());
-    CHECK(whole == hash_result(sound()));
+    const std::uint64_t whole = sound().hash();
+    CHECK(whole == sound().hash());
     const std::vector<std::function<void(SliceResult&)>> changes = {
         [](SliceResult& r) { r.layers[1].plane = lamella::PlaneHeight(-1); },
         [](SliceResult& r) { r.layers[1].contour_count = 1; },
@@ -250,7 +249,7 @@ TEST_CASE("the hash changes with everything that it covers", "[result][hash]") {
     for (const auto& change : changes) {
         SliceResult result = sound();
         change(result);
-        CHECK(hash_result(result) != whole);
+        CHECK(result.hash() != whole);
     }
 }
 
@@ -262,13 +261,13 @@ TEST_CASE("the hash follows its documented layout", "[result][hash]") {
         }
         return state;
     };
-    CHECK(hash_result(SliceResult()) == fnv({0}));
+    CHECK(SliceResult().hash() == fnv({0}));
     SliceResult result;
     add_layer(result, -3);
     add_contour(result, Role::hole, -1, -1, {{-1, 2}, {0, 3}, {0, 2}}, lamella::orientation_mixed);
     const std::uint64_t kind = 1 | 0xffU << 8 | 2U << 16;
     const std::uint64_t minus_one = ~std::uint64_t{0};
-    CHECK(hash_result(result) ==
+    CHECK(result.hash() ==
           fnv({1, minus_one - 2, 1, kind, 3, 3, minus_one, minus_one, minus_one, 0x2'ffffffff, 0x3'00000000, 0x2'00000000}));
 }
 
@@ -283,7 +282,7 @@ TEST_CASE("the hash counts parents from the first contour of their layer", "[res
         add_layer(result, 3);
         add_contour(result, Role::outer, 1, -1, {{0, 0}, {4, 0}, {0, 4}});
         add_contour(result, Role::hole, -1, static_cast<std::int64_t>(contours_below), {{1, 1}, {1, 2}, {2, 1}});
-        return hash_result(result);
+        return result.hash();
     };
     CHECK(with_hole(0) == with_hole(2));
 }

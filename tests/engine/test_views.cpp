@@ -15,10 +15,8 @@
 #include "oracle/compare.hpp"
 #include "slicing/buckets/mesh_source.hpp"
 
-using lamella::Arithmetic;
-using lamella::CoordinateType;
-using lamella::IndexType;
 using lamella::MeshView;
+using lamella::Number;
 using lamella::Transform;
 
 namespace {
@@ -26,7 +24,7 @@ namespace {
 const shapes::Soup ball = shapes::octasphere({1, 2, 3}, 10, 3);
 
 std::uint64_t hash_of(const MeshView& view, const lamella::SliceOptions& options = uniform(0.25)) {
-    return hash_result(sliced(view, options));
+    return sliced(view, options).hash();
 }
 
 /// The numbers of `soup` in records of `stride` bytes with `per_record` numbers each, at an odd address.
@@ -45,15 +43,15 @@ const shapes::Soup brick = shapes::box({1, 1, 1}, {3, 4, 5});
 
 void check_turned(double nx, double ny, double nz, std::size_t layers, double area) {
     lamella::SliceOptions options = uniform(0.5);
-    options.transform = Transform::from_normal(nx, ny, nz);
+    options.frame.transform = Transform::from_normal(nx, ny, nz);
     const lamella::SliceResult result = sliced(brick, options);
     INFO("normal " << nx << ' ' << ny << ' ' << nz);
     REQUIRE(result.layers.size() == layers);
-    CHECK(result.frame.m == options.transform.m);
-    CHECK(result.summary.overruled_contours == 0);
-    for (const lamella::Layer& layer : result.layers) {
+    CHECK(result.info.options.frame == options.frame);
+    CHECK(result.info.overruled_contours == 0);
+    for (const lamella::LayerView layer : result) {
         CHECK(layer.contour_count == 1);
-        CHECK(result.area_mm2(layer) == Approx(area).epsilon(1e-5));
+        CHECK(layer.area_mm2() == Approx(area).epsilon(1e-5));
     }
 }
 
@@ -64,19 +62,15 @@ struct Mesh {
     std::vector<std::uint32_t> indices;
 
     MeshView view() const {
-        const lamella::CoordinateType type = [] {
-            if constexpr (std::is_same_v<Number, float>) {
-                return lamella::CoordinateType::f32;
-            } else if constexpr (std::is_same_v<Number, double>) {
-                return lamella::CoordinateType::f64;
-            } else if constexpr (std::is_same_v<Number, std::int32_t>) {
-                return lamella::CoordinateType::i32;
-            } else {
-                return lamella::CoordinateType::i64;
-            }
-        }();
-        return MeshView::indexed(reinterpret_cast<const std::byte*>(xyz.data()), xyz.size() / 3, 3 * sizeof(Number), type,
-                                 indices);
+        constexpr bool wide = sizeof(Number) == 8;
+        constexpr bool real = std::is_floating_point_v<Number>;
+        constexpr lamella::Number type = real ? (wide ? lamella::Number::f64 : lamella::Number::f32)
+                                              : (wide ? lamella::Number::i64 : lamella::Number::i32);
+        return {.vertices = xyz.data(),
+                .vertex_count = xyz.size() / 3,
+                .triangle_count = indices.size() / 3,
+                .indices = indices.data(),
+                .vertex_type = type};
     }
     /// Three vertices of its own for each triangle.
     std::vector<Number> soup() const {
@@ -113,30 +107,25 @@ struct Outcome {
     std::uint64_t hash;
     std::uint64_t degenerate;
     std::uint64_t crossed;
-    std::vector<double> box;
+    lamella::Box box;
 
     friend bool operator==(const Outcome&, const Outcome&) = default;
 };
 
-Outcome outcome_of(const MeshView& mesh, const lamella::SliceOptions& options) {
-    const lamella::SliceResult result = sliced(mesh, options);
-    const lamella::SliceSummary& summary = result.summary;
-    Outcome outcome{hash_result(result), summary.degenerate, summary.crossed, {}};
-    outcome.box.insert(outcome.box.end(), summary.min_mm, summary.min_mm + 3);
-    outcome.box.insert(outcome.box.end(), summary.max_mm, summary.max_mm + 3);
-    return outcome;
+Outcome outcome_of(const MeshView& mesh, const lamella::SliceOptions& options, const lamella::Context& context = {}) {
+    const lamella::SliceResult result = sliced(mesh, options, context);
+    return {result.hash(), result.info.degenerate, result.info.crossed, result.info.box};
 }
 
 std::vector<lamella::SliceOptions> ways_of_slicing() {
     std::vector<lamella::SliceOptions> ways;
-    for (const double unit_mm : {0.0, 0.001, 2.5}) {
-        ways.push_back(uniform(7, unit_mm));
-        ways.push_back(uniform(7, unit_mm));
-        ways.back().plan.spacing = lamella::ExplicitPlanes{{-11, 3, 3, 90, 17.25, 12, 1000}};
-        ways.back().transform.m = {0.3, 0.7, -0.1, 4, 0.7, -0.3, 0.2, 0.1, 0.1, 0.2, 0.9, -2};
-        ways.back().control.threads = 3;
+    for (const double grid_mm : {0.0, 0.001, 2.5}) {
+        ways.push_back(uniform(7, grid_mm));
+        ways.push_back(uniform(7, grid_mm));
+        ways.back().heights_mm = {{-11, 3, 3, 90, 17.25, 12, 1000}};
+        ways.back().frame.transform.m = {0.3, 0.7, -0.1, 4, 0.7, -0.3, 0.2, 0.1, 0.1, 0.2, 0.9, -2};
         ways.push_back(ways.back());
-        ways.back().transform.arithmetic = Arithmetic::as_mesh;
+        ways.back().frame.as_mesh_numbers = true;
     }
     return ways;
 }
@@ -146,54 +135,49 @@ void check_against_soup() {
     const Mesh<Number> mesh = tangle<Number>(900, 20000, 5);
     REQUIRE(lamella::IndexedSource::pays_for(mesh.view()));
     const std::vector<Number> corners = mesh.soup();
-    const MeshView soup = MeshView::strided_soup(reinterpret_cast<const std::byte*>(corners.data()), corners.size() / 9,
-                                                 9 * sizeof(Number), mesh.view().coordinate_type);
+    const MeshView soup{
+        .vertices = corners.data(), .triangle_count = corners.size() / 9, .vertex_type = mesh.view().vertex_type};
     for (const lamella::SliceOptions& options : ways_of_slicing()) {
-        INFO("unit " << options.unit_mm << ", arithmetic " << static_cast<int>(options.transform.arithmetic));
-        const Outcome expected = outcome_of(soup, options);
+        INFO("grid " << options.frame.grid_mm << ", as mesh numbers " << options.frame.as_mesh_numbers);
+        const lamella::Context context{.threads = options.heights_mm ? 3 : 0};
+        const Outcome expected = outcome_of(soup, options, context);
         CHECK(expected.degenerate > 1000);
         CHECK(expected.crossed > 100);
-        CHECK(outcome_of(mesh.view(), options) == expected);
+        CHECK(outcome_of(mesh.view(), options, context) == expected);
     }
 }
 
 }  // namespace
 
-TEST_CASE("soup and indexed meshes give the same result", "[engine][views]") {
-    const shapes::Indexed mesh = shapes::indexed(ball);
-    CHECK(mesh.xyz.size() < ball.size() / 3);
-    CHECK(hash_of(mesh.view()) == hash_of(view_of(ball)));
-    const std::vector<float> xyz = shapes::floats(mesh.xyz);
-    const std::vector<float> soup = shapes::floats(ball);
-    CHECK(hash_of(MeshView::indexed(std::span<const float>(xyz), mesh.indices)) ==
-          hash_of(MeshView::soup(std::span<const float>(soup))));
-}
-
 TEST_CASE("float meshes give the same result as their numbers in double", "[engine][views]") {
     const std::vector<float> soup = shapes::floats(ball);
     const shapes::Soup widened(soup.begin(), soup.end());
-    const lamella::SliceResult result = sliced(MeshView::soup(std::span<const float>(soup)), uniform(0.25));
-    CHECK_THAT(oracle::difference(result, oracle::quantise(widened, result.unit_mm)), Catch::Equals(""));
+    const lamella::SliceResult result = sliced(view_of(soup), uniform(0.25));
+    CHECK_THAT(oracle::difference(result, oracle::quantise(widened, result.info.grid_mm)), Catch::Equals(""));
     // Grids that are no power of two, and a coarse one, where halves are ties.
     for (const double unit : {0.004, 0.1, 0.25}) {
-        const lamella::SliceResult other = sliced(MeshView::soup(std::span<const float>(soup)), uniform(1, unit));
+        const lamella::SliceResult other = sliced(view_of(soup), uniform(1, unit));
         CHECK_THAT(oracle::difference(other, oracle::quantise(widened, unit)), Catch::Equals(""));
-        CHECK(hash_result(sliced(widened, uniform(1, unit))) == hash_result(other));
+        CHECK(sliced(widened, uniform(1, unit)).hash() == other.hash());
     }
 }
 
 TEST_CASE("records of any stride at any address are read", "[engine][views]") {
     const std::vector<float> soup = shapes::floats(ball);
-    const std::uint64_t expected = hash_of(MeshView::soup(std::span<const float>(soup)));
+    const std::uint64_t expected = hash_of(view_of(soup));
     const std::vector<std::byte> facets = records(soup, 9, 50);
-    CHECK(hash_of(MeshView::strided_soup(facets.data() + 1, soup.size() / 9, 50, CoordinateType::f32)) == expected);
+    CHECK(hash_of({.vertices = facets.data() + 1, .triangle_count = soup.size() / 9, .vertex_stride = 50}) == expected);
     const std::vector<std::byte> doubles = records(ball, 9, 91);
-    CHECK(hash_of(MeshView::strided_soup(doubles.data() + 1, ball.size() / 9, 91, CoordinateType::f64)) ==
-          hash_of(view_of(ball)));
+    CHECK(hash_of({.vertices = doubles.data() + 1,
+                   .triangle_count = ball.size() / 9,
+                   .vertex_stride = 91,
+                   .vertex_type = Number::f64}) == hash_of(view_of(ball)));
     const shapes::Indexed mesh = shapes::indexed(ball);
     const std::vector<std::byte> vertices = records(mesh.xyz, 3, 33);
-    CHECK(hash_of(MeshView::indexed(vertices.data() + 1, mesh.xyz.size() / 3, 33, CoordinateType::f64, mesh.indices)) ==
-          hash_of(view_of(ball)));
+    MeshView strided = mesh.view();
+    strided.vertices = vertices.data() + 1;
+    strided.vertex_stride = 33;
+    CHECK(hash_of(strided) == hash_of(view_of(ball)));
 }
 
 TEST_CASE("a normal turns the mesh, and the result carries the frame", "[engine][views]") {
@@ -207,16 +191,29 @@ TEST_CASE("a normal turns the mesh, and the result carries the frame", "[engine]
     check_turned(0, -1, 0, 6, 8);
 }
 
-TEST_CASE("a transform applies before the grid", "[engine][views]") {
-    lamella::SliceOptions options = at_heights({5, 7, 9});
-    options.transform.m = {2, 0, 0, 10, 0, 1, 0, 0, 0, 0, 1, 4};
-    const lamella::SliceResult result = sliced(brick, options);
-    REQUIRE(result.layers.size() == 3);
-    CHECK(result.layers[0].contour_count == 0);
-    CHECK(contours_at(result, 1) == std::vector<std::string>{"outer + x8 in -: 24,2 27,2 32,2 32,4 32,8 29,8 24,8 24,6"});
-    CHECK(contours_at(result, 2).size() == 1);
-    CHECK(result.summary.min_mm[0] == 12);
-    CHECK(result.summary.max_mm[2] == 9);
+TEST_CASE("every call applies the unit of a mesh", "[engine][views]") {
+    const shapes::Soup doubled = shapes::scaled(brick, {2, 2, 2});
+    shapes::Indexed shared = shapes::indexed(brick);
+    MeshView soup = view_of(brick);
+    MeshView indexed = shared.view();
+    soup.mm_per_unit = indexed.mm_per_unit = 2;
+    const lamella::SliceResult expected = sliced(doubled, uniform(0.5));
+    const auto prepared = value_of(prepare(soup));
+    const std::vector<lamella::Part> parts = {{.mesh = soup}};
+    for (const lamella::Source& source :
+         {lamella::Source(soup), lamella::Source(indexed), lamella::Source(prepared), lamella::Source(parts)}) {
+        const lamella::SliceResult result = sliced(source, uniform(0.5));
+        CHECK(result.hash() == expected.hash());
+        CHECK(result.info.box == expected.info.box);
+        CHECK(result.info.options.frame.transform.is_identity());
+    }
+    CHECK(value_of(check(soup)).box == expected.info.box);
+    CHECK(value_of(check(indexed, {.counts_only = true})).volume_mm3 == 8 * 24);
+    CHECK(value_of(audits::volume_of(expected, soup)).mesh_mm3 == 8 * 24);
+    for (const double unit : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
+        soup.mm_per_unit = unit;
+        CHECK(failure_of(soup, uniform(0.5)).code == lamella::ErrorCode::invalid_argument);
+    }
 }
 
 TEST_CASE("shared vertices give what a soup gives", "[engine][indexed][threads]") {
@@ -229,14 +226,15 @@ TEST_CASE("shared vertices give what a soup gives", "[engine][indexed][threads]"
 TEST_CASE("shared vertices are found by indices of any type and stride", "[engine][indexed]") {
     const Mesh<float> mesh = tangle<float>(300, 2000, 7);
     const Outcome expected = outcome_of(mesh.view(), uniform(3));
-    const MeshView view = mesh.view();
-    const auto by_wide_indices = [&view](const std::vector<std::uint64_t>& numbers) {
-        return MeshView::indexed(view.vertices, view.vertex_count, view.stride, view.coordinate_type,
-                                 reinterpret_cast<const std::byte*>(numbers.data()), view.triangle_count,
-                                 numbers.size() / view.triangle_count * sizeof(std::uint64_t), IndexType::u64);
+    const auto by_wide_indices = [&](const std::vector<std::uint64_t>& numbers, std::size_t stride) {
+        MeshView view = mesh.view();
+        view.indices = numbers.data();
+        view.index_type = Number::u64;
+        view.index_stride = stride;
+        return view;
     };
     const std::vector<std::uint64_t> packed(mesh.indices.begin(), mesh.indices.end());
-    CHECK(outcome_of(by_wide_indices(packed), uniform(3)) == expected);
+    CHECK(outcome_of(by_wide_indices(packed, 0), uniform(3)) == expected);
     std::vector<std::uint64_t> records;  // three indices and a number that is none
     for (std::size_t i = 0; i < mesh.indices.size(); ++i) {
         records.push_back(mesh.indices[i]);
@@ -244,7 +242,7 @@ TEST_CASE("shared vertices are found by indices of any type and stride", "[engin
             records.push_back(std::numeric_limits<std::uint64_t>::max());
         }
     }
-    CHECK(outcome_of(by_wide_indices(records), uniform(3)) == expected);
+    CHECK(outcome_of(by_wide_indices(records, 4 * sizeof(std::uint64_t)), uniform(3)) == expected);
 }
 
 TEST_CASE("vertices that no triangle has bound nothing and may be anything", "[engine][indexed]") {
@@ -259,10 +257,9 @@ TEST_CASE("vertices that no triangle has bound nothing and may be anything", "[e
 
 // The box of all vertices is that of the mesh where triangles have a vertex on each of its faces.
 TEST_CASE("a vertex that no triangle has moves no face of the box", "[engine][indexed][threads]") {
-    lamella::SliceOptions options = uniform(3);
-    options.control.threads = GENERATE(1, 4);
-    const Mesh<double> mesh = tangle<double>(300, options.control.threads == 1 ? 2000 : 20000, 15);
-    const Outcome expected = outcome_of(mesh.view(), options);
+    const lamella::Context context{.threads = GENERATE(1, 4)};
+    const Mesh<double> mesh = tangle<double>(300, context.threads == 1 ? 2000 : 20000, 15);
+    const Outcome expected = outcome_of(mesh.view(), uniform(3), context);
     unsigned combination = 0;
     for (std::size_t face = 0; face < 6; ++face) {
         for (const double beyond_mm : {0.0, 0.5, 7.0}) {  // 0: on the face
@@ -272,13 +269,14 @@ TEST_CASE("a vertex that no triangle has moves no face of the box", "[engine][in
                 }
                 Mesh<double> with_stray = mesh;
                 std::array<double, 3> stray = {mesh.xyz[0], mesh.xyz[1], mesh.xyz[2]};
-                stray[face % 3] = expected.box[face] + (face < 3 ? -beyond_mm : beyond_mm);
+                stray[face % 3] =
+                    face < 3 ? expected.box.min_mm[face] - beyond_mm : expected.box.max_mm[face - 3] + beyond_mm;
                 with_stray.xyz.insert(first ? with_stray.xyz.begin() : with_stray.xyz.end(), stray.begin(), stray.end());
                 for (std::uint32_t& index : with_stray.indices) {
                     index += first ? 1 : 0;
                 }
                 INFO("face " << face << ", " << beyond_mm << " mm beyond it, first " << first);
-                CHECK(outcome_of(with_stray.view(), options) == expected);
+                CHECK(outcome_of(with_stray.view(), uniform(3), context) == expected);
             }
         }
     }
@@ -311,5 +309,5 @@ TEST_CASE("what is wrong with an indexed mesh is named by its first triangle", "
 TEST_CASE("meshes with vertices of their own are read corner by corner", "[engine][indexed]") {
     const Mesh<float> few = tangle<float>(300, 299, 13);
     CHECK_FALSE(lamella::IndexedSource::pays_for(few.view()));
-    CHECK_FALSE(lamella::IndexedSource::pays_for(MeshView::soup(std::span<const float>(few.xyz))));
+    CHECK_FALSE(lamella::IndexedSource::pays_for(view_of(few.xyz)));
 }

@@ -129,11 +129,12 @@ const std::map<std::string, shapes::Soup>& closed_meshes() {
 TEST_CASE("the volumes of slabs sum to the mesh's volume and agree with the contours", "[engine][volume]") {
     for (const auto& [name, mesh] : closed_meshes()) {
         const SliceResult result = sliced(mesh, uniform(0.25));
-        const std::vector<oracle::Triangle> triangles = oracle::quantise(mesh, result.unit_mm);
+        const std::vector<oracle::Triangle> triangles = oracle::quantise(mesh, result.info.grid_mm);
         const std::vector<Slab> slabs = slabs_of(triangles, result);
         const long double volume = static_cast<long double>(six_volumes(triangles)) / 6;
-        const long double cube_mm3 = static_cast<long double>(result.unit_mm) * result.unit_mm * result.unit_mm;
-        const auto certificate = value_of(certify_volume(view_of(mesh), result));
+        const long double cube_mm3 =
+            static_cast<long double>(result.info.grid_mm) * result.info.grid_mm * result.info.grid_mm;
+        const auto certificate = value_of(audits::volume_of(result, view_of(mesh)));
         CHECK(certificate.verdict == lamella::VolumeVerdict::holds);
         REQUIRE(certificate.slab_mm3.size() == slabs.size());
         long double sum = 0;

@@ -30,7 +30,7 @@ std::vector<double> vertex_heights(const std::vector<Number>& soup, double unit_
 template <class Number>
 std::string lost_at_vertex_heights(const lamella::SliceResult& result, const std::vector<Number>& soup) {
     const auto on_grid = [&](Number mm) {
-        return 2 * static_cast<std::int32_t>(std::nearbyint(static_cast<double>(mm) / (2 * result.unit_mm)));
+        return 2 * static_cast<std::int32_t>(std::nearbyint(static_cast<double>(mm) / (2 * result.info.grid_mm)));
     };
     const auto plane_above = [&](std::int32_t z) {
         const auto above = std::partition_point(result.layers.begin(), result.layers.end(),

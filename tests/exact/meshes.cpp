@@ -59,19 +59,6 @@ Xyz random_direction(Random& random) {
     }
 }
 
-/// A closed band of rows x columns quads. With rising column, `at(row, column)` turns counter-clockwise about the axis.
-Soup torus(int rows, int columns, const std::function<Xyz(int, int)>& at) {
-    Soup soup;
-    for (int r = 0; r < rows; ++r) {
-        for (int c = 0; c < columns; ++c) {
-            const int next_r = (r + 1) % rows;
-            const int next_c = (c + 1) % columns;
-            append(soup, quad(at(r, c), at(next_r, c), at(next_r, next_c), at(r, next_c)));
-        }
-    }
-    return soup;
-}
-
 Soup height_field(int size, const std::function<double(int, int)>& height, double floor) {
     const auto top = [&](int i, int j) { return Xyz{static_cast<double>(i), static_cast<double>(j), height(i, j)}; };
     const auto base = [&](int i, int j) { return Xyz{static_cast<double>(i), static_cast<double>(j), floor}; };
@@ -152,31 +139,6 @@ Soup crossing_hulls(std::uint64_t seed, int count) {
     return soup;
 }
 
-Soup torus_chain(std::uint64_t seed, int links, int around, int across) {
-    constexpr double ring_mm = 10;
-    constexpr double tube_mm = 2;
-    constexpr double full_turn = 2 * std::numbers::pi;
-    Random random(seed);
-    const Xyz along = random_direction(random);
-    const Xyz other = direction(cross(along, random_direction(random)));
-    const Xyz third = cross(along, other);
-    Soup soup;
-    for (int link = 0; link < links; ++link) {
-        const Xyz centre = times(along, 1.4 * ring_mm * link);
-        const Xyz u = along;
-        const Xyz v = link % 2 == 0 ? other : third;
-        const Xyz axis = cross(u, v);
-        append(soup, torus(around, across, [&](int r, int c) {
-                   const double turn = full_turn * r / around;
-                   const double roll = full_turn * c / across;
-                   const Xyz outward = sum(times(u, std::cos(turn)), times(v, std::sin(turn)));
-                   return sum(sum(centre, times(outward, ring_mm + tube_mm * std::cos(roll))),
-                              times(axis, tube_mm * std::sin(roll)));
-               }));
-    }
-    return soup;
-}
-
 Soup shells(std::uint64_t seed, int count) {
     Random random(seed);
     Soup soup;
@@ -221,12 +183,6 @@ Soup needles(std::uint64_t seed, int count, double width_mm) {
     return soup;
 }
 
-Soup ripples(std::uint64_t seed, int size, std::uint64_t steps, double step_mm) {
-    const std::vector<double> values = nodes(seed, size, steps);
-    return height_field(
-        size, [&](int i, int j) { return step_mm * values[node(size, i, j)]; }, -1);
-}
-
 Soup terraces(std::uint64_t seed, int size, std::uint64_t steps) {
     // Blocks of three by three nodes have equal heights, so that flat steps and walls alternate.
     const int coarse = size / 3 + 1;
@@ -260,36 +216,7 @@ Soup cells(std::uint64_t seed, int size) {
     return soup;
 }
 
-Soup spindle(std::uint64_t seed, int sides, int steps) {
-    Random random(seed);
-    std::vector<std::pair<double, double>> profile;  // radius and height, upwards
-    double height = 0;
-    for (int step = 0; step < steps; ++step) {
-        const double radius = 2 + integer_to(random, 6);
-        profile.emplace_back(radius, height);
-        height += 1 + integer_to(random, 2);
-        profile.emplace_back(radius, height);
-    }
-    const auto at = [&](std::size_t level, int side) {
-        const double turn = 2 * std::numbers::pi * side / sides;
-        const auto [radius, z] = profile[level];
-        return Xyz{radius * std::cos(turn), radius * std::sin(turn), z};
-    };
-    Soup soup;
-    for (int side = 0; side < sides; ++side) {
-        const int next = (side + 1) % sides;
-        for (std::size_t level = 0; level + 1 < profile.size(); ++level) {
-            if (profile[level] != profile[level + 1]) {
-                append(soup, quad(at(level, side), at(level, next), at(level + 1, next), at(level + 1, side)));
-            }
-        }
-        add(soup, {0, 0, 0}, at(0, next), at(0, side));
-        add(soup, {0, 0, height}, at(profile.size() - 1, side), at(profile.size() - 1, next));
-    }
-    return soup;
-}
-
-lamella::SliceOptions through_vertices(const Soup& soup, double unit_mm, std::uint64_t seed, std::size_t most) {
+lamella::SliceOptions through_vertices(const Soup& soup, double grid_mm, std::uint64_t seed, std::size_t most) {
     Random random(seed);
     std::vector<double> heights;
     for (std::size_t i = 2; i < soup.size(); i += 3) {
@@ -306,14 +233,13 @@ lamella::SliceOptions through_vertices(const Soup& soup, double unit_mm, std::ui
     }
     std::sort(heights.begin(), heights.end());
     // Planes must still differ after rounding.
-    const auto on_grid = [&](double mm) { return std::nearbyint(mm / (2 * unit_mm)); };
+    const auto on_grid = [&](double mm) { return std::nearbyint(mm / (2 * grid_mm)); };
     const auto equal = [&](double a, double b) { return on_grid(a) == on_grid(b); };
     heights.erase(std::unique(heights.begin(), heights.end(), equal), heights.end());
     lamella::SliceOptions options;
-    options.plan.spacing = lamella::ExplicitPlanes{heights};
-    options.plan.side = seed % 2 == 0 ? lamella::PlaneSide::below : lamella::PlaneSide::above;
-    options.tuning.form = seed / 2 % 2 == 0 ? lamella::ContourForm::swept : lamella::ContourForm::assembled;
-    options.unit_mm = unit_mm;
+    options.heights_mm = heights;
+    options.planes.side = seed % 2 == 0 ? lamella::PlaneSide::below : lamella::PlaneSide::above;
+    options.frame.grid_mm = grid_mm;
     return options;
 }
 

@@ -6,6 +6,7 @@
 
 #include "engine/shapes.hpp"
 #include "lamella/slice.hpp"
+#include "slicing/tuning.hpp"
 
 namespace exact {
 
@@ -17,17 +18,11 @@ Soup hull(std::uint64_t seed, int points, std::uint64_t range);
 /// Hulls that intersect, with no common coordinates; about one in three is inside out.
 Soup crossing_hulls(std::uint64_t seed, int count);
 
-/// Linked rings; each intersects its neighbours.
-Soup torus_chain(std::uint64_t seed, int links, int around, int across);
-
 /// count³ cells, each with up to four nested shells: solid, cavity, solid in the cavity, ...
 Soup shells(std::uint64_t seed, int count);
 
 /// Double pyramids, 100 mm by `width_mm`, that lean in random directions.
 Soup needles(std::uint64_t seed, int count, double width_mm);
-
-/// A slab with a nearly horizontal top, whose heights differ by up to `steps` times `step_mm`.
-Soup ripples(std::uint64_t seed, int size, std::uint64_t steps, double step_mm);
 
 /// A slab whose top has flat steps, leaning walls between them, and pits.
 Soup terraces(std::uint64_t seed, int size, std::uint64_t steps);
@@ -35,10 +30,12 @@ Soup terraces(std::uint64_t seed, int size, std::uint64_t steps);
 /// The surface of about half the cells of a cube: solids that touch along edges and at corners.
 Soup cells(std::uint64_t seed, int size);
 
-/// A turned part: vertical walls, horizontal flats and grooves, all at whole heights.
-Soup spindle(std::uint64_t seed, int sides, int steps);
-
 /// Planes at up to `most` heights of vertices, and as many between the lowest and the highest vertex.
-lamella::SliceOptions through_vertices(const Soup& soup, double unit_mm, std::uint64_t seed, std::size_t most);
+lamella::SliceOptions through_vertices(const Soup& soup, double grid_mm, std::uint64_t seed, std::size_t most);
+
+/// Every other pair of seeds is assembled.
+inline lamella::Tuning form_of(std::uint64_t seed) {
+    return {.form = seed / 2 % 2 == 0 ? lamella::ContourForm::swept : lamella::ContourForm::assembled};
+}
 
 }  // namespace exact

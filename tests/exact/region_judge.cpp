@@ -13,13 +13,13 @@ using regions::Polygons;
 namespace {
 
 constexpr double band = 1;          // grid units, per axis
-constexpr double tolerance = 1e-3;  // of what is computed in doubles
+constexpr double tolerance = 1e-3;  // relative, for what is computed in doubles
 
 struct Spot {
     double x, y;
 };
 
-/// Of the differences per axis between a spot and a point of an edge, the larger one; the least along the edge.
+/// The larger of the differences per axis between a spot and a point of an edge; the least along the edge.
 double distance(Spot spot, regions::Point a, regions::Point b) {
     const double ax = a.x - spot.x;
     const double ay = a.y - spot.y;
@@ -85,7 +85,7 @@ public:
         return twice / 2;
     }
 
-    /// Of a band along its boundary: what the sides sweep, and the corners between them.
+    /// The area of a band along its boundary: what the sides sweep, and the corners between them.
     double largest_area() const {
         double sum = tolerance;
         for (const Side& side : sides_) {
@@ -201,7 +201,7 @@ std::string fault_in_rings(const Polygons& polygons, FillRule rule, const Polygo
     return fault_in_rings(polygons, rule, rings, overlay);
 }
 
-std::string fault_in_region(const Polygons& polygons, FillRule rule, const lamella::LayerContours& contours) {
+std::string fault_in_region(const Polygons& polygons, FillRule rule, const lamella::SliceResult& contours) {
     const Polygons rings = regions::rings_of(contours);
     Overlay overlay(polygons, rings);
     if (std::string fault = fault_in_rings(polygons, rule, rings, overlay); !fault.empty()) {

@@ -19,8 +19,8 @@ namespace exact {
 /// The exact region by a rule that looks at winding numbers. Throws std::logic_error if a corner lies off the grid.
 regions::Region region_on_grid(const regions::Polygons& polygons, lamella::FillRule rule);
 
-/// What is wrong with the region that the engine found by the rule, even-odd, non-zero or positive; or empty.
-std::string fault_in_region(const regions::Polygons& polygons, lamella::FillRule rule, const lamella::LayerContours& found);
+/// The fault in the region that the engine found by the rule, even-odd, non-zero or positive; or empty.
+std::string fault_in_region(const regions::Polygons& polygons, lamella::FillRule rule, const lamella::SliceResult& found);
 
 /// The same of contours alone, without regard to roles, parents and where they part: closed, solid on the left.
 std::string fault_in_rings(const regions::Polygons& polygons, lamella::FillRule rule, const regions::Polygons& rings);

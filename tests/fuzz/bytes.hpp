@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "lamella/audit.hpp"
+
 namespace fuzz {
 
 /// Reads byte by byte. Past the end it reads zeros, so that every input is valid.
@@ -40,6 +42,19 @@ inline void require(bool holds, const std::string& promise) {
         (void)std::fprintf(stderr, "broken: %s\n", promise.c_str());
         std::abort();
     }
+}
+
+template <class T>
+T value_of(lamella::Result<T> result) {
+    require(result.ok(), result.ok() ? "" : result.error().message);
+    return std::move(result).value();
+}
+
+inline void require_valid(const lamella::SliceResult& result) {
+    const auto found = value_of(lamella::audit(
+        result, lamella::MeshView{},
+        {.open = false, .volume = false, .ledger = false, .crossings = false, .structure = true}, {.threads = 1}));
+    require(found.structure->ok(), found.structure->ok() ? "" : found.structure->error().message);
 }
 
 /// An order that depends only on the seed.

@@ -1,15 +1,11 @@
 // Assembles arbitrary segments with few keys, so that many meet. Every segment must be used exactly once.
 #include <algorithm>
+#include <tuple>
 
 #include "bytes.hpp"
-#include "lamella/assemble.hpp"
+#include "lamella/layers.hpp"
 
-using lamella::Contour;
-using lamella::EndKey;
-using lamella::LayerContours;
-using lamella::Point;
-using lamella::Role;
-using lamella::Segment;
+using namespace lamella;
 
 namespace {
 
@@ -37,8 +33,7 @@ Segment arbitrary(fuzz::Bytes& bytes) {
     // Mixes the largest differences that a grid allows with small ones.
     const auto coordinate = [&bytes] {
         const unsigned byte = bytes.next();
-        return byte >= 0xF8 ? (byte % 2 == 0 ? lamella::grid_limit : -lamella::grid_limit)
-                            : static_cast<std::int32_t>(byte % 8);
+        return byte >= 0xF8 ? (byte % 2 == 0 ? grid_limit : -grid_limit) : static_cast<std::int32_t>(byte % 8);
     };
     Segment segment;
     segment.from_key = {bytes.below(4), bytes.below(2), bytes.below(2)};
@@ -50,7 +45,7 @@ Segment arbitrary(fuzz::Bytes& bytes) {
     return segment;
 }
 
-void check_contour(const LayerContours& layer, const Contour& contour, std::uint64_t first_point) {
+void check_contour(const SliceResult& layer, const Contour& contour, std::uint64_t first_point) {
     fuzz::require(contour.first_point == first_point && contour.point_count > 0, "points are contiguous");
     fuzz::require(contour.parent >= -1 && contour.parent < static_cast<std::int64_t>(layer.contours.size()),
                   "parents are contours");
@@ -58,38 +53,33 @@ void check_contour(const LayerContours& layer, const Contour& contour, std::uint
         const Role role = layer.contours[static_cast<std::size_t>(contour.parent)].role;
         fuzz::require(role == Role::outer || role == Role::hole, "parents are outers or holes");
     }
-    const bool flat = contour.twice_area == lamella::Integer128{};
+    const bool flat = contour.twice_area == Integer128{};
     fuzz::require(flat == (contour.role == Role::flat || contour.role == Role::open),
                   "a contour without area is flat or open");
     fuzz::require(flat || (contour.twice_area.high < 0) == (contour.role == Role::hole),
                   "outers run counter-clockwise, holes clockwise");
 }
 
-LayerContours assembled(const std::vector<Segment>& segments) {
-    lamella::Result<LayerContours> layer = assemble(segments);
-    fuzz::require(layer.ok(), "any segments can be assembled");
+SliceResult assembled(const std::vector<Segment>& segments) {
+    SliceResult layer = fuzz::value_of(assemble(segments));  // any segments can be assembled
     std::uint64_t used = 0;
     std::uint64_t points = 0;
-    for (const Contour& contour : layer->contours) {
-        check_contour(*layer, contour, points);
+    for (const Contour& contour : layer.contours) {
+        check_contour(layer, contour, points);
         used += contour.segments;
         points += contour.point_count;
     }
     fuzz::require(used == segments.size(), "every segment is used exactly once");
-    fuzz::require(points == layer->points.size(), "every point belongs to a contour");
-    return std::move(layer).value();
+    fuzz::require(points == layer.points.size(), "every point belongs to a contour");
+    return layer;
 }
 
-bool same(const Contour& a, const Contour& b) {
-    return a.first_point == b.first_point && a.twice_area == b.twice_area && a.parent == b.parent &&
-           a.point_count == b.point_count && a.segments == b.segments && a.role == b.role &&
-           a.orientation == b.orientation && a.flags == b.flags;
-}
-
-bool same(const LayerContours& a, const LayerContours& b) {
-    return std::equal(a.contours.begin(), a.contours.end(), b.contours.begin(), b.contours.end(),
-                      [](const Contour& x, const Contour& y) { return same(x, y); }) &&
-           std::equal(a.points.begin(), a.points.end(), b.points.begin(), b.points.end());
+bool same(const SliceResult& a, const SliceResult& b) {
+    const auto facts = [](const Contour& c) {
+        return std::tuple(c.first_point, c.twice_area.low, c.twice_area.high, c.parent, c.point_count, c.segments, c.role,
+                          c.orientation, c.flags);
+    };
+    return std::ranges::equal(a.contours, b.contours, {}, facts, facts) && std::ranges::equal(a.points, b.points);
 }
 
 }  // namespace
@@ -102,9 +92,9 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     while (!bytes.empty() && segments.size() < most_segments) {
         segments.push_back(agree ? agreeing(bytes) : arbitrary(bytes));
     }
-    const LayerContours layer = assembled(segments);
+    const SliceResult layer = assembled(segments);
     fuzz::shuffle(segments, seed);
-    const LayerContours again = assembled(segments);
+    const SliceResult again = assembled(segments);
     fuzz::require(!agree || same(layer, again), "the order of the segments does not change the result");
     return 0;
 }

@@ -1,5 +1,5 @@
-// Checks soups with corners on small integers. What check() counts must agree with inspect(), and must depend neither on
-// threads nor on the order of triangles and corners.
+// Checks soups with corners on small integers. What check() finds must agree with what it counts alone, and must depend
+// neither on threads nor on the order of triangles and corners.
 #include <algorithm>
 #include <cmath>
 
@@ -8,9 +8,7 @@
 #include "lamella/lamella.hpp"
 #include "soup.hpp"
 
-using lamella::CheckOptions;
-using lamella::Fault;
-using lamella::MeshCheck;
+using namespace lamella;
 
 namespace {
 
@@ -19,7 +17,7 @@ constexpr std::size_t most_triangles = 120;
 CheckOptions drawn_options(fuzz::Bytes& bytes) {
     const unsigned choice = bytes.next();
     CheckOptions options;
-    options.unit_mm = choice % 2 == 0 ? 0 : 1;  // on the coarse grid half of the corners coincide
+    options.frame.grid_mm = choice % 2 == 0 ? 0 : 1;  // on the coarse grid half of the corners coincide
     options.tolerance_mm = choice / 2 % 4 * 0.7;
     options.sliver_ratio = 2 + choice / 8 % 8;
     options.most_places = choice / 64 * 5;
@@ -27,10 +25,10 @@ CheckOptions drawn_options(fuzz::Bytes& bytes) {
 }
 
 void check_places(const MeshCheck& found, const CheckOptions& options, std::size_t triangles) {
-    for (const lamella::FaultFinding& finding : found.findings) {
+    for (const FaultFinding& finding : found.findings) {
         fuzz::require(finding.places.size() == std::min<std::uint64_t>(finding.count, options.most_places),
                       "as many places as were asked for");
-        for (const lamella::FaultPlace& place : finding.places) {
+        for (const FaultPlace& place : finding.places) {
             fuzz::require(place.point_count >= 1 && place.point_count <= 3, "a place has points");
             for (const std::int64_t triangle : place.triangles) {
                 fuzz::require(triangle >= -1 && triangle < static_cast<std::int64_t>(triangles), "triangles of the input");
@@ -41,7 +39,7 @@ void check_places(const MeshCheck& found, const CheckOptions& options, std::size
 
 void check_shells(const MeshCheck& found) {
     std::uint64_t triangles = found.of(Fault::collapsed_face).count;
-    for (const lamella::MeshShell& shell : found.shells) {
+    for (const MeshShell& shell : found.shells) {
         triangles += shell.triangles;
         fuzz::require((shell.depth == 0) == (shell.parent < 0), "a shell with a depth has a parent");
         fuzz::require(shell.parent < 0 || found.shells[static_cast<std::size_t>(shell.parent)].closed,
@@ -49,44 +47,40 @@ void check_shells(const MeshCheck& found) {
         fuzz::require(shell.closed || (shell.orientation == 0 && shell.volume_mm3 == 0),
                       "only closed shells have an orientation");
     }
-    fuzz::require(triangles == found.info.triangles, "every triangle belongs to one shell, or is collapsed");
+    fuzz::require(triangles == found.triangles, "every triangle belongs to one shell, or is collapsed");
 }
 
-/// Compares check() with inspect(), which counts the same in another way.
+/// The counts are made in another way.
 void check_census(const MeshCheck& found) {
-    const lamella::MeshInfo& info = found.info;
     const auto count = [&found](Fault fault) { return found.of(fault).count; };
-    fuzz::require(count(Fault::boundary_edge) == info.boundary_edges, "boundary edges are counted");
-    fuzz::require(count(Fault::overfull_balanced) + count(Fault::overfull_unbalanced) == info.overfull_edges,
+    fuzz::require(count(Fault::boundary_edge) == found.boundary_edges, "boundary edges are counted");
+    fuzz::require(count(Fault::overfull_balanced) + count(Fault::overfull_unbalanced) == found.overfull_edges,
                   "over-full edges are counted");
-    fuzz::require(count(Fault::mismatched_edge) == info.mismatched_edges, "mismatched edges are counted");
-    fuzz::require(count(Fault::collapsed_face) == info.degenerate, "collapsed faces are counted");
-    fuzz::require(found.shells.size() == info.shells, "shells are counted");
-    fuzz::require(!found.clean() || info.closed, "a mesh without faults is closed");
+    fuzz::require(count(Fault::mismatched_edge) == found.mismatched_edges, "mismatched edges are counted");
+    fuzz::require(count(Fault::collapsed_face) == found.degenerate, "collapsed faces are counted");
+    fuzz::require(found.shells.size() == found.shell_count, "shells are counted");
+    fuzz::require(!found.clean() || found.closed, "a mesh without faults is closed");
     fuzz::require((count(Fault::boundary_edge) == 0) == (count(Fault::boundary_loop) == 0), "boundary edges form loops");
     fuzz::require(found.complete(), "so few triangles are searched completely");
 }
 
-MeshCheck found_in(const std::vector<fuzz::Triangle>& triangles, CheckOptions options, int threads) {
-    options.control.threads = threads;
+MeshCheck found_in(const std::vector<fuzz::Triangle>& triangles, const CheckOptions& options, int threads) {
     const std::vector<double> soup = fuzz::soup_of<double>(triangles);
-    lamella::Result<MeshCheck> found = check(lamella::MeshView::soup(std::span<const double>(soup)), options);
-    fuzz::require(found.ok(), found.ok() ? "" : found.error().message);
-    return std::move(found).value();
+    return fuzz::value_of(check(MeshView::soup(std::span<const double>(soup)), options, {.threads = threads}));
 }
 
 std::string text_of(const MeshCheck& found) {
-    return lamella::make_check_json(found, {}, 1000).value();
+    return make_check_json(found, {}, 1000).value();
 }
 
 /// The triangle that represents a place may depend on the order of the input; all else must not.
 MeshCheck without_triangles(MeshCheck found) {
-    for (lamella::FaultFinding& finding : found.findings) {
-        for (lamella::FaultPlace& place : finding.places) {
+    for (FaultFinding& finding : found.findings) {
+        for (FaultPlace& place : finding.places) {
             place.triangles = {-1, -1};
         }
     }
-    for (lamella::MeshShell& shell : found.shells) {
+    for (MeshShell& shell : found.shells) {
         shell.triangle = -1;
     }
     return found;
@@ -100,19 +94,17 @@ bool stay_apart(const fuzz::Corner& a, const fuzz::Corner& b) {
 /// Whether every triangle has two equal corners, so that there is no mesh to check. Then it must be refused as such.
 bool all_collapse(const std::vector<fuzz::Triangle>& triangles, const CheckOptions& options) {
     const std::vector<double> soup = fuzz::soup_of<double>(triangles);
-    const lamella::MeshView mesh = lamella::MeshView::soup(std::span<const double>(soup));
-    const lamella::Result<MeshCheck> found = check(mesh, options);
+    const MeshView mesh = MeshView::soup(std::span<const double>(soup));
+    const Result<MeshCheck> found = check(mesh, options);
     if (found) {
         return false;
     }
-    fuzz::require(found.error().code == lamella::ErrorCode::empty_mesh, found.error().message);
+    fuzz::require(found.error().code == ErrorCode::empty_mesh, found.error().message);
     for (const auto& [a, b, c] : triangles) {
         fuzz::require(!stay_apart(a, b) || !stay_apart(b, c) || !stay_apart(c, a), "a triangle that stays is checked");
     }
-    lamella::InspectOptions same_grid;
-    same_grid.unit_mm = options.unit_mm;
-    const lamella::Result<lamella::MeshInfo> info = inspect(mesh, same_grid);
-    fuzz::require(!info && info.error().message == found.error().message, "inspect() refuses the same mesh");
+    const Result<MeshCheck> counts = check(mesh, {.frame = options.frame, .counts_only = true});
+    fuzz::require(!counts && counts.error().message == found.error().message, "counting refuses the same mesh");
     return true;
 }
 

@@ -1,21 +1,16 @@
 // Reads any bytes under any file name, then inspects and slices the mesh. The first byte chooses the file's extension and
 // how the file is read a second time. Both readings must give the same.
-#include <algorithm>
 #include <array>
 #include <filesystem>
-#include <fstream>
 
-#include <unistd.h>
+#include <stdlib.h>
 
 #include "bytes.hpp"
 #include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
+#include "temp_folder.hpp"
 
-using lamella::MeshFile;
-using lamella::MeshInfo;
-using lamella::MeshView;
-using lamella::ReadOptions;
-using lamella::Result;
+using namespace lamella;
 
 namespace {
 
@@ -26,33 +21,18 @@ constexpr std::uint64_t memory_limit_bytes = std::uint64_t{64} << 20;
 constexpr double layers = 12;
 constexpr std::uint64_t most_triangles = 20'000;  ///< larger meshes are not sliced, to keep the fuzzer fast
 
-/// A temporary folder, in memory if possible; removed at the end.
-class Folder {
-public:
-    Folder()
-        : path_((fs::is_directory("/dev/shm") ? fs::path("/dev/shm") : fs::temp_directory_path()) /
-                ("lamella-fuzz-" + std::to_string(::getpid()))) {
-        fs::create_directories(path_);
-    }
-    ~Folder() {
-        std::error_code left_behind;
-        fs::remove_all(path_, left_behind);
-    }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
+/// In memory if possible.
+const TempFolder& folder() {
+    static const TempFolder folder = [] {
+        if (fs::is_directory("/dev/shm")) {
+            ::setenv("TMPDIR", "/dev/shm", 1);
+        }
+        return TempFolder();
+    }();
+    return folder;
+}
 
-    fs::path write(const char* extension, std::span<const std::uint8_t> bytes) const {
-        const fs::path path = path_ / ("mesh" + std::string(extension));
-        std::ofstream(path, std::ios::binary)
-            .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-        return path;
-    }
-
-private:
-    fs::path path_;
-};
-
-void check_error(const lamella::Error& error) {
+void check_error(const Error& error) {
     fuzz::require(!error.message.empty() && error.message.find('\n') == std::string::npos, "an error is one line");
 }
 
@@ -70,69 +50,62 @@ void check_same(const Result<MeshFile>& first, const Result<MeshFile>& second) {
 
 /// Requires that the bytes with coordinates are where the view says.
 void check_extent(const MeshFile& mesh) {
-    const std::size_t number = mesh.coordinate_type == lamella::CoordinateType::f32 ? sizeof(float) : sizeof(double);
     const bool soup = mesh.indices.empty();
     const std::uint64_t items = soup ? mesh.triangle_count : mesh.vertex_count;
-    const std::size_t item = (soup ? 9 : 3) * number;
+    const std::size_t item = (soup ? 9 : 3) * size_of(mesh.vertex_type);
     fuzz::require(mesh.triangle_count > 0, "a mesh has triangles");
     fuzz::require(items == 0 || mesh.first_offset + (items - 1) * mesh.stride + item <= mesh.bytes.size(),
                   "the coordinates are in memory");
     fuzz::require(soup || mesh.indices.size() == 3 * mesh.triangle_count, "three indices a triangle");
 }
 
-void check_slice(const MeshFile& mesh, const MeshInfo& info) {
-    const double height = info.max_mm[2] - info.min_mm[2];
+void check_slice(const MeshFile& mesh, const MeshCheck& counts) {
+    const double height = counts.box.max_mm[2] - counts.box.min_mm[2];
     if (mesh.triangle_count > most_triangles || !(height > 0)) {
         return;
     }
-    lamella::SliceOptions options;
-    options.plan.spacing = lamella::UniformLayers{height / layers};
-    options.transform = mesh.to_mm();
-    options.memory_limit_bytes = memory_limit_bytes;
-    options.control.threads = 1;
-    const Result<lamella::SliceResult> result = slice(mesh.view(), options);
+    SliceOptions options;
+    options.layer_height_mm = height / layers;
+    const Result<SliceResult> result = slice(mesh, options, {.threads = 1, .memory_limit_bytes = memory_limit_bytes});
     if (!result) {
         check_error(result.error());
         return;
     }
-    const lamella::Status valid = validate(*result);
-    fuzz::require(valid.ok(), valid.ok() ? "" : valid.error().message);
+    fuzz::require_valid(*result);
 }
 
 void check_mesh(const MeshFile& mesh) {
     check_extent(mesh);
-    const Result<MeshInfo> info = inspect(mesh.view(), {.unit_mm = 0, .transform = mesh.to_mm(), .control = {.threads = 1}});
-    if (!info) {
-        check_error(info.error());
+    const Result<MeshCheck> counts = check(mesh.view(), {.counts_only = true}, {.threads = 1});
+    if (!counts) {
+        check_error(counts.error());
         return;
     }
-    fuzz::require(info->triangles == mesh.triangle_count && info->degenerate <= info->triangles, "triangles are counted");
-    check_slice(mesh, *info);
+    fuzz::require(counts->triangles == mesh.triangle_count && counts->degenerate <= counts->triangles,
+                  "triangles are counted");
+    check_slice(mesh, *counts);
 }
 
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    static const Folder folder;
     fuzz::Bytes bytes(data, size);
     const unsigned choice = bytes.next();
-    const fs::path path = folder.write(extensions[choice % extensions.size()], bytes.rest());
+    const fs::path path = folder().write("mesh" + std::string(extensions[choice % extensions.size()]),
+                                         {reinterpret_cast<const char*>(bytes.rest().data()), bytes.rest().size()});
     ReadOptions options;
     options.memory_limit_bytes = memory_limit_bytes;
-    options.control.threads = 1;
-    const Result<MeshFile> mesh = read_mesh(path, options);
+    const Result<MeshFile> mesh = read_mesh(path, options, {.threads = 1});
     if (choice / 8 % 4 == 3) {  // only sometimes: writing takes as long as another file
-        options.control.threads = 3;
         options.map_file = choice / 32 % 2 != 0;
-        check_same(mesh, read_mesh(path, options));
+        check_same(mesh, read_mesh(path, options, {.threads = 3}));
     }
     if (mesh) {
         check_mesh(*mesh);
     } else {
         check_error(mesh.error());
-        fuzz::require(
-            mesh.error().message.starts_with(path.string()) || mesh.error().code == lamella::ErrorCode::out_of_memory,
-            "the error names the file: " + mesh.error().message);
+        fuzz::require(mesh.error().message.starts_with(path.string()) || mesh.error().code == ErrorCode::out_of_memory,
+                      "the error names the file: " + mesh.error().message);
     }
     return 0;
 }

@@ -7,10 +7,7 @@
 #include "bytes.hpp"
 #include "engine/region_checks.hpp"
 
-using lamella::FillRule;
-using lamella::LayerContours;
-using lamella::Point;
-using lamella::RegionRules;
+using namespace lamella;
 using Ring = regions::Polygon;
 using Rings = regions::Polygons;
 
@@ -30,7 +27,7 @@ struct Lattice {
         const unsigned byte = bytes.next();
         const auto steps = static_cast<std::int32_t>(byte % static_cast<unsigned>(2 * half_width + 1)) - half_width;
         const std::int32_t more = loose ? static_cast<std::int32_t>(bytes.below(7)) - 3 : 0;
-        return std::clamp(steps * step + more, -lamella::grid_limit, lamella::grid_limit);
+        return std::clamp(steps * step + more, -grid_limit, grid_limit);
     }
 };
 
@@ -74,10 +71,10 @@ RegionRules drawn_rules(fuzz::Bytes& bytes, const Lattice& lattice) {
     // Eighths of a lattice's step, and a few units more or less.
     const auto length = [&](unsigned byte) {
         const double steps = byte % 16 * 0.25 * lattice.step + (byte / 16 % 4) * 0.5;
-        return steps < 1 ? 0 : std::min(steps, lamella::grid_limit / drawn.miter_limit);
+        return steps < 1 ? 0 : std::min(steps, grid_limit / drawn.miter_limit);
     };
     if (second % 4 != 0) {
-        drawn.close_mm = length(bytes.next());
+        drawn.closing_mm = length(bytes.next());
     }
     if (second / 4 % 4 == 1) {
         drawn.offset_mm = length(bytes.next());
@@ -88,12 +85,12 @@ RegionRules drawn_rules(fuzz::Bytes& bytes, const Lattice& lattice) {
 }
 
 /// Empty where the region leads beyond the grid: nothing else may refuse one.
-lamella::Result<LayerContours> region(const Rings& rings, const RegionRules& rules) {
+Result<SliceResult> region(const Rings& rings, const RegionRules& rules) {
     auto made = regions::region(rings, rules, unit_mm);
     if (!made) {
-        const lamella::Error& error = made.error();
-        fuzz::require(error.code == lamella::ErrorCode::invalid_argument &&
-                          (rules.close_mm > 0 || rules.offset_mm != 0 || rules.mark_near_mm > 0) &&
+        const Error& error = made.error();
+        fuzz::require(error.code == ErrorCode::invalid_argument &&
+                          (rules.closing_mm > 0 || rules.offset_mm != 0 || rules.flag_closing_mm > 0) &&
                           error.message.find("beyond the grid") != std::string::npos,
                       error.message);
     }
@@ -101,7 +98,7 @@ lamella::Result<LayerContours> region(const Rings& rings, const RegionRules& rul
 }
 
 /// What `a` has and `b` has not, in square units.
-double area_outside(const LayerContours& a, const LayerContours& b) {
+double area_outside(const SliceResult& a, const SliceResult& b) {
     Rings rings = regions::rings_of(a);
     for (Ring& ring : regions::rings_of(b)) {
         std::reverse(ring.begin(), ring.end());
@@ -118,7 +115,7 @@ double rounding_along(const Rings& rings) {
 }
 
 /// What is thinner than a unit may vanish: an edge that was moved can pass a pixel that it did not pass before.
-void check_itself(const LayerContours& made) {
+void check_itself(const SliceResult& made) {
     RegionRules rules;
     rules.fill_rule = FillRule::positive;
     const auto again = region(regions::rings_of(made), rules);
@@ -129,8 +126,8 @@ void check_itself(const LayerContours& made) {
 /// What rounding may move where `dilated` is eroded. It turns an edge of length L by up to 2 / L, and erosion may make the
 /// edge longer by what the miters at both ends add: little for a long edge, but as good as any direction for one of a unit,
 /// which is what a corner where three moved edges meet may become.
-double rounding_of_erosion(const LayerContours& dilated, const RegionRules& rules) {
-    const double added = 2 * rules.close_mm * std::max(1.0, std::sqrt(rules.miter_limit * rules.miter_limit - 1));
+double rounding_of_erosion(const SliceResult& dilated, const RegionRules& rules) {
+    const double added = 2 * rules.closing_mm * std::max(1.0, std::sqrt(rules.miter_limit * rules.miter_limit - 1));
     double sum = 0;
     for (const Ring& ring : regions::rings_of(dilated)) {
         for (std::size_t i = 0; i < ring.size(); ++i) {
@@ -144,8 +141,8 @@ double rounding_of_erosion(const LayerContours& dilated, const RegionRules& rule
 }
 
 /// Against closing everything, where the grid holds that: the dilated contours need as much room around them once more.
-void check_closing(const Rings& rings, RegionRules rules, const LayerContours& made) {
-    if (rules.largest_only || rules.fill_rule == FillRule::outermost || rules.close_mm == 0 || rules.offset_mm != 0) {
+void check_closing(const Rings& rings, RegionRules rules, const SliceResult& made) {
+    if (rules.largest_only || rules.fill_rule == FillRule::outermost || rules.closing_mm == 0 || rules.offset_mm != 0) {
         return;
     }
     const auto everywhere = regions::closed_everywhere(rings, rules, unit_mm);
@@ -154,8 +151,8 @@ void check_closing(const Rings& rings, RegionRules rules, const LayerContours& m
         return;
     }
     RegionRules dilating = rules;
-    dilating.offset_mm = rules.close_mm;
-    dilating.close_mm = 0;
+    dilating.offset_mm = rules.closing_mm;
+    dilating.closing_mm = 0;
     RegionRules filling = dilating;
     filling.offset_mm = 0;
     const double rounding =
@@ -165,8 +162,8 @@ void check_closing(const Rings& rings, RegionRules rules, const LayerContours& m
 }
 
 /// What is dilated contains the region, and the region what is eroded.
-void check_offset(const Rings& rings, RegionRules rules, const LayerContours& made) {
-    if (rules.largest_only || rules.fill_rule == FillRule::outermost || rules.close_mm != 0 || rules.offset_mm == 0) {
+void check_offset(const Rings& rings, RegionRules rules, const SliceResult& made) {
+    if (rules.largest_only || rules.fill_rule == FillRule::outermost || rules.closing_mm != 0 || rules.offset_mm == 0) {
         return;
     }
     const bool dilated = rules.offset_mm > 0;
@@ -178,8 +175,8 @@ void check_offset(const Rings& rings, RegionRules rules, const LayerContours& ma
 }
 
 void check_marks(const Rings& rings, RegionRules rules) {
-    rules.mark_near_mm = rules.close_mm;
-    rules.close_mm = rules.offset_mm = 0;
+    rules.flag_closing_mm = rules.closing_mm;
+    rules.closing_mm = rules.offset_mm = 0;
     const auto marked = region(rings, rules);
     const auto again = region(regions::shuffled(rings, 5), rules);
     fuzz::require(marked.ok() == again.ok() && (!marked || regions::same(*marked, *again)),
@@ -187,20 +184,20 @@ void check_marks(const Rings& rings, RegionRules rules) {
 }
 
 /// What is simplified keeps its contours, their starts and roles, and crosses nowhere.
-void check_simplified(const Rings& rings, RegionRules rules, const LayerContours& made) {
-    rules.simplify_mm = std::max(1.0, rules.close_mm);
+void check_simplified(const Rings& rings, RegionRules rules, const SliceResult& made) {
+    rules.simplify_mm = std::max(1.0, rules.closing_mm);
     const auto simplified = region(rings, rules);
     const auto again = region(regions::shuffled(rings, 7), rules);
     fuzz::require(simplified.ok() && again.ok() && regions::same(*simplified, *again),
                   "simplification does not depend on order and starts");
     const std::string broken = regions::broken_promise(*simplified);
     fuzz::require(broken.empty(), "simplified: " + broken);
-    const bool same_contours =
-        std::equal(made.contours.begin(), made.contours.end(), simplified->contours.begin(), simplified->contours.end(),
-                   [&](const lamella::Contour& a, const lamella::Contour& b) {
-                       return a.role == b.role && a.parent == b.parent && a.point_count >= b.point_count &&
-                              made.points[a.first_point] == simplified->points[b.first_point];
-                   });
+    const bool same_contours = std::equal(made.contours.begin(), made.contours.end(), simplified->contours.begin(),
+                                          simplified->contours.end(), [&](const Contour& a, const Contour& b) {
+                                              return a.role == b.role && a.parent == b.parent &&
+                                                     a.point_count >= b.point_count &&
+                                                     made.points[a.first_point] == simplified->points[b.first_point];
+                                          });
     fuzz::require(same_contours, "simplification keeps contours, starts, roles and parents");
 }
 

@@ -5,12 +5,10 @@
 #include "bytes.hpp"
 #include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
+#include "slicing/tuning.hpp"
 #include "soup.hpp"
 
-using lamella::ContourForm;
-using lamella::MeshView;
-using lamella::SliceOptions;
-using lamella::SliceResult;
+using namespace lamella;
 
 namespace {
 
@@ -26,29 +24,31 @@ constexpr std::array<Scale, 4> scales = {{{1, 0.5}, {1, 0.125}, {256, 0}, {0.37,
 struct Case {
     std::vector<fuzz::Triangle> triangles;
     SliceOptions options;
+    Tuning tuning;
+    int threads = 1;
     std::uint32_t seed = 0;
     bool floats = false;
 };
 
 /// Heights on integers, where corners lie, and between them.
-lamella::LayerPlan plan(fuzz::Bytes& bytes, double step_mm) {
-    lamella::LayerPlan plan;
+void choose_planes(fuzz::Bytes& bytes, double step_mm, Case& drawn) {
+    SliceOptions& options = drawn.options;
     const unsigned kind = bytes.next();
-    plan.side = kind % 2 == 0 ? lamella::PlaneSide::below : lamella::PlaneSide::above;
+    options.planes.side = kind % 2 == 0 ? PlaneSide::below : PlaneSide::above;
     if (kind / 2 % 4 == 0) {
-        plan.spacing = lamella::UniformLayers{step_mm * (1 + kind / 8 % 8) / 4, {}, lamella::Datum::mesh_min};
+        options.layer_height_mm = step_mm * (1 + kind / 8 % 8) / 4;
     } else if (kind / 2 % 4 == 1) {
-        plan.spacing = lamella::UniformLayers{step_mm / 2, step_mm * (kind / 8 % 4) / 2, lamella::Datum::zero};
+        options.layer_height_mm = step_mm / 2;
+        options.planes.first_height_mm = step_mm * (kind / 8 % 4) / 2;
+        options.planes.datum = Datum::zero;
     } else if (kind / 2 % 4 == 2) {
-        plan.spacing = lamella::RandomLayers{step_mm / 2, step_mm, kind};
+        drawn.tuning.random_heights = {step_mm / 2, step_mm, kind};
     } else {
-        lamella::ExplicitPlanes planes;
+        std::vector<double>& heights_mm = options.heights_mm.emplace();
         for (int quarter = -18; quarter <= 18; quarter += 1 + static_cast<int>(kind / 8 % 8)) {
-            planes.heights_mm.push_back(step_mm * quarter / 4);
+            heights_mm.push_back(step_mm * quarter / 4);
         }
-        plan.spacing = planes;
     }
-    return plan;
 }
 
 Case drawn(fuzz::Bytes& bytes) {
@@ -58,16 +58,16 @@ Case drawn(fuzz::Bytes& bytes) {
     const Scale scale = scales[form / 4 % 4];
     drawn.seed = form;
     drawn.floats = form % 2 != 0;
-    drawn.options.unit_mm = scale.unit_mm;
-    drawn.options.control.threads = 1 + static_cast<int>(form / 16 % 3);
-    drawn.options.tuning.band_planes = static_cast<int>(form / 64);
-    drawn.options.region.fill_rule = static_cast<lamella::FillRule>(mending % 4);
-    drawn.options.close_gaps_mm = scale.step_mm * (mending / 4 % 4);
-    drawn.options.gap_sense = mending / 64 % 2 != 0 ? lamella::GapSense::any : lamella::GapSense::kept;
+    drawn.options.frame.grid_mm = scale.unit_mm;
+    drawn.threads = 1 + static_cast<int>(form / 16 % 3);
+    drawn.tuning.band_planes = form / 64;
+    drawn.options.region.fill_rule = static_cast<FillRule>(mending % 4);
+    drawn.options.stitch_mm = scale.step_mm * (mending / 4 % 4);
+    drawn.options.stitch_direction = mending / 64 % 2 != 0 ? StitchDirection::any : StitchDirection::oriented;
     if (mending / 16 % 4 == 3) {
-        drawn.options.transform = lamella::Transform::from_normal(1, mending / 64, 2);
+        drawn.options.frame.transform = Transform::from_normal(1, mending / 64, 2);
     }
-    drawn.options.plan = plan(bytes, scale.step_mm);
+    choose_planes(bytes, scale.step_mm, drawn);
     while (!bytes.empty() && drawn.triangles.size() < most_triangles) {
         fuzz::add_shape(bytes, form / 2 % 2 != 0, scale.step_mm, drawn.triangles);
     }
@@ -75,31 +75,34 @@ Case drawn(fuzz::Bytes& bytes) {
 }
 
 template <class Number>
-lamella::Result<SliceResult> sliced_as(const Case& drawn) {
+Result<SliceResult> sliced_as(const Case& drawn) {
     const std::vector<Number> soup = fuzz::soup_of<Number>(drawn.triangles);
-    return slice(MeshView::soup(std::span<const Number>(soup)), drawn.options);
+    Slicer slicer;
+    SliceResult result;
+    const auto info = slice_tuned(slicer, result, MeshView::soup(std::span<const Number>(soup)), drawn.options, drawn.tuning,
+                                  {.threads = drawn.threads});
+    return info ? Result<SliceResult>(std::move(result)) : info.error();
 }
 
 /// The hash of a valid result, or the code of an error.
 std::uint64_t outcome(const Case& drawn) {
-    const lamella::Result<SliceResult> result = drawn.floats ? sliced_as<float>(drawn) : sliced_as<double>(drawn);
+    const Result<SliceResult> result = drawn.floats ? sliced_as<float>(drawn) : sliced_as<double>(drawn);
     if (!result) {
         // An exception inside the engine would become this code.
-        fuzz::require(result.error().code != lamella::ErrorCode::cancelled, result.error().message);
+        fuzz::require(result.error().code != ErrorCode::cancelled, result.error().message);
         return static_cast<std::uint64_t>(result.error().code);
     }
-    const lamella::Status valid = validate(*result);
-    fuzz::require(valid.ok(), valid.ok() ? "" : valid.error().message);
-    return hash_result(*result);
+    fuzz::require_valid(*result);
+    return result->hash();
 }
 
 void check_ways(Case drawn) {
     const std::uint64_t expected = outcome(drawn);
-    drawn.options.tuning.form = ContourForm::assembled;
+    drawn.tuning.form = ContourForm::assembled;
     fuzz::require(outcome(drawn) == expected, "both forms give the same result");
-    drawn.options.tuning.form = ContourForm::swept;
-    drawn.options.tuning.band_planes = 3 - drawn.options.tuning.band_planes;
-    drawn.options.control.threads = 4 - drawn.options.control.threads;
+    drawn.tuning.form = ContourForm::swept;
+    drawn.tuning.band_planes = 3 - drawn.tuning.band_planes;
+    drawn.threads = 4 - drawn.threads;
     fuzz::require(outcome(drawn) == expected, "bands and threads do not change the result");
     fuzz::shuffle_soup(drawn.triangles, drawn.seed);
     fuzz::require(outcome(drawn) == expected, "the order of triangles and corners does not change the result");

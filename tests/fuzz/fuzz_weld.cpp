@@ -9,9 +9,8 @@
 #include "lamella/lamella.hpp"
 #include "soup.hpp"
 
+using namespace lamella;
 using fuzz::Corner;
-using lamella::MeshView;
-using lamella::WeldedMesh;
 
 namespace {
 
@@ -37,9 +36,7 @@ Case drawn(fuzz::Bytes& bytes, unsigned form) {
 
 template <class Number>
 WeldedMesh welded(const std::vector<Number>& soup, double tolerance) {
-    lamella::Result<WeldedMesh> mesh = weld(MeshView::soup(std::span<const Number>(soup)), {.tolerance_mm = tolerance});
-    fuzz::require(mesh.ok(), mesh.ok() ? "" : mesh.error().message);
-    return std::move(mesh).value();
+    return fuzz::value_of(weld(MeshView::soup(std::span<const Number>(soup)), tolerance));
 }
 
 template <class Number>
@@ -97,8 +94,7 @@ void check_weld(Case drawn, std::uint32_t seed) {
     fuzz::shuffle_soup(drawn.triangles, seed);
     const WeldedMesh again = welded(fuzz::soup_of<Number>(drawn.triangles), drawn.tolerance);
     fuzz::require(vertices_of<Number>(again) == vertices, "the order of triangles and corners does not change the result");
-    lamella::Result<WeldedMesh> twice = weld(mesh.view(), {.tolerance_mm = drawn.tolerance});
-    fuzz::require(twice.ok() && twice->joined == 0, "welding a welded mesh joins nothing");
+    fuzz::require(fuzz::value_of(weld(mesh.view(), drawn.tolerance)).joined == 0, "welding a welded mesh joins nothing");
 }
 
 }  // namespace

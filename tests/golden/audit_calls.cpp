@@ -1,4 +1,4 @@
-// What is asked of a mesh or a result, what is written of it, and what is read.
+// Calls that judge a mesh or a result, write it or read it.
 #include <algorithm>
 
 #include "golden/calls.hpp"
@@ -49,11 +49,11 @@ std::uint64_t hash_of_crossings(const lamella::Crossings& crossings) {
     return hash.value();
 }
 
-std::uint64_t hash_of_info(const lamella::MeshInfo& info) {
+std::uint64_t hash_of_counts(const lamella::MeshCheck& mesh) {
     Hash hash;
-    hash.word(info.triangles).word(info.degenerate).reals(info.min_mm).reals(info.max_mm);
-    hash.real(info.volume_mm3).real(info.area_mm2).word(info.edges).word(info.boundary_edges).word(info.overfull_edges);
-    hash.word(info.mismatched_edges).word(info.shells).real(info.unit_mm).word(info.closed ? 1 : 0);
+    hash.word(mesh.triangles).word(mesh.degenerate).reals(mesh.box.min_mm).reals(mesh.box.max_mm);
+    hash.real(mesh.volume_mm3).real(mesh.area_mm2).word(mesh.edges).word(mesh.boundary_edges).word(mesh.overfull_edges);
+    hash.word(mesh.mismatched_edges).word(mesh.shell_count).real(mesh.grid_mm).word(mesh.closed ? 1 : 0);
     return hash.value();
 }
 
@@ -83,11 +83,11 @@ std::string bytes_written(const TempFolder& folder, const lamella::Status& writt
 std::uint64_t hash_of_file(const lamella::MeshFile& file) {
     Hash hash;
     const MeshView view = file.view();
-    const std::size_t number = view.coordinate_type == lamella::CoordinateType::f32 ? sizeof(float) : sizeof(double);
+    const std::size_t number = size_of(view.vertex_type);
     const std::size_t rows = view.indices == nullptr ? view.triangle_count : view.vertex_count;
     const std::size_t row_bytes = number * (view.indices == nullptr ? 9 : 3);
     for (std::size_t row = 0; row < rows; ++row) {
-        hash.text({reinterpret_cast<const char*>(view.vertices + row * view.stride), row_bytes});
+        hash.text({reinterpret_cast<const char*>(view.vertex_at(row)), row_bytes});
     }
     for (const std::uint32_t index : file.indices) {
         hash.word(index);
@@ -98,36 +98,37 @@ std::uint64_t hash_of_file(const lamella::MeshFile& file) {
     return hash.value();
 }
 
+/// Three hashes, the same on 1 and 3 threads.
+template <class HashesOn>
+void add_three(Group& group, const std::string& name, const std::array<const char*, 3>& what, const HashesOn& hashes_on) {
+    const std::array<std::uint64_t, 3> hashes = hashes_on(1);
+    CHECK(hashes == hashes_on(3));
+    for (std::size_t i = 0; i < 3; ++i) {
+        group.output(name + ", " + what[i], hashes[i]);
+    }
+}
+
 }  // namespace
 
 void add_audit(Group& group, const std::string& name, const MeshView& mesh, const Options& options) {
     const SliceResult result = sliced(mesh, options);
-    std::array<std::array<std::uint64_t, 3>, 2> hashes{};
-    for (const int threads : {1, 3}) {
-        hashes[threads == 1 ? 0 : 1] = {hash_of_ledger(answer(make_ledger(mesh, result, {.threads = threads}))),
-                                        hash_of_volume(answer(certify_volume(mesh, result, {.threads = threads}))),
-                                        hash_of_crossings(answer(find_crossings(result, {.threads = threads})))};
-    }
-    CHECK(hashes[0] == hashes[1]);
-    group.output(name + ", ledger", hashes[0][0]);
-    group.output(name + ", volume", hashes[0][1]);
-    group.output(name + ", crossings", hashes[0][2]);
+    add_three(group, name, {"ledger", "volume", "crossings"}, [&](int threads) {
+        const lamella::Audit found = answer(audit(result, mesh, {}, {.threads = threads}));
+        return std::array{hash_of_ledger(*found.ledger), hash_of_volume(*found.volume), hash_of_crossings(*found.crossings)};
+    });
 }
 
 void add_written(Group& group, const std::string& name, const MeshView& mesh, const Options& options) {
     const SliceResult result = sliced(mesh, options);
-    const lamella::Ledger found = answer(make_ledger(mesh, result));
-    const lamella::VolumeCertificate volume = answer(certify_volume(mesh, result));
-    const lamella::Crossings crossings = answer(find_crossings(result));
-    const lamella::WeldedMesh welded = answer(weld(mesh, {.tolerance_mm = 0.03125}));
+    const lamella::Audit found = answer(audit(result, mesh));
+    const lamella::WeldedMesh welded = answer(weld(mesh, 0.03125));
     const std::vector<std::string> warnings = {"one \"warning\""};
     using lamella::ReportPlace;
     const std::vector<lamella::ReportMember> members = {
         {ReportPlace::after_mesh, "output", std::string_view("layers.svg")},
         {ReportPlace::after_times, "peak_rss_bytes", std::uint64_t{0}},
         {ReportPlace::at_end, "warnings", std::span<const std::string>(warnings)}};
-    lamella::ReportParts parts{.mesh_name = "mesh.stl", .ledger = &found, .volume = &volume, .crossings = &crossings};
-    parts.members = members;
+    lamella::ReportParts parts{.mesh_name = "mesh.stl", .audit = &found, .members = members};
     const std::string report = answer(make_report_json(result, parts));
     CHECK(without_times(report).size() < report.size());
     group.output(name + ", report", hash_of(without_times(report)));
@@ -141,26 +142,16 @@ void add_written(Group& group, const std::string& name, const MeshView& mesh, co
 }
 
 void add_check(Group& group, const std::string& name, const MeshView& mesh) {
-    std::array<std::array<std::uint64_t, 3>, 2> hashes{};
-    for (const int threads : {1, 3}) {
-        lamella::InspectOptions inspecting;
-        inspecting.control.threads = threads;
-        lamella::CheckOptions checking;
-        checking.control.threads = threads;
-        checking.tolerance_mm = 0.0625;
-        checking.most_places = 40;
-        const lamella::MeshCheck found = answer(check(mesh, checking));
+    add_three(group, name, {"inspected", "check", "marks"}, [&](int threads) {
+        const lamella::Context context{.threads = threads};
+        const lamella::MeshCheck found = answer(check(mesh, {.tolerance_mm = 0.0625, .most_places = 40}, context));
         const lamella::ReportMember no_warnings{.key = "warnings", .value = std::span<const std::string>()};
         const lamella::ReportParts parts{.mesh_name = "mesh.stl", .members = {&no_warnings, 1}};
         const TempFolder folder;
-        hashes[threads == 1 ? 0 : 1] = {
-            hash_of_info(answer(inspect(mesh, inspecting))), hash_of(answer(make_check_json(found, parts, 30))),
-            hash_of(bytes_written(folder, write_marks(found, folder / "marks.ply"), "marks.ply"))};
-    }
-    CHECK(hashes[0] == hashes[1]);
-    group.output(name + ", inspected", hashes[0][0]);
-    group.output(name + ", check", hashes[0][1]);
-    group.output(name + ", marks", hashes[0][2]);
+        return std::array{hash_of_counts(answer(check(mesh, {.counts_only = true}, context))),
+                          hash_of(answer(make_check_json(found, parts, 30))),
+                          hash_of(bytes_written(folder, write_marks(found, folder / "marks.ply"), "marks.ply"))};
+    });
 }
 
 lamella::Segment segment(std::uint64_t from_key, std::uint64_t to_key, std::array<std::int32_t, 2> from,
@@ -169,7 +160,7 @@ lamella::Segment segment(std::uint64_t from_key, std::uint64_t to_key, std::arra
 }
 
 void add_assembled(Group& group, const std::string& name, const Segments& segments) {
-    const lamella::LayerContours layer = answer(assemble(segments));
+    const SliceResult layer = answer(assemble(segments));
     Hash hash;
     add_contours(hash, layer.contours.span(), layer.points.span());
     group.output(name, hash.value());
@@ -179,11 +170,8 @@ void add_read(Group& group, const std::string& name, const std::filesystem::path
     std::vector<std::uint64_t> hashes;
     for (const bool map : {false, true}) {
         for (const int threads : {1, 3}) {
-            lamella::ReadOptions options;
-            options.control.threads = threads;
-            options.map_file = map;
-            options.mm_per_unit = 0.5;
-            hashes.push_back(hash_of_file(answer(read_mesh(path, options))));
+            hashes.push_back(
+                hash_of_file(answer(lamella::read_mesh(path, {.map_file = map, .mm_per_unit = 0.5}, {.threads = threads}))));
         }
     }
     INFO(name);

@@ -1,6 +1,7 @@
 #include "golden/calls.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 namespace golden {
@@ -21,45 +22,47 @@ std::uint64_t hash_of_shapes(const SliceResult& result) {
         hash.integer(layer.plane.z()).word(layer.first_contour).word(layer.contour_count);
     }
     add_contours(hash, result.contours.span(), result.points.span());
-    return hash.word(hash_result(result)).value();
+    return hash.word(result.hash()).value();
 }
 
-void add_summary(Hash& hash, const lamella::SliceSummary& summary) {
-    for (const std::uint64_t count :
-         {summary.triangles, summary.degenerate, summary.crossed, summary.segments, summary.holes, summary.open_contours,
-          summary.flat_contours, summary.overruled_contours}) {
-        hash.word(count);
-    }
-    hash.reals(summary.min_mm).reals(summary.max_mm);
-}
-
-/// What closed contours enclose, also where the area is not known.
-double closed_area(const SliceResult& result, const lamella::Layer& layer) {
+/// The area that closed contours enclose, also where that of the layer is not known.
+double closed_area(const lamella::LayerView& layer) {
     double twice_area = 0;
-    for (const lamella::Contour& contour : result.contours_of(layer)) {
+    for (const lamella::Contour& contour : layer.contours) {
         twice_area += contour.twice_area.to_double();
     }
-    return twice_area / 2 * result.unit_mm * result.unit_mm;
+    return twice_area / 2 * layer.grid_mm * layer.grid_mm;
+}
+
+double length_mm(const lamella::Stitch& stitch, double grid_mm) {
+    const double dx = static_cast<double>(stitch.to.x) - stitch.from.x;
+    const double dy = static_cast<double>(stitch.to.y) - stitch.from.y;
+    return std::sqrt(dx * dx + dy * dy) * grid_mm;
 }
 
 std::uint64_t hash_of_numbers(const SliceResult& result) {
     Hash hash;
-    for (const lamella::Layer& layer : result.layers) {
+    const lamella::SliceInfo& info = result.info;
+    for (const lamella::LayerView layer : result) {
         hash.real(layer.bottom_mm).real(layer.plane_mm).real(layer.top_mm).word(layer.segments);
-        hash.real(closed_area(result, layer));
+        hash.real(closed_area(layer));
     }
-    for (const lamella::ClosedGap& gap : result.closed_gaps) {
-        add_point(add_point(hash.word(gap.layer), gap.from), gap.to).real(result.length_mm(gap));
+    for (const lamella::Stitch& stitch : result.stitches) {
+        add_point(add_point(hash.word(stitch.layer), stitch.from), stitch.to).real(length_mm(stitch, info.grid_mm));
     }
-    hash.text(name_of(result.region.fill_rule)).real(result.close_gaps_mm).real(result.unit_mm).reals(result.frame.m);
-    add_summary(hash, result.summary);
-    return hash.value();
+    hash.text(name_of(info.options.region.fill_rule)).real(info.options.stitch_mm).real(info.grid_mm);
+    hash.reals(info.options.frame.transform.m);
+    for (const std::uint64_t count : {info.triangles, info.degenerate, info.crossed, info.segments, info.holes,
+                                      info.open_contours, info.flat_contours, info.overruled_contours}) {
+        hash.word(count);
+    }
+    return hash.reals(info.box.min_mm).reals(info.box.max_mm).value();
 }
 
 /// One way to come to the same result.
 struct Way {
     int threads;
-    int band_planes;
+    std::int64_t band_planes;
     ContourForm form;
 };
 constexpr Way one_thread = {1, 0, ContourForm::swept};
@@ -69,11 +72,10 @@ constexpr Way other_ways[] = {{1, 1, ContourForm::swept},
                               {1, 0, ContourForm::assembled},
                               {3, 1, ContourForm::assembled}};
 
-Options by(const Way& way, Options options) {
-    options.control.threads = way.threads;
+SliceResult sliced_by(const Way& way, const MeshView& mesh, Options options) {
     options.tuning.band_planes = way.band_planes;
     options.tuning.form = way.form;
-    return options;
+    return sliced(mesh, options, {.threads = way.threads});
 }
 
 void add_result(Group& group, const std::string& name, const SliceResult& result) {
@@ -97,30 +99,31 @@ Hash& add_contours(Hash& hash, std::span<const lamella::Contour> contours, std::
 
 Options uniform(double layer_mm) {
     Options options;
-    options.plan.spacing = lamella::UniformLayers{layer_mm};
+    options.layer_height_mm = layer_mm;
     return options;
 }
 
 Options uniform_from(double first_mm, double layer_mm) {
     Options options;
-    options.plan.spacing = lamella::UniformLayers{layer_mm, first_mm, lamella::Datum::zero};
+    options.layer_height_mm = layer_mm;
+    options.planes = {.first_height_mm = first_mm, .datum = lamella::Datum::zero};
     return options;
 }
 
 Options at_heights(std::vector<double> heights_mm) {
     Options options;
-    options.plan.spacing = lamella::ExplicitPlanes{std::move(heights_mm)};
+    options.heights_mm = std::move(heights_mm);
     return options;
 }
 
 Options random_layers(double min_mm, double max_mm, std::uint64_t seed) {
     Options options;
-    options.plan.spacing = lamella::RandomLayers{min_mm, max_mm, seed};
+    options.tuning.random_heights = lamella::RandomHeights{min_mm, max_mm, seed};
     return options;
 }
 
 Options above(Options options) {
-    options.plan.side = lamella::PlaneSide::above;
+    options.planes.side = lamella::PlaneSide::above;
     return options;
 }
 
@@ -129,23 +132,23 @@ Options filled(Rule rule, Options options) {
     return options;
 }
 
-Options gaps_closed(double reach_mm, Options options) {
-    options.close_gaps_mm = reach_mm;
+Options stitched(double reach_mm, Options options) {
+    options.stitch_mm = reach_mm;
     return options;
 }
 
-Options on_grid(double unit_mm, Options options) {
-    options.unit_mm = unit_mm;
+Options on_grid(double grid_mm, Options options) {
+    options.frame.grid_mm = grid_mm;
     return options;
 }
 
 Options turned(double x, double y, double z, Options options) {
-    options.transform = lamella::Transform::from_normal(x, y, z);
+    options.frame.transform = lamella::Transform::from_normal(x, y, z);
     return options;
 }
 
 Options mapped(Options options) {
-    options.transform.m = {0, 0.5, 0, 3, 0, 0, -0.5, 1.25, 0.5, 0, 0, -40};
+    options.frame.transform.m = {0, 0.5, 0, 3, 0, 0, -0.5, 1.25, 0.5, 0, 0, -40};
     return options;
 }
 
@@ -174,40 +177,42 @@ MeshView HeldMesh::view() const {
         case Form::f32_indexed:
             return MeshView::indexed(std::span<const float>(f32_), indices_);
         default:
-            return MeshView::strided_soup(reinterpret_cast<const std::byte*>(strided_.data()) + 84 + 12, f32_.size() / 9, 50,
-                                          lamella::CoordinateType::f32);
+            return {.vertices = strided_.data() + 84 + 12, .triangle_count = f32_.size() / 9, .vertex_stride = 50};
     }
 }
 
-SliceResult sliced(const MeshView& mesh, const Options& options) {
-    return answer(slice(mesh, options));
+SliceResult sliced(const MeshView& mesh, const Options& options, const lamella::Context& context) {
+    lamella::Slicer slicer;
+    SliceResult result;
+    answer(slice_tuned(slicer, result, mesh, options, options.tuning, context));
+    return result;
 }
 
 std::uint64_t add_slices(Group& group, const std::string& name, const MeshView& mesh, const Options& options) {
-    const SliceResult first = sliced(mesh, by(one_thread, options));
+    const SliceResult first = sliced_by(one_thread, mesh, options);
     add_result(group, name, first);
-    std::uint64_t bands = first.summary.bands;
+    std::uint64_t bands = first.info.bands;
     for (const Way& way : other_ways) {
         INFO(name << ", threads " << way.threads << ", planes a band " << way.band_planes << ", assembled "
                   << (way.form == ContourForm::assembled));
-        const SliceResult result = sliced(mesh, by(way, options));
+        const SliceResult result = sliced_by(way, mesh, options);
         CHECK(hash_of_shapes(result) == hash_of_shapes(first));
         CHECK(hash_of_numbers(result) == hash_of_numbers(first));
         if (way.band_planes == 0) {
-            bands = std::max(bands, result.summary.bands);
+            bands = std::max(bands, result.info.bands);
         }
     }
     return bands;
 }
 
 void add_weld(Group& group, const std::string& name, const MeshView& mesh, double tolerance_mm) {
-    const lamella::WeldedMesh welded = answer(weld(mesh, {.tolerance_mm = tolerance_mm}));
+    const lamella::WeldedMesh welded = answer(weld(mesh, tolerance_mm));
     Hash hash;
     hash.text({reinterpret_cast<const char*>(welded.coordinates.data()), welded.coordinates.size()});
     for (const std::uint32_t index : welded.indices) {
         hash.word(index);
     }
-    hash.integer(static_cast<int>(welded.coordinate_type))
+    hash.integer(static_cast<int>(welded.vertex_type))
         .word(welded.vertex_count)
         .word(welded.joined)
         .real(welded.largest_move_mm);

@@ -14,13 +14,16 @@
 
 #include "golden/golden_file.hpp"
 #include "golden/inputs.hpp"
-#include "lamella/assemble.hpp"
 #include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
+#include "slicing/tuning.hpp"
 
 namespace golden {
 
-using Options = lamella::SliceOptions;
+/// Random heights are for experiments: they have no place among the options of a slice.
+struct Options : lamella::SliceOptions {
+    lamella::Tuning tuning{};
+};
 using Rule = lamella::FillRule;
 using Segments = std::vector<lamella::Segment>;
 
@@ -33,8 +36,8 @@ Options random_layers(double min_mm, double max_mm, std::uint64_t seed);
 // The same options, but for one thing.
 Options above(Options options);
 Options filled(Rule rule, Options options);
-Options gaps_closed(double reach_mm, Options options);
-Options on_grid(double unit_mm, Options options);
+Options stitched(double reach_mm, Options options);
+Options on_grid(double grid_mm, Options options);
 Options turned(double x, double y, double z, Options options);
 /// Axes exchanged, mirrored, halved and moved: all exact.
 Options mapped(Options options);
@@ -67,9 +70,9 @@ T answer(lamella::Result<T> result) {
 /// Every field of contours, and points.
 Hash& add_contours(Hash& hash, std::span<const lamella::Contour> contours, std::span<const lamella::Point> points);
 
-lamella::SliceResult sliced(const lamella::MeshView& mesh, const Options& options);
+lamella::SliceResult sliced(const lamella::MeshView& mesh, const Options& options, const lamella::Context& context = {});
 
-/// Adds "NAME" (planes, contours and points) and "NAME, numbers" (heights, areas, closed gaps, counts, box), which must be
+/// Adds "NAME" (planes, contours and points) and "NAME, numbers" (heights, areas, stitches, counts, box), which must be
 /// the same on 1 and more threads, in bands of 1, 3 and the default number of planes, and in both forms of construction.
 /// Returns the most bands that there were by default.
 std::uint64_t add_slices(Group& group, const std::string& name, const lamella::MeshView& mesh, const Options& options);

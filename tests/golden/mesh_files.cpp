@@ -1,14 +1,9 @@
 #include "golden/mesh_files.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <string_view>
 #include <vector>
-
-#include <zlib.h>
 
 #include "golden/inputs.hpp"
 #include "input/zip.hpp"
@@ -60,13 +55,6 @@ std::string little(Number number) {
     return bytes;
 }
 
-template <class Number>
-std::string big(Number number) {
-    std::string bytes = little(number);
-    std::reverse(bytes.begin(), bytes.end());
-    return bytes;
-}
-
 /// One line a face: the number of its corners, and their indices.
 std::string counted_faces(const Polygons& mesh) {
     std::string text;
@@ -92,99 +80,6 @@ std::string ply_header(const Polygons& mesh, const std::string& encoding, const 
     return "ply\nformat " + encoding + " 1.0\ncomment unit mm\nelement vertex " + std::to_string(mesh.points()) +
            "\nproperty " + number + " x\nproperty " + number + " y\nproperty " + number + " z\nelement face " +
            std::to_string(mesh.faces.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
-}
-
-template <class Store>
-std::string binary_ply(const Polygons& mesh, const std::string& encoding, const std::string& number, Store store) {
-    std::string bytes = ply_header(mesh, encoding, number);
-    for (const double coordinate : mesh.xyz) {
-        bytes += number == "float" ? store(static_cast<float>(coordinate)) : store(coordinate);
-    }
-    for (const auto& face : mesh.faces) {
-        bytes += static_cast<char>(face.size());
-        for (const std::uint32_t index : face) {
-            bytes += store(index);
-        }
-    }
-    return bytes;
-}
-
-std::string vtk_header(const Polygons& mesh, const std::string& version, const std::string& encoding,
-                       const std::string& number) {
-    return "# vtk DataFile Version " + version + "\nbody\n" + encoding + "\nDATASET POLYDATA\nPOINTS " +
-           std::to_string(mesh.points()) + " " + number + "\n";
-}
-
-std::string binary_vtk(const Polygons& mesh) {
-    std::string bytes = vtk_header(mesh, "5.1", "BINARY", "double");
-    for (const double coordinate : mesh.xyz) {
-        bytes += big(coordinate);
-    }
-    bytes += "\nPOLYGONS " + std::to_string(mesh.faces.size() + 1) + " " + std::to_string(mesh.corners()) +
-             "\nOFFSETS vtktypeint64\n";
-    std::string indices;
-    std::int64_t offset = 0;
-    bytes += big(offset);
-    for (const auto& face : mesh.faces) {
-        bytes += big(offset += static_cast<std::int64_t>(face.size()));
-        for (const std::uint32_t index : face) {
-            indices += big(std::int64_t{index});
-        }
-    }
-    return bytes + "\nCONNECTIVITY vtktypeint64\n" + indices + "\n";
-}
-
-/// What a VTP file says of an array, and what it holds there.
-struct DataArray {
-    std::string attributes;
-    std::string content;
-};
-/// Points, corners, and where each face ends.
-using Arrays = std::array<DataArray, 3>;
-
-std::string vtp(const Polygons& mesh, const Arrays& arrays, const std::string& appended) {
-    const auto element = [&](const std::string& attributes, std::size_t i) {
-        return "<DataArray " + attributes + " " + arrays[i].attributes + ">" + arrays[i].content + "</DataArray>\n";
-    };
-    return "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
-           "header_type=\"UInt64\">\n<PolyData>\n<Piece NumberOfPoints=\"" +
-           std::to_string(mesh.points()) +
-           "\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"" +
-           std::to_string(mesh.faces.size()) + "\">\n<Points>\n" + element("type=\"Float32\" NumberOfComponents=\"3\"", 0) +
-           "</Points>\n<Polys>\n" + element("type=\"Int64\" Name=\"connectivity\"", 1) +
-           element("type=\"Int64\" Name=\"offsets\"", 2) + "</Polys>\n</Piece>\n</PolyData>\n" + appended + "</VTKFile>\n";
-}
-
-/// Raw bytes behind the document.
-std::string appended_vtp(const Polygons& mesh) {
-    std::array<std::string, 3> blocks;
-    for (const double coordinate : mesh.xyz) {
-        blocks[0] += little(static_cast<float>(coordinate));
-    }
-    std::int64_t end = 0;
-    for (const auto& face : mesh.faces) {
-        for (const std::uint32_t index : face) {
-            blocks[1] += little(std::int64_t{index});
-        }
-        blocks[2] += little(end += static_cast<std::int64_t>(face.size()));
-    }
-    std::string appended = "<AppendedData encoding=\"raw\">\n_";
-    Arrays arrays;
-    std::size_t offset = 0;
-    for (std::size_t i = 0; i < 3; ++i) {
-        arrays[i].attributes = "format=\"appended\" offset=\"" + std::to_string(offset) + "\"";
-        appended += little(std::uint64_t{blocks[i].size()}) + blocks[i];
-        offset += 8 + blocks[i].size();
-    }
-    return vtp(mesh, arrays, appended + "\n</AppendedData>\n");
-}
-
-/// One stored block, for the same reason as in 3MF.
-std::string gzip(const std::string& bytes) {
-    const auto size = static_cast<std::uint16_t>(bytes.size());
-    const auto crc = crc32(0, reinterpret_cast<const Bytef*>(bytes.data()), size);
-    return std::string("\x1F\x8B\x08\0\0\0\0\0\0\xFF\x01", 11) + little(size) + little(static_cast<std::uint16_t>(~size)) +
-           bytes + little(static_cast<std::uint32_t>(crc)) + little(std::uint32_t{size});
 }
 
 }  // namespace
@@ -237,26 +132,47 @@ std::string text_ply(const Polygons& mesh) {
 }
 
 std::string little_ply(const Polygons& mesh) {
-    return binary_ply(mesh, "binary_little_endian", "float", [](auto n) { return little(n); });
+    std::string bytes = ply_header(mesh, "binary_little_endian", "float");
+    for (const double coordinate : mesh.xyz) {
+        bytes += little(static_cast<float>(coordinate));
+    }
+    for (const auto& face : mesh.faces) {
+        bytes += static_cast<char>(face.size());
+        for (const std::uint32_t index : face) {
+            bytes += little(index);
+        }
+    }
+    return bytes;
 }
 
 std::string text_vtk(const Polygons& mesh) {
-    return vtk_header(mesh, "3.0", "ASCII", "float") + points_text(mesh) + "POLYGONS " + std::to_string(mesh.faces.size()) +
-           " " + std::to_string(mesh.faces.size() + mesh.corners()) + "\n" + counted_faces(mesh);
+    return "# vtk DataFile Version 3.0\nbody\nASCII\nDATASET POLYDATA\nPOINTS " + std::to_string(mesh.points()) +
+           " float\n" + points_text(mesh) + "POLYGONS " + std::to_string(mesh.faces.size()) + " " +
+           std::to_string(mesh.faces.size() + mesh.corners()) + "\n" + counted_faces(mesh);
 }
 
 std::string text_vtp(const Polygons& mesh) {
-    const std::string ascii = "format=\"ascii\"";
-    Arrays arrays{DataArray{ascii, points_text(mesh)}, DataArray{ascii, {}}, DataArray{ascii, {}}};
+    std::string corners;
+    std::string offsets;
     std::size_t end = 0;
     for (const auto& face : mesh.faces) {
         for (const std::uint32_t index : face) {
-            arrays[1].content += std::to_string(index) + " ";
+            corners += std::to_string(index) + " ";
         }
-        arrays[1].content += "\n";
-        arrays[2].content += std::to_string(end += face.size()) + "\n";
+        corners += "\n";
+        offsets += std::to_string(end += face.size()) + "\n";
     }
-    return vtp(mesh, arrays, "");
+    const auto array = [](const std::string& attributes, const std::string& content) {
+        return "<DataArray " + attributes + " format=\"ascii\">" + content + "</DataArray>\n";
+    };
+    return "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
+           "header_type=\"UInt64\">\n<PolyData>\n<Piece NumberOfPoints=\"" +
+           std::to_string(mesh.points()) +
+           "\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"" +
+           std::to_string(mesh.faces.size()) + "\">\n<Points>\n" +
+           array("type=\"Float32\" NumberOfComponents=\"3\"", points_text(mesh)) + "</Points>\n<Polys>\n" +
+           array("type=\"Int64\" Name=\"connectivity\"", corners) + array("type=\"Int64\" Name=\"offsets\"", offsets) +
+           "</Polys>\n</Piece>\n</PolyData>\n</VTKFile>\n";
 }
 
 std::string three_mf(const shapes::Indexed& body, const std::string& items) {
@@ -286,16 +202,12 @@ std::map<std::string, std::string> mesh_files() {
     const Polygons polygons = all_kinds();
     return {{"binary.stl", binary_stl(body)},
             {"text.stl", text_stl(body)},
-            {"compressed.stl.gz", gzip(binary_stl(mesh("nested boxes")))},
             {"polygons.obj", obj(polygons)},
             {"polygons.off", off(polygons)},
             {"text.ply", text_ply(polygons)},
             {"little.ply", little_ply(polygons)},
-            {"big.ply", binary_ply(polygons, "binary_big_endian", "double", [](auto n) { return big(n); })},
             {"text.vtk", text_vtk(polygons)},
-            {"binary.vtk", binary_vtk(polygons)},
             {"text.vtp", text_vtp(polygons)},
-            {"appended.vtp", appended_vtp(polygons)},
             {"bodies.3mf", three_mf(shapes::indexed(body), item(1) + item(1, mirrored))}};
 }
 

@@ -1,5 +1,5 @@
 // The files that the readers' golden cases read: one mesh of triangles, quads and larger polygons, written in every format
-// with integer arithmetic alone. Large enough to be parsed by several tasks.
+// with integer arithmetic alone. Large enough to be parsed by several tasks. Binary forms of text formats: tests/input.
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,7 @@
 #include "golden/shape_cases.hpp"
 
 #include "engine/slicing.hpp"
+#include "slicing/tuning.hpp"
 
 using lamella::models::Shape;
 
@@ -21,13 +22,14 @@ std::map<std::string, shapes::Soup> meshes() {
             {"prism", generated(Shape::prism, 2'000)}};
 }
 
-std::map<std::string, lamella::SliceOptions> plans() {
+std::map<std::string, lamella::SliceOptions> plans(const shapes::Soup& mesh) {
     std::map<std::string, lamella::SliceOptions> plans;
     plans["uniform"] = uniform(0.25);
     plans["coarse grid"] = uniform(0.25, 0x1p-8);
-    plans["random"].plan.spacing = lamella::RandomLayers{0.1, 0.4, 1};
-    plans["explicit"].plan.spacing = lamella::ExplicitPlanes{{-8.5, -3, -1, 0, 0.5, 1, 2, 3, 3.0625, 4, 7, 9, 15}};
-    plans["explicit"].plan.side = lamella::PlaneSide::above;
+    const lamella::Tuning random{.random_heights = lamella::RandomHeights{0.1, 0.4, 1}};
+    plans["random"].heights_mm = sliced(mesh, {}, {}, random).info.options.heights_mm;
+    plans["explicit"].heights_mm = {{-8.5, -3, -1, 0, 0.5, 1, 2, 3, 3.0625, 4, 7, 9, 15}};
+    plans["explicit"].planes.side = lamella::PlaneSide::above;
     return plans;
 }
 

@@ -12,7 +12,7 @@ namespace shape_cases {
 /// Closed ones, open ones, crossing ones, and one with faces of all kinds at its edges.
 std::map<std::string, shapes::Soup> meshes();
 
-/// By name: uniform, irregular, and by seed.
-std::map<std::string, lamella::SliceOptions> plans();
+/// By name: uniform, irregular, and at random heights that this mesh gets by a seed.
+std::map<std::string, lamella::SliceOptions> plans(const shapes::Soup& mesh);
 
 }  // namespace shape_cases

@@ -1,4 +1,4 @@
-// What is found out about a mesh or a result, what is written of it, and contours from segments.
+// Judgements of a mesh or a result, files written of it, and contours from segments.
 #include <catch2/catch.hpp>
 
 #include "golden/calls.hpp"
@@ -95,8 +95,7 @@ TEST_CASE("reports and SVG files are those committed", "[golden]") {
     each_mesh(all_kinds, [&](const std::string& name, const auto& mesh) { add_written(group, name, mesh, uniform(1.5)); });
     each_mesh({"torn body", "tetrahedra"}, [&](const std::string& name, const auto& mesh) {
         add_written(group, name + ", explicit", mesh, turned(1, 1, 1, at_heights({-4, 0, 1.5, 3, 10.1})));
-        add_written(group, name + ", random", mesh, above(random_layers(0.5, 1.5, 8)));
-        add_written(group, name + ", gaps closed", mesh, filled(Rule::positive, gaps_closed(1, uniform(1.5))));
+        add_written(group, name + ", gaps closed", mesh, filled(Rule::positive, stitched(1, uniform(1.5))));
         add_written(group, name + ", coarse grid", mesh, on_grid(0x1p-4, uniform_from(0.25, 1.5)));
     });
     group.finish();

@@ -107,11 +107,11 @@ TEST_CASE("closed gaps give the committed slices", "[golden]") {
     for (const std::string mesh : {"torn body", "cracked body", "lattice triangles"}) {
         for (const double reach : {0.03125, 0.5, 2.0}) {
             const std::string name = mesh + ", reach " + std::to_string(static_cast<int>(reach * 32)) + "/32 mm";
-            cases.push_back({name, mesh, gaps_closed(reach, uniform(0.375))});
+            cases.push_back({name, mesh, stitched(reach, uniform(0.375))});
         }
         // On so coarse a grid many ends are equally near.
-        cases.push_back({mesh + ", coarse grid", mesh, gaps_closed(4, on_grid(0x1p-2, uniform(1)))});
-        cases.push_back({mesh + ", then non-zero", mesh, filled(Rule::non_zero, gaps_closed(1, uniform(1.5)))});
+        cases.push_back({mesh + ", coarse grid", mesh, stitched(4, on_grid(0x1p-2, uniform(1)))});
+        cases.push_back({mesh + ", then non-zero", mesh, filled(Rule::non_zero, stitched(1, uniform(1.5)))});
     }
     check_cases("gaps", cases);
 }

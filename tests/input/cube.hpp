@@ -1,10 +1,8 @@
 // One cube, as the readers of text know it: what every form of it must give.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -34,7 +32,7 @@ inline std::string cube_corner_text(std::size_t v) {
 }
 
 /// Of the slices of the cube as STL.
-inline std::uint64_t cube_hash(const TempFolder& dir) {
+inline std::uint64_t cube_hash() {
     std::vector<Facet> facets;
     for (const auto& side : cube_sides) {
         for (const std::size_t i : {1U, 2U}) {

@@ -40,38 +40,18 @@ inline std::vector<Facet> numbered_facets(std::size_t count) {
 /// none. What an integer does not hold wraps round.
 template <class Number, class Use>
 auto as_type(std::string_view type, Number value, const Use& use) {
-    const auto is_one_of = [type](const std::string& names) {
-        return names.find(" " + std::string(type) + " ") != names.npos;
-    };
+    const auto is = [type](const std::string& names) { return names.find(" " + std::string(type) + " ") != names.npos; };
     const auto whole = [value] { return static_cast<std::int64_t>(value); };
-    if (is_one_of(" float float32 Float32 ")) {
-        return use(static_cast<float>(value));
-    }
-    if (is_one_of(" double float64 Float64 ")) {
-        return use(static_cast<double>(value));
-    }
-    if (is_one_of(" uchar uint8 unsigned_char UInt8 ")) {
-        return use(static_cast<std::uint8_t>(whole()));
-    }
-    if (is_one_of(" char int8 Int8 ")) {
-        return use(static_cast<std::int8_t>(whole()));
-    }
-    if (is_one_of(" ushort uint16 unsigned_short UInt16 ")) {
-        return use(static_cast<std::uint16_t>(whole()));
-    }
-    if (is_one_of(" short int16 Int16 ")) {
-        return use(static_cast<std::int16_t>(whole()));
-    }
-    if (is_one_of(" uint uint32 unsigned_int UInt32 ")) {
-        return use(static_cast<std::uint32_t>(whole()));
-    }
-    if (is_one_of(" int int32 Int32 vtktypeint32 ")) {
-        return use(static_cast<std::int32_t>(whole()));
-    }
-    if (is_one_of(" unsigned_long UInt64 ")) {
-        return use(static_cast<std::uint64_t>(value));
-    }
-    return use(whole());
+    return is(" float float32 Float32 ")                 ? use(static_cast<float>(value))
+           : is(" double float64 Float64 ")              ? use(static_cast<double>(value))
+           : is(" uchar uint8 unsigned_char UInt8 ")     ? use(static_cast<std::uint8_t>(whole()))
+           : is(" char int8 Int8 ")                      ? use(static_cast<std::int8_t>(whole()))
+           : is(" ushort uint16 unsigned_short UInt16 ") ? use(static_cast<std::uint16_t>(whole()))
+           : is(" short int16 Int16 ")                   ? use(static_cast<std::int16_t>(whole()))
+           : is(" uint uint32 unsigned_int UInt32 ")     ? use(static_cast<std::uint32_t>(whole()))
+           : is(" int int32 Int32 vtktypeint32 ")        ? use(static_cast<std::int32_t>(whole()))
+           : is(" unsigned_long UInt64 ")                ? use(static_cast<std::uint64_t>(value))
+                                                         : use(whole());
 }
 
 template <class Number>

@@ -55,8 +55,6 @@ public:
     }
 
     std::string file() const { return header_ + "end_header\n" + body_; }
-    /// How many bytes come before the body.
-    std::size_t header_size() const { return file().size() - body_.size(); }
 
 private:
     template <class T>
@@ -111,16 +109,13 @@ inline void write_extra(PlyWriter& out, const PlyVariant& how, std::size_t row) 
     }
 }
 
-inline void declare_vertices(PlyWriter& out, const PlyVariant& how, std::size_t count) {
-    out.header("element vertex " + std::to_string(count));
+inline void add_vertices(PlyWriter& out, const PlyVariant& how, const std::vector<double>& xyz) {
+    out.header("element vertex " + std::to_string(xyz.size() / 3));
     for (const std::size_t axis : how.axes) {
         declare_extra(out, how, "before" + std::to_string(axis));
         out.header("property " + std::string(how.coordinate) + " " + "xyz"[axis]);
     }
     declare_extra(out, how, "after");
-}
-
-inline void write_vertices(PlyWriter& out, const PlyVariant& how, const std::vector<double>& xyz) {
     for (std::size_t v = 0; v < xyz.size() / 3; ++v) {
         for (const std::size_t axis : how.axes) {
             write_extra(out, how, v + axis);
@@ -131,14 +126,11 @@ inline void write_vertices(PlyWriter& out, const PlyVariant& how, const std::vec
     }
 }
 
-inline void declare_faces(PlyWriter& out, const PlyVariant& how, std::size_t count) {
-    out.header("element face " + std::to_string(count));
+inline void add_faces(PlyWriter& out, const PlyVariant& how, const Faces& faces) {
+    out.header("element face " + std::to_string(faces.size()));
     declare_extra(out, how, "before");
     out.header("property list " + std::string(how.count) + " " + std::string(how.index) + " " + how.index_name);
     declare_extra(out, how, "after");
-}
-
-inline void write_faces(PlyWriter& out, const PlyVariant& how, const Faces& faces) {
     for (std::size_t f = 0; f < faces.size(); ++f) {
         write_extra(out, how, f);
         out.list(how.count, how.index, faces[f]);
@@ -147,15 +139,12 @@ inline void write_faces(PlyWriter& out, const PlyVariant& how, const Faces& face
     }
 }
 
-inline void declare_other(PlyWriter& out, const PlyVariant& how, const std::string& name) {
+inline void add_other(PlyWriter& out, const PlyVariant& how, const std::string& name) {
     if (how.extra_elements) {
         out.header("element " + name + " 4").header("property int id").header("property list int uchar names");
-    }
-}
-
-inline void write_other(PlyWriter& out, const PlyVariant& how) {
-    for (std::size_t row = 0; how.extra_elements && row < 4; ++row) {
-        out.number("int", -7).list("int", "uchar", std::vector<double>(row, 65)).end_row();
+        for (std::size_t row = 0; row < 4; ++row) {
+            out.number("int", -7).list("int", "uchar", std::vector<double>(row, 65)).end_row();
+        }
     }
 }
 
@@ -163,22 +152,13 @@ inline void write_other(PlyWriter& out, const PlyVariant& how) {
 
 inline std::string ply(const PlyVariant& how, const std::vector<double>& xyz, const Faces& faces) {
     PlyWriter out(how.encoding);
-    const auto vertices = [&](bool declared) {
-        declared ? detail::declare_vertices(out, how, xyz.size() / 3) : detail::write_vertices(out, how, xyz);
-    };
-    const auto all_faces = [&](bool declared) {
-        declared ? detail::declare_faces(out, how, faces.size()) : detail::write_faces(out, how, faces);
-    };
-    for (const bool declared : {true, false}) {
-        const auto other = [&](const char* name) {
-            declared ? detail::declare_other(out, how, name) : detail::write_other(out, how);
-        };
-        other("camera");
-        how.faces_first ? all_faces(declared) : vertices(declared);
-        other("edge");
-        how.faces_first ? vertices(declared) : all_faces(declared);
-        other("material");
-    }
+    const auto vertices = [&] { detail::add_vertices(out, how, xyz); };
+    const auto all_faces = [&] { detail::add_faces(out, how, faces); };
+    detail::add_other(out, how, "camera");
+    how.faces_first ? all_faces() : vertices();
+    detail::add_other(out, how, "edge");
+    how.faces_first ? vertices() : all_faces();
+    detail::add_other(out, how, "material");
     return out.file();
 }
 

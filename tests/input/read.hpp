@@ -1,6 +1,8 @@
 // Reading with the checks that every answer of the reader must pass.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <optional>
 #include <string>
@@ -15,15 +17,15 @@
 
 namespace lamella::input_test {
 
+/// For the files of all tests of the readers: a file of the same name replaces the one before it.
+inline const TempFolder dir;
+
 /// Calls look(answer) with what reading a file gives: read and mapped, by 1 and 3 threads.
 template <class Look>
 void read_every_way(const std::filesystem::path& path, const Look& look) {
     for (const bool map : {false, true}) {
         for (const int threads : {1, 3}) {
-            ReadOptions options;
-            options.control.threads = threads;
-            options.map_file = map;
-            look(read_mesh(path, options));
+            look(read_mesh(path, {.map_file = map}, {.threads = threads}));
         }
     }
 }
@@ -46,15 +48,14 @@ auto same_every_way(const std::filesystem::path& path, const Look& look) {
 
 /// A file that must be readable.
 inline MeshFile read_one(const std::filesystem::path& path) {
-    Result<MeshFile> mesh = read_mesh(path);
-    INFO((mesh ? "" : mesh.error().message));
-    REQUIRE(mesh.ok());
-    return std::move(mesh).value();
+    return value_of(read_mesh(path));
 }
 
+using Texts = std::vector<std::string>;
+
 /// Warnings after the name of the file with which each begins.
-inline std::vector<std::string> warnings_of(const std::filesystem::path& path) {
-    std::vector<std::string> warnings = same_every_way(path, [](const MeshFile& mesh) { return mesh.warnings; });
+inline Texts warnings_of(const std::filesystem::path& path) {
+    Texts warnings = same_every_way(path, [](const MeshFile& mesh) { return mesh.warnings; });
     for (std::string& warning : warnings) {
         REQUIRE(warning.find(path.string() + ": ") == 0);
         warning.erase(0, path.string().size() + 2);
@@ -64,29 +65,34 @@ inline std::vector<std::string> warnings_of(const std::filesystem::path& path) {
 
 /// The hash of a file's slices.
 inline std::uint64_t hash_of(const std::filesystem::path& path) {
-    return hash_result(sliced(read_one(path).view(), uniform(0.7)));
+    return sliced(read_one(path), uniform(0.7)).hash();
 }
 
-/// Nine coordinates a triangle, of a mesh with indices.
+/// A corner of a triangle, of soup or indices, of floats or doubles; in the file's unit.
+inline std::array<double, 3> corner_of(const MeshView& view, std::size_t triangle, std::size_t corner) {
+    const bool soup = view.indices == nullptr;
+    const std::uint64_t vertex = soup ? triangle : view.vertex_of(triangle, corner);
+    REQUIRE((soup || vertex < view.vertex_count));
+    const std::size_t bytes = 3 * size_of(view.vertex_type);
+    const std::byte* const at = view.vertex_at(vertex) + (soup ? corner * bytes : 0);
+    if (std::array<double, 3> doubles{}; view.vertex_type == Number::f64) {
+        std::memcpy(doubles.data(), at, bytes);
+        return doubles;
+    }
+    std::array<float, 3> floats{};
+    std::memcpy(floats.data(), at, bytes);
+    return {floats[0], floats[1], floats[2]};
+}
+
+/// Nine coordinates a triangle.
 template <class Value = double>
 std::vector<std::array<Value, 9>> triangles_of(const MeshFile& mesh) {
     const MeshView view = mesh.view();
-    REQUIRE(view.indices != nullptr);
     std::vector<std::array<Value, 9>> triangles(view.triangle_count);
     for (std::size_t i = 0; i < 3 * triangles.size(); ++i) {
-        const std::uint64_t vertex = view.vertex_of(i / 3, i % 3);
-        REQUIRE(vertex < view.vertex_count);
-        std::array<double, 3> doubles{};
-        if (view.coordinate_type == CoordinateType::f64) {
-            std::memcpy(doubles.data(), view.vertices + vertex * view.stride, sizeof doubles);
-        } else {
-            std::array<float, 3> floats{};
-            std::memcpy(floats.data(), view.vertices + vertex * view.stride, sizeof floats);
-            std::copy(floats.begin(), floats.end(), doubles.begin());
-        }
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            triangles[i / 3][3 * (i % 3) + axis] = static_cast<Value>(doubles[axis]);
-        }
+        const std::array<double, 3> corner = corner_of(view, i / 3, i % 3);
+        std::transform(corner.begin(), corner.end(), triangles[i / 3].begin() + 3 * (i % 3),
+                       [](double coordinate) { return static_cast<Value>(coordinate); });
     }
     return triangles;
 }
@@ -97,29 +103,12 @@ std::vector<std::array<Value, 9>> read_triangles(const std::filesystem::path& pa
     return same_every_way(path, [](const MeshFile& mesh) { return triangles_of<Value>(mesh); });
 }
 
-inline std::vector<Facet> facets_of(const MeshFile& mesh) {
-    const MeshView view = mesh.view();
-    std::vector<Facet> facets(view.triangle_count);
-    for (std::size_t t = 0; t < facets.size(); ++t) {
-        std::memcpy(facets[t].data(), view.vertices + t * view.stride, sizeof(Facet));
-    }
-    return facets;
-}
-
 /// The facets of a file that must be readable.
 inline std::vector<Facet> read_facets(const std::filesystem::path& path) {
     return same_every_way(path, [&path](const MeshFile& mesh) {
         CHECK(mesh.file_bytes == std::filesystem::file_size(path));
-        return facets_of(mesh);
+        return triangles_of<float>(mesh);
     });
-}
-
-/// One of those four ways: for loops over so many files that each is read once.
-inline Result<MeshFile> read_in_turn(const std::filesystem::path& path, std::size_t turn) {
-    ReadOptions options;
-    options.control.threads = turn % 4 == 3 ? 3 : 1;
-    options.map_file = turn % 2 == 1;
-    return read_mesh(path, options);
 }
 
 /// The error of a file that must be refused: the same read and mapped, one line that names the file.
@@ -140,26 +129,42 @@ inline Error read_error(const std::filesystem::path& path) {
     return first;
 }
 
+/// A file must be refused with an error that says so.
+inline Error refuses(const std::filesystem::path& path, const std::string& says, const std::string& says_too = "") {
+    CAPTURE(says, says_too);
+    const Error error = read_error(path);
+    CHECK_THAT(error.message, Catch::Contains(says) && Catch::Contains(says_too));
+    return error;
+}
+
 /// The message of a file that must be refused because reading it takes more than `limit` bytes.
 inline std::string message_beyond(std::uint64_t limit, const std::filesystem::path& path) {
-    const Result<MeshFile> mesh = read_mesh(path, {.memory_limit_bytes = limit});
-    REQUIRE_FALSE(mesh.ok());
-    CHECK(mesh.error().code == ErrorCode::out_of_memory);
-    return mesh.error().message;
+    const Error error = error_of(read_mesh(path, {.memory_limit_bytes = limit}));
+    CHECK(error.code == ErrorCode::out_of_memory);
+    return error.message;
 }
 
 /// A file of only the first bytes of `whole`, [first, end) of them in turn, must be refused: as malformed, or as empty where
-/// `may_be_empty`.
-inline void refuses_cuts(const TempFolder& dir, const std::string& name, const std::string& whole, std::size_t first,
-                         std::size_t end, bool may_be_empty = false) {
+/// `may_be_empty`. Each is read in one of four ways.
+inline void refuses_cuts(const std::string& name, const std::string& whole, std::size_t first, std::size_t end,
+                         bool may_be_empty = false) {
     for (std::size_t length = first; length < end; ++length) {
         INFO(length);
-        const Result<MeshFile> mesh = read_in_turn(dir.write(name, whole.substr(0, length)), length);
-        REQUIRE_FALSE(mesh.ok());
-        const bool empty = may_be_empty && mesh.error().code == ErrorCode::empty_mesh;
-        CHECK((empty || mesh.error().code == ErrorCode::malformed_mesh));
-        CHECK(mesh.error().byte_offset <= static_cast<std::int64_t>(length));
+        const Error error = error_of(read_mesh(dir.write(name, whole.substr(0, length)), {.map_file = length % 2 == 1},
+                                               {.threads = length % 4 == 3 ? 3 : 1}));
+        CHECK((error.code == ErrorCode::malformed_mesh || (may_be_empty && error.code == ErrorCode::empty_mesh)));
+        CHECK(error.byte_offset <= static_cast<std::int64_t>(length));
     }
+}
+
+/// A polygon of 30,000 random corners of three, whose first is `first`: it crosses itself too often to be cut.
+inline std::string entangled_corners(std::uint32_t first) {
+    std::string text;
+    for (std::uint32_t i = 0, random = 1; i < 30'000; ++i) {
+        random = random * 1'664'525 + 1'013'904'223;
+        text += " " + std::to_string((random >> 16) % 3 + first);
+    }
+    return text;
 }
 
 /// A replacement that makes a good file malformed, and what the error must say of it.
@@ -170,14 +175,12 @@ struct Malformed {
     std::string says_too{};
 };
 
-inline void refuses_each(const TempFolder& dir, const std::string& name, const std::string& good,
-                         const std::vector<Malformed>& cases) {
+inline void refuses_each(const std::string& name, const std::string& good, const std::vector<Malformed>& cases) {
     for (const Malformed& one : cases) {
         CAPTURE(one.what, one.by);
         REQUIRE(good.find(one.what) != std::string::npos);
-        const Error error = read_error(dir.write(name, replaced(good, one.what, one.by)));
-        CHECK(error.code == ErrorCode::malformed_mesh);
-        CHECK_THAT(error.message, Catch::Contains(one.says) && Catch::Contains(one.says_too));
+        const auto path = dir.write(name, replaced(good, one.what, one.by));
+        CHECK(refuses(path, one.says, one.says_too).code == ErrorCode::malformed_mesh);
     }
 }
 
@@ -189,6 +192,55 @@ inline std::string parts_of(const MeshFile& file) {
                 std::to_string(part.triangle_count) + "; ";
     }
     return text;
+}
+
+// --- Corners in mm
+
+/// Three corners in mm.
+using Corners = std::array<std::array<double, 3>, 3>;
+
+inline std::vector<Corners> corners_of(const MeshFile& mesh) {
+    const MeshView view = mesh.view();
+    std::vector<Corners> triangles(view.triangle_count);
+    for (std::size_t i = 0; i < 3 * triangles.size(); ++i) {
+        std::array<double, 3>& corner = triangles[i / 3][i % 3] = corner_of(view, i / 3, i % 3);
+        for (double& coordinate : corner) {
+            coordinate *= mesh.mm_per_unit;
+        }
+    }
+    return triangles;
+}
+
+/// A file that must be readable, and the same read and mapped, by 1 and 3 threads.
+inline MeshFile read_indexed(const std::filesystem::path& path) {
+    same_every_way(path, [](const MeshFile& mesh) {
+        REQUIRE(mesh.view().indices != nullptr);
+        return std::pair(corners_of(mesh), mesh.warnings);
+    });
+    return read_one(path);
+}
+
+/// Six times the volume, signed: positive where triangles are seen counter-clockwise from outside.
+inline double six_volumes(const std::vector<Corners>& triangles) {
+    double sum = 0;
+    for (const auto& [a, b, c] : triangles) {
+        sum += a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+    }
+    return sum;
+}
+
+/// The lowest and the highest corner of the box around the triangles.
+inline std::array<std::array<double, 3>, 2> box_of(const std::vector<Corners>& triangles) {
+    std::array<std::array<double, 3>, 2> box = {triangles.at(0)[0], triangles.at(0)[0]};
+    for (const Corners& corners : triangles) {
+        for (const auto& corner : corners) {
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                box[0][axis] = std::min(box[0][axis], corner[axis]);
+                box[1][axis] = std::max(box[1][axis], corner[axis]);
+            }
+        }
+    }
+    return box;
 }
 
 }  // namespace lamella::input_test

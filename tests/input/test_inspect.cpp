@@ -6,9 +6,9 @@
 
 #include <catch2/catch.hpp>
 
-#include "engine/shapes.hpp"
+#include "engine/slicing.hpp"
+#include "lamella/check.hpp"
 #include "lamella/grid.hpp"
-#include "lamella/mesh/inspect.hpp"
 
 namespace lamella::input_test {
 
@@ -31,197 +31,126 @@ double& at(Soup& soup, std::size_t triangle, std::size_t corner, std::size_t axi
     return soup[9 * triangle + 3 * corner + axis];
 }
 
-MeshView view_of(const Soup& soup) {
-    return MeshView::soup(std::span<const double>(soup));
-}
-
 /// The answer, which must not depend on threads.
-MeshInfo info_of(const MeshView& mesh, double unit_mm = 0) {
-    InspectOptions options;
-    options.unit_mm = unit_mm;
-    options.control.threads = 1;
-    const Result<MeshInfo> one = inspect(mesh, options);
-    INFO((one ? "" : one.error().message));
-    REQUIRE(one.ok());
-    options.control.threads = 3;
-    const MeshInfo three = inspect(mesh, options).value();
-    CHECK(three.volume_mm3 == one.value().volume_mm3);
-    CHECK(three.area_mm2 == one.value().area_mm2);
-    CHECK(three.edges == one.value().edges);
-    CHECK(three.shells == one.value().shells);
-    CHECK(three.boundary_edges == one.value().boundary_edges);
-    return one.value();
-}
-MeshInfo info_of(const Soup& soup, double unit_mm = 0) {
-    return info_of(view_of(soup), unit_mm);
+MeshCheck counted(const MeshView& mesh, double grid_mm = 0) {
+    const CheckOptions options{.frame = {.grid_mm = grid_mm}, .counts_only = true};
+    const MeshCheck one = value_of(check(mesh, options, {.threads = 1}));
+    const MeshCheck three = check(mesh, options, {.threads = 3}).value();
+    CHECK(three.volume_mm3 == one.volume_mm3);
+    CHECK(three.area_mm2 == one.area_mm2);
+    CHECK(three.edges == one.edges);
+    CHECK(three.shell_count == one.shell_count);
+    CHECK(three.boundary_edges == one.boundary_edges);
+    return one;
 }
 
-/// A torus of 2 * rings * rings triangles.
-Soup torus(int rings) {
-    const auto at = [&](int i, int j) {
-        const double u = 2 * M_PI * (i % rings) / rings;
-        const double v = 2 * M_PI * (j % rings) / rings;
-        const double r = 20 + 5 * std::cos(v);
-        return shapes::Xyz{r * std::cos(u), r * std::sin(u), 5 * std::sin(v)};
-    };
-    Soup soup;
-    for (int i = 0; i < rings; ++i) {
-        for (int j = 0; j < rings; ++j) {
-            soup = std::move(soup) + shapes::triangle(at(i, j), at(i + 1, j), at(i + 1, j + 1)) +
-                   shapes::triangle(at(i, j), at(i + 1, j + 1), at(i, j + 1));
-        }
-    }
+MeshCheck counted(const Soup& soup, double grid_mm = 0) {
+    return counted(view_of(soup), grid_mm);
+}
+
+Soup with_flipped_patch() {
+    Soup soup = cube({0, 0, 0}, 2);
+    const Soup patch = shapes::flipped({soup.begin(), soup.begin() + 18});
+    std::copy(patch.begin(), patch.end(), soup.begin());
     return soup;
 }
 
 }  // namespace
 
-TEST_CASE("a cube is closed", "[input]") {
-    const MeshInfo info = info_of(cube({1, 2, 3}, 2));
-    CHECK(info.triangles == 12);
-    CHECK(info.degenerate == 0);
-    CHECK(info.edges == 18);
-    CHECK(info.boundary_edges == 0);
-    CHECK(info.overfull_edges == 0);
-    CHECK(info.mismatched_edges == 0);
-    CHECK(info.shells == 1);
-    CHECK(info.closed);
-    CHECK(info.volume_mm3 == Approx(8));
-    CHECK(info.area_mm2 == Approx(24));
-    CHECK(info.min_mm[2] == 3);
-    CHECK(info.max_mm[0] == 3);
-    CHECK(info.unit_mm == default_unit_mm);
-}
-
 TEST_CASE("an indexed tetrahedron of doubles is inspected exactly", "[input]") {
     const std::vector<double> xyz = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
     const std::vector<std::uint32_t> indices = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
-    const MeshInfo info = info_of(MeshView::indexed(std::span<const double>(xyz), indices));
-    CHECK(info.edges == 6);
-    CHECK(info.closed);
-    CHECK(info.volume_mm3 == Approx(1.0 / 6));
-    CHECK(info.area_mm2 == Approx(1.5 + std::sqrt(3.0) / 2));
+    const MeshCheck counts = counted(MeshView::indexed(std::span<const double>(xyz), indices));
+    CHECK(counts.edges == 6);
+    CHECK(counts.closed);
+    CHECK(counts.box == Box{{0, 0, 0}, {1, 1, 1}});
+    CHECK(counts.volume_mm3 == Approx(1.0 / 6));
+    CHECK(counts.area_mm2 == Approx(1.5 + std::sqrt(3.0) / 2));
 }
 
-TEST_CASE("an inverted cube is closed, with negative volume", "[input]") {
-    const MeshInfo info = info_of(shapes::flipped(cube({0, 0, 0}, 2)));
-    CHECK(info.closed);
-    CHECK(info.volume_mm3 == Approx(-8));
-    CHECK(info.mismatched_edges == 0);
-}
-
-TEST_CASE("a missing triangle leaves three boundary edges", "[input]") {
-    Soup soup = cube({0, 0, 0}, 2);
-    soup.resize(soup.size() - 9);
-    const MeshInfo info = info_of(soup);
-    CHECK(info.boundary_edges == 3);
-    CHECK(info.edges == 18);
-    CHECK_FALSE(info.closed);
-}
-
-TEST_CASE("two cubes that share an edge have one overfull edge and are closed", "[input]") {
-    const MeshInfo info = info_of(cube({0, 0, 0}, 2) + cube({2, 2, 0}, 2));
-    CHECK(info.overfull_edges == 1);
-    CHECK(info.boundary_edges == 0);
-    CHECK(info.mismatched_edges == 0);
-    CHECK(info.edges == 35);
-    CHECK(info.shells == 1);
-    CHECK(info.closed);
-}
-
-TEST_CASE("a duplicate face makes overfull edges and opens the mesh", "[input]") {
-    const Soup soup = cube({0, 0, 0}, 2);
-    const MeshInfo info = info_of(soup + Soup(soup.begin(), soup.begin() + 9));
-    CHECK(info.overfull_edges == 3);
-    CHECK_FALSE(info.closed);
-}
-
-TEST_CASE("a flipped patch has mismatched edges around it", "[input]") {
-    Soup soup = cube({0, 0, 0}, 2);
-    const Soup patch = shapes::flipped({soup.begin(), soup.begin() + 18});
-    std::copy(patch.begin(), patch.end(), soup.begin());
-    const MeshInfo info = info_of(soup);
-    CHECK(info.mismatched_edges == 4);
-    CHECK(info.boundary_edges == 0);
-    CHECK(info.shells == 1);
-    CHECK_FALSE(info.closed);
-}
-
-TEST_CASE("shells are connected over edges, not over vertices", "[input]") {
-    CHECK(info_of(cube({0, 0, 0}, 2) + cube({5, 0, 0}, 2)).shells == 2);
-    CHECK(info_of(cube({0, 0, 0}, 2) + cube({2, 2, 2}, 2)).shells == 2);
-    CHECK(info_of(cube({0, 0, 0}, 2) + cube({2, 0, 0}, 2)).shells == 1);
+TEST_CASE("edges, shells and volumes of small meshes are counted", "[input]") {
+    const Soup whole = cube({0, 0, 0}, 2);
+    struct Case {
+        const char* name;
+        Soup soup;
+        std::uint64_t edges, boundary, overfull, mismatched, shells;
+        bool closed;
+        double volume_mm3;
+    };
+    const std::vector<Case> cases = {
+        {"a cube", cube({1, 2, 3}, 2), 18, 0, 0, 0, 1, true, 8},
+        {"inverted", shapes::flipped(whole), 18, 0, 0, 0, 1, true, -8},
+        {"without a triangle", shapes::without(whole, 11, 1), 18, 3, 0, 0, 1, false, 0},
+        {"two that share an edge", whole + cube({2, 2, 0}, 2), 35, 0, 1, 0, 1, true, 16},
+        {"two that share a vertex", whole + cube({2, 2, 2}, 2), 36, 0, 0, 0, 2, true, 16},
+        {"two that share a side", whole + cube({2, 0, 0}, 2), 32, 0, 4, 0, 1, true, 16},
+        {"two apart", whole + cube({5, 0, 0}, 2), 36, 0, 0, 0, 2, true, 16},
+        {"with a face twice", whole + shapes::only(whole, 0, 1), 18, 0, 3, 0, 1, false, 0},
+        {"with a flipped patch", with_flipped_patch(), 18, 0, 0, 4, 1, false, 0},
+    };
+    for (const Case& one : cases) {
+        INFO(one.name);
+        const MeshCheck counts = counted(one.soup);
+        CHECK(counts.edges == one.edges);
+        CHECK(counts.boundary_edges == one.boundary);
+        CHECK(counts.overfull_edges == one.overfull);
+        CHECK(counts.mismatched_edges == one.mismatched);
+        CHECK(counts.shell_count == one.shells);
+        CHECK(counts.closed == one.closed);
+        CHECK((!one.closed || counts.volume_mm3 == Approx(one.volume_mm3)));
+    }
 }
 
 TEST_CASE("vertices are compared on the grid and degenerate triangles left out", "[input]") {
     Soup soup = cube({0, 0, 0}, 2) + shapes::triangle({0, 0, 0}, {0, 0, 1e-8}, {2, 0, 0});
     at(soup, 3, 1, 0) += 3e-7;  // a third of the step between vertices of the default grid
-    const MeshInfo info = info_of(soup);
-    CHECK(info.degenerate == 1);
-    CHECK(info.triangles == 13);
-    CHECK(info.edges == 18);
-    CHECK(info.closed);
+    const MeshCheck counts = counted(soup);
+    CHECK(counts.degenerate == 1);
+    CHECK(counts.triangles == 13);
+    CHECK(counts.edges == 18);
+    CHECK(counts.closed);
 }
 
-TEST_CASE("many partitions and chunks give the counts of a torus", "[input]") {
-    const int rings = GENERATE(150, 300);
-    const MeshInfo info = info_of(torus(rings));
-    const auto quads = static_cast<std::uint64_t>(rings) * static_cast<std::uint64_t>(rings);
-    CHECK(info.triangles == 2 * quads);
-    CHECK(info.edges == 3 * quads);
-    CHECK(info.shells == 1);
-    CHECK(info.closed);
-    CHECK(info.volume_mm3 == Approx(2 * M_PI * M_PI * 20 * 25).epsilon(1e-2));
-}
-
-TEST_CASE("counts do not depend on the order of triangles and vertices", "[input]") {
-    Soup soup = torus(60) + cube({0, 0, 0}, 2) + cube({2, 2, 0}, 2);
-    soup.erase(soup.begin() + 9 * 17, soup.begin() + 9 * 18);
-    const MeshInfo before = info_of(soup);
-    const MeshInfo after = info_of(shapes::shuffled(soup, 3));
-    CHECK(after.edges == before.edges);
-    CHECK(after.boundary_edges == 3);
-    CHECK(before.boundary_edges == 3);
-    CHECK(after.overfull_edges == 1);
-    CHECK(after.shells == 2);
-    CHECK(before.shells == 2);
+TEST_CASE("many partitions and chunks give the counts of a sphere", "[input]") {
+    const MeshCheck counts = counted(shapes::octasphere({1, 2, 3}, 10, GENERATE(5, 7)));
+    CHECK(counts.triangles >= 8192);
+    CHECK(2 * counts.edges == 3 * counts.triangles);
+    CHECK(counts.shell_count == 1);
+    CHECK(counts.closed);
+    CHECK(counts.volume_mm3 == Approx(4000 * M_PI / 3).epsilon(1e-2));
 }
 
 TEST_CASE("beyond 1,024 mm the unit doubles", "[input]") {
-    CHECK(info_of(cube({0, 0, 0}, 1024)).unit_mm == default_unit_mm);
-    CHECK(info_of(cube({0, 0, 0}, 1025)).unit_mm == 2 * default_unit_mm);
-    CHECK(info_of(cube({-1e9, 0, 0}, 1e6)).unit_mm == 1.0);
-    CHECK(info_of(cube({0, 0, 0}, 2), 0.25).unit_mm == 0.25);
+    CHECK(counted(cube({0, 0, 0}, 1024)).grid_mm == default_grid_mm);
+    CHECK(counted(cube({0, 0, 0}, 1025)).grid_mm == 2 * default_grid_mm);
+    CHECK(counted(cube({-1e9, 0, 0}, 1e6)).grid_mm == 1.0);
+    CHECK(counted(cube({0, 0, 0}, 2), 0.25).grid_mm == 0.25);
 }
 
 TEST_CASE("unusable input is refused with the triangle", "[input]") {
-    CHECK(inspect(MeshView{}).error().code == ErrorCode::empty_mesh);
+    CHECK(check(MeshView{}, {.counts_only = true}).error().code == ErrorCode::empty_mesh);
 
     const double value = GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
                                   -std::numeric_limits<double>::infinity(), 3e38, -1.1e9);
-    Soup soup = torus(120);
+    Soup soup = shapes::octasphere({0, 0, 0}, 10, 6);
     at(soup, 20'000, 2, 1) = value;
     at(soup, 25'000, 0, 0) = value;
-    const Result<MeshInfo> info = inspect(view_of(soup));
-    REQUIRE_FALSE(info.ok());
-    CHECK(info.error().code == ErrorCode::bad_coordinate);
-    CHECK(info.error().triangle == 20'000);
-    CHECK_THAT(info.error().message, Catch::Contains("triangle 20000"));
+    const Error error = error_of(check(view_of(soup), {.counts_only = true}));
+    CHECK(error.code == ErrorCode::bad_coordinate);
+    CHECK(error.triangle == 20'000);
+    CHECK_THAT(error.message, Catch::Contains("triangle 20000"));
 }
 
 TEST_CASE("an index beyond the vertices and an unusable unit are refused", "[input]") {
     const std::vector<float> xyz = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     const std::vector<std::uint32_t> indices = {0, 1, 2, 0, 1, 3};
-    const Result<MeshInfo> info = inspect(MeshView::indexed(std::span<const float>(xyz), indices));
-    REQUIRE_FALSE(info.ok());
-    CHECK(info.error().code == ErrorCode::invalid_argument);
-    CHECK(info.error().triangle == 1);
+    const Error error = error_of(check(MeshView::indexed(std::span<const float>(xyz), indices), {.counts_only = true}));
+    CHECK(error.code == ErrorCode::invalid_argument);
+    CHECK(error.triangle == 1);
 
     const Soup soup = cube({0, 0, 0}, 2);
     for (const double unit : {-2.0, std::numeric_limits<double>::quiet_NaN(), 1e-12}) {
-        InspectOptions options;
-        options.unit_mm = unit;
-        CHECK_FALSE(inspect(view_of(soup), options).ok());
+        CHECK_FALSE(check(view_of(soup), {.frame = {.grid_mm = unit}, .counts_only = true}).ok());
     }
 }
 

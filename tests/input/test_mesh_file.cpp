@@ -1,7 +1,5 @@
 // What read_mesh() does for every format: it tells them apart, and unpacks gzip.
-#include <catch2/catch.hpp>
-
-#include "files.hpp"
+#include "golden/mesh_files.hpp"
 #include "read.hpp"
 
 namespace lamella {
@@ -14,7 +12,6 @@ std::string gzipped(const std::string& bytes) {
 }
 
 TEST_CASE("gzip of any form of STL is unpacked", "[input][gzip]") {
-    const TempFolder dir;
     const std::vector<Facet> facets = numbered_facets(3000);
     const bool text = GENERATE(false, true);
     const std::string bytes = text ? ascii_stl(facets) : binary_stl(facets);
@@ -30,19 +27,15 @@ TEST_CASE("gzip of any form of STL is unpacked", "[input][gzip]") {
 }
 
 TEST_CASE("a file with a name given for it is told by its content, and called by that name", "[input][gzip]") {
-    const TempFolder dir;
     const std::string bytes = binary_stl(numbered_facets(10));
     const bool packed = GENERATE(false, true);
     const auto path = dir.write("a.ply", packed ? gzipped(bytes) : bytes);
     CHECK(read_one(path).warnings.size() == (packed ? 2 : 1));
-    const Result<MeshFile> mesh = read_mesh(path, {.name = "standard\ninput"});
-    REQUIRE(mesh.ok());
-    CHECK(mesh->format == MeshFormat::stl);
-    CHECK(mesh->compressed == packed);
-    CHECK(mesh->warnings.empty());
-    const Result<MeshFile> none = read_mesh(dir.write("empty", ""), {.name = "standard\ninput"});
-    REQUIRE_FALSE(none.ok());
-    CHECK(none.error().message == "standard?input: is empty");
+    const MeshFile mesh = value_of(read_mesh(path, {.name = "standard\ninput"}));
+    CHECK(mesh.format == MeshFormat::stl);
+    CHECK(mesh.compressed == packed);
+    CHECK(mesh.warnings.empty());
+    CHECK(error_of(read_mesh(dir.write("empty", ""), {.name = "standard\ninput"})).message == "standard?input: is empty");
 }
 
 TEST_CASE("files are named as meshes by their extension alone", "[input]") {
@@ -58,30 +51,24 @@ TEST_CASE("files are named as meshes by their extension alone", "[input]") {
 }
 
 TEST_CASE("bytes after gzip data give a warning", "[input][gzip]") {
-    const TempFolder dir;
-    const auto path = dir.write("a.stl.gz", gzipped(binary_stl(numbered_facets(10))) + "tail");
-    const MeshFile mesh = read_one(path);
-    REQUIRE(mesh.warnings.size() == 1);
-    CHECK(mesh.warnings[0] == path.string() + ": ignored 4 bytes after the gzip data");
+    CHECK(warnings_of(dir.write("a.stl.gz", gzipped(binary_stl(numbered_facets(10))) + "tail")) ==
+          Texts{"ignored 4 bytes after the gzip data"});
 }
 
 TEST_CASE("gzip data that end too early or are damaged are refused", "[input][gzip]") {
-    const TempFolder dir;
     const std::string packed = gzipped(binary_stl(numbered_facets(40)));
     for (std::size_t length = 2; length < packed.size(); ++length) {
-        const Error error = read_error(dir.write("a.stl.gz", packed.substr(0, length)));
-        CHECK(error.code == ErrorCode::malformed_mesh);
-        CHECK(error.message.find("is truncated: its gzip data end too early") != std::string::npos);
+        const auto path = dir.write("a.stl.gz", packed.substr(0, length));
+        CHECK(refuses(path, "is truncated: its gzip data end too early").code == ErrorCode::malformed_mesh);
     }
     std::string damaged = packed;
     damaged[packed.size() - 6] ^= 1;  // the checksum
-    CHECK(read_error(dir.write("a.stl.gz", damaged)).message.find("is damaged: no valid gzip data") != std::string::npos);
+    refuses(dir.write("a.stl.gz", damaged), "is damaged: no valid gzip data");
     CHECK(read_error(dir.write("a.stl.gz", std::string("\x1F\x8B") + std::string(100, 'x'))).code ==
           ErrorCode::malformed_mesh);
 }
 
 TEST_CASE("gzip data that expand beyond the limit are refused before they are unpacked whole", "[input][gzip]") {
-    const TempFolder dir;
     const auto path = dir.write("a.stl.gz", gzipped(std::string(std::size_t{8} << 20, '\0')));
     ReadOptions options;
     options.memory_limit_bytes = std::uint64_t{6} << 20;
@@ -92,58 +79,46 @@ TEST_CASE("gzip data that expand beyond the limit are refused before they are un
 }
 
 TEST_CASE("unpacked gzip data are recognised by content, and gzip within gzip is refused", "[input][gzip]") {
-    const TempFolder dir;
-    CHECK(read_error(dir.write("a.stl.gz", gzipped(""))).message.find("is empty") != std::string::npos);
-    CHECK(read_error(dir.write("a.stl.gz", gzipped("<xml>"))).message.find("'<xml>'") != std::string::npos);
-    const Error twice = read_error(dir.write("a.stl.gz", gzipped(gzipped(binary_stl(numbered_facets(1))))));
-    CHECK(twice.code == ErrorCode::malformed_mesh);
-    CHECK(twice.message.find("is compressed twice") != std::string::npos);
+    refuses(dir.write("a.stl.gz", gzipped("")), "is empty");
+    refuses(dir.write("a.stl.gz", gzipped("<xml>")), "'<xml>'");
+    const auto twice = dir.write("a.stl.gz", gzipped(gzipped(binary_stl(numbered_facets(1)))));
+    CHECK(refuses(twice, "is compressed twice").code == ErrorCode::malformed_mesh);
 }
 
 TEST_CASE("a .gz name without gzip data, or gzip data without the name, gives a warning", "[input][gzip]") {
-    const TempFolder dir;
     const std::string plain = binary_stl(numbered_facets(3));
     const auto warnings = [&](const std::string& name, const std::string& bytes) {
-        return read_one(dir.write(name, bytes)).warnings;
-    };
-    const auto one = [&](const std::string& name, const std::string& what) {
-        return std::vector<std::string>{(dir / name).string() + ": " + what};
+        return warnings_of(dir.write(name, bytes));
     };
     CHECK(warnings("a.stl", plain).empty());
     CHECK(warnings("a.stl.GZ", gzipped(plain)).empty());
     CHECK(warnings("a.gz", gzipped(plain)).empty());
-    CHECK(warnings("a.stl.gz", plain) == one("a.stl.gz", "is not compressed by gzip, as its name says"));
-    CHECK(warnings("a.stl", gzipped(plain)) == one("a.stl", "is compressed by gzip, which its name does not say"));
-    CHECK(warnings("a", gzipped(plain)) == one("a", "is compressed by gzip, which its name does not say"));
+    CHECK(warnings("a.stl.gz", plain) == Texts{"is not compressed by gzip, as its name says"});
+    CHECK(warnings("a.stl", gzipped(plain)) == Texts{"is compressed by gzip, which its name does not say"});
+    CHECK(warnings("a", gzipped(plain)) == Texts{"is compressed by gzip, which its name does not say"});
     CHECK(warnings("a.obj", gzipped(plain)).size() == 2);
 }
 
-TEST_CASE("words about a unit in a header or comment state none: no format but 3MF has one", "[input][unit]") {
-    const TempFolder dir;
-    const std::string points = "0 0 0\n1 0 0\n0 1 0\n";
-    const auto [name, text] = GENERATE_COPY(table<std::string, std::string>({
-        {"a.stl", "solid units=cm\n" + ascii_stl(numbered_facets(1)).substr(6)},
-        {"b.stl", binary_stl(numbered_facets(1), 1, "UNITS=cm")},
-        {"a.obj", "# File units = centimeters\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"},
-        {"a.off", "OFF # cm\n3 1 0\n" + points + "3 0 1 2\n"},
-        {"a.ply",
-         "ply\nformat ascii 1.0\ncomment units: cm\nelement vertex 3\nproperty float x\nproperty float y\n"
-         "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n" +
-             points + "3 0 1 2\n"},
-        {"a.vtk", "# vtk DataFile Version 3.0\nunits cm\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n" + points +
-                      "POLYGONS 1 4\n3 0 1 2\n"},
-    }));
-    INFO(name);
-    const Result<MeshFile> mesh = read_mesh(dir.write(name, text), {.mm_per_unit = 25.4});
-    INFO((mesh ? "" : mesh.error().message));
-    REQUIRE(mesh.ok());
-    CHECK_FALSE(mesh->states_unit);
-    CHECK(mesh->mm_per_unit == 25.4);
+TEST_CASE("the format of a file is told by its content, and the name of another one gives a warning", "[input]") {
+    for (const auto& [name, bytes] : golden::mesh_files()) {
+        INFO(name);
+        const MeshFile mesh = read_one(dir.write(name, bytes));
+        CHECK(mesh.warnings.empty());
+        const std::string own(name_of(mesh.format));
+        CHECK(upper(name.substr(name.find('.') + 1)) == own);
+        const MeshFile unnamed = read_one(dir.write("a", bytes));
+        CHECK(unnamed.format == mesh.format);
+        CHECK(unnamed.warnings.empty());
+        const bool is_stl = mesh.format == MeshFormat::stl;
+        CHECK(warnings_of(dir.write(is_stl ? "a.ply" : "a.stl", bytes)) ==
+              Texts{"is a file of format " + own + ", not " + (is_stl ? "PLY" : "STL") + " as its name says"});
+    }
 }
 
-TEST_CASE("an STL file may have any name", "[input]") {
-    const TempFolder dir;
+TEST_CASE("an STL file may have any name, and be reached by a link", "[input]") {
     const std::vector<Facet> facets = numbered_facets(20);
+    std::filesystem::create_symlink(dir.write("to.stl", binary_stl(facets)), dir / "link.stl");
+    CHECK(read_facets(dir / "link.stl") == facets);
     for (const char* name : {"a", "a.STL", "a.bin", "a.gz"}) {
         CHECK(read_facets(dir.write(name, binary_stl(facets))) == facets);
         CHECK(read_facets(dir.write(name, ascii_stl(facets))) == facets);
@@ -151,34 +126,25 @@ TEST_CASE("an STL file may have any name", "[input]") {
 }
 
 TEST_CASE("what is no mesh is named for what it is, under any name", "[input]") {
-    const TempFolder dir;
     for (const char* name : {"a.stl", "a.obj", "a.ply", "a.vtk", "a.3mf", "a.txt"}) {
-        const auto message = [&](const std::string& bytes) { return read_error(dir.write(name, bytes)).message; };
-        INFO(name);
-        CHECK(message("<!DOCTYPE html>\r\n<html>\n").find("is an HTML page") != std::string::npos);
-        CHECK(message("\n  <HTML>\nv 1 2 3\n").find("is an HTML page") != std::string::npos);
-        CHECK(message("version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 12\n").find("is a Git LFS pointer") !=
-              std::string::npos);
-        CHECK(message(std::string("\xFF\xFEv\0 \0", 6)).find("is text in UTF-16") != std::string::npos);
+        refuses(dir.write(name, "<!DOCTYPE html>\r\n<html>\n"), "is an HTML page");
+        refuses(dir.write(name, "\n  <HTML>\nv 1 2 3\n"), "is an HTML page");
+        refuses(dir.write(name, "version https://git-lfs.github.com/spec/v1\noid sha256:00\n"), "is a Git LFS pointer");
+        refuses(dir.write(name, std::string("\xFF\xFEv\0 \0", 6)), "is text in UTF-16");
     }
-    CHECK(read_error(dir.write("a.obj", std::string("v 1 2 3\n\0\1\2", 11))).message.find("no OBJ file as text") !=
-          std::string::npos);
+    refuses(dir.write("a.obj", std::string("v 1 2 3\n\0\1\2", 11)), "no OBJ file as text");
 }
 
 TEST_CASE("an OBJ file by name may begin with a comment without its mark", "[input][obj]") {
-    const TempFolder dir;
     const std::string statements = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     const MeshFile mesh = read_one(dir.write("a.obj", "Exported by hand\n\n" + statements));
     CHECK(mesh.triangle_count == 1);
-    CHECK(mesh.warnings ==
-          std::vector<std::string>{(dir / "a.obj").string() +
-                                   ": ignored 1 statement that is not read, the first in line 1: 'Exported'"});
+    CHECK(warnings_of(dir / "a.obj") == Texts{"ignored 1 statement that is not read, the first in line 1: 'Exported'"});
     CHECK_FALSE(read_mesh(dir.write("a.txt", "Exported by hand\n" + statements)).ok());
     CHECK_FALSE(read_mesh(dir.write("b.obj", "vase and flowers\nvery nice\n")).ok());
 }
 
 TEST_CASE("solids of text STL, and objects or groups of OBJ, are parts of a mesh", "[input]") {
-    const TempFolder dir;
     const std::string solid = ascii_stl(numbered_facets(3));
     const std::string rest = solid.substr(solid.find('\n'));
     CHECK(parts_of(read_one(dir.write("a.stl", "solid a  b " + rest + "\nsolid" + rest))) ==
@@ -202,8 +168,8 @@ TEST_CASE("solids of text STL, and objects or groups of OBJ, are parts of a mesh
 
 TEST_CASE("names that repeat or are cut are told apart", "[input]") {
     const std::vector<std::string> names = {"rib", "rib", "rib (2)", "rib", "\xC3\xA4\xC3\xA4\xC3\xA4", "\xC3\xA4\xC3\xA4"};
-    CHECK(distinct_names(names) == std::vector<std::string>{"rib", "rib (2)", "rib (2) (2)", "rib (3)", names[4], names[5]});
-    CHECK(distinct_names(std::vector<std::string>(3, "pelvis"), 5) == std::vector<std::string>{"pelvi", "p (2)", "p (3)"});
+    CHECK(distinct_names(names) == Texts{"rib", "rib (2)", "rib (2) (2)", "rib (3)", names[4], names[5]});
+    CHECK(distinct_names(std::vector<std::string>(3, "pelvis"), 5) == Texts{"pelvi", "p (2)", "p (3)"});
 }
 
 }  // namespace

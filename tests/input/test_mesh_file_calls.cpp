@@ -13,69 +13,49 @@ constexpr double inch_mm = 25.4;
 
 lamella::MeshFile in_inches() {
     const TempFolder folder;
-    lamella::ReadOptions options;
-    options.mm_per_unit = inch_mm;
-    auto file = lamella::read_mesh(folder.write("inches.off", std::string(off)), options);
-    REQUIRE(file.ok());
-    return std::move(file).value();
+    return value_of(lamella::read_mesh(folder.write("inches.off", off), {.mm_per_unit = inch_mm}));
 }
 
 }  // namespace
 
-TEST_CASE("slicing a file in inches gives layers in mm", "[input][unit]") {
+TEST_CASE("slicing a file in inches gives layers in mm, and its transform is in mm", "[input][unit]") {
     const lamella::MeshFile file = in_inches();
-    const auto result = slice(file, uniform(1));
-    REQUIRE(result.ok());
-    CHECK(result->layers.size() == 51);
-    CHECK(result->summary.max_mm[2] == Approx(2 * inch_mm));
-    lamella::Workspace workspace;
-    lamella::SliceResult again;
-    REQUIRE(slice(file, uniform(1), workspace, again).ok());
-    CHECK(hash_result(again) == hash_result(*result));
-}
-
-TEST_CASE("the unit is applied before the transform", "[input][unit]") {
     lamella::SliceOptions options = uniform(1);
-    options.transform.m = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 100};
-    const auto result = slice(in_inches(), options);
-    REQUIRE(result.ok());
-    CHECK(result->summary.min_mm[2] == 100);
-    CHECK(result->summary.max_mm[2] == Approx(100 + 2 * inch_mm));
+    const lamella::SliceResult result = sliced(file, options);
+    CHECK(result.size() == 51);
+    CHECK(result.info.box.max_mm[2] == Approx(2 * inch_mm));
+    options.frame.transform.m = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 100};
+    const lamella::Box box = sliced(file, options).info.box;
+    CHECK(box.min_mm[2] == 100);
+    CHECK(box.max_mm[2] == Approx(100 + 2 * inch_mm));
 }
 
-TEST_CASE("inspecting, checking and welding a file count in mm", "[input][unit]") {
+TEST_CASE("checking and welding a file count in mm", "[input][unit]") {
     const lamella::MeshFile file = in_inches();
     const double side = 2 * inch_mm;
-    const auto info = inspect(file);
-    REQUIRE(info.ok());
-    CHECK(info->volume_mm3 == Approx(side * side * side / 6));
-    const auto found = check(file);
-    REQUIRE(found.ok());
-    CHECK(found->info.max_mm[0] == Approx(side));
-    const auto apart = weld(file, {.tolerance_mm = side - 1});
-    REQUIRE(apart.ok());
-    CHECK(apart->joined == 0);
-    const auto welded = weld(file, {.tolerance_mm = side + 1});
-    REQUIRE(welded.ok());
-    CHECK(welded->joined > 0);
-    CHECK(welded->mm_per_unit == inch_mm);
-    CHECK(welded->tolerance_mm == side + 1);
-    const auto sliced_whole = slice(file, uniform(1));
-    const auto sliced_welded = slice(*apart, uniform(1));
-    REQUIRE((sliced_whole.ok() && sliced_welded.ok()));
-    CHECK(hash_result(*sliced_welded) == hash_result(*sliced_whole));
+    for (const bool counts_only : {false, true}) {
+        const auto found = value_of(check(file.view(), {.counts_only = counts_only}));
+        CHECK(found.volume_mm3 == Approx(side * side * side / 6));
+        CHECK(found.box.max_mm[0] == Approx(side));
+    }
+    const auto apart = value_of(weld(file.view(), side - 1));
+    CHECK(apart.joined == 0);
+    const auto welded = value_of(weld(file.view(), side + 1));
+    CHECK(welded.joined > 0);
+    CHECK(welded.mm_per_unit == inch_mm);
+    CHECK(welded.tolerance_mm == side + 1);
+    CHECK(sliced(apart, uniform(1)).hash() == sliced(file, uniform(1)).hash());
 }
 
 TEST_CASE("points and heights of a result are told in mm", "[input][unit]") {
-    const auto result = slice(in_inches(), uniform(1, 0x1p-10));
-    REQUIRE(result.ok());
-    const lamella::Layer& layer = result->layers[3];
-    CHECK(result->to_mm(layer.plane) == Approx(layer.plane_mm).margin(2 * 0x1p-10));
-    const lamella::Contour& contour = result->contours_of(layer)[0];
-    const lamella::Point point = result->points_of(contour)[1];
-    CHECK(result->to_mm(point).x == point.x * 0x1p-10);
-    CHECK(result->to_mm(point).y == point.y * 0x1p-10);
+    const lamella::SliceResult result = sliced(in_inches(), uniform(1, 0x1p-10));
+    const lamella::LayerView layer = result[3];
+    CHECK(layer.cut_mm() == Approx(layer.plane_mm).margin(2 * 0x1p-10));
+    const lamella::Contour& contour = layer.contours[0];
+    const lamella::Point point = layer.points_of(contour)[1];
+    CHECK(layer.to_mm(point).x == point.x * 0x1p-10);
+    CHECK(layer.to_mm(point).y == point.y * 0x1p-10);
     const double side = 2 * inch_mm - layer.plane_mm;
-    CHECK(result->area_mm2(contour) == Approx(side * side / 2).epsilon(1e-3));
-    CHECK(result->area_mm2(layer) == result->area_mm2(contour));
+    CHECK(layer.area_mm2(contour) == Approx(side * side / 2).epsilon(1e-3));
+    CHECK(layer.area_mm2() == layer.area_mm2(contour));
 }

@@ -57,8 +57,7 @@ std::vector<T> standing(const Outline& outline, std::size_t axis, double tilt) {
 
 template <class T>
 VertexCoordinates coordinates(const std::vector<T>& xyz) {
-    return {reinterpret_cast<const std::byte*>(xyz.data()), 3 * sizeof(T),
-            sizeof(T) == 4 ? CoordinateType::f32 : CoordinateType::f64};
+    return {reinterpret_cast<const std::byte*>(xyz.data()), 3 * sizeof(T), sizeof(T) == 4 ? Number::f32 : Number::f64};
 }
 
 /// Each edge of the outline once, and every other one as often as its reverse.
@@ -127,6 +126,14 @@ Outline ring(std::size_t corners, const std::vector<std::int64_t>& radii) {
     return outline;
 }
 
+Outline joined(const std::vector<Outline>& parts) {
+    Outline whole;
+    for (const Outline& part : parts) {
+        whole.insert(whole.end(), part.begin(), part.end());
+    }
+    return whole;
+}
+
 /// Teeth upwards from a bar.
 Outline comb(std::int64_t teeth, std::int64_t lean) {
     Outline outline{{0, -10}, {4 * teeth, -10}};
@@ -154,19 +161,15 @@ Outline spiral(std::int64_t rounds) {
     return outer;
 }
 
-TEST_CASE("a triangle and a convex quad are the fan of their first corner", "[polygon]") {
+TEST_CASE("a triangle, a convex quad and a convex polygon are the fan of their first corner", "[polygon]") {
     PolygonTriangulator triangulator;
     const Outline square{{0, 0}, {4, 0}, {4, 4}, {0, 4}};
     const auto xyz = standing<float>(square, 2, 0);
     CHECK(triangles_of(triangulator, {2, 3, 1}, coordinates(xyz)) == Triangles{{2, 3, 1}});
     CHECK(triangles_of(triangulator, {0, 1, 2, 3}, coordinates(xyz)) == Triangles{{0, 1, 2}, {0, 2, 3}});
     CHECK(triangles_of(triangulator, {3, 2, 1, 0}, coordinates(xyz)) == Triangles{{3, 2, 1}, {3, 1, 0}});
-}
-
-TEST_CASE("a convex polygon is the fan of its first corner", "[polygon]") {
-    PolygonTriangulator triangulator;
-    const auto xyz = standing<double>(ring(7, {1000}), 2, 0.5);
-    CHECK(triangles_of(triangulator, {3, 4, 5, 6, 0, 1, 2}, coordinates(xyz)) ==
+    const auto seven = standing<double>(ring(7, {1000}), 2, 0.5);
+    CHECK(triangles_of(triangulator, {3, 4, 5, 6, 0, 1, 2}, coordinates(seven)) ==
           Triangles{{3, 4, 5}, {3, 5, 6}, {3, 6, 0}, {3, 0, 1}, {3, 1, 2}});
     check(ring(100, {1'000'000}));
 }
@@ -185,7 +188,6 @@ TEST_CASE("concave polygons are covered exactly", "[polygon]") {
 }
 
 TEST_CASE("corners in the middle of straight edges get no triangle without area", "[polygon]") {
-    check({{0, 0}, {2, 0}, {4, 0}, {4, 4}, {0, 4}});
     check({{0, 0}, {1, 0}, {3, 0}, {4, 0}, {4, 1}, {4, 4}, {2, 4}, {0, 4}, {0, 1}});
     check({{0, 0}, {2, 0}, {4, 0}, {2, 4}});
     check({{0, 0}, {2, 0}, {4, 0}, {2, 2}, {1, 1}});
@@ -195,35 +197,9 @@ TEST_CASE("holes joined to the outline by a bridge stay empty", "[polygon]") {
     check({{0, 0}, {9, 0}, {9, 9}, {0, 9}, {0, 0}, {3, 3}, {3, 6}, {6, 6}, {6, 3}, {3, 3}});
     check({{0, 0}, {9, 0}, {9, 9}, {0, 9}, {0, 0}, {3, 3}, {3, 6}, {6, 3}, {3, 3}});
     // Two holes from one corner, and one from the hole before.
-    check({{0, 0},
-           {40, 0},
-           {40, 40},
-           {0, 40},
-           {0, 0},
-           {5, 10},
-           {5, 20},
-           {9, 20},
-           {5, 10},
-           {0, 0},
-           {10, 5},
-           {20, 9},
-           {20, 5},
-           {10, 5}});
-    check({{0, 0},
-           {40, 0},
-           {40, 40},
-           {0, 40},
-           {0, 0},
-           {5, 5},
-           {5, 9},
-           {9, 9},
-           {20, 20},
-           {20, 25},
-           {25, 20},
-           {20, 20},
-           {9, 9},
-           {9, 5},
-           {5, 5}});
+    const Outline square{{0, 0}, {40, 0}, {40, 40}, {0, 40}, {0, 0}};
+    check(joined({square, {{5, 10}, {5, 20}, {9, 20}, {5, 10}, {0, 0}}, {{10, 5}, {20, 9}, {20, 5}, {10, 5}}}));
+    check(joined({square, {{5, 5}, {5, 9}, {9, 9}}, {{20, 20}, {20, 25}, {25, 20}, {20, 20}}, {{9, 9}, {9, 5}, {5, 5}}}));
 }
 
 int sign(Int128 value) {
@@ -337,13 +313,6 @@ Outline pierced(std::int64_t holes) {
     return outline;
 }
 
-TEST_CASE("two thousand holes with bridges to one corner are covered exactly", "[polygon]") {
-    PolygonTriangulator triangulator;
-    const Outline outline = pierced(2000);
-    const auto xyz = standing<double>(outline, 2, 0);
-    CHECK(covers(triangles_of(triangulator, counted(outline.size()), coordinates(xyz)), outline));
-}
-
 TEST_CASE("polygons of ten thousand corners are covered exactly, hostile ones refused", "[polygon]") {
     PolygonTriangulator triangulator;
     std::mt19937 random(5);
@@ -351,7 +320,7 @@ TEST_CASE("polygons of ten thousand corners are covered exactly, hostile ones re
     for (std::int64_t& radius : radii) {
         radius = 100'000'000 + static_cast<std::int64_t>(random() % 100'000'000);
     }
-    for (const Outline& outline : {ring(radii.size(), radii), comb(3000, 9000)}) {
+    for (const Outline& outline : {ring(radii.size(), radii), comb(3000, 9000), pierced(2000)}) {
         const auto xyz = standing<double>(outline, 2, 0);
         CHECK(covers(triangles_of(triangulator, counted(outline.size()), coordinates(xyz)), outline));
     }

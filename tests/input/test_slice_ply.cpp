@@ -1,86 +1,49 @@
 // Binary PLY sliced in ranges gives what slice() gives of the whole mesh.
-#include <cmath>
 #include <string>
 #include <vector>
-
-#include <catch2/catch.hpp>
 
 #include "engine/counting_memory.hpp"
 #include "engine/shapes.hpp"
 #include "input/ply_writer.hpp"
+#include "input/read.hpp"
 #include "input/slices_in_ranges.hpp"
 #include "lamella/io.hpp"
-#include "lamella/lamella.hpp"
 #include "models/models.hpp"
-#include "temp_folder.hpp"
+
+using namespace lamella;
+using namespace lamella::input_test;
+using Catch::Contains;
+using ply_test::PlyVariant;
 
 namespace {
 
-using lamella::FileSliceOptions;
-using lamella::SliceOptions;
-using lamella::input_test::budget_heights_mm;
-using lamella::input_test::layers_of;
-using lamella::input_test::least_budget;
-using lamella::input_test::require_same_at_all_budgets;
-
-/// How a PLY file is written.
-struct PlyForm {
-    std::string encoding = "binary_little_endian";
-    std::string number = "float";
-    std::string index = "int";
-    bool more = false;  ///< other elements, and other properties before and after those that are read
-};
-
-std::string ply_of(const shapes::Soup& soup, const PlyForm& form) {
-    const shapes::Indexed mesh = shapes::indexed(soup);
-    lamella::ply_test::PlyWriter ply(form.encoding);
-    const std::string more = form.more ? "property short more" : "comment no more";
-    ply.header(form.more ? "element first 2\nproperty double d" : "comment none");
-    ply.header("element vertex " + std::to_string(mesh.xyz.size() / 3)).header(more);
-    for (const char* axis : {" x", " y", " z"}) {
-        ply.header("property " + form.number + axis);
-    }
-    ply.header("element face " + std::to_string(mesh.indices.size() / 3)).header(more);
-    ply.header("property list uchar " + form.index + " vertex_indices\n" + (form.more ? "property uchar red" : "comment"));
-    for (int i = 0; form.more && i < 2; ++i) {
-        ply.number("double", std::nan(""));
-    }
-    const auto add = [&](const char* type) { form.more ? void(ply.number(type, 7)) : void(); };
-    for (std::size_t v = 0; v < mesh.xyz.size(); v += 3) {
-        add("short");
-        ply.number(form.number, mesh.xyz[v]).number(form.number, mesh.xyz[v + 1]).number(form.number, mesh.xyz[v + 2]);
-    }
-    for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {
-        add("short");
-        ply.number("uchar", 3);
-        for (std::size_t corner = 0; corner < 3; ++corner) {
-            ply.number(form.index, mesh.indices[t + corner]);
-        }
-        add("uchar");
-    }
-    return ply.file();
+std::string ply_of(const shapes::Soup& soup, const PlyVariant& form) {
+    return ply_test::ply(form, shapes::indexed(soup));
 }
 
-shapes::Soup soup_of(lamella::models::Shape shape, lamella::models::Order order, std::uint64_t triangles) {
-    const std::vector<float> soup = lamella::models::make_soup({.shape = shape, .triangles = triangles, .order = order});
+constexpr std::string_view little = "binary_little_endian";
+constexpr std::string_view big = "binary_big_endian";
+
+shapes::Soup soup_of(models::Shape shape, models::Order order, std::uint64_t triangles) {
+    const std::vector<float> soup = models::make_soup({.shape = shape, .triangles = triangles, .order = order});
     return {soup.begin(), soup.end()};
 }
 
 }  // namespace
 
 TEST_CASE("binary PLY gives the same layers in ranges", "[slice_file][threads]") {
-    using enum lamella::models::Shape;
-    using enum lamella::models::Order;
-    const TempFolder folder;
+    using enum models::Shape;
+    using enum models::Order;
 #ifdef LAMELLA_TESTS_SANITIZED
-    const PlyForm form{.encoding = "binary_big_endian", .number = "double", .index = "uint", .more = true};
+    const PlyVariant form{.encoding = big, .coordinate = "double", .index = "uint", .extra_numbers = true};
 #else
-    const auto form = GENERATE(PlyForm{}, PlyForm{.encoding = "binary_big_endian", .number = "double", .index = "uint"},
-                               PlyForm{.number = "double", .more = true},
-                               PlyForm{.encoding = "binary_big_endian", .index = "uint", .more = true});
+    const auto form =
+        GENERATE(PlyVariant{.encoding = little}, PlyVariant{.encoding = big, .coordinate = "double", .index = "uint"},
+                 PlyVariant{.encoding = little, .coordinate = "double", .extra_numbers = true},
+                 PlyVariant{.encoding = big, .index = "uint", .extra_numbers = true});
 #endif
     shapes::Soup soup;
-    SliceOptions options = layers_of(0.6);
+    SliceOptions options = uniform(0.6);
     SECTION("in the order of height") {
         soup = soup_of(bone, z, 60'000);
     }
@@ -92,55 +55,42 @@ TEST_CASE("binary PLY gives the same layers in ranges", "[slice_file][threads]")
     }
     SECTION("moved, on another grid") {
         soup = shapes::scaled(shapes::shuffled(shapes::octasphere({0, 0, 10}, 10, 6), 11), {1 / 3.0, 1 / 3.0, 2 / 3.0});
-        options.transform = lamella::Transform::from_normal(1, 2, 3);
-        options.unit_mm = 0.001;
+        options.frame.transform = Transform::from_normal(1, 2, 3);
+        options.frame.grid_mm = 0.001;
     }
-    require_same_at_all_budgets(folder.write("mesh.ply", ply_of(soup, form)), options);
+    require_same_at_all_budgets(dir.write("mesh.ply", ply_of(soup, form)), options);
 }
 
 TEST_CASE("vertices count against the budget", "[slice_file]") {
-    const TempFolder folder;
-    const auto order = GENERATE(lamella::models::Order::z, lamella::models::Order::random);
+    const auto order = GENERATE(models::Order::z, models::Order::random);
     const auto* const number = GENERATE("float", "double");
-    const auto soup = soup_of(lamella::models::Shape::bone, order, 100'000);
-    const auto path = folder.write("mesh.ply", ply_of(soup, {.number = number}));
+    const auto soup = soup_of(models::Shape::bone, order, 100'000);
+    const auto path = dir.write("mesh.ply", ply_of(soup, {.encoding = little, .coordinate = number}));
     for (const double height : budget_heights_mm) {
         for (const int threads : {1, 2}) {
             CountingMemory memory;
-            FileSliceOptions options;
-            options.slice = layers_of(height);
-            options.slice.control = {.threads = threads};
-            options.memory_bytes = least_budget(path, options);
-            options.slice.control.memory = &memory;
-            INFO(options.memory_bytes << " bytes, " << threads << " threads");
-            const auto take = [](const lamella::LayerView&) noexcept {};
-            CHECK(lamella::slice_file(path, lamella::LayerSink::to(take, lamella::SinkOrder::ascending), options).ok());
-            CHECK(memory.peak() <= options.memory_bytes);
+            const SliceOptions options = uniform(height);
+            const StreamOptions stream{.memory_bytes = least_budget(path, options, {.threads = threads})};
+            INFO(stream.memory_bytes << " bytes, " << threads << " threads");
+            CHECK(refusal_of(path, stream, options, {.threads = threads, .memory = &memory}).empty());
+            CHECK(memory.peak() <= stream.memory_bytes);
         }
     }
-    FileSliceOptions options;
-    options.memory_bytes = 10'000;
-    const auto refused = lamella::slice_file(path, options);
-    REQUIRE(!refused);
-    CHECK(refused.error().message.find("vertices stay in memory, which takes at least") != std::string::npos);
+    CHECK_THAT(refusal_of(path, {.memory_bytes = 10'000}), Contains("vertices stay in memory, which takes at least"));
 }
 
 TEST_CASE("a damaged PLY is refused as in memory", "[slice_file]") {
-    const TempFolder folder;
-    const PlyForm form = GENERATE(PlyForm{}, PlyForm{.encoding = "binary_big_endian", .number = "double", .more = true});
+    const PlyVariant form =
+        GENERATE(PlyVariant{.encoding = little}, PlyVariant{.encoding = big, .coordinate = "double", .extra_numbers = true});
     const std::string good = ply_of(shapes::octasphere({0, 0, 10}, 10, 5), form);
-    const std::size_t row = form.more ? 16 : 13;
-    const std::size_t begin = form.more ? 2 : 0;
+    const std::size_t begin = form.extra_numbers ? 9 : 0;  // of what stands before the list, and after it
+    const std::size_t row = 13 + 2 * begin;
     const std::size_t face = good.size() - (8192 - 5000) * row + begin;  // of one in the middle
-    const auto refusal_of = [&](const std::string& bytes) {
-        const auto refused = lamella::slice_file(folder.write("a.ply", bytes));
-        REQUIRE(!refused);
-        return refused.error().message;
-    };
+    const auto refused = [&](const std::string& bytes) { return refusal_of(dir.write("a.ply", bytes)); };
     const auto require_as_in_memory = [&](const std::string& bytes) {
-        const std::string message = refusal_of(bytes);
-        const auto read = lamella::read_mesh(folder / "a.ply");
-        CHECK(message == (read ? lamella::slice(*read).error().message : read.error().message));
+        const std::string message = refused(bytes);
+        const auto read = read_mesh(dir / "a.ply");
+        CHECK(message == (read ? slice(*read).error().message : read.error().message));
     };
     for (const std::size_t cut : {std::size_t{1}, row - 1, row, row + 1, 100 * row, 8192 * row + 5}) {
         INFO("ends " << cut << " bytes early");
@@ -155,39 +105,32 @@ TEST_CASE("a damaged PLY is refused as in memory", "[slice_file]") {
     require_as_in_memory(bad);
     bad = good;
     bad[face] = 4;
-    CHECK(refusal_of(bad).find("face 5000 has 4 corners: only triangles") != std::string::npos);
+    CHECK_THAT(refused(bad), Contains("face 5000 has 4 corners: only triangles"));
     bad[face] = 2;
-    CHECK(refusal_of(bad.substr(0, bad.size() - 1)).find("face 5000 has 2 corners: only triangles") != std::string::npos);
+    CHECK_THAT(refused(bad.substr(0, bad.size() - 1)), Contains("face 5000 has 2 corners: only triangles"));
     bad = good;
-    bad.replace(good.size() - 8192 * row - 8, 8, std::string(8, '\xff'));  // of the last vertex
-    const std::string message = refusal_of(bad);
-    CHECK(message.find("is not finite") != std::string::npos);
-    CHECK(message.find(lamella::slice(*lamella::read_mesh(folder / "a.ply")).error().message) != std::string::npos);
+    bad.replace(good.size() - 8192 * row - begin - 8, 8, std::string(8, '\xff'));  // of the last vertex
+    const std::string message = refused(bad);
+    CHECK_THAT(message, Contains("is not finite"));
+    CHECK_THAT(message, Contains(slice(*read_mesh(dir / "a.ply")).error().message));
 }
 
 TEST_CASE("a PLY that cannot be read in pieces is refused by name", "[slice_file]") {
-    const TempFolder folder;
-    const auto refusal_of = [&](const std::string& bytes) {
-        const auto refused = lamella::slice_file(folder.write("a.ply", bytes));
-        REQUIRE(!refused);
-        return refused.error().message;
-    };
-    const std::string good = ply_of(shapes::box({0, 0, 0}, {5, 5, 5}), {});
+    const auto refused = [&](const std::string& bytes) { return refusal_of(dir.write("a.ply", bytes)); };
+    const std::string good = ply_of(shapes::box({0, 0, 0}, {5, 5, 5}), {.encoding = little});
     const auto with = [&](const std::string& from, const std::string& to) {
         return std::string(good).replace(good.find(from), from.size(), to);
     };
-    CHECK(refusal_of(with("uchar int", "uchar float")).find("'face' has other lists") != std::string::npos);
-    CHECK(refusal_of(with("element face", "element tristrips")).find("'tristrips' has other lists") != std::string::npos);
-    CHECK(refusal_of(with("element face 12", "element face 0")).find("holds no faces") != std::string::npos);
-    CHECK(refusal_of(with("comment none", "comment " + std::string(70'000, 'a'))).find("64 KiB") != std::string::npos);
-    CHECK(refusal_of(ply_of(shapes::box({0, 0, 0}, {5, 5, 5}), {.encoding = "ascii"})).find("is a text PLY file") !=
-          std::string::npos);
-    const auto said = lamella::describe_file(folder.write("a.ply", with("comment none", "comment SPACE=RAS") + "rest"));
-    REQUIRE(said);
-    const auto read = lamella::read_mesh(folder / "a.ply");
-    REQUIRE(read);
-    CHECK(said->warnings == read->warnings);
-    CHECK(said->patient_frame == read->patient_frame);
-    CHECK(said->triangle_count == read->triangle_count);
-    CHECK(said->vertex_count == read->vertex_count);
+    CHECK_THAT(refused(with("uchar int", "uchar float")), Contains("'face' has other lists"));
+    CHECK_THAT(refused(with("element face", "element tristrips")), Contains("'tristrips' has other lists"));
+    CHECK_THAT(refused(with("element face 12", "element face 0")), Contains("holds no faces"));
+    CHECK_THAT(refused(with("end_header", "comment " + std::string(70'000, 'a') + "\nend_header")), Contains("64 KiB"));
+    CHECK_THAT(refused(ply_of(shapes::box({0, 0, 0}, {5, 5, 5}), {.encoding = "ascii"})), Contains("is a text PLY file"));
+    const auto path = dir.write("a.ply", with("end_header", "comment SPACE=RAS\nend_header") + "rest");
+    const MeshStream file = value_of(open_mesh(path));
+    const MeshFile read = value_of(read_mesh(path));
+    CHECK(file.about().warnings == read.warnings);
+    CHECK(file.about().patient_frame == read.patient_frame);
+    CHECK(file.about().triangle_count == read.triangle_count);
+    CHECK(file.about().vertex_count == read.vertex_count);
 }

@@ -1,15 +1,10 @@
 // Polygonal data as the files of VTK hold them, written in every form that the readers know.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
-#include <cstring>
 #include <string>
-#include <utility>
 #include <vector>
-
-#include <catch2/catch.hpp>
 
 #include "read.hpp"
 
@@ -38,14 +33,8 @@ inline PolyData cube(double edge = 10) {
     return data;
 }
 
-inline PolyData cube_of_triangles(double edge) {
-    PolyData data = cube(edge);
-    const auto quads = std::exchange(data.polygons, {});
-    for (const auto& quad : quads) {
-        data.polygons.push_back({quad[0], quad[1], quad[2]});
-        data.polygons.push_back({quad[0], quad[2], quad[3]});
-    }
-    return data;
+inline PolyData triangle(double edge) {
+    return {{{0, 0, 0}, {edge, 0, 0}, {0, edge, 0}}, {{0, 1, 2}}, {}};
 }
 
 inline PolyData cube_with_strip() {

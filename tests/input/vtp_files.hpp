@@ -8,8 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include <catch2/catch.hpp>
-
 #include "vtk_files.hpp"
 
 namespace lamella::vtk_test {
@@ -27,15 +25,6 @@ inline std::string base64(const std::string& bytes) {
         }
     }
     return text;
-}
-
-inline std::string zipped(const std::string& bytes) {
-    std::string packed(compressBound(bytes.size()), '\0');
-    uLongf size = packed.size();
-    REQUIRE(compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
-                     bytes.size()) == Z_OK);
-    packed.resize(size);
-    return packed;
 }
 
 /// Writes files whose arrays are all stored in one way.
@@ -67,7 +56,7 @@ struct Xml {
             std::vector<std::uint64_t> counts{(data.size() + block - 1) / block, block, data.size() % block};
             body.clear();
             for (std::size_t at = 0; at < data.size(); at += block) {
-                const std::string packed = zipped(data.substr(at, block));
+                const std::string packed = deflated(data.substr(at, block), MAX_WBITS);
                 counts.push_back(packed.size());
                 body += packed;
             }

@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -29,23 +28,20 @@ inline std::string little_endian16(std::uint16_t value) {
     return little_endian(value).substr(0, 2);
 }
 
-/// What the local header and the directory have in common, from the version on.
-inline std::string zip_fields(const ZipPart& part, std::size_t packed_bytes) {
-    const auto crc = static_cast<std::uint32_t>(
-        crc32(0, reinterpret_cast<const Bytef*>(part.contents.data()), static_cast<uInt>(part.contents.size())));
-    const std::uint16_t method = part.method != 0xFFFF ? part.method : (part.deflated ? 8 : 0);
-    return little_endian16(20) + little_endian16(part.flags) + little_endian16(method) + little_endian(0x21 << 16) +
-           little_endian(crc + part.false_crc) + little_endian(static_cast<std::uint32_t>(packed_bytes)) +
-           little_endian(static_cast<std::uint32_t>(part.contents.size()) + part.excess_bytes) +
-           little_endian16(static_cast<std::uint16_t>(part.name.size())) + little_endian16(0);
-}
-
 inline std::string zip(const std::vector<ZipPart>& parts) {
     std::string archive;
     std::string directory;
     for (const ZipPart& part : parts) {
         const std::string packed = part.deflated ? deflated(part.contents) : part.contents;
-        const std::string fields = zip_fields(part, packed.size());
+        const auto crc = static_cast<std::uint32_t>(
+            crc32(0, reinterpret_cast<const Bytef*>(part.contents.data()), static_cast<uInt>(part.contents.size())));
+        const std::uint16_t method = part.method != 0xFFFF ? part.method : (part.deflated ? 8 : 0);
+        // What the local header and the directory have in common, from the version on.
+        const std::string fields = little_endian16(20) + little_endian16(part.flags) + little_endian16(method) +
+                                   little_endian(0x21 << 16) + little_endian(crc + part.false_crc) +
+                                   little_endian(static_cast<std::uint32_t>(packed.size())) +
+                                   little_endian(static_cast<std::uint32_t>(part.contents.size()) + part.excess_bytes) +
+                                   little_endian16(static_cast<std::uint16_t>(part.name.size())) + little_endian16(0);
         directory += "PK\1\2" + little_endian16(20) + fields + std::string(10, '\0') +
                      little_endian(static_cast<std::uint32_t>(archive.size())) + part.name;
         archive += "PK\3\4" + fields + part.name + packed;
@@ -122,21 +118,6 @@ inline std::string components(const std::vector<std::string>& list) {
         text += "<component " + component + "/>";
     }
     return text + "</components>";
-}
-
-inline std::vector<Facet> cube_facets() {
-    std::vector<Facet> facets;
-    for (const auto& triangle : cube_triangles) {
-        Facet facet{};
-        for (std::size_t corner = 0; corner < 3; ++corner) {
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                facet[3 * corner + axis] =
-                    static_cast<float>(cube_vertices[static_cast<std::size_t>(triangle[corner])][axis]);
-            }
-        }
-        facets.push_back(facet);
-    }
-    return facets;
 }
 
 }  // namespace lamella::input_test

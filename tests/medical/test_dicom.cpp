@@ -4,16 +4,17 @@
 #include <string>
 #include <vector>
 
-#include <zlib.h>
-
 #include <catch2/catch.hpp>
 
+#include "engine/slicing.hpp"
+#include "input/files.hpp"
 #include "lamella/medical.hpp"
 #include "medical/dicom_file.hpp"
 #include "temp_folder.hpp"
 
 using namespace lamella;
 using namespace dicom_file;
+using Catch::Contains;
 
 namespace {
 
@@ -29,11 +30,9 @@ void write_series(const TempFolder& folder, Syntax syntax = Syntax::explicit_lit
 
 /// Why a folder is refused: one line.
 std::string refusal(const TempFolder& folder) {
-    const Result<ImageGeometry> read = read_image_geometry(folder.path());
-    REQUIRE_FALSE(read.ok());
-    CHECK(read.error().code == ErrorCode::malformed_mesh);
-    CHECK(read.error().message.find('\n') == std::string::npos);
-    return read.error().message;
+    const Error error = error_of(read_image_geometry(folder.path()));
+    CHECK(error.code == ErrorCode::malformed_mesh);
+    return error.message;
 }
 
 /// Why two slices of which the second is changed are refused.
@@ -47,21 +46,6 @@ std::string refusal_of_second(const Change& change) {
     return refusal(folder);
 }
 
-std::string deflated(const std::string& data) {
-    z_stream stream{};
-    REQUIRE(::deflateInit2(&stream, 9, Z_DEFLATED, -15, 8, Z_DEFAULT_STRATEGY) == Z_OK);
-    std::string out(::deflateBound(&stream, static_cast<uLong>(data.size())), '\0');
-    std::string in = data;
-    stream.next_in = reinterpret_cast<Bytef*>(in.data());
-    stream.avail_in = static_cast<uInt>(in.size());
-    stream.next_out = reinterpret_cast<Bytef*>(out.data());
-    stream.avail_out = static_cast<uInt>(out.size());
-    REQUIRE(::deflate(&stream, Z_FINISH) == Z_STREAM_END);
-    out.resize(stream.total_out);
-    ::deflateEnd(&stream);
-    return out;
-}
-
 }  // namespace
 
 TEST_CASE("dicom: slices are sorted along their normal in every transfer syntax", "[medical]") {
@@ -72,32 +56,28 @@ TEST_CASE("dicom: slices are sorted along their normal in every transfer syntax"
         folder.write("empty", "");
         folder.write("DICOMDIR", meta("1.2.840.10008.1.2.1") +
                                      element(Syntax::explicit_little, 0x00080016, "UI", "1.2.840.10008.1.3.10"));
-        const Result<ImageGeometry> read = read_image_geometry(folder.path());
-        INFO((read ? "" : read.error().message));
-        REQUIRE(read.ok());
-        CHECK(read->size == std::array<std::uint64_t, 3>{6, 4, 3});
-        CHECK(read->spacing_mm == std::array<double, 3>{0.5, 2, 3});
-        CHECK(read->origin_mm == std::array<double, 3>{-10, -20, 30});
-        CHECK(read->uneven_slices_mm.empty());
-        CHECK(read->slice_heights_mm() == std::vector<double>{0, 3, 6});
-        REQUIRE(read->series);
-        CHECK(read->series->slices[0].sop_instance_uid == "1.2.3.1.1");
-        CHECK(read->series->slices[2].sop_instance_uid == "1.2.3.1.0");
-        CHECK(read->series->patient_name == "Doe^Jane");
-        CHECK(read->series->frame_of_reference_uid == "1.2.3.9");
+        const ImageGeometry read = value_of(read_image_geometry(folder.path()));
+        CHECK(read.size == std::array<std::uint64_t, 3>{6, 4, 3});
+        CHECK(read.spacing_mm == std::array<double, 3>{0.5, 2, 3});
+        CHECK(read.origin_mm == std::array<double, 3>{-10, -20, 30});
+        CHECK(read.uneven_slices_mm.empty());
+        CHECK(read.slice_heights_mm() == std::vector<double>{0, 3, 6});
+        REQUIRE(read.series);
+        CHECK(read.series->slices[0].sop_instance_uid == "1.2.3.1.1");
+        CHECK(read.series->slices[2].sop_instance_uid == "1.2.3.1.0");
+        CHECK(read.series->patient_name == "Doe^Jane");
+        CHECK(read.series->frame_of_reference_uid == "1.2.3.9");
     }
 }
 
 TEST_CASE("dicom: headers of deflated and compressed files are read", "[medical]") {
     const TempFolder folder;
-    folder.write("deflated", meta("1.2.840.10008.1.2.1.99") + deflated(at_height(0, 0).data()));
+    folder.write("deflated", meta("1.2.840.10008.1.2.1.99") + input_test::deflated(at_height(0, 0).data()));
     folder.write("jpeg", meta("1.2.840.10008.1.2.4.70") + at_height(3, 1).data());
-    const Result<ImageGeometry> read = read_image_geometry(folder.path());
-    INFO((read ? "" : read.error().message));
-    REQUIRE(read.ok());
-    CHECK(read->size[2] == 2);
+    const ImageGeometry read = value_of(read_image_geometry(folder.path()));
+    CHECK(read.size[2] == 2);
     folder.write("deflated", meta("1.2.840.10008.1.2.1.99") + "\x07 no deflate");
-    CHECK(refusal(folder).find("deflated") != std::string::npos);
+    CHECK_THAT(refusal(folder), Contains("deflated"));
 }
 
 TEST_CASE("dicom: sequences are passed over, however they are nested", "[medical]") {
@@ -112,11 +92,9 @@ TEST_CASE("dicom: sequences are passed over, however they are nested", "[medical
             slice.extra += sequence(syntax, 0x00110010, element(Syntax::implicit_little, 0x00200032, "DS", "8\\8\\8"), "UN");
         }
         folder.write("a.dcm", slice.bytes());
-        const Result<ImageGeometry> read = read_image_geometry(folder.path());
-        INFO((read ? "" : read.error().message));
-        REQUIRE(read.ok());
-        CHECK(read->origin_mm[0] == -10);
-        CHECK(read->spacing_mm[2] == 3);
+        const ImageGeometry read = value_of(read_image_geometry(folder.path()));
+        CHECK(read.origin_mm[0] == -10);
+        CHECK(read.spacing_mm[2] == 3);
     }
     // 200,000 levels.
     std::string nested = meta("1.2.840.10008.1.2.1");
@@ -126,7 +104,7 @@ TEST_CASE("dicom: sequences are passed over, however they are nested", "[medical
     }
     const TempFolder folder;
     folder.write("a.dcm", nested);
-    CHECK(refusal(folder).find("cut off") != std::string::npos);
+    CHECK_THAT(refusal(folder), Contains("cut off"));
 }
 
 TEST_CASE("dicom: oblique series are honoured, uneven slices are kept", "[medical]") {
@@ -142,30 +120,25 @@ TEST_CASE("dicom: oblique series are honoured, uneven slices are kept", "[medica
         slice.position = text;
         folder.write(std::to_string(step), slice.bytes());
     }
-    const Result<ImageGeometry> read = read_image_geometry(folder.path());
-    INFO((read ? "" : read.error().message));
-    REQUIRE(read.ok());
-    CHECK(read->axes[2][0] == Approx(-s).margin(1e-6));
-    CHECK(read->axes[2][2] == Approx(c).margin(1e-6));
-    REQUIRE(read->uneven_slices_mm.size() == 3);
-    const std::vector<double> heights = read->slice_heights_mm();
+    const ImageGeometry read = value_of(read_image_geometry(folder.path()));
+    CHECK(read.axes[2][0] == Approx(-s).margin(1e-6));
+    CHECK(read.axes[2][2] == Approx(c).margin(1e-6));
+    REQUIRE(read.uneven_slices_mm.size() == 3);
+    const std::vector<double> heights = read.slice_heights_mm();
     CHECK(heights[1] == Approx(2.5).margin(1e-5));
     CHECK(heights[2] == Approx(7.5).margin(1e-5));
-    CHECK(read->slice_heights_mm(2)[2] == Approx(2.5 - read->spacing_mm[2] / 4).margin(1e-5));
+    CHECK(read.slice_heights_mm(2)[2] == Approx(2.5 - read.spacing_mm[2] / 4).margin(1e-5));
 }
 
 TEST_CASE("dicom: folders that are no one image are refused by name", "[medical]") {
     {
         const TempFolder folder;
-        CHECK(refusal(folder).find("without DICOM files") != std::string::npos);
+        CHECK_THAT(refusal(folder), Contains("without DICOM files"));
         folder.write("a.dcm", meta("1.2.840.10008.1.2.1") + element(Syntax::explicit_little, 0x00080016, "UI", "1.2") +
                                   element(Syntax::explicit_little, 0x30060002, "SH", "RT"));
-        CHECK(refusal(folder).find("none of which is an image") != std::string::npos);
+        CHECK_THAT(refusal(folder), Contains("none of which is an image"));
     }
-    const auto has = [](const std::string& text, const std::string& part) {
-        INFO(text);
-        CHECK(text.find(part) != std::string::npos);
-    };
+    const auto has = [](const std::string& text, const std::string& part) { CHECK_THAT(text, Contains(part)); };
     has(refusal_of_second([](CtSlice& s) { s.series = "1.2.4", s.description = "Neck\nlow"; }),
         "2 DICOM series in the folder, and one is taken: 1.2.3 'Thorax' (1 slice); 1.2.4 'Neck low' (1 slice)");
     has(refusal_of_second([](CtSlice& s) { s.frames = "12"; }), "b.dcm: a DICOM file of several frames (12)");
@@ -225,17 +198,13 @@ TEST_CASE("dicom: no damaged header crashes the reader", "[medical]") {
 TEST_CASE("dicom: uneven slices are refused for masks, and a folder is sealed by its slices", "[medical]") {
     const TempFolder folder;
     write_series(folder);
-    const Result<FileSeal> seal = seal_file(folder.path());
-    REQUIRE(seal.ok());
+    const FileSeal seal = value_of(seal_file(folder.path()));
     folder.write("other.txt", "beside");
-    CHECK(*seal_file(folder.path()) == *seal);
+    CHECK(*seal_file(folder.path()) == seal);
     folder.write("3.dcm", at_height(40, 3).bytes());
-    CHECK(seal_file(folder.path())->sha256 != seal->sha256);
-    const Result<ImageGeometry> image = read_image_geometry(folder.path());
-    REQUIRE(image.ok());
+    CHECK(seal_file(folder.path())->sha256 != seal.sha256);
+    const ImageGeometry image = value_of(read_image_geometry(folder.path()));
     SliceResult result;
     const MaskPart part{.result = &result, .name = "a"};
-    const Result<MaskSummary> written = write_mask({&part, 1}, *image, folder / "m.nii");
-    REQUIRE_FALSE(written.ok());
-    CHECK(written.error().message.find("not evenly spaced") != std::string::npos);
+    CHECK_THAT(error_of(write_mask({&part, 1}, image, folder / "m.nii")).message, Contains("not evenly spaced"));
 }

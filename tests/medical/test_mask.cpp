@@ -14,6 +14,7 @@
 
 using namespace lamella;
 using namespace shapes;
+using Catch::Contains;
 
 namespace {
 
@@ -21,17 +22,15 @@ constexpr std::size_t nifti_header_bytes = 352;
 
 SliceResult cut(const Soup& soup, const ImageGeometry& image, int subslices = 1) {
     SliceOptions options;
-    options.plan.spacing = ExplicitPlanes{image.slice_heights_mm(subslices)};
-    options.transform = image.slicing_frame(PatientFrame::lps);
+    options.heights_mm = image.slice_heights_mm(subslices);
+    options.frame.transform = image.slicing_frame(PatientFrame::lps);
     return sliced(MeshView::soup(floats(soup)), options);
 }
 
 /// The voxels of a mask of one byte each.
 std::string voxels_of(const std::vector<MaskPart>& parts, const ImageGeometry& image, const MaskOptions& options = {}) {
     const TempFolder folder;
-    const Result<MaskSummary> written = write_mask(parts, image, folder / "mask.nii", options);
-    INFO((written ? "" : written.error().message));
-    REQUIRE(written.ok());
+    value_of(write_mask(parts, image, folder / "mask.nii", options));
     const std::string bytes = bytes_of(folder / "mask.nii");
     REQUIRE(bytes.size() == nifti_header_bytes + image.size[0] * image.size[1] * image.size[2]);
     return bytes.substr(nifti_header_bytes);
@@ -65,11 +64,11 @@ int winding(const SliceResult& result, const Layer& layer, std::int64_t x, std::
 std::string expected_voxels(const SliceResult& result, const ImageGeometry& image) {
     std::string voxels;
     for (std::size_t k = 0; k < image.size[2]; ++k) {
-        const Layer& layer = result.layers[result.layer_of[k]];
+        const Layer& layer = result.layers[result.info.layer_of[k]];
         for (std::size_t j = 0; j < image.size[1]; ++j) {
             for (std::size_t i = 0; i < image.size[0]; ++i) {
-                const auto x = std::llround(static_cast<double>(i) * image.spacing_mm[0] / result.unit_mm);
-                const auto y = std::llround(static_cast<double>(j) * image.spacing_mm[1] / result.unit_mm);
+                const auto x = std::llround(static_cast<double>(i) * image.spacing_mm[0] / result.info.grid_mm);
+                const auto y = std::llround(static_cast<double>(j) * image.spacing_mm[1] / result.info.grid_mm);
                 voxels += winding(result, layer, x, y) != 0 ? '\1' : '\0';
             }
         }
@@ -128,16 +127,15 @@ TEST_CASE("mask: bytes do not depend on threads", "[medical][threads]") {
         std::string first;
         for (const int threads : {1, 2, 7}) {
             const std::vector<MaskPart> parts = {{&a, "a"}, {&b, "b, \"c\""}};
-            const Result<MaskSummary> written = write_mask(parts, image, folder / name, {.control = {.threads = threads}});
-            REQUIRE(written.ok());
-            CHECK(written->overlapped_voxels > 0);
-            CHECK(written->voxels[0] > written->voxels[1]);
+            const MaskSummary written = value_of(write_mask(parts, image, folder / name, {}, {.threads = threads}));
+            CHECK(written.overlapped_voxels > 0);
+            CHECK(written.voxels[0] > written.voxels[1]);
             const std::string bytes = bytes_of(folder / name);
             CHECK((first.empty() || bytes == first));
             first = bytes;
         }
     }
-    CHECK(bytes_of(folder / "mask.labels.csv").find("2,\"b, \"\"c\"\"\",") != std::string::npos);
+    CHECK_THAT(bytes_of(folder / "mask.labels.csv"), Contains("2,\"b, \"\"c\"\"\","));
 }
 
 TEST_CASE("mask: shares sum to the volume, and say what the image cuts off", "[medical]") {
@@ -149,17 +147,16 @@ TEST_CASE("mask: shares sum to the volume, and say what the image cuts off", "[m
     for (const char voxel : voxels) {
         sum += static_cast<unsigned char>(voxel) / 255.0;
     }
-    for (const Layer& layer : result.layers) {
-        areas += result.area_mm2(layer) / 4;
+    for (const LayerView layer : result) {
+        areas += layer.area_mm2() / 4;
     }
     CHECK(sum == Approx(areas).epsilon(0.001));
     const ImageGeometry half = image_of({13, 25, 25}, {1, 1, 1}, {-12.5, -12, -12});
     const SliceResult cut_off = cut(octasphere({0, 0, 0}, 9, 4), half);
     const TempFolder folder;
     const MaskPart part{&cut_off, "ball"};
-    const Result<MaskSummary> written = write_mask({&part, 1}, half, folder / "half.nii");
-    REQUIRE(written.ok());
-    CHECK(written->cut_off_share[0] == Approx(0.5).margin(0.001));
+    const MaskSummary written = value_of(write_mask({&part, 1}, half, folder / "half.nii"));
+    CHECK(written.cut_off_share[0] == Approx(0.5).margin(0.001));
 }
 
 TEST_CASE("mask: what is open is summed up for each mesh, and shares are those of areas that are known", "[medical]") {
@@ -170,13 +167,12 @@ TEST_CASE("mask: what is open is summed up for each mesh, and shares are those o
     const SliceResult none = cut(open, image);
     const MaskPart parts[] = {{&half, "half"}, {&none, "none"}};
     const TempFolder folder;
-    const Result<MaskSummary> written = write_mask(parts, image, folder / "open.nii");
-    REQUIRE(written.ok());
-    CHECK(written->open[0].layers == 10);
-    CHECK(written->open[0].share() == Approx(0.5));
-    CHECK(written->open[1].share() == 1);
-    CHECK(written->cut_off_share[0] == Approx(0.5));
-    CHECK(std::isnan(written->cut_off_share[1]));
+    const MaskSummary written = value_of(write_mask(parts, image, folder / "open.nii"));
+    CHECK(written.open[0].layers == 10);
+    CHECK(written.open[0].share() == Approx(0.5));
+    CHECK(written.open[1].share() == 1);
+    CHECK(written.cut_off_share[0] == Approx(0.5));
+    CHECK(std::isnan(written.cut_off_share[1]));
 }
 
 TEST_CASE("mask: shares count once what several contours enclose", "[medical]") {
@@ -198,10 +194,9 @@ TEST_CASE("mask: a voxel in three meshes is one that overlaps", "[medical]") {
     const SliceResult small = cut(box({2, 2, 2}, {4, 4, 4}), image);
     const std::vector<MaskPart> parts = {{&large, "a"}, {&large, "b"}, {&small, "c"}};
     const TempFolder folder;
-    const Result<MaskSummary> written = write_mask(parts, image, folder / "mask.nii");
-    REQUIRE(written.ok());
-    CHECK(written->overlapped_voxels == 1000);
-    CHECK(written->voxels == std::vector<std::uint64_t>{0, 992, 8});
+    const MaskSummary written = value_of(write_mask(parts, image, folder / "mask.nii"));
+    CHECK(written.overlapped_voxels == 1000);
+    CHECK(written.voxels == std::vector<std::uint64_t>{0, 992, 8});
 }
 
 TEST_CASE("mask: more than 255 meshes take two bytes", "[medical]") {
@@ -225,32 +220,30 @@ TEST_CASE("mask: what cannot be written is refused, and leaves nothing", "[medic
     const MaskPart part{&result, "a"};
     const TempFolder folder;
     const auto refusal = [&](ImageGeometry other, const char* name) {
-        const Result<MaskSummary> written = write_mask({&part, 1}, other, folder / name);
-        REQUIRE_FALSE(written.ok());
-        CHECK(written.error().code == ErrorCode::invalid_argument);
-        return written.error().message;
+        const Error error = error_of(write_mask({&part, 1}, other, folder / name));
+        CHECK(error.code == ErrorCode::invalid_argument);
+        return error.message;
     };
-    CHECK(refusal(image, "a.png").find("ends in .nii") != std::string::npos);
-    CHECK(refusal(image_of({4, 4, 5}, {1, 1, 1}, {0, 0, 0}), "a.nii").find("was not cut") != std::string::npos);
-    CHECK(refusal(image_of({40000, 4, 4}, {1, 1, 1}, {0, 0, 0}), "a.nii").find("32,767") != std::string::npos);
-    CHECK(refusal(image_of({10000, 10000, 10000}, {1, 1, 1}, {0, 0, 0}), "a.nrrd").find("2^38") != std::string::npos);
+    CHECK_THAT(refusal(image, "a.png"), Contains("ends in .nii"));
+    CHECK_THAT(refusal(image_of({4, 4, 5}, {1, 1, 1}, {0, 0, 0}), "a.nii"), Contains("was not cut"));
+    CHECK_THAT(refusal(image_of({40000, 4, 4}, {1, 1, 1}, {0, 0, 0}), "a.nii"), Contains("32,767"));
+    CHECK_THAT(refusal(image_of({10000, 10000, 10000}, {1, 1, 1}, {0, 0, 0}), "a.nrrd"), Contains("2^38"));
     CHECK(folder.names().empty());
 }
 
 TEST_CASE("mask: slices that were left out are refused", "[medical]") {
     const ImageGeometry image = image_of({8, 8, 6}, {1, 1, 1}, {0, 0, 0});
     SliceOptions options;
-    options.plan.spacing = ExplicitPlanes{image.slice_heights_mm()};
-    options.transform = image.slicing_frame(PatientFrame::lps);
-    for (const LayerRange& range : {LayerRange{0, 3}, LayerRange{2, 5}, LayerRange{3, 6}}) {
-        options.layers = range;
-        const Result<SliceResult> some = slice(MeshView::soup(floats(box({2, 3, -1}, {5, 7, 4.5}))), options);
-        REQUIRE(some.ok());
-        const MaskPart part{&*some, "some"};
+    options.heights_mm = image.slice_heights_mm();
+    options.frame.transform = image.slicing_frame(PatientFrame::lps);
+    for (const auto& [first, end] : {std::pair{0, 3}, {2, 5}, {3, 6}}) {
+        options.planes.first_layer = static_cast<std::uint64_t>(first);
+        options.planes.end_layer = static_cast<std::uint64_t>(end);
+        const SliceResult some = sliced(MeshView::soup(floats(box({2, 3, -1}, {5, 7, 4.5}))), options);
+        const MaskPart part{&some, "some"};
         const TempFolder folder;
-        const Result<MaskSummary> written = write_mask({&part, 1}, image, folder / "mask.nii");
-        REQUIRE(!written.ok());
-        CHECK(written.error().message == "'some' was not cut at the slices of the image");
+        CHECK(error_of(write_mask({&part, 1}, image, folder / "mask.nii")).message ==
+              "'some' was not cut at the slices of the image");
         CHECK(folder.names().empty());
     }
 }
@@ -262,9 +255,8 @@ TEST_CASE("mask: area and perimeter of slices tell of thin walls", "[medical]") 
     const SliceResult plate = cut(box({0, 0, 0}, {10, 0.25, 3}), image);
     const SliceResult cube = cut(box({0, 0, 0}, {1.5, 1.5, 3}), image);
     const TempFolder folder;
-    const Result<MaskSummary> written =
-        write_mask(std::vector<MaskPart>{{&plate, "plate"}, {&cube, "cube"}}, image, folder / "m.nii");
-    REQUIRE(written.ok());
-    CHECK(written->mean_wall_mm[0] == Approx(0.25));
-    CHECK(written->mean_wall_mm[1] == Approx(1.5));
+    const MaskSummary written =
+        value_of(write_mask(std::vector<MaskPart>{{&plate, "plate"}, {&cube, "cube"}}, image, folder / "m.nii"));
+    CHECK(written.mean_wall_mm[0] == Approx(0.25));
+    CHECK(written.mean_wall_mm[1] == Approx(1.5));
 }

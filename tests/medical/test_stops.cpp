@@ -7,7 +7,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "engine/shapes.hpp"
+#include "engine/slicing.hpp"
 #include "lamella/lamella.hpp"
 #include "lamella/medical.hpp"
 #include "temp_folder.hpp"
@@ -21,13 +21,9 @@ struct Host {
     bool answer = false;
     std::atomic<std::uint64_t> asked{0};
 
-    StopCheck check() {
-        return {[](void* context) noexcept {
-                    auto* const self = static_cast<Host*>(context);
-                    ++self->asked;
-                    return self->answer;
-                },
-                this};
+    bool operator()() noexcept {
+        ++asked;
+        return answer;
     }
 };
 
@@ -43,49 +39,41 @@ TEST_CASE("medical calls end when asked to, and ask by time") {
     image.spacing_mm = {1, 1, 0.01};
     image.origin_mm = {-16, -16, -10};
     SliceOptions options;
-    options.plan.spacing = ExplicitPlanes{image.slice_heights_mm()};
-    options.transform = image.slicing_frame(PatientFrame::lps);
+    options.heights_mm = image.slice_heights_mm();
+    options.frame.transform = image.slicing_frame(PatientFrame::lps);
     const auto ball = shapes::floats(shapes::octasphere({0, 0, 0}, 9, 3));
-    const Result<SliceResult> sliced = slice(MeshView::soup(ball), options);
-    REQUIRE(sliced.ok());
-    const SliceResult& result = *sliced;
+    const SliceResult sliced = value_of(slice(MeshView::soup(ball), options));
+    const SliceResult& result = sliced;
     const std::vector<TablePart> table = {{.result = &result, .name = "a"}};
     const std::vector<MaskPart> organ = {{.result = &result, .name = "a"}};
     const std::vector<Roi> roi = {{.result = &result, .name = "a"}};
     REQUIRE(write_layer_table(table, folder / "whole.csv").ok());
 
-    struct Call {
-        const char* name;
-        std::function<std::string(const Control&)> run;
-    };
-    std::vector<Call> calls = {
-        {"write_mask",
-         [&](const Control& c) { return outcome_of(write_mask(organ, image, folder / "a.nii", {.control = c})); }},
+    const auto ends = [](const auto& call) { return [call](const Context& context) { return outcome_of(call(context)); }; };
+    std::vector<std::pair<const char*, std::function<std::string(const Context&)>>> calls = {
+        {"write_mask", ends([&](const Context& c) { return write_mask(organ, image, folder / "a.nii", {}, c); })},
         {"write_structure_set",
-         [&](const Control& c) {
-             return outcome_of(write_structure_set(roi, image, folder / "a.dcm", {.without_ct = true, .control = c}));
-         }},
-        {"a table in CSV", [&](const Control& c) { return outcome_of(write_layer_table(table, folder / "a.csv", c)); }},
-        {"a table in JSON Lines",
-         [&](const Control& c) { return outcome_of(write_layer_table(table, folder / "a.jsonl", c)); }},
-        {"seal_file", [&](const Control& c) { return outcome_of(seal_file(folder / "whole.csv", c)); }},
+         ends([&](const Context& c) { return write_structure_set(roi, image, folder / "a.dcm", {.without_ct = true}, c); })},
+        {"CSV", ends([&](const Context& c) { return write_layer_table(table, folder / "a.csv", nullptr, c); })},
+        {"JSON Lines", ends([&](const Context& c) { return write_layer_table(table, folder / "a.jsonl", nullptr, c); })},
+        {"seal_file", ends([&](const Context& c) { return seal_file(folder / "whole.csv", c); })},
     };
     if (has_archives()) {
-        calls.push_back(
-            {"write_archive", [&](const Control& c) { return outcome_of(write_archive(result, {}, folder / "a.h5", c)); }});
-        calls.push_back({"read_archive", [&](const Control& c) { return outcome_of(read_archive(folder / "a.h5", c)); }});
+        calls.emplace_back("write_archive",
+                           ends([&](const Context& c) { return write_archive(result, {}, folder / "a.h5", c); }));
+        calls.emplace_back("read_archive", ends([&](const Context& c) { return read_archive(folder / "a.h5", c); }));
     }
-    for (const Call& call : calls) {
+    for (const auto& [name, run] : calls) {
         for (const int threads : {1, 2}) {
-            INFO(call.name << " on " << threads << " threads");
+            INFO(name << " on " << threads << " threads");
             Host patient;
             const auto start = std::chrono::steady_clock::now();
-            CHECK(call.run({.threads = threads, .stop = patient.check()}) == "done");
+            CHECK(run({.threads = threads, .stop = patient}) == "done");
             const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
             CHECK(static_cast<double>(patient.asked) <= 2 * threads * (ms.count() / 2 + 1));  // some calls make two passes
             Host hasty;
             hasty.answer = true;
-            CHECK(call.run({.threads = threads, .stop = hasty.check()}) == "cancelled");
+            CHECK(run({.threads = threads, .stop = hasty}) == "cancelled");
         }
     }
 }

@@ -21,6 +21,7 @@
 
 using namespace lamella;
 using namespace shapes;
+using Catch::Contains;
 
 namespace {
 
@@ -97,8 +98,8 @@ ImageGeometry slices(std::uint64_t count) {
 
 SliceResult cut(const MeshView& mesh, const ImageGeometry& image) {
     SliceOptions options;
-    options.plan.spacing = ExplicitPlanes{image.slice_heights_mm()};
-    options.transform = image.slicing_frame(PatientFrame::lps);
+    options.heights_mm = image.slice_heights_mm();
+    options.frame.transform = image.slicing_frame(PatientFrame::lps);
     return sliced(mesh, options);
 }
 
@@ -201,13 +202,11 @@ TEST_CASE("structure set: bytes depend on content, not on threads; dates are ask
     const TempFolder folder;
     const auto written = [&](const std::string& name, StructureSetOptions options, int threads = 1) {
         options.without_ct = true;
-        options.control.threads = threads;
         const Roi roi{.result = &result, .name = name};
-        const Result<StructureSetSummary> done = write_structure_set({&roi, 1}, image, folder / "a.dcm", options);
-        INFO((done ? "" : done.error().message));
-        REQUIRE(done.ok());
-        CHECK(done->contours > 10);
-        CHECK(done->open_contours == 0);
+        const StructureSetSummary done =
+            value_of(write_structure_set({&roi, 1}, image, folder / "a.dcm", options, {.threads = threads}));
+        CHECK(done.contours > 10);
+        CHECK(done.open_contours == 0);
         return bytes_of(folder / "a.dcm");
     };
     const std::string one = written("liver", {});
@@ -217,12 +216,12 @@ TEST_CASE("structure set: bytes depend on content, not on threads; dates are ask
     StructureSetOptions dated;
     dated.seconds_since_1970 = 1767323045;
     const std::string with_date = written("liver", dated);
-    CHECK(with_date.find("20260102") != std::string::npos);
-    CHECK(with_date.find("030405") != std::string::npos);
+    CHECK_THAT(with_date, Contains("20260102"));
+    CHECK_THAT(with_date, Contains("030405"));
     // Names: UTF-8 is declared, backslashes and what is no text are not written.
     const std::string named = written("L\xc3\xa4ppchen\\\x01\xff", {});
-    CHECK(named.find("ISO_IR 192") != std::string::npos);
-    CHECK(named.find("L\xc3\xa4ppchen___") != std::string::npos);
+    CHECK_THAT(named, Contains("ISO_IR 192"));
+    CHECK_THAT(named, Contains("L\xc3\xa4ppchen___"));
     CHECK(written(std::string(500, 'x'), {}).find(std::string(65, 'x')) == std::string::npos);
 }
 
@@ -233,30 +232,28 @@ TEST_CASE("structure set: what cannot be one is refused, and nothing is written"
     const TempFolder folder;
     const auto refusal = [&](const SliceResult* of, const ImageGeometry& on, StructureSetOptions options) {
         const Roi roi{.result = of, .name = "liver"};
-        const Result<StructureSetSummary> done = write_structure_set({&roi, 1}, on, folder / "a.dcm", options);
-        REQUIRE_FALSE(done.ok());
-        CHECK(done.error().code == ErrorCode::invalid_argument);
+        const Error error = error_of(write_structure_set({&roi, 1}, on, folder / "a.dcm", options));
+        CHECK(error.code == ErrorCode::invalid_argument);
         CHECK(folder.names().empty());
-        return done.error().message;
+        return error.message;
     };
-    StructureSetOptions without_ct;
-    without_ct.without_ct = true;
-    CHECK(refusal(&result, image, {}).find("slices of a CT") != std::string::npos);
-    CHECK(refusal(&result, slices(21), without_ct).find("not cut at the slices") != std::string::npos);
-    CHECK(refusal(nullptr, image, without_ct).find("not cut at the slices") != std::string::npos);
+    const StructureSetOptions without_ct{.without_ct = true};
+    CHECK_THAT(refusal(&result, image, {}), Contains("slices of a CT"));
+    CHECK_THAT(refusal(&result, slices(21), without_ct), Contains("not cut at the slices"));
+    CHECK_THAT(refusal(nullptr, image, without_ct), Contains("not cut at the slices"));
     ImageGeometry elsewhere = image;
     elsewhere.origin_mm[2] = 500;
     const SliceResult nothing = cut(MeshView::soup(mesh), elsewhere);
-    CHECK(refusal(&nothing, elsewhere, without_ct).find("no closed contour on any slice") != std::string::npos);
+    CHECK_THAT(refusal(&nothing, elsewhere, without_ct), Contains("no closed contour on any slice"));
     ImageGeometry ct = image;
     ct.series.emplace();
-    CHECK(refusal(&result, ct, {}).find("other slices") != std::string::npos);
+    CHECK_THAT(refusal(&result, ct, {}), Contains("other slices"));
     ct.series->slices.resize(20);
-    CHECK(refusal(&result, ct, {}).find("StudyInstanceUID") != std::string::npos);
+    CHECK_THAT(refusal(&result, ct, {}), Contains("StudyInstanceUID"));
     ct.series->study_uid = ct.series->series_uid = "1.2";
     ct.series->frame_of_reference_uid = "1.2\\3";
-    CHECK(refusal(&result, ct, {}).find("FrameOfReferenceUID") != std::string::npos);
+    CHECK_THAT(refusal(&result, ct, {}), Contains("FrameOfReferenceUID"));
     StructureSetOptions late = without_ct;
     late.seconds_since_1970 = std::int64_t{1} << 60;
-    CHECK(refusal(&result, image, late).find("beyond the year 9999") != std::string::npos);
+    CHECK_THAT(refusal(&result, image, late), Contains("beyond the year 9999"));
 }

@@ -1,11 +1,12 @@
-// Real meshes and their known answers.
+// Real meshes: known answers, findings, and what must hold whatever the mesh.
 #include <cmath>
 #include <filesystem>
+#include <string>
 
-#include <catch2/catch.hpp>
-
+#include "engine/region_checks.hpp"
+#include "engine/slicing.hpp"
+#include "engine/vertex_heights.hpp"
 #include "lamella/io.hpp"
-#include "lamella/lamella.hpp"
 #include "models_shared/real_meshes.hpp"
 
 using lamella::SliceResult;
@@ -13,26 +14,7 @@ using lamella::SliceResult;
 namespace {
 
 lamella::MeshFile mesh_of(const std::filesystem::path& file) {
-    lamella::Result<lamella::MeshFile> mesh = lamella::read_mesh(file);
-    INFO((mesh ? std::string() : mesh.error().message));
-    REQUIRE(mesh.ok());
-    return std::move(mesh).value();
-}
-
-SliceResult sliced(const lamella::MeshFile& mesh, const lamella::SliceOptions& options) {
-    lamella::Result<SliceResult> result = slice(mesh.view(), options);
-    INFO((result ? std::string() : result.error().message));
-    REQUIRE(result.ok());
-    const lamella::Status valid = validate(*result);
-    INFO((valid ? std::string() : valid.error().message));
-    REQUIRE(valid.ok());
-    return std::move(result).value();
-}
-
-lamella::SliceOptions at_layer_height(double mm) {
-    lamella::SliceOptions options;
-    options.plan.spacing = lamella::UniformLayers{mm};
-    return options;
+    return value_of(lamella::read_mesh(file));
 }
 
 struct KnownAnswer {
@@ -44,41 +26,85 @@ struct KnownAnswer {
     std::uint64_t holes;
 };
 
+struct Known {
+    const char* file;
+    const char* verdict;
+    std::size_t shells;
+};
+
+lamella::MeshCheck findings_of(const std::filesystem::path& file, int threads) {
+    return value_of(check(mesh_of(file).view(), {}, {.threads = threads}));
+}
+
+/// Planes in one slice.
+constexpr std::size_t most_planes = 2'000;
+
+std::vector<std::vector<double>> parts_of(const std::vector<double>& heights) {
+    std::vector<std::vector<double>> parts;
+    for (std::size_t first = 0; first < heights.size(); first += most_planes) {
+        const std::size_t count = std::min(most_planes, heights.size() - first);
+        const auto begin = heights.begin() + static_cast<std::ptrdiff_t>(first);
+        parts.emplace_back(begin, begin + static_cast<std::ptrdiff_t>(count));
+    }
+    return parts;
+}
+
+regions::Polygons layer_of(const lamella::SliceResult& result, const lamella::Layer& layer) {
+    regions::Polygons rings;
+    for (const lamella::Contour& contour : result.contours_of(layer)) {
+        if (contour.role == lamella::Role::outer || contour.role == lamella::Role::hole) {
+            const auto points = result.points_of(contour);
+            rings.emplace_back(points.begin(), points.end());
+        }
+    }
+    return rings;
+}
+
+/// Corners moved by up to `mm`, equal ones alike.
+shapes::Soup roughened(shapes::Soup soup, double mm) {
+    for (double& coordinate : soup) {
+        coordinate += mm * std::sin(coordinate * 7919);
+    }
+    return soup;
+}
+
+std::uint64_t crossings_in(const lamella::SliceResult& result) {
+    return value_of(audits::crossings_of(result)).count;
+}
+
 }  // namespace
 
 TEST_CASE("counts equal those of the paper's program and its table", "[counts]") {
     const KnownAnswer known = GENERATE(KnownAnswer{"liver.stl", 38'142, 6'242, 2'342'005, 15'790, 9'490},
                                        KnownAnswer{"femur.stl", 42'110, 3'155, 1'180'826, 3'338, 30});
     const lamella::MeshFile mesh = mesh_of(folder / known.file);
-    lamella::SliceOptions options = at_layer_height(0.032);
-    std::get<lamella::UniformLayers>(options.plan.spacing).first_height_mm = 0.008;
-    options.unit_mm = 0.004;
+    lamella::SliceOptions options = uniform(0.032);
+    options.planes.first_height_mm = 0.008;
+    options.frame.grid_mm = 0.004;
     const auto form = GENERATE(lamella::ContourForm::swept, lamella::ContourForm::assembled);
-    options.tuning.form = form;
-    const SliceResult result = sliced(mesh, options);
+    const SliceResult result = sliced(mesh, options, {}, {.form = form});
     INFO(known.file);
-    CHECK(result.summary.triangles - result.summary.degenerate == known.kept);
+    CHECK(result.info.triangles - result.info.degenerate == known.kept);
     CHECK(result.layers.size() == known.planes);
-    CHECK(result.summary.segments == known.segments);
+    CHECK(result.info.segments == known.segments);
     CHECK(result.contours.size() == known.contours);
-    CHECK(result.summary.holes == known.holes);
-    CHECK(result.summary.open_contours == 0);
+    CHECK(result.info.holes == known.holes);
+    CHECK(result.info.open_contours == 0);
 }
 
 TEST_CASE("areas times layer height give the volume of closed meshes", "[volume]") {
     const char* file = GENERATE("liver.stl", "femur.stl", "brain.stl", "hip_femur.stl");
     const lamella::MeshFile mesh = mesh_of(folder / file);
-    const lamella::Result<lamella::MeshInfo> info = inspect(mesh.view());
-    REQUIRE(info.ok());
+    const lamella::MeshCheck info = value_of(check(mesh.view(), {.counts_only = true}));
     INFO(file);
-    CHECK(info->closed);
-    const SliceResult result = sliced(mesh, at_layer_height(0.032));
-    CHECK(result.summary.open_contours == 0);
+    CHECK(info.closed);
+    const SliceResult result = sliced(mesh, uniform(0.032));
+    CHECK(result.info.open_contours == 0);
     double volume = 0;
-    for (const lamella::Layer& layer : result.layers) {
-        volume += result.area_mm2(layer) * 0.032;
+    for (const lamella::LayerView layer : result) {
+        volume += layer.area_mm2() * 0.032;
     }
-    CHECK(std::abs(volume - info->volume_mm3) < 1e-5 * std::abs(info->volume_mm3));
+    CHECK(std::abs(volume - info.volume_mm3) < 1e-5 * std::abs(info.volume_mm3));
 }
 
 TEST_CASE("bones with boundary edges slice, with their open polylines flagged", "[open]") {
@@ -89,15 +115,117 @@ TEST_CASE("bones with boundary edges slice, with their open polylines flagged", 
             continue;
         }
         const lamella::MeshFile mesh = mesh_of(entry.path());
-        const lamella::Result<lamella::MeshInfo> info = inspect(mesh.view());
-        REQUIRE(info.ok());
+        const lamella::MeshCheck info = value_of(check(mesh.view(), {.counts_only = true}));
         INFO(entry.path());
-        const SliceResult result = sliced(mesh, at_layer_height(0.032));
+        const SliceResult result = sliced(mesh, uniform(0.032));
         // A closed mesh never has open contours. A mesh with boundary edges as tall as a layer has some.
-        CHECK((result.summary.open_contours == 0 || info->boundary_edges > 0));
+        CHECK((result.info.open_contours == 0 || info.boundary_edges > 0));
         ++bones;
-        with_open += result.summary.open_contours > 0 ? 1 : 0;
+        with_open += result.info.open_contours > 0 ? 1 : 0;
     }
     CHECK(bones == 8);
     CHECK(with_open == 7);
+}
+
+TEST_CASE("check() finds the known faults of real meshes", "[check]") {
+    const Known known = GENERATE(
+        Known{"liver.stl", "closed and clean", 1}, Known{"femur.stl", "closed and clean, with 207 needles, 4 caps", 1},
+        Known{"hip_femur.stl", "closed and clean", 1}, Known{"brain.stl", "closed and clean", 2},
+        Known{"bones/Left_first_rib.stl", "closed and clean", 1},
+        Known{"bones/Fifth_lumbar_vertebra.stl",
+              "not clean: 30 boundary edges, 6 boundary loops, 4 crossings of faces, 5 cracks", 1},
+        Known{"bones/Frontal_bone.stl",
+              "not clean: 268 boundary edges, 60 boundary loops, 9 split vertices, 51 crossings of faces, 28 T-junctions, 7 "
+              "cracks",
+              2},
+        Known{
+            "bones/Left_parietal_bone.stl",
+            "not clean: 262 boundary edges, 61 boundary loops, 6 split vertices, 51 crossings of faces, 2 touches of faces, "
+            "26 T-junctions, 12 cracks",
+            1},
+        Known{"bones/Right_seventh_rib.stl", "not clean: 4 boundary edges, 1 boundary loop, 2 T-junctions", 1});
+    INFO(known.file);
+    const lamella::MeshCheck one = findings_of(folder / known.file, 1);
+    CHECK(make_verdict(one).value() == known.verdict);
+    CHECK(one.shells.size() == known.shells);
+    CHECK(make_check_json(one, {}).value() == make_check_json(findings_of(folder / known.file, 3), {}).value());
+}
+
+TEST_CASE("planes at the heights of all vertices lose no triangle of real meshes", "[vertex_heights]") {
+    for (const std::filesystem::path& file : real_meshes()) {
+        const shapes::Soup soup = soup_of(file);
+        const lamella::MeshCheck info = *check(view_of(soup), {.counts_only = true});
+        std::uint64_t open = 0;
+        for (const std::vector<double>& part : parts_of(vertex_heights(soup, info.grid_mm))) {
+            for (const lamella::PlaneSide side : {lamella::PlaneSide::below, lamella::PlaneSide::above}) {
+                lamella::SliceOptions options;
+                options.heights_mm = part;
+                options.planes.side = side;
+                const lamella::SliceResult result = sliced(soup, options);
+                INFO(file << ", from " << part.front() << " mm, above " << (side == lamella::PlaneSide::above));
+                CHECK(lost_at_vertex_heights(result, soup).empty());
+                open += result.info.open_contours;
+            }
+        }
+        INFO(file);
+        CHECK((!info.closed || open == 0));
+    }
+}
+
+TEST_CASE("closing agrees with closing everything on layers of real meshes", "[closing]") {
+    const double radius_mm = GENERATE(0.049, 0.4);
+    double worst = 0;
+    for (const std::filesystem::path& file : real_meshes()) {
+        const lamella::SliceResult result = sliced(soup_of(file), uniform(6));
+        lamella::RegionRules rules;
+        rules.fill_rule = lamella::FillRule::non_zero;
+        for (const lamella::Layer& layer : result.layers) {
+            const regions::Polygons rings = layer_of(result, layer);
+            if (rings.empty()) {
+                continue;
+            }
+            INFO(file << " at " << layer.plane_mm << " mm, radius " << radius_mm << " mm");
+            rules.closing_mm = 0;
+            const auto plain = regions::region(rings, rules, result.info.grid_mm);
+            rules.closing_mm = radius_mm;
+            const auto made = regions::region(rings, rules, result.info.grid_mm);
+            const auto everywhere = regions::closed_everywhere(rings, rules, result.info.grid_mm);
+            REQUIRE((plain.ok() && made.ok() && everywhere.ok()));
+            CHECK(regions::broken_promise(*made) == "");
+            const double difference = regions::difference_of(*made, *everywhere) * result.info.grid_mm;
+            const double perimeter = regions::perimeter_of(regions::rings_of(*plain));
+            CHECK(difference <= 5e-6 * perimeter);
+            worst = std::max(worst, difference / perimeter);
+        }
+    }
+    INFO("at most " << worst << " mm times the perimeter");
+    CHECK(worst > 0);
+}
+
+TEST_CASE("simplified layers of real meshes are valid and cross no more", "[simplify]") {
+    std::size_t before = 0;
+    std::size_t after = 0;
+    for (const std::filesystem::path& file : real_meshes()) {
+        const shapes::Soup soup = soup_of(file);
+        for (const double rough_mm : {0.0, 0.3}) {
+            const shapes::Soup rough = roughened(soup, rough_mm);
+            for (const lamella::FillRule rule : {lamella::FillRule::contours, lamella::FillRule::non_zero}) {
+                lamella::SliceOptions options = uniform(3);
+                options.region.fill_rule = rule;
+                options.origins = true;
+                const lamella::SliceResult plain = sliced(rough, options);
+                for (const double tolerance_mm : {0.02, 1.0}) {
+                    INFO(file << ", rough by " << rough_mm << " mm, " << name_of(rule) << ", within " << tolerance_mm);
+                    options.region.simplify_mm = tolerance_mm;
+                    const lamella::SliceResult simplified = sliced(rough, options);
+                    require_ok(audits::structure_of(simplified, view_of(rough)));
+                    REQUIRE(simplified.contours.size() == plain.contours.size());
+                    REQUIRE(crossings_in(simplified) <= crossings_in(plain));
+                    before += plain.points.size();
+                    after += simplified.points.size();
+                }
+            }
+        }
+    }
+    CHECK(after < before / 2);
 }

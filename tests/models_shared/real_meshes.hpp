@@ -29,12 +29,12 @@ inline shapes::Soup soup_of(const std::filesystem::path& file) {
     const lamella::Result<lamella::MeshFile> mesh = lamella::read_mesh(file);
     REQUIRE(mesh.ok());
     const lamella::MeshView view = mesh->view();
-    REQUIRE(view.coordinate_type == lamella::CoordinateType::f32);
+    REQUIRE(view.vertex_type == lamella::Number::f32);
     REQUIRE(view.indices == nullptr);
     shapes::Soup soup;
     for (std::size_t t = 0; t < view.triangle_count; ++t) {
         float corners[9];
-        std::memcpy(corners, view.vertices + t * view.stride, sizeof corners);
+        std::memcpy(corners, view.vertex_at(t), sizeof corners);
         soup.insert(soup.end(), std::begin(corners), std::end(corners));
     }
     return soup;

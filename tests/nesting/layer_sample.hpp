@@ -1,4 +1,4 @@
-// Layers made for tests, and an oracle that nests them by brute force.
+// Layers made for tests, and how the oracle nests them.
 #pragma once
 
 #include <algorithm>
@@ -8,92 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "rings.hpp"
+#include "oracle/oracle.hpp"
 #include "slicing/nesting/nest.hpp"
 
 namespace lamella::test {
-
-/// The contours of a layer with their points.
-class LayerSample {
-public:
-    void add(std::vector<Point> points, bool closed, std::uint32_t rotate_by = 0);
-    /// Adds a rectangle, clockwise if asked.
-    void add_box(Point low, Point high, bool clockwise);
-    /// Keeps only the first of contours whose points, counted from their starts, are all equal.
-    void drop_repeated();
-
-    std::size_t size() const { return contours_.size(); }
-    /// The input of Nester::nest. It points into this sample.
-    std::vector<NestItem> items() const;
-    /// The expected output, found by comparing every contour with every other and every point with every edge.
-    std::vector<NestItem> expected() const;
-
-private:
-    struct Contour {
-        std::vector<Point> points;
-        bool closed = false;
-    };
-    std::vector<Contour> contours_;
-};
-
-namespace oracle {
-
-using rings::Int128;
-using rings::twice_area;
-
-inline std::size_t start_of(const std::vector<Point>& points) {
-    return static_cast<std::size_t>(std::min_element(points.begin(), points.end()) - points.begin());
-}
-
-inline std::vector<Point> from_start(std::vector<Point> points) {
-    std::rotate(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(start_of(points)), points.end());
-    return points;
-}
-
-struct Size {
-    Int128 area;
-    Point low, high;
-    std::vector<Point> points;
-};
-
-/// Orders contours from small to large. Of two equal contours, neither is smaller.
-inline bool smaller(const Size& a, const Size& b) {
-    if (a.area != b.area) {
-        return a.area < b.area;
-    }
-    if (a.points[0] != b.points[0]) {
-        return a.points[0] < b.points[0];
-    }
-    if (a.low != b.low || a.high != b.high) {
-        return a.low != b.low ? a.low < b.low : a.high < b.high;
-    }
-    return a.points.size() != b.points.size() ? a.points.size() < b.points.size() : a.points < b.points;
-}
-
-inline Size size_of(const NestItem& item) {
-    std::vector<Point> points(item.points, item.points + item.count);
-    const Int128 area = twice_area(points);
-    return {area < 0 ? -area : area, item.box.low, item.box.high, from_start(points)};
-}
-
-inline void expect_role(std::vector<NestItem>& items, std::size_t index) {
-    std::vector<std::size_t> path{index};
-    while (items[path.back()].parent >= 0) {
-        path.push_back(static_cast<std::size_t>(items[path.back()].parent));
-    }
-    int winding = 0;
-    bool negative = false;
-    for (auto around = path.rbegin(); around != path.rend(); ++around) {
-        winding += items[*around].orientation;
-        negative |= winding < 0;
-    }
-    NestItem& item = items[index];
-    item.role = (negative ? path.size() % 2 == 1 : item.orientation > 0) ? Role::outer : Role::hole;
-    item.flags = negative ? orientation_overruled : 0;
-    item.reverse = (item.role == Role::outer) != (item.orientation > 0);
-}
-
-}  // namespace oracle
 
 inline int below(std::mt19937& random, int bound) {
     return static_cast<int>(random() % static_cast<unsigned>(bound));
@@ -124,74 +42,91 @@ inline std::vector<Point> random_walk(std::mt19937& random, int size) {
     return points;
 }
 
-inline void LayerSample::add(std::vector<Point> points, bool closed, std::uint32_t rotate_by) {
-    std::rotate(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(rotate_by % points.size()), points.end());
-    contours_.push_back({std::move(points), closed});
-}
-
-inline void LayerSample::add_box(Point low, Point high, bool clockwise) {
-    std::vector<Point> points{low, {high.x, low.y}, high, {low.x, high.y}};
-    if (clockwise) {
-        std::reverse(points.begin(), points.end());
+/// The contours of a layer with their points.
+class LayerSample {
+public:
+    void add(std::vector<Point> points, bool closed, std::uint32_t rotate_by = 0) {
+        std::rotate(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(rotate_by % points.size()), points.end());
+        contours_.push_back({std::move(points), closed});
     }
-    add(std::move(points), true);
-}
 
-inline void LayerSample::drop_repeated() {
-    std::vector<Contour> kept;
-    for (Contour& contour : contours_) {
-        const bool repeated = std::any_of(kept.begin(), kept.end(), [&](const Contour& other) {
-            return other.closed && contour.closed && oracle::from_start(other.points) == oracle::from_start(contour.points);
-        });
-        if (!repeated) {
-            kept.push_back(std::move(contour));
+    /// Adds a rectangle, clockwise if asked.
+    void add_box(Point low, Point high, bool clockwise) {
+        std::vector<Point> points{low, {high.x, low.y}, high, {low.x, high.y}};
+        if (clockwise) {
+            std::reverse(points.begin(), points.end());
         }
+        add(std::move(points), true);
     }
-    contours_ = std::move(kept);
-}
 
-inline std::vector<NestItem> LayerSample::items() const {
-    std::vector<NestItem> items;
-    for (const Contour& contour : contours_) {
-        NestItem item;
-        item.points = contour.points.data();
-        item.count = static_cast<std::uint32_t>(contour.points.size());
-        item.closed = contour.closed;
-        if (contour.closed) {
-            item.start = static_cast<std::uint32_t>(oracle::start_of(contour.points));
-            const oracle::Int128 area = oracle::twice_area(contour.points);
-            item.twice_area = {static_cast<std::uint64_t>(area), static_cast<std::int64_t>(area >> 64)};
-            item.box = lamella::FlatBox::around(contour.points);
-        }
-        items.push_back(item);
-    }
-    return items;
-}
-
-inline std::vector<NestItem> LayerSample::expected() const {
-    std::vector<NestItem> items = this->items();
-    for (std::size_t i = 0; i < items.size(); ++i) {
-        NestItem& item = items[i];
-        const oracle::Int128 area = item.closed ? oracle::twice_area(contours_[i].points) : 0;
-        item.orientation = static_cast<std::int8_t>((area > 0) - (area < 0));
-        item.role = item.closed ? Role::flat : Role::open;
-    }
-    for (NestItem& item : items) {
-        for (std::size_t other = 0; item.orientation != 0 && other < items.size(); ++other) {
-            if (items[other].orientation != 0 && rings::strictly_around(contours_[other].points, item.points[item.start]) &&
-                (item.parent < 0 || oracle::smaller(oracle::size_of(items[other]),
-                                                    oracle::size_of(items[static_cast<std::size_t>(item.parent)])))) {
-                item.parent = static_cast<std::int32_t>(other);
+    /// Keeps only the first of contours whose points, counted from their starts, are all equal.
+    void drop_repeated() {
+        std::vector<Contour> kept;
+        for (Contour& contour : contours_) {
+            const bool repeated = std::any_of(kept.begin(), kept.end(), [&](const Contour& other) {
+                return other.closed && contour.closed &&
+                       rings::from_smallest(other.points) == rings::from_smallest(contour.points);
+            });
+            if (!repeated) {
+                kept.push_back(std::move(contour));
             }
         }
+        contours_ = std::move(kept);
     }
-    for (std::size_t i = 0; i < items.size(); ++i) {
-        if (items[i].orientation != 0) {
-            oracle::expect_role(items, i);
+
+    std::size_t size() const { return contours_.size(); }
+
+    /// The input of Nester::nest. It points into this sample.
+    std::vector<NestItem> items() const {
+        std::vector<NestItem> items;
+        for (const Contour& contour : contours_) {
+            const std::vector<Point>& points = contour.points;
+            NestItem item;
+            item.points = points.data();
+            item.count = static_cast<std::uint32_t>(points.size());
+            item.closed = contour.closed;
+            if (contour.closed) {
+                item.start = static_cast<std::uint32_t>(std::min_element(points.begin(), points.end()) - points.begin());
+                const rings::Int128 area = rings::twice_area(points);
+                item.twice_area = {static_cast<std::uint64_t>(area), static_cast<std::int64_t>(area >> 64)};
+                item.box = FlatBox::around(points);
+            }
+            items.push_back(item);
         }
+        return items;
     }
-    return items;
-}
+
+    /// The expected output.
+    std::vector<NestItem> expected() const {
+        oracle::Layer layer;
+        for (const Contour& contour : contours_) {
+            oracle::Contour& own = layer.emplace_back();
+            own.points = contour.closed ? rings::from_smallest(contour.points) : contour.points;
+            own.twice_area = contour.closed ? rings::twice_area(own.points) : 0;
+            own.orientation = (own.twice_area > 0) - (own.twice_area < 0);
+            own.role = contour.closed ? Role::flat : Role::open;
+        }
+        const oracle::Layer as_given = layer;
+        oracle::find_parents(layer);
+        oracle::decide_roles(layer);
+        std::vector<NestItem> items = this->items();
+        for (std::size_t i = 0; i < items.size(); ++i) {
+            items[i].orientation = static_cast<std::int8_t>(layer[i].orientation);
+            items[i].role = layer[i].role;
+            items[i].flags = static_cast<std::uint16_t>(layer[i].flags);
+            items[i].reverse = layer[i].twice_area != as_given[i].twice_area;
+            items[i].parent = layer[i].parent;
+        }
+        return items;
+    }
+
+private:
+    struct Contour {
+        std::vector<Point> points;
+        bool closed = false;
+    };
+    std::vector<Contour> contours_;
+};
 
 inline void add_random_contour(LayerSample& sample, std::mt19937& random, int size) {
     const int x = below(random, size);

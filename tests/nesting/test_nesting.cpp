@@ -48,113 +48,73 @@ std::vector<NestItem> nest_permuted(const LayerSample& sample, const std::vector
 
 }  // namespace
 
-TEST_CASE("an empty layer is accepted, and a single contour is an outer without parent", "[nesting]") {
+TEST_CASE("the roles and parents of a few contours are known", "[nesting]") {
+    struct Given {
+        std::vector<Point> points;
+        const char* expected;  ///< role, orientation, parent; whether it is overruled and reversed
+        bool closed = true;
+    };
+    const auto box = [](std::int32_t low, std::int32_t high, bool clockwise = false) {
+        return clockwise ? std::vector<Point>{{low, low}, {low, high}, {high, high}, {high, low}}
+                         : std::vector<Point>{{low, low}, {high, low}, {high, high}, {low, high}};
+    };
+    const std::vector<Given> layers[] = {
+        {},
+        {{box(0, 10), "outer + in -1"}},
+        // The parent of a hole is the smallest contour around it.
+        {{box(30, 40, true), "hole - in 2"},
+         {box(0, 100), "outer + in -1"},
+         {box(20, 50), "outer + in 3"},
+         {box(10, 90, true), "hole - in 1"}},
+        // An inverted shell.
+        {{box(0, 100, true), "outer - in -1 overruled"},
+         {box(10, 90), "hole + in 0 overruled"},
+         {box(200, 300), "outer + in -1"}},
+        // Shells of equal orientation nest as they are: windings from outside in are 1, 2, 1, 0, and then -1.
+        {{box(0, 100), "outer + in -1"},
+         {box(10, 90), "outer + in 0"},
+         {box(20, 80, true), "hole - in 1"},
+         {box(30, 70, true), "hole - in 2"},
+         {box(40, 60, true), "outer - in 3 overruled"}},
+        // Open and flat contours have no parent and no children.
+        {{box(0, 100), "outer + in -1"},
+         {{{10, 10}, {50, 50}}, "flat 0 in -1"},
+         {{{20, 10}, {80, 10}, {80, 90}}, "open 0 in -1", false},
+         {box(40, 60, true), "hole - in 0"}},
+        // A start on a boundary is not inside.
+        {{box(0, 100), "outer + in -1"},
+         {{{0, 20}, {0, 40}, {30, 40}, {30, 20}}, "outer - in -1 overruled"},  // on the left edge
+         {{{10, 0}, {60, 10}, {10, 20}}, "outer + in -1"},                     // on the bottom edge
+         {{{0, 0}, {90, 10}, {10, 90}}, "outer + in -1"},                      // at the corner
+         {{{40, 40}, {50, 30}, {60, 40}, {50, 50}}, "outer + in 3"},           // on an edge of the contour before it
+         {{{40, 40}, {50, 50}, {60, 40}, {50, 30}}, "hole - in 3"},            // the same, reversed: neither is inside
+         {{{45, 35}, {52, 35}, {50, 40}}, "outer + in 3"},                     // on an edge of the last two
+         {{{50, 50}, {60, 60}, {40, 60}}, "outer + in 0"}},                    // on their corner and an edge of contour 3
+    };
     lamella::Worker worker;
     Nester nester(worker);
-    nester.nest({});
-    LayerSample sample;
-    sample.add_box({0, 0}, {10, 10}, false);
-    std::vector<NestItem> items = sample.items();
-    nester.nest(items);
-    CHECK(items[0].role == Role::outer);
-    CHECK(items[0].parent == -1);
-    CHECK(items[0].orientation == 1);
-    CHECK_FALSE(items[0].reverse);
-    CHECK(items[0].flags == 0);
-}
-
-TEST_CASE("the parent of a hole is the smallest contour around it", "[nesting]") {
-    LayerSample sample;
-    sample.add_box({30, 30}, {40, 40}, true);
-    sample.add_box({0, 0}, {100, 100}, false);
-    sample.add_box({20, 20}, {50, 50}, false);
-    sample.add_box({10, 10}, {90, 90}, true);
-    std::vector<NestItem> items = sample.items();
-    nest_by_itself(items);
-    CHECK(items[0].parent == 2);
-    CHECK(items[1].parent == -1);
-    CHECK(items[2].parent == 3);
-    CHECK(items[3].parent == 1);
-    CHECK(items[0].role == Role::hole);
-    CHECK(items[2].role == Role::outer);
-    CHECK(items[3].role == Role::hole);
-    CHECK(std::none_of(items.begin(), items.end(), [](const NestItem& item) { return item.reverse || item.flags != 0; }));
-}
-
-TEST_CASE("an inverted shell is reversed and marked", "[nesting]") {
-    LayerSample sample;
-    sample.add_box({0, 0}, {100, 100}, true);
-    sample.add_box({10, 10}, {90, 90}, false);
-    sample.add_box({200, 0}, {300, 100}, false);
-    std::vector<NestItem> items = sample.items();
-    items[0].flags = lamella::orientation_mixed;
-    nest_by_itself(items);
-    CHECK(items[0].role == Role::outer);
-    CHECK(items[0].orientation == -1);
-    CHECK(items[0].reverse);
-    CHECK(items[0].flags == (lamella::orientation_mixed | lamella::orientation_overruled));
-    CHECK(items[1].role == Role::hole);
-    CHECK(items[1].orientation == 1);
-    CHECK(items[1].reverse);
-    CHECK(items[1].flags == lamella::orientation_overruled);
-    CHECK(items[2].role == Role::outer);
-    CHECK(items[2].flags == 0);
-}
-
-TEST_CASE("shells of equal orientation nest without being reversed", "[nesting]") {
-    LayerSample sample;  // windings from outside in: 1, 2, 1, 0, and then -1
-    sample.add_box({0, 0}, {100, 100}, false);
-    sample.add_box({10, 10}, {90, 90}, false);
-    sample.add_box({20, 20}, {80, 80}, true);
-    sample.add_box({30, 30}, {70, 70}, true);
-    sample.add_box({40, 40}, {60, 60}, true);
-    std::vector<NestItem> items = sample.items();
-    nest_by_itself(items);
-    const Role roles[] = {Role::outer, Role::outer, Role::hole, Role::hole, Role::outer};
-    for (std::size_t i = 0; i < items.size(); ++i) {
-        CHECK(items[i].parent == static_cast<std::int32_t>(i) - 1);
-        CHECK(items[i].role == roles[i]);
-        CHECK((items[i].flags == lamella::orientation_overruled) == (i == 4));
-        CHECK(items[i].reverse == (i == 4));
+    for (const std::vector<Given>& layer : layers) {
+        LayerSample sample;
+        for (const Given& given : layer) {
+            sample.add(given.points, given.closed);
+        }
+        std::vector<NestItem> items = sample.items();
+        for (NestItem& item : items) {
+            item.flags = lamella::orientation_mixed;  // is kept
+        }
+        nester.nest(items);
+        for (std::size_t i = 0; i < items.size(); ++i) {
+            const NestItem& item = items[i];
+            const char* const roles[] = {"outer ", "hole ", "flat ", "open "};
+            const bool overruled = (item.flags & lamella::orientation_overruled) != 0;
+            CHECK(roles[static_cast<std::size_t>(item.role)] + std::string(1, "-0+"[item.orientation + 1]) + " in " +
+                      std::to_string(item.parent) + (overruled ? " overruled" : "") ==
+                  layer[i].expected);
+            CHECK(item.reverse == overruled);
+            CHECK((item.flags & lamella::orientation_mixed) != 0);
+        }
+        check_against_oracle(sample);
     }
-}
-
-TEST_CASE("open and flat contours have no parent and no children", "[nesting]") {
-    LayerSample sample;
-    sample.add_box({0, 0}, {100, 100}, false);
-    sample.add({{10, 10}, {50, 50}}, true);
-    sample.add({{20, 10}, {80, 10}, {80, 90}}, false);
-    sample.add_box({40, 12}, {60, 20}, true);
-    std::vector<NestItem> items = sample.items();
-    nest_by_itself(items);
-    CHECK(items[1].role == Role::flat);
-    CHECK(items[2].role == Role::open);
-    CHECK(items[1].parent == -1);
-    CHECK(items[2].parent == -1);
-    CHECK(items[1].orientation == 0);
-    CHECK(items[2].orientation == 0);
-    CHECK(items[3].parent == 0);
-}
-
-TEST_CASE("a start on a boundary is not inside", "[nesting]") {
-    LayerSample sample;
-    sample.add_box({0, 0}, {100, 100}, false);
-    sample.add_box({0, 20}, {30, 40}, true);                     // starts on the left edge
-    sample.add({{10, 0}, {60, 10}, {10, 20}}, true);             // starts on the bottom edge
-    sample.add({{0, 0}, {90, 10}, {10, 90}}, true);              // starts at the corner
-    sample.add({{40, 40}, {50, 30}, {60, 40}, {50, 50}}, true);  // starts on an edge of the contour before it
-    sample.add({{40, 40}, {50, 50}, {60, 40}, {50, 30}},
-               true);                                  // the same, reversed: neither is inside the other
-    sample.add({{45, 35}, {52, 35}, {50, 40}}, true);  // starts on an edge of the last two
-    sample.add({{50, 50}, {60, 60}, {40, 60}}, true);  // starts on their corner and on the edge of contour 3
-    std::vector<NestItem> items = sample.items();
-    nest_by_itself(items);
-    const std::int32_t parents[] = {-1, -1, -1, -1, 3, 3, 3, 0};
-    for (std::size_t i = 0; i < items.size(); ++i) {
-        CAPTURE(i);
-        CHECK(items[i].parent == parents[i]);
-    }
-    check_against_oracle(sample);
 }
 
 TEST_CASE("nesting is exact up to the limits of the grid", "[nesting]") {

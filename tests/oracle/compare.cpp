@@ -15,7 +15,7 @@ const char* name_of(lamella::Role role) {
 }
 
 void print(std::ostream& out, const Contour& contour, bool any_start) {
-    out << name_of(contour.role) << " sense " << contour.orientation << " flags " << contour.flags << " segments "
+    out << name_of(contour.role) << " orientation " << contour.orientation << " flags " << contour.flags << " segments "
         << contour.segments << " twice area " << static_cast<std::int64_t>(contour.twice_area >> 64) << " * 2^64 + "
         << static_cast<std::uint64_t>(contour.twice_area) << " points";
     const bool rotate = any_start && contour.role != lamella::Role::open;
@@ -39,11 +39,12 @@ std::vector<std::string> lines_of(const Layer& layer, bool any_start) {
     return lines;
 }
 
-Layer from_engine(std::span<const lamella::Contour> contours, std::span<const Point> points, std::int64_t first_contour) {
+Layer from_engine(const lamella::SliceResult& result, const lamella::Layer& from) {
+    const auto first_contour = static_cast<std::int64_t>(from.first_contour);
     Layer layer;
-    for (const lamella::Contour& contour : contours) {
+    for (const lamella::Contour& contour : result.contours_of(from)) {
         Contour copy;
-        const std::span<const Point> own = points.subspan(contour.first_point, contour.point_count);
+        const std::span<const Point> own = result.points_of(contour);
         copy.points.assign(own.begin(), own.end());
         copy.twice_area = Int128{contour.twice_area.high} * (Int128{1} << 64) + contour.twice_area.low;
         copy.parent = static_cast<int>(contour.parent < 0 ? -1 : contour.parent - first_contour);
@@ -69,10 +70,9 @@ bool order_is_settled(const Layer& layer) {
 
 }  // namespace
 
-std::string difference(std::span<const lamella::Contour> contours, std::span<const Point> points, std::int64_t first_contour,
-                       const Layer& expected) {
+std::string difference(const lamella::SliceResult& result, const lamella::Layer& layer, const Layer& expected) {
     const bool settled = order_is_settled(expected);
-    std::vector<std::string> got = lines_of(from_engine(contours, points, first_contour), !settled);
+    std::vector<std::string> got = lines_of(from_engine(result, layer), !settled);
     std::vector<std::string> want = lines_of(expected, !settled);
     if (!settled) {
         std::sort(got.begin(), got.end());
@@ -90,13 +90,8 @@ std::string difference(std::span<const lamella::Contour> contours, std::span<con
     return {};
 }
 
-std::string difference(const lamella::SliceResult& result, const lamella::Layer& layer, const Layer& expected) {
-    return difference(result.contours_of(layer), result.points.span(), static_cast<std::int64_t>(layer.first_contour),
-                      expected);
-}
-
-std::string difference(const lamella::LayerContours& layer, const Layer& expected) {
-    return difference(layer.contours.span(), layer.points.span(), 0, expected);
+std::string difference(const lamella::SliceResult& result, const Layer& expected) {
+    return difference(result, result.layers[0], expected);
 }
 
 std::string difference(const lamella::SliceResult& result, std::span<const Triangle> triangles) {

@@ -4,7 +4,6 @@
 #include <span>
 #include <string>
 
-#include "lamella/assemble.hpp"
 #include "lamella/result.hpp"
 #include "oracle/oracle.hpp"
 
@@ -12,12 +11,9 @@ namespace oracle {
 
 /// The first difference in words, or empty. Order and starts are compared where the rules define them. They are undefined
 /// where one contour, or two, pass twice through the same start on the same mesh edge.
-std::string difference(std::span<const lamella::Contour> contours, std::span<const lamella::Point> points,
-                       std::int64_t first_contour, const Layer& expected);
-
 std::string difference(const lamella::SliceResult& result, const lamella::Layer& layer, const Layer& expected);
-
-std::string difference(const lamella::LayerContours& layer, const Layer& expected);
+/// The same for a result of one layer.
+std::string difference(const lamella::SliceResult& result, const Layer& expected);
 
 /// Compares every layer of `result` with the oracle's slice of `triangles` at its plane.
 std::string difference(const lamella::SliceResult& result, std::span<const Triangle> triangles);

@@ -71,7 +71,7 @@ Direction direction_of(const EdgeKey& edge, GridVertex third) {
             (Int128{third.y} - low.y) * dz - (Int128{high.y} - low.y) * rise};
 }
 
-/// Whether a comes before b counter-clockwise from `zero`.
+/// True if a comes before b counter-clockwise from `zero`.
 bool before(Direction zero, Direction a, Direction b) {
     const auto cross = [](Direction u, Direction v) { return u.x * v.y - u.y * v.x; };
     const auto second_half = [&](Direction d) {
@@ -249,20 +249,21 @@ Int128 size_of(const Contour& contour) {
     return contour.twice_area < 0 ? -contour.twice_area : contour.twice_area;
 }
 
-/// Smaller by area; of equal areas, the contour that starts first.
+/// Smaller by area; of equal areas, the contour that starts first; then by box and points.
 bool smaller(const Contour& a, const Contour& b) {
-    return std::tuple(size_of(a), a.points.front(), a.points) < std::tuple(size_of(b), b.points.front(), b.points);
-}
-
-void find_parents(Layer& layer) {
-    for (Contour& child : layer) {
-        for (std::size_t i = 0; i < layer.size() && child.orientation != 0; ++i) {
-            const bool closer = child.parent < 0 || smaller(layer[i], layer[static_cast<std::size_t>(child.parent)]);
-            if (layer[i].orientation != 0 && closer && rings::strictly_around(layer[i].points, child.points.front())) {
-                child.parent = static_cast<int>(i);
-            }
-        }
+    if (size_of(a) != size_of(b)) {
+        return size_of(a) < size_of(b);
     }
+    const auto order = [](const Contour& contour) {
+        Point low = contour.points.front();
+        Point high = low;
+        for (const Point p : contour.points) {
+            low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+            high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+        }
+        return std::tuple(contour.points.front(), low, high, contour.points.size(), contour.points);
+    };
+    return order(a) < order(b);
 }
 
 /// Sorted by start, then each hole moved after its outer.
@@ -295,6 +296,17 @@ Layer in_order(const Layer& layer) {
 }
 
 }  // namespace
+
+void find_parents(Layer& layer) {
+    for (Contour& child : layer) {
+        for (std::size_t i = 0; i < layer.size() && child.orientation != 0; ++i) {
+            if (layer[i].orientation != 0 && rings::strictly_around(layer[i].points, child.points.front()) &&
+                (child.parent < 0 || smaller(layer[i], layer[static_cast<std::size_t>(child.parent)]))) {
+                child.parent = static_cast<int>(i);
+            }
+        }
+    }
+}
 
 void decide_roles(Layer& layer) {
     for (Contour& contour : layer) {

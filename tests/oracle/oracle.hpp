@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "lamella/assemble.hpp"
 #include "lamella/grid.hpp"
+#include "lamella/layers.hpp"
 #include "lamella/result.hpp"
 #include "rings.hpp"
 
@@ -47,6 +47,9 @@ using Layer = std::vector<Contour>;
 
 /// The segments of the plane at odd height `z`, with the keys and ranks that assemble() takes.
 std::vector<lamella::Segment> segments_at(std::span<const Triangle> triangles, std::int32_t z);
+
+/// The smallest contour strictly around each start. Points must run from their starts.
+void find_parents(Layer& layer);
 
 /// Roles by the orientations from the outside in: where a winding number is negative, by the number of contours around.
 /// Contours are turned round to suit theirs. Parents must be known.

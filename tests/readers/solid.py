@@ -6,20 +6,12 @@ structure set are compared with winding numbers, counted along vertical rays thr
 """
 
 import csv
-import pathlib
 import struct
-import subprocess
 import sys
-import tempfile
-
-try:
-    import numpy
-    from PIL import Image
-except ImportError:
-    print("not tested: python3-numpy or python3-pil is missing")
-    sys.exit(77)
 
 import support
+
+numpy, Image = support.need("numpy", "PIL.Image")
 
 SIDE, HIGH, PICTURE_LAYER, FINE = 26, 16, 7, 4  # voxels of 1 mm, slices, the layer drawn, samples along a voxel
 ORIGIN = (-0.75, -0.75, 0.5)  # quarters: FINE samples a voxel lie between the planes of boxes
@@ -148,35 +140,25 @@ def check(name, triangles, exact, out, cov):
     return (fine < 0).any(), (fine > 1).any()
 
 
-def main():
-    lamella = pathlib.Path(sys.argv[1]).resolve()
+def test(run):
     rounds = int(sys.argv[2]) if len(sys.argv) > 2 else 40
-    with tempfile.TemporaryDirectory() as name:
-        folder = pathlib.Path(name)
-        meshes = {}
-        (folder / "in").mkdir()
-        for i in range(rounds):
-            triangles = random_mesh(numpy.random.default_rng(i), i % 2 == 1)
-            (folder / "in" / f"m{i}.stl").write_bytes(support.stl(triangles))
-            meshes[f"m{i}"] = triangles
-        write_image(folder / "like.nii")
-        common = [lamella, "batch", "in", "--like", "like.nii", "--frame", "ras", "-o"]
-        for words in (["out/{stem}", "--to", "nii,csv,png,rtstruct", "--without-ct", "--picture-layer", str(PICTURE_LAYER)],
-                      ["cov/{stem}.nii", "--coverage"]):
-            done = subprocess.run([*common, *words], cwd=folder, check=False, capture_output=True, text=True)
-            if "without PNG" in done.stderr or "without DICOM" in done.stderr:
-                print("not tested:", done.stderr.strip())
-                sys.exit(77)
-            assert done.returncode == 0, done.stdout + done.stderr
-        found = []
-        for i, (stem, triangles) in enumerate(meshes.items()):
-            try:
-                found.append(check(stem, triangles, i % 2 == 0, folder / "out", folder / "cov"))
-            except AssertionError as problem:
-                raise SystemExit(f"round {i}: {problem}") from problem
-        below, above = numpy.sum(found, axis=0)
-        assert below > rounds // 10 and above > rounds // 4, (below, above)
-    print(f"passed: {rounds} meshes, {above} with winding numbers above 1, {below} below 0")
+    meshes = {f"m{i}": random_mesh(numpy.random.default_rng(i), i % 2 == 1) for i in range(rounds)}
+    (run.folder / "in").mkdir()
+    for stem, triangles in meshes.items():
+        (run.folder / "in" / f"{stem}.stl").write_bytes(support.stl(triangles))
+    write_image(run.folder / "like.nii")
+    common = ["batch", "in", "--like", "like.nii", "--frame", "ras", "-o"]
+    run(*common, "out/{stem}", "--to", "nii,csv,png,rtstruct", "--without-ct", "--picture-layer", str(PICTURE_LAYER))
+    run(*common, "cov/{stem}.nii", "--coverage")
+    found = []
+    for i, (stem, triangles) in enumerate(meshes.items()):
+        try:
+            found.append(check(stem, triangles, i % 2 == 0, run.folder / "out", run.folder / "cov"))
+        except AssertionError as problem:
+            raise SystemExit(f"round {i}: {problem}") from problem
+    below, above = numpy.sum(found, axis=0)
+    assert below > rounds // 10 and above > rounds // 4, (below, above)
+    return f"{rounds} meshes, {above} with winding numbers above 1, {below} below 0"
 
 
-main()
+support.main(test)

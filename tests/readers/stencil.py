@@ -6,21 +6,9 @@ tolerance of 2^-17 of a voxel at edges, and in single precision where points are
 centre lies so near to the surface. They are counted and printed, and the distance of each is checked.
 """
 
-import pathlib
-import subprocess
-import sys
-import tempfile
+from support import box_stl, main, need
 
-try:
-    import nibabel
-    import numpy
-    import vtk
-    from vtk.util.numpy_support import vtk_to_numpy
-except ImportError as error:
-    print("not tested:", error)
-    sys.exit(77)
-
-from support import box_stl
+nibabel, numpy, vtk, numpy_support = need("nibabel", "numpy", "vtk", "vtk.util.numpy_support")
 
 SPACING = (1.0, 0.75, 1.5)
 SLACK_MM = 2e-5  # 2^-17 of a voxel, and single precision of coordinates up to 100 mm
@@ -51,7 +39,7 @@ def stencil(mesh, size, spacing, origin):
     masked.SetStencilConnection(to_stencil.GetOutputPort())
     masked.SetBackgroundValue(0)
     masked.Update()
-    return vtk_to_numpy(masked.GetOutput().GetPointData().GetScalars()).reshape(size, order="F")
+    return numpy_support.vtk_to_numpy(masked.GetOutput().GetPointData().GetScalars()).reshape(size, order="F")
 
 
 def distances(mesh, centres):
@@ -61,14 +49,13 @@ def distances(mesh, centres):
     return numpy.array([abs(distance.EvaluateFunction(*centre)) for centre in centres])
 
 
-def compare(lamella, folder, name):
+def compare(run, name):
     # The marker's frame is LPS, as VTK knows no frame; nibabel gives RAS.
-    subprocess.run([lamella, "slice", f"{name}.stl", "--spacing", ",".join(map(str, SPACING)), "--frame", "lps", "-o", f"{name}.nii"],
-                   cwd=folder, check=True, stdout=subprocess.DEVNULL)
-    image = nibabel.load(folder / f"{name}.nii")
+    run("slice", f"{name}.stl", "--spacing", ",".join(map(str, SPACING)), "--frame", "lps", "-o", f"{name}.nii")
+    image = nibabel.load(run.folder / f"{name}.nii")
     ours = numpy.asarray(image.dataobj)
     origin = image.affine[:3, 3] * (-1, -1, 1)
-    mesh = vtk_mesh(folder / f"{name}.stl")
+    mesh = vtk_mesh(run.folder / f"{name}.stl")
     theirs = stencil(mesh, ours.shape, SPACING, origin)
     different = numpy.argwhere(ours != theirs)
     far = distances(mesh, origin + different * SPACING)
@@ -79,22 +66,17 @@ def compare(lamella, folder, name):
     return len(different)
 
 
-def main():
-    lamella = str(pathlib.Path(sys.argv[1]).resolve())
-    with tempfile.TemporaryDirectory() as name:
-        folder = pathlib.Path(name)
-        for shape in ("sphere", "torus", "bone", "gyroid"):
-            subprocess.run([lamella, "make", shape, "--triangles", "20000", "--height", "60", "-o", f"{shape}.stl"], cwd=folder,
-                           check=True, stdout=subprocess.DEVNULL)
-        # A box whose sides lie on no centre, and one whose sides all do: two others place the voxels around them.
-        (folder / "box.stl").write_bytes(box_stl((10.2, 20.3, 30.4), (40.7, 41.9, 52.3)))
-        boxes = [box_stl((0, 0, 0), (2, 2, 2)), box_stl((10.5, 15.375, 30.75), (30.5, 36.375, 51.75)), box_stl((38, 43, 58), (40, 45, 60))]
-        (folder / "on_centres.stl").write_bytes(boxes[0][:80] + (36).to_bytes(4, "little") + b"".join(box[84:] for box in boxes))
-        for shape in ("sphere", "torus", "bone", "gyroid", "box"):
-            assert compare(lamella, folder, shape) <= 2, f"{shape}: more voxels differ than rounding explains"
-        # Here the rules differ: with lamella left and bottom sides are inside, right and top ones are not.
-        assert compare(lamella, folder, "on_centres") > 0
-    print("passed")
+def test(run):
+    for shape in ("sphere", "torus", "bone", "gyroid"):
+        run("make", shape, "--triangles", "20000", "--height", "60", "-o", f"{shape}.stl")
+    # A box whose sides lie on no centre, and one whose sides all do: two others place the voxels around them.
+    (run.folder / "box.stl").write_bytes(box_stl((10.2, 20.3, 30.4), (40.7, 41.9, 52.3)))
+    boxes = [box_stl((0, 0, 0), (2, 2, 2)), box_stl((10.5, 15.375, 30.75), (30.5, 36.375, 51.75)), box_stl((38, 43, 58), (40, 45, 60))]
+    (run.folder / "on_centres.stl").write_bytes(boxes[0][:80] + (36).to_bytes(4, "little") + b"".join(box[84:] for box in boxes))
+    for shape in ("sphere", "torus", "bone", "gyroid", "box"):
+        assert compare(run, shape) <= 2, f"{shape}: more voxels differ than rounding explains"
+    # Here the rules differ: with lamella left and bottom sides are inside, right and top ones are not.
+    assert compare(run, "on_centres") > 0
 
 
-main()
+main(test)

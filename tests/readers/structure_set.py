@@ -1,22 +1,12 @@
 #!/usr/bin/env python3
 """DICOM as pydicom, plastimatch and dciodvfy read it: structure_set.py LAMELLA. Ends with 77 where pydicom is missing."""
 
-import pathlib
 import shutil
 import subprocess
-import sys
-import tempfile
 
-try:
-    import nibabel
-    import numpy
-    import pydicom
-    from pydicom.uid import generate_uid
-except ImportError:
-    print("not tested: python3-pydicom or python3-nibabel is missing")
-    sys.exit(77)
+from support import box, main, need, stl
 
-from support import box, stl
+nibabel, numpy, pydicom = need("nibabel", "numpy", "pydicom")
 
 COLUMNS, ROWS = 40, 30
 SPACING = (1.5, 2.0)  # of columns, of rows
@@ -103,13 +93,12 @@ def area(points, along_i, along_j):
 
 def even_odd(rings, at, along_i, along_j):
     count = 0
+    px, py = at @ along_i, at @ along_j
     for ring in rings:
         x, y = ring @ along_i, ring @ along_j
         u, v = numpy.roll(x, -1), numpy.roll(y, -1)
-        px, py = at @ along_i, at @ along_j
         spans = (y <= py) != (v <= py)
-        with numpy.errstate(divide="ignore", invalid="ignore"):
-            count += int((spans & (x + (py - y) / (v - y) * (u - x) > px)).sum())
+        count += int((x[spans] + (py - y[spans]) / (v - y)[spans] * (u - x)[spans] > px).sum())
     return count % 2 == 1
 
 
@@ -229,38 +218,36 @@ class Test:
         assert numpy.allclose(heights, [9, 12, 15, 16.5, 18, 23]), heights
 
 
-def main():
+def test_all(run):
     numpy.random.seed(1)
-    with tempfile.TemporaryDirectory() as name:
-        folder = pathlib.Path(name)
-        test = Test(sys.argv[1], folder)
-        (folder / "body.stl").write_bytes(stl(HOLLOW))
-        i, j, k = numpy.eye(3)
-        even = [2.87 * n for n in range(10)]
-        write_ct(folder / "axial", i, j, (-25.2, -25.3, 9.1), even)
-        for height, found in test.slices("axial", i, j, even).items():
-            assert abs(found - area_at(height)) < 1e-4, (height, found, area_at(height))
-        test.masks("axial")
-        write_ct(folder / "uneven", i, j, (-25.2, -25.3, 9.1), [0, 2.8, 5.8, 7.5, 9, 14.1])
-        test.slices("uneven", i, j, None)
-        write_ct(folder / "feet", i, -j, (-25.2, 25.3, 35.1), even)  # the normal leads to the feet
-        test.slices("feet", i, -j, even)
-        test.masks("feet")
-        write_ct(folder / "sagittal", j, -k, (32.3, -28.4, 40.2), [4.1 * n for n in range(13)])
-        test.slices("sagittal", j, -k, None)
-        test.masks("sagittal")
-        turn = numpy.linalg.qr(numpy.array([[1.0, 0.2, 0.1], [-0.1, 1, 0.3], [0.2, -0.4, 1]]))[0]
-        turn *= numpy.sign(numpy.diag(turn))
-        a, b = turn[:, 0], turn[:, 1]
-        write_ct(folder / "oblique", a, b, -25.3 * a - 25.4 * b + 3.3 * numpy.cross(a, b), [2.7 * n for n in range(14)])
-        test.slices("oblique", a, b, None)
-        test.masks("oblique")
-        test.refusals()
-        test.run("slice", "body.stl", "--frame", "lps", "--spacing", "1,1,2", "--without-ct", "-o", "w.dcm")
-        test.conforms("w.dcm")
-        data, _ = contours_of(folder / "w.dcm")
-        assert data.StructureSetDate == "" and data.StudyInstanceUID.startswith("2.25.")
-    print("passed")
+    folder = run.folder
+    test = Test(run.lamella, folder)
+    (folder / "body.stl").write_bytes(stl(HOLLOW))
+    i, j, k = numpy.eye(3)
+    even = [2.87 * n for n in range(10)]
+    write_ct(folder / "axial", i, j, (-25.2, -25.3, 9.1), even)
+    for height, found in test.slices("axial", i, j, even).items():
+        assert abs(found - area_at(height)) < 1e-4, (height, found, area_at(height))
+    test.masks("axial")
+    write_ct(folder / "uneven", i, j, (-25.2, -25.3, 9.1), [0, 2.8, 5.8, 7.5, 9, 14.1])
+    test.slices("uneven", i, j, None)
+    write_ct(folder / "feet", i, -j, (-25.2, 25.3, 35.1), even)  # the normal leads to the feet
+    test.slices("feet", i, -j, even)
+    test.masks("feet")
+    write_ct(folder / "sagittal", j, -k, (32.3, -28.4, 40.2), [4.1 * n for n in range(13)])
+    test.slices("sagittal", j, -k, None)
+    test.masks("sagittal")
+    turn = numpy.linalg.qr(numpy.array([[1.0, 0.2, 0.1], [-0.1, 1, 0.3], [0.2, -0.4, 1]]))[0]
+    turn *= numpy.sign(numpy.diag(turn))
+    a, b = turn[:, 0], turn[:, 1]
+    write_ct(folder / "oblique", a, b, -25.3 * a - 25.4 * b + 3.3 * numpy.cross(a, b), [2.7 * n for n in range(14)])
+    test.slices("oblique", a, b, None)
+    test.masks("oblique")
+    test.refusals()
+    test.run("slice", "body.stl", "--frame", "lps", "--spacing", "1,1,2", "--without-ct", "-o", "w.dcm")
+    test.conforms("w.dcm")
+    data, _ = contours_of(folder / "w.dcm")
+    assert data.StructureSetDate == "" and data.StudyInstanceUID.startswith("2.25.")
 
 
-main()
+main(test_all)

@@ -1,6 +1,45 @@
-"""Meshes that the tests of readers share."""
+"""What the tests of readers share."""
 
+import importlib
+import pathlib
 import struct
+import subprocess
+import sys
+import tempfile
+
+
+def skip(why):
+    print("not tested:", why)
+    sys.exit(77)
+
+
+def need(*names):
+    """The modules; the test is skipped where one is missing."""
+    try:
+        modules = [importlib.import_module(name) for name in names]
+    except ImportError as error:
+        skip(error)
+    return modules[0] if len(modules) == 1 else modules
+
+
+class Run:
+    """The tool, in a folder of its own."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.lamella = str(pathlib.Path(sys.argv[1]).resolve())
+
+    def __call__(self, *words):
+        done = subprocess.run([self.lamella, *words], cwd=self.folder, check=False, capture_output=True, text=True)
+        if "without PNG" in done.stderr or "without DICOM" in done.stderr:
+            skip(done.stderr.strip())
+        assert done.returncode == 0, done.stdout + done.stderr
+
+
+def main(test):
+    """test(run) with a Run in a folder that goes away afterwards; says what it returns."""
+    with tempfile.TemporaryDirectory() as name:
+        print("passed", test(Run(pathlib.Path(name))) or "")
 
 
 def box(low, high, inward=False):

@@ -35,6 +35,6 @@ has shrunk.svg 150 'slic3r:type="contour"'
 has shrunk.svg 50 'points="0.2,0.2 8.8,0.2 8.8,9.8 0.2,9.8"'
 has light.svg 150 'slic3r:type="contour"'
 has light.svg 50 'points="20,0 30,0 30,10 20,10"'
-has marked.svg 150 'slic3r:type="contour"'
-has marked.svg 100 'class="near"'
+has flagged.svg 150 'slic3r:type="contour"'
+has flagged.svg 100 'class="near"'
 grep -q '"fill_rule": *"outermost"' rules.json || { echo "the report does not name the rule"; exit 1; }

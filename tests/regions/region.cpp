@@ -5,12 +5,14 @@
 #include <optional>
 #include <stdexcept>
 
+#include "slicing/grid/box.hpp"
+
 namespace regions {
 
 using lamella::Contour;
 using lamella::FillRule;
-using lamella::LayerContours;
 using lamella::Role;
+using lamella::SliceResult;
 
 namespace {
 
@@ -26,20 +28,7 @@ Polygon corners_of(std::span<const Point> ring) {
     return corners;
 }
 
-struct Box {
-    Point low, high;
-    explicit Box(std::span<const Point> ring) : low(ring[0]), high(ring[0]) {
-        for (const Point& p : ring) {
-            low = {std::min(low.x, p.x), std::min(low.y, p.y)};
-            high = {std::max(high.x, p.x), std::max(high.y, p.y)};
-        }
-    }
-    bool holds(const Box& other) const {
-        return low.x <= other.low.x && low.y <= other.low.y && other.high.x <= high.x && other.high.y <= high.y;
-    }
-};
-
-/// Whether a hole lies around the ring of another solid. They touch in points at most, so that some point of the ring's
+/// True if a hole lies around the ring of another solid. They touch in points at most, so that some point of the ring's
 /// first edge lies off the hole.
 bool lies_around(const Polygon& hole, const Polygon& ring) {
     for (std::int64_t parts = 2; parts < 1'000'000; ++parts) {
@@ -58,16 +47,16 @@ std::string place(const Ring& ring) {
 
 }  // namespace
 
-LayerContours region_of(const Polygons& polygons, const lamella::RegionRules& rules) {
+SliceResult region_of(const Polygons& polygons, const lamella::RegionRules& rules) {
     const std::vector<std::span<const Point>> spans(polygons.begin(), polygons.end());
-    lamella::Result<LayerContours> region = lamella::region_of(spans, rules);
+    lamella::Result<SliceResult> region = lamella::region_of(spans, rules);
     if (!region) {
         throw std::runtime_error("no region: " + region.error().message);
     }
     return std::move(region).value();
 }
 
-LayerContours region_of(const Polygons& polygons, FillRule rule) {
+SliceResult region_of(const Polygons& polygons, FillRule rule) {
     lamella::RegionRules rules;
     rules.fill_rule = rule;
     return region_of(polygons, rules);
@@ -93,10 +82,10 @@ Region canonical(Region region) {
     return sorted;
 }
 
-Region region_in(const LayerContours& contours) {
+Region region_in(const SliceResult& contours) {
     Region region;
     for (const Contour& contour : contours.contours) {
-        const std::span<const Point> points = points_of(contours, contour);
+        const std::span<const Point> points = contours.points_of(contour);
         region.push_back({Polygon(points.begin(), points.end()), contour.role != Role::outer, contour.parent});
     }
     return canonical(std::move(region));
@@ -104,10 +93,10 @@ Region region_in(const LayerContours& contours) {
 
 void find_parents(Region& region, std::span<const std::size_t> solid_of) {
     std::map<std::size_t, std::int64_t> outer_of;
-    std::vector<Box> boxes;
+    std::vector<lamella::FlatBox> boxes;
     std::vector<Int128> areas;
     for (std::size_t r = 0; r < region.size(); ++r) {
-        boxes.emplace_back(region[r].corners);
+        boxes.push_back(lamella::FlatBox::around(region[r].corners));
         areas.push_back(-twice_area(region[r].corners));
         region[r].hole = areas[r] > 0;
         if (!region[r].hole && !outer_of.emplace(solid_of[r], r).second) {
@@ -122,8 +111,9 @@ void find_parents(Region& region, std::span<const std::size_t> solid_of) {
         region[r].parent = -1;
         for (std::size_t h = 0; h < region.size(); ++h) {
             const auto smallest = static_cast<std::size_t>(region[r].parent);
-            if (areas[h] > 0 && solid_of[h] != solid_of[r] && boxes[h].holds(boxes[r]) &&
-                (region[r].parent < 0 || areas[h] < areas[smallest]) && lies_around(region[h].corners, region[r].corners)) {
+            if (areas[h] > 0 && solid_of[h] != solid_of[r] && boxes[h].holds(boxes[r].low) &&
+                boxes[h].holds(boxes[r].high) && (region[r].parent < 0 || areas[h] < areas[smallest]) &&
+                lies_around(region[h].corners, region[r].corners)) {
                 region[r].parent = static_cast<std::int64_t>(h);
             }
         }
@@ -183,7 +173,7 @@ std::string difference(const Region& expected, const Region& found) {
     return "";
 }
 
-std::string dependence_on_order(const Polygons& polygons, const lamella::RegionRules& rules, const LayerContours& found,
+std::string dependence_on_order(const Polygons& polygons, const lamella::RegionRules& rules, const SliceResult& found,
                                 std::mt19937& random) {
     Polygons other = shuffled(polygons, static_cast<std::uint32_t>(random()));
     if (!same(region_of(other, rules), found)) {

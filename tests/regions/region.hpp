@@ -25,21 +25,21 @@ struct Ring {
 using Region = std::vector<Ring>;
 
 /// The engine's region of the polygons. Throws std::runtime_error with its message where there is none.
-lamella::LayerContours region_of(const Polygons& polygons, const lamella::RegionRules& rules);
-lamella::LayerContours region_of(const Polygons& polygons, lamella::FillRule rule);
+lamella::SliceResult region_of(const Polygons& polygons, const lamella::RegionRules& rules);
+lamella::SliceResult region_of(const Polygons& polygons, lamella::FillRule rule);
 
 /// Only corners, each ring from the start that makes it smallest, rings by their corners.
 Region canonical(Region region);
 /// Canonical.
-Region region_in(const lamella::LayerContours& contours);
+Region region_in(const lamella::SliceResult& contours);
 
-/// Of rings whose solids are known by number: holes get the outer ring of their solid as parent, outer rings the smallest
+/// For rings whose solids are known by number: holes get the outer ring of their solid as parent, outer rings the smallest
 /// hole around them. Throws std::logic_error if a solid has not one outer ring.
 void find_parents(Region& region, std::span<const std::size_t> solid_of);
 
 /// Winding number of the whole solid is more than 0 (even-odd: odd, ...); by `outermost` as by non-zero.
 bool fills(lamella::FillRule rule, std::int64_t winding);
-/// Of a region by non-zero: its outer rings that lie in no hole.
+/// The outer rings of a region by non-zero that lie in no hole.
 Region without_holes(const Region& region);
 
 Int128 twice_area(const Region& region);
@@ -50,7 +50,7 @@ std::string difference(const Region& expected, const Region& found);
 /// Empty if the engine returns the same bytes for the polygons in another order, from other starts, and, by a rule that does
 /// not look at orientation, all of them reversed.
 std::string dependence_on_order(const Polygons& polygons, const lamella::RegionRules& rules,
-                                const lamella::LayerContours& found, std::mt19937& random);
+                                const lamella::SliceResult& found, std::mt19937& random);
 
 /// As C++ that can be copied into a test.
 std::string text_of(const Polygons& polygons);

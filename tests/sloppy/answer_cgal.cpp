@@ -1,12 +1,12 @@
-// Prints what CGAL makes of a mesh file: answer_cgal FILE
+// Prints what CGAL makes of a mesh file, as answer_lamella does: answer_cgal FILE
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/IO/polygon_soup_io.h>
 
+#include <array>
 #include <cstdio>
 #include <exception>
+#include <string>
 #include <vector>
-
-#include "measure.hpp"
 
 int main(int count, char** words) {
     if (count != 2) {
@@ -19,23 +19,19 @@ int main(int count, char** words) {
         read = CGAL::IO::read_polygon_soup(words[1], points, polygons, CGAL::parameters::verbose(false));
     } catch (const std::exception&) {
     }
-    sloppy::Measure measure;
+    std::vector<std::array<std::size_t, 3>> triangles;
     for (const std::vector<std::size_t>& polygon : polygons) {
-        for (std::size_t i = 2; read && i < polygon.size(); ++i) {
-            std::array<sloppy::Point, 3> corners;
-            const std::array<std::size_t, 3> of = {polygon[0], polygon[i - 1], polygon[i]};
-            for (std::size_t c = 0; c < 3; ++c) {
-                if (of[c] >= points.size()) {
-                    read = false;
-                    break;
-                }
-                corners[c] = {points[of[c]].x(), points[of[c]].y(), points[of[c]].z()};
-            }
-            if (read) {
-                measure.add(corners[0], corners[1], corners[2]);
-            }
+        for (const std::size_t corner : polygon) {
+            read = read && corner < points.size();
+        }
+        for (std::size_t i = 2; i < polygon.size(); ++i) {
+            triangles.push_back({polygon[0], polygon[i - 1], polygon[i]});
         }
     }
-    std::printf("%s\n", read ? measure.words().c_str() : "refused");
+    std::printf("%s\n", read ? (std::to_string(triangles.size()) + " triangles").c_str() : "refused");
+    for (std::size_t i = 0; read && i < 3 * triangles.size(); ++i) {
+        const auto& point = points[triangles[i / 3][i % 3]];
+        std::printf("%.17g %.17g %.17g%c", point.x(), point.y(), point.z(), i % 3 == 2 ? '\n' : ' ');
+    }
     return 0;
 }

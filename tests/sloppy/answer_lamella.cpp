@@ -1,18 +1,22 @@
-// Prints what lamella makes of a mesh file, and what it warns of: answer_lamella FILE
+// Prints what lamella makes of a mesh file, and what it warns of: answer_lamella FILE. Of a mesh: how many triangles, and
+// nine coordinates for each.
+#include <array>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 
 #include "lamella/io/mesh_file.hpp"
-#include "measure.hpp"
 
 namespace {
 
-sloppy::Point point_at(const lamella::MeshView& view, const std::byte* at) {
-    sloppy::Point point{};
+std::array<double, 3> corner(const lamella::MeshView& view, std::size_t triangle, std::size_t corner) {
+    const bool soup = view.indices == nullptr;
+    const std::byte* const at = soup ? view.vertex_at(triangle) + corner * 3 * lamella::size_of(view.vertex_type)
+                                     : view.vertex_at(view.vertex_of(triangle, corner));
+    std::array<double, 3> point{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        if (view.coordinate_type == lamella::CoordinateType::f64) {
+        if (view.vertex_type == lamella::Number::f64) {
             std::memcpy(&point[axis], at + axis * sizeof(double), sizeof(double));
         } else {
             float value = 0;
@@ -21,15 +25,6 @@ sloppy::Point point_at(const lamella::MeshView& view, const std::byte* at) {
         }
     }
     return point;
-}
-
-sloppy::Point corner(const lamella::MeshFile& mesh, std::size_t triangle, std::size_t corner) {
-    const lamella::MeshView view = mesh.view();
-    if (mesh.indices.empty()) {
-        const std::size_t number = view.coordinate_type == lamella::CoordinateType::f64 ? sizeof(double) : sizeof(float);
-        return point_at(view, view.vertices + triangle * view.stride + corner * 3 * number);
-    }
-    return point_at(view, view.vertices + mesh.indices.data()[3 * triangle + corner] * view.stride);
 }
 
 /// Without the file's path, which differs from machine to machine.
@@ -49,11 +44,12 @@ int main(int count, char** words) {
         std::printf("refused: %s\n", without_path(mesh.error().message, path).c_str());
         return 0;
     }
-    sloppy::Measure measure;
-    for (std::size_t t = 0; t < mesh->triangle_count; ++t) {
-        measure.add(corner(*mesh, t, 0), corner(*mesh, t, 1), corner(*mesh, t, 2));
+    const lamella::MeshView view = mesh->view();
+    std::printf("%zu triangles\n", static_cast<std::size_t>(mesh->triangle_count));
+    for (std::size_t i = 0; i < 3 * mesh->triangle_count; ++i) {
+        const auto [x, y, z] = corner(view, i / 3, i % 3);
+        std::printf("%.17g %.17g %.17g%c", x, y, z, i % 3 == 2 ? '\n' : ' ');
     }
-    std::printf("%s\n", measure.words().c_str());
     for (const std::string& warning : mesh->warnings) {
         std::printf("%s\n", without_path(warning, path).c_str());
     }

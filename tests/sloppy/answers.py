@@ -40,7 +40,7 @@ HEAD = """\
 
 
 def words(triangles):
-    """Of triangles given as three points each; the same as Measure::words() in measure.hpp."""
+    """Of triangles given as three points each."""
     if not triangles:
         return NONE
     corners = [corner for triangle in triangles for corner in triangle]
@@ -64,6 +64,16 @@ def fan(polygon):
 
 def run(command, **options):
     return subprocess.run(command, capture_output=True, timeout=TIMEOUT_S, errors="replace", **options)
+
+
+def told(command):
+    """What answer_lamella or answer_cgal prints, with the triangles in words."""
+    lines = run(command).stdout.splitlines()
+    if not lines or not lines[0].endswith(" triangles"):
+        return lines or [UNDEFINED]
+    end = 1 + int(lines[0].split()[0])
+    numbers = [[float(number) for number in line.split()] for line in lines[1:end]]
+    return [words([(row[:3], row[3:6], row[6:]) for row in numbers])] + lines[end:]
 
 
 def assimp(path):
@@ -176,7 +186,7 @@ def readers(cgal):
         found["VTK"] = lambda path: apart(vtk, path)
     if cgal:
         formats = (".stl", ".obj", ".off", ".ply")
-        found["CGAL"] = lambda path: (run([cgal, str(path)]).stdout.strip() or UNDEFINED) if path.suffix in formats else NO_READER
+        found["CGAL"] = lambda path: told([cgal, str(path)])[0] if path.suffix in formats else NO_READER
     if is_installed("meshio"):
         import meshio as library  # noqa: F401
 
@@ -186,7 +196,7 @@ def readers(cgal):
 
 def rows_of(path, lamella, others):
     rows = [(name, answer(path)) for name, answer in others.items()]
-    lines = run([lamella, str(path)], check=True).stdout.splitlines()
+    lines = told([lamella, str(path)])
     return rows + [("lamella", lines[0])] + [("warns", line) for line in lines[1:]]
 
 

@@ -6,6 +6,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "engine/slicing.hpp"
 #include "io/write/output_file.hpp"
 #include "lamella/io/svg.hpp"
 #include "lamella/io/text_file.hpp"
@@ -17,8 +18,7 @@ using namespace lamella;
 namespace {
 
 void require_unwritable(const Status& status, const std::filesystem::path& path, const std::string& reason) {
-    REQUIRE_FALSE(status.ok());
-    CHECK(status.error().code == ErrorCode::unwritable_file);
+    CHECK(error_of(status).code == ErrorCode::unwritable_file);
     CHECK(status.error().message == "cannot write '" + path.string() + "': " + reason);
 }
 
@@ -36,9 +36,8 @@ TEST_CASE("output: until it is committed the old file stands, and an abandoned o
     const TempFolder folder;
     REQUIRE(write_text_file(folder / "a", "old").ok());
     {
-        Result<OutputFile> file = OutputFile::create(folder / "a");
-        REQUIRE(file.ok());
-        file->append("new");
+        OutputFile file = value_of(OutputFile::create(folder / "a"));
+        file.append("new");
         CHECK(folder.names().size() == 2);
         CHECK(bytes_of(folder / "a") == "old");
     }
@@ -51,9 +50,8 @@ TEST_CASE("output: what is unfinished of one file can be removed, and nothing el
     REQUIRE(write_text_file(folder / "a", "old").ok());
     REQUIRE(write_text_file(folder / ".a.1-2.part", "another process's").ok());
     std::filesystem::create_symlink("a", folder / "link");
-    const Result<OutputFile> through_link = OutputFile::create(folder / "link");
-    const Result<OutputFile> other = OutputFile::create(folder / "b");
-    REQUIRE((through_link.ok() && other.ok()));
+    const OutputFile through_link = value_of(OutputFile::create(folder / "link"));
+    const OutputFile other = value_of(OutputFile::create(folder / "b"));
     REQUIRE(folder.names().size() == 5);
     remove_unfinished(folder / "link");
     CHECK(folder.names().size() == 4);
@@ -66,14 +64,13 @@ TEST_CASE("output: what is unfinished of one file can be removed, and nothing el
 
 TEST_CASE("output: two writers of one file do not disturb each other", "[write]") {
     const TempFolder folder;
-    Result<OutputFile> one = OutputFile::create(folder / "a");
-    Result<OutputFile> two = OutputFile::create(folder / "a");
-    REQUIRE((one.ok() && two.ok()));
-    one->append("one");
-    two->append("two");
-    REQUIRE(one->commit().ok());
+    OutputFile one = value_of(OutputFile::create(folder / "a"));
+    OutputFile two = value_of(OutputFile::create(folder / "a"));
+    one.append("one");
+    two.append("two");
+    require_ok(one.commit());
     CHECK(bytes_of(folder / "a") == "one");
-    REQUIRE(two->commit().ok());
+    require_ok(two.commit());
     CHECK(bytes_of(folder / "a") == "two");
     CHECK(folder.names() == std::vector<std::string>{"a"});
 }
@@ -104,41 +101,36 @@ TEST_CASE("output: an open descriptor is written on from where it stands, and st
 }
 
 TEST_CASE("output: what cannot be written is known before the end", "[write]") {
-    Result<OutputFile> file = OutputFile::create("/dev/full");
-    REQUIRE(file.ok());
+    OutputFile file = value_of(OutputFile::create("/dev/full"));
     const std::string text(OutputFile::buffer_bytes, 'x');
-    file->append(text);
-    CHECK_FALSE(file->failed());
-    file->append(text);
-    CHECK(file->failed());
+    file.append(text);
+    CHECK_FALSE(file.failed());
+    file.append(text);
+    CHECK(file.failed());
 }
 
 TEST_CASE("output: errors name the file and the reason", "[write]") {
     const TempFolder folder;
-    SECTION("no such folder") {
-        const auto path = folder / "none" / "a";
-        require_unwritable(write_text_file(path, "x"), path, "No such file or directory");
-    }
-    SECTION("a folder") {
-        require_unwritable(write_text_file(folder.path(), "x"), folder.path(), "Is a directory");
-    }
-    SECTION("a file where a folder should be") {
-        REQUIRE(write_text_file(folder / "a", "x").ok());
-        const auto path = folder / "a" / "b";
-        require_unwritable(write_text_file(path, "x"), path, "Not a directory");
+    const auto refused = [](const std::filesystem::path& path, const std::string& reason) {
+        require_unwritable(write_text_file(path, "x"), path, reason);
+    };
+    SECTION("a folder that is none") {
+        refused(folder / "none" / "a", "No such file or directory");
+        refused(folder.path(), "Is a directory");
+        require_ok(write_text_file(folder / "a", "x"));
+        refused(folder / "a" / "b", "Not a directory");
     }
     SECTION("a full disk, in the SVG writer too") {
-        require_unwritable(write_text_file("/dev/full", "x"), "/dev/full", "No space left on device");
+        refused("/dev/full", "No space left on device");
         require_unwritable(write_svg(write_test::square_with_hole(), "/dev/full"), "/dev/full", "No space left on device");
         CHECK(std::filesystem::is_character_file("/dev/full"));
     }
     SECTION("the folder goes away meanwhile") {
         const auto path = folder / "gone" / "a";
         std::filesystem::create_directory(path.parent_path());
-        Result<OutputFile> file = OutputFile::create(path);
-        REQUIRE(file.ok());
+        OutputFile file = value_of(OutputFile::create(path));
         std::filesystem::remove_all(path.parent_path());
-        require_unwritable(file->commit(), path, "No such file or directory");
+        require_unwritable(file.commit(), path, "No such file or directory");
     }
     CHECK(folder.names().size() <= 1);
 }

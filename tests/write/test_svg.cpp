@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <regex>
@@ -7,19 +6,20 @@
 
 #include <catch2/catch.hpp>
 
+#include "engine/slicing.hpp"
 #include "lamella/io/svg.hpp"
 #include "temp_folder.hpp"
 #include "write/samples.hpp"
 
 using namespace lamella;
+using Catch::Contains;
 using write_test::result_of;
 
 namespace {
 
 std::string svg_of(const SliceResult& result) {
     const TempFolder folder;
-    const Status status = write_svg(result, folder / "a.svg");
-    REQUIRE(status.ok());
+    require_ok(write_svg(result, folder / "a.svg"));
     REQUIRE(folder.names() == std::vector<std::string>{"a.svg"});
     return bytes_of(folder / "a.svg");
 }
@@ -52,13 +52,12 @@ std::vector<double> only_points(const std::string& text) {
 
 TEST_CASE("svg: layers, contours, holes and open polylines in Slic3r's convention", "[write]") {
     const std::string svg = svg_of(write_test::square_with_hole());
-    CHECK(svg.find("xmlns:slic3r=\"http://slic3r.org/namespaces/slic3r\"") != std::string::npos);
-    CHECK(svg.find("<g id=\"layer0\" slic3r:z=\"0.25\" lamella:cut-z=\"0.5\" slic3r:layer-height=\"0.5\"") !=
-          std::string::npos);
-    CHECK(svg.find("<g id=\"layer1\" slic3r:z=\"0.75\"") != std::string::npos);
-    CHECK(svg.find("<g id=\"layer2\" slic3r:z=\"1.25\"") != std::string::npos);
-    CHECK(svg.find("<polygon slic3r:type=\"contour\" points=\"0,0 10,0 10,10 0,10\"/>\n"
-                   "<polygon slic3r:type=\"hole\" fill=\"white\" points=\"3,3 3,7 7,7 7,3\"/>") != std::string::npos);
+    CHECK_THAT(svg, Contains("xmlns:slic3r=\"http://slic3r.org/namespaces/slic3r\""));
+    CHECK_THAT(svg, Contains("<g id=\"layer0\" slic3r:z=\"0.25\" lamella:cut-z=\"0.5\" slic3r:layer-height=\"0.5\""));
+    CHECK_THAT(svg, Contains("<g id=\"layer1\" slic3r:z=\"0.75\""));
+    CHECK_THAT(svg, Contains("<g id=\"layer2\" slic3r:z=\"1.25\""));
+    CHECK_THAT(svg, Contains("<polygon slic3r:type=\"contour\" points=\"0,0 10,0 10,10 0,10\"/>\n"
+                             "<polygon slic3r:type=\"hole\" fill=\"white\" points=\"3,3 3,7 7,7 7,3\"/>"));
     CHECK(std::regex_search(svg,
                             std::regex("<polyline id=\"open2\" slic3r:type=\"open\" fill=\"none\" stroke=\"#[0-9a-f]{6}\" "
                                        "stroke-width=\"[0-9.]+\" points=\"0.5,-1.5 2.5,2.5\"/>")));
@@ -70,42 +69,43 @@ TEST_CASE("svg: layers, contours, holes and open polylines in Slic3r's conventio
 
 TEST_CASE("svg: the picture holds the mesh's box, with y upwards", "[write]") {
     SliceResult result = write_test::square_with_hole();
-    result.summary.min_mm[0] = -30;
-    result.summary.min_mm[1] = 5;
+    result.info.box.min_mm[0] = -30;
+    result.info.box.min_mm[1] = 5;
     const std::string svg = svg_of(result);
     // 40 mm by 5 mm and a margin of 2 % of the larger.
-    CHECK(svg.find("width=\"41.6mm\" height=\"6.6mm\" viewBox=\"-30.8 -10.8 41.6 6.6\"") != std::string::npos);
+    CHECK_THAT(svg, Contains("width=\"41.6mm\" height=\"6.6mm\" viewBox=\"-30.8 -10.8 41.6 6.6\""));
     CHECK(count(svg, "transform=\"scale(1,-1)\"") == 4);
 }
 
 TEST_CASE("svg: a result without extent still has a viewBox that shows something", "[write]") {
     const std::string svg = svg_of(result_of({}, 0.5));
-    CHECK(svg.find("viewBox=\"-0.01 -0.01 0.02 0.02\"") != std::string::npos);
+    CHECK_THAT(svg, Contains("viewBox=\"-0.01 -0.01 0.02 0.02\""));
     CHECK(svg.ends_with("</svg>\n"));
 }
 
 TEST_CASE("svg: flat contours are kept under a type of their own", "[write]") {
     const std::string svg = svg_of(result_of({{{Role::flat, {{0, 0}, {2, 2}}}}}, 1));
-    CHECK(svg.find("<polygon slic3r:type=\"flat\" points=\"0,0 2,2\"/>") != std::string::npos);
+    CHECK_THAT(svg, Contains("<polygon slic3r:type=\"flat\" points=\"0,0 2,2\"/>"));
     CHECK(svg.find("id=\"open\"") == std::string::npos);
 }
 
 TEST_CASE("svg: grid, rounding rule, datum and frame are stated", "[write]") {
     SliceResult result = write_test::square_with_hole();
-    result.plan.spacing = UniformLayers{.layer_height_mm = 0.5, .first_height_mm = 0.25, .datum = Datum::zero};
-    result.plan.side = PlaneSide::above;
-    result.frame.m = {0, 1, 0, 2.5, -1, 0, 0, 0, 0, 0, 1, -7};
+    SliceOptions& options = result.info.options;
+    options.layer_height_mm = 0.5;
+    options.planes = {.first_height_mm = 0.25, .datum = Datum::zero, .side = PlaneSide::above};
+    options.frame.transform.m = {0, 1, 0, 2.5, -1, 0, 0, 0, 0, 0, 1, -7};
     const std::string svg = svg_of(result);
     const std::string desc = svg.substr(svg.find("<desc>"), svg.find("</desc>") - svg.find("<desc>"));
-    CHECK(desc.find("Grid unit 0.5 mm") != std::string::npos);
-    CHECK(desc.find("datum zero") != std::string::npos);
-    CHECK(desc.find("first plane at 0.25 mm above the datum") != std::string::npos);
-    CHECK(desc.find("then one grid unit up (side above)") != std::string::npos);
-    CHECK(desc.find(": 0 1 0 2.5 -1 0 0 0 0 0 1 -7.") != std::string::npos);
+    CHECK_THAT(desc, Contains("Grid unit 0.5 mm"));
+    CHECK_THAT(desc, Contains("datum zero"));
+    CHECK_THAT(desc, Contains("first plane at 0.25 mm above the datum"));
+    CHECK_THAT(desc, Contains("then one grid unit up (side above)"));
+    CHECK_THAT(desc, Contains(": 0 1 0 2.5 -1 0 0 0 0 0 1 -7."));
 }
 
 TEST_CASE("svg: coordinates are within half a unit, or 1e-6 mm, without needless digits", "[write]") {
-    const double unit_mm = GENERATE(default_unit_mm, 0.004, 0.0003, 1.0 / 1024, 1.0, 2.0, 1.0 / (1 << 26));
+    const double unit_mm = GENERATE(default_grid_mm, 0.004, 0.0003, 1.0 / 1024, 1.0, 2.0, 1.0 / (1 << 26));
     const std::vector<Point> points{{-grid_limit, grid_limit}, {-1, 1},          {0, -2},        {3, 250},
                                     {123456789, -987654321},   {999999, 100000}, {1048576, -10}, {7, -grid_limit}};
     const std::string svg = svg_of(result_of({{{Role::outer, points}}}, unit_mm));
@@ -125,23 +125,17 @@ TEST_CASE("svg: more points than fit the buffer arrive in order", "[write]") {
     for (std::int32_t i = 0; i < 200'000; ++i) {
         points.push_back({i, -i});
     }
-    const std::vector<double> values = only_points(svg_of(result_of({{{Role::outer, points}}}, 1)));
-    REQUIRE(values.size() == 2 * points.size());
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        if (values[2 * i] != points[i].x || values[2 * i + 1] != points[i].y) {
-            FAIL("point " << i << " is " << values[2 * i] << ", " << values[2 * i + 1]);
-        }
+    std::vector<double> expected;
+    for (const Point& point : points) {
+        expected.insert(expected.end(), {double(point.x), double(point.y)});
     }
+    CHECK((only_points(svg_of(result_of({{{Role::outer, points}}}, 1))) == expected));
 }
 
 TEST_CASE("svg: a stop request leaves nothing", "[write]") {
     const TempFolder folder;
-    std::atomic<bool> stop = false;
-    stop = true;
-    const Status status =
-        write_svg(write_test::square_with_hole(), folder / "a.svg", {.control = {.stop = lamella::StopCheck::when(stop)}});
-    REQUIRE_FALSE(status.ok());
-    CHECK(status.error().code == ErrorCode::cancelled);
+    auto stop = []() noexcept { return true; };
+    CHECK(code_of(write_svg(write_test::square_with_hole(), folder / "a.svg", {}, {.stop = stop})) == ErrorCode::cancelled);
     CHECK(folder.names().empty());
 }
 
@@ -149,11 +143,11 @@ TEST_CASE("svg: near contours are marked, and with several parts each contour na
     SliceResult result = write_test::square_with_hole();
     CHECK(count(svg_of(result), "class=") == 0);
     CHECK(count(svg_of(result), "lamella:part=") == 0);
-    result.contours[1].flags |= near_contour;
+    result.contours[1].flags |= would_close;
     const std::string marked = svg_of(result);
     CHECK(count(marked, "class=\"near\"") == 1);
     CHECK(marked.find("slic3r:type=\"hole\"") < marked.find("\" class=\"near\"/>\n"));
-    result.part_count = 3;
+    result.info.part_count = 3;
     result.contours[0].part = 2;
     result.contours[1].part = several_parts;
     const std::string named = svg_of(result);
@@ -164,11 +158,9 @@ TEST_CASE("svg: near contours are marked, and with several parts each contour na
 
 TEST_CASE("svg: says what was done to regions", "[write]") {
     SliceResult result = write_test::square_with_hole();
-    result.region.fill_rule = FillRule::positive;
-    result.region.close_mm = 0.25;
-    result.region.offset_mm = 2;
-    result.region.mark_near_mm = 0.5;
-    CHECK(
-        svg_of(result).find("Fill rule positive. Regions closed by 0.25 mm. Regions grown by 2 mm, miter limit 3. Contours "
-                            "marked that closing by 0.5 mm would change.") != std::string::npos);
+    result.info.options.region = {
+        .fill_rule = FillRule::positive, .closing_mm = 0.25, .offset_mm = 2, .flag_closing_mm = 0.5};
+    CHECK_THAT(svg_of(result),
+               Contains("Fill rule positive. Regions closed by 0.25 mm. Regions grown by 2 mm, miter limit 3. Contours "
+                        "marked that closing by 0.5 mm would change."));
 }

@@ -3,7 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "terminal/interrupt.hpp"
+#include "terminal/stages.hpp"
 
 namespace lamella::cli {
 

@@ -1,20 +1,21 @@
 #include "made_again.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <span>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
 #include <stdlib.h>
 
 #include "files/streams.hpp"
-#include "outputs/recorded_options.hpp"
+#include "outputs/write_outputs.hpp"
 #include "processes/workers.hpp"
 #include "slice/slice_arguments.hpp"
 #include "terminal/console.hpp"
-#include "terminal/failure.hpp"
 
 namespace lamella::cli::verify {
 
@@ -22,55 +23,41 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A folder for what is made again; goes with its contents.
-class TemporaryFolder {
+/// A temporary folder, which goes with its contents: in it what is made again, and the inputs of a record under the names
+/// that the record has, by links, since names and warnings of inputs are part of some outputs.
+class Workshop {
 public:
-    /// Throws Failure (bad_output).
-    TemporaryFolder() {
-        std::string name = (fs::path(temporary_folder()) / "lamella-verify-XXXXXX").string();
-        if (::mkdtemp(name.data()) == nullptr) {
-            throw Failure(bad_output, "no temporary folder can be made: " + name);
-        }
-        path_ = fs::canonical(name);
-    }
-    ~TemporaryFolder() {
-        std::error_code left_behind;
-        fs::remove_all(path_, left_behind);
-    }
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-    fs::path operator/(const fs::path& name) const { return path_ / name; }
-
-private:
-    fs::path path_;
-};
-
-/// The inputs of a record under the names that the record has, by links in a folder of its own: names and warnings of inputs
-/// are part of some outputs.
-class InputLayout {
-public:
-    /// `top` is made. Throws Failure (bad_input), std::filesystem::filesystem_error.
-    InputLayout(const fs::path& top, const Record& record) : top_(top), work_(top) {
+    /// Throws Failure (bad_input, bad_output), std::filesystem::filesystem_error.
+    explicit Workshop(const Record& record) {
         constexpr std::size_t deepest = 64;
         std::size_t ups = 0;
         for (const FileSeal& input : record.inputs) {
             const fs::path path = fs::path(input.path).lexically_normal();
             ups = std::max(ups, static_cast<std::size_t>(std::count(path.begin(), path.end(), "..")));
         }
-        if (ups > deepest) {
-            throw Failure(bad_input, "a path of its record leads up by " + std::to_string(ups) + " folders");
-        }
+        refuse_if(ups > deepest, bad_input, "a path of its record leads up by " + std::to_string(ups) + " folders");
+        std::string name = (fs::path(temporary_folder()) / "lamella-verify-XXXXXX").string();
+        refuse_if(::mkdtemp(name.data()) == nullptr, bad_output, "no temporary folder can be made: " + name);
+        top_ = fs::canonical(name);
+        inputs_ = top_ / "in";
         for (std::size_t i = 0; i < ups; ++i) {
-            work_ /= "folder";
+            inputs_ /= "folder";
         }
-        fs::create_directories(work_);
+        fs::create_directories(inputs_);
+        fs::create_directory(outputs());
     }
+    ~Workshop() {
+        std::error_code left_behind;
+        fs::remove_all(top_, left_behind);
+    }
+    Workshop(const Workshop&) = delete;
+    Workshop& operator=(const Workshop&) = delete;
 
-    /// Below `top`, so deep that no recorded path leads out of it.
-    const fs::path& working_folder() const noexcept { return work_; }
+    fs::path outputs() const { return top_ / "out"; }
+    /// Where the tool works: so deep that no recorded path leads out of the folder.
+    const fs::path& inputs() const noexcept { return inputs_; }
 
-    /// The word that names the input for a process in the working folder. Throws Failure (bad_input) where the record is
+    /// The word that names the input for a process that works there. Throws Failure (bad_input) where the record is
     /// nonsense.
     std::string add(const std::string& recorded, const fs::path& actual) {
         fs::path name = fs::path(recorded).lexically_normal();
@@ -82,11 +69,9 @@ public:
         } else if (is_standard(recorded)) {
             name = "mesh";  // as slice names what comes from standard input
         }
-        const fs::path link = work_ / name;
-        if (!(link.lexically_normal().string() + "/").starts_with(top_.lexically_normal().string() + "/") ||
-            !name.has_filename()) {
-            throw Failure(bad_input, "its record names the input '" + recorded + "'");
-        }
+        const fs::path link = inputs_ / name;
+        refuse_if(!link.lexically_normal().string().starts_with((top_ / "in/").string()) || !name.has_filename(), bad_input,
+                  "its record names the input '" + recorded + "'");
         fs::create_directories(link.parent_path());
         if (!fs::is_symlink(link)) {
             fs::create_symlink(actual, link);
@@ -98,25 +83,22 @@ public:
 
 private:
     fs::path top_;
-    fs::path work_;
+    fs::path inputs_;
     int elsewhere_ = 0;
 };
 
 /// Refuses what no command of the tool records.
 void require_makeable(const Record& record) {
-    if (record.command != "slice" && record.command != "convert" && record.command != "merge") {
-        throw Failure(bad_input, "its record names the command '" + record.command + "'");
-    }
+    refuse_if(record.command != "slice" && record.command != "convert" && record.command != "merge", bad_input,
+              "its record names the command '" + record.command + "'");
     const std::size_t hashes = record.result_hashes.size();
-    if (hashes == 0 || record.inputs.size() < count_of_parts(record) || count_of_parts(record) == 0) {
-        throw Failure(bad_input, "its record has " + counted(record.inputs.size(), "input") + " and " +
-                                     counted(hashes, "hash", "hashes"));
-    }
+    refuse_if(hashes == 0 || record.inputs.size() < count_of_parts(record) || count_of_parts(record) == 0, bad_input,
+              "its record has " + counted(record.inputs.size(), "input") + " and " + counted(hashes, "hash", "hashes"));
 }
 
 /// The options of the record, which must be those of slice that records hold. `files` are what they name, in their order.
 /// Throws Failure (bad_input).
-void add_options(const Record& record, std::span<const fs::path> files, InputLayout& layout,
+void add_options(const Record& record, std::span<const fs::path> files, Workshop& workshop,
                  std::vector<std::string>& words) {
     CLI::App slice_command;
     SliceArguments arguments;
@@ -125,23 +107,17 @@ void add_options(const Record& record, std::span<const fs::path> files, InputLay
     for (std::size_t i = 0; i < record.options.size(); ++i) {
         const std::string& name = record.options[i];
         const CLI::Option* const option = name.starts_with("--") ? slice_command.get_option_no_throw(name) : nullptr;
-        if (option == nullptr || !is_recorded(name)) {
-            throw Failure(bad_input, "'" + name + "' is no option that a record holds");
-        }
+        refuse_if(option == nullptr || !is_recorded(name), bad_input, "'" + name + "' is no option that a record holds");
         if (is_flag(*option)) {
             words.push_back(name);
             continue;
         }
-        if (++i == record.options.size()) {
-            throw Failure(bad_input, "its option " + name + " has no value");
-        }
+        refuse_if(++i == record.options.size(), bad_input, "its option " + name + " has no value");
         std::string value = record.options[i];
         if (RecordedOption{name, value}.names_file()) {
-            if (files.empty()) {
-                throw Failure(bad_input,
-                              std::string("its record lacks the SHA-256 of ").append(name).append(" ").append(value));
-            }
-            value = layout.add(record.inputs[file++].path, files.front());
+            refuse_if(files.empty(), bad_input,
+                      std::string("its record lacks the SHA-256 of ").append(name).append(" ").append(value));
+            value = workshop.add(record.inputs[file++].path, files.front());
             files = files.subspan(1);
         }
         words.push_back(std::string(name).append("=").append(value));
@@ -149,7 +125,7 @@ void add_options(const Record& record, std::span<const fs::path> files, InputLay
 }
 
 std::vector<std::string> words_for(const Record& record, const std::vector<fs::path>& inputs, const fs::path& output,
-                                   InputLayout& layout, int threads) {
+                                   Workshop& workshop, int threads) {
     std::vector<std::string> words = {"--output=" + output.string(), "--progress=never",
                                       "--threads=" + std::to_string(threads)};
     for (const ChangedDefault& changed : changed_defaults) {
@@ -159,35 +135,29 @@ std::vector<std::string> words_for(const Record& record, const std::vector<fs::p
         }
     }
     const std::size_t parts = count_of_parts(record);
-    add_options(record, std::span(inputs).subspan(parts), layout, words);
+    add_options(record, std::span(inputs).subspan(parts), workshop, words);
     for (std::size_t i = 0; i < parts; ++i) {
-        words.push_back(layout.add(record.inputs[i].path, inputs[i]));
+        words.push_back(workshop.add(record.inputs[i].path, inputs[i]));
     }
     return words;
 }
 
-void run(const ToolCall& call, const Control& control) {
+void run(const ToolCall& call, const Context& context) {
     constexpr std::chrono::milliseconds between_looks{100};
     WorkerPool pool(0);
     pool.start(0, call);
     while (pool.running() > 0) {
-        if (control.stop.stop_requested()) {
-            throw Failure(bad_input, "cancelled");
-        }
+        refuse_if(context.stop(), bad_input, "cancelled");
         for (const WorkerEnd& end : pool.wait(between_looks)) {
-            if (!end.failure.empty()) {
-                throw Failure(bad_input, end.failure);
-            }
+            refuse_if(!end.failure.empty(), bad_input, end.failure);
         }
     }
 }
 
-bool same_bytes(const fs::path& a, const fs::path& b, const Control& control) {
-    const Result<FileSeal> one = seal_file(a, control);
-    const Result<FileSeal> other = seal_file(b, control);
-    if (control.stop.stop_requested()) {
-        throw Failure(bad_input, "cancelled");
-    }
+bool same_bytes(const fs::path& a, const fs::path& b, const Context& context) {
+    const Result<FileSeal> one = seal_file(a, context);
+    const Result<FileSeal> other = seal_file(b, context);
+    refuse_if(context.stop(), bad_input, "cancelled");
     return one && other && one->bytes == other->bytes && one->sha256 == other->sha256;
 }
 
@@ -197,18 +167,17 @@ void compare_records(const Record& record, const Record& again, std::vector<std:
             found.push_back("the hash of mesh " + std::to_string(i + 1) + " in its record is not that of its layers");
         }
     }
-    for (const auto& [what, same] :
-         {std::pair{"patient frame", record.patient_frame == again.patient_frame},
-          {"grid", record.grid_mm == again.grid_mm},
-          {"fill rule", record.fill_rule == again.fill_rule},
-          {"length of gaps", record.close_gaps_mm.empty() || record.close_gaps_mm == again.close_gaps_mm}}) {
+    for (const auto& [what, same] : {std::pair{"patient frame", record.patient_frame == again.patient_frame},
+                                     {"grid", record.grid_mm == again.grid_mm},
+                                     {"fill rule", record.fill_rule == again.fill_rule},
+                                     {"length of gaps", record.stitch_mm.empty() || record.stitch_mm == again.stitch_mm}}) {
         if (!same) {
             found.push_back(std::string("the ") + what + " in its record is not that of its layers");
         }
     }
 }
 
-void compare_files(const fs::path& made, const fs::path& output, const std::string& recorded_name, const Control& control,
+void compare_files(const fs::path& made, const fs::path& output, const std::string& recorded_name, const Context& context,
                    std::vector<std::string>& found) {
     for (const auto& entry : fs::directory_iterator(made)) {
         const fs::path name = entry.path().filename();
@@ -220,7 +189,7 @@ void compare_files(const fs::path& made, const fs::path& output, const std::stri
         std::error_code unknown;
         if (!fs::exists(other, unknown)) {
             found.push_back("'" + name.string() + "' beside it is missing");
-        } else if (!same_bytes(entry.path(), other, control)) {
+        } else if (!same_bytes(entry.path(), other, context)) {
             found.push_back(is_output ? "made again it has other bytes" : "'" + name.string() + "' beside it differs");
         }
     }
@@ -244,23 +213,26 @@ std::size_t count_of_parts(const Record& record) noexcept {
     return record.inputs.size() - std::min(files, record.inputs.size());
 }
 
-std::vector<std::string> differences_from_remade(const Record& record, const fs::path& output,
-                                                 const std::vector<fs::path>& inputs, const Control& control) {
+std::vector<std::string> differences_from_remade(const Record& recorded, const fs::path& output,
+                                                 const std::vector<fs::path>& inputs, const Context& context) {
+    Record record = recorded;
+    put_in_words_of_today(record.options);
     require_makeable(record);
     try {
-        const TemporaryFolder folder;
-        const fs::path made = folder / "out";
-        fs::create_directory(made);
-        InputLayout layout(folder / "in", record);
-        const std::vector<std::string> words = words_for(record, inputs, made / record.output.path, layout, control.threads);
-        run({record.command, words, layout.working_folder().string(), record.source_date_epoch}, control);
-        const Result<Record> again = read_record((made / record.output.path).string() + ".lamella.json");
+        Workshop workshop(record);
+        const fs::path made = workshop.outputs() / record.output.path;
+        const std::vector<std::string> words = words_for(record, inputs, made, workshop, context.threads);
+        // No other thread looks at the environment, which the process that is started inherits.
+        record.source_date_epoch.empty() ? ::unsetenv("SOURCE_DATE_EPOCH")
+                                         : ::setenv("SOURCE_DATE_EPOCH", record.source_date_epoch.c_str(), 1);
+        run({record.command, words, workshop.inputs().string()}, context);
+        const Result<Record> again = read_record(made.string() + ".lamella.json");
         if (!again) {
             throw failure_of(again.error());
         }
         std::vector<std::string> found;
         compare_records(record, *again, found);
-        compare_files(made, output, record.output.path, control, found);
+        compare_files(workshop.outputs(), output, record.output.path, context, found);
         std::sort(found.begin(), found.end());
         return found;
     } catch (const fs::filesystem_error& error) {

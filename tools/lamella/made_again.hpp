@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "lamella/control.hpp"
+#include "lamella/context.hpp"
 #include "lamella/medical/record.hpp"
 
 namespace lamella::cli::verify {
@@ -19,6 +19,6 @@ std::size_t count_of_parts(const Record& record) noexcept;
 /// out under the names that the record has, since names and warnings are part of some outputs. Throws Failure where the
 /// output cannot be made again.
 std::vector<std::string> differences_from_remade(const Record& record, const std::filesystem::path& output,
-                                                 const std::vector<std::filesystem::path>& inputs, const Control& control);
+                                                 const std::vector<std::filesystem::path>& inputs, const Context& context);
 
 }  // namespace lamella::cli::verify

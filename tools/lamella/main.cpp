@@ -12,9 +12,7 @@
 
 #include "commands.hpp"
 #include "lamella/version.hpp"
-#include "terminal/console.hpp"
-#include "terminal/failure.hpp"
-#include "terminal/interrupt.hpp"
+#include "terminal/stages.hpp"
 
 namespace lamella::cli {
 

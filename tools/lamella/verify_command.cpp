@@ -16,7 +16,6 @@
 #include "lamella/version.hpp"
 #include "made_again.hpp"
 #include "terminal/console.hpp"
-#include "terminal/failure.hpp"
 
 namespace lamella::cli {
 
@@ -41,8 +40,8 @@ std::string joined(const std::vector<std::string>& lines) {
     return all;
 }
 
-FileSeal sealed(const fs::path& path, const Control& control) {
-    Result<FileSeal> seal = seal_file(path, control);
+FileSeal sealed(const fs::path& path, const Context& context) {
+    Result<FileSeal> seal = seal_file(path, context);
     return seal ? std::move(seal).value() : throw Failure(bad_input, seal.error().message);
 }
 
@@ -63,16 +62,15 @@ Record record_at(const fs::path& path) {
         throw Failure(bad_input, record.error().message);
     }
     const fs::path name(record->output.path);
-    if (name.empty() || name.filename() != name || name == "." || name == "..") {
-        throw Failure(bad_input, "its record names the output '" + name.string() + "'");
-    }
+    refuse_if(name.empty() || name.filename() != name || name == "." || name == "..", bad_input,
+              "its record names the output '" + name.string() + "'");
     return std::move(record).value();
 }
 
 class VerifyCommand {
 public:
     VerifyCommand(const VerifyArguments& arguments, Interrupt& interrupt)
-        : arguments_(arguments), control_{.threads = arguments.threads, .stop = interrupt.defer()} {}
+        : arguments_(arguments), context_{.threads = arguments.threads, .stop = interrupt.defer()} {}
 
     void run() {
         for (const std::string& given : arguments_.given) {
@@ -85,13 +83,10 @@ public:
                 verify_output(given, given + std::string(record_end));
             }
         }
-        if (differing_ > 0) {
-            throw Failure(some_failed, of_all(differing_) + (differing_ == 1 ? " differs" : " differ") +
-                                           (unread_ > 0 ? ", " + of_all(unread_) + " not verified" : ""));
-        }
-        if (unread_ > 0) {
-            throw Failure(bad_input, of_all(unread_) + " not verified");
-        }
+        refuse_if(differing_ > 0, some_failed,
+                  of_all(differing_) + (differing_ == 1 ? " differs" : " differ") +
+                      (unread_ > 0 ? ", " + of_all(unread_) + " not verified" : ""));
+        refuse_if(unread_ > 0, bad_input, of_all(unread_) + " not verified");
     }
 
 private:
@@ -118,7 +113,7 @@ private:
             ++differing_;
             say(output, "differs: " + joined(found) + other_version(record));
         } catch (const Failure& failure) {
-            if (control_.stop.stop_requested()) {
+            if (context_.stop()) {
                 throw;
             }
             say_unread(output, failure.what());
@@ -158,7 +153,7 @@ private:
 
     std::vector<std::string> differences(const Record& record, const fs::path& output, const fs::path& record_path) const {
         std::vector<std::string> found;
-        if (std::string own = difference(record.output, sealed(output, control_)); !own.empty()) {
+        if (std::string own = difference(record.output, sealed(output, context_)); !own.empty()) {
             found.push_back(std::move(own));
         }
         if (!remakes()) {
@@ -167,13 +162,13 @@ private:
         const std::vector<fs::path> inputs = inputs_of(record, record_path);
         const std::size_t before = found.size();
         for (std::size_t i = 0; i < inputs.size(); ++i) {
-            const std::string what = difference(record.inputs[i], sealed(inputs[i], control_));
+            const std::string what = difference(record.inputs[i], sealed(inputs[i], context_));
             if (!what.empty()) {
                 found.push_back("the input '" + inputs[i].string() + "': " + what);
             }
         }
         if (found.size() == before) {
-            const std::vector<std::string> more = verify::differences_from_remade(record, output, inputs, control_);
+            const std::vector<std::string> more = verify::differences_from_remade(record, output, inputs, context_);
             found.insert(found.end(), more.begin(), more.end());
         }
         return found;
@@ -199,9 +194,7 @@ private:
                 continue;
             }
             const std::string& path = record.inputs[i].path;
-            if (is_standard(path)) {
-                throw Failure(bad_input, "its mesh came from standard input: give it with --mesh");
-            }
+            refuse_if(is_standard(path), bad_input, "its mesh came from standard input: give it with --mesh");
             std::error_code unknown;
             const fs::path beside = record_path.parent_path() / path;
             inputs.push_back(
@@ -211,7 +204,7 @@ private:
     }
 
     const VerifyArguments& arguments_;
-    Control control_;
+    Context context_;
     std::size_t all_ = 0;
     std::size_t differing_ = 0;
     std::size_t unread_ = 0;
@@ -222,23 +215,15 @@ private:
 void add_verify_command(CLI::App& app, Interrupt& interrupt) {
     CLI::App* const command = app.add_subcommand("verify", "Check outputs against the records beside them");
     const auto arguments = std::make_shared<VerifyArguments>();
-    command->add_option("output", arguments->given, "Outputs, their records NAME.lamella.json, or folders of them")
-        ->required()
-        ->type_name("OUTPUT|RECORD|FOLDER")
-        ->check(given_path);
-    CLI::Option* const inputs = command->add_flag("--inputs", arguments->inputs,
-                                                  "Check also the inputs that the records name, and make each output again");
-    command
-        ->add_option("--mesh", arguments->meshes,
-                     "The same with this mesh, or archive, in place of the record's; once for each")
-        ->type_name("MESH")
-        ->take_all()
-        ->allow_extra_args(false)
-        ->check(given_path)
-        ->excludes(inputs);
-    command->add_option("--threads", arguments->threads, "At most this many threads (0: all)")
-        ->type_name("N")
-        ->check(CLI::Range(0, most_threads));
+    add_text(*command, "output", arguments->given, "OUTPUT|RECORD|FOLDER",
+             "Outputs, their records NAME.lamella.json, or folders of them")
+        ->required();
+    command->add_flag("--inputs", arguments->inputs,
+                      "Check also the inputs that the records name, and make each output again");
+    add_text(*command, "--mesh", arguments->meshes, "MESH",
+             "The same with this mesh, or archive, in place of the record's; once for each")
+        ->excludes("--inputs");
+    declare_threads(*command, arguments->threads);
     command->callback([arguments, &interrupt] { VerifyCommand(*arguments, interrupt).run(); });
 }
 

@@ -3,34 +3,12 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
-#include <utility>
 
 #include "models/lattice.hpp"
 
 namespace lamella::models {
 
 namespace {
-
-class Isosurface final : public Surface {
-public:
-    Isosurface(std::unique_ptr<Field> field, const Lattice& lattice, Scale scale, std::uint64_t unsplit,
-               std::uint64_t splits)
-        : field_(std::move(field)), lattice_(lattice), scale_(scale), unsplit_(unsplit), splits_(splits) {}
-
-    std::uint64_t triangles() const noexcept override { return unsplit_ + 2 * splits_; }
-
-    bool emit(const Consumer& consume) override {
-        Emitter out(consume, unsplit_, splits_);
-        return march(*field_, lattice_, scale_, out);
-    }
-
-private:
-    std::unique_ptr<Field> field_;
-    Lattice lattice_;
-    Scale scale_;
-    std::uint64_t unsplit_;
-    std::uint64_t splits_;
-};
 
 // The requested size of the isosurface, in shape space.
 struct Goal {
@@ -91,7 +69,7 @@ bool sensible(const Field& field, const Spacing& spacing) {
 struct Choice {
     Spacing spacing;
     SurfaceSize size;
-    bool met = false;  // whether `size` meets the goal; otherwise it is the last size tried
+    bool met = false;  // `size` meets the goal; otherwise it is the last size tried
 };
 
 // The extent after splitting. A split adds seven sixths of the triangle's extent, averaged over the height of its
@@ -156,7 +134,7 @@ double natural_width(Shape shape) {
 }  // namespace
 
 Plan plan_isosurface(const Recipe& recipe) {
-    std::unique_ptr<Field> field = make_field(recipe);
+    const std::shared_ptr<Field> field = make_field(recipe);
     const double width = natural_width(recipe.shape);
     const Scale scale{recipe.width_mm.value_or(recipe.height_mm * width) / width, recipe.height_mm};
     Goal goal;
@@ -171,7 +149,11 @@ Plan plan_isosurface(const Recipe& recipe) {
     }
     const auto unsplit = static_cast<std::uint64_t>(choice.size.triangles);
     const Lattice lattice = lattice_around(*field, choice.spacing.dx, choice.spacing.dz);
-    return {std::make_unique<Isosurface>(std::move(field), lattice, scale, unsplit, (recipe.triangles - unsplit) / 2)};
+    const std::uint64_t splits = (recipe.triangles - unsplit) / 2;
+    return Surface{unsplit + 2 * splits, [=](const Consumer& consume) {
+                       Emitter out(consume, unsplit, splits);
+                       return march(*field, lattice, scale, out);
+                   }};
 }
 
 }  // namespace lamella::models

@@ -126,14 +126,14 @@ Plan plan(const Recipe& recipe) {
 }
 
 // All triangles in the recipe's order. The random order is Fisher and Yates's shuffle.
-std::vector<Triangle> collect(const Recipe& recipe, Surface& surface) {
+std::vector<Triangle> collect(const Recipe& recipe, const Surface& surface) {
     std::vector<Triangle> all;
-    all.reserve(surface.triangles());
+    all.reserve(surface.triangles);
     surface.emit([&](std::span<const Triangle> batch) {
         all.insert(all.end(), batch.begin(), batch.end());
         return true;
     });
-    assert(all.size() == surface.triangles());
+    assert(all.size() == surface.triangles);
     if (recipe.order == Order::random) {
         Random random(recipe.seed);
         for (auto left = static_cast<std::uint32_t>(all.size()); left > 1; --left) {
@@ -179,32 +179,33 @@ void append(std::span<const Triangle> triangles, OutputFile& file) {
 
 }  // namespace
 
-Result<std::uint64_t> write_stl(const Recipe& recipe, const std::filesystem::path& path, const StopCheck& stop) try {
+Result<std::uint64_t> write_stl(const Recipe& recipe, const std::filesystem::path& path, const Callback<bool()>& stop) try {
+    const auto stopped = [&] { return stop && stop(); };
     Plan planned = plan(recipe);
     if (!planned) {
         return planned.error();
     }
-    Surface& surface = **planned;
+    const Surface& surface = *planned;
     Result<OutputFile> file = OutputFile::create(path);
     if (!file) {
         return file.error();
     }
-    append_header(surface.triangles(), *file);
+    append_header(surface.triangles, *file);
     if (recipe.order == Order::random) {
         append(collect(recipe, surface), *file);
     } else {
         surface.emit([&](std::span<const Triangle> batch) {
             append(batch, *file);
-            return !stop.stop_requested() && !file->failed();
+            return !stopped() && !file->failed();
         });
     }
-    if (stop.stop_requested()) {
+    if (stopped()) {
         return Error{ErrorCode::cancelled, path.string() + ": interrupted"};
     }
     if (const Status status = file->commit(); !status) {
         return status.error();
     }
-    return surface.triangles();
+    return surface.triangles;
 } catch (const std::bad_alloc&) {
     return Error{ErrorCode::out_of_memory, path.string() + ": out of memory while making the mesh"};
 }
@@ -214,7 +215,7 @@ std::vector<float> make_soup(const Recipe& recipe) {
     if (!planned) {
         return {};
     }
-    const std::vector<Triangle> triangles = collect(recipe, **planned);
+    const std::vector<Triangle> triangles = collect(recipe, *planned);
     std::vector<float> soup(triangles.size() * 9);
     if (!triangles.empty()) {
         std::memcpy(soup.data(), triangles.data(), soup.size() * sizeof(float));

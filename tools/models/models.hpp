@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lamella/control.hpp"
+#include "lamella/context.hpp"
 #include "lamella/error.hpp"
 
 namespace lamella::models {
@@ -37,7 +37,7 @@ enum class Order : std::uint8_t {
 
 inline constexpr std::uint64_t fewest_triangles = 100;
 inline constexpr std::uint64_t most_triangles = 1'000'000'000;
-inline constexpr std::uint64_t most_shuffled = 100'000'000;  ///< of Order::random, which holds them all
+inline constexpr std::uint64_t most_shuffled = 100'000'000;  ///< in Order::random, which holds them all
 
 struct Recipe {
     Shape shape = Shape::bone;
@@ -58,8 +58,8 @@ struct Recipe {
 ///
 /// Memory is O(cross-section) for Order::z and 36 bytes a triangle for Order::random. Errors: invalid_argument (a
 /// number out of range, or a number of segments that this shape cannot have), unwritable_file, out_of_memory,
-/// cancelled. `stop` is read while the file is being written; a stopped call leaves no file.
-Result<std::uint64_t> write_stl(const Recipe& recipe, const std::filesystem::path& path, const StopCheck& stop = {});
+/// cancelled. `stop` is asked while the file is being written; a stopped call leaves no file.
+Result<std::uint64_t> write_stl(const Recipe& recipe, const std::filesystem::path& path, const Callback<bool()>& stop = {});
 
 /// The same mesh in memory, nine floats a triangle. Empty where write_stl would return invalid_argument.
 std::vector<float> make_soup(const Recipe& recipe);

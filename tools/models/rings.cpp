@@ -30,7 +30,7 @@ struct RingSizes {
     double segments = 0;  // expected number, at the recipe's layer height
 };
 
-class Rings final : public Surface {
+class Rings {
 public:
     Rings(const Recipe& recipe, const RingSizes& sizes)
         : sphere_(recipe.shape == Shape::sphere),
@@ -44,11 +44,11 @@ public:
         }
     }
 
-    std::uint64_t triangles() const noexcept override {
+    std::uint64_t triangles() const noexcept {
         return sizes_.points * 2 * sizes_.rows - (sphere_ ? sizes_.points * 2 : 0) + cap_triangles() * 2 + sizes_.splits * 2;
     }
 
-    bool emit(const Consumer& consume) override {
+    bool emit(const Consumer& consume) const {
         const std::uint64_t candidates = sphere_ ? triangles() - sizes_.splits * 2 : cap_triangles() * 2;
         Emitter out(consume, candidates, sizes_.splits);
         std::vector<Vertex> lower = ring(0);
@@ -213,7 +213,8 @@ Plan plan_rings(const Recipe& recipe) {
             return unreachable(recipe, sizes.segments);
         }
     }
-    return {std::make_unique<Rings>(recipe, sizes)};
+    const Rings rings(recipe, sizes);
+    return Surface{rings.triangles(), [rings](const Consumer& consume) { return rings.emit(consume); }};
 }
 
 }  // namespace lamella::models

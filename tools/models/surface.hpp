@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -54,21 +53,13 @@ private:
     std::vector<std::uint64_t> keys_;
 };
 
-class Surface {
-public:
-    Surface() = default;
-    Surface(const Surface&) = delete;
-    Surface& operator=(const Surface&) = delete;
-    virtual ~Surface() = default;
-
-    /// The exact number that emit() passes on.
-    virtual std::uint64_t triangles() const noexcept = 0;
-
+struct Surface {
+    std::uint64_t triangles = 0;  ///< that emit() passes on
     /// Emits triangles in ascending order of lowest vertices. False if the consumer stopped it.
-    virtual bool emit(const Consumer& consume) = 0;
+    std::function<bool(const Consumer&)> emit;
 };
 
-using Plan = Result<std::unique_ptr<Surface>>;
+using Plan = Result<Surface>;
 
 /// Sphere and prism.
 Plan plan_rings(const Recipe& recipe);

@@ -9,7 +9,7 @@
 
 #include "base/function_ref.hpp"
 #include "lamella/array.hpp"
-#include "lamella/memory.hpp"
+#include "lamella/context.hpp"
 
 namespace lamella {
 
@@ -21,7 +21,7 @@ public:
 
     std::size_t size() const noexcept { return size_; }
 
-    /// What the next push_back() allocates.
+    /// Bytes that the next push_back() allocates.
     std::size_t next_bytes() const noexcept { return room_ > 0 ? 0 : next_count() * sizeof(T); }
 
     void push_back(const T& item) {

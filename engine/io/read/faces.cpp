@@ -1,12 +1,8 @@
 #include "io/read/faces.hpp"
 
-#include <array>
 #include <functional>
 #include <numeric>
-#include <utility>
-#include <vector>
 
-#include "base/guard.hpp"
 #include "io/read/number_type.hpp"
 
 namespace lamella {
@@ -14,8 +10,7 @@ namespace lamella {
 namespace {
 
 /// Makes triangles of the faces that FaceWriter stored; one for each thread.
-class FaceCutter {
-public:
+struct FaceCutter {
     /// The first of `indices` that cannot be cut, if there is any.
     std::optional<RefusedFace> cut(std::span<std::uint32_t> indices, const VertexCoordinates& vertices) {
         std::size_t face = 0;
@@ -24,13 +19,14 @@ public:
                 at += 3;
                 continue;
             }
-            const std::span<const std::uint32_t> corners = copy_of(indices.subspan(at + 2, indices[at + 1]));
+            const std::span<const std::uint32_t> stored = indices.subspan(at + 2, indices[at + 1]);
+            corners.assign(stored.begin(), stored.end());  // triangles are about to take their place
             const auto odd = std::find_if(corners.begin(), corners.end(),
                                           [&](std::uint32_t vertex) { return !vertices.is_finite(vertex); });
             if (odd != corners.end()) {
                 return RefusedFace{face, *odd};
             }
-            if (triangulator_.triangulate(corners, vertices, &indices[at]) == 0) {
+            if (triangulator.triangulate(corners, vertices, &indices[at]) == 0) {
                 return RefusedFace{face, std::nullopt};
             }
             at += 3 * triangles_in(corners.size());
@@ -38,24 +34,12 @@ public:
         return std::nullopt;
     }
 
-private:
-    /// Of corners that triangles are about to take the place of.
-    std::span<const std::uint32_t> copy_of(std::span<const std::uint32_t> corners) {
-        if (corners.size() == quad_.size()) {
-            std::memcpy(quad_.data(), corners.data(), sizeof quad_);
-            return quad_;
-        }
-        polygon_.assign(corners.begin(), corners.end());
-        return polygon_;
-    }
-
-    PolygonTriangulator triangulator_;
-    std::array<std::uint32_t, 4> quad_{};
-    std::vector<std::uint32_t> polygon_;
+    PolygonTriangulator triangulator;
+    std::vector<std::uint32_t> corners;
 };
 
-/// What coordinates, indices and cutting take. The scratch memory of a thread grows to that of the largest face that it
-/// meets.
+/// Bytes that coordinates, indices and cutting take. The scratch memory of a thread grows to that of the largest face that
+/// it meets.
 std::size_t bytes_needed(std::size_t vertices, std::size_t triangles, std::span<const FaceRange> pieces, int threads) {
     std::vector<std::size_t> scratch;
     for (const FaceRange& piece : pieces) {
@@ -79,8 +63,8 @@ void cut_faces(std::span<const FaceRange> pieces, std::span<std::uint32_t> indic
     });
 }
 
-void allocate_vertices(std::size_t count, CoordinateType type, const Memory* memory, MeshFile& mesh) {
-    mesh.coordinate_type = type;
+void allocate_vertices(std::size_t count, Number type, const Memory* memory, MeshFile& mesh) {
+    mesh.vertex_type = type;
     mesh.stride = 3 * size_of(type);
     mesh.first_offset = 0;
     mesh.vertex_count = count;
@@ -94,8 +78,7 @@ void read_faces(const FileContents& file, std::size_t vertices, std::span<FaceRa
     const FileSource& source = file.source;
     const Parallel& parallel = source.parallel();
     if (vertices >= polygon_mark) {
-        throw Refused{source.error(ErrorCode::malformed_mesh,
-                                   "has " + std::to_string(vertices) + " vertices, too many to be numbered")};
+        source.refuse(ErrorCode::malformed_mesh, "has " + std::to_string(vertices) + " vertices, too many to be numbered");
     }
     std::size_t triangles = 0;
     LeftOut small;
@@ -104,7 +87,7 @@ void read_faces(const FileContents& file, std::size_t vertices, std::span<FaceRa
         small.add(piece.small);
     }
     source.must_fit(bytes_needed(vertices, triangles, pieces, parallel.threads()));
-    allocate_vertices(vertices, CoordinateType::f64, source.memory(), mesh);
+    allocate_vertices(vertices, Number::f64, source.memory(), mesh);
     mesh.indices = Array<std::uint32_t>(source.memory());
     mesh.indices.resize_discarding(3 * triangles);
     mesh.triangle_count = triangles;
@@ -113,13 +96,12 @@ void read_faces(const FileContents& file, std::size_t vertices, std::span<FaceRa
         FaceWriter faces(mesh.indices.span(), pieces[i]);
         parse(i, mesh.bytes.data(), faces);
     });
-    cut_faces(pieces, mesh.indices.span(), {mesh.bytes.data(), mesh.stride, mesh.coordinate_type}, parallel,
+    cut_faces(pieces, mesh.indices.span(), {mesh.bytes.data(), mesh.stride, mesh.vertex_type}, parallel,
               [&](std::size_t piece, const RefusedFace& face) {
                   throw TextError{place(piece, face.number), "this face is too entangled to be cut into triangles"};
               });
     if (triangles == 0) {
-        throw Refused{source.error(ErrorCode::empty_mesh,
-                                   small.count == 0 ? "holds no faces" : "holds no face of three corners or more")};
+        source.refuse(ErrorCode::empty_mesh, small.count == 0 ? "holds no faces" : "holds no face of three corners or more");
     }
     if (small.count > 0) {
         mesh.warnings.push_back(source.name() + ": left out " + std::to_string(small.count) +

@@ -6,13 +6,7 @@
 //     n corners    | mark | n | a | b | c | d | ...        n + 2 of the 3 (n - 2) indices, and n >= 4
 #pragma once
 
-#include <algorithm>
-#include <cstddef>
-#include <cstdint>
-#include <cstring>
 #include <limits>
-#include <optional>
-#include <span>
 
 #include "base/function_ref.hpp"
 #include "io/read/polygon.hpp"
@@ -107,6 +101,6 @@ void read_faces(const FileContents& file, std::size_t vertices, std::span<FaceRa
                 FunctionRef<const char*(std::size_t piece, std::size_t face)> place, MeshFile& mesh);
 
 /// Gives `mesh` room for vertices, whose coordinates are still to be written.
-void allocate_vertices(std::size_t count, CoordinateType type, const Memory* memory, MeshFile& mesh);
+void allocate_vertices(std::size_t count, Number type, const Memory* memory, MeshFile& mesh);
 
 }  // namespace lamella

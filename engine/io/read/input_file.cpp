@@ -1,12 +1,7 @@
 #include "io/read/input_file.hpp"
 
-#include <algorithm>
 #include <cassert>
 #include <cerrno>
-#include <new>
-#include <system_error>
-#include <utility>
-#include <vector>
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -28,25 +23,17 @@ std::string system_message(int number) {
 }
 
 const char* kind_of(mode_t mode) {
-    if (S_ISDIR(mode)) {
-        return "a directory";
-    }
-    if (S_ISFIFO(mode)) {
-        return "a FIFO";
-    }
-    if (S_ISSOCK(mode)) {
-        return "a socket";
-    }
-    return "a device";
+    return S_ISDIR(mode) ? "a directory" : S_ISFIFO(mode) ? "a FIFO" : S_ISSOCK(mode) ? "a socket" : "a device";
 }
 
 /// Lets an Array own a mapping: it takes address space, over which the file is then mapped. Pages are aligned enough.
 constexpr Memory mapped_memory = {
-    [](void*, std::size_t bytes, std::size_t) noexcept -> void* {
-        void* const memory = ::mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-        return memory == MAP_FAILED ? nullptr : memory;
-    },
-    [](void*, void* memory, std::size_t bytes, std::size_t) noexcept { ::munmap(memory, bytes); }, nullptr};
+    {nullptr,
+     [](void*, std::size_t bytes, std::size_t) noexcept -> void* {
+         void* const memory = ::mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+         return memory == MAP_FAILED ? nullptr : memory;
+     }},
+    {nullptr, [](void*, void* memory, std::size_t bytes, std::size_t) noexcept { ::munmap(memory, bytes); }}};
 
 }  // namespace
 
@@ -86,11 +73,7 @@ InputFile::~InputFile() {
 }
 
 Error InputFile::error(ErrorCode code, const std::string& what, std::int64_t byte_offset) const {
-    Error error;
-    error.code = code;
-    error.message = name_ + ": " + what;
-    error.byte_offset = byte_offset;
-    return error;
+    return {.code = code, .message = name_ + ": " + what, .byte_offset = byte_offset};
 }
 
 Result<InputFile> InputFile::open(const std::filesystem::path& path, std::string_view name) {
@@ -111,32 +94,24 @@ Result<InputFile> InputFile::open(const std::filesystem::path& path, std::string
 
 Status InputFile::read(std::span<std::byte> into, const Parallel& parallel) const {
     assert(into.size() <= size_);
-    const std::size_t pieces = (into.size() + read_piece_bytes - 1) / read_piece_bytes;
-    std::vector<int> failures(pieces, 0);
-    parallel.run(pieces, [&](std::size_t piece, int) {
+    std::vector<Status> pieces((into.size() + read_piece_bytes - 1) / read_piece_bytes);
+    parallel.run(pieces.size(), [&](std::size_t piece, int) {
         const std::size_t offset = piece * read_piece_bytes;
-        const std::size_t count = std::min(read_piece_bytes, into.size() - offset);
-        failures[piece] = read_fully(descriptor_, into.subspan(offset, count), offset);
+        pieces[piece] = read_at(offset, into.subspan(offset, std::min(read_piece_bytes, into.size() - offset)));
     });
-    const auto failed = std::find_if(failures.begin(), failures.end(), [](int failure) { return failure != 0; });
-    if (failed == failures.end()) {
-        return {};
-    }
-    return unread(*failed, static_cast<std::uint64_t>(failed - failures.begin()) * read_piece_bytes);
-}
-
-Error InputFile::unread(int failure, std::uint64_t offset) const {
-    if (failure == file_ended) {
-        return error(ErrorCode::unreadable_file, "shrank while it was read");
-    }
-    return error(ErrorCode::unreadable_file,
-                 "cannot be read near byte " + std::to_string(offset) + ": " + system_message(failure),
-                 static_cast<std::int64_t>(offset));
+    const auto failed = std::find_if(pieces.begin(), pieces.end(), [](const Status& piece) { return !piece; });
+    return failed == pieces.end() ? Status() : *failed;
 }
 
 Status InputFile::read_at(std::uint64_t offset, std::span<std::byte> into) const {
     const int failure = read_fully(descriptor_, into, offset);
-    return failure == 0 ? Status() : unread(failure, offset);
+    if (failure == file_ended) {
+        return error(ErrorCode::unreadable_file, "shrank while it was read");
+    }
+    return failure == 0 ? Status()
+                        : error(ErrorCode::unreadable_file,
+                                "cannot be read near byte " + std::to_string(offset) + ": " + system_message(failure),
+                                static_cast<std::int64_t>(offset));
 }
 
 Result<Array<std::byte>> InputFile::map(std::size_t count) const {

@@ -16,7 +16,7 @@
 
 namespace lamella {
 
-/// Whether the file's name ends in `extension`, given as ".stl", in any case. A file that is called ".stl" has none.
+/// True if the file's name ends in `extension`, given as ".stl", in any case. A file that is called ".stl" has none.
 bool has_extension(std::string_view path, std::string_view extension) noexcept;
 
 /// Fills `into` from byte `offset` on. Returns 0, the error number, or -1 where the file ends before.
@@ -53,7 +53,6 @@ public:
     Error error(ErrorCode code, const std::string& what, std::int64_t byte_offset = -1) const;
 
 private:
-    Error unread(int failure, std::uint64_t offset) const;
     InputFile(int descriptor, std::string name) : descriptor_(descriptor), name_(std::move(name)) {}
 
     int descriptor_;

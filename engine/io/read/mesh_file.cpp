@@ -1,19 +1,11 @@
 // read_mesh(): finds the reader for a file, decompresses it where needed, and completes what the reader returns.
 #include "lamella/io/mesh_file.hpp"
 
-#include <algorithm>
 #include <array>
-#include <cassert>
-#include <new>
-#include <optional>
-#include <stdexcept>
 
 #include "base/clock.hpp"
-#include "base/guard.hpp"
 #include "base/words.hpp"
-#include "io/read/gzip.hpp"
 #include "io/read/reader.hpp"
-#include "io/text/text.hpp"
 
 namespace lamella {
 
@@ -41,12 +33,21 @@ std::uint64_t memory_limit(const ReadOptions& options, std::uint64_t file_bytes)
 
 constexpr std::string_view gz = ".gz";
 
+/// The first that passes; null where none does.
+template <class Passes>
+const Reader* first_reader(Passes passes) {
+    const auto* const found = std::find_if(all_readers.begin(), all_readers.end(), passes);
+    return found == all_readers.end() ? nullptr : found;
+}
+
 /// By the name, ".gz" left out.
 const Reader* reader_for_name(std::string_view path) noexcept {
     path.remove_suffix(has_extension(path, gz) ? gz.size() : 0);
-    const auto* const found = std::find_if(all_readers.begin(), all_readers.end(),
-                                           [path](const Reader& reader) { return has_extension(path, reader.extension); });
-    return found == all_readers.end() ? nullptr : &*found;
+    return first_reader([path](const Reader& reader) { return has_extension(path, reader.extension); });
+}
+
+const Reader* reader_for_content(const FileSource& source) {
+    return first_reader([&](const Reader& reader) { return reader.recognises(source); });
 }
 
 std::string known_formats() {
@@ -76,15 +77,14 @@ std::string foreign_content(std::string_view sample) {
     return {};
 }
 
-Error unrecognised(const FileSource& source) {
+[[noreturn]] void refuse_unrecognised(const FileSource& source) {
     const std::string_view sample = without_byte_order_mark(source.sample());
     constexpr std::size_t quoted = 32;
     const std::string_view line = sample.substr(0, std::min(sample.find_first_of("\r\n"), quoted));
-    return source.error(
-        ErrorCode::malformed_mesh,
-        "is no " + known_formats() + " file: " +
-            (is_text(source.sample()) ? "text that begins with '" + printable(line) + "'" : "unknown binary data"),
-        0);
+    source.refuse(ErrorCode::malformed_mesh,
+                  "is no " + known_formats() + " file: " +
+                      (is_text(source.sample()) ? "text that begins with '" + printable(line) + "'" : "unknown binary data"),
+                  0);
 }
 
 /// The reader that recognises the content, else the one for the file's extension. Warns where the two differ.
@@ -95,119 +95,94 @@ const Reader* choose_reader(const FileSource& source, const std::filesystem::pat
     if (by_name != nullptr && by_name->recognises(source)) {
         return by_name;
     }
-    const auto* const found = std::find_if(all_readers.begin(), all_readers.end(),
-                                           [&](const Reader& reader) { return reader.recognises(source); });
-    if (found == all_readers.end()) {
+    const Reader* const found = reader_for_content(source);
+    if (found == nullptr) {
         if (by_name != nullptr && by_name->recognises_by_name != nullptr && by_name->recognises_by_name(source)) {
             return by_name;
         }
-        // What is not text may be a damaged file of the format in its name, whose reader will say what is wrong.
+        // A file that is not text may be a damaged file of the format in its name, whose reader will say what is wrong.
         return is_text(source.sample()) ? nullptr : by_name;
     }
     if (by_name != nullptr) {
         warnings.push_back(source.name() + ": is a file of format " + std::string(found->name) + ", not " +
                            std::string(by_name->name) + " as its name says");
     }
-    return &*found;
+    return found;
 }
 
 /// `path` is the one whose name speaks of the content, or empty.
-Result<MeshFile> read_source(FileSource& source, const std::filesystem::path& path, const ReadOptions& options) {
+MeshFile read_source(FileSource& source, const std::filesystem::path& path, const ReadOptions& options) {
     if (source.size() == 0) {
-        return source.error(ErrorCode::empty_mesh, "is empty");
+        source.refuse(ErrorCode::empty_mesh, "is empty");
     }
-    if (Status got = source.read_sample(); !got) {
-        return got.error();
-    }
+    source.read_sample();
     std::vector<std::string> warnings;
     const Reader* const reader = choose_reader(source, path, warnings);
     if (reader == nullptr || !reader->recognises(source)) {
         if (const std::string foreign = foreign_content(source.sample()); !foreign.empty()) {
-            return source.error(ErrorCode::malformed_mesh, foreign, 0);
+            source.refuse(ErrorCode::malformed_mesh, foreign, 0);
         }
     }
     if (reader == nullptr) {
-        return unrecognised(source);
+        refuse_unrecognised(source);
     }
-    Result<MeshFile> mesh = reader->read(source);
-    if (mesh) {
-        mesh->format = reader->format;
-        mesh->mm_per_unit = mesh->states_unit ? mesh->mm_per_unit : options.mm_per_unit;
-        mesh->warnings.insert(mesh->warnings.begin(), warnings.begin(), warnings.end());
-    }
+    MeshFile mesh = reader->read(source);
+    mesh.format = reader->format;
+    mesh.mm_per_unit = mesh.states_unit ? mesh.mm_per_unit : options.mm_per_unit;
+    mesh.warnings.insert(mesh.warnings.begin(), warnings.begin(), warnings.end());
     return mesh;
 }
 
-Result<MeshFile> read_compressed(FileSource& packed, const InputFile& file, const std::filesystem::path& path,
-                                 const ReadOptions& options, const Parallel& parallel) {
-    const Result<Array<std::byte>> bytes = packed.take(file.size());
-    if (!bytes) {
-        return bytes.error();
-    }
+MeshFile read_compressed(FileSource& packed, const InputFile& file, const std::filesystem::path& path,
+                         const ReadOptions& options) {
+    const Array<std::byte> bytes = packed.take(file.size());
     const Clock::time_point start = Clock::now();
-    Unzipped unzipped = unzip(bytes.value().span(), packed.memory_limit(), options.control.memory, parallel);
-    if (!unzipped.problem.empty()) {
-        return file.error(unzipped.code, unzipped.problem);
-    }
-    if (as_text(unzipped.contents.span()).starts_with(gzip_magic)) {
-        return file.error(ErrorCode::malformed_mesh, "is compressed twice: its gzip data are gzip data again");
+    std::uint64_t ignored_bytes = 0;
+    Array<std::byte> contents = unzip(packed, bytes.span(), ignored_bytes);
+    if (as_text(contents.span()).starts_with(gzip_magic)) {
+        packed.refuse(ErrorCode::malformed_mesh, "is compressed twice: its gzip data are gzip data again");
     }
     const double unzip_ms = milliseconds_since(start);
-    FileSource source(file, std::move(unzipped.contents), options, parallel);
-    Result<MeshFile> mesh = read_source(source, path, options);
-    if (mesh) {
-        mesh->compressed = true;
-        mesh->parse_ms += unzip_ms;
-        if (unzipped.ignored_bytes > 0) {
-            mesh->warnings.push_back(file.name() + ": ignored " + counted(unzipped.ignored_bytes, "byte") +
-                                     " after the gzip data");
-        }
+    FileSource source(file, options, packed.parallel(), std::move(contents));
+    MeshFile mesh = read_source(source, path, options);
+    mesh.compressed = true;
+    mesh.parse_ms += unzip_ms;
+    if (ignored_bytes > 0) {
+        mesh.warnings.push_back(file.name() + ": ignored " + counted(ignored_bytes, "byte") + " after the gzip data");
     }
     return mesh;
 }
 
-Result<MeshFile> read(const std::filesystem::path& path, const ReadOptions& options) {
+MeshFile read(const std::filesystem::path& path, const ReadOptions& options, const Context& context) {
     const Clock::time_point start = Clock::now();
-    const Result<InputFile> opened = InputFile::open(path, options.name);
-    if (!opened) {
-        return opened.error();
-    }
-    const InputFile& file = opened.value();
-    const Parallel parallel(options.control);
+    const InputFile file = require(InputFile::open(path, options.name));
+    const Parallel parallel(context);
     parallel.begin_stage(0.99, 3);  // formats differ in their runs: some more or fewer do no harm
     FileSource source(file, options, parallel);
-    if (Status got = source.read_sample(); !got) {
-        return got.error();
-    }
+    source.read_sample();
     const std::filesystem::path named = options.name.empty() ? path : std::filesystem::path();
-    Result<MeshFile> mesh = source.sample().starts_with(gzip_magic) ? read_compressed(source, file, named, options, parallel)
-                                                                    : read_source(source, named, options);
-    if (mesh) {
-        if (options.name.empty() && mesh->compressed != has_extension(path.native(), gz)) {
-            mesh->warnings.insert(mesh->warnings.begin(),
-                                  file.name() + (mesh->compressed ? ": is compressed by gzip, which its name does not say"
-                                                                  : ": is not compressed by gzip, as its name says"));
-        }
-        mesh->file_bytes = file.size();
-        mesh->read_ms = milliseconds_since(start) - mesh->parse_ms;
-        parallel.finish();
+    MeshFile mesh = source.sample().starts_with(gzip_magic) ? read_compressed(source, file, named, options)
+                                                            : read_source(source, named, options);
+    if (options.name.empty() && mesh.compressed != has_extension(path.native(), gz)) {
+        mesh.warnings.insert(mesh.warnings.begin(),
+                             file.name() + (mesh.compressed ? ": is compressed by gzip, which its name does not say"
+                                                            : ": is not compressed by gzip, as its name says"));
     }
+    mesh.file_bytes = file.size();
+    mesh.read_ms = milliseconds_since(start) - mesh.parse_ms;
+    parallel.finish();
     return mesh;
 }
 
 }  // namespace
 
 std::string_view format_of(const FileSource& source) {
-    const auto* const found = std::find_if(all_readers.begin(), all_readers.end(),
-                                           [&](const Reader& reader) { return reader.recognises(source); });
-    return found == all_readers.end() ? std::string_view() : found->name;
+    const Reader* const found = reader_for_content(source);
+    return found == nullptr ? std::string_view() : found->name;
 }
 
 std::string_view name_of(MeshFormat format) noexcept {
-    const auto found =
-        std::find_if(all_readers.begin(), all_readers.end(), [=](const Reader& r) { return r.format == format; });
-    assert(found != all_readers.end() && "each format has a row in all_readers");
-    return found->name;
+    return first_reader([=](const Reader& reader) { return reader.format == format; })->name;  // each has a row
 }
 
 std::span<const std::string_view> format_names() noexcept {
@@ -234,135 +209,69 @@ bool is_text(std::string_view sample) noexcept {
 
 // --- FileSource
 
-FileSource::FileSource(const InputFile& file, const ReadOptions& options, const Parallel& parallel)
+FileSource::FileSource(const InputFile& file, const ReadOptions& options, const Parallel& parallel,
+                       std::optional<Array<std::byte>> contents)
     : file_(file),
       options_(options),
       parallel_(parallel),
-      memory_limit_(lamella::memory_limit(options, file.size())),
-      contents_(options.control.memory) {}
-
-FileSource::FileSource(const InputFile& file, Array<std::byte> contents, const ReadOptions& options,
-                       const Parallel& parallel)
-    : file_(file),
-      options_(options),
-      parallel_(parallel),
-      memory_limit_(lamella::memory_limit(options, contents.size())),
-      compressed_(true),
+      memory_limit_(lamella::memory_limit(options, contents ? contents->size() : file.size())),
       contents_(std::move(contents)) {}
 
-Status FileSource::read_sample() {
+void FileSource::read_sample() {
     const std::size_t count = std::min<std::uint64_t>(size(), sample_bytes);
-    if (compressed_) {
-        sample_ = as_text(contents_.span().first(count));
-        return {};
+    if (contents_) {
+        sample_ = as_text(contents_->span().first(count));
+        return;
     }
     sample_.resize(count);
-    return file_.read(std::as_writable_bytes(std::span(sample_)), parallel_);
+    require(file_.read(std::as_writable_bytes(std::span(sample_)), parallel_));
 }
 
-Result<Array<std::byte>> FileSource::take(std::size_t count) {
-    if (compressed_) {
-        contents_.set_size(count);
-        return std::move(contents_);
+Array<std::byte> FileSource::take(std::size_t count) {
+    if (contents_) {
+        contents_->set_size(count);
+        return *std::move(contents_);
     }
+    Array<std::byte> bytes(memory());
     if (options_.map_file && count > 0) {
-        Result<Array<std::byte>> mapped = file_.map(count);
-        if (!mapped) {
-            return mapped;
-        }
-        if (Status same = file_.unchanged(); !same) {
-            return same.error();
-        }
-        return mapped;
+        bytes = require(file_.map(count));
+    } else {
+        bytes.resize_discarding(count);
+        require(file_.read(bytes.span(), parallel_));
     }
-    Array<std::byte> bytes(options_.control.memory);
-    bytes.resize_discarding(count);
-    if (Status got = file_.read(bytes.span(), parallel_); !got) {
-        return got.error();
-    }
-    if (Status same = file_.unchanged(); !same) {
-        return same.error();
-    }
+    require(file_.unchanged());
     return bytes;
-}
-
-Error FileSource::error_in_text(std::string_view text, std::size_t offset, const std::string& what) const {
-    return error(ErrorCode::malformed_mesh,
-                 "line " + std::to_string(line_of(text, offset)) + ", byte " + std::to_string(offset) + ": " + what,
-                 static_cast<std::int64_t>(offset));
 }
 
 Error FileSource::error_in_text(std::string_view text, const TextError& error) const {
     const auto offset = static_cast<std::size_t>(error.at - text.data());
-    return error.has_lines ? error_in_text(text, offset, error.what)
-                           : this->error(ErrorCode::malformed_mesh, "byte " + std::to_string(offset) + ": " + error.what,
-                                         static_cast<std::int64_t>(offset));
+    const std::string line = error.has_lines ? "line " + std::to_string(line_of(text, offset)) + ", " : "";
+    return this->error(ErrorCode::malformed_mesh, line + "byte " + std::to_string(offset) + ": " + error.what,
+                       static_cast<std::int64_t>(offset));
 }
 
 void FileSource::must_fit(std::uint64_t bytes) const {
     if (bytes > memory_limit_) {
-        throw Refused{error(ErrorCode::out_of_memory, "expands to " + std::to_string(bytes) + " bytes, more than the " +
-                                                          std::to_string(memory_limit_) + " that reading it may take")};
+        refuse(ErrorCode::out_of_memory, "expands to " + std::to_string(bytes) + " bytes, more than the " +
+                                             std::to_string(memory_limit_) + " that reading it may take");
     }
 }
 
-Result<MeshFile> read_contents(FileSource& source, void (*parse)(FileContents& file, MeshFile& mesh)) {
-    Result<Array<std::byte>> bytes = source.take(source.size());
-    if (!bytes) {
-        return bytes.error();
-    }
+MeshFile read_contents(FileSource& source, void (*parse)(FileContents& file, MeshFile& mesh)) {
+    FileContents file{source, source.take(source.size())};
     const Clock::time_point start = Clock::now();
-    FileContents file{source, std::move(bytes).value()};
     MeshFile mesh;  // may take the file's bytes, in which errors count lines
     try {
         parse(file, mesh);
-        mesh.parse_ms = milliseconds_since(start);
-        return mesh;
     } catch (const TextError& error) {
-        return source.error_in_text(file.whole, error);
-    } catch (const Refused& refused) {
-        return refused.error;
+        throw Refused{source.error_in_text(file.whole, error)};
     }
+    mesh.parse_ms = milliseconds_since(start);
+    return mesh;
 }
 
-// ---
-
-Result<MeshFile> read_mesh(const std::filesystem::path& path, const ReadOptions& options) noexcept {
-    return guarded(options.control, [&] { return read(path, options); });
-}
-
-// --- The calls on a mesh, for a mesh that was read: its unit is applied first
-
-namespace {
-
-template <class Options>
-Options in_mm(const MeshFile& file, Options options) {
-    options.transform = options.transform * file.to_mm();
-    return options;
-}
-
-}  // namespace
-
-Result<SliceResult> slice(const MeshFile& file, const SliceOptions& options) noexcept {
-    return guarded([&] { return slice(file.view(), in_mm(file, options)); });
-}
-
-Status slice(const MeshFile& file, const SliceOptions& options, Workspace& workspace, SliceResult& result) noexcept {
-    return guarded([&] { return slice(file.view(), in_mm(file, options), workspace, result); });
-}
-
-Result<MeshInfo> inspect(const MeshFile& file, const InspectOptions& options) noexcept {
-    return inspect(file.view(), in_mm(file, options));
-}
-
-Result<MeshCheck> check(const MeshFile& file, const CheckOptions& options) noexcept {
-    return check(file.view(), in_mm(file, options));
-}
-
-Result<WeldedMesh> weld(const MeshFile& file, const WeldOptions& options) noexcept {
-    WeldOptions in_unit = options;
-    in_unit.mm_per_unit = file.mm_per_unit;
-    return weld(file.view(), in_unit);
+Result<MeshFile> read_mesh(const std::filesystem::path& path, const ReadOptions& options, const Context& context) noexcept {
+    return guarded(context, [&]() -> Result<MeshFile> { return read(path, options, context); });
 }
 
 }  // namespace lamella

@@ -20,10 +20,6 @@ constexpr std::size_t size_of(NumberType type) noexcept {
     return sizes[static_cast<std::size_t>(type)];
 }
 
-constexpr std::size_t size_of(CoordinateType number) noexcept {
-    return number == CoordinateType::f64 ? sizeof(double) : sizeof(float);
-}
-
 constexpr bool is_integer(NumberType type) noexcept {
     return type < NumberType::float32;
 }

@@ -24,7 +24,7 @@ constexpr std::uint32_t leaf_corners = 8;
 /// 10 ns. Real outlines take up to 100 a corner, one of 100,000 random spikes takes 140.
 constexpr std::uint64_t most_steps_a_corner = 192;
 constexpr std::uint64_t free_steps = std::uint64_t{1} << 17;
-/// What it costs to look at both neighbours of a corner.
+/// The cost of a look at both neighbours of a corner.
 constexpr std::uint64_t neighbour_steps = 3;
 
 Vector minus(const Vector& a, const Vector& b) {
@@ -100,7 +100,7 @@ bool same_place(const A& a, const B& b) {
     return a.x == b.x && a.y == b.y;
 }
 
-/// Whether the diagonal from the first to the third corner lies within the quad: both halves then have the same orientation.
+/// True if the diagonal from the first to the third corner lies within the quad: both halves then have the same orientation.
 bool splits_at_first(std::span<const std::uint32_t> quad, const VertexCoordinates& vertices) {
     const Vector first = vertices[quad[0]];
     const Vector diagonal = minus(vertices[quad[2]], first);
@@ -325,7 +325,7 @@ bool PolygonTriangulator::blocked(std::uint32_t corner, Rule rule) {
     return false;
 }
 
-/// Whether the box lies beside the triangle: to one side of it, or right of one of its edges as a whole.
+/// True if the box lies beside the triangle: to one side of it, or right of one of its edges as a whole.
 bool PolygonTriangulator::misses(const Node& node, const Corner& a, const Corner& b, const Corner& c) const {
     if (node.high_x < std::min({a.x, b.x, c.x}) || node.low_x > std::max({a.x, b.x, c.x}) ||
         node.high_y < std::min({a.y, b.y, c.y}) || node.low_y > std::max({a.y, b.y, c.y})) {
@@ -339,7 +339,7 @@ bool PolygonTriangulator::misses(const Node& node, const Corner& a, const Corner
     return right_of(a, b) || right_of(b, c) || right_of(c, a);
 }
 
-/// Whether `corner` keeps `ear` from being clipped.
+/// True if `corner` keeps `ear` from being clipped.
 bool PolygonTriangulator::blocks(std::uint32_t corner, std::uint32_t ear, Rule rule) const {
     const Corner& p = corners_[corner];
     const Corner& b = corners_[ear];

@@ -16,10 +16,10 @@ namespace lamella {
 struct VertexCoordinates {
     const std::byte* first = nullptr;
     std::size_t stride = 0;
-    CoordinateType number = CoordinateType::f32;
+    Number number = Number::f32;
 
     std::array<double, 3> operator[](std::uint32_t vertex) const noexcept {
-        return number == CoordinateType::f32 ? read<float>(vertex) : read<double>(vertex);
+        return number == Number::f32 ? read<float>(vertex) : read<double>(vertex);
     }
 
     bool is_finite(std::uint32_t vertex) const noexcept {
@@ -68,7 +68,7 @@ private:
         std::uint32_t next = 0;
     };
 
-    /// Of a tree over those corners that could lie in an ear: a box, and how many corners in it still can.
+    /// A node of a tree over those corners that could lie in an ear: a box, and how many corners in it still can.
     struct Node {
         double low_x = 0;
         double low_y = 0;
@@ -81,8 +81,8 @@ private:
         std::uint32_t alive = 0;
     };
 
-    /// What keeps a convex corner from being clipped: corners in or on the triangle; only those strictly within; nothing. In
-    /// the last mode any corner is clipped. All but the first are for polygons that touch or cross themselves.
+    /// Corners that keep a convex corner from being clipped: those in or on the triangle; only those strictly within;
+    /// nothing. In the last mode any corner is clipped. All but the first are for polygons that touch or cross themselves.
     enum class Rule { untouched, nothing_within, convex, any };
 
     /// Every leaf but a lone one has more than four corners.

@@ -1,16 +1,11 @@
-// What the reader of one format gets, and what it provides. all_readers in mesh_file.cpp lists the readers.
+// The interface of a format's reader: the file that it gets, and the mesh that it provides. all_readers in mesh_file.cpp
+// lists the readers.
 #pragma once
 
-#include <cstdint>
-#include <span>
-#include <string>
-#include <string_view>
-
-#include "base/parallel.hpp"
+#include "base/guard.hpp"
 #include "io/read/input_file.hpp"
 #include "io/text/text.hpp"
 #include "lamella/io/mesh_file.hpp"
-#include "lamella/memory.hpp"
 
 namespace lamella {
 
@@ -26,33 +21,36 @@ inline std::string_view without_byte_order_mark(std::string_view text) noexcept 
 /// A file as a reader sees it: its name for messages, how it begins, and its bytes once they are asked for.
 class FileSource {
 public:
-    /// The bytes come from `file`.
-    FileSource(const InputFile& file, const ReadOptions& options, const Parallel& parallel);
-    /// The bytes are `contents`, decompressed from `file`.
-    FileSource(const InputFile& file, Array<std::byte> contents, const ReadOptions& options, const Parallel& parallel);
+    /// The bytes come from `file`, or are `contents`, decompressed from it.
+    FileSource(const InputFile& file, const ReadOptions& options, const Parallel& parallel,
+               std::optional<Array<std::byte>> contents = std::nullopt);
 
     const std::string& name() const noexcept { return file_.name(); }
-    std::uint64_t size() const noexcept { return compressed_ ? contents_.size() : file_.size(); }
-    bool compressed() const noexcept { return compressed_; }
+    std::uint64_t size() const noexcept { return contents_ ? contents_->size() : file_.size(); }
     const Parallel& parallel() const noexcept { return parallel_; }
-    const Memory* memory() const noexcept { return options_.control.memory; }
+    const Memory* memory() const noexcept { return parallel_.memory(); }
     std::uint64_t memory_limit() const noexcept { return memory_limit_; }
 
+    // These throw Refused.
+
     /// Reads how the file begins; the rest of this class needs it.
-    Status read_sample();
+    void read_sample();
     /// The first 64 KiB, or all.
     std::string_view sample() const noexcept { return sample_; }
 
     /// The first `count` bytes, checked not to have changed while they were read. May be called once. Precondition: count <=
     /// size().
-    Result<Array<std::byte>> take(std::size_t count);
+    Array<std::byte> take(std::size_t count);
+    [[noreturn]] void refuse(ErrorCode code, const std::string& what, std::int64_t byte_offset = -1) const {
+        throw Refused{error(code, what, byte_offset)};
+    }
+
     /// An error that names the file, and the byte where one is given.
     Error error(ErrorCode code, const std::string& what, std::int64_t byte_offset = -1) const {
         return file_.error(code, what, byte_offset);
     }
 
-    /// An error at byte `offset` of the whole contents `text`, byte-order mark included, that names the line too.
-    Error error_in_text(std::string_view text, std::size_t offset, const std::string& what) const;
+    /// The error in the whole contents `text`, byte-order mark included: names the byte, and the line where there are any.
     Error error_in_text(std::string_view text, const TextError& error) const;
     /// Throws an error where reading would take more than the memory limit.
     void must_fit(std::uint64_t bytes) const;
@@ -62,8 +60,7 @@ private:
     const ReadOptions& options_;
     const Parallel& parallel_;
     std::uint64_t memory_limit_;
-    bool compressed_ = false;
-    Array<std::byte> contents_;
+    std::optional<Array<std::byte>> contents_;
     std::string sample_;
 };
 
@@ -75,8 +72,8 @@ struct FileContents {
     std::string_view text = without_byte_order_mark(whole);
 };
 
-/// The mesh that parse() fills in from all of the file, or the error that it throws as a TextError or as Refused.
-Result<MeshFile> read_contents(FileSource& source, void (*parse)(FileContents& file, MeshFile& mesh));
+/// The mesh that parse() fills in from all of the file, and may refuse by a TextError.
+MeshFile read_contents(FileSource& source, void (*parse)(FileContents& file, MeshFile& mesh));
 
 /// A format: how it is recognised and read.
 struct Reader {
@@ -84,39 +81,98 @@ struct Reader {
     std::string_view name;
     std::string_view extension;                    ///< ".abc"
     bool (*recognises)(const FileSource& source);  ///< by its size and how it begins
-    /// Fills in bytes, indices, counts, stride, coordinate_type, text, parse_ms, warnings and, where the file states them,
+    /// Fills in bytes, indices, counts, stride, vertex_type, text, parse_ms, warnings and, where the file states them,
     /// the unit and the patient frame; read_mesh() does the rest. What can expand to more than the file is counted
-    /// before it is allocated. May throw std::bad_alloc.
-    Result<MeshFile> (*read)(FileSource& source);
+    /// before it is allocated. Throws Refused, std::bad_alloc.
+    MeshFile (*read)(FileSource& source);
     /// Where no reader recognises the file and its name is one of this format. Null: never.
     bool (*recognises_by_name)(const FileSource& source) = nullptr;
 };
 
 // The readers, each in its file.
 bool looks_like_stl(const FileSource& source);
-Result<MeshFile> read_stl(FileSource& source);
-/// What slice_file() needs of a binary STL file: all that read_stl() gives but the bytes.
+MeshFile read_stl(FileSource& source);
+/// For open_mesh(): all that read_stl() gives of a binary STL file but the bytes.
 bool is_binary_stl(const FileSource& source);
-Result<MeshFile> describe_binary_stl(const FileSource& source);
+MeshFile describe_binary_stl(const FileSource& source);
 bool looks_like_obj(const FileSource& source);
 bool may_be_obj(const FileSource& source);
-Result<MeshFile> read_obj(FileSource& source);
+MeshFile read_obj(FileSource& source);
 bool looks_like_off(const FileSource& source);
 bool looks_like_headless_off(const FileSource& source);
-Result<MeshFile> read_off(FileSource& source);
+MeshFile read_off(FileSource& source);
 bool looks_like_ply(const FileSource& source);
-Result<MeshFile> read_ply(FileSource& source);
+MeshFile read_ply(FileSource& source);
 bool looks_like_vtk(const FileSource& source);
-Result<MeshFile> read_vtk(FileSource& source);
+MeshFile read_vtk(FileSource& source);
 bool looks_like_vtp(const FileSource& source);
-Result<MeshFile> read_vtp(FileSource& source);
+MeshFile read_vtp(FileSource& source);
 bool looks_like_3mf(const FileSource& source);
-Result<MeshFile> read_3mf(FileSource& source);
+MeshFile read_3mf(FileSource& source);
 
 /// The name of the format that the content has, or "".
 std::string_view format_of(const FileSource& source);
 
 /// No control characters but white space: every binary mesh has some in its first 64 KiB.
 bool is_text(std::string_view sample) noexcept;
+
+// --- What readers share
+
+/// Looks for a stop request, which throws, once in a few thousand steps. Steps take well below a microsecond.
+class Lookout {
+public:
+    explicit Lookout(const Parallel& parallel) noexcept : parallel_(parallel) {}
+
+    void pass(std::uint64_t steps = 1) {
+        steps_ += steps;
+        if (steps_ >= often) {
+            steps_ = 0;
+            parallel_.stop_if_asked();
+        }
+    }
+
+private:
+    static constexpr std::uint64_t often = 4096;
+
+    const Parallel& parallel_;
+    std::uint64_t steps_ = 0;
+};
+
+/// Bytes that a reader may still allocate. Counted before memory is taken, so that no count in a file can take more.
+class MemoryBudget {
+public:
+    explicit MemoryBudget(const FileSource& source) : source_(source), left_(source.memory_limit()) {}
+
+    /// Counts `count` elements of `element_bytes` each. False: they are too many. Precondition: element_bytes > 0.
+    bool try_take(std::uint64_t count, std::uint64_t element_bytes) noexcept {
+        const bool fits = count <= left_ / element_bytes;
+        left_ -= fits ? count * element_bytes : 0;
+        return fits;
+    }
+
+    /// The same, or throws Refused.
+    void take(std::uint64_t count, std::uint64_t element_bytes) {
+        if (!try_take(count, element_bytes)) {
+            source_.refuse(ErrorCode::out_of_memory, "expands to more than the " + std::to_string(source_.memory_limit()) +
+                                                         " bytes that reading it may take");
+        }
+    }
+
+    std::uint64_t limit_bytes() const noexcept { return source_.memory_limit(); }
+
+    /// Gives back bytes that were taken and are free again.
+    void give_back(std::uint64_t bytes) noexcept { left_ += bytes; }
+
+private:
+    const FileSource& source_;
+    std::uint64_t left_;
+};
+
+inline constexpr std::string_view gzip_magic = "\x1F\x8B";
+
+/// All members of the gzip file whose bytes these are, one after the other, and how many bytes after the last are none.
+/// Memory: the contents, once, and a few megabytes; nothing is allocated by what the file says of its size. Throws Refused,
+/// also of what expands beyond the source's memory limit, and std::bad_alloc.
+Array<std::byte> unzip(const FileSource& source, std::span<const std::byte> bytes, std::uint64_t& ignored_bytes);
 
 }  // namespace lamella

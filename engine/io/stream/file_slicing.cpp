@@ -1,18 +1,17 @@
-#include "io/stream/file_slicing.hpp"
+// A slice of a file within a budget of memory, as the list of its stages.
+#include "lamella/io/mesh_stream.hpp"
 
-#include <algorithm>
-#include <string>
-#include <utility>
+#include <mutex>
 
 #include "base/clock.hpp"
-#include "base/guard.hpp"
 #include "base/words.hpp"
-#include "slicing/grid/placed_reader.hpp"
+#include "io/stream/chunk_scan.hpp"
+#include "io/stream/memory_model.hpp"
+#include "io/stream/spill_file.hpp"
+#include "options/asked.hpp"
 #include "slicing/handover/sink_target.hpp"
-#include "slicing/regions/rules.hpp"
-#include "slicing/repair/gaps.hpp"
 #include "slicing/slice_layers.hpp"
-#include "slicing/workspace.hpp"
+#include "slicing/source_impl.hpp"
 
 namespace lamella {
 
@@ -21,397 +20,393 @@ namespace {
 constexpr double measured = 0.3;  ///< shares of the progress
 constexpr double scanned = 0.6;
 
-LayerSink in_order(LayerSink sink, bool ascending) noexcept {
-    sink.order = ascending ? SinkOrder::ascending : sink.order;
-    return sink;
+/// Adds what is known of layers once they are cut.
+void add_found(const SliceInfo& part, SliceInfo& sum) noexcept {
+    for (const auto count : {&SliceInfo::contours, &SliceInfo::points, &SliceInfo::stitches, &SliceInfo::holes,
+                             &SliceInfo::open_contours, &SliceInfo::flat_contours, &SliceInfo::overruled_contours,
+                             &SliceInfo::would_close_contours, &SliceInfo::emptied_layers, &SliceInfo::cancelled_layers}) {
+        sum.*count += part.*count;
+    }
 }
 
-}  // namespace
+class FileSlicing {
+public:
+    /// `info` gets what is known of the slice.
+    FileSlicing(const TriangleFile& file, const StreamOptions& stream, const SliceCall& call, SliceInfo& info)
+        : file_(file),
+          stream_(stream),
+          call_(call),
+          info_(info),
+          options_(call.options),
+          placing_(placing_of(file.facts().view(), call.options.frame)),
+          parallel_(call.context),
+          model_(stream.memory_bytes != 0 ? stream.memory_bytes : call.kept.usual_limit, parallel_.threads(), file),
+          planes_(nullptr),
+          store_(call.context.memory) {
+        options_.allow_empty = true;
+    }
 
-FileSlicing::FileSlicing(TriangleFile& file, const LayerSink& sink, const FileSliceOptions& options)
-    : file_(file),
-      options_(options),
-      slicing_(options.slice),
-      relay_{sink, {}},
-      sink_(in_order(LayerSink::to(relay_, sink.order), options.hash)),
-      parallel_({.threads = options.slice.control.threads,
-                 .executor = options.slice.control.executor,
-                 .stop = options.slice.control.stop}),
-      progress_(options.slice.control.progress),
-      memory_limit_(options.slice.memory_limit_bytes != 0 ? options.slice.memory_limit_bytes : detail::usual_memory_limit()),
-      model_(options.memory_bytes != 0 ? options.memory_bytes : detail::usual_memory_limit(), parallel_.threads(), file),
-      planes_(nullptr),
-      store_(options.slice.control.memory) {
-    slicing_.transform = slicing_.transform * Transform::scale(options.mm_per_unit);
-    slicing_.allow_empty = true;
-    slicing_.control.progress = {};
-}
+    /// All layers to `target`. Throws Refused, Stopped, std::bad_alloc.
+    MeshStream::Spent run(SinkTarget& target) {
+        const auto start = Clock::now();
+        target_ = &target;
+        first_pass();
+        limit_ = model_.well_kept();
+        // Pages that are not touched take no memory; a host's own memory may know no such thing.
+        store_.reserve(call_.context.memory != nullptr ? limit_ : std::max(limit_, model_.most_kept()));
+        scan_file();
+        handle_collapse();
+        info_.ms.bucket += milliseconds_since(start) - cut_ms_;
+        cut_rest();
+        end_info();
+        parallel_.finish();
+        return {.ranges = ranges_, .spilled_bytes = spill_ ? spill_->bytes() : 0, .memory_bytes = model_.budget()};
+    }
 
-Result<FileSlice> FileSlicing::run() {
-    const auto start = Clock::now();
-    if (Status status = first_pass(); !status) {
-        return status.error();
+    /// All that is known before anything is cut.
+    void outline() {
+        first_pass();
+        scan_chunks(0, chunks_.size(), false);
+        end_scan();
+        handle_collapse();
+        end_info();
     }
-    if (options_.outline.take != nullptr) {
-        options_.outline.take(options_.outline.context, known_outline());
-    }
-    limit_ = model_.well_kept();
-    // Pages that are not touched take no memory; a host's own memory may know no such thing.
-    store_.reserve(slicing_.control.memory != nullptr ? limit_ : std::max(limit_, model_.most_kept()));
-    scan_file();
-    if (Status status = handle_collapse(); !status) {
-        return status.error();
-    }
-    done_work_.totals.summary.ms.bucket += milliseconds_since(start) - cut_ms_;
-    cut_rest();
-    if (Status same = file_.unchanged(); !same) {
-        return same.error();
-    }
-    progress_.finish();
-    return finish();
-}
 
-Result<FileOutline> FileSlicing::outline() {
-    if (Status status = first_pass(); !status) {
-        return status.error();
-    }
-    return known_outline();
-}
-
-/// What is known of the result before its first layer is cut.
-FileOutline FileSlicing::known_outline() const {
-    FileOutline outline{SliceResult(slicing_.control.memory), planes_.size()};
-    SliceResult& facts = outline.facts;
-    facts.layer_of = layers_of_listed();
-    facts.first_layer = planes_.first_kept();
-    facts.all_layers = planes_.planned();
-    facts.region = slicing_.region;
-    facts.close_gaps_mm = gap_length_mm(slicing_.close_gaps_mm, frame_.bounds);
-    facts.gap_sense = slicing_.gap_sense;
-    facts.unit_mm = frame_.unit.mm;
-    facts.frame = slicing_.transform;
-    facts.plan = slicing_.plan;
-    std::copy_n(frame_.bounds.min_mm, 3, facts.summary.min_mm);
-    std::copy_n(frame_.bounds.max_mm, 3, facts.summary.max_mm);
-    return outline;
-}
-
-/// SliceResult::layer_of.
-Array<std::uint64_t> FileSlicing::layers_of_listed() const {
-    const auto& listed = planes_.plane_of_listed();
-    Array<std::uint64_t> layers(slicing_.control.memory);
-    layers.resize_discarding(listed.size());
-    std::copy(listed.begin(), listed.end(), layers.begin());
-    return layers;
-}
-
-Status FileSlicing::first_pass() {
-    const Status loaded = load_vertices();
-    return loaded ? choose_grid_and_planes() : loaded;
-}
-
-Status FileSlicing::load_vertices() {
-    if (model_.holds_resident()) {
-        file_.load(slicing_.control.memory, parallel_);
-        return {};
-    }
-    return file_.named(
-        {ErrorCode::out_of_memory, "a budget of " + std::to_string(model_.budget()) + " bytes is too small: its " +
-                                       counted(file_.facts().vertex_count, "vertex", "vertices") +
-                                       " stay in memory, which takes at least " + std::to_string(model_.least_budget(1))});
-}
-
-Status FileSlicing::choose_grid_and_planes() {
-    if (Status status = check_rules(slicing_.region); !status) {
-        return status;
-    }
-    if (Status status = check_transform(slicing_.transform); !status) {
-        return status;
-    }
-    Result<FileBox> box =
-        measure_file(file_, slicing_.transform, slicing_.unit_mm, model_.chunk_triangles(), parallel_, progress_);
-    if (!box) {
-        return box.error();
-    }
-    chunks_ = std::move(box->chunks);
-    frame_.bounds = box->bounds;
-    const bool as_mesh = slicing_.transform.is_identity() || slicing_.transform.arithmetic == Arithmetic::as_mesh;
-    frame_.number = as_mesh ? file_.facts().coordinate_type : CoordinateType::f64;
-    const Result<ChosenUnit> unit = choose_unit_for(frame_.bounds, slicing_.unit_mm, slicing_.unit_fit, slicing_.region);
-    if (!unit) {
-        return unit.error().code == ErrorCode::bad_coordinate ? file_.named(unit.error()) : unit.error();
-    }
-    frame_.unit = *unit;
-    return build_planes();
-}
-
-Status FileSlicing::build_planes() {
-    if (Status status = planes_.build(slicing_.plan, frame_.bounds, frame_.unit.mm, frame_.number, memory_limit_); !status) {
-        return status;
-    }
-    if (Status status = planes_.keep(slicing_.layers); !status) {
-        return status;
-    }
-    counts_ = PlaneCounts(planes_.size());
-    model_.set_planes(planes_.planned());
-    if (options_.hash) {
-        relay_.hash.emplace(planes_.size());
-    }
-    return {};
-}
-
-// --- The second pass
-
-void FileSlicing::scan_file() {
-    const std::size_t chunk_triangles = model_.chunk_triangles();
-    const auto threads = static_cast<std::size_t>(parallel_.threads());
-    scans_.resize(threads);
-    for (std::size_t chunk = 0; chunk < chunks_.size();) {
-        const std::size_t room = (limit_ - std::min(limit_, store_.size())) / chunk_triangles;
-        if (room < std::min(threads, chunks_.size() - chunk)) {
-            make_room(chunk);
-            continue;
+private:
+    /// Loads the vertices, and chooses grid and planes.
+    void first_pass() {
+        if (!model_.holds_resident()) {
+            file_.refuse({ErrorCode::out_of_memory,
+                          "a budget of " + std::to_string(model_.budget()) + " bytes is too small: its " +
+                              counted(file_.facts().vertex_count, "vertex", "vertices") +
+                              " stay in memory, which takes at least " + std::to_string(model_.least_budget(1))});
         }
-        const std::size_t end = std::min(chunks_.size(), chunk + std::min(room, 64 * threads));
-        parallel_.run(end - chunk, [&](std::size_t i, int worker) {
-            const FileChunk& own = chunks_[chunk + i];
+        resident_ = file_.load(parallel_);
+        const double asked_mm = call_.options.frame.grid_mm;
+        FileBox box = measure_file(file_, resident_.span(), placing_, asked_mm, model_.chunk_triangles(), parallel_);
+        chunks_ = std::move(box.chunks);
+        try {
+            frame_ = choose_frame(box.bounds, placed_number(file_.facts().view(), placing_), call_.options.frame,
+                                  call_.options.region);
+        } catch (const Refused& refused) {
+            if (refused.error.code == ErrorCode::bad_coordinate) {
+                file_.refuse(refused.error);
+            }
+            throw;
+        }
+        choose_planes();
+    }
+
+    void choose_planes() {
+        build_planes(call_, frame_, planes_);
+        counts_ = PlaneCounts(planes_.size());
+        model_.set_planes(planes_.planned());
+        describe();
+    }
+
+    /// All that is known before the first layer is cut.
+    void describe() {
+        const StageTimes spent = info_.ms;
+        begin_info(call_.options, frame_.bounds, frame_.unit, info_);
+        describe_plan(planes_, call_.tuning.random_heights.has_value(), info_);
+        info_.ms = spent;
+    }
+
+    /// All that is known of the triangles.
+    void end_info() {
+        file_.must_be_unchanged();
+        info_.triangles = file_.triangles();
+        info_.degenerate = degenerate_;
+        info_.crossed = counts_.all();
+        info_.segments = counts_.segments();
+        info_.layers = planes_.size();
+        info_.threads = parallel_.threads();
+    }
+
+    void scan_file() {
+        const std::size_t chunk_triangles = model_.chunk_triangles();
+        const auto threads = static_cast<std::size_t>(parallel_.threads());
+        for (std::size_t chunk = 0; chunk < chunks_.size();) {
+            const std::size_t room = (limit_ - std::min(limit_, store_.size())) / chunk_triangles;
+            if (room < std::min(threads, chunks_.size() - chunk)) {
+                make_room(chunk);
+                continue;
+            }
+            const std::size_t end = std::min(chunks_.size(), chunk + std::min(room, 64 * threads));
+            scan_chunks(chunk, end, true);
+            chunk = end;
+            parallel_.reach(measured +
+                            (scanned - measured) * static_cast<double>(chunk) / static_cast<double>(chunks_.size()));
+        }
+        end_scan();
+    }
+
+    /// Counts what planes cut, and keeps it for them where asked to.
+    void scan_chunks(std::size_t begin, std::size_t end, bool keep) {
+        const std::size_t chunk_triangles = model_.chunk_triangles();
+        scans_.resize(static_cast<std::size_t>(parallel_.threads()));
+        parallel_.run(end - begin, [&](std::size_t i, int worker) {
+            const FileChunk& own = chunks_[begin + i];
             const bool near = own.near || frame_.unit.doublings > 0;
             if (!near && lies_between_planes({own.low_mm, own.high_mm, false}, frame_.unit.mm, planes_)) {
                 return;
             }
             auto& scan = scans_[static_cast<std::size_t>(worker)];
             if (scan == nullptr) {
-                scan = std::make_unique<ChunkScan>(slicing_.transform, frame_.unit.mm, planes_, chunk_triangles,
-                                                   file_.buffer_bytes());
+                scan = std::make_unique<ChunkScan>(placing_, frame_.unit.mm, planes_, chunk_triangles, file_.buffer_bytes());
             }
-            const std::uint64_t first = (std::uint64_t{chunk} + i) * chunk_triangles;
+            const std::uint64_t first = (std::uint64_t{begin} + i) * chunk_triangles;
             const std::size_t count = std::min<std::uint64_t>(chunk_triangles, file_.triangles() - first);
-            store_.append(scan->scan(file_.read(first, count, scan->bytes()), near));
+            const std::span<const CrossedTriangle> found =
+                scan->scan(file_.read(first, count, scan->bytes(), resident_.span()), near);
+            if (keep) {
+                store_.append(found);
+            }
         });
-        chunk = end;
-        progress_.reach(measured + (scanned - measured) * static_cast<double>(chunk) / static_cast<double>(chunks_.size()));
     }
-    collect_counts();
-    for (const auto& scan : scans_) {
-        degenerate_ += scan != nullptr ? scan->degenerate() : 0;
-    }
-    scans_.clear();
-    chunks_ = {};
-}
 
-void FileSlicing::collect_counts() {
-    for (const auto& scan : scans_) {
-        if (scan != nullptr) {
-            counts_.take(scan->counts());
+    void end_scan() {
+        collect_counts();
+        for (const auto& scan : scans_) {
+            degenerate_ += scan != nullptr ? scan->degenerate() : 0;
         }
+        scans_.clear();
+        chunks_ = {};
     }
-}
 
-/// Triangles whose last plane is below `plane`, of those seen so far.
-std::uint64_t FileSlicing::ended_below(PlaneIndex plane) const noexcept {
-    std::uint64_t ended = 0;
-    for (PlaneIndex p = 0; p <= plane; ++p) {
-        ended += counts_.ended(p);
-    }
-    return ended;
-}
-
-/// Memory is full before `chunk` is read.
-void FileSlicing::make_room(std::size_t chunk) {
-    collect_counts();
-    touched_ = std::max(touched_, store_.size());
-    if (!spill_) {
-        const PlaneIndex end = planes_.first_above(to_even_grid(chunks_[chunk].low_from_here_mm, frame_.unit.mm));
-        // What is kept began at or above `done_`, or reaches there, so all that ended below it is gone.
-        if (end > done_ && ended_below(end) - ended_below(done_) >= store_.size() / 4 && cut_done_layers(end)) {
-            return;
+    /// Memory is full before `chunk` is read.
+    void make_room(std::size_t chunk) {
+        collect_counts();
+        touched_ = std::max(touched_, store_.size());
+        if (!spill_) {
+            const PlaneIndex end = planes_.first_above(to_even_grid(chunks_[chunk].low_from_here_mm, frame_.unit.mm));
+            // Triangles that are kept began at or above `done_`, or reach there, so all that ended below it is gone.
+            if (end > done_ && ended_below(end) - ended_below(done_) >= store_.size() / 4 && cut_done_layers(end)) {
+                return;
+            }
+            if (limit_ < store_.capacity()) {
+                limit_ = store_.capacity();
+                return;
+            }
         }
-        if (limit_ < store_.capacity()) {
-            limit_ = store_.capacity();
-            return;
-        }
-    }
-    spill();
-}
-
-/// Whether these layers, or some of them, could be cut with what is kept.
-bool FileSlicing::cut_done_layers(PlaneIndex end) {
-    const PlaneIndex before = done_;
-    store_.list(counts_, done_, planes_.size(), parallel_);
-    while (done_ < end) {
-        const std::optional<LayerSpan> span = model_.longest(counts_, done_, end, touched_);
-        if (!span) {
-            break;
-        }
-        cut(*span);
-    }
-    store_.unlist(done_);
-    return done_ > before && store_.size() <= limit_ / 4 * 3;
-}
-
-void FileSlicing::spill() {
-    if (!spill_) {
-        const std::filesystem::path& folder = options_.temporary_folder;
-        spill_.emplace(folder.empty() ? std::filesystem::temp_directory_path() : folder, counts_);
-    }
-    spill_->write(store_.triangles(), done_, parallel_);
-    store_.clear();
-}
-
-// --- Cutting
-
-/// All triangles collapse on the grid: an error, or as if there were none, whose box chooses no planes.
-Status FileSlicing::handle_collapse() {
-    if (degenerate_ != file_.triangles()) {
-        return {};
-    }
-    if (!options_.slice.allow_empty) {
-        return file_.named(all_collapsed(file_.triangles(), frame_.unit.mm));
-    }
-    frame_.bounds = {};
-    return build_planes();
-}
-
-void FileSlicing::cut_rest() {
-    const PlaneIndex begin = done_;
-    const PlaneIndex end = planes_.size();
-    if (begin == end && begin > 0) {
-        return;
-    }
-    touched_ = std::max(touched_, store_.size());
-    if (spill_) {
         spill();
     }
-    std::vector<LayerSpan> spans = plan_rest();
-    if (spans.empty()) {
-        spill();
-        spans = plan_rest();
+
+    /// All triangles collapse on the grid: an error, or as if there were none, whose box chooses no planes.
+    void handle_collapse() {
+        if (degenerate_ != file_.triangles()) {
+            return;
+        }
+        if (!call_.options.allow_empty) {
+            file_.refuse(all_collapsed(file_.triangles(), frame_.unit.mm));
+        }
+        frame_.bounds = {};
+        choose_planes();
     }
-    if (spill_) {
-        const auto shorter = [](const LayerSpan& a, const LayerSpan& b) { return a.triangles < b.triangles; };
-        store_.reserve(std::max_element(spans.begin(), spans.end(), shorter)->triangles);
-    } else {
-        store_.list(counts_, begin, end, parallel_);
-    }
-    for (const LayerSpan& span : spans) {
+
+    void cut_rest() {
+        const PlaneIndex begin = done_;
+        const PlaneIndex end = planes_.size();
+        if (begin == end && begin > 0) {
+            return;
+        }
+        touched_ = std::max(touched_, store_.size());
         if (spill_) {
-            spill_->load(span.begin, span.end, begin, model_.chunk_triangles(), parallel_, store_);
-            store_.list(counts_, span.begin, span.end, parallel_);
+            spill();
         }
-        cut(span);
+        std::vector<LayerSpan> spans = plan_rest();
+        if (spans.empty()) {
+            spill();
+            spans = plan_rest();
+        }
         if (spill_) {
-            store_.unlist(span.end);
+            const auto shorter = [](const LayerSpan& a, const LayerSpan& b) { return a.triangles < b.triangles; };
+            store_.reserve(std::max_element(spans.begin(), spans.end(), shorter)->triangles);
+        } else {
+            store_.list(counts_, begin, end, parallel_);
         }
-        progress_.reach(scanned + (1 - scanned) * static_cast<double>(span.end - begin) / static_cast<double>(end - begin));
-    }
-}
-
-/// Empty if what is kept leaves too little to cut some layer, and could be spilled. The memory of what is spilled is made
-/// anew for the largest range.
-std::vector<LayerSpan> FileSlicing::plan_rest() const {
-    std::vector<LayerSpan> spans;
-    for (PlaneIndex next = done_; next < planes_.size(); next = spans.back().end) {
-        const std::optional<LayerSpan> span = model_.longest(counts_, next, planes_.size(), spill_ ? 0 : touched_);
-        if (!span && !spill_) {
-            return {};
+        for (const LayerSpan& span : spans) {
+            if (spill_) {
+                spill_->load(span.begin, span.end, begin, model_.chunk_triangles(), parallel_, store_);
+                store_.list(counts_, span.begin, span.end, parallel_);
+            }
+            cut(span);
+            if (spill_) {
+                store_.unlist(span.end);
+            }
+            parallel_.reach(scanned +
+                            (1 - scanned) * static_cast<double>(span.end - begin) / static_cast<double>(end - begin));
         }
-        if (!span) {
-            refuse_budget();
+    }
+
+    /// True if these layers, or some of them, could be cut with what is kept.
+    bool cut_done_layers(PlaneIndex end) {
+        const PlaneIndex before = done_;
+        store_.list(counts_, done_, planes_.size(), parallel_);
+        while (done_ < end) {
+            const std::optional<LayerSpan> span = model_.longest(counts_, done_, end, touched_);
+            if (!span) {
+                break;
+            }
+            cut(*span);
         }
-        spans.push_back(*span);
+        store_.unlist(done_);
+        return done_ > before && store_.size() <= limit_ / 4 * 3;
     }
-    if (planes_.size() == 0) {
-        spans.push_back({0, 0, parallel_.threads(), 0});  // for its checks, and the summary
+
+    /// Empty if what is kept leaves too little to cut some layer, and could be spilled. The memory of what is spilled is
+    /// made anew for the largest range.
+    std::vector<LayerSpan> plan_rest() const {
+        std::vector<LayerSpan> spans;
+        for (PlaneIndex next = done_; next < planes_.size(); next = spans.back().end) {
+            const std::optional<LayerSpan> span = model_.longest(counts_, next, planes_.size(), spill_ ? 0 : touched_);
+            if (!span && !spill_) {
+                return {};
+            }
+            if (!span) {
+                refuse_budget();
+            }
+            spans.push_back(*span);
+        }
+        if (planes_.size() == 0) {
+            spans.push_back({0, 0, parallel_.threads(), 0});  // for its checks, and the summary
+        }
+        return spans;
     }
-    return spans;
+
+    void spill() {
+        if (!spill_) {
+            const std::filesystem::path& folder = stream_.temporary_folder;
+            spill_.emplace(folder.empty() ? std::filesystem::temp_directory_path() : folder, counts_);
+        }
+        spill_->write(store_.triangles(), done_, parallel_);
+        store_.clear();
+    }
+
+    void cut(const LayerSpan& span) {
+        if (ranges_++ == 0) {
+            target_->announce(info_);
+        }
+        const std::uint64_t first = planes_.first_kept();
+        const bool some = span.end > span.begin;
+        set_layers(options_, some ? first + span.begin : 0, some ? first + span.end : all_layers);
+        Context context = parallel_.within(call_.context);
+        context.threads = span.threads;
+        if (span.triangles > most_cut_) {  // arrays that grow would be held twice
+            scratch_.reset();
+            most_cut_ = span.triangles;
+        }
+        const auto start = Clock::now();
+        const SliceCall call{options_, call_.tuning, context, detail::SlicerImpl::of(scratch_, context)};
+        ListedSource source(store_.listed(span.begin, span.end), span.triangles, frame_, call.kept.source_tools());
+        SliceResult result(context.memory);
+        slice_layers(source, *target_, call, result, span.begin);
+        add_work(result.info, info_);
+        add_found(result.info, info_);
+        store_.drop_swept(span.begin, span.end);
+        done_ = span.end;
+        cut_ms_ += milliseconds_since(start);
+    }
+
+    void collect_counts() {
+        for (const auto& scan : scans_) {
+            if (scan != nullptr) {
+                counts_.take(scan->counts());
+            }
+        }
+    }
+
+    /// Triangles whose last plane is below `plane`, of those seen so far.
+    std::uint64_t ended_below(PlaneIndex plane) const noexcept {
+        std::uint64_t ended = 0;
+        for (PlaneIndex p = 0; p <= plane; ++p) {
+            ended += counts_.ended(p);
+        }
+        return ended;
+    }
+
+    [[noreturn]] void refuse_budget() const {
+        const std::size_t layer = counts_.widest();
+        const std::uint64_t triangles = counts_.reaching_into(layer) + counts_.starting(layer);
+        file_.refuse(
+            {ErrorCode::out_of_memory, "a budget of " + std::to_string(model_.budget()) + " bytes is too small: layer " +
+                                           std::to_string(planes_.first_kept() + layer) + " alone, which cuts " +
+                                           counted(triangles, "triangle") +
+                                           (file_.resident_bytes() > 0 ? ", with the vertices of all needs " : ", needs ") +
+                                           std::to_string(model_.least_budget(triangles))});
+    }
+
+    const TriangleFile& file_;
+    const StreamOptions& stream_;
+    const SliceCall& call_;
+    SliceInfo& info_;
+    SinkTarget* target_ = nullptr;
+    SliceOptions options_;  ///< of a range
+    Placing placing_;
+    Parallel parallel_;
+    MemoryModel model_;
+
+    Array<std::byte> resident_;
+    SharedFrame frame_{};
+    std::vector<FileChunk> chunks_;
+    PlaneSet planes_;
+    PlaneCounts counts_;
+    std::vector<std::unique_ptr<ChunkScan>> scans_;  ///< by worker
+    TriangleStore store_;
+    std::size_t limit_ = 0;    ///< of what is kept, before something must be done
+    std::size_t touched_ = 0;  ///< the most that was kept
+    std::optional<SpillFile> spill_;
+    PlaneIndex done_ = 0;  ///< layers below it are handed over
+    std::uint64_t degenerate_ = 0;
+    Slicer scratch_;              ///< within the budget, unlike the caller's
+    std::uint64_t most_cut_ = 0;  ///< triangles of a range, in `scratch_`
+    double cut_ms_ = 0;
+    std::uint64_t ranges_ = 0;
+};
+
+}  // namespace
+
+struct MeshStream::Impl final : detail::SourceImpl {
+    Impl(std::unique_ptr<TriangleFile> opened, const StreamOptions& options) : file(std::move(opened)), stream(options) {
+        stream.read.name = {};  // the file has its own, and the caller's text may go
+    }
+
+    void slice(SinkTarget& target, const SliceCall& call, SliceInfo& info) const override {
+        const Spent own = FileSlicing(*file, stream, call, info).run(target);
+        const std::lock_guard lock(mutex);
+        spent = own;
+    }
+
+    void outline(const SliceCall& call, SliceInfo& info) const override { FileSlicing(*file, stream, call, info).outline(); }
+
+    const std::unique_ptr<TriangleFile> file;
+    StreamOptions stream;
+    mutable std::mutex mutex;
+    mutable Spent spent;  ///< with `mutex` held
+};
+
+MeshStream::MeshStream(std::unique_ptr<Impl> impl) noexcept : impl_(std::move(impl)) {}
+MeshStream::MeshStream(MeshStream&&) noexcept = default;
+MeshStream& MeshStream::operator=(MeshStream&&) noexcept = default;
+MeshStream::~MeshStream() = default;
+
+const MeshFile& MeshStream::about() const noexcept {
+    return impl_->file->facts();
 }
 
-void FileSlicing::refuse_budget() const {
-    const std::size_t layer = counts_.widest();
-    const std::uint64_t triangles = counts_.reaching_into(layer) + counts_.starting(layer);
-    Error error;
-    error.code = ErrorCode::out_of_memory;
-    error.message = "a budget of " + std::to_string(model_.budget()) + " bytes is too small: layer " +
-                    std::to_string(planes_.first_kept() + layer) + " alone, which cuts " + counted(triangles, "triangle") +
-                    (file_.resident_bytes() > 0 ? ", with the vertices of all needs " : ", needs ") +
-                    std::to_string(model_.least_budget(triangles));
-    throw Refused{file_.named(error)};
+Source MeshStream::view() const noexcept {
+    return static_cast<const detail::SourceImpl&>(*impl_);
 }
 
-void FileSlicing::cut(const LayerSpan& span) {
-    SliceOptions options = slicing_;
-    options.control.threads = span.threads;
-    options.layers = {};
-    if (span.end > span.begin) {
-        options.layers = {std::uint64_t{planes_.first_kept()} + span.begin, std::uint64_t{planes_.first_kept()} + span.end};
-    }
-    if (span.triangles > most_cut_) {  // arrays that grow would be held twice
-        workspace_.reset();
-        most_cut_ = span.triangles;
-    }
-    const auto start = Clock::now();
-    check_options(options);
-    detail::WorkspaceParts& kept = detail::WorkspaceParts::of(workspace_, options.control);
-    ListedSource source(store_.listed(span.begin, span.end), span.triangles, options.transform, frame_, kept.source_tools());
-    SinkTarget target(sink_);
-    SliceResult result(options.control.memory);
-    slice_layers(source, target, options, kept, result, span.begin);
-    const SliceTotals own = target.totals(result);
-    store_.drop_swept(span.begin, span.end);
-    done_ = span.end;
-    cut_ms_ += milliseconds_since(start);
-    add(own);
+MeshStream::Spent MeshStream::spent() const noexcept {
+    const std::lock_guard lock(impl_->mutex);
+    return impl_->spent;
 }
 
-void FileSlicing::add(const SliceTotals& own) {
-    SliceTotals& all = done_work_.totals;
-    ++done_work_.ranges;
-    all.layers += own.layers;
-    all.contours += own.contours;
-    all.points += own.points;
-    all.closed_gaps += own.closed_gaps;
-    SliceSummary& sum = all.summary;
-    const SliceSummary& part = own.summary;
-    sum.segments += part.segments;
-    sum.holes += part.holes;
-    sum.open_contours += part.open_contours;
-    sum.flat_contours += part.flat_contours;
-    sum.overruled_contours += part.overruled_contours;
-    sum.near_contours += part.near_contours;
-    sum.emptied_layers += part.emptied_layers;
-    sum.cancelled_layers += part.cancelled_layers;
-    sum.bands += part.bands;
-    sum.ms.bucket += part.ms.bucket;
-    sum.ms.sweep += part.ms.sweep;
-    sum.ms.contours += part.ms.contours;
-    sum.ms.nesting += part.ms.nesting;
-    sum.ms.fill += part.ms.fill;
-}
-
-FileSlice FileSlicing::finish() {
-    SliceTotals& all = done_work_.totals;
-    all.unit_mm = frame_.unit.mm;
-    all.close_gaps_mm = gap_length_mm(slicing_.close_gaps_mm, frame_.bounds);
-    all.first_layer = planes_.first_kept();
-    all.all_layers = planes_.planned();
-    all.layer_of = layers_of_listed();
-    SliceSummary& sum = all.summary;
-    sum.triangles = file_.triangles();
-    sum.degenerate = degenerate_;
-    for (PlaneIndex plane = 0; plane < planes_.size(); ++plane) {
-        sum.crossed += counts_.starting(plane);
-    }
-    sum.unit_doublings = frame_.unit.doublings;
-    sum.threads = parallel_.threads();
-    std::copy_n(frame_.bounds.min_mm, 3, sum.min_mm);
-    std::copy_n(frame_.bounds.max_mm, 3, sum.max_mm);
-    done_work_.mesh = std::move(file_.facts());
-    done_work_.spilled_bytes = spill_ ? spill_->bytes() : 0;
-    done_work_.memory_bytes = model_.budget();
-    if (relay_.hash) {
-        done_work_.hash = relay_.hash->value();
-    }
-    return std::move(done_work_);
+Result<MeshStream> open_mesh(const std::filesystem::path& path, const StreamOptions& options) noexcept {
+    return guarded([&]() -> Result<MeshStream> {
+        return MeshStream(std::make_unique<MeshStream::Impl>(TriangleFile::open(path, options.read), options));
+    });
 }
 
 }  // namespace lamella

@@ -6,10 +6,13 @@
 //                           a list of the next range's first plane
 #pragma once
 
+#include <algorithm>
 #include <atomic>
+#include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <numeric>
 #include <span>
 #include <utility>
 #include <vector>
@@ -54,8 +57,32 @@ public:
         }
         return reaching - ended_[plane];
     }
+    /// Triangles that planes cut, and how often: their segments.
+    std::uint64_t all() const noexcept { return std::accumulate(starting_.begin(), starting_.end(), std::uint64_t{0}); }
+    std::uint64_t segments() const noexcept {
+        std::uint64_t active = 0;
+        std::uint64_t segments = 0;
+        for (std::size_t plane = 0; plane < planes(); ++plane) {
+            active += starting_[plane];
+            active -= ended_[plane];
+            segments += active;
+        }
+        return segments;
+    }
+
     /// The plane that cuts the most triangles.
-    std::size_t widest() const noexcept;
+    std::size_t widest() const noexcept {
+        std::uint64_t active = 0;
+        std::uint64_t most = 0;
+        std::size_t widest = 0;
+        for (std::size_t plane = 0; plane < planes(); ++plane) {
+            active += starting_[plane];
+            active -= ended_[plane];
+            widest = active > most ? plane : widest;
+            most = std::max(most, active);
+        }
+        return widest;
+    }
 
 private:
     std::vector<std::uint32_t> starting_;
@@ -89,16 +116,62 @@ public:
 
     /// Lists what is kept by planes [begin, end). Precondition: it is, of the triangles that are counted, those that planes
     /// from `begin` on cut and that begin below `end`. O(size). Throws Stopped, std::bad_alloc.
-    void list(const PlaneCounts& counts, PlaneIndex begin, PlaneIndex end, const Parallel& parallel);
+    void list(const PlaneCounts& counts, PlaneIndex begin, PlaneIndex end, const Parallel& parallel) {
+        first_listed_ = begin;
+        list_begin_.assign(std::size_t{end} - begin + 1, 0);
+        segments_.assign(std::size_t{end} - begin + 1, 0);
+        std::uint64_t reaching = counts.reaching_into(begin);
+        std::uint64_t active = counts.reaching_into(begin);
+        std::uint64_t next = 0;
+        for (PlaneIndex plane = begin; plane < end; ++plane) {
+            active += counts.starting(plane);
+            active -= plane > begin ? counts.ended(plane) : 0;
+            begin_of(plane) = static_cast<std::uint32_t>(next);
+            segments_[plane - begin] = static_cast<std::uint32_t>(active);
+            next += counts.starting(plane) + reaching;
+            reaching = 0;
+        }
+        begin_of(end) = static_cast<std::uint32_t>(next);
+        segments_[end - begin] = begin < end ? static_cast<std::uint32_t>(active - counts.ended(end)) : 0;
+        assert(next == size() || begin == end);
+        if (begin < end) {
+            sort_into_lists(triangles_.span().first(size()), begin, list_begin_, parallel);
+        }
+    }
 
     /// The triangles that planes [begin, end) cut. Precondition: they are listed, and those below `begin` dropped.
-    ListedTriangles listed(PlaneIndex begin, PlaneIndex end) noexcept;
+    ListedTriangles listed(PlaneIndex begin, PlaneIndex end) noexcept {
+        const std::size_t at = begin - first_listed_;
+        const std::size_t planes = end - begin;
+        return {triangles_, std::span(list_begin_).subspan(at, planes + 1), std::span(segments_).subspan(at, planes), begin};
+    }
 
     /// These planes are swept: drops what none from `end` on cuts.
-    void drop_swept(PlaneIndex begin, PlaneIndex end) noexcept;
+    void drop_swept(PlaneIndex begin, PlaneIndex end) noexcept {
+        const std::size_t next = end - first_listed_;
+        std::uint32_t to = begin_of(end);
+        const std::uint32_t own = next + 1 < list_begin_.size() ? begin_of(end + 1) - to : 0;
+        // The plane cuts so many that begin below it. Most of them lie near the end.
+        for (std::uint32_t left = segments_[next] - own, i = to; left > 0;) {
+            assert(i > begin_of(begin));
+            CrossedTriangle record = triangles_[--i];
+            if (record.last + begin > end) {
+                record.last += begin;  // planes counted from the range's first
+                record.middle_and_source += begin;
+                triangles_[--to] = record;
+                --left;
+            }
+        }
+        begin_of(end) = to;
+    }
 
-    /// What is left begins at the front again, where more can be appended. `begin`: planes below it are dropped.
-    void unlist(PlaneIndex begin) noexcept;
+    /// Triangles that are left begin at the front again, where more can be appended. `begin`: planes below it are dropped.
+    void unlist(PlaneIndex begin) noexcept {
+        const std::size_t first = begin_of(begin);
+        const std::size_t left = size() - first;
+        std::memmove(triangles_.data(), triangles_.data() + first, left * sizeof(CrossedTriangle));
+        size_ = left;
+    }
 
 private:
     std::uint32_t& begin_of(PlaneIndex plane) noexcept { return list_begin_[plane - first_listed_]; }

@@ -1,9 +1,5 @@
 #include "io/text/lines.hpp"
 
-#include <algorithm>
-#include <bit>
-#include <cstdint>
-
 namespace lamella {
 
 namespace {

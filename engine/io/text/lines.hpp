@@ -1,12 +1,6 @@
 // Text whose statements are lines, as in OBJ and OFF.
 #pragma once
 
-#include <cstddef>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
-
 #include "io/text/text.hpp"
 
 namespace lamella {
@@ -37,7 +31,7 @@ std::string_view head_comments(std::string_view text);
 /// Pieces of about 1 MB. Each one ends after a line end that no backslash precedes, or with the text.
 std::vector<TextPiece> cut_at_lines(std::string_view text);
 
-/// What a reader leaves out of a piece or of the whole text.
+/// Items that a reader leaves out of a piece or of the whole text.
 struct LeftOut {
     std::size_t count = 0;
     const char* first = nullptr;
@@ -71,7 +65,7 @@ protected:
         return p_ != end_ && !ends_line(*p_) && *p_ != '#';
     }
 
-    /// Whether a word may end at `p`. It ends at no backslash that a character follows in the next line: there some readers
+    /// True if a word may end at `p`. It ends at no backslash that a character follows in the next line: there some readers
     /// go on with the word, and others begin one.
     bool word_ends(const char* p) const {
         if (p == end_ || is_space(*p)) {

@@ -1,9 +1,5 @@
 #include "io/text/text.hpp"
 
-#include <algorithm>
-#include <cstring>
-#include <utility>
-
 #include "io/read/input_file.hpp"
 
 namespace lamella {
@@ -29,6 +25,11 @@ std::string word_at(const char* p, const char* end) {
     quoted += printable({p, static_cast<std::size_t>(shown_end - p)});
     quoted += shown_end == end || is_space(*shown_end) ? "'" : "...'";
     return quoted;
+}
+
+std::string in_quotes(std::string_view text) {
+    constexpr std::size_t longest = 64;
+    return "'" + printable(text.substr(0, longest)) + (text.size() > longest ? "...'" : "'");
 }
 
 std::string coordinate_problem(NumberText got, const std::string& type, const std::string& found) {

@@ -12,10 +12,12 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
+#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -58,13 +60,13 @@ constexpr bool is_digit(char c) {
     return c >= '0' && c <= '9';
 }
 
-/// Of ASCII letters; other characters stay.
+/// ASCII letters in lower case; other characters stay.
 constexpr char lower_case(char c) {
     return c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c;
 }
 std::string lower_case(std::string_view text);
 
-/// Whether `text` begins with `start`, given in lower case, in any case.
+/// True if `text` begins with `start`, given in lower case, in any case.
 bool begins_in_any_case(std::string_view text, std::string_view start);
 
 // Characters are read eight at a time: words and lines are short, and processors predict their ends wrongly.
@@ -127,8 +129,19 @@ inline const char* read_digits(const char* p, const char* end, std::uint64_t& nu
     return p;
 }
 
+/// True if all of `text` is one decimal integer, which `value` is then.
+template <class Integer>
+bool read_integer(std::string_view text, Integer& value) {
+    const char* const end = text.data() + text.size();
+    const auto [stop, problem] = std::from_chars(text.data(), end, value);
+    return problem == std::errc() && stop == end;
+}
+
 /// The word at `p` in quotes, shortened and printable, or "the end of the file": for messages.
 std::string word_at(const char* p, const char* end);
+
+/// Text of a file in a message: "'abc'", or its beginning.
+std::string in_quotes(std::string_view text);
 
 /// The line that byte `offset` is in, from 1.
 std::size_t line_of(std::string_view text, std::size_t offset);
@@ -203,18 +216,19 @@ std::size_t count_in(std::string_view text, Counts counts) {
 /// Words in `text`, at whose beginning a word may begin.
 std::size_t count_words(std::string_view text);
 
-/// What is wrong in a text, thrown by whatever reads it. The reader of the file says in which line that is.
+/// A fault in a text, thrown by whatever reads it. The reader of the file says in which line that is.
 struct TextError {
     const char* at = nullptr;
     std::string what{};
     bool has_lines = true;  ///< false: among binary data
 };
 
-/// Calls parse(piece, worker) for pieces in [0, count), in parallel. Of the TextErrors that it throws that of the first
-/// piece is thrown; pieces after one that has failed may be left out.
-template <class Parse>
+/// Calls parse(piece, worker) for pieces in [0, count), in parallel. Of the failures that it throws that of the first piece
+/// is thrown; pieces after one that has failed may be left out.
+template <class Failure = TextError, class Parse>
 void parse_pieces(std::size_t count, const Parallel& parallel, Parse parse) {
-    std::vector<std::optional<TextError>> errors(count);
+    std::mutex mutex;
+    std::optional<Failure> failure;  // with `mutex` held
     std::atomic<std::size_t> first_failed{count};
     parallel.run(count, [&](std::size_t i, int worker) {
         if (i > first_failed.load(std::memory_order_relaxed)) {
@@ -222,15 +236,16 @@ void parse_pieces(std::size_t count, const Parallel& parallel, Parse parse) {
         }
         try {
             parse(i, worker);
-        } catch (TextError& error) {
-            errors[i] = std::move(error);
-            std::size_t first = first_failed.load();
-            while (i < first && !first_failed.compare_exchange_weak(first, i)) {
+        } catch (Failure& own) {
+            const std::lock_guard lock(mutex);
+            if (i < first_failed) {
+                first_failed = i;
+                failure = std::move(own);
             }
         }
     });
-    if (const std::size_t first = first_failed.load(); first != count) {
-        throw *std::move(errors[first]);
+    if (failure) {
+        throw *std::move(failure);
     }
 }
 

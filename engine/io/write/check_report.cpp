@@ -16,7 +16,7 @@ namespace lamella {
 
 namespace {
 
-/// What FaultPlace::parts and FaultPlace::measure are called, or null where the kind has none.
+/// Names of FaultPlace::parts and FaultPlace::measure, or null where the kind has none.
 struct Fields {
     const char* parts = nullptr;
     const char* measure = nullptr;
@@ -109,17 +109,16 @@ std::string verdict_of(const MeshCheck& check) {
 
 void write_report(JsonText& json, const MeshCheck& check, const ReportParts& parts, std::size_t most_places) {
     const auto start = Clock::now();
-    const MeshInfo& info = check.info;
     write_mesh(json, parts);
-    json.member("triangles", info.triangles);
-    json.member("edges", info.edges);
-    json.member("boundary_edges_on_grid", info.boundary_edges);
-    json.member("boundary_edges_exact", info.exact_boundary_edges);
-    json.member("grid_mm", info.unit_mm);
+    json.member("triangles", check.triangles);
+    json.member("edges", check.edges);
+    json.member("boundary_edges_on_grid", check.boundary_edges);
+    json.member("boundary_edges_exact", check.exact_boundary_edges);
+    json.member("grid_mm", check.grid_mm);
     json.member("tolerance_mm", check.tolerance_mm);
     json.member("sliver_ratio", check.sliver_ratio);
-    write_box(json, info.min_mm, info.max_mm);
-    json.member("closed", info.closed);
+    write_box(json, check.box);
+    json.member("closed", check.closed);
     json.member("clean", check.clean());
     json.member("verdict", verdict_of(check));
     json.object("findings", [&] {
@@ -238,14 +237,11 @@ void write_edges(const MeshCheck& check, OutputFile& file) {
 
 Status write_marks(const MeshCheck& check, const std::filesystem::path& path) noexcept {
     return guarded([&]() -> Status {
-        Result<OutputFile> file = OutputFile::create(path);
-        if (!file) {
-            return file.error();
-        }
-        file->append(header(check));
-        write_points(check, file.value());
-        write_edges(check, file.value());
-        return file->commit();
+        OutputFile file = require(OutputFile::create(path));
+        file.append(header(check));
+        write_points(check, file);
+        write_edges(check, file);
+        return file.commit();
     });
 }
 

@@ -83,10 +83,10 @@ void write_mesh(JsonText& json, const ReportParts& parts) {
     }
 }
 
-void write_box(JsonText& json, const double (&min_mm)[3], const double (&max_mm)[3]) {
+void write_box(JsonText& json, const Box& box) {
     json.object("box_mm", [&] {
-        json.list("min", min_mm);
-        json.list("max", max_mm);
+        json.member("min", box.min_mm);
+        json.member("max", box.max_mm);
     });
 }
 

@@ -106,7 +106,7 @@ private:
     bool after_key_ = false;
 };
 
-// What every report says of the mesh file, and what the program adds.
+// Members of every report: the mesh file, and what the program adds.
 
 /// The program's members that belong in `place`.
 void write_members(JsonText& json, const ReportParts& parts, ReportPlace place);
@@ -115,6 +115,6 @@ void write_members(JsonText& json, const ReportParts& parts, ReportPlace place);
 void write_mesh(JsonText& json, const ReportParts& parts);
 
 /// The member "box_mm".
-void write_box(JsonText& json, const double (&min_mm)[3], const double (&max_mm)[3]);
+void write_box(JsonText& json, const Box& box);
 
 }  // namespace lamella

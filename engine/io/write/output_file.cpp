@@ -41,7 +41,7 @@ int descriptor_named(std::string_view path) noexcept {
     return number;
 }
 
-/// What the names of this process's files aside of `destination` begin with: hidden, and short enough for any name limit.
+/// The beginning of the names of this process's files aside of `destination`: hidden, and short enough for any name limit.
 std::string aside_prefix(const std::filesystem::path& destination) {
     constexpr std::size_t longest_stem = 180;
     return "." + destination.filename().string().substr(0, longest_stem) + "." + std::to_string(::getpid()) + "-";
@@ -212,12 +212,9 @@ Status OutputFile::commit() {
 
 Status write_text_file(const std::filesystem::path& path, const std::string& text) noexcept {
     return guarded([&]() -> Status {
-        Result<OutputFile> file = OutputFile::create(path);
-        if (!file) {
-            return file.error();
-        }
-        file->append(text);
-        return file->commit();
+        OutputFile file = require(OutputFile::create(path));
+        file.append(text);
+        return file.commit();
     });
 }
 

@@ -4,15 +4,16 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "base/clock.hpp"
 #include "base/guard.hpp"
-#include "io/write/describe.hpp"
 #include "io/write/json.hpp"
 #include "lamella/io/report.hpp"
+#include "options/asked.hpp"
 
 namespace lamella {
 
@@ -22,39 +23,17 @@ namespace {
 constexpr std::size_t most_places = 100;
 constexpr std::size_t most_open_in_layer = 10;
 
-void write_spacing(JsonText& json, const UniformLayers& layers) {
-    json.member("kind", "uniform");
-    json.member("layer_height_mm", layers.layer_height_mm);
-    json.member_if(layers.first_height_mm.has_value(), "first_height_mm", layers.first_height_mm.value_or(0));
-    json.member("datum", name_of(layers.datum));
-}
-
-void write_spacing(JsonText& json, const ExplicitPlanes& planes) {
-    json.member("kind", "explicit");
-    json.member("heights", planes.heights_mm.size());
-}
-
-void write_spacing(JsonText& json, const RandomLayers& layers) {
-    json.member("kind", "random");
-    json.member("min_height_mm", layers.min_height_mm);
-    json.member("max_height_mm", layers.max_height_mm);
-    json.member("seed", layers.seed);
-    json.member("datum", name_of(Datum::mesh_min));
-}
-
-void write_plan(JsonText& json, const LayerPlan& plan) {
-    json.object("plan", [&] {
-        std::visit([&](const auto& spacing) { write_spacing(json, spacing); }, plan.spacing);
-        json.member("side", name_of(plan.side));
-        json.member("rule", describe(plan));
-    });
+void write_values(JsonText& json, const std::vector<AskedValue>& values) {
+    for (const auto& [name, value] : values) {
+        std::visit([&json, key = name](const auto& own) { json.member(key, own); }, value);
+    }
 }
 
 /// NaN where the area of a layer is not known.
 double solid_volume_mm3(const SliceResult& result) {
     double volume = 0;
-    for (const Layer& layer : result.layers) {
-        volume += result.area_mm2(layer) * (layer.top_mm - layer.bottom_mm);
+    for (const LayerView layer : result) {
+        volume += layer.area_mm2() * (layer.top_mm - layer.bottom_mm);
     }
     return volume;
 }
@@ -68,18 +47,18 @@ std::string hex(std::uint64_t value) {
 }
 
 void write_counts(JsonText& json, const SliceResult& result) {
-    const SliceSummary& summary = result.summary;
-    json.member("triangles", summary.triangles);
-    json.member("degenerate", summary.degenerate);
-    json.member("crossed", summary.crossed);
+    const SliceInfo& info = result.info;
+    json.member("triangles", info.triangles);
+    json.member("degenerate", info.degenerate);
+    json.member("crossed", info.crossed);
     json.member("planes", result.layers.size());
-    json.member("segments", summary.segments);
+    json.member("segments", info.segments);
     json.member("points", result.points.size());
     json.member("contours", result.contours.size());
-    json.member("open_contours", summary.open_contours);
-    json.member("holes", summary.holes);
-    json.member("flat_contours", summary.flat_contours);
-    json.member("overruled_contours", summary.overruled_contours);
+    json.member("open_contours", info.open_contours);
+    json.member("holes", info.holes);
+    json.member("flat_contours", info.flat_contours);
+    json.member("overruled_contours", info.overruled_contours);
 }
 
 void write_times(JsonText& json, const StageTimes& stages, const ReportParts& parts, Clock::time_point start) {
@@ -96,38 +75,44 @@ void write_times(JsonText& json, const StageTimes& stages, const ReportParts& pa
 
 /// A place in a layer, mm.
 std::array<double, 2> place_mm(const SliceResult& result, const Point& point) {
-    return {point.x * result.unit_mm, point.y * result.unit_mm};
+    const PointMm place = result.to_mm(point);
+    return {place.x, place.y};
+}
+
+double length_mm(const SliceResult& result, const Stitch& gap) {
+    const double dx = static_cast<double>(gap.to.x) - gap.from.x;
+    const double dy = static_cast<double>(gap.to.y) - gap.from.y;
+    return std::sqrt(dx * dx + dy * dy) * result.info.grid_mm;
 }
 
 /// Which layer, the height asked for, and the one cut.
 void write_layer(JsonText& json, const SliceResult& result, std::size_t layer) {
     json.member("layer", layer);
-    json.member("plane_mm", result.layers[layer].plane_mm);
-    json.member("cut_mm", result.to_mm(result.layers[layer].plane));
+    json.member("plane_mm", result[layer].plane_mm);
+    json.member("cut_mm", result[layer].cut_mm());
 }
 
 /// Its ends, and how far apart they are by that name.
-void write_gap(JsonText& json, const SliceResult& result, const ClosedGap& gap, std::string_view length) {
+void write_gap(JsonText& json, const SliceResult& result, const Stitch& gap, std::string_view length) {
     json.member("from_mm", place_mm(result, gap.from));
     json.member("to_mm", place_mm(result, gap.to));
-    json.member(length, result.length_mm(gap));
+    json.member(length, length_mm(result, gap));
 }
 
 /// Every gap that was closed.
 void write_gaps(JsonText& json, const SliceResult& result) {
     double longest = 0;
     double total = 0;
-    for (const ClosedGap& gap : result.closed_gaps) {
-        longest = std::max(longest, result.length_mm(gap));
-        total += result.length_mm(gap);
+    for (const Stitch& gap : result.stitches) {
+        longest = std::max(longest, length_mm(result, gap));
+        total += length_mm(result, gap);
     }
     json.object("gaps", [&] {
-        json.member("reach_mm", result.close_gaps_mm);
-        json.member("sense", name_of(result.gap_sense));
-        json.member("closed", result.closed_gaps.size());
+        write_values(json, values_of_stitching(result.info.options));
+        json.member("closed", result.stitches.size());
         json.member("longest_mm", longest);
         json.member("total_mm", total);
-        json.list("closings", result.closed_gaps, result.closed_gaps.size(), [&](const ClosedGap& gap) {
+        json.list("closings", result.stitches, result.stitches.size(), [&](const Stitch& gap) {
             json.object([&] {
                 write_layer(json, result, gap.layer);
                 write_gap(json, result, gap, "length_mm");
@@ -137,22 +122,22 @@ void write_gaps(JsonText& json, const SliceResult& result) {
 }
 
 /// A layer's open polylines: where each ends and where it starts, between which the mesh lacks faces.
-void write_open_layer(JsonText& json, const SliceResult& result, const std::vector<ClosedGap>& gaps) {
+void write_open_layer(JsonText& json, const SliceResult& result, const std::vector<Stitch>& gaps) {
     json.object([&] {
         write_layer(json, result, gaps.front().layer);
         json.member("count", gaps.size());
         json.list("first", gaps, most_open_in_layer,
-                  [&](const ClosedGap& gap) { json.object([&] { write_gap(json, result, gap, "gap_mm"); }); });
+                  [&](const Stitch& gap) { json.object([&] { write_gap(json, result, gap, "gap_mm"); }); });
         json.member("not_listed", gaps.size() - std::min(gaps.size(), most_open_in_layer));
     });
 }
 
 /// Every layer that has open polylines, and all of them in short.
-void write_open(JsonText& json, const SliceResult& result) {
-    const Result<OpenLayers> open = find_open_layers(result);
-    if (!open) {
-        throw Refused{open.error()};
-    }
+void write_open(JsonText& json, const SliceResult& result, const Audit* found) {
+    const bool known = found != nullptr && found->open;
+    const std::optional<OpenLayers> open =
+        known ? found->open
+              : require(audit(result, MeshView{}, {.volume = false, .ledger = false, .crossings = false})).open;
     if (open->layers > 0) {
         json.object("open", [&] {
             json.member("layers", open->layers);
@@ -162,13 +147,13 @@ void write_open(JsonText& json, const SliceResult& result) {
             json.member_if(open->layers > open->stuck, "closed_by_mm", open->reach_mm);
         });
     }
-    std::vector<ClosedGap> gaps;  // of one layer
-    json.list("open_layers", result.layers, result.layers.size(), [&](const Layer& layer) {
+    std::vector<Stitch> gaps;  // of one layer
+    json.list("open_layers", result, result.size(), [&](const LayerView& layer) {
         gaps.clear();
-        for (const Contour& contour : result.contours_of(layer)) {
+        for (const Contour& contour : layer.contours) {
             if (contour.role == Role::open) {
-                const std::span<const Point> points = result.points_of(contour);
-                gaps.push_back({static_cast<std::uint64_t>(&layer - result.layers.data()), points.back(), points.front()});
+                const std::span<const Point> points = layer.points_of(contour);
+                gaps.push_back({layer.index, points.back(), points.front()});
             }
         }
         if (!gaps.empty()) {
@@ -271,14 +256,8 @@ void write_weld(JsonText& json, const WeldedMesh& welded) {
     });
 }
 
-/// Whether anything but one fill rule for all layers was asked for.
-bool goes_beyond_one_rule(const RegionRules& rules) {
-    return !rules.fill_from.empty() || rules.largest_only || rules.close_mm > 0 || rules.offset_mm != 0 ||
-           rules.mark_near_mm > 0 || rules.drop_collinear || rules.simplify_mm > 0;
-}
-
 void write_region(JsonText& json, const SliceResult& result) {
-    const RegionRules& rules = result.region;
+    const RegionRules& rules = result.info.options.region;
     json.object("region", [&] {
         json.list("fill_from", rules.fill_from, rules.fill_from.size(), [&](const FillFrom& from) {
             json.object([&] {
@@ -286,39 +265,32 @@ void write_region(JsonText& json, const SliceResult& result) {
                 json.member("fill_rule", name_of(from.rule));
             });
         });
-        json.member("close_mm", rules.close_mm);
-        json.member("offset_mm", rules.offset_mm);
-        json.member("miter_limit", rules.miter_limit);
-        json.member("largest_only", rules.largest_only);
-        json.member("drop_collinear", rules.drop_collinear);
-        if (rules.simplify_mm > 0) {
-            json.member("simplify_mm", rules.simplify_mm);
-        }
-        json.member("mark_near_mm", rules.mark_near_mm);
-        json.member("near_contours", result.summary.near_contours);
-        json.member("emptied_layers", result.summary.emptied_layers);
+        write_values(json, values_of_rules(rules));
+        json.member("would_close_contours", result.info.would_close_contours);
+        json.member("emptied_layers", result.info.emptied_layers);
     });
 }
 
 /// The answers about the result that the program has asked for.
 void write_findings(JsonText& json, const SliceResult& result, const ReportParts& parts) {
-    write_open(json, result);
-    json.member("fill_rule", name_of(result.region.fill_rule));
-    if (result.summary.cancelled_layers > 0) {
-        json.member("cancelled_layers", result.summary.cancelled_layers);
+    const RegionRules& rules = result.info.options.region;
+    write_open(json, result, parts.audit);
+    json.member("fill_rule", name_of(rules.fill_rule));
+    if (result.info.cancelled_layers > 0) {
+        json.member("cancelled_layers", result.info.cancelled_layers);
     }
-    if (goes_beyond_one_rule(result.region)) {
+    if (goes_beyond_one_rule(rules)) {
         write_region(json, result);
     }
     write_gaps(json, result);
-    if (parts.ledger != nullptr) {
-        write_ledger(json, *parts.ledger);
+    if (parts.audit != nullptr && parts.audit->ledger) {
+        write_ledger(json, *parts.audit->ledger);
     }
-    if (parts.volume != nullptr) {
-        write_volume(json, *parts.volume);
+    if (parts.audit != nullptr && parts.audit->volume) {
+        write_volume(json, *parts.audit->volume);
     }
-    if (parts.crossings != nullptr) {
-        write_crossings(json, result, *parts.crossings);
+    if (parts.audit != nullptr && parts.audit->crossings) {
+        write_crossings(json, result, *parts.audit->crossings);
     }
     if (parts.welded != nullptr) {
         write_weld(json, *parts.welded);
@@ -327,26 +299,26 @@ void write_findings(JsonText& json, const SliceResult& result, const ReportParts
 
 void write_report(JsonText& json, const SliceResult& result, const ReportParts& parts) {
     const auto start = Clock::now();
-    const SliceSummary& summary = result.summary;
-    const std::uint64_t hash = hash_result(result);  // takes longest, and its time is to be among the times
+    const SliceInfo& info = result.info;
+    const std::uint64_t hash = result.hash();  // takes longest, and its time is to be among the times
     write_mesh(json, parts);
     write_counts(json, result);
     write_findings(json, result, parts);
-    if (result.part_count > 1) {
-        json.member("parts", result.part_count);
-        json.member("part_regions", result.part_regions == PartRegions::united ? "united" : "separate");
+    if (info.part_count > 1) {
+        json.member("parts", info.part_count);
+        json.member("part_regions", info.options.unite_parts ? "united" : "separate");
     }
-    json.member("grid_mm", result.unit_mm);
-    if (summary.unit_doublings > 0 && result.unit_mm == std::ldexp(default_unit_mm, summary.unit_doublings)) {
+    json.member("grid_mm", info.grid_mm);
+    if (info.grid_doublings > 0 && info.grid_mm == std::ldexp(default_grid_mm, info.grid_doublings)) {
         json.member("grid_rule", "the unit doubles beyond 1,024 mm, and parts there change with the plate");
     }
-    write_plan(json, result.plan);
-    json.member("frame", result.frame.m);
-    write_box(json, summary.min_mm, summary.max_mm);
+    json.object("plan", [&] { write_values(json, values_of_plan(info.options)); });
+    json.member("frame", info.options.frame.transform.m);
+    write_box(json, info.box);
     json.member("solid_volume_mm3", solid_volume_mm3(result));
-    json.member("threads", summary.threads);
-    json.member("bands", summary.bands);
-    write_times(json, summary.ms, parts, start);
+    json.member("threads", info.threads);
+    json.member("bands", info.bands);
+    write_times(json, info.ms, parts, start);
     write_members(json, parts, ReportPlace::after_times);
     json.member("output_hash", hex(hash));
     write_members(json, parts, ReportPlace::at_end);

@@ -20,10 +20,9 @@
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
 #include "base/words.hpp"
-#include "io/write/describe.hpp"
 #include "io/write/output_file.hpp"
 #include "lamella/io/svg.hpp"
-#include "slicing/result/layer_view.hpp"
+#include "options/asked.hpp"
 
 namespace lamella {
 
@@ -88,30 +87,30 @@ struct Frame2d {
     double min_x, min_y, width, height, extent;
 };
 
-/// What the picture shows: the mesh's box and a margin.
-Frame2d frame_of(const SliceResult& facts) {
-    const auto& low = facts.summary.min_mm;
-    const auto& high = facts.summary.max_mm;
-    const double extent = std::max({high[0] - low[0], high[1] - low[1], facts.unit_mm});
+/// The picture's frame: the mesh's box and a margin.
+Frame2d frame_of(const SliceInfo& info) {
+    const auto& low = info.box.min_mm;
+    const auto& high = info.box.max_mm;
+    const double extent = std::max({high[0] - low[0], high[1] - low[1], info.grid_mm});
     const double border = margin * extent;
     return {low[0] - border, low[1] - border, high[0] - low[0] + 2 * border, high[1] - low[1] + 2 * border, extent};
 }
 
 class SvgWriter {
 public:
-    /// What writes layers throws Stopped where `stop` asks for it.
-    SvgWriter(const SliceResult& facts, std::uint64_t layers, const StopCheck& stop, OutputFile& out)
-        : layers_(layers),
-          parts_(facts.part_count),
-          close_gaps_mm_(facts.close_gaps_mm),
+    /// Functions that write layers throw Stopped where `stop` asks for it.
+    SvgWriter(const SliceInfo& info, const StopCheck& stop, OutputFile& out)
+        : layers_(info.layers),
+          parts_(info.part_count),
+          stitching_(describe_stitching(info.options)),
           out_(out),
-          format_(facts.unit_mm),
-          frame_(frame_of(facts)),
+          format_(info.grid_mm),
+          frame_(frame_of(info)),
           stop_(stop) {
         pace_.follow(stop_.check());
     }
 
-    void head(const SliceResult& facts, const WeldedMesh* welded) {
+    void head(const SliceInfo& info, const WeldedMesh* welded) {
         const std::string width = mm(frame_.width);
         const std::string height = mm(frame_.height);
         const std::string left = mm(frame_.min_x);
@@ -122,30 +121,29 @@ public:
             "xmlns:slic3r=\"http://slic3r.org/namespaces/slic3r\" xmlns:lamella=\"urn:lamella\" width=\"" +
             width + "mm\" height=\"" + height + "mm\" viewBox=\"" + left + " " + top + " " + width + " " + height +
             "\" fill-rule=\"nonzero\">\n");
-        out_.append("<title>" + counted(layers_, "layer") + "</title>\n<desc>" + description(facts, welded) + "</desc>\n");
+        out_.append("<title>" + counted(layers_, "layer") + "</title>\n<desc>" + description(info, welded) + "</desc>\n");
         out_.append("<rect x=\"" + left + "\" y=\"" + top + "\" width=\"" + width + "\" height=\"" + height +
                     "\" fill=\"white\"/>\n");
     }
 
     void layer(const LayerView& view) {
         stop_.stop_if_asked();
-        const Layer& layer = view.layer;
-        out_.append("<g id=\"layer" + std::to_string(view.index) + "\" slic3r:z=\"" + exact_text(layer.plane_mm) +
-                    "\" lamella:cut-z=\"" + exact_text(layer.plane.z() * view.unit_mm) + "\" slic3r:layer-height=\"" +
-                    mm(layer.top_mm - layer.bottom_mm) + "\" fill=\"" + colour(view.index) +
+        out_.append("<g id=\"layer" + std::to_string(view.index) + "\" slic3r:z=\"" + exact_text(view.plane_mm) +
+                    "\" lamella:cut-z=\"" + exact_text(view.cut_mm()) + "\" slic3r:layer-height=\"" +
+                    mm(view.top_mm - view.bottom_mm) + "\" fill=\"" + colour(view.index) +
                     "\" transform=\"scale(1,-1)\">\n");
         for (const Contour& own : view.contours) {
             contour(own, view.points_of(own));
         }
-        gaps_.insert(gaps_.end(), view.closed_gaps.begin(), view.closed_gaps.end());
+        stitches_.insert(stitches_.end(), view.stitches.begin(), view.stitches.end());
         out_.append("</g>\n");
     }
 
     /// Over all layers, as a warning must not be hidden by those above it: where gaps were closed, and open polylines once
     /// more.
     void overlay() {
-        if (!gaps_.empty()) {
-            gap_overlay();
+        if (!stitches_.empty()) {
+            stitch_overlay();
         }
         if (!open_.empty()) {
             open_overlay();
@@ -155,13 +153,13 @@ public:
     void tail() { out_.append("</svg>\n"); }
 
 private:
-    void gap_overlay() {
+    void stitch_overlay() {
         out_.append("<g id=\"gaps\" transform=\"scale(1,-1)\" fill=\"none\" stroke=\"" + std::string(warning_colour) +
                     "\" stroke-width=\"" + mm(warning_stroke * frame_.extent) + "\">\n<desc>" +
-                    counted(gaps_.size(), "gap") + " of at most " + exact_text(close_gaps_mm_) + " mm closed</desc>\n");
-        for (const ClosedGap& gap : gaps_) {
+                    counted(stitches_.size(), "gap") + " " + stitching_ + " closed</desc>\n");
+        for (const Stitch& stitch : stitches_) {
             out_.append("<polyline points=\"");
-            points(std::array{gap.from, gap.to});
+            points(std::array{stitch.from, stitch.to});
             out_.append("\"/>\n");
         }
         out_.append("</g>\n");
@@ -176,14 +174,16 @@ private:
         out_.append("</g>\n");
     }
 
-    static std::string description(const SliceResult& facts, const WeldedMesh* welded) {
-        std::string text = "Coordinates in mm. Grid unit " + exact_text(facts.unit_mm) + " mm. " +
-                           (welded != nullptr ? describe_weld(*welded) + ". " : "") + "Planes: " + describe(facts.plan) +
-                           ". " + describe_rules(facts) + ". Frame (rows of a 3x4 matrix from mesh to layers):";
-        for (const double entry : facts.frame.m) {
-            text += " " + exact_text(entry);
-        }
-        return text + ".";
+    static std::string describe_weld(const WeldedMesh& welded) {
+        return "Vertices at most " + exact_text(welded.tolerance_mm) +
+               " mm apart welded before: " + std::to_string(welded.joined) + " moved. ";
+    }
+
+    static std::string description(const SliceInfo& info, const WeldedMesh* welded) {
+        const SliceOptions& options = info.options;
+        return "Coordinates in mm. Grid unit " + exact_text(info.grid_mm) + " mm. " +
+               (welded != nullptr ? describe_weld(*welded) : "") + "Planes: " + describe_planes(options) + ". " +
+               describe_rules(options.region) + ". " + describe_frame(options.frame) + ".";
     }
 
     std::string mm(double value) const {
@@ -194,7 +194,7 @@ private:
     /// As "#rrggbb", from the lowest layer's to the highest's.
     std::string colour(std::uint64_t index) const {
         const std::uint64_t last = std::max<std::uint64_t>(layers_, 2) - 1;
-        const double share = static_cast<double>(index) / static_cast<double>(last);
+        const double share = std::min(1.0, static_cast<double>(index) / static_cast<double>(last));
         std::string text = "#";
         for (std::size_t channel = 0; channel < 3; ++channel) {
             const int low = lowest_colour[channel];
@@ -226,7 +226,7 @@ private:
                 break;
         }
         points(own_points);
-        out_.append((contour.flags & near_contour) != 0 ? "\" class=\"near\"" : "\"");
+        out_.append((contour.flags & would_close) != 0 ? "\" class=\"near\"" : "\"");
         if (parts_ > 1) {
             out_.append(" lamella:part=\"" + (contour.part == several_parts ? "several" : std::to_string(contour.part)) +
                         "\"");
@@ -255,8 +255,8 @@ private:
     }
 
     std::uint64_t layers_;
-    std::uint32_t parts_;
-    double close_gaps_mm_;
+    std::uint64_t parts_;
+    std::string stitching_;
     OutputFile& out_;
     MmFormat format_;
     Frame2d frame_;
@@ -264,14 +264,13 @@ private:
     StopPace pace_;
     std::uint64_t contours_ = 0;  ///< written
     std::vector<std::uint64_t> open_;
-    std::vector<ClosedGap> gaps_;
+    std::vector<Stitch> stitches_;
 };
 
 }  // namespace svg
 
 struct SvgStream::State {
-    State(OutputFile file, const SliceResult& facts, std::uint64_t layers, const StopCheck& stop)
-        : out(std::move(file)), writer(facts, layers, stop, out) {}
+    State(OutputFile file, const SliceInfo& info, const StopCheck& stop) : out(std::move(file)), writer(info, stop, out) {}
 
     /// Keeps the first error.
     template <class Step>
@@ -294,15 +293,11 @@ SvgStream::SvgStream(SvgStream&&) noexcept = default;
 SvgStream& SvgStream::operator=(SvgStream&&) noexcept = default;
 SvgStream::~SvgStream() = default;
 
-Result<SvgStream> SvgStream::begin(const SliceResult& facts, std::uint64_t layers, const std::filesystem::path& path,
-                                   const SvgOptions& options) noexcept {
-    return guarded(options.control, [&]() -> Result<SvgStream> {
-        Result<OutputFile> file = OutputFile::create(path);
-        if (!file) {
-            return file.error();
-        }
-        auto state = std::make_unique<State>(std::move(file).value(), facts, layers, options.control.stop);
-        state->writer.head(facts, options.welded);
+Result<SvgStream> SvgStream::begin(const SliceInfo& info, const std::filesystem::path& path, const SvgOptions& options,
+                                   const Context& context) noexcept {
+    return guarded(context, [&]() -> Result<SvgStream> {
+        auto state = std::make_unique<State>(require(OutputFile::create(path)), info, context.stop);
+        state->writer.head(info, options.welded);
         return SvgStream(std::move(state));
     });
 }
@@ -323,16 +318,16 @@ Status SvgStream::finish() noexcept {
     return state_->done ? guarded([&] { return state_->out.commit(); }) : state_->done;
 }
 
-Status write_svg(const SliceResult& result, const std::filesystem::path& path, const SvgOptions& options) noexcept {
-    const std::size_t layers = result.layers.size();
-    Result<SvgStream> stream = SvgStream::begin(result, layers, path, options);
+Status write_svg(const SliceResult& result, const std::filesystem::path& path, const SvgOptions& options,
+                 const Context& context) noexcept {
+    Result<SvgStream> stream = SvgStream::begin(result.info, path, options, context);
     if (!stream) {
         return stream.error();
     }
-    ProgressMeter progress(options.control.progress);
-    for (std::size_t index = 0; index < layers && !stream->failed(); ++index) {
-        stream->add(view_of_layer(result, index));
-        progress.reach(static_cast<double>(index) / static_cast<double>(layers));
+    ProgressMeter progress(context.progress);
+    for (std::size_t index = 0; index < result.size() && !stream->failed(); ++index) {
+        stream->add(result[index]);
+        progress.reach(static_cast<double>(index) / static_cast<double>(result.size()));
     }
     Status status = stream->finish();
     if (status) {

@@ -4,10 +4,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cstddef>
 #include <cstdlib>
 #include <new>
-#include <utility>
 
 #include "io/read/input_file.hpp"
 
@@ -133,7 +131,7 @@ std::string_view XmlAttributes::unbound(std::optional<std::string_view> local) c
 
 // --- XmlReader
 
-/// What expat holds, counted: it keeps every name that it has seen, as many as the file likes.
+/// The memory that expat holds, counted: it keeps every name that it has seen, as many as the file likes.
 struct XmlReader::Heap {
     /// Before each block.
     struct alignas(std::max_align_t) Header {
@@ -171,27 +169,6 @@ struct XmlReader::Heap {
 };
 thread_local XmlReader::Heap* XmlReader::Heap::current = nullptr;
 
-/// What expat calls.
-struct XmlReader::Callbacks {
-    static XmlReader& reader(void* user) { return *static_cast<XmlReader*>(user); }
-
-    static void begin(void* user, const XML_Char* name, const XML_Char** attributes) {
-        reader(user).deliver([&] { reader(user).begin(name, attributes); });
-    }
-    static void end(void* user, const XML_Char* name) {
-        reader(user).deliver([&] {
-            reader(user).end_element(reader(user).namespaces_.element(name));
-            reader(user).namespaces_.close(reader(user).depth_--);
-        });
-    }
-    static void text(void* user, const XML_Char* piece, int length) {
-        reader(user).deliver([&] { reader(user).text({piece, static_cast<std::size_t>(length)}); });
-    }
-    static void doctype(void* user, const XML_Char*, const XML_Char*, const XML_Char*, int) {
-        reader(user).deliver([&] { reader(user).fail("a document type declaration, which is refused"); });
-    }
-};
-
 void XmlReader::ParserDeleter::operator()(XML_ParserStruct* parser) const noexcept {
     XML_ParserFree(parser);
 }
@@ -204,9 +181,18 @@ XmlReader::XmlReader() : heap_(std::make_unique<Heap>()) {
         throw std::bad_alloc();
     }
     XML_SetUserData(parser_.get(), this);
-    XML_SetElementHandler(parser_.get(), Callbacks::begin, Callbacks::end);
-    XML_SetCharacterDataHandler(parser_.get(), Callbacks::text);
-    XML_SetStartDoctypeDeclHandler(parser_.get(), Callbacks::doctype);
+    XML_SetElementHandler(
+        parser_.get(),
+        [](void* user, const XML_Char* name, const XML_Char** attributes) {
+            self(user).deliver([&] { self(user).begin(name, attributes); });
+        },
+        [](void* user, const XML_Char* name) { self(user).deliver([&] { self(user).end(name); }); });
+    XML_SetCharacterDataHandler(parser_.get(), [](void* user, const XML_Char* piece, int length) {
+        self(user).deliver([&] { self(user).text({piece, static_cast<std::size_t>(length)}); });
+    });
+    XML_SetStartDoctypeDeclHandler(parser_.get(), [](void* user, const XML_Char*, const XML_Char*, const XML_Char*, int) {
+        self(user).deliver([&] { self(user).fail("a document type declaration, which is refused"); });
+    });
 }
 
 XmlReader::~XmlReader() = default;
@@ -218,6 +204,8 @@ void XmlReader::deliver(Event&& event) noexcept {
     }
     try {
         event();
+    } catch (XmlFailure& failure) {
+        end_by(std::move(failure));
     } catch (...) {
         thrown_ = std::current_exception();
         stop();
@@ -227,11 +215,15 @@ void XmlReader::deliver(Event&& event) noexcept {
 void XmlReader::begin(std::string_view name, const char* const* attributes) {
     if (++depth_ > most_open_elements || !declare_namespaces(attributes)) {
         fail(unreal);
-        return;
     }
     const XmlAttributes list(attributes, namespaces_);
     note_unbound(name, list);
     begin_element(namespaces_.element(name), list);
+}
+
+void XmlReader::end(std::string_view name) {
+    end_element(namespaces_.element(name));
+    namespaces_.close(depth_--);
 }
 
 bool XmlReader::declare_namespaces(const char* const* attributes) {
@@ -280,15 +272,16 @@ bool XmlReader::parse(std::string_view bytes, bool last) {
         if (error == XML_ERROR_NO_MEMORY && !heap_->is_full) {
             throw std::bad_alloc();
         }
-        fail(heap_->is_full ? unreal : std::string("malformed XML: ") + XML_ErrorString(error));
+        end_by({event_line(), event_offset(),
+                heap_->is_full ? unreal : std::string("malformed XML: ") + XML_ErrorString(error)});
     } else if (!stopped_ && !last && parsed_bytes_ + skipped_bytes_ - event_offset() > longest_tag_bytes) {
-        fail(unreal);
+        end_by({event_line(), event_offset(), unreal});
     }
     return !stopped_;
 }
 
-void XmlReader::fail(std::string what) {
-    failure_ = {event_line(), event_offset(), std::move(what)};
+void XmlReader::end_by(XmlFailure failure) {
+    failure_ = std::move(failure);
     stop();
 }
 

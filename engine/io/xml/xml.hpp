@@ -9,13 +9,14 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 struct XML_ParserStruct;
 
 namespace lamella {
 
-/// Whether `text` is plain text at any place of an XML document: ASCII, with no character that markup consists of.
+/// True if `text` is plain text at any place of an XML document: ASCII, with no character that markup consists of.
 bool is_plain_xml_text(std::string_view text) noexcept;
 
 /// A name with its namespace: of elements always, of attributes only where they carry a prefix.
@@ -36,14 +37,14 @@ XmlWrittenName split_name(std::string_view name) noexcept;
 /// prefix that is not declared.
 class XmlNamespaces {
 public:
-    /// Of the next element, which is at `depth`. False: more are declared than any real file needs.
+    /// Declares one of the next element, which is at `depth`. False: more are declared than any real file needs.
     bool declare(std::string_view prefix, std::string_view space, std::uint64_t depth);
     /// Forgets what elements at `depth` declared.
     void close(std::uint64_t depth) noexcept;
 
     /// The namespace of that prefix, empty where it is the empty one; nothing if it is not declared.
     std::optional<std::string_view> find(std::string_view prefix) const noexcept;
-    /// Of an element. One whose prefix is not declared keeps it in its name and has no namespace.
+    /// An element's name. One whose prefix is not declared keeps it in its name and has no namespace.
     XmlName element(std::string_view name) const noexcept;
 
 private:
@@ -123,7 +124,7 @@ public:
     static constexpr std::size_t most_parser_bytes = std::size_t{32} << 20;
 
 protected:
-    // The events. They may call fail() or stop(), after which no other event comes.
+    // The events. They may throw, by fail() too, or call stop(), after which no other event comes.
     virtual void begin_element(const XmlName& name, const XmlAttributes& attributes) = 0;
     virtual void end_element(const XmlName& /*name*/) {}
     /// A piece of the text between tags; a line of it may come in many.
@@ -133,7 +134,7 @@ protected:
     std::optional<std::string_view> namespace_of(std::string_view prefix) const noexcept { return namespaces_.find(prefix); }
 
     /// Ends parsing with a failure at the event at hand.
-    void fail(std::string what);
+    [[noreturn]] void fail(std::string what) const { throw XmlFailure{event_line(), event_offset(), std::move(what)}; }
     /// Ends parsing without one.
     void stop();
 
@@ -143,7 +144,6 @@ protected:
     std::uint64_t event_end() const noexcept;
 
 private:
-    struct Callbacks;
     struct Heap;
     struct ParserDeleter {
         void operator()(XML_ParserStruct* parser) const noexcept;
@@ -151,10 +151,13 @@ private:
 
     template <class Event>
     void deliver(Event&& event) noexcept;
+    static XmlReader& self(void* user) noexcept { return *static_cast<XmlReader*>(user); }
     void begin(std::string_view name, const char* const* attributes);
+    void end(std::string_view name);
     bool declare_namespaces(const char* const* attributes);
     void note_unbound(std::string_view element, const XmlAttributes& attributes);
     bool parse(std::string_view bytes, bool last);
+    void end_by(XmlFailure failure);
 
     std::unique_ptr<Heap> heap_;                               // outlives the parser
     std::unique_ptr<XML_ParserStruct, ParserDeleter> parser_;  // expat.h stays out of the other readers

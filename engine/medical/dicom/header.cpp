@@ -2,20 +2,12 @@
 // value. A sequence of undefined length ends with an element of its own, and so do its items.
 #include "medical/dicom/header.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cerrno>
-#include <cmath>
-#include <cstdio>
 #include <memory>
-#include <string_view>
 
 #include <zlib.h>
 
-#include <fast_float/fast_float.h>
-
 #include "base/guard.hpp"
-#include "medical/geometry/headers.hpp"
+#include "io/read/input_file.hpp"
 
 namespace lamella {
 
@@ -30,44 +22,19 @@ constexpr std::string_view implicit_little_endian = "1.2.840.10008.1.2";
 constexpr std::string_view explicit_big_endian = "1.2.840.10008.1.2.2";
 constexpr std::string_view deflated_little_endian = "1.2.840.10008.1.2.1.99";
 
-// clang-format off
-constexpr std::array<dicom::Tag, 27> wanted = {
-    dicom::transfer_syntax_uid, dicom::specific_character_set, dicom::sop_class_uid, dicom::sop_instance_uid,
-    dicom::study_date, dicom::study_time, dicom::accession_number, dicom::modality, dicom::referring_physician_name,
-    dicom::study_description, dicom::series_description, dicom::patient_name, dicom::patient_id,
-    dicom::patient_birth_date, dicom::patient_sex, dicom::slice_thickness, dicom::study_instance_uid,
-    dicom::series_instance_uid, dicom::study_id, dicom::image_position_patient, dicom::image_orientation_patient,
-    dicom::frame_of_reference_uid, dicom::position_reference_indicator, dicom::number_of_frames, dicom::rows,
-    dicom::columns, dicom::pixel_spacing};
+/// Longer ones are no texts or numbers that are used.
+constexpr std::uint32_t longest_value = 4096;
 
+// clang-format off
 /// Types whose length takes four bytes, after two that mean nothing.
 constexpr std::array<std::string_view, 13> long_types = {
     "OB", "OD", "OF", "OL", "OV", "OW", "SQ", "SV", "UC", "UN", "UR", "UT", "UV"};
 // clang-format on
 
-template <class Values, class Value>
-bool contains(const Values& values, const Value& value) {
-    return std::find(values.begin(), values.end(), value) != values.end();
-}
-
-std::string_view trimmed(std::string_view text) {
-    constexpr std::string_view padding("\0 ", 2);
-    const std::size_t begin = text.find_first_not_of(padding);
-    return begin == std::string_view::npos ? std::string_view()
-                                           : text.substr(begin, text.find_last_not_of(padding) - begin + 1);
-}
-
 std::string first_bytes(const std::filesystem::path& path, std::size_t size) {
-    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
-    if (!file) {
-        throw Refused{unreadable(path.string(), errno)};
-    }
-    std::error_code unknown;
-    std::string bytes(std::min<std::uintmax_t>(size, std::filesystem::file_size(path, unknown)), '\0');
-    bytes.resize(std::fread(bytes.data(), 1, bytes.size(), file.get()));
-    if (std::ferror(file.get()) != 0) {
-        throw Refused{unreadable(path.string(), errno)};
-    }
+    const InputFile file = require(InputFile::open(path));
+    std::string bytes(std::min<std::uint64_t>(size, file.size()), '\0');
+    require(file.read_at(0, std::as_writable_bytes(std::span(bytes))));
     return bytes;
 }
 
@@ -94,7 +61,7 @@ std::string inflated(const DicomHeader& header, std::string_view data) {
         text.resize(text.size() - stream.avail_out);
     }
     if (answer != Z_OK && answer != Z_STREAM_END && answer != Z_BUF_ERROR) {
-        throw Refused{header.refused("damaged deflated data within its header")};
+        header.refuse("damaged deflated data within its header");
     }
     return text;
 }
@@ -111,22 +78,33 @@ public:
     Elements(std::string_view bytes, Encoding encoding, std::size_t file_offset, DicomHeader& header)
         : bytes_(bytes), encoding_(encoding), file_offset_(file_offset), header_(header) {}
 
-    /// Up to `last`: whether one follows that lies beyond. Throws Refused where there is no element.
+    /// Up to `last`: whether one follows that lies beyond. Throws Refused where there is no element. Without recursion:
+    /// sequences may be nested as deeply as a file is long.
     bool collect(dicom::Tag last) {
+        std::size_t open = 0;           // sequences and items without an end so far
+        std::size_t implicit_from = 0;  // how many were open where what is unknown began
         while (bytes_.size() - at_ >= 4) {
-            if (tag_at(at_, encoding_.is_big_endian) > last) {
+            if (open == 0 && tag_at(at_, encoding_.is_big_endian) > last) {
                 return true;
             }
             Element element;
-            if (!read_head(encoding_, element)) {
+            if (!read_head(implicit_from != 0 ? Encoding{} : encoding_, element)) {
                 return false;
             }
-            const std::size_t begin = at_;
-            if (!skip_value(element)) {
-                return false;
-            }
-            if (element.length != undefined_length && contains(wanted, element.tag)) {
-                keep(element, begin);
+            if (open > 0 && (element.tag == dicom::item_end || element.tag == dicom::sequence_end)) {
+                --open;
+                implicit_from = open < implicit_from ? 0 : implicit_from;
+            } else if (element.length == undefined_length) {
+                ++open;
+                implicit_from = implicit_from == 0 && element.unknown ? open : implicit_from;
+            } else {
+                const std::size_t begin = at_;
+                if (!skip_bytes(element.length)) {
+                    return false;
+                }
+                if (open == 0 && element.length <= longest_value) {
+                    keep(element, begin);
+                }
             }
         }
         return false;
@@ -183,9 +161,9 @@ private:
         }
         const std::string_view type = bytes_.substr(begin + 4, 2);
         if (!std::all_of(type.begin(), type.end(), [](char c) { return c >= 'A' && c <= 'Z'; })) {
-            throw Refused{header_.refused("no DICOM element at byte " + std::to_string(file_offset_ + begin))};
+            header_.refuse("no DICOM element at byte " + std::to_string(file_offset_ + begin));
         }
-        if (!contains(long_types, type)) {
+        if (std::find(long_types.begin(), long_types.end(), type) == long_types.end()) {
             element.length = number(begin + 6, 2, encoding.is_big_endian);
             return true;
         }
@@ -194,31 +172,6 @@ private:
             return false;
         }
         element.length = number(begin + 8, 4, encoding.is_big_endian);
-        return true;
-    }
-
-    /// False where the bytes end within it. Without recursion: sequences may be nested as deeply as a file is long.
-    bool skip_value(const Element& element) {
-        if (element.length != undefined_length) {
-            return skip_bytes(element.length);
-        }
-        std::size_t open = 1;                                 // sequences and items without an end so far
-        std::size_t implicit_from = element.unknown ? 1 : 0;  // how many were open where what is unknown began
-        while (open > 0) {
-            Element inner;
-            if (!read_head(implicit_from != 0 ? Encoding{} : encoding_, inner)) {
-                return false;
-            }
-            if (inner.tag == dicom::item_end || inner.tag == dicom::sequence_end) {
-                --open;
-                implicit_from = open < implicit_from ? 0 : implicit_from;
-            } else if (inner.length == undefined_length) {
-                ++open;
-                implicit_from = implicit_from == 0 && inner.unknown ? open : implicit_from;
-            } else if (!skip_bytes(inner.length)) {
-                return false;
-            }
-        }
         return true;
     }
 
@@ -250,47 +203,6 @@ bool parse(std::string_view bytes, DicomHeader& header) {
 
 }  // namespace
 
-std::string DicomHeader::text(dicom::Tag tag) const {
-    const auto found = values_.find(tag);
-    return found == values_.end() ? std::string() : std::string(trimmed(found->second));
-}
-
-std::string DicomHeader::required_text(dicom::Tag tag, const char* keyword) const {
-    std::string found = text(tag);
-    if (found.empty()) {
-        std::array<char, 16> number{};
-        (void)std::snprintf(number.data(), number.size(), " (%04x,%04x)", tag >> 16, tag & 0xffffU);
-        throw Refused{refused(std::string("its header states no ") + keyword + number.data())};
-    }
-    return found;
-}
-
-std::vector<double> DicomHeader::required_numbers(dicom::Tag tag, const char* keyword, std::size_t count) const {
-    const std::string all = required_text(tag, keyword);
-    std::vector<double> numbers;
-    for (std::size_t begin = 0; begin <= all.size() && numbers.size() <= count;) {
-        const std::size_t end = std::min(all.find('\\', begin), all.size());
-        std::string_view word = trimmed(std::string_view(all).substr(begin, end - begin));
-        word.remove_prefix(word.starts_with('+') ? 1 : 0);
-        double value = 0;
-        const auto [stop, problem] = fast_float::from_chars(word.data(), word.data() + word.size(), value);
-        if (problem != std::errc() || stop != word.data() + word.size() || !std::isfinite(value)) {
-            break;
-        }
-        numbers.push_back(value);
-        begin = end + 1;
-    }
-    if (numbers.size() != count) {
-        throw Refused{refused(std::string(keyword) + " is '" + one_line(all) + "', not " + std::to_string(count) +
-                              (count == 1 ? " number" : " numbers"))};
-    }
-    return numbers;
-}
-
-Error DicomHeader::refused(const std::string& what) const {
-    return malformed_image(file_, what);
-}
-
 std::optional<DicomHeader> read_dicom_header(const std::filesystem::path& path) {
     for (const std::size_t size : {first_window_bytes, largest_window_bytes}) {
         const std::string bytes = first_bytes(path, size);
@@ -302,18 +214,10 @@ std::optional<DicomHeader> read_dicom_header(const std::filesystem::path& path) 
             return header;
         }
         if (bytes.size() < size) {
-            throw Refused{header.refused("cut off within its DICOM header")};
+            header.refuse("cut off within its DICOM header");
         }
     }
-    throw Refused{DicomHeader(path.string()).refused("its DICOM header is longer than 64 MiB")};
-}
-
-std::string one_line(const std::string& text) {
-    constexpr std::size_t most = 64;
-    std::string line = text.substr(0, most);
-    std::replace_if(
-        line.begin(), line.end(), [](unsigned char c) { return c < ' ' || c == 0x7f; }, ' ');
-    return line;
+    DicomHeader(path.string()).refuse("its DICOM header is longer than 64 MiB");
 }
 
 }  // namespace lamella

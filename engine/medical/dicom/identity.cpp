@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <bit>
 #include <cstddef>
-#include <cstdint>
 #include <ctime>
-#include <optional>
 
 #include "base/guard.hpp"
 #include "base/utf8.hpp"
 #include "lamella/io/mesh_file.hpp"
 #include "lamella/version.hpp"
+#include "medical/dicom/tags.hpp"
 #include "medical/provenance/sha256.hpp"
 
 namespace lamella {
@@ -60,12 +59,8 @@ void add_image(ContentHash& hash, const ImageGeometry& image) {
 }
 
 void add_series(ContentHash& hash, const DicomSeries& series) {
-    for (const std::string* text :
-         {&series.study_uid, &series.series_uid, &series.frame_of_reference_uid, &series.specific_character_set,
-          &series.patient_name, &series.patient_id, &series.patient_birth_date, &series.patient_sex, &series.study_date,
-          &series.study_time, &series.study_id, &series.study_description, &series.accession_number,
-          &series.referring_physician_name, &series.position_reference_indicator}) {
-        hash.add(std::string_view(*text));
+    for (const dicom::SeriesText& text : dicom::series_texts) {
+        hash.add(std::string_view(series.*text.text));
     }
     for (const DicomSeries::Instance& slice : series.slices) {
         hash.add(std::string_view(slice.sop_class_uid));
@@ -78,8 +73,8 @@ void add_roi(ContentHash& hash, const Roi& roi) {
     for (const std::uint8_t part : roi.colour) {
         hash.add(std::uint64_t{part});
     }
-    hash.add(roi.result->unit_mm);
-    for (const std::uint64_t index : roi.result->layer_of) {
+    hash.add(roi.result->info.grid_mm);
+    for (const std::uint64_t index : roi.result->info.layer_of) {
         const Layer& layer = roi.result->layers[index];
         hash.add(layer.contour_count);
         for (const Contour& contour : roi.result->contours_of(layer)) {
@@ -90,7 +85,8 @@ void add_roi(ContentHash& hash, const Roi& roi) {
 }
 
 /// SHA-256 over all that decides the bytes of a structure set.
-Sha256::Digest content_of(std::span<const Roi> rois, const ImageGeometry& image, const StructureSetOptions& options) {
+Sha256::Digest content_of(std::span<const Roi> rois, const ImageGeometry& image, const StructureSetOptions& options,
+                          const Context& context) {
     ContentHash hash;
     hash.add(std::string_view(version));
     hash.add(static_cast<std::uint64_t>(options.holes));
@@ -102,7 +98,7 @@ Sha256::Digest content_of(std::span<const Roi> rois, const ImageGeometry& image,
     if (image.series) {
         add_series(hash, *image.series);
     }
-    const PacedStop stop(options.control.stop);
+    const PacedStop stop(context.stop);
     for (const Roi& roi : rois) {
         stop.stop_if_asked();
         add_roi(hash, roi);
@@ -136,9 +132,8 @@ void set_texts(std::span<const Roi> rois, const DicomSeries* series, const std::
     const bool names_in_ascii =
         is_ascii(label) && std::all_of(rois.begin(), rois.end(), [](const Roi& roi) { return is_ascii(roi.name); });
     const bool ct_in_ascii =
-        series == nullptr || (is_ascii(series->patient_name) && is_ascii(series->patient_id) && is_ascii(series->study_id) &&
-                              is_ascii(series->study_description) && is_ascii(series->accession_number) &&
-                              is_ascii(series->referring_physician_name));
+        series == nullptr || std::all_of(dicom::series_texts.begin(), dicom::series_texts.end(),
+                                         [&](const dicom::SeriesText& text) { return is_ascii(series->*text.text); });
     // Texts that switch sets are ASCII by their bytes.
     const bool switches = identity.character_set.find("2022") != std::string::npos;
     if (!names_in_ascii && ct_in_ascii && !switches) {
@@ -178,8 +173,9 @@ std::string plain_text(std::string text) {
     return text;
 }
 
-StructureSetIdentity identity_of(std::span<const Roi> rois, const ImageGeometry& image, const StructureSetOptions& options) {
-    const Sha256::Digest content = content_of(rois, image, options);
+StructureSetIdentity identity_of(std::span<const Roi> rois, const ImageGeometry& image, const StructureSetOptions& options,
+                                 const Context& context) {
+    const Sha256::Digest content = content_of(rois, image, options, context);
     StructureSetIdentity identity;
     identity.instance_uid = uid_of(content, "instance");
     identity.series_uid = uid_of(content, "series");

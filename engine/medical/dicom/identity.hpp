@@ -25,7 +25,8 @@ struct StructureSetIdentity {
 
 /// Patient, study and frame of reference are the CT's where there is one, and so is the character set. Names are UTF-8:
 /// where the CT has texts in another set, characters beyond ASCII become _. Throws Refused, Stopped, std::bad_alloc.
-StructureSetIdentity identity_of(std::span<const Roi> rois, const ImageGeometry& image, const StructureSetOptions& options);
+StructureSetIdentity identity_of(std::span<const Roi> rois, const ImageGeometry& image, const StructureSetOptions& options,
+                                 const Context& context);
 
 /// 2.25. and the UUID (version 8, RFC 9562) that the content's SHA-256 and the purpose give, in decimals: at most 44
 /// characters.

@@ -14,10 +14,12 @@
 // bridges form a tree with the outer contour at its root. A bridge has no area: the ring's area is the region's.
 #pragma once
 
-#include <cstdint>
-#include <span>
+#include <algorithm>
+#include <cstdlib>
+#include <tuple>
 #include <vector>
 
+#include "base/numbers.hpp"
 #include "lamella/result.hpp"
 
 namespace lamella {
@@ -34,9 +36,31 @@ public:
     /// `contours`: closed ones of one layer, an outer one first, then its holes, none of which crosses another; they may
     /// touch. Gives the ring, whose first point is not repeated, valid until the next call. A hole that lies in no contour
     /// is left out. h holes, q points: O(q log h) and what lies at equal heights; at most O(q h).
-    std::span<const RingPoint> join(std::span<const std::span<const Point>> contours);
+    std::span<const RingPoint> join(std::span<const std::span<const Point>> contours) {
+        contours_ = contours;
+        ring_.clear();
+        start_bridges();
+        for (std::uint32_t contour = 0; contour < contours.size() && !bridges_.empty(); ++contour) {
+            find_ends(contour);
+        }
+        sort_bridges();
+        emit_ring();
+        return ring_;
+    }
 
 private:
+    /// Returns whether the direction of x lies between `to` and `from`, going counter-clockwise from the first to the
+    /// second: where a contour comes from `from` to a point and goes on to `to`, the region is there.
+    static bool is_right_within(Point at, Point from, Point to) {
+        const auto half = [&](Point other) { return other.y > at.y || (other.y == at.y && other.x > at.x) ? 0 : 1; };
+        if (half(to) != half(from)) {
+            return half(to) > half(from);
+        }
+        const auto difference = [](std::int32_t a, std::int32_t b) { return std::int64_t{a} - b; };
+        // The angle of `to` is the larger one: each product fits 63 bits.
+        return difference(from.x, at.x) * difference(to.y, at.y) > difference(from.y, at.y) * difference(to.x, at.x);
+    }
+
     /// The end of a bridge, B.
     struct Bridge {
         std::uint32_t hole = 0;
@@ -44,23 +68,138 @@ private:
         std::uint32_t vertex = 0;  ///< where the edge begins that B lies on
         bool at_vertex = false;
         bool within = false;  ///< at a vertex: the bridge runs through the region there
-        // x of B: whole + rest / divisor, with 0 <= rest < divisor
-        std::int64_t whole = 0;
-        std::int64_t rest = 0;
+        // x of B: numerator / divisor
+        std::int64_t numerator = 0;
         std::int64_t divisor = 0;  ///< 0: none was found yet
 
         double x() const noexcept {
-            return static_cast<double>(whole) + static_cast<double>(rest) / static_cast<double>(divisor);
+            const std::int64_t whole = numerator / divisor - (numerator % divisor < 0 ? 1 : 0);
+            return static_cast<double>(whole) +
+                   static_cast<double>(numerator - whole * divisor) / static_cast<double>(divisor);
         }
     };
 
-    void start_bridges();
-    bool begins_farther_left(std::uint32_t contour, std::uint32_t hole) const noexcept;
-    void find_ends(std::uint32_t contour);
-    void offer(Bridge& bridge, const Bridge& end) const;
-    void sort_bridges();
-    void emit_ring();
-    void put(RingPoint point);
+    void start_bridges() {
+        bridges_.clear();
+        heights_.clear();
+        for (std::uint32_t hole = 1; hole < contours_.size(); ++hole) {
+            Bridge bridge;
+            bridge.hole = hole;
+            bridges_.push_back(bridge);
+        }
+        std::stable_sort(bridges_.begin(), bridges_.end(),
+                         [&](const Bridge& a, const Bridge& b) { return point(a.hole, 0).y < point(b.hole, 0).y; });
+        for (const Bridge& bridge : bridges_) {
+            heights_.push_back(point(bridge.hole, 0).y);
+        }
+    }
+
+    /// A contour begins at its smallest point. The outer one is farthest left.
+    bool begins_farther_left(std::uint32_t contour, std::uint32_t hole) const noexcept {
+        return contour == 0 || std::pair(point(contour, 0), contour) < std::pair(point(hole, 0), hole);
+    }
+
+    /// Offers what the edges and vertices of a contour have at the heights of bridges.
+    void find_ends(std::uint32_t contour) {
+        const std::span<const Point> points = contours_[contour];
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const Point a = points[i];
+            const Point b = point(contour, i + 1);
+            const auto first = std::lower_bound(heights_.begin(), heights_.end(), std::min(a.y, b.y));
+            const auto last = std::upper_bound(first, heights_.end(), std::max(a.y, b.y));
+            for (auto height = first; height != last; ++height) {
+                Bridge end;
+                end.contour = contour;
+                end.vertex = static_cast<std::uint32_t>(i);
+                end.at_vertex = *height == a.y;
+                if (*height == b.y && !end.at_vertex) {
+                    continue;  // the next edge begins there
+                }
+                if (end.at_vertex) {
+                    end.numerator = a.x;
+                    end.divisor = 1;
+                    end.within = is_right_within(a, point(contour, i + points.size() - 1), b);
+                } else {
+                    const std::int64_t rise = std::int64_t{b.y} - a.y;
+                    end.divisor = std::abs(rise);
+                    const std::int64_t run = (std::int64_t{b.x} - a.x) * (std::int64_t{*height} - a.y) * (rise < 0 ? -1 : 1);
+                    end.numerator = a.x * end.divisor + run;
+                }
+                offer(bridges_[static_cast<std::size_t>(height - heights_.begin())], end);
+            }
+        }
+    }
+
+    /// Takes `end` where it is nearer.
+    void offer(Bridge& bridge, const Bridge& end) const {
+        const Point start = point(bridge.hole, 0);
+        if (!begins_farther_left(end.contour, bridge.hole) || end.numerator > start.x * end.divisor) {
+            return;
+        }
+        const Int128 here = Int128{end.numerator} * bridge.divisor;
+        const Int128 there = Int128{bridge.numerator} * end.divisor;
+        if (bridge.divisor != 0 && (here < there || (here == there && end.within <= bridge.within))) {
+            return;
+        }
+        const std::uint32_t hole = bridge.hole;
+        bridge = end;
+        bridge.hole = hole;
+    }
+
+    /// In the order in which a walk around their contours meets them.
+    void sort_bridges() {
+        std::erase_if(bridges_, [](const Bridge& bridge) { return bridge.divisor == 0; });
+        const auto distance = [&](const Bridge& bridge) {
+            return std::abs(std::int64_t{point(bridge.hole, 0).y} - point(bridge.contour, bridge.vertex).y);
+        };
+        std::sort(bridges_.begin(), bridges_.end(), [&](const Bridge& a, const Bridge& b) {
+            return std::tuple(a.contour, a.vertex, distance(a), a.hole) <
+                   std::tuple(b.contour, b.vertex, distance(b), b.hole);
+        });
+        first_from_.assign(contours_.size(), static_cast<std::uint32_t>(bridges_.size()));
+        for (std::size_t i = bridges_.size(); i-- > 0;) {
+            first_from_[bridges_[i].contour] = static_cast<std::uint32_t>(i);
+        }
+    }
+
+    /// Walks the outer contour, and around each hole where its bridge ends: with a stack, for holes may hang on holes.
+    void emit_ring() {
+        struct Walk {
+            std::uint32_t contour;
+            std::size_t vertex;  ///< the next to be put
+            std::size_t bridge;  ///< the next to be walked
+            RingPoint back;      ///< where its own bridge ends
+        };
+        const auto ring_point = [](Point at) { return RingPoint{static_cast<double>(at.x), static_cast<double>(at.y)}; };
+        std::vector<Walk> walks = {{0, 0, first_from_[0], {}}};
+        while (!walks.empty()) {
+            Walk& walk = walks.back();
+            const bool due = walk.bridge < bridges_.size() && bridges_[walk.bridge].contour == walk.contour &&
+                             bridges_[walk.bridge].vertex + 1 == walk.vertex;
+            if (due) {
+                const Bridge& bridge = bridges_[walk.bridge++];
+                const RingPoint end{bridge.x(), static_cast<double>(point(bridge.hole, 0).y)};
+                put(end);
+                walks.push_back({bridge.hole, 0, first_from_[bridge.hole], end});
+            } else if (walk.vertex < contours_[walk.contour].size()) {
+                put(ring_point(point(walk.contour, walk.vertex++)));
+            } else {
+                const Walk done = walk;
+                walks.pop_back();
+                if (!walks.empty()) {
+                    put(ring_point(point(done.contour, 0)));
+                    put(done.back);
+                }
+            }
+        }
+    }
+
+    void put(RingPoint point) {
+        if (ring_.empty() || !(ring_.back() == point)) {
+            ring_.push_back(point);
+        }
+    }
+
     Point point(std::uint32_t contour, std::size_t vertex) const noexcept {
         return contours_[contour][vertex % contours_[contour].size()];
     }
@@ -68,8 +207,8 @@ private:
     std::span<const std::span<const Point>> contours_;
     std::vector<Bridge> bridges_;        ///< of holes
     std::vector<std::int32_t> heights_;  ///< of `bridges_`, ascending
-    std::vector<std::uint32_t>
-        first_from_;  ///< of each contour: its first bridge end in `bridges_`, once sorted for the ring
+    /// Of each contour: its first bridge end in `bridges_`, once sorted for the ring.
+    std::vector<std::uint32_t> first_from_;
     std::vector<RingPoint> ring_;
 };
 

@@ -1,17 +1,8 @@
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdio>
-#include <map>
-#include <string>
 #include <system_error>
-#include <vector>
 
 #include "base/guard.hpp"
 #include "lamella/grid.hpp"
 #include "medical/dicom/header.hpp"
-#include "medical/geometry/directions.hpp"
-#include "medical/geometry/headers.hpp"
 
 namespace lamella {
 
@@ -73,8 +64,8 @@ SeriesByUid images_in(const std::filesystem::path& folder) {
         }
     }
     if (series.empty()) {
-        throw Refused{malformed_image(
-            folder.string(), any ? "a folder with DICOM files, none of which is an image" : "a folder without DICOM files")};
+        refuse_image(folder.string(),
+                     any ? "a folder with DICOM files, none of which is an image" : "a folder without DICOM files");
     }
     return series;
 }
@@ -95,15 +86,14 @@ void require_one(const std::filesystem::path& folder, const SeriesByUid& series)
         list.append(description.empty() ? "" : " '" + description + "'");
         list.append(" (").append(std::to_string(images.size())).append(images.size() == 1 ? " slice)" : " slices)");
     }
-    throw Refused{malformed_image(folder.string(), std::to_string(series.size()) +
-                                                       " DICOM series in the folder, and one is taken:" + list +
-                                                       (series.size() > most_listed ? "; ..." : ""))};
+    refuse_image(folder.string(), std::to_string(series.size()) + " DICOM series in the folder, and one is taken:" + list +
+                                      (series.size() > most_listed ? "; ..." : ""));
 }
 
 Direction unit_vector(const DicomHeader& header, const std::vector<double>& numbers, std::size_t at) {
     const Direction along = {numbers[at], numbers[at + 1], numbers[at + 2]};
     if (std::abs(length(along) - 1) > 1e-3) {
-        throw Refused{header.refused("ImageOrientationPatient holds no unit vectors")};
+        header.refuse("ImageOrientationPatient holds no unit vectors");
     }
     return scaled(along, 1 / length(along));
 }
@@ -111,7 +101,7 @@ Direction unit_vector(const DicomHeader& header, const std::vector<double>& numb
 std::uint64_t side(const DicomHeader& header, dicom::Tag tag, const char* keyword) {
     const double count = header.required_numbers(tag, keyword, 1)[0];
     if (!(count >= 1 && count <= 65535)) {
-        throw Refused{header.refused(std::string(keyword) + " is " + text_of(count))};
+        header.refuse(std::string(keyword) + " is " + text_of(count));
     }
     return static_cast<std::uint64_t>(count);
 }
@@ -119,8 +109,8 @@ std::uint64_t side(const DicomHeader& header, dicom::Tag tag, const char* keywor
 Slice slice_of(const DicomHeader& header) {
     const std::string frames = header.text(dicom::number_of_frames);
     if (!frames.empty() && frames != "1") {
-        throw Refused{header.refused("a DICOM file of several frames (" + one_line(frames) +
-                                     "), which is not read; convert it to a file a slice, or to NIfTI")};
+        header.refuse("a DICOM file of several frames (" + one_line(frames) +
+                      "), which is not read; convert it to a file a slice, or to NIfTI");
     }
     Slice slice;
     slice.header = &header;
@@ -128,8 +118,7 @@ Slice slice_of(const DicomHeader& header) {
     const std::vector<double> at = header.required_numbers(dicom::image_position_patient, "ImagePositionPatient", 3);
     slice.position = {at[0], at[1], at[2]};
     if (!(length(slice.position) <= largest_coordinate_mm)) {
-        throw Refused{
-            header.refused("ImagePositionPatient lies farther than " + text_of(largest_coordinate_mm) + " mm away")};
+        header.refuse("ImagePositionPatient lies farther than " + text_of(largest_coordinate_mm) + " mm away");
     }
     const std::vector<double> along =
         header.required_numbers(dicom::image_orientation_patient, "ImageOrientationPatient", 6);
@@ -139,7 +128,7 @@ Slice slice_of(const DicomHeader& header) {
     const std::vector<double> spacing = header.required_numbers(dicom::pixel_spacing, "PixelSpacing", 2);
     slice.spacing_mm = {spacing[1], spacing[0]};
     if (!(spacing[0] > 0 && spacing[1] > 0)) {
-        throw Refused{header.refused("PixelSpacing is not above 0")};
+        header.refuse("PixelSpacing is not above 0");
     }
     return slice;
 }
@@ -161,8 +150,8 @@ void require_alike(const Slice& slice, const Slice& first) {
         what = "FrameOfReferenceUID";
     }
     if (what != nullptr) {
-        throw Refused{slice.header->refused(std::string("other ") + what + " than " + first.header->file() +
-                                            ", which is of the same series")};
+        slice.header->refuse(std::string("other ") + what + " than " + first.header->file() +
+                             ", which is of the same series");
     }
 }
 
@@ -186,7 +175,7 @@ void require_stacked(const std::vector<Slice>& slices) {
     for (std::size_t i = 1; i < slices.size(); ++i) {
         const Slice& slice = slices[i];
         if (slice.height - slices[i - 1].height < same_place_mm) {
-            throw Refused{slice.header->refused("lies at the same place as " + slices[i - 1].header->file())};
+            slice.header->refuse("lies at the same place as " + slices[i - 1].header->file());
         }
         Direction step{};
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -194,8 +183,8 @@ void require_stacked(const std::vector<Slice>& slices) {
         }
         const double aside = std::max(std::abs(dot(step, first.along_i)), std::abs(dot(step, first.along_j)));
         if (aside > shift_mm + shift_per_mm * (slice.height - first.height)) {
-            throw Refused{slice.header->refused("sheared, as by a tilted gantry: the slice lies " + text_of(aside) +
-                                                " mm aside of " + first.header->file())};
+            slice.header->refuse("sheared, as by a tilted gantry: the slice lies " + text_of(aside) + " mm aside of " +
+                                 first.header->file());
         }
     }
 }
@@ -215,21 +204,9 @@ DicomSeries series_of(const std::vector<Slice>& slices) {
         series.slices.push_back(
             {slice.header->file(), slice.header->text(dicom::sop_class_uid), slice.header->text(dicom::sop_instance_uid)});
     }
-    series.study_uid = header.text(dicom::study_instance_uid);
-    series.series_uid = header.text(dicom::series_instance_uid);
-    series.frame_of_reference_uid = header.text(dicom::frame_of_reference_uid);
-    series.position_reference_indicator = header.text(dicom::position_reference_indicator);
-    series.specific_character_set = header.text(dicom::specific_character_set);
-    series.patient_name = header.text(dicom::patient_name);
-    series.patient_id = header.text(dicom::patient_id);
-    series.patient_birth_date = header.text(dicom::patient_birth_date);
-    series.patient_sex = header.text(dicom::patient_sex);
-    series.study_date = header.text(dicom::study_date);
-    series.study_time = header.text(dicom::study_time);
-    series.study_id = header.text(dicom::study_id);
-    series.study_description = header.text(dicom::study_description);
-    series.accession_number = header.text(dicom::accession_number);
-    series.referring_physician_name = header.text(dicom::referring_physician_name);
+    for (const dicom::SeriesText& text : dicom::series_texts) {
+        series.*text.text = header.text(text.tag);
+    }
     return series;
 }
 

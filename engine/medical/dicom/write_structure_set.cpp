@@ -1,19 +1,13 @@
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <span>
-#include <string>
-#include <vector>
+#include <map>
 
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
 #include "io/write/output_file.hpp"
-#include "lamella/medical/structure_set.hpp"
 #include "lamella/version.hpp"
 #include "medical/dicom/data_set.hpp"
 #include "medical/dicom/identity.hpp"
 #include "medical/dicom/keyhole.hpp"
-#include "medical/geometry/directions.hpp"
+#include "medical/geometry/headers.hpp"
 
 namespace lamella {
 
@@ -21,63 +15,53 @@ namespace {
 
 constexpr std::size_t most_slices_a_task = 4;
 
-Refused refused(const std::filesystem::path& path, const std::string& what) {
-    return {{ErrorCode::invalid_argument, "'" + path.string() + "': " + what}};
-}
-
 /// Modules Patient, General Study, RT Series, General Equipment, Frame of Reference.
 void put_begin(DataSet& out, const StructureSetIdentity& identity, const DicomSeries& series) {
-    if (!identity.character_set.empty()) {
-        out.put(dicom::specific_character_set, identity.character_set);
+    std::map<dicom::Tag, std::string> values;  // in the order of tags, as a data set is
+    for (const dicom::SeriesText& text : dicom::series_texts) {
+        values[text.tag] = plain_text(series.*text.text);
     }
-    out.put_uid(dicom::sop_class_uid, dicom::rt_structure_set_storage);
-    out.put_uid(dicom::sop_instance_uid, identity.instance_uid);
-    out.put(dicom::study_date, plain_text(series.study_date));
-    out.put(dicom::study_time, plain_text(series.study_time));
-    out.put(dicom::accession_number, plain_text(series.accession_number));
-    out.put(dicom::modality, "RTSTRUCT");
-    out.put(dicom::manufacturer, "lamella");
-    out.put(dicom::referring_physician_name, plain_text(series.referring_physician_name));
-    if (!series.study_description.empty()) {
-        out.put(dicom::study_description, plain_text(series.study_description));
+    for (const dicom::Tag tag : {dicom::operators_name, dicom::series_number}) {
+        values[tag] = "";
     }
-    out.put(dicom::operators_name, "");
-    out.put(dicom::manufacturer_model_name, "lamella");
-    out.put(dicom::patient_name, plain_text(series.patient_name));
-    out.put(dicom::patient_id, plain_text(series.patient_id));
-    out.put(dicom::patient_birth_date, plain_text(series.patient_birth_date));
-    out.put(dicom::patient_sex, plain_text(series.patient_sex));
-    out.put(dicom::software_versions, version);
-    out.put_uid(dicom::study_instance_uid, identity.study_uid);
-    out.put_uid(dicom::series_instance_uid, identity.series_uid);
-    out.put(dicom::study_id, plain_text(series.study_id));
-    out.put(dicom::series_number, "");
-    out.put_uid(dicom::frame_of_reference_uid, identity.frame_of_reference_uid);
-    out.put(dicom::position_reference_indicator, plain_text(series.position_reference_indicator));
+    values[dicom::specific_character_set] = identity.character_set;
+    values[dicom::sop_class_uid] = padded_uid(dicom::rt_structure_set_storage);
+    values[dicom::sop_instance_uid] = padded_uid(identity.instance_uid);
+    values[dicom::study_instance_uid] = padded_uid(identity.study_uid);
+    values[dicom::series_instance_uid] = padded_uid(identity.series_uid);
+    values[dicom::frame_of_reference_uid] = padded_uid(identity.frame_of_reference_uid);
+    values[dicom::modality] = "RTSTRUCT";
+    values[dicom::manufacturer] = values[dicom::manufacturer_model_name] = "lamella";
+    values[dicom::software_versions] = version;
+    for (const auto& [tag, value] : values) {
+        const bool is_left_out = tag == dicom::specific_character_set || tag == dicom::study_description;
+        if (!value.empty() || !is_left_out) {
+            out.put(tag, value);
+        }
+    }
+}
+
+void put_reference(DataSet& out, std::string_view class_uid, std::string_view instance_uid) {
+    out.put_uid(dicom::referenced_sop_class_uid, class_uid);
+    out.put_uid(dicom::referenced_sop_instance_uid, instance_uid);
 }
 
 /// Which frame of reference, and which images.
 void put_frame_of_reference(DataSet& out, const StructureSetIdentity& identity, const ImageGeometry& image) {
-    const auto put_series = [&] {
+    const auto put_series = [&](std::size_t) {
+        const std::vector<DicomSeries::Instance>& slices = image.series->slices;
         out.put_uid(dicom::series_instance_uid, image.series->series_uid);
-        out.put_sequence(dicom::contour_image_sequence, [&] {
-            for (const DicomSeries::Instance& slice : image.series->slices) {
-                out.put_item([&] {
-                    out.put_uid(dicom::referenced_sop_class_uid, slice.sop_class_uid);
-                    out.put_uid(dicom::referenced_sop_instance_uid, slice.sop_instance_uid);
-                });
-            }
-        });
+        out.put_items(dicom::contour_image_sequence, slices.size(),
+                      [&](std::size_t i) { put_reference(out, slices[i].sop_class_uid, slices[i].sop_instance_uid); });
     };
-    const auto put_study = [&] {
-        out.put_uid(dicom::referenced_sop_class_uid, dicom::detached_study_management);
-        out.put_uid(dicom::referenced_sop_instance_uid, identity.study_uid);
-        out.put_sequence_of_one(dicom::rt_referenced_series_sequence, put_series);
+    const auto put_study = [&](std::size_t) {
+        put_reference(out, dicom::detached_study_management, identity.study_uid);
+        out.put_items(dicom::rt_referenced_series_sequence, 1, put_series);
     };
-    out.put_sequence_of_one(dicom::referenced_frame_of_reference_sequence, [&] {
+    out.put_items(dicom::referenced_frame_of_reference_sequence, 1, [&](std::size_t) {
         out.put_uid(dicom::frame_of_reference_uid, identity.frame_of_reference_uid);
         if (image.series) {
-            out.put_sequence_of_one(dicom::rt_referenced_study_sequence, put_study);
+            out.put_items(dicom::rt_referenced_study_sequence, 1, put_study);
         }
     });
 }
@@ -88,29 +72,21 @@ void put_structure_set(DataSet& out, const StructureSetIdentity& identity, const
     out.put(dicom::structure_set_date, identity.date);
     out.put(dicom::structure_set_time, identity.time);
     put_frame_of_reference(out, identity, image);
-    out.put_sequence(dicom::structure_set_roi_sequence, [&] {
-        for (std::size_t i = 0; i < identity.roi_names.size(); ++i) {
-            out.put_item([&] {
-                out.put_number(dicom::roi_number, i + 1);
-                out.put_uid(dicom::referenced_frame_of_reference_uid, identity.frame_of_reference_uid);
-                out.put(dicom::roi_name, identity.roi_names[i]);
-                out.put(dicom::roi_generation_algorithm, "");
-            });
-        }
+    out.put_items(dicom::structure_set_roi_sequence, identity.roi_names.size(), [&](std::size_t i) {
+        out.put_number(dicom::roi_number, i + 1);
+        out.put_uid(dicom::referenced_frame_of_reference_uid, identity.frame_of_reference_uid);
+        out.put(dicom::roi_name, identity.roi_names[i]);
+        out.put(dicom::roi_generation_algorithm, "");
     });
 }
 
 /// Module RT ROI Observations, and the approval.
 void put_end(DataSet& out, std::size_t rois) {
-    out.put_sequence(dicom::rt_roi_observations_sequence, [&] {
-        for (std::size_t i = 0; i < rois; ++i) {
-            out.put_item([&] {
-                out.put_number(dicom::observation_number, i + 1);
-                out.put_number(dicom::referenced_roi_number, i + 1);
-                out.put(dicom::rt_roi_interpreted_type, "");
-                out.put(dicom::roi_interpreter, "");
-            });
-        }
+    out.put_items(dicom::rt_roi_observations_sequence, rois, [&](std::size_t i) {
+        out.put_number(dicom::observation_number, i + 1);
+        out.put_number(dicom::referenced_roi_number, i + 1);
+        out.put(dicom::rt_roi_interpreted_type, "");
+        out.put(dicom::roi_interpreter, "");
     });
     out.put(dicom::approval_status, "UNAPPROVED");
 }
@@ -120,12 +96,9 @@ void flush(DataSet& data, OutputFile& file) {
     data.bytes().clear();
 }
 
-bool is_outer(const Contour& contour) {
-    return contour.role == Role::outer;
-}
-
-bool is_hole(const Contour& contour) {
-    return contour.role == Role::hole;
+bool has_holes(const SliceResult& result) {
+    return std::any_of(result.contours.begin(), result.contours.end(),
+                       [](const Contour& contour) { return contour.role == Role::hole; });
 }
 
 /// The contours of a ROI as items of a Contour Sequence. One a thread.
@@ -136,30 +109,34 @@ public:
         : image_(image),
           roi_(roi),
           holes_(holes),
-          exclusive_or_(holes == HoleForm::exclusive_or &&
-                        std::any_of(roi.result->contours.begin(), roi.result->contours.end(), is_hole)),
+          exclusive_or_(holes == HoleForm::exclusive_or && has_holes(*roi.result)),
           axes_{image.axes[0], image.axes[1], cross(image.axes[0], image.axes[1])},
           // So many that a number lies nearer to its point of the grid than to any other.
-          decimals_(std::clamp(static_cast<int>(std::ceil(-std::log10(roi.result->unit_mm / 4))), 0, 14)) {}
+          decimals_(std::clamp(static_cast<int>(std::ceil(-std::log10(roi.result->info.grid_mm / 4))), 0, 14)) {}
 
     /// Puts the items of slice k, which lies at `height_mm`; counts. Throws Refused (invalid_argument) where a contour is
     /// too long for its element.
     void put(std::uint64_t slice, double height_mm, DataSet& out, StructureSetSummary& counts) {
-        const SliceResult& result = *roi_.result;
-        const std::span<const Contour> contours = result.contours_of(result.layers[result.layer_of[slice]]);
-        for (std::size_t begin = 0; begin < contours.size();) {
-            const Contour& first = contours[begin];
-            if (!is_outer(first) && !is_hole(first)) {
-                counts.open_contours += first.role == Role::open ? 1 : 0;
-                ++begin;
+        const LayerView layer = (*roi_.result)[roi_.result->info.layer_of[slice]];
+        const Slice to{slice, height_mm, out, counts};
+        for (const Contour& contour : layer.contours) {
+            counts.open_contours += contour.role == Role::open ? 1 : 0;
+        }
+        for (const Island island : layer.islands()) {
+            const Contour* const around = layer.parent_of(*island.outer);
+            counts.nested_contours += around != nullptr && around->role == Role::outer ? 1 : 0;
+            counts.holes += island.holes.size();
+            points_.assign(1, layer.points_of(*island.outer));
+            for (const Contour& hole : island.holes) {
+                points_.push_back(layer.points_of(hole));
+            }
+            if (holes_ == HoleForm::keyhole) {
+                put_item(to, keyhole_.join(points_));
                 continue;
             }
-            const std::size_t end = region_end(contours, begin);
-            if (is_outer(first) && first.parent >= 0 && is_outer(result.contours[static_cast<std::size_t>(first.parent)])) {
-                ++counts.nested_contours;
+            for (const std::span<const Point>& contour : points_) {
+                put_item(to, keyhole_.join({&contour, 1}));
             }
-            put_region({slice, height_mm, out, counts}, contours.subspan(begin, end - begin));
-            begin = end;
         }
     }
 
@@ -171,36 +148,12 @@ private:
         StructureSetSummary& counts;
     };
 
-    /// Where the holes end that follow their outer contour.
-    std::size_t region_end(std::span<const Contour> contours, std::size_t begin) const {
-        const auto own = &contours[begin] - roi_.result->contours.data();
-        std::size_t end = begin + 1;
-        while (is_outer(contours[begin]) && end < contours.size() && is_hole(contours[end]) && contours[end].parent == own) {
-            ++end;
-        }
-        return end;
-    }
-
-    void put_region(const Slice& slice, std::span<const Contour> region) {
-        points_.clear();
-        for (const Contour& contour : region) {
-            points_.push_back(roi_.result->points_of(contour));
-            slice.counts.holes += is_hole(contour) ? 1 : 0;
-        }
-        if (holes_ == HoleForm::keyhole) {
-            return put_item(slice, keyhole_.join(points_));
-        }
-        for (const std::span<const Point>& contour : points_) {
-            put_item(slice, keyhole_.join({&contour, 1}));
-        }
-    }
-
     void put_item(const Slice& slice, std::span<const RingPoint> ring) {
         constexpr std::size_t most_bytes = 0xfffffff0;
         constexpr std::size_t most_bytes_a_point = 3 * 17;
         if (ring.size() > most_bytes / most_bytes_a_point) {
             throw Refused{{ErrorCode::invalid_argument, "'" + roi_.name + "': a contour of " + std::to_string(ring.size()) +
-                                                            " points is too long for DICOM; --tolerance MM leaves fewer"}};
+                                                            " points is too long for DICOM; --simplify MM leaves fewer"}};
         }
         data_.clear();
         for (const RingPoint& point : ring) {
@@ -210,10 +163,9 @@ private:
         DataSet& out = slice.out;
         out.put_item([&] {
             if (image_.series) {
-                out.put_sequence_of_one(dicom::contour_image_sequence, [&] {
-                    out.put_uid(dicom::referenced_sop_class_uid, image_.series->slices[slice.index].sop_class_uid);
-                    out.put_uid(dicom::referenced_sop_instance_uid, image_.series->slices[slice.index].sop_instance_uid);
-                });
+                const DicomSeries::Instance& on = image_.series->slices[slice.index];
+                out.put_items(dicom::contour_image_sequence, 1,
+                              [&](std::size_t) { put_reference(out, on.sop_class_uid, on.sop_instance_uid); });
             }
             out.put(dicom::contour_geometric_type, exclusive_or_ ? "CLOSEDPLANAR_XOR" : "CLOSED_PLANAR");
             out.put_number(dicom::number_of_contour_points, ring.size());
@@ -225,7 +177,7 @@ private:
 
     void write_point(const RingPoint& point, double height_mm) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const double in_slice = roi_.result->unit_mm * (axes_[0][axis] * point.x + axes_[1][axis] * point.y);
+            const double in_slice = roi_.result->info.grid_mm * (axes_[0][axis] * point.x + axes_[1][axis] * point.y);
             put_decimal(data_, image_.origin_mm[axis] + in_slice + axes_[2][axis] * height_mm, decimals_);
             data_ += '\\';
         }
@@ -273,20 +225,20 @@ void write_contours(const Roi& roi, const ImageGeometry& image, HoleForm holes, 
 
 void require_uid(const std::filesystem::path& path, const std::string& uid, const char* keyword, const std::string& where) {
     if (uid.empty() || uid.size() > 64 || uid.find_first_not_of("0123456789.") != std::string::npos) {
-        throw refused(path, where + " states no usable " + keyword + ", which a structure set must name");
+        refuse_output(path, where + " states no usable " + keyword + ", which a structure set must name");
     }
 }
 
 void require_series(const ImageGeometry& image, const std::filesystem::path& path, bool without_ct) {
     if (!image.series) {
         if (!without_ct) {
-            throw refused(path, "a structure set is drawn on the slices of a CT, a folder with a DICOM series");
+            refuse_output(path, "a structure set is drawn on the slices of a CT, a folder with a DICOM series");
         }
         return;
     }
     const DicomSeries& series = *image.series;
     if (series.slices.size() != image.size[2]) {
-        throw refused(path, "the CT has other slices than its geometry");
+        refuse_output(path, "the CT has other slices than its geometry");
     }
     require_uid(path, series.study_uid, "StudyInstanceUID", "the CT");
     require_uid(path, series.series_uid, "SeriesInstanceUID", "the CT");
@@ -299,52 +251,41 @@ void require_series(const ImageGeometry& image, const std::filesystem::path& pat
 
 void require_contours(std::span<const Roi> rois, const ImageGeometry& image, const std::filesystem::path& path) {
     if (rois.empty()) {
-        throw refused(path, "a structure set of no mesh");
+        refuse_output(path, "a structure set of no mesh");
     }
     for (const Roi& roi : rois) {
-        if (roi.result == nullptr || roi.result->layer_of.size() != image.size[2] ||
-            roi.result->layers.size() < roi.result->all_layers) {
-            throw refused(path, "'" + roi.name + "' was not cut at the slices of the image, all of them");
-        }
+        require_cut(roi.result, roi.name, image.size[2]);
         if (std::none_of(roi.result->contours.begin(), roi.result->contours.end(),
-                         [](const Contour& contour) { return contour.role == Role::outer || contour.role == Role::hole; })) {
-            throw refused(path, "'" + roi.name + "' has no closed contour on any slice of the image");
+                         [](const Contour& contour) { return contour.role == Role::outer; })) {
+            refuse_output(path, "'" + roi.name + "' has no closed contour on any slice of the image");
         }
     }
 }
 
 Result<StructureSetSummary> write_all(std::span<const Roi> rois, const ImageGeometry& image,
-                                      const std::filesystem::path& path, const StructureSetOptions& options) {
-    const StructureSetIdentity identity = identity_of(rois, image, options);
-    Parallel parallel(options.control);
-    Result<OutputFile> file = OutputFile::create(path);
-    if (!file) {
-        return file.error();
-    }
-    file->append(file_meta(dicom::rt_structure_set_storage, identity.instance_uid));
+                                      const std::filesystem::path& path, const StructureSetOptions& options,
+                                      const Context& context) {
+    const StructureSetIdentity identity = identity_of(rois, image, options, context);
+    const Parallel parallel(context);
+    OutputFile file = require(OutputFile::create(path));
+    file.append(DataSet::file_meta(dicom::rt_structure_set_storage, identity.instance_uid));
     DataSet data;
     StructureSetSummary total;
     put_begin(data, identity, image.series.value_or(DicomSeries{}));
     put_structure_set(data, identity, image);
-    data.put_sequence(dicom::roi_contour_sequence, [&] {
-        for (std::size_t i = 0; i < rois.size(); ++i) {
-            data.put_item([&] {
-                const auto& colour = rois[i].colour;
-                data.put(dicom::roi_display_color,
-                         std::to_string(colour[0]) + "\\" + std::to_string(colour[1]) + "\\" + std::to_string(colour[2]));
-                data.put_sequence(dicom::contour_sequence, [&] {
-                    flush(data, *file);
-                    write_contours(rois[i], image, options.holes, parallel, *file, total);
-                });
-                data.put_number(dicom::referenced_roi_number, i + 1);
-            });
-        }
+    data.put_items(dicom::roi_contour_sequence, rois.size(), [&](std::size_t i) {
+        const auto& colour = rois[i].colour;
+        data.put(dicom::roi_display_color,
+                 std::to_string(colour[0]) + "\\" + std::to_string(colour[1]) + "\\" + std::to_string(colour[2]));
+        data.put_sequence(dicom::contour_sequence, [&] {
+            flush(data, file);
+            write_contours(rois[i], image, options.holes, parallel, file, total);
+        });
+        data.put_number(dicom::referenced_roi_number, i + 1);
     });
     put_end(data, rois.size());
-    flush(data, *file);
-    if (const Status written = file->commit(); !written) {
-        return written.error();
-    }
+    flush(data, file);
+    require(file.commit());
     total.roi_names = identity.roi_names;
     return total;
 }
@@ -352,12 +293,12 @@ Result<StructureSetSummary> write_all(std::span<const Roi> rois, const ImageGeom
 }  // namespace
 
 Result<StructureSetSummary> write_structure_set(std::span<const Roi> rois, const ImageGeometry& image,
-                                                const std::filesystem::path& path,
-                                                const StructureSetOptions& options) noexcept {
-    return guarded(options.control, [&]() -> Result<StructureSetSummary> {
+                                                const std::filesystem::path& path, const StructureSetOptions& options,
+                                                const Context& context) noexcept {
+    return guarded(context, [&]() -> Result<StructureSetSummary> {
         require_series(image, path, options.without_ct);
         require_contours(rois, image, path);
-        return write_all(rois, image, path, options);
+        return write_all(rois, image, path, options, context);
     });
 }
 

@@ -1,35 +1,84 @@
-// The headers of image files.
+// The headers of image files, and directions in the patient.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "lamella/medical/geometry.hpp"
-#include "medical/geometry/directions.hpp"
+#include "lamella/result.hpp"
 
 namespace lamella {
+
+using Direction = std::array<double, 3>;
+
+/// Voxels along a side: more fit no mask, whose columns have 31 bits.
+inline constexpr std::uint64_t largest_image_side = std::uint64_t{1} << 24;
+
+inline double dot(const Direction& a, const Direction& b) noexcept {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+inline Direction cross(const Direction& a, const Direction& b) noexcept {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+inline double length(const Direction& a) noexcept {
+    return std::sqrt(dot(a, a));
+}
+
+inline Direction scaled(const Direction& a, double factor) noexcept {
+    return {a[0] * factor, a[1] * factor, a[2] * factor};
+}
+
+/// The axis of the patient that a direction is nearest to, and whether it runs against it.
+struct NearestAxis {
+    std::size_t axis;
+    bool negative;
+};
+
+inline NearestAxis nearest_axis(const Direction& a) noexcept {
+    const auto* const most =
+        std::max_element(a.begin(), a.end(), [](double x, double y) { return std::abs(x) < std::abs(y); });
+    return {static_cast<std::size_t>(most - a.begin()), *most < 0};
+}
 
 /// The first bytes of a file, or of what gzip holds.
 struct ImageHeader {
     std::string name;
     std::string bytes;
 
-    /// malformed_mesh: "NAME: WHAT".
-    Error refused(const std::string& what) const;
+    [[noreturn]] void refuse(const std::string& what) const;
 };
 
 /// Throws Refused (unreadable_file) and std::bad_alloc.
 ImageHeader read_image_header(const std::filesystem::path& path);
 
-/// unreadable_file: "cannot read 'NAME': REASON".
-Error unreadable(const std::string& name, int error_number);
-/// malformed_mesh: "NAME: WHAT".
-Error malformed_image(const std::string& name, const std::string& what);
+/// Throws Refused: unreadable_file, "cannot read 'NAME': REASON".
+[[noreturn]] void refuse_unreadable(const std::string& name, int error_number);
+/// Throws Refused: malformed_mesh, "NAME: WHAT".
+[[noreturn]] void refuse_image(const std::string& name, const std::string& what);
 
-/// Both refuse by Refused or by their result what is no such image.
-Result<ImageGeometry> read_nifti(const ImageHeader& header);
-Result<ImageGeometry> read_nrrd(const ImageHeader& header);
+/// Throws Refused: invalid_argument, "'PATH': WHAT".
+[[noreturn]] void refuse_output(const std::filesystem::path& path, const std::string& what);
+/// Throws Refused (invalid_argument) unless `result` has a layer for each of so many heights of an image.
+void require_cut(const SliceResult* result, const std::string& name, std::uint64_t heights);
+
+/// Without what is in `padding` at both ends.
+std::string_view trimmed(std::string_view text, std::string_view padding = " \t\r");
+/// Finite numbers between separators; nothing where something else stands there.
+std::optional<std::vector<double>> numbers_in(std::string_view text, char separator);
+
+/// Both throw Refused where it is no such image.
+ImageGeometry read_nifti(const ImageHeader& header);
+ImageGeometry read_nrrd(const ImageHeader& header);
 /// The geometry of the one series of DICOM images in a folder. n files: O(n log n). Throws Refused and std::bad_alloc.
 ImageGeometry read_dicom_folder(const std::filesystem::path& folder);
 

@@ -1,11 +1,13 @@
 #include "lamella/medical/geometry.hpp"
 
-#include <algorithm>
-#include <cmath>
+#include <cerrno>
+#include <memory>
 #include <system_error>
 
+#include <fast_float/fast_float.h>
+#include <zlib.h>
+
 #include "base/guard.hpp"
-#include "medical/geometry/directions.hpp"
 #include "medical/geometry/headers.hpp"
 
 namespace lamella {
@@ -67,10 +69,19 @@ double stored(double at_mm, double spacing_mm) {
     return std::abs(as_float - at_mm) <= rounding * spacing_mm ? as_float : at_mm;
 }
 
+constexpr std::size_t most_header_bytes = std::size_t{1} << 20;
+constexpr double largest_cosine = 1e-4;  ///< of axes that count as perpendicular
+
+constexpr std::array<const char*, 3> axis_names = {"i", "j", "k"};
+
+/// Which ends a header of text.
+bool has_blank_line(std::string_view text) {
+    return text.find("\n\n") != std::string_view::npos || text.find("\n\r\n") != std::string_view::npos;
+}
+
 }  // namespace
 
-Result<ImageGeometry> geometry_around(const std::array<double, 3>& min_mm, const std::array<double, 3>& max_mm,
-                                      const std::array<double, 3>& spacing_mm) noexcept {
+Result<ImageGeometry> geometry_around(const Box& box, const std::array<double, 3>& spacing_mm) noexcept {
     return guarded([&]() -> Result<ImageGeometry> {
         ImageGeometry image;
         image.spacing_mm = spacing_mm;
@@ -79,17 +90,123 @@ Result<ImageGeometry> geometry_around(const std::array<double, 3>& min_mm, const
             if (!(spacing > 0 && spacing <= largest_voxel_mm)) {
                 return Error{ErrorCode::invalid_argument, "a voxel's size must be a number of mm above 0, and at most 1e6"};
             }
-            const double needed = std::ceil((max_mm[axis] - min_mm[axis]) / spacing - rounding);
+            const double extent = box.max_mm[axis] - box.min_mm[axis];
+            const double needed = std::ceil(extent / spacing - rounding);
             const double count = std::max(1.0, needed);
             if (!(needed >= 0 && needed <= static_cast<double>(largest_image_side))) {
                 return Error{ErrorCode::invalid_argument, "voxels of that size are too many around the mesh"};
             }
-            const double middle = min_mm[axis] + (max_mm[axis] - min_mm[axis]) / 2;
+            const double middle = box.min_mm[axis] + extent / 2;
             image.origin_mm[axis] = stored(middle - (count - 1) / 2 * spacing, spacing);
             image.size[axis] = static_cast<std::uint64_t>(count);
         }
         return image;
     });
+}
+
+void ImageHeader::refuse(const std::string& what) const {
+    refuse_image(name, what);
+}
+
+ImageHeader read_image_header(const std::filesystem::path& path) {
+    ImageHeader header{path.string(), {}};
+    std::error_code unknown;
+    if (std::filesystem::is_directory(path, unknown)) {
+        refuse_unreadable(header.name, EISDIR);
+    }
+    errno = 0;
+    const std::unique_ptr<gzFile_s, decltype(&::gzclose)> file(::gzopen(path.c_str(), "rb"), &::gzclose);
+    if (file == nullptr) {
+        refuse_unreadable(header.name, errno != 0 ? errno : ENOMEM);
+    }
+    // Nothing beyond the header is read: it may be a mask of a hundred million voxels.
+    std::string& bytes = header.bytes;
+    std::array<char, 4096> piece{};
+    int count = 0;
+    do {
+        count = ::gzread(file.get(), piece.data(), piece.size());
+        bytes.append(piece.data(), static_cast<std::size_t>(std::max(count, 0)));
+    } while (count > 0 && bytes.size() < most_header_bytes && bytes.starts_with("NRRD") && !has_blank_line(bytes));
+    if (count < 0) {
+        header.refuse("damaged gzip data within the header");
+    }
+    return header;
+}
+
+void refuse_unreadable(const std::string& name, int error_number) {
+    throw Refused{{.code = ErrorCode::unreadable_file,
+                   .message = "cannot read '" + name + "': " + std::generic_category().message(error_number)}};
+}
+
+void refuse_image(const std::string& name, const std::string& what) {
+    throw Refused{{.code = ErrorCode::malformed_mesh, .message = name + ": " + what}};
+}
+
+void refuse_output(const std::filesystem::path& path, const std::string& what) {
+    throw Refused{{ErrorCode::invalid_argument, "'" + path.string() + "': " + what}};
+}
+
+void require_cut(const SliceResult* result, const std::string& name, std::uint64_t heights) {
+    const auto is_there = [&](std::uint64_t layer) { return layer < result->layers.size(); };
+    if (result == nullptr || result->info.layer_of.size() != heights ||
+        !std::all_of(result->info.layer_of.begin(), result->info.layer_of.end(), is_there)) {
+        throw Refused{{ErrorCode::invalid_argument, "'" + name + "' was not cut at the slices of the image"}};
+    }
+}
+
+std::string_view trimmed(std::string_view text, std::string_view padding) {
+    const std::size_t begin = text.find_first_not_of(padding);
+    return begin == std::string_view::npos ? std::string_view()
+                                           : text.substr(begin, text.find_last_not_of(padding) - begin + 1);
+}
+
+std::optional<std::vector<double>> numbers_in(std::string_view text, char separator) {
+    std::vector<double> numbers;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(separator, begin), text.size());
+        std::string_view word = trimmed(text.substr(begin, end - begin));
+        word.remove_prefix(word.starts_with('+') ? 1 : 0);
+        double value = 0;
+        const auto [stop, problem] = fast_float::from_chars(word.data(), word.data() + word.size(), value);
+        if (problem != std::errc() || stop != word.data() + word.size() || !std::isfinite(value)) {
+            return std::nullopt;
+        }
+        numbers.push_back(value);
+        begin = end + 1;
+    }
+    return numbers;
+}
+
+ImageGeometry upright(const std::string& name, const std::array<std::uint64_t, 3>& size,
+                      const std::array<Direction, 3>& steps, const Direction& origin) {
+    ImageGeometry image;
+    image.size = size;
+    image.origin_mm = origin;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double step = length(steps[axis]);
+        if (!std::isfinite(step) || step <= 0 || !std::isfinite(origin[axis])) {
+            refuse_image(name, "the distance of voxels along " + std::string(axis_names[axis]) +
+                                   ", or the origin, is no finite length");
+        }
+        if (size[axis] == 0 || size[axis] > largest_image_side) {
+            refuse_image(name, std::to_string(size[axis]) + " voxels along " + axis_names[axis]);
+        }
+        image.spacing_mm[axis] = step;
+        image.axes[axis] = scaled(steps[axis], 1 / step);
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::size_t next = (axis + 1) % 3;
+        if (std::abs(dot(image.axes[axis], image.axes[next])) > largest_cosine) {
+            refuse_image(name, "sheared: the axes " + std::string(axis_names[axis]) + " and " + axis_names[next] +
+                                   " are not perpendicular");
+        }
+    }
+    // Axes are made exactly perpendicular: the header rounds them.
+    const Direction normal = cross(image.axes[0], image.axes[1]);
+    const Direction upright_k = scaled(normal, (dot(normal, image.axes[2]) < 0 ? -1 : 1) / length(normal));
+    image.axes[1] = scaled(cross(normal, image.axes[0]), 1 / length(normal));
+    image.axes[2] = upright_k;
+    return image;
 }
 
 Result<ImageGeometry> read_image_geometry(const std::filesystem::path& path) noexcept {
@@ -100,7 +217,7 @@ Result<ImageGeometry> read_image_geometry(const std::filesystem::path& path) noe
         }
         const ImageHeader header = read_image_header(path);
         if (header.bytes.size() > 132 && header.bytes.compare(128, 4, "DICM") == 0) {
-            return header.refused("one DICOM file; name the folder that holds its series");
+            header.refuse("one DICOM file; name the folder that holds its series");
         }
         return header.bytes.starts_with("NRRD") ? read_nrrd(header) : read_nifti(header);
     });

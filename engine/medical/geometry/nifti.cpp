@@ -1,11 +1,7 @@
 // NIfTI-1: https://nifti.nimh.nih.gov/pub/dist/src/niftilib/nifti1.h says what stands at which byte.
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstring>
 #include <limits>
 
-#include "base/guard.hpp"
 #include "medical/geometry/headers.hpp"
 
 namespace lamella {
@@ -98,26 +94,25 @@ double mm_per_unit(const NiftiHeader& header, const ImageHeader& file) {
     const int code = header.number<unsigned char>(123) & 7;
     static constexpr std::array<double, 4> mm = {1, 1000, 1, 0.001};
     if (code >= static_cast<int>(mm.size())) {
-        throw Refused{file.refused("its xyzt_units state the unit of length " + std::to_string(code) +
-                                   "; there is 1 (m), 2 (mm), 3 (um)")};
+        file.refuse("its xyzt_units state the unit of length " + std::to_string(code) + "; there is 1 (m), 2 (mm), 3 (um)");
     }
     return mm[static_cast<std::size_t>(code)];
 }
 
 }  // namespace
 
-Result<ImageGeometry> read_nifti(const ImageHeader& file) {
+ImageGeometry read_nifti(const ImageHeader& file) {
     if (file.bytes.size() < header_bytes) {
-        return file.refused("neither a NIfTI-1 nor an NRRD image");
+        file.refuse("neither a NIfTI-1 nor an NRRD image");
     }
     const NiftiHeader header(file.bytes);
     if (header.number<std::int32_t>(0) != static_cast<std::int32_t>(header_bytes) ||
         (header.magic() != "n+1" && header.magic() != "ni1")) {
-        return file.refused("neither a NIfTI-1 nor an NRRD image");
+        file.refuse("neither a NIfTI-1 nor an NRRD image");
     }
     const int dimensions = header.number<std::int16_t>(40);
     if (dimensions < 3 || dimensions > 7) {
-        return file.refused("an image of " + std::to_string(dimensions) + " dimensions, not of 3");
+        file.refuse("an image of " + std::to_string(dimensions) + " dimensions, not of 3");
     }
     std::array<std::uint64_t, 3> size{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -126,7 +121,7 @@ Result<ImageGeometry> read_nifti(const ImageHeader& file) {
     const bool by_sform = header.number<std::int16_t>(254) > 0;
     const bool by_qform = header.number<std::int16_t>(252) > 0;
     if (!by_sform && !by_qform) {
-        return file.refused("neither its sform nor its qform says where the voxels lie");
+        file.refuse("neither its sform nor its qform says where the voxels lie");
     }
     const Affine affine = by_sform ? sform(header) : qform(header);
     const double mm = mm_per_unit(header, file);

@@ -1,14 +1,6 @@
 // NRRD headers: https://teem.sourceforge.net/nrrd/format.html. Lines of "field: value" up to an empty one.
-#include <algorithm>
-#include <array>
-#include <charconv>
 #include <functional>
 #include <map>
-#include <optional>
-#include <string>
-#include <vector>
-
-#include <fast_float/fast_float.h>
 
 #include "base/guard.hpp"
 #include "io/read/input_file.hpp"
@@ -18,12 +10,6 @@
 namespace lamella {
 
 namespace {
-
-std::string_view trimmed(std::string_view text) {
-    const std::size_t begin = text.find_first_not_of(" \t\r");
-    return begin == std::string_view::npos ? std::string_view()
-                                           : text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
-}
 
 /// The fields by name. Throws Refused where a line is neither a field, nor a key, nor a comment.
 std::map<std::string, std::string, std::less<>> fields_of(const ImageHeader& header) {
@@ -42,7 +28,7 @@ std::map<std::string, std::string, std::less<>> fields_of(const ImageHeader& hea
         }
         const std::size_t colon = line.find(": ");
         if (colon == std::string_view::npos) {
-            throw Refused{header.refused("line " + std::to_string(line_number) + " of the NRRD header is no field")};
+            header.refuse("line " + std::to_string(line_number) + " of the NRRD header is no field");
         }
         fields.emplace(trimmed(line.substr(0, colon)), trimmed(line.substr(colon + 2)));
     }
@@ -69,35 +55,17 @@ std::optional<Direction> vector_of(std::string_view text) {
     if (text.size() < 2 || text.front() != '(' || text.back() != ')') {
         return std::nullopt;
     }
-    text = text.substr(1, text.size() - 2);
-    Direction found{};
-    for (std::size_t i = 0; i < 3; ++i) {
-        const std::size_t comma = text.find(',');
-        if ((comma == std::string_view::npos) != (i == 2)) {
-            return std::nullopt;
-        }
-        const std::string_view number = trimmed(text.substr(0, comma));
-        const auto [stop, problem] = fast_float::from_chars(number.data(), number.data() + number.size(), found[i]);
-        if (problem != std::errc() || stop != number.data() + number.size()) {
-            return std::nullopt;
-        }
-        text.remove_prefix(comma == std::string_view::npos ? text.size() : comma + 1);
-    }
-    return found;
+    const std::optional<std::vector<double>> found = numbers_in(text.substr(1, text.size() - 2), ',');
+    return found && found->size() == 3 ? std::optional<Direction>({(*found)[0], (*found)[1], (*found)[2]}) : std::nullopt;
 }
 
 /// Signs that turn the first two coordinates of the space into left and posterior, if it is known.
 std::optional<std::array<double, 2>> to_lps(std::string_view space) {
-    if (space == "left-posterior-superior" || space == "LPS") {
-        return std::array<double, 2>{1, 1};
-    }
-    if (space == "right-anterior-superior" || space == "RAS") {
-        return std::array<double, 2>{-1, -1};
-    }
-    if (space == "left-anterior-superior" || space == "LAS") {
-        return std::array<double, 2>{1, -1};
-    }
-    return std::nullopt;
+    const auto is = [space](const char* name, const char* letters) { return space == name || space == letters; };
+    return is("left-posterior-superior", "LPS")   ? std::optional(std::array<double, 2>{1, 1})
+           : is("right-anterior-superior", "RAS") ? std::optional(std::array<double, 2>{-1, -1})
+           : is("left-anterior-superior", "LAS")  ? std::optional(std::array<double, 2>{1, -1})
+                                                  : std::nullopt;
 }
 
 struct NamedUnit {
@@ -134,8 +102,7 @@ double mm_of(std::string_view text, const ImageHeader& header) {
     const auto* const unit =
         std::find_if(units.begin(), units.end(), [&](const NamedUnit& known) { return known.name == name; });
     if (unit == units.end()) {
-        throw Refused{
-            header.refused("its unit " + printable(std::string(text)) + " is not known; there is mm, um, nm, cm, m, in")};
+        header.refuse("its unit " + printable(std::string(text)) + " is not known; there is mm, um, nm, cm, m, in");
     }
     return unit->mm;
 }
@@ -145,8 +112,7 @@ Direction units_of_space(std::string_view field, const ImageHeader& header) {
     const std::vector<std::string_view> names = words(field);
     Direction mm = {1, 1, 1};
     if (!names.empty() && names.size() != mm.size()) {
-        throw Refused{
-            header.refused("its space units are " + std::to_string(names.size()) + ", not one for each of 3 axes")};
+        header.refuse("its space units are " + std::to_string(names.size()) + ", not one for each of 3 axes");
     }
     std::transform(names.begin(), names.end(), mm.begin(), [&](std::string_view name) { return mm_of(name, header); });
     return mm;
@@ -154,7 +120,7 @@ Direction units_of_space(std::string_view field, const ImageHeader& header) {
 
 }  // namespace
 
-Result<ImageGeometry> read_nrrd(const ImageHeader& header) {
+ImageGeometry read_nrrd(const ImageHeader& header) {
     const auto fields = fields_of(header);
     const auto field = [&](std::string_view name) {
         const auto found = fields.find(name);
@@ -162,15 +128,14 @@ Result<ImageGeometry> read_nrrd(const ImageHeader& header) {
     };
     const std::optional<std::array<double, 2>> sign = to_lps(field("space"));
     if (!sign) {
-        return header.refused("its space is " +
-                              (field("space").empty() ? "not stated" : "'" + std::string(field("space")) + "'") +
-                              "; there is left-posterior-superior, right-anterior-superior, left-anterior-superior");
+        header.refuse("its space is " + (field("space").empty() ? "not stated" : "'" + std::string(field("space")) + "'") +
+                      "; there is left-posterior-superior, right-anterior-superior, left-anterior-superior");
     }
     const std::vector<std::string_view> sizes = words(field("sizes"));
     const std::vector<std::string_view> directions = words(field("space directions"));
     const std::optional<Direction> origin = vector_of(field("space origin"));
     if (sizes.size() != directions.size() || !origin) {
-        return header.refused("its sizes, space directions and space origin do not say where the voxels lie");
+        header.refuse("its sizes, space directions and space origin do not say where the voxels lie");
     }
     const Direction mm = units_of_space(field("space units"), header);
     const std::vector<std::string_view> axis_units = words(field("units"));
@@ -188,17 +153,17 @@ Result<ImageGeometry> read_nrrd(const ImageHeader& header) {
         std::uint64_t count = 0;
         const auto [stop, problem] = std::from_chars(sizes[i].data(), sizes[i].data() + sizes[i].size(), count);
         if (!step || axes == 3 || problem != std::errc() || stop != sizes[i].data() + sizes[i].size()) {
-            return header.refused("its sizes or space directions are not those of an image of three dimensions");
+            header.refuse("its sizes or space directions are not those of an image of three dimensions");
         }
         if (i < axis_units.size() && field("space units").empty() && mm_of(axis_units[i], header) != 1) {
-            return header.refused("its units state " + printable(std::string(axis_units[i])) +
-                                  ", but hold for no axis with a space direction; state 'space units'");
+            header.refuse("its units state " + printable(std::string(axis_units[i])) +
+                          ", but hold for no axis with a space direction; state 'space units'");
         }
         size[axes] = count;
         steps[axes++] = in_lps(*step);
     }
     if (axes != 3) {
-        return header.refused("an image of " + std::to_string(axes) + " dimensions, not of 3");
+        header.refuse("an image of " + std::to_string(axes) + " dimensions, not of 3");
     }
     return upright(header.name, size, steps, in_lps(*origin));
 }

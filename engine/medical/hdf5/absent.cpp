@@ -1,14 +1,16 @@
 // In place of the other sources of this folder where there is no HDF5.
-#include "lamella/medical/archive.hpp"
-
 #include "base/guard.hpp"
+#include "lamella/medical/archive.hpp"
 
 namespace lamella {
 
 namespace {
 
-Error refused(const std::filesystem::path& path) {
-    return {ErrorCode::invalid_argument, "'" + path.string() + "': this build has no HDF5"};
+template <class Answer>
+Answer refused(const std::filesystem::path& path) noexcept {
+    return guarded([&]() -> Answer {
+        return Error{ErrorCode::invalid_argument, "'" + path.string() + "': this build has no HDF5"};
+    });
 }
 
 }  // namespace
@@ -17,17 +19,17 @@ bool has_archives() noexcept {
     return false;
 }
 
-Status write_archive(const SliceResult&, const ArchiveInfo&, const std::filesystem::path& path, const Control&) noexcept {
-    return guarded([&]() -> Status { return refused(path); });
+Status write_archive(const SliceResult&, const ArchiveInfo&, const std::filesystem::path& path, const Context&) noexcept {
+    return refused<Status>(path);
 }
 
-Result<Archive> read_archive(const std::filesystem::path& path, const Control&) noexcept {
-    return guarded([&]() -> Result<Archive> { return refused(path); });
+Result<Archive> read_archive(const std::filesystem::path& path, const Context&) noexcept {
+    return refused<Result<Archive>>(path);
 }
 
 Result<MergedArchive> merge_archives(std::span<const std::filesystem::path>, const std::filesystem::path& path,
-                                     const Control&) noexcept {
-    return guarded([&]() -> Result<MergedArchive> { return refused(path); });
+                                     const Context&) noexcept {
+    return refused<Result<MergedArchive>>(path);
 }
 
 }  // namespace lamella

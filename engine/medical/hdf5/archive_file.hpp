@@ -1,6 +1,6 @@
 // An archive as a file: the tree of HDF5, rows of columns, and a last line with the checksum of all before it.
 //
-//     | superblock, groups, attributes | rows of a column | ... | "lamella archive 2, CRC-32 of all before: 5f0c1a77" |
+//     | superblock, groups, attributes | rows of a column | ... | "lamella archive 3, CRC-32 of all before: 5f0c1a77" |
 //
 // HDF5 makes the tree in a temporary file, where columns have their places but no rows. The archive is that file with the
 // rows written in. So an archive goes into a pipe as into a file, and a full disk is met by OutputFile: HDF5 cannot close a
@@ -12,17 +12,19 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
+#include "base/function_ref.hpp"
 #include "base/parallel.hpp"
 #include "io/read/input_file.hpp"
+#include "lamella/medical/archive.hpp"
 #include "medical/hdf5/columns.hpp"
-#include "medical/hdf5/facts.hpp"
 
 namespace lamella {
 
 inline constexpr std::string_view archive_format = "lamella archive";
-inline constexpr std::uint64_t archive_version = 2;
+inline constexpr std::uint64_t archive_version = 3;
 inline constexpr std::uint64_t rows_at_once_bytes = std::uint64_t{1} << 20;  ///< of a column
 
 /// A column and where its rows lie in the file, one after the other.
@@ -34,27 +36,45 @@ struct PlacedColumn {
     std::uint64_t bytes() const noexcept { return rows * column->row_bytes; }
 };
 
+using AttributeValue = std::variant<std::string, std::vector<double>, std::vector<std::uint64_t>>;
+
+/// An attribute of a group: numbers or a word. Attributes are all of an archive but its columns.
+struct ArchiveAttribute {
+    std::string group;  ///< path, "/" first
+    std::string name;
+    AttributeValue value;
+    friend bool operator==(const ArchiveAttribute&, const ArchiveAttribute&) = default;
+
+    std::string place() const { return (group == "/" ? "" : group) + "/" + name; }
+};
+
+/// An attribute of more numbers does not lie in the header of its group.
+inline constexpr std::uint64_t most_uneven_slices = 8000;
+
+/// Those that are the same in all parts of a slicing.
+std::vector<ArchiveAttribute> attributes_of(const SliceInfo& slice, const ArchiveInfo& info);
+
+/// Sets what attributes_of() takes from the attributes of an open archive, and checks each; heights and changes of the fill
+/// rule stand in columns. Throws Refused, with file and place, where one is missing or not as it should be.
+void read_attributes(const InputFile& file, hid_t tree, SliceInfo& slice, ArchiveInfo& info);
+
+/// A whole number of the root. Throws Refused.
+std::uint64_t whole_of_root(const InputFile& file, hid_t tree, const std::string& name);
+
+/// Throws Refused: the file is not what it should be at `place`, a path within it.
+[[noreturn]] void refuse_place(const InputFile& file, const std::string& place, const std::string& why);
+
 /// The contents of attributes.
 struct ArchiveHead {
-    std::vector<Fact> facts;
-    std::uint64_t hash = 0;  ///< hash_result()
+    std::vector<ArchiveAttribute> attributes;
+    std::uint64_t hash = 0;  ///< SliceResult::hash()
     std::uint64_t first_layer = 0;
 };
 
-/// Rows of columns, wherever they come from.
-class ColumnSource {
-public:
-    virtual KindRows rows() const = 0;
-    /// Throws Refused.
-    virtual void fill(const Column& column, std::uint64_t first, std::span<std::byte> to) const = 0;
-
-protected:
-    ~ColumnSource() = default;
-};
-
-/// `begun`: the progress so far. Throws Refused, Stopped, std::bad_alloc.
-Status write_columns(const ColumnSource& source, const ArchiveHead& head, const std::filesystem::path& path,
-                     const Parallel& parallel, double begun = 0);
+/// `fill`: puts rows of a column from the one of that number on, wherever they come from. `begun`: the progress so far.
+/// Throws Refused, Stopped, std::bad_alloc.
+Status write_columns(const KindRows& rows, FunctionRef<void(const Column&, std::uint64_t, std::span<std::byte>)> fill,
+                     const ArchiveHead& head, const std::filesystem::path& path, const Parallel& parallel, double begun = 0);
 
 /// The last line of an archive with such a CRC-32.
 std::string closing_line(std::uint32_t crc);
@@ -62,7 +82,7 @@ std::string closing_line(std::uint32_t crc);
 /// The contents of a file.
 struct ReadTree {
     SliceResult result;  ///< of read_tree() without its rows
-    ArchiveInfo info;
+    ArchiveInfo info{};
     std::uint64_t hash = 0;
     std::vector<PlacedColumn> columns{};  ///< those that are there, each within the file, and not more bytes than it has
     KindRows rows{};
@@ -73,12 +93,10 @@ inline constexpr std::size_t tree_runs = 1;
 inline constexpr std::size_t load_runs = tree_runs + 2;
 
 /// The checksum is compared before HDF5 sees the file: damaged ones can make HDF5 leak, or worse. Throws Refused.
-ReadTree read_tree(const InputFile& file, const std::filesystem::path& path, const Parallel& parallel, const Memory* memory);
+ReadTree read_tree(const InputFile& file, const std::filesystem::path& path, const Parallel& parallel,
+                   const Memory* memory = nullptr);
 
 /// Reads and checks all of an archive. Throws Refused, Stopped, std::bad_alloc.
 ReadTree load_archive(const std::filesystem::path& path, const Parallel& parallel, const Memory* memory);
-
-/// Throws Refused: the file is not what it should be at `place`, a path within it.
-[[noreturn]] void refuse_place(const InputFile& file, const std::string& place, const std::string& why);
 
 }  // namespace lamella

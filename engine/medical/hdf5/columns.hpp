@@ -15,7 +15,7 @@ namespace lamella {
 
 /// The things that a column has a row for: columns of one kind are equally long. Those of an end have a last row more: where
 /// the last layer or contour ends.
-enum class ColumnKind : std::uint8_t { layer, layer_end, contour, contour_end, point, origin, gap, height, fill_change };
+enum class ColumnKind : std::uint8_t { layer, layer_end, contour, contour_end, point, origin, stitch, height, fill_change };
 
 /// How many rows the columns of each kind have.
 class KindRows {
@@ -34,24 +34,24 @@ struct Column {
     std::size_t width;  ///< numbers a row
     std::size_t row_bytes;
     const char* unit;
-    const char* meaning;              ///< or ""
-    bool optional;                    ///< left out where there are no rows
-    std::optional<ColumnKind> names;  ///< its numbers are indices of such rows
+    const char* meaning;  ///< or ""
     /// Rows from `first` on, as they lie in the file.
     void (*get)(const SliceResult& result, std::uint64_t first, std::span<std::byte> to);
-    /// Takes rows into `result`, whose arrays are large enough: how many are in their range before one that is not. Areas
-    /// are left in Contour::twice_area.low, as they lie in the file, to be compared with those of the points, and whether
-    /// a layer is open in Layer::contour_count.
+    /// Takes rows into `result`, whose arrays are large enough: how many are in their range before one that is not. Null
+    /// where all follows from other columns, and stands in the file for other programs.
     std::uint64_t (*set)(SliceResult& result, std::uint64_t first, std::span<const std::byte> from);
+    std::optional<ColumnKind> names;  ///< its numbers are indices of such rows
+
+    /// Left out where there are no rows.
+    bool is_optional() const noexcept { return kind > ColumnKind::point; }
 };
 
 /// Those of one kind stand side by side.
 std::span<const Column> all_columns() noexcept;
 
-/// As archives hold them.
-bool is_open(const SliceResult& result, const Layer& layer) noexcept;
-double stored_area(const SliceResult& result, const Contour& contour) noexcept;
-
 KindRows rows_of(const SliceResult& result) noexcept;
+
+/// Arrays of so many rows, their contents unspecified; heights only where the options have some.
+void resize(SliceResult& result, const KindRows& rows);
 
 }  // namespace lamella

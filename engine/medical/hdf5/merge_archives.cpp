@@ -7,7 +7,6 @@
 #include "base/words.hpp"
 #include "lamella/medical/archive.hpp"
 #include "medical/hdf5/archive_file.hpp"
-#include "slicing/result/hash.hpp"
 
 namespace lamella {
 
@@ -25,11 +24,6 @@ std::string layers_between(std::uint64_t first, std::uint64_t end) {
                             : "layers " + std::to_string(first) + " to " + std::to_string(end - 1);
 }
 
-/// Heights and fill rules are the same in all parts.
-bool is_shared(ColumnKind kind) {
-    return kind == ColumnKind::height || kind == ColumnKind::fill_change;
-}
-
 /// An archive of some layers of a plan.
 struct ArchivePart {
     std::filesystem::path path;
@@ -44,14 +38,46 @@ std::string quoted(const ArchivePart& part) {
     return "'" + printable(part.path.string()) + "'";
 }
 
-/// The columns of several archives, one after the other, as those of one. Files are opened for each piece of rows: a
-/// thousand parts may be more than a process may have open.
-class MergedColumns final : public ColumnSource {
+/// Parts of one slicing, by their layers, whose columns follow one another as those of one archive. Files are opened for
+/// each piece of rows: a thousand parts may be more than a process may have open.
+class Parts {
 public:
-    /// By their layers. They must outlive it.
-    explicit MergedColumns(const std::vector<ArchivePart>& parts) : parts_(parts) {}
+    Parts(std::span<const std::filesystem::path> paths, const Parallel& parallel) {
+        if (paths.empty()) {
+            refuse("no archives to join");
+        }
+        for (const std::filesystem::path& path : paths) {
+            add(path, parallel);
+        }
+        std::stable_sort(parts_.begin(), parts_.end(), [](const ArchivePart& a, const ArchivePart& b) {
+            return std::pair(a.first_layer, a.end()) < std::pair(b.first_layer, b.end());
+        });
+        require_whole();
+    }
 
-    KindRows rows() const override {
+    std::uint64_t layers() const noexcept { return all_layers_; }
+
+    /// Reads and checks all rows; the hash of the whole. What is known of the first part goes to `slice` and `info`.
+    std::uint64_t read(const Parallel& parallel, const Memory* memory, SliceInfo& slice, ArchiveInfo& info) const {
+        LayerHash hash(all_layers_);
+        SliceResult first;  // without its layers
+        for (const ArchivePart& part : parts_) {
+            ReadTree loaded = load_archive(part.path, parallel, memory);
+            for (const LayerView layer : loaded.result) {
+                hash.add(layer);
+            }
+            if (&part == &parts_.front()) {
+                first.info = std::move(loaded.result.info);
+                info = std::move(loaded.info);
+            } else {
+                require_same_rows(first, loaded.result, part);
+            }
+        }
+        slice = std::move(first.info);
+        return hash.value();
+    }
+
+    KindRows rows() const {
         KindRows sums;
         for (const Column& column : all_columns()) {
             sums[column.kind] = 0;
@@ -62,7 +88,7 @@ public:
         return sums;
     }
 
-    void fill(const Column& column, std::uint64_t first, std::span<std::byte> to) const override {
+    void fill(const Column& column, std::uint64_t first, std::span<std::byte> to) const {
         for (std::size_t part = 0; part < parts_.size() && !to.empty(); ++part) {
             const std::uint64_t rows = own_rows(column.kind, part);
             if (first >= rows) {
@@ -70,32 +96,38 @@ public:
                 continue;
             }
             const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(rows - first, to.size() / column.row_bytes));
-            fill_from(part, column, first, to.first(count * column.row_bytes));
+            copy_rows(part, column, first, to.first(count * column.row_bytes));
             to = to.subspan(count * column.row_bytes);
             first = 0;
         }
     }
 
 private:
-    /// Shared rows are those of the first part; the last row of an end stands in the last part.
+    /// Heights and fill rules, which are the same in all parts.
+    static bool is_of_options(ColumnKind kind) noexcept {
+        return kind == ColumnKind::height || kind == ColumnKind::fill_change;
+    }
+
+    static std::vector<std::byte> rows_in(const SliceResult& result, const Column& column) {
+        std::vector<std::byte> rows(rows_of(result)[column.kind] * column.row_bytes);
+        column.get(result, 0, rows);
+        return rows;
+    }
+
+    /// Those of options are those of the first; the last row of an end stands in the last part.
     std::uint64_t own_rows(ColumnKind kind, std::size_t part) const noexcept {
-        if (part > 0 && is_shared(kind)) {
+        if (part > 0 && is_of_options(kind)) {
             return 0;
         }
         const bool has_end = kind == ColumnKind::layer_end || kind == ColumnKind::contour_end;
         return parts_[part].rows[kind] - (has_end && part + 1 < parts_.size() ? 1 : 0);
     }
 
-    void fill_from(std::size_t part, const Column& column, std::uint64_t first, std::span<std::byte> to) const {
-        const Result<InputFile> file = InputFile::open(parts_[part].path);
-        if (!file) {
-            throw Refused{file.error()};
-        }
+    void copy_rows(std::size_t part, const Column& column, std::uint64_t first, std::span<std::byte> to) const {
+        const InputFile file = require(InputFile::open(parts_[part].path));
         const auto placed = std::find_if(parts_[part].columns.begin(), parts_[part].columns.end(),
                                          [&](const PlacedColumn& one) { return one.column == &column; });
-        if (const Status read = file->read_at(placed->offset + first * column.row_bytes, to); !read) {
-            throw Refused{read.error()};
-        }
+        require(file.read_at(placed->offset + first * column.row_bytes, to));
         std::uint64_t rows_before = 0;
         for (std::size_t before = 0; column.names && before < part; ++before) {
             rows_before += parts_[before].rows[*column.names];
@@ -117,61 +149,15 @@ private:
         }
     }
 
-    const std::vector<ArchivePart>& parts_;
-};
-
-/// Parts of one slicing, by their layers.
-class Parts {
-public:
-    Parts(std::span<const std::filesystem::path> paths, const Parallel& parallel) {
-        if (paths.empty()) {
-            refuse("no archives to join");
-        }
-        for (const std::filesystem::path& path : paths) {
-            add(path, parallel);
-        }
-        std::stable_sort(parts_.begin(), parts_.end(), [](const ArchivePart& a, const ArchivePart& b) {
-            return std::pair(a.first_layer, a.end()) < std::pair(b.first_layer, b.end());
-        });
-        require_whole();
-    }
-
-    const std::vector<ArchivePart>& all() const noexcept { return parts_; }
-    std::uint64_t layers() const noexcept { return all_layers_; }
-
-    /// Reads and checks all rows; the hash of the whole. The head of the first part goes to `head`.
-    std::uint64_t read(const Parallel& parallel, const Memory* memory, ReadTree& head) const {
-        ResultHash hash(all_layers_);
-        for (const ArchivePart& part : parts_) {
-            ReadTree loaded = load_archive(part.path, parallel, memory);
-            hash.add_layers(loaded.result);
-            if (&part == &parts_.front()) {
-                drop_rows(loaded.result);
-                head = std::move(loaded);
-            } else {
-                require_same(head, loaded, part);
-            }
-        }
-        return hash.value();
-    }
-
-private:
     void add(const std::filesystem::path& path, const Parallel& parallel) {
-        const Result<InputFile> file = InputFile::open(path);
-        if (!file) {
-            throw Refused{file.error()};
-        }
-        ReadTree tree = read_tree(*file, path, parallel, nullptr);
-        ArchivePart part{path, std::move(tree.columns), tree.rows, tree.result.first_layer};
-        std::vector<Fact> facts = facts_of(tree.result, tree.info);
+        ReadTree tree = read_tree(require(InputFile::open(path)), path, parallel);
+        ArchivePart part{path, std::move(tree.columns), tree.rows, tree.result.info.first_layer};
+        std::vector<ArchiveAttribute> attributes = attributes_of(tree.result.info, tree.info);
         if (parts_.empty()) {
-            facts_ = std::move(facts);
-            all_layers_ = tree.result.all_layers;
+            attributes_ = std::move(attributes);
+            all_layers_ = tree.result.info.planned_layers;
         } else {
-            require_same_facts(facts, part);
-        }
-        if (part.first_layer > all_layers_ || part.rows[ColumnKind::layer] > all_layers_ - part.first_layer) {
-            throw Refused{file->error(ErrorCode::malformed_mesh, "/all_layers: fewer layers than the file has")};
+            require_same_attributes(attributes, part);
         }
         parts_.push_back(std::move(part));
     }
@@ -180,27 +166,21 @@ private:
         refuse(quoted(part) + " and " + quoted(parts_.front()) + " are not of one slicing: they differ in " + what);
     }
 
-    void require_same_facts(const std::vector<Fact>& facts, const ArchivePart& part) const {
-        const auto [own, other] = std::mismatch(facts.begin(), facts.end(), facts_.begin(), facts_.end());
-        if (own != facts.end() || other != facts_.end()) {
-            const Fact& fact = own != facts.end() ? *own : *other;
-            refuse_other(part, (fact.group == "/" ? "" : fact.group) + "/" + fact.name);
+    void require_same_attributes(const std::vector<ArchiveAttribute>& attributes, const ArchivePart& part) const {
+        const auto [own, other] =
+            std::mismatch(attributes.begin(), attributes.end(), attributes_.begin(), attributes_.end());
+        if (own != attributes.end() || other != attributes_.end()) {
+            refuse_other(part, (own != attributes.end() ? *own : *other).place());
         }
     }
 
-    /// Heights and rules that stand in columns.
-    void require_same(const ReadTree& head, const ReadTree& tree, const ArchivePart& part) const {
+    /// Options that stand in columns.
+    void require_same_rows(const SliceResult& first, const SliceResult& own, const ArchivePart& part) const {
         for (const Column& column : all_columns()) {
-            if (is_shared(column.kind) && rows_as_bytes(head.result, column) != rows_as_bytes(tree.result, column)) {
+            if (is_of_options(column.kind) && rows_in(first, column) != rows_in(own, column)) {
                 refuse_other(part, column.path);
             }
         }
-    }
-
-    static std::vector<std::byte> rows_as_bytes(const SliceResult& result, const Column& column) {
-        std::vector<std::byte> bytes(rows_of(result)[column.kind] * column.row_bytes);
-        column.get(result, 0, bytes);
-        return bytes;
     }
 
     void require_whole() const {
@@ -222,49 +202,33 @@ private:
         if (parts_.back().end() < all_layers_) {
             refuse(layers_between(parts_.back().end(), all_layers_) + " are missing after " + quoted(parts_.back()));
         }
-        require_origins();
-    }
-
-    void require_origins() const {
-        const auto with = std::find_if(parts_.begin(), parts_.end(),
-                                       [](const ArchivePart& part) { return part.rows[ColumnKind::origin] > 0; });
-        const auto without = std::find_if(parts_.begin(), parts_.end(), [](const ArchivePart& part) {
-            return part.rows[ColumnKind::origin] < part.rows[ColumnKind::point];
-        });
-        if (with != parts_.end() && without != parts_.end()) {
-            refuse(quoted(*without) + " has no origins of its points, which " + quoted(*with) + " has");
-        }
-    }
-
-    static void drop_rows(SliceResult& result) {
-        result.layers = Array<Layer>();
-        result.contours = Array<Contour>();
-        result.points = Array<Point>();
-        result.origins = Array<PointOrigin>();
-        result.closed_gaps = Array<ClosedGap>();
     }
 
     std::vector<ArchivePart> parts_;
-    std::vector<Fact> facts_;
+    std::vector<ArchiveAttribute> attributes_;
     std::uint64_t all_layers_ = 0;
 };
 
 }  // namespace
 
 Result<MergedArchive> merge_archives(std::span<const std::filesystem::path> parts, const std::filesystem::path& path,
-                                     const Control& control) noexcept {
-    return guarded(control, [&]() -> Result<MergedArchive> {
-        Parallel parallel(control);
+                                     const Context& context) noexcept {
+    return guarded(context, [&]() -> Result<MergedArchive> {
+        const Parallel parallel(context);
         parallel.begin_stage(read_share, (tree_runs + load_runs) * parts.size());
         const Parts all(parts, parallel);
-        ReadTree head{.result = SliceResult(), .info = {}};
-        const std::uint64_t hash = all.read(parallel, control.memory, head);
-        const Status written =
-            write_columns(MergedColumns(all.all()), {facts_of(head.result, head.info), hash, 0}, path, parallel, read_share);
-        if (!written) {
-            return written.error();
-        }
-        return MergedArchive{all.layers(), hash, head.result.unit_mm, head.result.region.fill_rule, std::move(head.info)};
+        SliceInfo slice;
+        MergedArchive merged;
+        merged.layers = all.layers();
+        merged.hash = all.read(parallel, context.memory, slice, merged.info);
+        merged.grid_mm = slice.grid_mm;
+        merged.fill_rule = slice.options.region.fill_rule;
+        const auto fill = [&](const Column& column, std::uint64_t first, std::span<std::byte> to) {
+            all.fill(column, first, to);
+        };
+        require(write_columns(all.rows(), fill, {attributes_of(slice, merged.info), merged.hash, 0}, path, parallel,
+                              read_share));
+        return merged;
     });
 }
 

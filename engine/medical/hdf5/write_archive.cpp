@@ -13,6 +13,7 @@
 #include "base/words.hpp"
 #include "io/write/output_file.hpp"
 #include "lamella/medical/archive.hpp"
+#include "medical/geometry/headers.hpp"
 #include "medical/hdf5/archive_file.hpp"
 #include "medical/hdf5/handles.hpp"
 
@@ -23,22 +24,21 @@ namespace {
 constexpr std::size_t longest_name = 4096;
 
 void require_possible(const SliceResult& result, const ArchiveInfo& info, const std::filesystem::path& path) {
-    const auto refuse = [&](const std::string& why) {
-        throw Refused{{ErrorCode::invalid_argument, "'" + path.string() + "': " + why}};
+    const auto require = [&](bool holds, const std::string& why) {
+        if (!holds) {
+            refuse_output(path, why);
+        }
     };
-    if (result.first_layer > result.all_layers || result.layers.size() > result.all_layers - result.first_layer) {
-        refuse("a result of " + counted(result.layers.size(), "layer") + " from layer " +
-               std::to_string(result.first_layer) + " on, of " + std::to_string(result.all_layers) + " in all");
-    }
-    if (info.name.size() > longest_name || info.mesh_sha256.size() > longest_name) {
-        refuse("an archive's name of the mesh has at most " + std::to_string(longest_name) + " bytes");
-    }
-    if (result.layer_of.size() != rows_of(result)[ColumnKind::height]) {
-        refuse("the result does not tell the layers of its planes");
-    }
-    if (info.geometry && info.geometry->uneven_slices_mm.size() > most_uneven_slices) {
-        refuse("an image of more than " + std::to_string(most_uneven_slices) + " uneven slices");
-    }
+    const SliceInfo& slice = result.info;
+    require(slice.first_layer <= slice.planned_layers && result.layers.size() <= slice.planned_layers - slice.first_layer,
+            "a result of " + counted(result.layers.size(), "layer") + " from layer " + std::to_string(slice.first_layer) +
+                " on, of " + std::to_string(slice.planned_layers) + " in all");
+    require(info.name.size() <= longest_name && info.mesh_sha256.size() <= longest_name,
+            "an archive's name of the mesh has at most " + std::to_string(longest_name) + " bytes");
+    require(slice.layer_of.size() == rows_of(result)[ColumnKind::height],
+            "the result does not tell the layers of its planes");
+    require(!info.geometry || info.geometry->uneven_slices_mm.size() <= most_uneven_slices,
+            "an image of more than " + std::to_string(most_uneven_slices) + " uneven slices");
 }
 
 /// All attributes and links lie in an object's header, up to so many.
@@ -108,24 +108,13 @@ Handle creation_of(hid_t what) {
     return properties;
 }
 
-/// The groups of a file, by their paths.
-class Groups {
-public:
-    explicit Groups(hid_t file) : file_(file) {}
-
-    Handle open(const std::string& path) {
-        if (!path.empty() && path != "/" && std::find(made_.begin(), made_.end(), path) == made_.end()) {
-            made_.push_back(path);
-            const Handle properties = creation_of(H5P_GROUP_CREATE);
-            return {H5Gcreate2(file_, path.c_str(), H5P_DEFAULT, properties.id(), H5P_DEFAULT), H5Gclose};
-        }
-        return {H5Gopen2(file_, path.empty() ? "/" : path.c_str(), H5P_DEFAULT), H5Gclose};
+/// The group at a path, which is made where it is missing.
+Handle group_at(hid_t file, const std::string& path) {
+    if (path == "/" || H5Lexists(file, path.c_str(), H5P_DEFAULT) > 0) {
+        return {H5Gopen2(file, path.c_str(), H5P_DEFAULT), H5Gclose};
     }
-
-private:
-    hid_t file_;
-    std::vector<std::string> made_;
-};
+    return {H5Gcreate2(file, path.c_str(), H5P_DEFAULT, creation_of(H5P_GROUP_CREATE).id(), H5P_DEFAULT), H5Gclose};
+}
 
 /// Its rows get a place, and are written later.
 void make_column(hid_t file, PlacedColumn& placed) {
@@ -157,19 +146,18 @@ void write_tree(const std::string& path, const ArchiveHead& head, std::vector<Pl
     checked(H5Pset_libver_bounds(access.id(), H5F_LIBVER_V18, H5F_LIBVER_V18));
     const Handle creation = creation_of(H5P_FILE_CREATE);
     const Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), H5Fclose);
-    Groups groups(file.id());
-    for (const Fact& fact : head.facts) {
-        const Handle group = groups.open(fact.group);
-        std::visit([&](const auto& value) { put(group.id(), fact.name, value); }, fact.value);
+    std::vector<ArchiveAttribute> attributes = head.attributes;
+    attributes.insert(attributes.end(), {{"/", "format", std::string(archive_format)},
+                                         {"/", "format_version", std::vector{archive_version}},
+                                         {"/", "result_hash", std::vector{head.hash}},
+                                         {"/", "first_layer", std::vector{head.first_layer}}});
+    for (const ArchiveAttribute& attribute : attributes) {
+        const Handle group = group_at(file.id(), attribute.group);
+        std::visit([&](const auto& value) { put(group.id(), attribute.name, value); }, attribute.value);
     }
-    const Handle root = groups.open("/");
-    put(root.id(), "format", std::string(archive_format));
-    put(root.id(), "format_version", std::vector<std::uint64_t>{archive_version});
-    put(root.id(), "result_hash", std::vector<std::uint64_t>{head.hash});
-    put(root.id(), "first_layer", std::vector<std::uint64_t>{head.first_layer});
     for (PlacedColumn& column : columns) {
         const std::string column_path = column.column->path;
-        (void)groups.open(column_path.substr(0, column_path.rfind('/')));
+        (void)group_at(file.id(), column_path.substr(0, std::max<std::size_t>(1, column_path.rfind('/'))));
         make_column(file.id(), column);
     }
     checked(H5Fflush(file.id(), H5F_SCOPE_GLOBAL));
@@ -184,36 +172,10 @@ InputFile make_tree(const ArchiveHead& head, std::vector<PlacedColumn>& columns)
     }
     file.require_room(bytes);
     write_tree(file.path(), head, columns);
-    Result<InputFile> made = InputFile::open(file.path());
-    if (!made) {
-        throw Refused{made.error()};
-    }
-    return std::move(made).value();
+    return require(InputFile::open(file.path()));
 }
 
-class ResultColumns final : public ColumnSource {
-public:
-    explicit ResultColumns(const SliceResult& result) : result_(result) {}
-    KindRows rows() const override { return rows_of(result_); }
-    void fill(const Column& column, std::uint64_t first, std::span<std::byte> to) const override {
-        column.get(result_, first, to);
-    }
-
-private:
-    const SliceResult& result_;
-};
-
-/// Without places.
-std::vector<PlacedColumn> columns_of(const ColumnSource& source) {
-    const KindRows rows = source.rows();
-    std::vector<PlacedColumn> columns;
-    for (const Column& column : all_columns()) {
-        if (rows[column.kind] > 0 || !column.optional) {
-            columns.push_back({&column, rows[column.kind], 0});
-        }
-    }
-    return columns;
-}
+using FillRows = FunctionRef<void(const Column&, std::uint64_t, std::span<std::byte>)>;
 
 /// Appends pieces of the tree and rows of columns in the order of the file, and sums them up.
 class ArchiveWriter {
@@ -224,17 +186,13 @@ public:
 
     /// From where the file ends so far to `end`.
     void write_tree(std::uint64_t end) {
-        write(end, 1, [&](std::uint64_t at, std::span<std::byte> to) {
-            if (const Status read = tree_.read_at(at, to); !read) {
-                throw Refused{read.error()};
-            }
-        });
+        write(end, 1, [&](std::uint64_t at, std::span<std::byte> to) { require(tree_.read_at(at, to)); });
     }
 
-    void write_rows(const ColumnSource& source, const PlacedColumn& column) {
+    void write_rows(const FillRows& fill, const PlacedColumn& column) {
         const std::size_t row_bytes = column.column->row_bytes;
         write(column.offset + column.bytes(), row_bytes, [&](std::uint64_t at, std::span<std::byte> to) {
-            source.fill(*column.column, (at - column.offset) / row_bytes, to);
+            fill(*column.column, (at - column.offset) / row_bytes, to);
         });
     }
 
@@ -277,13 +235,18 @@ std::string closing_line(std::uint32_t crc) {
            ", CRC-32 of all before: " + digits.data() + "\n";
 }
 
-Status write_columns(const ColumnSource& source, const ArchiveHead& head, const std::filesystem::path& path,
+Status write_columns(const KindRows& rows, FillRows fill, const ArchiveHead& head, const std::filesystem::path& path,
                      const Parallel& parallel, double begun) {
     Result<OutputFile> file = OutputFile::create(path);  // first: what cannot be written is refused at once
     if (!file) {
         return file.error();
     }
-    std::vector<PlacedColumn> columns = columns_of(source);
+    std::vector<PlacedColumn> columns;
+    for (const Column& column : all_columns()) {
+        if (rows[column.kind] > 0 || !column.is_optional()) {
+            columns.push_back({&column, rows[column.kind], 0});
+        }
+    }
     const InputFile tree = make_tree(head, columns);
     std::erase_if(columns, [](const PlacedColumn& column) { return column.rows == 0; });
     std::sort(columns.begin(), columns.end(),
@@ -292,7 +255,7 @@ Status write_columns(const ColumnSource& source, const ArchiveHead& head, const 
     ArchiveWriter writer(*file, tree, parallel, begun);
     for (const PlacedColumn& column : columns) {
         writer.write_tree(column.offset);
-        writer.write_rows(source, column);
+        writer.write_rows(fill, column);
     }
     writer.write_tree(tree.size());
     Status written = writer.finish();
@@ -307,12 +270,15 @@ bool has_archives() noexcept {
 }
 
 Status write_archive(const SliceResult& result, const ArchiveInfo& info, const std::filesystem::path& path,
-                     const Control& control) noexcept {
-    return guarded(control, [&]() -> Status {
-        Parallel parallel(control);
+                     const Context& context) noexcept {
+    return guarded(context, [&]() -> Status {
+        const Parallel parallel(context);
         require_possible(result, info, path);
-        return write_columns(ResultColumns(result), {facts_of(result, info), hash_result(result), result.first_layer}, path,
-                             parallel);
+        const auto fill = [&](const Column& column, std::uint64_t first, std::span<std::byte> to) {
+            column.get(result, first, to);
+        };
+        return write_columns(rows_of(result), fill,
+                             {attributes_of(result.info, info), result.hash(), result.info.first_layer}, path, parallel);
     });
 }
 

@@ -1,18 +1,9 @@
 #include "medical/mask/mask_file.hpp"
 
-#include <algorithm>
-#include <array>
-#include <bit>
-#include <cmath>
-#include <cstring>
-#include <new>
-#include <utility>
-
-#include "base/guard.hpp"
 #include "base/words.hpp"
 #include "io/text/text.hpp"
 #include "lamella/io/name_text.hpp"
-#include "medical/geometry/directions.hpp"
+#include "medical/geometry/headers.hpp"
 
 namespace lamella {
 
@@ -20,10 +11,6 @@ namespace {
 
 constexpr std::uint64_t largest_nifti_side = 32767;
 constexpr std::uint64_t largest_mask_bytes = std::uint64_t{1} << 38;
-
-Refused refused(const std::filesystem::path& path, const std::string& what) {
-    return {{ErrorCode::invalid_argument, "'" + path.string() + "': " + what}};
-}
 
 std::string vector_text(const Direction& at) {
     return "(" + exact_text(at[0]) + "," + exact_text(at[1]) + "," + exact_text(at[2]) + ")";
@@ -65,16 +52,9 @@ std::string nifti_header(const MaskLayout& layout, const ImageGeometry& image) {
     std::string header(352, '\0');
     put<std::int32_t>(header, 0, 348);
     header[38] = 'r';
-    const std::array<std::int16_t, 8> dim = {3,
-                                             static_cast<std::int16_t>(image.size[0]),
-                                             static_cast<std::int16_t>(image.size[1]),
-                                             static_cast<std::int16_t>(image.size[2]),
-                                             1,
-                                             1,
-                                             1,
-                                             1};
-    for (std::size_t i = 0; i < dim.size(); ++i) {
-        put(header, 40 + 2 * i, dim[i]);
+    put<std::int16_t>(header, 40, 3);  // dimensions, then the size of each of seven
+    for (std::size_t i = 0; i < 7; ++i) {
+        put(header, 42 + 2 * i, static_cast<std::int16_t>(i < 3 ? image.size[i] : 1));
     }
     put<std::int16_t>(header, 70, layout.voxel_bytes == 1 ? 2 : 512);  // uint8, uint16
     put<std::int16_t>(header, 72, static_cast<std::int16_t>(8 * layout.voxel_bytes));
@@ -165,11 +145,11 @@ void require_sizes(const std::filesystem::path& path, const MaskLayout& layout, 
     std::uint64_t bytes = layout.voxel_bytes;
     for (const std::uint64_t side : image.size) {
         if (layout.form == MaskForm::nifti && side > largest_nifti_side) {
-            throw refused(path,
+            refuse_output(path,
                           std::to_string(side) + " voxels along a side, and NIfTI-1 holds at most 32,767; NRRD holds more");
         }
         if (side == 0 || side > largest_image_side || bytes > largest_mask_bytes / side) {
-            throw refused(path, "a mask of " + std::to_string(image.size[0]) + " x " + std::to_string(image.size[1]) +
+            refuse_output(path, "a mask of " + std::to_string(image.size[0]) + " x " + std::to_string(image.size[1]) +
                                     " x " + std::to_string(image.size[2]) + " voxels is larger than 2^38 bytes, or empty");
         }
         bytes *= side;
@@ -188,11 +168,11 @@ MaskLayout layout_of(const std::filesystem::path& path, std::span<const MaskPart
         layout.compressed = true;
         layout.form = name.ends_with(".seg.nrrd") ? MaskForm::segmentation : MaskForm::nrrd;
     } else {
-        throw refused(path, "a mask's name ends in .nii, .nii.gz, .nrrd or .seg.nrrd");
+        refuse_output(path, "a mask's name ends in .nii, .nii.gz, .nrrd or .seg.nrrd");
     }
     constexpr std::size_t most_labels = 65535;
     if (parts.empty() || parts.size() > (shares ? 1 : most_labels)) {
-        throw refused(path, std::to_string(parts.size()) + " meshes in a mask that holds 1 to " +
+        refuse_output(path, std::to_string(parts.size()) + " meshes in a mask that holds 1 to " +
                                 std::to_string(shares ? 1 : most_labels));
     }
     layout.voxel_bytes = parts.size() > 255 ? 2 : 1;
@@ -208,50 +188,9 @@ std::string mask_header(const MaskLayout& layout, const ImageGeometry& image) {
 
 void require_mask_fits(const std::filesystem::path& path, const MaskLayout& layout, const ImageGeometry& image) {
     if (!image.uneven_slices_mm.empty()) {
-        throw refused(path, "the slices of the image are not evenly spaced, and a mask holds even ones only");
+        refuse_output(path, "the slices of the image are not evenly spaced, and a mask holds even ones only");
     }
     require_sizes(path, layout, image);
-}
-
-GzipPieceMaker::GzipPieceMaker() {
-    constexpr int raw_window = -15;
-    // Runs are what a mask consists of: matches at a distance cost ten times as much for a few per cent.
-    if (::deflateInit2(&stream_, 6, Z_DEFLATED, raw_window, 8, Z_RLE) != Z_OK) {
-        throw std::bad_alloc();
-    }
-}
-
-GzipPieceMaker::~GzipPieceMaker() {
-    (void)::deflateEnd(&stream_);
-}
-
-void GzipPieceMaker::append(std::span<const unsigned char> data) {
-    piece_.crc = ::crc32_z(piece_.crc, data.data(), data.size());
-    piece_.length += data.size();
-    // zlib takes at most 4 GB at a time.
-    constexpr std::size_t most_bytes = std::size_t{1} << 30;
-    for (; !data.empty(); data = data.subspan(std::min(most_bytes, data.size()))) {
-        stream_.next_in =
-            const_cast<unsigned char*>(data.data());  // NOLINT(cppcoreguidelines-pro-type-const-cast): zlib's type
-        stream_.avail_in = static_cast<uInt>(std::min(most_bytes, data.size()));
-        deflate(Z_NO_FLUSH);
-    }
-}
-
-GzipPiece GzipPieceMaker::finish(bool last) {
-    deflate(last ? Z_FINISH : Z_SYNC_FLUSH);
-    return std::move(piece_);
-}
-
-/// Until zlib leaves room: it has then taken all input, and given all that the flush asks for.
-void GzipPieceMaker::deflate(int flush) {
-    do {
-        std::array<unsigned char, 1 << 14> room{};
-        stream_.next_out = room.data();
-        stream_.avail_out = static_cast<uInt>(room.size());
-        (void)::deflate(&stream_, flush);
-        piece_.bytes.insert(piece_.bytes.end(), room.data(), stream_.next_out);
-    } while (stream_.avail_out == 0);
 }
 
 std::string gzip_end(unsigned long crc, std::uint64_t length) {

@@ -1,8 +1,11 @@
 // The file of a mask: a header, then slices of voxels, compressed in pieces or not.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <filesystem>
+#include <new>
 #include <span>
 #include <string>
 #include <string_view>
@@ -44,17 +47,49 @@ struct GzipPiece {
 class GzipPieceMaker {
 public:
     /// Throws std::bad_alloc, as all of it does.
-    GzipPieceMaker();
-    ~GzipPieceMaker();
+    GzipPieceMaker() {
+        constexpr int raw_window = -15;
+        // Runs are what a mask consists of: matches at a distance cost ten times as much for a few per cent.
+        if (::deflateInit2(&stream_, 6, Z_DEFLATED, raw_window, 8, Z_RLE) != Z_OK) {
+            throw std::bad_alloc();
+        }
+    }
+
+    ~GzipPieceMaker() { (void)::deflateEnd(&stream_); }
+
     GzipPieceMaker(const GzipPieceMaker&) = delete;
     GzipPieceMaker& operator=(const GzipPieceMaker&) = delete;
 
-    void append(std::span<const unsigned char> data);
+    void append(std::span<const unsigned char> data) {
+        piece_.crc = ::crc32_z(piece_.crc, data.data(), data.size());
+        piece_.length += data.size();
+        // zlib takes at most 4 GB at a time.
+        constexpr std::size_t most_bytes = std::size_t{1} << 30;
+        for (; !data.empty(); data = data.subspan(std::min(most_bytes, data.size()))) {
+            stream_.next_in =
+                const_cast<unsigned char*>(data.data());  // NOLINT(cppcoreguidelines-pro-type-const-cast): zlib's type
+            stream_.avail_in = static_cast<uInt>(std::min(most_bytes, data.size()));
+            deflate(Z_NO_FLUSH);
+        }
+    }
+
     /// Once, at the end. `last`: the piece ends the member.
-    GzipPiece finish(bool last);
+    GzipPiece finish(bool last) {
+        deflate(last ? Z_FINISH : Z_SYNC_FLUSH);
+        return std::move(piece_);
+    }
 
 private:
-    void deflate(int flush);
+    /// Until zlib leaves room: it has then taken all input, and given all that the flush asks for.
+    void deflate(int flush) {
+        do {
+            std::array<unsigned char, 1 << 14> room{};
+            stream_.next_out = room.data();
+            stream_.avail_out = static_cast<uInt>(room.size());
+            (void)::deflate(&stream_, flush);
+            piece_.bytes.insert(piece_.bytes.end(), room.data(), stream_.next_out);
+        } while (stream_.avail_out == 0);
+    }
 
     z_stream stream_{};
     GzipPiece piece_;

@@ -1,18 +1,9 @@
 #include "lamella/medical/mask.hpp"
 
-#include <algorithm>
-#include <limits>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
-
-#include "base/guard.hpp"
 #include "base/parallel.hpp"
 #include "io/write/output_file.hpp"
-#include "lamella/io/name_text.hpp"
 #include "lamella/io/text_file.hpp"
-#include "medical/mask/mask_file.hpp"
+#include "medical/geometry/headers.hpp"
 #include "medical/mask/slice_raster.hpp"
 #include "medical/tables/csv_text.hpp"
 
@@ -23,25 +14,6 @@ namespace {
 /// A block of slices has about so much: enough for a piece of gzip.
 constexpr std::size_t block_bytes = std::size_t{1} << 20;
 constexpr std::size_t blocks_a_thread = 2;
-
-/// A layer for each height, and none of them left out.
-bool has_layers(const SliceResult& result, std::uint64_t heights) {
-    return result.layer_of.size() == heights &&
-           std::all_of(result.layer_of.begin(), result.layer_of.end(),
-                       [&](std::uint64_t layer) { return layer < result.layers.size(); });
-}
-
-void require_slices(std::span<const MaskPart> parts, const ImageGeometry& image, const MaskOptions& options) {
-    if (options.subslices < 1) {
-        throw Refused{{ErrorCode::invalid_argument, "a slice has at least one plane"}};
-    }
-    for (const MaskPart& part : parts) {
-        if (part.result == nullptr ||
-            !has_layers(*part.result, image.size[2] * static_cast<std::uint64_t>(options.subslices))) {
-            throw Refused{{ErrorCode::invalid_argument, "'" + part.name + "' was not cut at the slices of the image"}};
-        }
-    }
-}
 
 /// Some slices: compressed, or its bytes as they are.
 struct Block {
@@ -147,18 +119,16 @@ private:
     MaskCounts total_;
 };
 
-MaskSummary summary_of(const MaskCounts& counts, std::span<const MaskPart> parts, const Control& control) {
+MaskSummary summary_of(const MaskCounts& counts, std::span<const MaskPart> parts, const Context& context) {
+    constexpr AuditOptions only_open{.volume = false, .ledger = false, .crossings = false};
     MaskSummary summary{counts.voxels, counts.overlapped, {}, {}, {}};
     for (std::size_t i = 0; i < counts.area.size(); ++i) {
-        Result<OpenLayers> open = find_open_layers(*parts[i].result, control);
-        if (!open) {
-            throw Refused{open.error()};
-        }
-        summary.open.push_back(*open);
+        const OpenLayers open = *require(audit(*parts[i].result, MeshView{}, only_open, context)).open;
+        summary.open.push_back(open);
         const double outside = counts.area[i] - counts.inside[i];
         // Less is rounding.
         summary.cut_off_share.push_back(outside > 1e-9 * counts.area[i] ? outside / counts.area[i] : 0);
-        if (open->layers > 0 && open->layers == open->crossed) {
+        if (open.layers > 0 && open.layers == open.crossed) {
             summary.cut_off_share.back() = std::numeric_limits<double>::quiet_NaN();
         }
         summary.mean_wall_mm.push_back(counts.length[i] > 0 ? counts.area[i] / counts.length[i]
@@ -187,26 +157,25 @@ Status write_label_table(std::span<const MaskPart> parts, const MaskSummary& sum
 }  // namespace
 
 Result<MaskSummary> write_mask(std::span<const MaskPart> parts, const ImageGeometry& image,
-                               const std::filesystem::path& path, const MaskOptions& options) noexcept {
-    return guarded(options.control, [&]() -> Result<MaskSummary> {
+                               const std::filesystem::path& path, const MaskOptions& options,
+                               const Context& context) noexcept {
+    return guarded(context, [&]() -> Result<MaskSummary> {
         const MaskLayout layout = layout_of(path, parts, options.coverage || options.subslices > 1);
         require_mask_fits(path, layout, image);
-        require_slices(parts, image, options);
+        if (options.subslices < 1) {
+            refuse_output(path, "a slice has at least one plane");
+        }
+        for (const MaskPart& part : parts) {
+            require_cut(part.result, part.name, image.size[2] * static_cast<std::uint64_t>(options.subslices));
+        }
         const SliceRaster raster(parts, image, options, layout);
-        Parallel parallel(options.control);
-        Result<OutputFile> file = OutputFile::create(path);
-        if (!file) {
-            return file.error();
-        }
-        const MaskCounts counts = MaskWriter(raster, image, layout, *file).write(parallel);
-        const MaskSummary summary = summary_of(counts, parts, parallel.within(options.control));
-        if (const Status written = file->commit(); !written) {
-            return written.error();
-        }
+        const Parallel parallel(context);
+        OutputFile file = require(OutputFile::create(path));
+        const MaskCounts counts = MaskWriter(raster, image, layout, file).write(parallel);
+        const MaskSummary summary = summary_of(counts, parts, parallel.within(context));
+        require(file.commit());
         if (parts.size() > 1) {
-            if (const Status written = write_label_table(parts, summary, path); !written) {
-                return written.error();
-            }
+            require(write_label_table(parts, summary, path));
         }
         return summary;
     });

@@ -1,11 +1,9 @@
 #include "medical/picture/canvas.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <new>
 
-#include "base/guard.hpp"
 #include "io/write/output_file.hpp"
 #include "lamella/medical/picture.hpp"
 

@@ -1,15 +1,9 @@
 #include "lamella/medical/picture.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-
-#include "base/guard.hpp"
 #include "base/parallel.hpp"
-#include "medical/geometry/directions.hpp"
-#include "medical/picture/canvas.hpp"
-#include "medical/picture/draw_layers.hpp"
+#include "medical/geometry/headers.hpp"
 #include "medical/picture/page.hpp"
+#include "medical/raster/coverage.hpp"
 
 namespace lamella {
 
@@ -17,35 +11,46 @@ namespace {
 
 constexpr int most_cells = 4096;
 
-Refused refused(const std::string& what) {
-    return {{ErrorCode::invalid_argument, what}};
+void require_that(bool holds, const std::string& what) {
+    if (!holds) {
+        throw Refused{{ErrorCode::invalid_argument, what}};
+    }
 }
 
 void require_drawable(std::span<const PicturePart> parts, const std::filesystem::path& path, const PictureOptions& options) {
-    if (!can_write_pictures()) {
-        throw refused("cannot write '" + path.string() + "': this build of lamella is without PNG (libpng-dev)");
-    }
+    const std::string size =
+        "a picture of " + std::to_string(options.width) + " x " + std::to_string(options.height) + " pixels";
+    require_that(can_write_pictures(),
+                 "cannot write '" + path.string() + "': this build of lamella is without PNG (libpng-dev)");
     for (const int side : {options.width, options.height}) {
-        if (side < least_picture_side || side > largest_picture_side) {
-            throw refused("a picture of " + std::to_string(options.width) + " x " + std::to_string(options.height) +
-                          " pixels: a side has " + std::to_string(least_picture_side) + " to " +
-                          std::to_string(largest_picture_side));
-        }
+        require_that(
+            side >= least_picture_side && side <= largest_picture_side,
+            size + ": a side has " + std::to_string(least_picture_side) + " to " + std::to_string(largest_picture_side));
     }
-    if (std::int64_t{options.width} * options.height > most_picture_pixels) {
-        throw refused("a picture of " + std::to_string(options.width) + " x " + std::to_string(options.height) +
-                      " pixels is larger than 2^26");
-    }
-    if (parts.empty() || std::any_of(parts.begin(), parts.end(), [](const PicturePart& part) { return !part.result; })) {
-        throw refused("a picture shows one mesh or more, each with its result");
-    }
-    if (options.layers < 1 || options.layers > most_cells) {
-        throw refused("a contact sheet shows 1 to " + std::to_string(most_cells) + " layers");
-    }
+    require_that(std::int64_t{options.width} * options.height <= most_picture_pixels, size + " is larger than 2^26");
+    require_that(!parts.empty() &&
+                     std::all_of(parts.begin(), parts.end(), [](const PicturePart& part) { return part.result != nullptr; }),
+                 "a picture shows one mesh or more, each with its result");
+    require_that(options.layers >= 1 && options.layers <= most_cells,
+                 "a contact sheet shows 1 to " + std::to_string(most_cells) + " layers");
 }
 
-/// The layer whose slab holds the height, of two the one that is nearer; null where none does.
-const Layer* layer_at(const SliceResult& result, double height_mm) noexcept {
+/// A part's layer at a height.
+struct DrawnLayer {
+    const SliceResult* result = nullptr;
+    std::uint64_t layer = 0;
+    Colour colour{};
+};
+
+/// The layers of the parts that have one at a height, and where on a canvas they are drawn.
+struct Drawing {
+    double height_mm = 0;
+    std::vector<DrawnLayer> layers{};
+    Rectangle area{};
+};
+
+/// The layer whose slab holds the height, of two the one that is nearer.
+std::optional<std::uint64_t> layer_at(const SliceResult& result, double height_mm) noexcept {
     const Layer* const above = std::lower_bound(result.layers.begin(), result.layers.end(), height_mm,
                                                 [](const Layer& layer, double height) { return layer.plane_mm < height; });
     const auto distance = [height_mm](const Layer& layer) { return std::abs(layer.plane_mm - height_mm); };
@@ -57,13 +62,15 @@ const Layer* layer_at(const SliceResult& result, double height_mm) noexcept {
             nearest = layer;
         }
     }
-    return nearest;
+    return nearest != nullptr ? std::optional(static_cast<std::uint64_t>(nearest - result.layers.data())) : std::nullopt;
 }
 
 Drawing drawing_at(std::span<const PicturePart> parts, double height_mm) {
     Drawing drawing{.height_mm = height_mm};
     for (std::size_t i = 0; i < parts.size(); ++i) {
-        drawing.layers.push_back({parts[i].result, layer_at(*parts[i].result, height_mm), colour_of_part(i)});
+        if (const std::optional<std::uint64_t> layer = layer_at(*parts[i].result, height_mm)) {
+            drawing.layers.push_back({parts[i].result, *layer, colour_of_part(i)});
+        }
     }
     return drawing;
 }
@@ -97,19 +104,17 @@ std::vector<Drawing> evenly_spaced(std::span<const PicturePart> parts, std::size
 BoxMm box_of(std::span<const PicturePart> parts, const std::vector<Drawing>& drawings) {
     BoxMm box;
     for (const PicturePart& part : parts) {
-        const SliceSummary& summary = part.result->summary;
-        if (summary.min_mm[0] < summary.max_mm[0] && summary.min_mm[1] < summary.max_mm[1]) {
-            box.widen({summary.min_mm[0], summary.min_mm[1]});
-            box.widen({summary.max_mm[0], summary.max_mm[1]});
+        const Box& own = part.result->info.box;
+        if (own.min_mm[0] < own.max_mm[0] && own.min_mm[1] < own.max_mm[1]) {
+            box.widen({own.min_mm[0], own.min_mm[1]});
+            box.widen({own.max_mm[0], own.max_mm[1]});
         }
     }
     for (const Drawing& drawing : drawings) {
         for (const DrawnLayer& drawn : drawing.layers) {
-            for (const Contour& contour :
-                 drawn.layer ? drawn.result->contours_of(*drawn.layer) : std::span<const Contour>{}) {
-                for (const Point& point : drawn.result->points_of(contour)) {
-                    box.widen(drawn.result->to_mm(point));
-                }
+            const LayerView layer = (*drawn.result)[drawn.layer];
+            for (const Point& point : layer.points) {
+                box.widen(layer.to_mm(point));
             }
         }
     }
@@ -158,8 +163,8 @@ std::uint64_t layers_with_open_polylines(std::span<const PicturePart> parts) {
     std::uint64_t count = 0;
     for (const PicturePart& part : parts) {
         // The area of a layer with open contours is not known.
-        const auto is_open = [&part](const Layer& layer) { return std::isnan(part.result->area_mm2(layer)); };
-        count += static_cast<std::uint64_t>(std::count_if(part.result->layers.begin(), part.result->layers.end(), is_open));
+        count += static_cast<std::uint64_t>(std::count_if(
+            part.result->begin(), part.result->end(), [](const LayerView& layer) { return std::isnan(layer.area_mm2()); }));
     }
     return count;
 }
@@ -174,8 +179,142 @@ PictureOptions oriented(PictureOptions options) {
     return options;
 }
 
+/// Parts of a pixel that points are rounded to: a side of largest_picture_side pixels stays within 2^27.
+constexpr double fractions = 4096;
+constexpr double per_fraction[2] = {1 / fractions, 1 / fractions};
+
+/// Overlaps show, and so does which part is the later one.
+constexpr double opacity_over_others = 0.75;
+
+/// The sheet counts from the centre of its first pixel.
+Point fine(PointMm pixels) noexcept {
+    return {static_cast<std::int32_t>(std::lround((pixels.x - 0.5) * fractions)),
+            static_cast<std::int32_t>(std::lround((pixels.y - 0.5) * fractions))};
+}
+
+/// Rows of one drawing, so few that a sheet of them takes some MB.
+struct Strip {
+    const Drawing* drawing = nullptr;
+    int begin = 0;
+    int end = 0;
+};
+
+std::vector<Strip> strips_of(const std::vector<Drawing>& drawings) {
+    constexpr int most_pixels = 1 << 18;
+    std::vector<Strip> strips;
+    for (const Drawing& drawing : drawings) {
+        const int rows = std::max(1, most_pixels / drawing.area.width);
+        for (int begin = 0; begin < drawing.area.height; begin += rows) {
+            strips.push_back({&drawing, begin, std::min(drawing.area.height, begin + rows)});
+        }
+    }
+    return strips;
+}
+
+/// Draws strips of layers: the box lies in the middle of each drawing's area. One a thread.
+class LayerBrush {
+public:
+    LayerBrush(Canvas& canvas, const Page& page, const BoxMm& box, const PictureOptions& options)
+        : canvas_(canvas),
+          x_scale_(options.x_leftward ? -page.pixels_per_mm() : page.pixels_per_mm()),
+          y_scale_(options.y_downward ? page.pixels_per_mm() : -page.pixels_per_mm()),
+          middle_{box.min.x + 0.5 * box.width(), box.min.y + 0.5 * box.height()},
+          line_width_(1.5 * page.unit()) {}
+
+    void draw(const Strip& strip) {
+        strip_ = strip;
+        const Rectangle& area = strip.drawing->area;
+        shift_ = {0.5 * area.width - x_scale_ * middle_.x, 0.5 * area.height - y_scale_ * middle_.y};
+        sheet_.restart(static_cast<std::size_t>(area.width), static_cast<std::size_t>(strip.begin),
+                       static_cast<std::size_t>(strip.end));
+        shares_.resize(static_cast<std::size_t>(area.width));
+        for (const DrawnLayer& drawn : strip.drawing->layers) {
+            add_filled(drawn);
+            mix_rows(drawn.colour, opacity_over_others);
+        }
+        bool open = false;
+        for (const DrawnLayer& drawn : strip.drawing->layers) {
+            open = add_open(drawn) || open;
+        }
+        if (open) {
+            mix_rows(colours::open, 1);
+        }
+    }
+
+private:
+    PointMm pixels(const SliceResult& result, const Point& point) const noexcept {
+        const PointMm mm = result.to_mm(point);
+        return {x_scale_ * mm.x + shift_.x, y_scale_ * mm.y + shift_.y};
+    }
+
+    void add_filled(const DrawnLayer& drawn) {
+        for (const std::span<const Point> points : solid_.of(*drawn.result, drawn.layer)) {
+            contour_.clear();
+            for (const Point& point : points) {
+                contour_.push_back(fine(pixels(*drawn.result, point)));
+            }
+            if (x_scale_ * y_scale_ < 0) {  // what was counter-clockwise is clockwise on the picture
+                std::reverse(contour_.begin(), contour_.end());
+            }
+            sheet_.add(contour_, per_fraction);
+        }
+    }
+
+    /// Returns whether there was any.
+    bool add_open(const DrawnLayer& drawn) {
+        bool any = false;
+        for (const Contour& contour : drawn.result->contours_of(drawn.result->layers[drawn.layer])) {
+            const std::span<const Point> points = drawn.result->points_of(contour);
+            for (std::size_t i = 1; contour.role == Role::open && i < points.size(); ++i) {
+                any = true;
+                add_line(pixels(*drawn.result, points[i - 1]), pixels(*drawn.result, points[i]));
+            }
+        }
+        return any;
+    }
+
+    /// A counter-clockwise rectangle about the line, half a width longer at both ends.
+    void add_line(PointMm from, PointMm to) {
+        const double half = line_width_ / 2;
+        const double length = std::sqrt((to.x - from.x) * (to.x - from.x) + (to.y - from.y) * (to.y - from.y));
+        const double x = length > 0 ? half * (to.x - from.x) / length : half;
+        const double y = length > 0 ? half * (to.y - from.y) / length : 0;
+        const std::array<Point, 4> corners = {fine({from.x - x + y, from.y - y - x}), fine({to.x + x + y, to.y + y - x}),
+                                              fine({to.x + x - y, to.y + y + x}), fine({from.x - x - y, from.y - y + x})};
+        sheet_.add(corners, per_fraction);
+    }
+
+    /// `over_others`: the opacity where something else than the background is.
+    void mix_rows(Colour colour, double over_others) {
+        const Rectangle& area = strip_.drawing->area;
+        for (int row = strip_.begin; row < strip_.end; ++row) {
+            std::fill(shares_.begin(), shares_.end(), 0.0);
+            sheet_.take_row(static_cast<std::size_t>(row - strip_.begin), shares_);
+            for (int column = 0; column < area.width; ++column) {
+                if (const double share = shares_[static_cast<std::size_t>(column)]; share > 0) {
+                    const int x = area.x + column;
+                    const int y = area.y + row;
+                    canvas_.mix(x, y, colour, canvas_.has(x, y, colours::cell) ? share : over_others * share);
+                }
+            }
+        }
+    }
+
+    Canvas& canvas_;
+    double x_scale_;  ///< pixels in a mm
+    double y_scale_;
+    PointMm middle_;     ///< of the box
+    double line_width_;  ///< of open polylines, pixels
+    Strip strip_;
+    PointMm shift_{};
+    CoverageSheet sheet_;
+    SolidContours solid_;
+    std::vector<Point> contour_;  ///< in fractions of a pixel
+    std::vector<double> shares_;  ///< of a row
+};
+
 Status draw(std::span<const PicturePart> parts, std::vector<Drawing> drawings, const std::filesystem::path& path,
-            const PictureOptions& asked) {
+            const PictureOptions& asked, const Context& context) {
     const PictureOptions options = oriented(asked);
     const std::vector<std::string> labels = labels_of(drawings, options.image);
     int label_width = 0;
@@ -184,7 +323,7 @@ Status draw(std::span<const PicturePart> parts, std::vector<Drawing> drawings, c
     }
     const BoxMm box = box_of(parts, drawings);
     const Page page(box, std::max<std::size_t>(1, drawings.size()), label_width, options);
-    Parallel parallel(options.control);
+    const Parallel parallel(context);
     parallel.begin_stage(0.8);
     Canvas canvas(page.width(), page.height(), colours::page);
     std::vector<std::string> names;
@@ -199,8 +338,13 @@ Status draw(std::span<const PicturePart> parts, std::vector<Drawing> drawings, c
         page.draw_cell(canvas, i, labels[i]);
         drawings[i].area = page.area(i);
     }
-    draw_layers(canvas, drawings, {box, page.pixels_per_mm(), 1.5 * page.unit(), options.x_leftward, options.y_downward},
-                colours::cell, parallel);
+    const std::vector<Strip> strips = strips_of(drawings);
+    std::vector<LayerBrush> brushes;
+    for (std::size_t worker = 0; worker < parallel.workers_for(strips.size()); ++worker) {
+        brushes.emplace_back(canvas, page, box, options);
+    }
+    parallel.run(strips.size(),
+                 [&](std::size_t i, int worker) { brushes[static_cast<std::size_t>(worker)].draw(strips[i]); });
     parallel.stop_if_asked();
     Status written = canvas.write_png(path);
     if (written) {
@@ -212,23 +356,23 @@ Status draw(std::span<const PicturePart> parts, std::vector<Drawing> drawings, c
 }  // namespace
 
 Status write_layer_picture(std::span<const PicturePart> parts, std::uint64_t layer, const std::filesystem::path& path,
-                           const PictureOptions& options) noexcept {
-    return guarded(options.control, [&]() -> Status {
+                           const PictureOptions& options, const Context& context) noexcept {
+    return guarded(context, [&]() -> Status {
         require_drawable(parts, path, options);
         const SliceResult& first = *parts.front().result;
-        if (layer < first.first_layer || layer - first.first_layer >= first.layers.size()) {
-            throw refused("'" + parts.front().name + "' has no layer " + std::to_string(layer) + ": it has " +
-                          std::to_string(first.layers.size()) + ", counted from " + std::to_string(first.first_layer));
-        }
-        return draw(parts, {drawing_at(parts, first.layers[layer - first.first_layer].plane_mm)}, path, options);
+        require_that(layer >= first.info.first_layer && layer - first.info.first_layer < first.layers.size(),
+                     "'" + parts.front().name + "' has no layer " + std::to_string(layer) + ": it has " +
+                         std::to_string(first.layers.size()) + ", counted from " + std::to_string(first.info.first_layer));
+        return draw(parts, {drawing_at(parts, first.layers[layer - first.info.first_layer].plane_mm)}, path, options,
+                    context);
     });
 }
 
 Status write_contact_sheet(std::span<const PicturePart> parts, const std::filesystem::path& path,
-                           const PictureOptions& options) noexcept {
-    return guarded(options.control, [&]() -> Status {
+                           const PictureOptions& options, const Context& context) noexcept {
+    return guarded(context, [&]() -> Status {
         require_drawable(parts, path, options);
-        return draw(parts, evenly_spaced(parts, static_cast<std::size_t>(options.layers)), path, options);
+        return draw(parts, evenly_spaced(parts, static_cast<std::size_t>(options.layers)), path, options, context);
     });
 }
 

@@ -45,20 +45,24 @@ Record record_of(const Json& json) {
     }
     record.patient_frame = json.at("patient_frame").get<std::string>();
     record.grid_mm = json.at("grid_mm").get<std::vector<double>>();
-    record.close_gaps_mm = json.value("close_gaps_mm", std::vector<double>());
+    record.stitch_mm = json.value("stitch_mm", std::vector<double>());
     record.fill_rule = json.at("fill_rule").get<std::string>();
     record.result_hashes = json.at("result_hashes").get<std::vector<std::string>>();
     record.source_date_epoch = json.value("source_date_epoch", "");
     return record;
 }
 
+[[noreturn]] void refuse_record(const std::filesystem::path& path, const std::string& why) {
+    refuse_image(printable(path.native()), "no record of lamella: " + why);
+}
+
 /// Its bytes. Throws Refused (unreadable_file).
-std::uint64_t add_file(const std::filesystem::path& path, Sha256& hash, const Control& control) {
+std::uint64_t add_file(const std::filesystem::path& path, Sha256& hash, const Context& context) {
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
     if (!file) {
-        throw Refused{unreadable(printable(path.native()), errno)};
+        refuse_unreadable(printable(path.native()), errno);
     }
-    const PacedStop stop(control.stop);
+    const PacedStop stop(context.stop);
     std::uint64_t bytes = 0;
     std::vector<unsigned char> piece(std::size_t{1} << 16);
     while (const std::size_t count = std::fread(piece.data(), 1, piece.size(), file.get())) {
@@ -67,27 +71,27 @@ std::uint64_t add_file(const std::filesystem::path& path, Sha256& hash, const Co
         bytes += count;
     }
     if (std::ferror(file.get()) != 0) {
-        throw Refused{unreadable(printable(path.native()), errno)};
+        refuse_unreadable(printable(path.native()), errno);
     }
     return bytes;
 }
 
 }  // namespace
 
-Result<FileSeal> seal_file(const std::filesystem::path& path, const Control& control) noexcept {
-    return guarded(control, [&]() -> Result<FileSeal> {
+Result<FileSeal> seal_file(const std::filesystem::path& path, const Context& context) noexcept {
+    return guarded(context, [&]() -> Result<FileSeal> {
         FileSeal seal{path.string(), 0, {}};
         Sha256 hash;
         std::error_code unknown;
         if (!std::filesystem::is_directory(path, unknown)) {
-            seal.bytes = add_file(path, hash, control);
+            seal.bytes = add_file(path, hash, context);
             seal.sha256 = hexadecimal(hash.digest());
             return seal;
         }
         const ImageGeometry image = read_dicom_folder(path);
         for (const DicomSeries::Instance& slice : image.series->slices) {
             Sha256 own;
-            seal.bytes += add_file(slice.file, own, control);
+            seal.bytes += add_file(slice.file, own, context);
             const Sha256::Digest digest = own.digest();
             hash.add(digest.data(), digest.size());
         }
@@ -113,7 +117,7 @@ Status write_record(const Record& record, const std::filesystem::path& path) noe
                      {"options", options},
                      {"patient_frame", record.patient_frame},
                      {"grid_mm", record.grid_mm},
-                     {"close_gaps_mm", record.close_gaps_mm},
+                     {"stitch_mm", record.stitch_mm},
                      {"fill_rule", record.fill_rule},
                      {"result_hashes", record.result_hashes}};
         if (!record.source_date_epoch.empty()) {
@@ -128,26 +132,22 @@ Result<Record> read_record(const std::filesystem::path& path) noexcept {
         std::error_code problem;
         const std::uintmax_t bytes = std::filesystem::file_size(path, problem);
         if (problem) {
-            return unreadable(printable(path.native()), problem.value());
+            refuse_unreadable(printable(path.native()), problem.value());
         }
-        const auto not_a_record = [&](const std::string& why) {
-            return Error{.code = ErrorCode::malformed_mesh,
-                         .message = printable(path.native()) + ": no record of lamella: " + why};
-        };
         if (bytes > most_record_bytes) {
-            return not_a_record("larger than 64 MiB");
+            refuse_record(path, "larger than 64 MiB");
         }
         std::ifstream file(path, std::ios::binary);
         std::string text(static_cast<std::size_t>(bytes), '\0');
         if (!file.read(text.data(), static_cast<std::streamsize>(bytes))) {
-            return unreadable(printable(path.native()), EIO);
+            refuse_unreadable(printable(path.native()), EIO);
         }
         try {
             return record_of(Json::parse(text));
         } catch (const nlohmann::json::parse_error& error) {
-            return not_a_record("not JSON at byte " + std::to_string(error.byte));
+            refuse_record(path, "not JSON at byte " + std::to_string(error.byte));
         } catch (const nlohmann::json::exception&) {
-            return not_a_record("a member is missing or of another type");
+            refuse_record(path, "a member is missing or of another type");
         }
     });
 }

@@ -1,28 +1,79 @@
-// How much of each voxel's area contours enclose: exact areas, summed row by row.
+// How much of each voxel's area contours enclose: exact areas, summed row by row. And contours as they can be added up:
+// where one winds around another, or repeats it, they are united first.
 #pragma once
 
-#include <cstddef>
-#include <span>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
 #include <vector>
 
-#include "lamella/grid.hpp"
+#include "base/guard.hpp"
+#include "lamella/layers.hpp"
+#include "lamella/result.hpp"
 
 namespace lamella {
 
+/// Signed-area accumulation, as in R. Levien's font-rs and in FreeType's smooth rasteriser: an edge changes the coverage of
+/// the voxels that it passes, and of all to their right by its height.
+///
 /// A sheet of voxels in the order of rows: voxel (i, j) reaches half a voxel around (i, j). Sums are in double precision, in
 /// the order of add(): the same contours in the same order give the same bits.
 class CoverageSheet {
 public:
     /// Zero everywhere; about rows [begin, end) of `width` voxels. Throws std::bad_alloc.
-    void restart(std::size_t width, std::size_t begin, std::size_t end);
+    void restart(std::size_t width, std::size_t begin, std::size_t end) {
+        width_ = width;
+        begin_ = begin;
+        rows_ = end - begin;
+        // One column more takes what falls to the right of the last. A row that was taken is zero already.
+        steps_.assign(rows_ * (width_ + 1), 0.0);
+        touched_.assign(rows_, {untouched, 0});
+    }
 
     /// A closed contour; counter-clockwise it adds, clockwise it takes away. `voxels_per_unit`: along x and y.
-    void add(std::span<const Point> contour, const double (&voxels_per_unit)[2]);
+    void add(std::span<const Point> contour, const double (&voxels_per_unit)[2]) {
+        if (contour.empty()) {
+            return;
+        }
+        const auto place = [&](const Point& point) {
+            return At{point.x * voxels_per_unit[0] + 0.5, point.y * voxels_per_unit[1] + 0.5 - static_cast<double>(begin_)};
+        };
+        At from = place(contour.back());
+        for (const Point& point : contour) {
+            const At to = place(point);
+            if (from.y < to.y) {
+                add_edge(from, to, -1);
+            } else if (to.y < from.y) {
+                add_edge(to, from, 1);
+            }
+            from = to;
+        }
+    }
 
     /// Adds the share of each voxel of the i-th row of the range, 0 to 1, to `to`, and sets the row to zero again.
-    void take_row(std::size_t i, std::span<double> to) noexcept;
+    void take_row(std::size_t i, std::span<double> to) noexcept {
+        const Touched touched = touched_[i];
+        if (touched.first == untouched) {
+            return;
+        }
+        double* const steps = steps_.data() + i * (width_ + 1);
+        double sum = 0;
+        for (std::size_t column = touched.first; column <= std::min(touched.last, width_ - 1); ++column) {
+            sum += std::exchange(steps[column], 0.0);
+            to[column] += std::clamp(sum, 0.0, 1.0);
+        }
+        // Contours that leave the image on the right cover all that is left of the row.
+        for (std::size_t column = touched.last + 1; column < width_; ++column) {
+            to[column] += std::clamp(sum, 0.0, 1.0);
+        }
+        steps[width_] = 0;
+        touched_[i] = {untouched, 0};
+    }
 
 private:
+    static constexpr std::size_t untouched = std::numeric_limits<std::size_t>::max();
+
     struct At {
         double x = 0;  ///< in voxels, from the left side of the first
         double y = 0;  ///< from the lower side of the range's first row
@@ -32,10 +83,90 @@ private:
         std::size_t first;
         std::size_t last;
     };
-    void add_edge(At low, At high, double sign) noexcept;
-    void add_within_row(std::size_t row, double from_x, double to_x, double height) noexcept;
-    void add_inside(std::size_t row, double from_x, double to_x, double height) noexcept;
-    void put(std::size_t row, std::size_t column, double area) noexcept;
+    void add_edge(At low, At high, double sign) noexcept {
+        const auto rows = static_cast<double>(rows_);
+        if (high.y <= 0 || low.y >= rows) {
+            return;
+        }
+        const double slope = (high.x - low.x) / (high.y - low.y);
+        const auto first = static_cast<std::size_t>(std::max(low.y, 0.0));
+        const auto end = static_cast<std::size_t>(std::ceil(std::min(high.y, rows)));
+        const double least_x = std::min(low.x, high.x);
+        const double largest_x = std::max(low.x, high.x);
+        for (std::size_t row = first; row < end; ++row) {
+            const auto bottom = static_cast<double>(row);
+            const double from_y = std::max(low.y, bottom);
+            const double to_y = std::min(high.y, bottom + 1);
+            const double from_x = from_y == low.y ? low.x : low.x + (from_y - low.y) * slope;
+            const double to_x = to_y == high.y ? high.x : low.x + (to_y - low.y) * slope;
+            add_within_row(row, std::clamp(from_x, least_x, largest_x), std::clamp(to_x, least_x, largest_x),
+                           sign * (to_y - from_y));
+        }
+    }
+
+    /// A piece of an edge within a row: what lies to the left of the image counts as its left side, what lies to the right
+    /// of it for nothing.
+    void add_within_row(std::size_t row, double from_x, double to_x, double height) noexcept {
+        if (from_x > to_x) {
+            std::swap(from_x, to_x);
+        }
+        const auto right = static_cast<double>(width_);
+        if (to_x <= 0) {
+            put(row, 0, height);
+            return;
+        }
+        if (from_x >= right) {
+            return;
+        }
+        const double length = to_x - from_x;
+        if (from_x < 0) {
+            const double outside = height * (-from_x / length);
+            put(row, 0, outside);
+            height -= outside;
+            from_x = 0;
+        }
+        if (to_x > right) {
+            height *= (right - from_x) / (to_x - from_x);
+            to_x = right;
+        }
+        add_inside(row, from_x, to_x, height);
+    }
+
+    /// Voxel by voxel, from left to right: what the piece adds to the area of each voxel up to this one.
+    void add_inside(std::size_t row, double from_x, double to_x, double height) noexcept {
+        const auto first = std::min(static_cast<std::size_t>(from_x), width_ - 1);
+        const auto last = std::min(static_cast<std::size_t>(to_x), width_ - 1);
+        double before = 0;  // of the voxel to the left
+        if (first < last) {
+            const double per_voxel = height / (to_x - from_x);
+            double risen = 0;  // height left of the voxel
+            for (std::size_t column = first; column < last; ++column) {
+                const double side = static_cast<double>(column) + 1;
+                const double width = side - std::max(from_x, static_cast<double>(column));
+                const double rise = per_voxel * width;
+                const double area = risen + rise * (0.5 * width);
+                put(row, column, area - before);
+                before = area;
+                risen += rise;
+            }
+            const double rest = height - risen;
+            const auto side = static_cast<double>(last);
+            const double area = risen + rest * (1 - 0.5 * (to_x - side));
+            put(row, last, area - before);
+            before = area;
+        } else {
+            before = height * (1 - (0.5 * (from_x + to_x) - static_cast<double>(first)));
+            put(row, first, before);
+        }
+        put(row, last + 1, height - before);
+    }
+
+    void put(std::size_t row, std::size_t column, double area) noexcept {
+        steps_[row * (width_ + 1) + column] += area;
+        Touched& touched = touched_[row];
+        touched.first = std::min(touched.first, column);
+        touched.last = std::max(touched.last, column);
+    }
 
     std::size_t width_ = 0;
     std::size_t begin_ = 0;
@@ -43,5 +174,53 @@ private:
     std::vector<double> steps_;  ///< what each voxel has more than its left neighbour
     std::vector<Touched> touched_;
 };
+
+/// Unites one layer after another. Keep one a thread.
+class SolidContours {
+public:
+    /// Closed contours of winding numbers 0 and 1 only, solid on the left: those of the layer where a fill rule has made a
+    /// region of all of them, else their union by FillRule::non_zero. They stay until the next call. Throws Refused where
+    /// memory fails.
+    std::span<const std::span<const Point>> of(const SliceResult& result, std::uint64_t layer) {
+        if (layer_ == &result.layers[layer]) {
+            return contours_;
+        }
+        layer_ = &result.layers[layer];
+        contours_.clear();
+        for (const Contour& contour : result.contours_of(*layer_)) {
+            if (contour.role == Role::outer || contour.role == Role::hole) {
+                contours_.push_back(result.points_of(contour));
+            }
+        }
+        const SliceOptions& options = result.info.options;
+        const bool apart = result.info.part_count > 1 && !options.unite_parts;
+        if (!apart && options.region.rule_of(result.info.first_layer + layer) != FillRule::contours) {
+            return contours_;
+        }
+        united_ = require(region_of(contours_, {.fill_rule = FillRule::non_zero}));
+        contours_.clear();
+        for (const Contour& contour : united_.contours) {
+            contours_.push_back(united_.points_of(contour));
+        }
+        return contours_;
+    }
+
+private:
+    const Layer* layer_ = nullptr;  ///< that was asked for last
+    std::vector<std::span<const Point>> contours_;
+    SliceResult united_;
+};
+
+/// How long a closed contour is, grid units.
+inline double perimeter_of(std::span<const Point> points) noexcept {
+    double sum = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Point& p = points[i];
+        const Point& q = points[i + 1 < points.size() ? i + 1 : 0];
+        sum += std::sqrt(std::pow(static_cast<double>(std::int64_t{q.x} - p.x), 2) +
+                         std::pow(static_cast<double>(std::int64_t{q.y} - p.y), 2));
+    }
+    return sum;
+}
 
 }  // namespace lamella

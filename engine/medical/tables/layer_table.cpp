@@ -1,42 +1,62 @@
 #include "lamella/medical/table.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
 #include <memory>
-#include <optional>
-#include <utility>
 
 #include <nlohmann/json.hpp>
 
-#include "base/guard.hpp"
 #include "base/words.hpp"
 #include "io/text/text.hpp"
 #include "io/write/output_file.hpp"
-#include "lamella/audit/volume.hpp"
-#include "lamella/io/name_text.hpp"
+#include "lamella/audit.hpp"
+#include "lamella/check.hpp"
 #include "lamella/io/text_file.hpp"
-#include "lamella/mesh/inspect.hpp"
-#include "medical/raster/solid_contours.hpp"
+#include "medical/geometry/headers.hpp"
+#include "medical/raster/coverage.hpp"
 #include "medical/tables/csv_text.hpp"
-#include "slicing/result/layer_view.hpp"
 
 namespace lamella {
 
 namespace {
 
-std::string number(double value) {
-    return exact_text(value + 0.0);  // never -0
+/// A named value, as CSV and JSON write it.
+struct Cell {
+    std::string name;
+    std::string csv;
+    std::string json;
+};
+
+Cell count(std::string name, std::uint64_t value) {
+    return {std::move(name), std::to_string(value), std::to_string(value)};
 }
 
-std::string number(std::uint64_t value) {
-    return std::to_string(value);
+/// NaN is not known: empty, or null.
+Cell number(std::string name, double value) {
+    const std::string text = std::isnan(value) ? "" : exact_text(value + 0.0);  // never -0
+    return {std::move(name), text, text.empty() ? "null" : text};
 }
 
-/// NaN is not known.
-std::optional<std::string> known(double value) {
-    return std::isnan(value) ? std::nullopt : std::optional<std::string>(number(value));
+std::string json_text(const std::string& text) {
+    return nlohmann::json(utf8_text(text)).dump();
+}
+
+Cell text(std::string name, const std::string& value) {
+    return {std::move(name), csv_text(value), json_text(value)};
+}
+
+std::string csv_line(const std::vector<Cell>& cells, std::string Cell::*member) {
+    std::string line;
+    for (const Cell& cell : cells) {
+        line.append(&cell == cells.data() ? "" : ",").append(cell.*member);
+    }
+    return line + "\n";
+}
+
+std::string json_line(const char* kind, const std::vector<Cell>& cells) {
+    std::string line = std::string("{\"kind\":\"") + kind + "\"";
+    for (const Cell& cell : cells) {
+        line.append(",\"").append(cell.name).append("\":").append(cell.json);
+    }
+    return line + "}\n";
 }
 
 using Place = std::array<double, 3>;
@@ -80,7 +100,7 @@ void widen(std::optional<std::array<Place, 2>>& box, const Place& at) {
 /// Places are in LPS where the layer is one of an image.
 Measures measure(const LayerView& view, const ImageGeometry* image) {
     const auto placed = [&](PointMm at) {
-        const Place place = {at.x, at.y, view.layer.plane.z() * view.unit_mm};
+        const Place place = {at.x, at.y, view.cut_mm()};
         return image != nullptr ? image->to_lps(place) : place;
     };
     Measures found;
@@ -97,40 +117,31 @@ Measures measure(const LayerView& view, const ImageGeometry* image) {
         if (contour.role == Role::outer || contour.role == Role::hole) {
             about = about.value_or(points.front());
             add_moments(points, *about, sums);
-            found.perimeter_mm += perimeter_of(points) * view.unit_mm;
+            found.perimeter_mm += perimeter_of(points) * view.grid_mm;
         }
     }
     if (found.open > 0) {
         found.perimeter_mm = std::numeric_limits<double>::quiet_NaN();
     } else if (about && sums[0] != 0) {
         found.centroid = placed(
-            {(about->x + sums[1] / (3 * sums[0])) * view.unit_mm, (about->y + sums[2] / (3 * sums[0])) * view.unit_mm});
+            {(about->x + sums[1] / (3 * sums[0])) * view.grid_mm, (about->y + sums[2] / (3 * sums[0])) * view.grid_mm});
     }
     return found;
 }
-
-/// A cell: its name, and its text or nothing.
-struct Cell {
-    std::string name;
-    std::optional<std::string> text;
-};
 
 /// Three coordinates in the patient, else two in the layer.
 void add_place(std::vector<Cell>& cells, const std::string& what, const std::optional<Place>& at,
                const ImageGeometry* image) {
     static constexpr std::array<char, 3> axes = {'x', 'y', 'z'};
     for (std::size_t axis = 0; axis < (image != nullptr ? 3 : 2); ++axis) {
-        cells.push_back({what + "_" + axes[axis] + (image != nullptr ? "_lps_mm" : "_mm"),
-                         at ? std::optional<std::string>(number((*at)[axis])) : std::nullopt});
+        cells.push_back(number(what + "_" + axes[axis] + (image != nullptr ? "_lps_mm" : "_mm"),
+                               at ? (*at)[axis] : std::numeric_limits<double>::quiet_NaN()));
     }
 }
 
-void add_heights(std::vector<Cell>& cells, const LayerView& view, const ImageGeometry* image) {
-    const Layer& layer = view.layer;
-    std::array<std::pair<const char*, double>, 4> heights = {{{"height", layer.plane_mm},
-                                                              {"cut", layer.plane.z() * view.unit_mm},
-                                                              {"bottom", layer.bottom_mm},
-                                                              {"top", layer.top_mm}}};
+void add_heights(std::vector<Cell>& cells, const LayerView& layer, const ImageGeometry* image) {
+    std::array<std::pair<const char*, double>, 4> heights = {
+        {{"height", layer.plane_mm}, {"cut", layer.cut_mm()}, {"bottom", layer.bottom_mm}, {"top", layer.top_mm}}};
     if (image != nullptr) {
         for (auto& [what, mm] : heights) {
             mm = image->height_lps_mm(mm);
@@ -140,37 +151,36 @@ void add_heights(std::vector<Cell>& cells, const LayerView& view, const ImageGeo
         }
     }
     for (const auto& [what, mm] : heights) {
-        cells.push_back({std::string(what) + (image != nullptr ? "_lps_mm" : "_mm"), number(mm)});
+        cells.push_back(number(std::string(what) + (image != nullptr ? "_lps_mm" : "_mm"), mm));
     }
 }
 
 /// With `image`, heights and places are the patient's, and the names say so.
-std::vector<Cell> cells_of(const LayerView& view, const ImageGeometry* image) {
-    const Measures found = measure(view, image);
-    std::vector<Cell> cells = {{"layer", number(view.index)}};
-    add_heights(cells, view, image);
-    cells.insert(cells.end(), {{"area_mm2", known(view.area_mm2())},
-                               {"perimeter_mm", known(found.perimeter_mm)},
-                               {"contours", number(view.layer.contour_count)},
-                               {"holes", number(found.holes)},
-                               {"open", number(found.open)},
-                               {"flat", number(found.flat)}});
+std::vector<Cell> cells_of(const std::string& mesh, const LayerView& layer, const ImageGeometry* image) {
+    const Measures found = measure(layer, image);
+    std::vector<Cell> cells = {text("mesh", text_of_name(mesh)), count("layer", layer.index)};
+    add_heights(cells, layer, image);
+    cells.insert(cells.end(), {number("area_mm2", layer.area_mm2()), number("perimeter_mm", found.perimeter_mm),
+                               count("contours", layer.contour_count), count("holes", found.holes),
+                               count("open", found.open), count("flat", found.flat)});
     add_place(cells, "centroid", found.centroid, image);
     add_place(cells, "min", found.box_mm ? std::optional(found.box_mm->front()) : std::nullopt, image);
     add_place(cells, "max", found.box_mm ? std::optional(found.box_mm->back()) : std::nullopt, image);
     return cells;
 }
 
-std::string json_text(const std::string& text) {
-    return nlohmann::json(utf8_text(text)).dump();
-}
-
-std::string joined(const std::vector<std::string>& lines) {
-    std::string all;
-    for (const std::string& line : lines) {
-        all += (all.empty() ? "" : "; ") + line;
+/// Of the whole mesh.
+std::vector<Cell> cells_of(const TablePart& part) {
+    const MeshFacts& facts = *part.facts;
+    std::string line;
+    std::string list;
+    for (const std::string& warning : facts.warnings) {
+        line.append(line.empty() ? "" : "; ").append(warning);
+        list.append(list.empty() ? "" : ",").append(json_text(warning));
     }
-    return all;
+    return {text("mesh", text_of_name(part.name)),  count("triangles", facts.triangles),
+            number("volume_mm3", facts.volume_mm3), number("surface_mm2", facts.surface_mm2),
+            text("certificate", facts.certificate), {"warnings", csv_text(line), "[" + list + "]"}};
 }
 
 }  // namespace
@@ -178,31 +188,23 @@ std::string joined(const std::vector<std::string>& lines) {
 /// The head of a table, and its rows.
 class TableText {
 public:
-    TableText(bool csv, const ImageGeometry* image) : csv_(csv) {
+    /// By the end of the name. Throws Refused where it is not that of a table.
+    TableText(const std::filesystem::path& path, const ImageGeometry* image) {
+        const std::string end = lower_case(path.extension().string());
+        csv_ = end == ".csv";
+        if (!csv_ && end != ".jsonl") {
+            refuse_output(path, "a table's name ends in .csv or .jsonl");
+        }
         if (image != nullptr) {
             image_ = *image;
         }
     }
 
-    std::string head() const {
-        std::string line;
-        if (csv_) {
-            line = "mesh";
-            for (const Cell& cell : cells_of({}, image())) {
-                line += "," + cell.name;
-            }
-            line += "\n";
-        }
-        return line;
-    }
-
-    std::string row(const std::string& mesh, const LayerView& view) const {
-        std::string line =
-            csv_ ? csv_text(text_of_name(mesh)) : "{\"kind\":\"layer\",\"mesh\":" + json_text(text_of_name(mesh));
-        for (const Cell& cell : cells_of(view, image())) {
-            line += csv_ ? "," + cell.text.value_or("") : ",\"" + cell.name + "\":" + cell.text.value_or("null");
-        }
-        return line + (csv_ ? "\n" : "}\n");
+    bool csv() const noexcept { return csv_; }
+    std::string head() const { return csv_ ? csv_line(cells_of({}, {}, image()), &Cell::name) : ""; }
+    std::string row(const std::string& mesh, const LayerView& layer) const {
+        const std::vector<Cell> cells = cells_of(mesh, layer, image());
+        return csv_ ? csv_line(cells, &Cell::csv) : json_line("layer", cells);
     }
 
 private:
@@ -214,101 +216,57 @@ private:
 
 namespace {
 
-std::string mesh_csv_row(const TablePart& part) {
-    const MeshFacts& facts = *part.facts;
-    return csv_text(text_of_name(part.name)) + "," + number(facts.triangles) + "," + known(facts.volume_mm3).value_or("") +
-           "," + number(facts.surface_mm2) + "," + csv_text(facts.certificate) + "," + csv_text(joined(facts.warnings)) +
-           "\n";
-}
-
-std::string mesh_json_row(const TablePart& part) {
-    const MeshFacts& facts = *part.facts;
-    std::string warnings;
-    for (const std::string& warning : facts.warnings) {
-        warnings += (warnings.empty() ? "" : ",") + json_text(warning);
-    }
-    return "{\"kind\":\"mesh\",\"mesh\":" + json_text(text_of_name(part.name)) +
-           ",\"triangles\":" + number(facts.triangles) + ",\"volume_mm3\":" + known(facts.volume_mm3).value_or("null") +
-           ",\"surface_mm2\":" + number(facts.surface_mm2) + ",\"certificate\":" + json_text(facts.certificate) +
-           ",\"warnings\":[" + warnings + "]}\n";
-}
-
+/// NAME.meshes.csv beside NAME.csv, where something is known of a mesh.
 Status write_mesh_csv(std::span<const TablePart> parts, const std::filesystem::path& path) {
     std::string rows;
     for (const TablePart& part : parts) {
-        rows += part.facts != nullptr ? mesh_csv_row(part) : "";
-    }
-    if (rows.empty()) {
-        return {};
-    }
-    return write_text_file(std::filesystem::path(path).replace_extension(".meshes.csv"),
-                           "mesh,triangles,volume_mm3,surface_mm2,certificate,warnings\n" + rows);
-}
-
-Status write_layers(std::span<const TablePart> parts, const std::filesystem::path& path, const Control& control, bool csv,
-                    const ImageGeometry* image) {
-    const PacedStop stop(control.stop);
-    Result<OutputFile> file = OutputFile::create(path);
-    if (!file) {
-        return file.error();
-    }
-    const TableText text(csv, image);
-    file->append(text.head());
-    for (const TablePart& part : parts) {
-        file->append(!csv && part.facts != nullptr ? mesh_json_row(part) : "");
-    }
-    for (const TablePart& part : parts) {
-        for (std::uint64_t i = 0; i < part.result->layers.size(); ++i) {
-            stop.stop_if_asked();
-            file->append(text.row(part.name, view_of_layer(*part.result, i)));
+        if (part.facts != nullptr) {
+            const std::vector<Cell> cells = cells_of(part);
+            rows += (rows.empty() ? csv_line(cells, &Cell::name) : "") + csv_line(cells, &Cell::csv);
         }
     }
-    return file->commit();
-}
-
-/// Throws Refused where the name is not that of a table.
-bool is_csv(const std::filesystem::path& path) {
-    const std::string end = lower_case(path.extension().string());
-    if (end != ".csv" && end != ".jsonl") {
-        throw Refused{{ErrorCode::invalid_argument, "'" + path.string() + "': a table's name ends in .csv or .jsonl"}};
-    }
-    return end == ".csv";
+    return rows.empty() ? Status() : write_text_file(std::filesystem::path(path).replace_extension(".meshes.csv"), rows);
 }
 
 }  // namespace
 
-Result<MeshFacts> measure_facts(const MeshView& mesh, const Transform& to_mm, const SliceResult& result,
-                                const Control& control) noexcept {
-    return guarded(control, [&]() -> Result<MeshFacts> {
-        const Result<MeshInfo> info = inspect(mesh, {.unit_mm = 0, .transform = to_mm, .control = control});
-        if (!info) {
-            return info.error();
-        }
-        const Result<VolumeCertificate> volume = certify_volume(mesh, result, control);
-        if (!volume) {
-            return volume.error();
-        }
+Result<MeshFacts> measure_facts(const MeshView& mesh, const SliceResult& result, const Context& context) noexcept {
+    return guarded(context, [&]() -> Result<MeshFacts> {
+        const MeshCheck found = require(check(mesh, {.counts_only = true}, context));
+        const Audit answers = require(audit(result, mesh, {.open = false, .ledger = false, .crossings = false}, context));
         MeshFacts facts;
-        facts.triangles = info->triangles;
-        facts.volume_mm3 = info->closed ? info->volume_mm3 : std::numeric_limits<double>::quiet_NaN();
-        facts.surface_mm2 = info->area_mm2;
-        facts.certificate = words_for(*volume);
+        facts.triangles = found.triangles;
+        facts.volume_mm3 = found.closed ? found.volume_mm3 : std::numeric_limits<double>::quiet_NaN();
+        facts.surface_mm2 = found.area_mm2;
+        facts.certificate = words_for(*answers.volume);
         return facts;
     });
 }
 
-Status write_layer_table(std::span<const TablePart> parts, const std::filesystem::path& path, const Control& control,
-                         const ImageGeometry* image) noexcept {
-    return guarded(control, [&]() -> Status {
-        const bool csv = is_csv(path);
-        const Status layers = write_layers(parts, path, control, csv, image);
-        return layers && csv ? write_mesh_csv(parts, path) : layers;
+Status write_layer_table(std::span<const TablePart> parts, const std::filesystem::path& path, const ImageGeometry* image,
+                         const Context& context) noexcept {
+    return guarded(context, [&]() -> Status {
+        const TableText table(path, image);
+        const PacedStop stop(context.stop);
+        OutputFile file = require(OutputFile::create(path));
+        file.append(table.head());
+        for (const TablePart& part : parts) {
+            file.append(!table.csv() && part.facts != nullptr ? json_line("mesh", cells_of(part)) : "");
+        }
+        for (const TablePart& part : parts) {
+            for (const LayerView layer : *part.result) {
+                stop.stop_if_asked();
+                file.append(table.row(part.name, layer));
+            }
+        }
+        require(file.commit());
+        return table.csv() ? write_mesh_csv(parts, path) : Status();
     });
 }
 
 struct LayerTableStream::State {
     std::string name;
-    TableText text;
+    TableText table;
     OutputFile out;
     Status done;
 };
@@ -321,13 +279,9 @@ LayerTableStream::~LayerTableStream() = default;
 Result<LayerTableStream> LayerTableStream::begin(const std::string& name, const std::filesystem::path& path,
                                                  const ImageGeometry* image) noexcept {
     return guarded([&]() -> Result<LayerTableStream> {
-        const TableText text(is_csv(path), image);
-        Result<OutputFile> file = OutputFile::create(path);
-        if (!file) {
-            return file.error();
-        }
-        file->append(text.head());
-        auto state = std::make_unique<State>(State{name, text, std::move(file).value(), {}});
+        const TableText table(path, image);
+        auto state = std::make_unique<State>(State{name, table, require(OutputFile::create(path)), {}});
+        state->out.append(table.head());
         return LayerTableStream(std::move(state));
     });
 }
@@ -336,7 +290,7 @@ void LayerTableStream::add(const LayerView& layer) noexcept {
     State& own = *state_;
     if (own.done) {
         own.done = guarded([&]() -> Status {
-            own.out.append(own.text.row(own.name, layer));
+            own.out.append(own.table.row(own.name, layer));
             return {};
         });
     }

@@ -1,4 +1,4 @@
-#include "lamella/mesh/check.hpp"
+#include "lamella/check.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -79,30 +79,25 @@ constexpr Share tree_share = {0.54, 9};
 constexpr Share shells_share = {0.60, 9};
 constexpr double meeting_share = 0.97;
 constexpr Share gaps_share = {0.99, 40};
+constexpr double measure_share_of_counts = 0.1;
+constexpr Share counts_share = {0.99, 6};
 
 /// The stages.
 class Diagnosis {
 public:
-    Diagnosis(const MeshView& view, const CheckOptions& options)
-        : view_(view), options_(options), parallel_(options.control) {
+    Diagnosis(const MeshView& view, const CheckOptions& options, const Parallel& parallel)
+        : view_(view), options_(options), parallel_(parallel) {
         check_.tolerance_mm = options.tolerance_mm;
         check_.sliver_ratio = options.sliver_ratio;
     }
 
     Result<MeshCheck> run() {
-        if (Status status = measure(); !status) {
-            return status.error();
+        const double measured = options_.counts_only ? measure_share_of_counts : measure_share;
+        measure_mesh(view_, options_.frame, parallel_, measured, check_);
+        check_.ms.measure = lap();
+        if (const bool some_left = options_.counts_only ? count() : find_all(); !some_left) {
+            return all_collapsed(view_.triangle_count, check_.grid_mm);
         }
-        begin(faces_share);
-        const GridMesh mesh = make_grid_mesh(view_, options_.transform, check_.info, parallel_, recycler_.memory());
-        if (mesh.faces.empty()) {
-            return all_collapsed(view_.triangle_count, check_.info.unit_mm);
-        }
-        check_.ms.faces = lap();
-        begin(edges_share);
-        const EdgeTable edges(mesh, parallel_);
-        check_.ms.edges = lap();
-        find_faults(mesh, edges);
         parallel_.finish();
         return std::move(check_);
     }
@@ -116,15 +111,26 @@ private:
         return std::chrono::duration<double, std::milli>(now - std::exchange(last_, now)).count();
     }
 
-    Status measure() {
-        const Result<MeshInfo> measured =
-            measure_mesh(view_, options_.transform, options_.unit_mm, parallel_, measure_share);
-        if (!measured) {
-            return measured.error();
+    /// False where nothing is left on the grid.
+    bool count() {
+        begin(counts_share);
+        count_edges(view_, options_.frame, parallel_, check_);
+        check_.ms.edges = lap();
+        return check_.degenerate < check_.triangles;
+    }
+
+    bool find_all() {
+        begin(faces_share);
+        const GridMesh mesh = make_grid_mesh(view_, options_.frame, check_, parallel_);
+        if (mesh.faces.empty()) {
+            return false;
         }
-        check_.info = *measured;
-        check_.ms.measure = lap();
-        return {};
+        check_.ms.faces = lap();
+        begin(edges_share);
+        const EdgeTable edges(mesh, parallel_);
+        check_.ms.edges = lap();
+        find_faults(mesh, edges);
+        return true;
     }
 
     void find_faults(const GridMesh& mesh, const EdgeTable& edges) {
@@ -151,39 +157,40 @@ private:
         begin(gaps_share);
         find_gaps(mesh, edges, options_.tolerance_mm, faults, parallel_);
         check_.ms.gaps = lap();
-        complete_info(mesh, edges, unbalanced);
+        fill_in_counts(mesh, edges, unbalanced);
     }
 
-    /// Fills in what inspect() counts by another method.
-    void complete_info(const GridMesh& mesh, const EdgeTable& edges, std::uint64_t unbalanced) {
-        MeshInfo& info = check_.info;
-        info.degenerate = mesh.collapsed.size();
-        info.edges = edges.size();
-        info.boundary_edges = check_.of(Fault::boundary_edge).count;
-        info.overfull_edges = check_.of(Fault::overfull_balanced).count + check_.of(Fault::overfull_unbalanced).count;
-        info.mismatched_edges = check_.of(Fault::mismatched_edge).count;
-        info.shells = check_.shells.size();
-        info.closed = unbalanced == 0;
-        info.exact_boundary_edges = mesh.joined ? count_exact_boundary(view_, parallel_) : info.boundary_edges;
+    /// The counts of count(), which counts by another method.
+    void fill_in_counts(const GridMesh& mesh, const EdgeTable& edges, std::uint64_t unbalanced) {
+        check_.degenerate = mesh.collapsed.size();
+        check_.edges = edges.size();
+        check_.boundary_edges = check_.of(Fault::boundary_edge).count;
+        check_.overfull_edges = check_.of(Fault::overfull_balanced).count + check_.of(Fault::overfull_unbalanced).count;
+        check_.mismatched_edges = check_.of(Fault::mismatched_edge).count;
+        check_.shell_count = check_.shells.size();
+        check_.closed = unbalanced == 0;
+        check_.exact_boundary_edges = mesh.joined ? count_exact_boundary(view_, parallel_) : check_.boundary_edges;
         check_.ms.edges += lap();
     }
 
     const MeshView& view_;
     const CheckOptions& options_;
-    const Parallel parallel_;
-    Recycler recycler_;
+    const Parallel& parallel_;
     Clock::time_point last_ = Clock::now();
     MeshCheck check_;
 };
 
-Result<MeshCheck> check_or_throw(const MeshView& view, const CheckOptions& options) {
+Result<MeshCheck> check_or_throw(const MeshView& view, const CheckOptions& options, Context context) {
     if (const Status usable = examine(options); !usable) {
         return usable.error();
     }
-    if (view.triangle_count >= std::numeric_limits<std::uint32_t>::max() / 3) {
+    if (!options.counts_only && view.triangle_count >= std::numeric_limits<std::uint32_t>::max() / 3) {
         return Error{ErrorCode::result_too_large, "check takes at most 1,431,655,764 triangles"};
     }
-    return Diagnosis(view, options).run();
+    const Recycler recycler;
+    context.memory = recycler.memory();
+    const Parallel parallel(context);
+    return Diagnosis(view, options, parallel).run();
 }
 
 }  // namespace
@@ -206,11 +213,11 @@ bool MeshCheck::clean() const noexcept {
     for (const FaultFinding& finding : findings) {
         faults += finding.count;
     }
-    return info.closed && faults == of(Fault::needle_face).count + of(Fault::cap_face).count;
+    return closed && faults == of(Fault::needle_face).count + of(Fault::cap_face).count;
 }
 
-Result<MeshCheck> check(const MeshView& mesh, const CheckOptions& options) noexcept {
-    return guarded(options.control, [&] { return check_or_throw(mesh, options); });
+Result<MeshCheck> check(const MeshView& mesh, const CheckOptions& options, const Context& context) noexcept {
+    return guarded(context, [&] { return check_or_throw(mesh, options, context); });
 }
 
 }  // namespace lamella

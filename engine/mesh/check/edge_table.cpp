@@ -73,13 +73,13 @@ Distributed<std::uint32_t> distribute_sides(const GridMesh& mesh, const Parallel
                 }
             }
         },
-        mesh.memory);
+        parallel.memory());
 }
 
 }  // namespace
 
 EdgeTable::EdgeTable(const GridMesh& mesh, const Parallel& parallel)
-    : mesh_(mesh), first_sides_(mesh.memory), sides_(mesh.memory), irregular_(mesh.memory) {
+    : mesh_(mesh), first_sides_(parallel.memory()), sides_(parallel.memory()), irregular_(parallel.memory()) {
     Distributed<std::uint32_t> parts = distribute_sides(mesh, parallel);
     std::vector<SideSort> workers(static_cast<std::size_t>(parallel.threads()), SideSort(mesh));
     std::vector<std::size_t> firsts(parts.size() + 1, 0);  // edges of a part, then the first of it
@@ -101,7 +101,7 @@ EdgeTable::EdgeTable(const GridMesh& mesh, const Parallel& parallel)
     });
     first_sides_[firsts.back()] = static_cast<std::uint32_t>(parts.items.size());
     sides_ = std::move(parts.items);
-    irregular_ = indices_where(size(), parallel, mesh.memory,
+    irregular_ = indices_where(size(), parallel, parallel.memory(),
                                [&](std::size_t edge) { return sides(edge).size() != 2 || !is_balanced(edge); });
     std::copy_if(irregular_.begin(), irregular_.end(), std::back_inserter(boundary_),
                  [&](std::uint32_t edge) { return sides(edge).size() == 1; });
@@ -112,25 +112,13 @@ EdgeTable::Edge EdgeTable::operator[](std::size_t edge) const noexcept {
     return {lower, upper};
 }
 
-std::size_t EdgeTable::forward_count(std::size_t edge) const noexcept {
-    const std::span<const std::uint32_t> own = sides(edge);
-    return static_cast<std::size_t>(
-        std::count_if(own.begin(), own.end(), [&](std::uint32_t side) { return is_forward(side); }));
-}
-
 bool EdgeTable::joins(std::uint32_t a, std::uint32_t b) const noexcept {
     const Ends wanted = {std::min(a, b), std::max(a, b)};
-    std::size_t first = 0;
-    for (std::size_t left = size(); left > 0;) {
-        const std::size_t half = left / 2;
-        if (ends_of(mesh_, sides_[first_sides_[first + half]]) < wanted) {
-            first += half + 1;
-            left -= half + 1;
-        } else {
-            left = half;
-        }
-    }
-    return first != size() && ends_of(mesh_, sides_[first_sides_[first]]) == wanted;
+    const auto ends_at = [&](std::uint32_t first_side) { return ends_of(mesh_, sides_[first_side]); };
+    const std::uint32_t* const end = first_sides_.begin() + size();
+    const std::uint32_t* const found =
+        std::partition_point(first_sides_.begin(), end, [&](std::uint32_t first) { return ends_at(first) < wanted; });
+    return found != end && ends_at(*found) == wanted;
 }
 
 }  // namespace lamella

@@ -1,7 +1,7 @@
 // The edges of a grid mesh with the faces at each.
 #pragma once
 
-#include <cassert>
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -31,17 +31,19 @@ public:
     }
     static std::uint32_t face_of(std::uint32_t side) noexcept { return side / 3; }
 
-    /// From the edge's lower vertex to its upper one.
-    bool is_forward(std::uint32_t side) const noexcept {
-        const auto& corners = mesh_.faces[side / 3].corners;
-        return corners[side % 3] < corners[(side % 3 + 1) % 3];
+    /// As many faces run one way along the edge as the other.
+    bool is_balanced(std::size_t edge) const noexcept {
+        const std::span<const std::uint32_t> own = sides(edge);
+        const auto forward = std::count_if(own.begin(), own.end(), [&](std::uint32_t side) {
+            const auto& corners = mesh_.faces[side / 3].corners;
+            return corners[side % 3] < corners[(side % 3 + 1) % 3];
+        });
+        return 2 * static_cast<std::size_t>(forward) == own.size();
     }
-    std::size_t forward_count(std::size_t edge) const noexcept;
-    bool is_balanced(std::size_t edge) const noexcept { return 2 * forward_count(edge) == sides(edge).size(); }
 
     /// Edges that have not one face on either hand, ascending: one face, or more than two, or two that run the same way.
     const Array<std::uint32_t>& irregular() const noexcept { return irregular_; }
-    /// Those of them with one face.
+    /// Edges with one face, ascending.
     const std::vector<std::uint32_t>& boundary() const noexcept { return boundary_; }
 
     /// True if two vertices are joined by an edge. O(log n).
@@ -49,7 +51,7 @@ public:
 
 private:
     const GridMesh& mesh_;
-    Array<std::uint32_t> first_sides_;  ///< of each edge, and the end of the last
+    Array<std::uint32_t> first_sides_;  ///< by edge, and the end of the last
     Array<std::uint32_t> sides_;
     Array<std::uint32_t> irregular_;
     std::vector<std::uint32_t> boundary_;

@@ -29,7 +29,7 @@ std::int32_t height_in(std::size_t axis, const GridVertex& v) {
 }  // namespace
 
 EmbeddedStars::EmbeddedStars(const GridMesh& mesh, const EdgeTable& edges, const Parallel& parallel)
-    : mesh_(mesh), words_(mesh.memory), areas_(mesh.memory) {
+    : mesh_(mesh), words_(parallel.memory()), areas_(parallel.memory()) {
     words_.resize_discarding(mesh.vertices.size());
     areas_.resize_discarding(mesh.faces.size());
     parallel.run_ranges(words_.size(), grain, [&](std::size_t begin, std::size_t end, int) {

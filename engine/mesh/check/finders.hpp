@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "base/parallel.hpp"
-#include "lamella/mesh/check.hpp"
+#include "lamella/check.hpp"
 #include "mesh/check/edge_table.hpp"
 #include "mesh/check/embedded_stars.hpp"
-#include "mesh/check/face_tree.hpp"
 #include "mesh/check/grid_mesh.hpp"
+#include "slicing/grid/box_tree.hpp"
 
 namespace lamella {
 
@@ -73,7 +73,7 @@ public:
     FaultFinding& of(Fault fault) noexcept { return findings_[static_cast<std::size_t>(fault)]; }
 
     std::array<double, 3> mm(const GridVertex& vertex) const noexcept {
-        return {vertex.x * mesh_.unit_mm, vertex.y * mesh_.unit_mm, vertex.z * mesh_.unit_mm};
+        return {vertex.x * mesh_.grid_mm, vertex.y * mesh_.grid_mm, vertex.z * mesh_.grid_mm};
     }
 
     /// At up to three vertices.
@@ -106,6 +106,17 @@ private:
     const GridMesh& mesh_;
     std::size_t most_;
     Findings& findings_;
+};
+
+/// The faces of a mesh, found by where they lie, without those that have no area. Of several faces on the same vertices,
+/// which follow one another in the mesh, it has the first: so a body that was exported a thousand times costs no more than
+/// once.
+struct FaceTree {
+    Array<std::uint32_t> faces;  ///< ascending
+    BoxTree<GridVertex> boxes;   ///< items as in `faces`
+
+    /// O(n), in at most 13 calls of run(). Throws std::bad_alloc.
+    FaceTree(const GridMesh& mesh, const EmbeddedStars& stars, const Parallel& parallel);
 };
 
 /// Edges by the faces at each. Returns how many have more faces one way than the other. O(edges), one call of run().

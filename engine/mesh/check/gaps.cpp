@@ -30,7 +30,7 @@ double length(const GridVector& v) {
     return std::sqrt(static_cast<double>(dot(v, v)));
 }
 
-Box widened(const GridVertex& p, double reach) {
+SpaceBox widened(const GridVertex& p, double reach) {
     const auto by = static_cast<std::int64_t>(std::ceil(std::min(reach, 4.0 * grid_limit)));
     const auto below = [by](std::int32_t at) {
         return static_cast<std::int32_t>(std::max<std::int64_t>(at - by, -grid_limit));
@@ -64,7 +64,7 @@ public:
           edges_(edges),
           faults_(faults),
           parallel_(parallel),
-          reach_(tolerance_mm / mesh.unit_mm),
+          reach_(tolerance_mm / mesh.grid_mm),
           half_reach_(reach_ / 2),
           boundary_(edges.boundary()) {
         for (const std::uint32_t edge : boundary_) {
@@ -81,7 +81,7 @@ public:
             boundary_.size(),
             [&](std::size_t item) {
                 const EdgeTable::Edge edge = edges_[boundary_[item]];
-                return Box::around(mesh_.vertices[edge.lower], mesh_.vertices[edge.upper]);
+                return SpaceBox::around(mesh_.vertices[edge.lower], mesh_.vertices[edge.upper]);
             },
             parallel_);
         search(
@@ -99,7 +99,7 @@ public:
         tree.assign(
             vertices_.size(),
             [&](std::size_t item) {
-                return Box{at_grid(item), at_grid(item)};
+                return SpaceBox{at_grid(item), at_grid(item)};
             },
             parallel_);
         search(
@@ -112,7 +112,7 @@ public:
             },
             [&](const Near& near) {
                 FaultPlace place = faults_.at({near.first, near.second});
-                place.measure = length(at(near.second) - at(near.first)) * 2 * mesh_.unit_mm;
+                place.measure = length(at(near.second) - at(near.first)) * 2 * mesh_.grid_mm;
                 return place;
             });
     }
@@ -158,7 +158,7 @@ private:
         const auto [lower, upper] = edges_[edge];
         double share = 0;
         FaultPlace place = faults_.at({vertex});
-        place.measure = distance_to_inside(at(vertex), at(lower), at(upper), share) * 2 * mesh_.unit_mm;
+        place.measure = distance_to_inside(at(vertex), at(lower), at(upper), share) * 2 * mesh_.grid_mm;
         place.triangles[0] = mesh_.faces[EdgeTable::face_of(edges_.sides(edge)[0])].source;
         const Real from = faults_.mm(mesh_.vertices[lower]);
         const Real to = faults_.mm(mesh_.vertices[upper]);

@@ -11,7 +11,7 @@
 
 #include "base/number_table.hpp"
 #include "base/parallel_sort.hpp"
-#include "mesh/exact_reader.hpp"
+#include "mesh/measure.hpp"
 #include "slicing/grid/vertex_hash.hpp"
 
 namespace lamella {
@@ -68,17 +68,15 @@ private:
 ///     range 1: corners c d e  d f e   ->  c d e f   numbers 0 1 2  1 3 2   ->  all: a b c d e f
 class Numbering {
 public:
-    Numbering(const MeshView& mesh, const Transform& transform, const MeshInfo& info, const Parallel& parallel,
-              const Memory* memory)
+    Numbering(const MeshView& mesh, const Frame& frame, const MeshCheck& measured, const Parallel& parallel)
         : mesh_(mesh),
-          transform_(transform),
-          unit_mm_(info.unit_mm),
-          order_(info),
+          placing_(placing_of(mesh, frame)),
+          grid_mm_(measured.grid_mm),
+          order_(measured),
           parallel_(parallel),
-          memory_(memory),
           ranges_(ranges_for(mesh.triangle_count, parallel)),
-          of_corners_(memory),
-          of_found_(memory),
+          of_corners_(parallel.memory()),
+          of_found_(parallel.memory()),
           tables_(static_cast<std::size_t>(parallel.threads())) {}
 
     /// Fills in vertices and `joined`; the number of each corner, three a triangle.
@@ -105,7 +103,7 @@ private:
         found_.resize(ranges_);
         of_corners_.resize_discarding(3 * mesh_.triangle_count);
         const ExactReader exact(mesh_);
-        with_reader(mesh_, transform_, unit_mm_, [&](const auto& read) {
+        with_reader(mesh_, placing_, grid_mm_, [&](const auto& read) {
             parallel_.run(ranges_, [&](std::size_t range, int worker) {
                 VertexTable& table = tables_[static_cast<std::size_t>(worker)];
                 table.clear();
@@ -129,7 +127,7 @@ private:
             firsts_[range + 1] = firsts_[range] + static_cast<std::uint32_t>(found_[range].size());
         }
         const std::size_t count = firsts_.back();
-        Array<Vertex> all(memory_);
+        Array<Vertex> all(parallel_.memory());
         all.resize_discarding(count);
         parallel_.run(ranges_, [&](std::size_t range, int) {
             std::copy(found_[range].begin(), found_[range].end(), all.begin() + firsts_[range]);
@@ -144,7 +142,7 @@ private:
                     emit(splitters.part_of(key(i)), Item{all[i], static_cast<std::uint32_t>(i)});
                 }
             },
-            memory_);
+            parallel_.memory());
     }
 
     /// All vertices in order; of_found_ becomes the number of each that a range has found.
@@ -158,7 +156,7 @@ private:
         for (std::size_t part = 0; part < parts.size(); ++part) {
             firsts[part + 1] = firsts[part] + static_cast<std::uint32_t>(vertices[part].size());
         }
-        Array<GridVertex> all(memory_);
+        Array<GridVertex> all(parallel_.memory());
         all.resize_discarding(firsts.back());
         parallel_.run(parts.size(), [&](std::size_t part, int) {
             std::copy(vertices[part].begin(), vertices[part].end(), all.begin() + firsts[part]);
@@ -210,17 +208,16 @@ private:
     }
 
     const MeshView& mesh_;
-    const Transform& transform_;
-    double unit_mm_;
+    Placing placing_;
+    double grid_mm_;
     MortonOrder order_;
     const Parallel& parallel_;
-    const Memory* memory_;
     std::size_t ranges_;
     Array<std::uint32_t> of_corners_;
     Array<std::uint32_t> of_found_;
     std::vector<VertexTable> tables_;         ///< by worker
     std::vector<std::vector<Vertex>> found_;  ///< by range
-    std::vector<std::uint32_t> firsts_;       ///< of each range, among all that were found
+    std::vector<std::uint32_t> firsts_;       ///< by range: its first vertex among all that were found
 };
 
 constexpr std::size_t faces_a_part = std::size_t{1} << 13;
@@ -244,8 +241,7 @@ bool is_collapsed(const Face& face) {
 }
 
 /// Faces in parts by their smallest corner, and in one more those that have collapsed.
-Distributed<Face> distribute_faces(const Array<std::uint32_t>& numbers, std::size_t vertices, const Parallel& parallel,
-                                   const Memory* memory) {
+Distributed<Face> distribute_faces(const Array<std::uint32_t>& numbers, std::size_t vertices, const Parallel& parallel) {
     const std::size_t triangles = numbers.size() / 3;
     const std::size_t parts = parts_for(triangles, faces_a_part);
     return distribute<Face>(
@@ -261,18 +257,17 @@ Distributed<Face> distribute_faces(const Array<std::uint32_t>& numbers, std::siz
                 }
             }
         },
-        memory);
+        parallel.memory());
 }
 
 }  // namespace
 
-GridMesh make_grid_mesh(const MeshView& mesh, const Transform& transform, const MeshInfo& info, const Parallel& parallel,
-                        const Memory* memory) {
+GridMesh make_grid_mesh(const MeshView& mesh, const Frame& frame, const MeshCheck& measured, const Parallel& parallel) {
     assert(mesh.triangle_count < std::numeric_limits<std::uint32_t>::max() / 3);
-    GridMesh grid(memory);
-    grid.unit_mm = info.unit_mm;
-    const Array<std::uint32_t> numbers = Numbering(mesh, transform, info, parallel, memory).run(grid);
-    Distributed<Face> parts = distribute_faces(numbers, grid.vertices.size(), parallel, memory);
+    GridMesh grid(parallel.memory());
+    grid.grid_mm = measured.grid_mm;
+    const Array<std::uint32_t> numbers = Numbering(mesh, frame, measured, parallel).run(grid);
+    Distributed<Face> parts = distribute_faces(numbers, grid.vertices.size(), parallel);
     const std::size_t whole = parts.size() - 1;
     std::vector<PartSort<Face>> workers(static_cast<std::size_t>(parallel.threads()));
     parallel.run(whole, [&](std::size_t part, int worker) {

@@ -11,7 +11,7 @@
 
 #include "base/parallel.hpp"
 #include "lamella/array.hpp"
-#include "lamella/mesh/inspect.hpp"
+#include "lamella/check.hpp"
 #include "slicing/grid/quantise.hpp"
 
 namespace lamella {
@@ -25,11 +25,11 @@ namespace lamella {
 class MortonOrder {
 public:
     /// In the box of `mesh`, on its grid.
-    explicit MortonOrder(const MeshInfo& mesh) noexcept {
+    explicit MortonOrder(const MeshCheck& mesh) noexcept {
         std::int64_t extent = 0;
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            low_[axis] = to_even_grid(mesh.min_mm[axis], mesh.unit_mm);
-            extent = std::max(extent, std::int64_t{to_even_grid(mesh.max_mm[axis], mesh.unit_mm)} - low_[axis]);
+            low_[axis] = to_even_grid(mesh.box.min_mm[axis], mesh.grid_mm);
+            extent = std::max(extent, std::int64_t{to_even_grid(mesh.box.max_mm[axis], mesh.grid_mm)} - low_[axis]);
         }
         shift_ = std::max(0, static_cast<int>(std::bit_width(static_cast<std::uint64_t>(extent))) - axis_bits);
     }
@@ -70,13 +70,12 @@ inline std::array<std::uint32_t, 3> vertex_set(const Face& face) noexcept {
 }
 
 struct GridMesh {
-    explicit GridMesh(const Memory* from) noexcept : memory(from), vertices(from), faces(from) {}
+    explicit GridMesh(const Memory* memory) noexcept : vertices(memory), faces(memory) {}
 
-    const Memory* memory;         ///< for arrays that are as large as the mesh
     Array<GridVertex> vertices;   ///< distinct, in Morton order
     Array<Face> faces;            ///< by vertex_set(), then orientation, then source; those with two equal vertices left out
     std::vector<Face> collapsed;  ///< these, in the same order
-    double unit_mm = 0;
+    double grid_mm = 0;
     bool joined = false;  ///< some vertex stands for corners that differ before rounding
 
     std::array<GridVertex, 3> corners(const Face& face) const noexcept {
@@ -84,9 +83,8 @@ struct GridMesh {
     }
 };
 
-/// O(n log n), in eleven calls of run(). `info` holds the box and the unit. Precondition: indices in range, coordinates
+/// O(n log n), in eleven calls of run(). `measured` holds the box and the grid. Precondition: indices in range, coordinates
 /// within the grid, fewer than 2^32 / 3 triangles. Throws std::bad_alloc.
-GridMesh make_grid_mesh(const MeshView& mesh, const Transform& transform, const MeshInfo& info, const Parallel& parallel,
-                        const Memory* memory);
+GridMesh make_grid_mesh(const MeshView& mesh, const Frame& frame, const MeshCheck& measured, const Parallel& parallel);
 
 }  // namespace lamella

@@ -19,7 +19,7 @@ namespace {
 
 struct Loop {
     std::uint32_t vertex = std::numeric_limits<std::uint32_t>::max();  ///< the smallest
-    std::uint32_t side = std::numeric_limits<std::uint32_t>::max();    ///< of the smallest edge
+    std::uint32_t side = std::numeric_limits<std::uint32_t>::max();    ///< on the smallest edge
     std::uint64_t edges = 0;
     double length = 0;  ///< in grid units
     bool closed = true;
@@ -76,8 +76,8 @@ private:
     };
 
     struct Stop {
-        std::uint32_t first;     ///< of its ends
-        std::uint32_t next;      ///< of its ends to be tried
+        std::uint32_t first;     ///< among its ends
+        std::uint32_t next;      ///< end to be tried
         std::uint32_t position;  ///< on the path, or not_on_path
     };
 
@@ -165,7 +165,7 @@ void find_loops(const GridMesh& mesh, const EdgeTable& edges, FaultCollector& fa
             FaultPlace place = faults.at({loop.vertex});
             place.triangles[0] = mesh.faces[EdgeTable::face_of(loop.side)].source;
             place.parts = loop.edges;
-            place.measure = loop.length * mesh.unit_mm;
+            place.measure = loop.length * mesh.grid_mm;
             place.closed = loop.closed;
             return place;
         });

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/distribute.hpp"
 #include "mesh/check/finders.hpp"
 #include "mesh/check/meeting.hpp"
 #include "mesh/check/pair_search.hpp"
@@ -50,11 +51,12 @@ public:
 
     /// Which of the faces have one in common with the other.
     LaneBits share(const StarBlock& other, std::size_t lane) const {
-        Eight same(0);
-        for (const Eight::Stored& theirs : other.vertices_) {
+        Int32x8 same(0);
+        for (const Int32x8::Stored& theirs : other.vertices_) {
             if (const std::int32_t vertex = theirs[lane]; vertex != static_cast<std::int32_t>(none)) {
-                const Eight all(vertex);
-                same = same | (all == Eight(vertices_[0])) | (all == Eight(vertices_[1])) | (all == Eight(vertices_[2]));
+                const Int32x8 all(vertex);
+                same =
+                    same | (all == Int32x8(vertices_[0])) | (all == Int32x8(vertices_[1])) | (all == Int32x8(vertices_[2]));
             }
         }
         return same.bits();
@@ -62,7 +64,7 @@ public:
 
 private:
     static constexpr std::uint32_t none = ~std::uint32_t{0};
-    std::array<Eight::Stored, 3> vertices_;  ///< by corner
+    std::array<Int32x8::Stored, 3> vertices_;  ///< by corner
 };
 
 class MeetingSearch {
@@ -75,7 +77,7 @@ public:
           shell_of_(shell_of),
           shells_(shells),
           parallel_(parallel),
-          blocks_(mesh.memory),
+          blocks_(parallel.memory()),
           tallies_(kinds.size(), Tally<FacePair>(most, parallel)),
           meets_other_(shells.size()) {
         blocks_.resize_discarding(tree.boxes.groups());
@@ -166,21 +168,33 @@ FaultPlace place_of(const GridMesh& mesh, const FacePair& pair, bool cross) {
         place.point_count = 2;
         for (std::size_t end = 0; end < 2; ++end) {
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                place.points_mm[end][axis] = segment[end][axis] * (2 * mesh.unit_mm);
+                place.points_mm[end][axis] = segment[end][axis] * (2 * mesh.grid_mm);
             }
         }
         return place;
     }
-    const Box a = Box::around(mesh.corners(mesh.faces[pair[0]]));
-    const Box b = Box::around(mesh.corners(mesh.faces[pair[1]]));
-    const auto [low, high] = Box{high_corner(a.low, b.low), low_corner(a.high, b.high)}.numbers();
+    const SpaceBox a = SpaceBox::around(mesh.corners(mesh.faces[pair[0]]));
+    const SpaceBox b = SpaceBox::around(mesh.corners(mesh.faces[pair[1]]));
+    const auto [low, high] = SpaceBox{high_corner(a.low, b.low), low_corner(a.high, b.high)}.numbers();
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        place.points_mm[0][axis] = static_cast<double>(std::int64_t{low[axis]} + high[axis]) / 2 * mesh.unit_mm;
+        place.points_mm[0][axis] = static_cast<double>(std::int64_t{low[axis]} + high[axis]) / 2 * mesh.grid_mm;
     }
     return place;
 }
 
 }  // namespace
+
+FaceTree::FaceTree(const GridMesh& mesh, const EmbeddedStars& stars, const Parallel& parallel)
+    : faces(indices_where(mesh.faces.size(), parallel, parallel.memory(),
+                          [&](std::size_t face) {
+                              const bool again =
+                                  face > 0 && vertex_set(mesh.faces[face]) == vertex_set(mesh.faces[face - 1]);
+                              return !again && stars.has_area(face);
+                          })),
+      boxes(parallel.memory()) {
+    boxes.assign(
+        faces.size(), [&](std::size_t item) { return SpaceBox::around(mesh.corners(mesh.faces[faces[item]])); }, parallel);
+}
 
 std::vector<std::uint8_t> find_meeting_faces(const GridMesh& mesh, const FaceTree& tree, const EmbeddedStars& stars,
                                              const Array<std::uint32_t>& shell_of, const std::vector<MeshShell>& shells,

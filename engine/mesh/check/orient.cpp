@@ -1,5 +1,5 @@
 // Turns shells by their nesting in space: check()'s first stages, and rays that tell what lies wholly within what.
-#include "lamella/mesh/orient.hpp"
+#include "lamella/weld.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 #include "base/guard.hpp"
 #include "base/recycler.hpp"
-#include "lamella/mesh/check.hpp"
+#include "lamella/check.hpp"
 #include "mesh/check/finders.hpp"
 #include "mesh/measure.hpp"
 
@@ -16,24 +16,20 @@ namespace lamella {
 
 namespace {
 
-Result<OrientedMesh> orient_or_throw(const MeshView& view, const OrientOptions& options) {
-    const Parallel parallel(options.control);
-    Result<WeldedMesh> welded =
-        weld(view, {.tolerance_mm = 0, .mm_per_unit = options.mm_per_unit, .control = parallel.within(options.control)});
+Result<OrientedMesh> orient_or_throw(const MeshView& view, const Frame& frame, const Context& context) {
+    const Recycler recycler;
+    Context recycled = context;
+    recycled.memory = recycler.memory();
+    const Parallel parallel(recycled);
+    Result<WeldedMesh> welded = weld(view, 0, parallel.within(context));
     if (!welded) {
         return welded.error();
     }
     OrientedMesh oriented{.mesh = std::move(welded).value()};
-    const Recycler recycler;
-    const Transform to_mm = oriented.mesh.to_mm();
     MeshCheck found;
-    const Result<MeshInfo> measured = measure_mesh(oriented.mesh.view(), to_mm, options.unit_mm, parallel, 0.3);
-    if (!measured) {
-        return measured.error();
-    }
-    found.info = *measured;
+    measure_mesh(oriented.view(), frame, parallel, 0.3, found);
     parallel.begin_stage(0.5, 11);
-    const GridMesh grid = make_grid_mesh(oriented.mesh.view(), to_mm, found.info, parallel, recycler.memory());
+    const GridMesh grid = make_grid_mesh(oriented.view(), frame, found, parallel);
     if (!grid.faces.empty()) {
         parallel.begin_stage(0.6, 6);
         const EdgeTable edges(grid, parallel);
@@ -63,8 +59,8 @@ Result<OrientedMesh> orient_or_throw(const MeshView& view, const OrientOptions& 
 
 }  // namespace
 
-Result<OrientedMesh> orient_shells(const MeshView& mesh, const OrientOptions& options) noexcept {
-    return guarded(options.control, [&] { return orient_or_throw(mesh, options); });
+Result<OrientedMesh> orient_shells(const MeshView& mesh, double grid_mm, const Context& context) noexcept {
+    return guarded(context, [&] { return orient_or_throw(mesh, {.grid_mm = grid_mm}, context); });
 }
 
 }  // namespace lamella

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/parallel.hpp"
-#include "lamella/mesh/check.hpp"
+#include "lamella/check.hpp"
 
 namespace lamella {
 
@@ -151,7 +151,7 @@ private:
     std::size_t left_;
     const Parallel& parallel_;
     std::vector<std::vector<Item>> found_;  ///< by worker, of one query
-    std::vector<std::size_t> costs_;        ///< of a batch
+    std::vector<std::size_t> costs_;        ///< by query in the batch
     std::vector<std::size_t> later_;        ///< queries
 };
 

@@ -77,8 +77,8 @@ private:
     /// For each shell vertices spread over it: of its faces, in order, the first, the last and some between them.
     void choose_samples() {
         samples_.resize(shells_.size());
-        std::vector<std::uint64_t> seen(shells_.size(), 0);  // of its faces
-        std::vector<std::size_t> chosen(shells_.size(), 0);  // of its samples
+        std::vector<std::uint64_t> seen(shells_.size(), 0);  // faces, by shell
+        std::vector<std::size_t> chosen(shells_.size(), 0);  // samples, by shell
         for (std::uint32_t face = 0; face < shell_of_.size(); ++face) {
             const std::uint32_t shell = shell_of_[face];
             const std::uint64_t last = shells_[shell].triangles - 1;
@@ -155,7 +155,7 @@ private:
 
     std::size_t find_crossed(const ExactFace& own, const Face& face, std::size_t limit,
                              const std::vector<std::uint32_t>& others, std::vector<std::uint32_t>& found) const {
-        return tree_.boxes.search(Box::around(mesh_.corners(face)), limit, [&](std::size_t item) {
+        return tree_.boxes.search(SpaceBox::around(mesh_.corners(face)), limit, [&](std::size_t item) {
             const std::uint32_t shell = shell_of_[tree_.faces[item]];
             if (own.has_area() && std::binary_search(others.begin(), others.end(), shell) &&
                 meet(own, exact(tree_.faces[item])) == Meeting::cross) {
@@ -167,7 +167,7 @@ private:
     /// Fills `hits` from the ray upwards from p, by shell; returns what it cost.
     std::size_t cast(std::uint32_t shell, const GridVector& p, std::size_t limit, std::vector<Hit>& hits) const {
         const auto on_grid = [](std::int64_t value) { return static_cast<std::int32_t>(2 * value); };
-        const Box ray{{on_grid(p.x), on_grid(p.y), on_grid(p.z)}, {on_grid(p.x), on_grid(p.y), grid_limit}};
+        const SpaceBox ray{{on_grid(p.x), on_grid(p.y), on_grid(p.z)}, {on_grid(p.x), on_grid(p.y), grid_limit}};
         hits.clear();
         const std::size_t cost = tree_.boxes.search(ray, limit, [&](std::size_t item) {
             const std::uint32_t first = tree_.faces[item];

@@ -19,9 +19,8 @@ namespace {
 constexpr std::size_t faces_a_range = std::size_t{1} << 15;
 
 /// Three calls of run() after those that unite: numbers the shells by their first faces. The shell of each face.
-Array<std::uint32_t> number_shells(SharedSets<std::uint32_t>& sets, std::uint32_t& count, const Parallel& parallel,
-                                   const Memory* memory) {
-    Array<std::uint32_t> shell_of(memory);
+Array<std::uint32_t> number_shells(SharedSets<std::uint32_t>& sets, std::uint32_t& count, const Parallel& parallel) {
+    Array<std::uint32_t> shell_of(parallel.memory());
     shell_of.resize_discarding(sets.size());
     number_where(
         sets.size(), parallel, [&](std::size_t face) { return sets.is_root(face); },
@@ -40,7 +39,7 @@ Array<std::uint32_t> number_shells(SharedSets<std::uint32_t>& sets, std::uint32_
 /// Five calls of run().
 Array<std::uint32_t> join_shells(const GridMesh& mesh, const EdgeTable& edges, std::uint32_t& count,
                                  const Parallel& parallel) {
-    SharedSets<std::uint32_t> sets(mesh.faces.size(), parallel, mesh.memory);
+    SharedSets<std::uint32_t> sets(mesh.faces.size(), parallel, parallel.memory());
     parallel.run_ranges(edges.size(), faces_a_range, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t edge = begin; edge != end; ++edge) {
             const std::span<const std::uint32_t> sides = edges.sides(edge);
@@ -49,7 +48,7 @@ Array<std::uint32_t> join_shells(const GridMesh& mesh, const EdgeTable& edges, s
             }
         }
     });
-    return number_shells(sets, count, parallel, mesh.memory);
+    return number_shells(sets, count, parallel);
 }
 
 using Corners = std::array<GridVertex, 3>;
@@ -95,7 +94,7 @@ public:
         find_origins();
         add_faces();
         find_open();
-        const double cube_mm3 = 8 * mesh_.unit_mm * mesh_.unit_mm * mesh_.unit_mm;
+        const double cube_mm3 = 8 * mesh_.grid_mm * mesh_.grid_mm * mesh_.grid_mm;
         for (std::size_t i = 0; i < shells_.size(); ++i) {
             shells_[i].first_mm = faults.mm(firsts_[i].vertex);
             shells_[i].triangle = mesh_.faces[firsts_[i].face].source;

@@ -51,7 +51,7 @@ class Patches {
 public:
     /// Two calls of run().
     Patches(const GridMesh& mesh, const EdgeTable& edges, const Parallel& parallel)
-        : sets_(2 * mesh.faces.size(), parallel, mesh.memory) {
+        : sets_(2 * mesh.faces.size(), parallel, parallel.memory()) {
         each_joint(edges, parallel, [&](std::size_t edge, std::uint32_t side, std::uint32_t other) {
             const std::uint32_t face = EdgeTable::face_of(side);
             const std::uint32_t next = EdgeTable::face_of(other);
@@ -78,7 +78,7 @@ std::vector<Patch> sizes_of(Patches& patches, std::size_t faces, const Parallel&
     std::vector<Patch> sizes(faces);
     parallel.run_ranges(faces, grain, [&](std::size_t begin, std::size_t end, int) {
         std::uint32_t first = 0;
-        std::array<std::uint32_t, 2> counts{0, 0};  // of faces that follow one another in one patch
+        std::array<std::uint32_t, 2> counts{0, 0};  // faces that follow one another in one patch
         const auto add = [&] {
             sizes[first].alike.fetch_add(std::exchange(counts[0], 0), std::memory_order_relaxed);
             sizes[first].opposite.fetch_add(std::exchange(counts[1], 0), std::memory_order_relaxed);
@@ -100,17 +100,17 @@ std::uint32_t vertex_of(const GridMesh& mesh, std::size_t corner) {
     return mesh.faces[corner / 3].corners[corner % 3];
 }
 
-/// Those at vertices without embedded stars, by vertex. At the others the faces form one fan.
+/// The corners at vertices without embedded stars, by vertex. At the others the faces form one fan.
 Array<std::uint32_t> loose_corners(const GridMesh& mesh, const EmbeddedStars& stars, const Parallel& parallel) {
-    Array<std::uint32_t> corners = indices_where(3 * mesh.faces.size(), parallel, mesh.memory, [&](std::size_t corner) {
-        return !stars.contains(vertex_of(mesh, corner));
-    });
+    Array<std::uint32_t> corners =
+        indices_where(3 * mesh.faces.size(), parallel, parallel.memory(),
+                      [&](std::size_t corner) { return !stars.contains(vertex_of(mesh, corner)); });
     sort_in_parallel(
         corners.span(),
         [&](std::uint32_t a, std::uint32_t b) {
             return std::pair(vertex_of(mesh, a), a) < std::pair(vertex_of(mesh, b), b);
         },
-        parallel, mesh.memory);
+        parallel, parallel.memory());
     return corners;
 }
 

@@ -13,9 +13,9 @@
 
 #include "base/vector.hpp"
 #include "lamella/array.hpp"
-#include "lamella/memory.hpp"
+#include "lamella/context.hpp"
 #include "slicing/buckets/crossed_triangle.hpp"
-#include "slicing/grid/blocks.hpp"
+#include "slicing/grid/bounds.hpp"
 #include "slicing/planes/plane_set.hpp"
 
 namespace lamella {

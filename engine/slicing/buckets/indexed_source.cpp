@@ -79,7 +79,7 @@ void write_record(const Corners& v, std::uint32_t triangle, CrossedTriangle& to)
 }  // namespace
 
 void IndexedSource::place_vertices() {
-    const PlacedReader read(vertices(), info.transform);
+    const PlacedReader read(vertices(), placing_);
     const Array<std::uint8_t>& used = buckets_.used;
     buckets_.vertices.resize_discarding(mesh_.vertex_count);
     const ThreadShares shares(mesh_.vertex_count, parallel_);

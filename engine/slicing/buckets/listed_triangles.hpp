@@ -26,9 +26,9 @@ struct ListedTriangles {
 /// The `triangles` records. Scattering takes them, and give_back() returns them: planes count from the range's first then.
 class ListedSource final : public TriangleSource {
 public:
-    ListedSource(const ListedTriangles& listed, std::uint64_t triangles, const Transform& transform,
-                 const SharedFrame& frame, const SourceTools& tools) noexcept
-        : TriangleSource({triangles, transform, &frame}, tools), listed_(listed) {}
+    ListedSource(const ListedTriangles& listed, std::uint64_t triangles, const SharedFrame& frame,
+                 const SourceTools& tools) noexcept
+        : TriangleSource({triangles, &frame}, tools), listed_(listed) {}
 
     Bounds measure(double /*asked_mm*/) override { return info.frame->bounds; }
     void count(double unit_mm) override;

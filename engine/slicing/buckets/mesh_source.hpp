@@ -22,22 +22,25 @@ namespace lamella {
 /// Triangles in the caller's memory, with the numbers of the mesh.
 class MeshSource : public TriangleSource {
 protected:
-    MeshSource(const MeshView& mesh, const Transform& transform, const SharedFrame* frame, const SourceTools& tools) noexcept
-        : TriangleSource({mesh.triangle_count, transform, frame, placed_number(mesh, transform)}, tools), mesh_(mesh) {}
+    MeshSource(const MeshView& mesh, const Placing& placing, const SharedFrame* frame, const SourceTools& tools) noexcept
+        : TriangleSource({mesh.triangle_count, frame, placed_number(mesh, placing)}, tools),
+          mesh_(mesh),
+          placing_(placing) {}
     ~MeshSource() = default;
 
     /// Fills in Buckets::lowest_corners by the records. O(n).
     void find_lowest_corners();
 
     const MeshView mesh_;
+    const Placing placing_;
     double unit_mm_ = 0;  // from count() on
 };
 
 /// Corner by corner. Blocks that lie between two planes and have no degenerate triangle are read by measure() only.
 class SoupSource final : public MeshSource {
 public:
-    SoupSource(const MeshView& mesh, const Transform& transform, const SharedFrame* frame, const SourceTools& tools) noexcept
-        : MeshSource(mesh, transform, frame, tools) {}
+    SoupSource(const MeshView& mesh, const Placing& placing, const SharedFrame* frame, const SourceTools& tools) noexcept
+        : MeshSource(mesh, placing, frame, tools) {}
 
     Bounds measure(double asked_mm) override;
     void count(double unit_mm) override;
@@ -47,9 +50,8 @@ public:
 /// Vertex by vertex: 17 bytes each. Gives the lists that SoupSource gives, and its errors.
 class IndexedSource final : public MeshSource {
 public:
-    IndexedSource(const MeshView& mesh, const Transform& transform, const SharedFrame* frame,
-                  const SourceTools& tools) noexcept
-        : MeshSource(mesh, transform, frame, tools) {}
+    IndexedSource(const MeshView& mesh, const Placing& placing, const SharedFrame* frame, const SourceTools& tools) noexcept
+        : MeshSource(mesh, placing, frame, tools) {}
 
     /// True where vertices should be placed: the mesh is indexed, most vertices serve several triangles, and they are at
     /// most 2^23, so that they take at most 143 MB.
@@ -65,7 +67,10 @@ public:
 private:
     /// The vertices alone, as "triangles" whose first corner they are.
     MeshView vertices() const noexcept {
-        return MeshView::strided_soup(mesh_.vertices, mesh_.vertex_count, mesh_.stride, mesh_.coordinate_type);
+        return {.vertices = mesh_.vertices,
+                .triangle_count = mesh_.vertex_count,
+                .vertex_stride = mesh_.vertex_step(),
+                .vertex_type = mesh_.vertex_type};
     }
     bool mark_used();
     void place_vertices();
@@ -74,11 +79,11 @@ private:
 /// The source that serves a mesh.
 class AnyMeshSource {
 public:
-    AnyMeshSource(const MeshView& mesh, const Transform& transform, const SharedFrame* frame, const SourceTools& tools) {
+    AnyMeshSource(const MeshView& mesh, const Placing& placing, const SharedFrame* frame, const SourceTools& tools) {
         if (IndexedSource::pays_for(mesh)) {
-            source_ = &kinds_.emplace<IndexedSource>(mesh, transform, frame, tools);
+            source_ = &kinds_.emplace<IndexedSource>(mesh, placing, frame, tools);
         } else {
-            source_ = &kinds_.emplace<SoupSource>(mesh, transform, frame, tools);
+            source_ = &kinds_.emplace<SoupSource>(mesh, placing, frame, tools);
         }
     }
     AnyMeshSource(const AnyMeshSource&) = delete;

@@ -12,7 +12,7 @@ namespace lamella {
 
 namespace {
 
-using Range = detail::PreparedParts::Range;
+using Range = detail::PreparedImpl::Range;
 
 constexpr std::size_t group = 64;
 
@@ -72,10 +72,10 @@ bool is_cut(Range range, const PlaneSet& planes) noexcept {
 
 }  // namespace
 
-void detail::PreparedParts::build(const MeshView& mesh, const Parallel& parallel) {
+void detail::PreparedImpl::build(const MeshView& mesh, const Parallel& parallel) {
     const double unit_mm = frame.unit.mm;
     const Cells cells(to_even_grid(bounds.min_mm[2], unit_mm), to_even_grid(bounds.max_mm[2], unit_mm), mesh.triangle_count);
-    with_reader(mesh, transform, unit_mm, [&](const auto& read) {
+    with_reader(mesh, placing_of(mesh, asked), unit_mm, [&](const auto& read) {
         const auto emit_all = [&](std::size_t begin, std::size_t end, auto emit) {
             for (std::size_t t = begin; t < end; ++t) {
                 const GridTriangle v = read(t);
@@ -94,7 +94,7 @@ void detail::PreparedParts::build(const MeshView& mesh, const Parallel& parallel
     join_ranges(blocks, parallel, super_blocks, [](const Range& range) { return range; });
 }
 
-std::size_t detail::PreparedParts::bytes() const noexcept {
+std::size_t detail::PreparedImpl::bytes() const noexcept {
     return sizeof(*this) + triangles.capacity() * sizeof(CrossedTriangle) +
            (blocks.capacity() + super_blocks.capacity()) * sizeof(Range);
 }

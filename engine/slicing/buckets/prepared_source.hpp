@@ -19,7 +19,7 @@
 
 #include "base/parallel.hpp"
 #include "lamella/array.hpp"
-#include "lamella/memory.hpp"
+#include "lamella/context.hpp"
 #include "lamella/mesh.hpp"
 #include "slicing/buckets/crossed_triangle.hpp"
 #include "slicing/buckets/triangle_source.hpp"
@@ -30,8 +30,8 @@ namespace lamella {
 namespace detail {
 
 /// The inside of a PreparedMesh.
-struct PreparedParts {
-    explicit PreparedParts(const Memory* memory) : triangles(memory), blocks(memory), super_blocks(memory) {}
+struct PreparedImpl {
+    explicit PreparedImpl(const Memory* memory) : triangles(memory), blocks(memory), super_blocks(memory) {}
 
     /// The least and the greatest z of some triangles.
     struct Range {
@@ -51,9 +51,9 @@ struct PreparedParts {
     Array<Range> super_blocks;  ///< of 64 blocks
     std::uint64_t given = 0;    ///< triangles of the mesh
     Bounds bounds{};
-    SharedFrame frame{};  ///< its bounds choose the planes: none where nothing is left on the grid
-    Transform transform{};
-    double asked_unit_mm = 0;
+    SharedFrame frame{};       ///< its bounds choose the planes: none where nothing is left on the grid
+    Frame asked{};             ///< with the grid that was chosen
+    double asked_grid_mm = 0;  ///< before
 };
 
 }  // namespace detail
@@ -61,8 +61,8 @@ struct PreparedParts {
 /// Gives the lists of a mesh, but for the order within each. O(n / 4096 + the triangles in blocks that planes pass through).
 class PreparedSource final : public TriangleSource {
 public:
-    PreparedSource(const detail::PreparedParts& prepared, const SourceTools& tools) noexcept
-        : TriangleSource({prepared.given, prepared.transform, &prepared.frame}, tools), prepared_(prepared) {}
+    PreparedSource(const detail::PreparedImpl& prepared, const SourceTools& tools) noexcept
+        : TriangleSource({prepared.given, &prepared.frame}, tools), prepared_(prepared) {}
 
     Bounds measure(double /*asked_mm*/) override { return prepared_.bounds; }
     void count(double unit_mm) override;
@@ -70,7 +70,7 @@ public:
 
 private:
     void find_touched();
-    const detail::PreparedParts& prepared_;
+    const detail::PreparedImpl& prepared_;
 };
 
 }  // namespace lamella

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "base/dispatch.hpp"
-#include "base/prefetch.hpp"
 
 namespace lamella {
 
@@ -18,15 +17,15 @@ constexpr PlaneIndex most_scanned_planes = 1 << 28;  // indices of gathers are s
 
 }  // namespace
 
-SoupScan::SoupScan(const MeshView& mesh, const Transform& transform, double unit_mm, const PlaneSet& planes) noexcept
-    : vertices_(mesh.vertices),
-      stride_(static_cast<std::int32_t>(mesh.stride)),
+SoupScan::SoupScan(const MeshView& mesh, const Placing& placing, double unit_mm, const PlaneSet& planes) noexcept
+    : vertices_(mesh.vertex_at(0)),
+      stride_(static_cast<std::int32_t>(mesh.vertex_step())),
       scale_(static_cast<float>(1 / (2 * unit_mm))),
       planes_(planes) {
     int exponent = 0;
-    const bool allowed = mesh.coordinate_type == CoordinateType::f32 && mesh.indices == nullptr &&
-                         mesh.stride < (1U << 20) && transform.is_identity() && std::frexp(unit_mm, &exponent) == 0.5 &&
-                         planes.size() > 0 && planes.size() <= most_scanned_planes;
+    const bool allowed = mesh.vertex_type == Number::f32 && mesh.indices == nullptr && mesh.vertex_step() < (1U << 20) &&
+                         placing.transform.is_identity() && std::frexp(unit_mm, &exponent) == 0.5 && planes.size() > 0 &&
+                         planes.size() <= most_scanned_planes;
     kernels_ = allowed ? kernels() : nullptr;
     if (planes.uniform() && planes.size() <= most_by_arithmetic && planes.planes_per_unit() * least_step_units <= 1) {
         planes_per_unit_ = static_cast<float>(planes.planes_per_unit());

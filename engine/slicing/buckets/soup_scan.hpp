@@ -7,14 +7,14 @@
 
 #include "lamella/mesh.hpp"
 #include "slicing/buckets/crossed_triangle.hpp"
-#include "slicing/grid/blocks.hpp"
+#include "slicing/grid/bounds.hpp"
 #include "slicing/planes/plane_set.hpp"
 
 namespace lamella {
 
 class SoupScan {
 public:
-    SoupScan(const MeshView& mesh, const Transform& transform, double unit_mm, const PlaneSet& planes) noexcept;
+    SoupScan(const MeshView& mesh, const Placing& placing, double unit_mm, const PlaneSet& planes) noexcept;
 
     /// True where this processor and mesh allow it.
     bool usable() const noexcept { return kernels_ != nullptr; }

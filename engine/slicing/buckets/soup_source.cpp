@@ -102,13 +102,13 @@ private:
 }  // namespace
 
 Bounds SoupSource::measure(double asked_mm) {
-    return require(measure_bounds(mesh_, info.transform, asked_mm, parallel_, buckets_.blocks));
+    return require(measure_bounds(mesh_, placing_, asked_mm, parallel_, buckets_.blocks));
 }
 
 void SoupSource::count(double unit_mm) {
     unit_mm_ = unit_mm;
-    const SoupScan scan(mesh_, info.transform, unit_mm, planes_);
-    with_reader(mesh_, info.transform, unit_mm, [&](const auto& read) {
+    const SoupScan scan(mesh_, placing_, unit_mm, planes_);
+    with_reader(mesh_, placing_, unit_mm, [&](const auto& read) {
         const BlockReader reader(read, scan, planes_);
         const auto count_block = [&](std::size_t begin, std::size_t end, ShareCounts& counts) {
             const std::size_t block = begin / block_triangles;
@@ -122,8 +122,8 @@ void SoupSource::count(double unit_mm) {
 
 std::size_t SoupSource::scatter(std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching, bool origins) {
     assert(reach_end.size() == std::size_t{planes_.size()} + 1);
-    const SoupScan scan(mesh_, info.transform, unit_mm_, planes_);
-    const std::size_t reaching_count = with_reader(mesh_, info.transform, unit_mm_, [&](const auto& read) {
+    const SoupScan scan(mesh_, placing_, unit_mm_, planes_);
+    const std::size_t reaching_count = with_reader(mesh_, placing_, unit_mm_, [&](const auto& read) {
         const BlockReader reader(read, scan, planes_);
         const auto scatter_block = [&](std::size_t begin, std::uint64_t crossed, std::uint32_t* next_record,
                                        ReachingWriter& writer) {
@@ -142,7 +142,7 @@ std::size_t SoupSource::scatter(std::span<const PlaneIndex> reach_end, std::span
 void MeshSource::find_lowest_corners() {
     constexpr std::size_t grain = std::size_t{1} << 13;
     buckets_.lowest_corners.resize_discarding(buckets_.records.size());
-    with_reader(mesh_, info.transform, unit_mm_, [&](const auto& read) {
+    with_reader(mesh_, placing_, unit_mm_, [&](const auto& read) {
         parallel_.run_ranges(buckets_.records.size(), grain, [&](std::size_t begin, std::size_t end, int) {
             parallel_.stop_if_asked();
             for (std::size_t record = begin; record < end; ++record) {

@@ -13,7 +13,7 @@
 
 #include "base/parallel.hpp"
 #include "slicing/buckets/bucket.hpp"
-#include "slicing/grid/blocks.hpp"
+#include "slicing/grid/bounds.hpp"
 #include "slicing/planes/plane_set.hpp"
 
 namespace lamella {

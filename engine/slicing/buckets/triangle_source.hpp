@@ -28,9 +28,8 @@ struct SourceTools {
 /// All that is known of triangles before they are read.
 struct SourceInfo {
     std::uint64_t triangles;
-    Transform transform{};                        ///< places them
-    const SharedFrame* frame = nullptr;           ///< null: their own box chooses grid and planes
-    CoordinateType number = CoordinateType::f64;  ///< heights are rounded to it where there is no frame
+    const SharedFrame* frame = nullptr;  ///< null: their own box chooses grid and planes
+    Number number = Number::f64;         ///< heights are rounded to it where there is no frame
 };
 
 /// Fills in the buckets by functions that are called in their order; planes are built after measure(), and bands cut after

@@ -66,8 +66,8 @@ T sum_of_blocks(std::size_t count, const Parallel& parallel, Use use) {
 /// The vertices of an indexed mesh, where its transform places them.
 class Vertices {
 public:
-    Vertices(const MeshView& vertices, const Transform& transform, const Parallel& parallel) noexcept
-        : read_(vertices, transform), count_(vertices.triangle_count), parallel_(parallel) {}
+    Vertices(const MeshView& vertices, const Placing& placing, const Parallel& parallel) noexcept
+        : read_(vertices, placing), count_(vertices.triangle_count), parallel_(parallel) {}
 
     /// The box of those for which has(vertex) is true.
     template <class Has>
@@ -130,24 +130,24 @@ struct Seen {
 /// True if triangles have all of these vertices, and no index names none. May be false, too, where indices are not packed.
 template <class Index>
 bool have_all(const MeshView& mesh, const VertexNumbers& wanted, const Parallel& parallel) {
-    if (mesh.index_stride != 3 * sizeof(Index)) {
+    if (mesh.index_step() != 3 * sizeof(Index)) {
         return false;
     }
     std::array<Index, faces> on_faces;
     std::transform(wanted.begin(), wanted.end(), on_faces.begin(), [](std::uint64_t v) { return static_cast<Index>(v); });
-    const auto all = sum_of_blocks<Seen<Index>>(
-        mesh.triangle_count, parallel, [&](std::size_t begin, std::size_t end, Seen<Index>& seen) {
-            Seen<Index> here;
-            here.look(mesh.indices + begin * mesh.index_stride, 3 * (end - begin), on_faces);
-            seen.add(here);
-        });
+    const auto all = sum_of_blocks<Seen<Index>>(mesh.triangle_count, parallel,
+                                                [&](std::size_t begin, std::size_t end, Seen<Index>& seen) {
+                                                    Seen<Index> here;
+                                                    here.look(mesh.indices_at(begin), 3 * (end - begin), on_faces);
+                                                    seen.add(here);
+                                                });
     return all.largest < mesh.vertex_count &&
            std::none_of(all.on_face.begin(), all.on_face.end(), [](Index found) { return found == 0; });
 }
 
 bool have_all(const MeshView& mesh, const VertexNumbers& wanted, const Parallel& parallel) {
-    return mesh.index_type == IndexType::u32 ? have_all<std::uint32_t>(mesh, wanted, parallel)
-                                             : have_all<std::uint64_t>(mesh, wanted, parallel);
+    return mesh.index_type == Number::u32 ? have_all<std::uint32_t>(mesh, wanted, parallel)
+                                          : have_all<std::uint64_t>(mesh, wanted, parallel);
 }
 
 /// Set where an index names no vertex.
@@ -179,8 +179,8 @@ bool IndexedSource::mark_used() {
 }
 
 Bounds IndexedSource::measure(double asked_mm) {
-    require(check_transform(info.transform));
-    const Vertices placed(vertices(), info.transform, parallel_);
+    require(check_transform(placing_.transform));
+    const Vertices placed(vertices(), placing_, parallel_);
     buckets_.used.set_size(0);
     const VertexBox all = placed.box([](std::size_t) { return true; });
     if (all.can_be_used() && have_all(mesh_, placed.on_faces_of(all), parallel_)) {
@@ -192,7 +192,7 @@ Bounds IndexedSource::measure(double asked_mm) {
             return used.box;
         }
     }
-    return require(measure_bounds(mesh_, info.transform, asked_mm, parallel_, buckets_.blocks));
+    return require(measure_bounds(mesh_, placing_, asked_mm, parallel_, buckets_.blocks));
 }
 
 }  // namespace lamella

@@ -6,8 +6,8 @@
 #include <cstring>
 
 #include "base/little_endian.hpp"
-#include "lamella/assemble.hpp"
 #include "lamella/grid.hpp"
+#include "lamella/layers.hpp"
 #include "slicing/buckets/crossed_triangle.hpp"
 #include "slicing/grid/mesh_edge.hpp"
 

@@ -41,9 +41,9 @@ bool has_near_vertices(const RawTriangle& t, double reach) {
 }
 
 /// Blocks [begin, end) of any mesh.
-Partial measure_general(const MeshView& mesh, const Transform& transform, std::size_t begin, std::size_t end,
+Partial measure_general(const MeshView& mesh, const Placing& placing, std::size_t begin, std::size_t end,
                         BlockTable& table) {
-    const PlacedReader read(mesh, transform);
+    const PlacedReader read(mesh, placing);
     Partial all;
     double poison = 0;  // times zero: becomes NaN, and stays so, at the first value that is not finite
     for (std::size_t block = begin; block < end; ++block) {
@@ -67,7 +67,7 @@ Partial measure_general(const MeshView& mesh, const Transform& transform, std::s
 
 /// The same for a float soup without a transform.
 Partial measure_soup(const MeshView& mesh, std::size_t begin, std::size_t end, BlockTable& table) {
-    const FloatSoup soup{mesh.vertices, mesh.stride, mesh.triangle_count, static_cast<float>(table.near_mm)};
+    const FloatSoup soup{mesh.vertex_at(0), mesh.vertex_step(), mesh.triangle_count, static_cast<float>(table.near_mm)};
     const SoupBox found = best_of(measure_soup_forms())(soup, begin, end, table.blocks.data());
     Partial all;
     for (int axis = 0; axis < 3; ++axis) {
@@ -82,8 +82,8 @@ std::string axis_text(int i) {
 }
 
 /// Finds the triangle with the bad coordinate. Serial: it runs once, on input that is refused.
-Error first_bad_coordinate(const MeshView& mesh, const Transform& transform) {
-    const PlacedReader read(mesh, transform);
+Error first_bad_coordinate(const MeshView& mesh, const Placing& placing) {
+    const PlacedReader read(mesh, placing);
     for (std::size_t t = 0; t < mesh.triangle_count; ++t) {
         const RawTriangle raw = read(t);
         for (int i = 0; i < 9; ++i) {
@@ -122,7 +122,7 @@ Error no_triangles() {
 
 }  // namespace
 
-Result<Bounds> measure_bounds(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel,
+Result<Bounds> measure_bounds(const MeshView& mesh, const Placing& placing, double unit_mm, const Parallel& parallel,
                               BlockTable& table) {
     if (mesh.triangle_count == 0) {
         return no_triangles();
@@ -130,12 +130,14 @@ Result<Bounds> measure_bounds(const MeshView& mesh, const Transform& transform, 
     if (mesh.triangle_count >= std::numeric_limits<std::uint32_t>::max()) {
         return Error{ErrorCode::invalid_argument, "the mesh has more than 2^32 - 2 triangles"};
     }
-    if (const Status status = check_transform(transform); !status) {
+    if (!(mesh.mm_per_unit > 0) || !std::isfinite(mesh.mm_per_unit)) {
+        return Error{ErrorCode::invalid_argument, "mm_per_unit must be finite and above 0"};
+    }
+    if (const Status status = check_transform(placing.transform); !status) {
         return status.error();
     }
-    const bool float_soup =
-        mesh.coordinate_type == CoordinateType::f32 && mesh.indices == nullptr && transform.is_identity();
-    table.near_mm = BlockTable::near_mm_for(unit_mm > 0 ? unit_mm : default_unit_mm);
+    const bool float_soup = mesh.vertex_type == Number::f32 && mesh.indices == nullptr && placing.transform.is_identity();
+    table.near_mm = BlockTable::near_mm_for(unit_mm > 0 ? unit_mm : default_grid_mm);
     table.blocks.resize_discarding(block_count(mesh.triangle_count));
     PerWorker<Partial> partial(parallel.workers_for(table.blocks.size() / grain));
     parallel.run_ranges(table.blocks.size(), grain, [&](std::size_t begin, std::size_t end, int worker) {
@@ -148,7 +150,7 @@ Result<Bounds> measure_bounds(const MeshView& mesh, const Transform& transform, 
             }
         }
         partial[w].add(float_soup ? measure_soup(mesh, begin, end, table)
-                                  : measure_general(mesh, transform, begin, end, table));
+                                  : measure_general(mesh, placing, begin, end, table));
     });
     Partial all;
     partial.for_each([&all](const Partial& p) { all.add(p); });
@@ -157,7 +159,7 @@ Result<Bounds> measure_bounds(const MeshView& mesh, const Transform& transform, 
                      "triangle " + std::to_string(all.bad_index) + " has an index beyond the last vertex", all.bad_index};
     }
     if (!all.finite || !(all.box.farthest() <= largest_coordinate_mm)) {
-        return first_bad_coordinate(mesh, transform);
+        return first_bad_coordinate(mesh, placing);
     }
     return all.box;
 }
@@ -181,10 +183,10 @@ double finest_unit(double farthest_mm) noexcept {
 Result<ChosenUnit> choose_unit(const Bounds& bounds, double asked_mm, bool coarser, double reach_mm) {
     const double largest = bounds.farthest();
     if (asked_mm == 0) {
-        return doubled_while(default_unit_mm, [&](double unit) { return largest > unit * grid_limit; });
+        return doubled_while(default_grid_mm, [&](double unit) { return largest > unit * grid_limit; });
     }
     const double farthest = std::max(largest, bounds.farthest_in_plane() + reach_mm);
-    if (asked_mm == unit_by_box) {
+    if (asked_mm == finest_grid) {
         return ChosenUnit{finest_unit(farthest), 0};
     }
     if (!(asked_mm > 0) || !(asked_mm <= largest_coordinate_mm) || asked_mm < 1e-15) {

@@ -81,7 +81,7 @@ struct GridBox {
     friend constexpr auto operator<=>(const GridBox&, const GridBox&) = default;
 };
 
-using Box = GridBox<GridVertex>;
+using SpaceBox = GridBox<GridVertex>;
 using FlatBox = GridBox<Point>;
 
 constexpr std::int64_t width_of(const FlatBox& box) noexcept {

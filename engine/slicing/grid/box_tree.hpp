@@ -23,11 +23,11 @@
 
 namespace lamella {
 
-/// Eight boxes side by side, so that all are compared at once.
+/// Int32x8 boxes side by side, so that all are compared at once.
 template <class Corner>
 class BoxBlock {
 public:
-    static constexpr std::size_t lanes = Eight::lanes;
+    static constexpr std::size_t lanes = Int32x8::lanes;
     static constexpr std::size_t axes = GridBox<Corner>::axes;
 
     void set(std::size_t lane, const GridBox<Corner>& box) noexcept {
@@ -49,9 +49,9 @@ public:
     /// Which meet the other.
     LaneBits meets(const GridBox<Corner>& other) const noexcept {
         const auto [low, high] = other.numbers();
-        Eight apart(0);
+        Int32x8 apart(0);
         for (std::size_t axis = 0; axis < axes; ++axis) {
-            apart = apart | (Eight(low_[axis]) > Eight(high[axis])) | (Eight(low[axis]) > Eight(high_[axis]));
+            apart = apart | (Int32x8(low_[axis]) > Int32x8(high[axis])) | (Int32x8(low[axis]) > Int32x8(high_[axis]));
         }
         return ~apart.bits() & all_eight;
     }
@@ -67,8 +67,8 @@ public:
     }
 
 private:
-    std::array<Eight::Stored, axes> low_;
-    std::array<Eight::Stored, axes> high_;
+    std::array<Int32x8::Stored, axes> low_;
+    std::array<Int32x8::Stored, axes> high_;
 };
 
 /// Its memory is kept from use to use.

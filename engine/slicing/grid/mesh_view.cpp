@@ -9,60 +9,34 @@ namespace lamella {
 namespace {
 
 template <class T>
-MeshView soup_of(std::span<const T> coordinates, CoordinateType number) {
-    assert(coordinates.size() % 9 == 0);
-    const auto* first = reinterpret_cast<const std::byte*>(coordinates.data());
-    return MeshView::strided_soup(first, coordinates.size() / 9, 9 * sizeof(T), number);
+MeshView soup_of(std::span<const T> xyz, Number number) {
+    assert(xyz.size() % 9 == 0);
+    return {.vertices = xyz.data(), .triangle_count = xyz.size() / 9, .vertex_type = number};
 }
 
 template <class T>
-MeshView indexed_of(std::span<const T> xyz, std::span<const std::uint32_t> indices, CoordinateType number) {
-    assert(xyz.size() % 3 == 0);
-    const auto* first = reinterpret_cast<const std::byte*>(xyz.data());
-    return MeshView::indexed(first, xyz.size() / 3, 3 * sizeof(T), number, indices);
+MeshView indexed_of(std::span<const T> xyz, std::span<const std::uint32_t> indices, Number number) {
+    assert(xyz.size() % 3 == 0 && indices.size() % 3 == 0);
+    return {.vertices = xyz.data(),
+            .vertex_count = xyz.size() / 3,
+            .triangle_count = indices.size() / 3,
+            .indices = indices.data(),
+            .vertex_type = number};
 }
 
 }  // namespace
 
-MeshView MeshView::soup(std::span<const float> coordinates) noexcept {
-    return soup_of(coordinates, CoordinateType::f32);
+MeshView MeshView::soup(std::span<const float> xyz) noexcept {
+    return soup_of(xyz, Number::f32);
 }
-
-MeshView MeshView::soup(std::span<const double> coordinates) noexcept {
-    return soup_of(coordinates, CoordinateType::f64);
+MeshView MeshView::soup(std::span<const double> xyz) noexcept {
+    return soup_of(xyz, Number::f64);
 }
-
-MeshView MeshView::strided_soup(const std::byte* first, std::size_t triangles, std::size_t stride,
-                                CoordinateType coordinate_type) noexcept {
-    return {.vertices = first, .stride = stride, .triangle_count = triangles, .coordinate_type = coordinate_type};
-}
-
 MeshView MeshView::indexed(std::span<const float> xyz, std::span<const std::uint32_t> indices) noexcept {
-    return indexed_of(xyz, indices, CoordinateType::f32);
+    return indexed_of(xyz, indices, Number::f32);
 }
-
 MeshView MeshView::indexed(std::span<const double> xyz, std::span<const std::uint32_t> indices) noexcept {
-    return indexed_of(xyz, indices, CoordinateType::f64);
-}
-
-MeshView MeshView::indexed(const std::byte* first, std::size_t vertices, std::size_t stride, CoordinateType coordinate_type,
-                           std::span<const std::uint32_t> indices) noexcept {
-    assert(indices.size() % 3 == 0);
-    return indexed(first, vertices, stride, coordinate_type, reinterpret_cast<const std::byte*>(indices.data()),
-                   indices.size() / 3, 3 * sizeof(std::uint32_t), IndexType::u32);
-}
-
-MeshView MeshView::indexed(const std::byte* first, std::size_t vertices, std::size_t stride, CoordinateType coordinate_type,
-                           const std::byte* first_index, std::size_t triangles, std::size_t index_stride,
-                           IndexType index_type) noexcept {
-    return {.vertices = first,
-            .stride = stride,
-            .vertex_count = vertices,
-            .indices = first_index,
-            .index_stride = index_stride,
-            .index_type = index_type,
-            .triangle_count = triangles,
-            .coordinate_type = coordinate_type};
+    return indexed_of(xyz, indices, Number::f64);
 }
 
 bool Transform::is_singular() const noexcept {
@@ -91,9 +65,6 @@ Transform Transform::scale(double factor) noexcept {
 
 Transform operator*(const Transform& second, const Transform& first) noexcept {
     Transform both = second;
-    if (first.arithmetic == Arithmetic::as_mesh) {
-        both.arithmetic = Arithmetic::as_mesh;
-    }
     if (first.is_identity()) {
         return both;  // to the bit
     }

@@ -9,6 +9,7 @@
 
 #include "base/rounding.hpp"
 #include "lamella/mesh.hpp"
+#include "lamella/options.hpp"
 
 namespace lamella {
 
@@ -34,30 +35,46 @@ inline __m128 load_two_floats(const std::byte* at) noexcept {
 }
 #endif
 
-/// The type of coordinates after the transform, to which heights are rounded too.
-inline CoordinateType placed_number(const MeshView& mesh, const Transform& transform) noexcept {
-    const bool as_mesh = transform.is_identity() || transform.arithmetic == Arithmetic::as_mesh;
-    return as_mesh && mesh.coordinate_type == CoordinateType::f32 ? CoordinateType::f32 : CoordinateType::f64;
+/// From a mesh's coordinates to the space of planes and points.
+struct Placing {
+    Transform transform{};
+    bool as_mesh_numbers = false;  ///< see Frame
+};
+
+/// The frame's transform, after the mesh's own unit has become mm.
+inline Placing placing_of(const MeshView& mesh, const Frame& frame) noexcept {
+    const bool in_mm = mesh.mm_per_unit == 1;
+    return {in_mm ? frame.transform : frame.transform * Transform::scale(mesh.mm_per_unit), frame.as_mesh_numbers};
 }
 
-/// Any MeshView after its transform. Every product is rounded and sums run from left to right, in vectors as without: the
+/// The same of a part, which `placement` moves first.
+inline Placing placing_of(const MeshView& mesh, Frame frame, const Transform& placement) noexcept {
+    frame.transform = frame.transform * placement;
+    return placing_of(mesh, frame);
+}
+
+/// The type of coordinates that are placed, to which heights are rounded too.
+inline Number placed_number(const MeshView& mesh, const Placing& placing) noexcept {
+    const bool as_mesh = placing.transform.is_identity() || placing.as_mesh_numbers;
+    return as_mesh && mesh.vertex_type == Number::f32 ? Number::f32 : Number::f64;
+}
+
+/// Any MeshView, placed. Every product is rounded and sums run from left to right, in vectors as without: the
 /// bytes are those of a host's matrix of the same type times the vertex. Precondition: indices have been checked against
 /// vertex_count.
 class PlacedReader {
 public:
-    PlacedReader(const MeshView& mesh, const Transform& transform) noexcept
-        : mesh_(mesh),
-          identity_(transform.is_identity()),
-          in_floats_(placed_number(mesh, transform) == CoordinateType::f32) {
+    PlacedReader(const MeshView& mesh, const Placing& placing) noexcept
+        : mesh_(mesh), identity_(placing.transform.is_identity()), in_floats_(placed_number(mesh, placing) == Number::f32) {
         for (std::size_t column = 0; column < 4; ++column) {
             for (std::size_t row = 0; row < 3; ++row) {
-                doubles_[column][row] = transform.m[4 * row + column];
+                doubles_[column][row] = placing.transform.m[4 * row + column];
                 floats_[column][row] = static_cast<float>(doubles_[column][row]);
             }
         }
     }
 
-    CoordinateType number() const noexcept { return mesh_.coordinate_type; }
+    Number number() const noexcept { return mesh_.vertex_type; }
 
     RawTriangle operator()(std::size_t t) const noexcept {
         RawTriangle raw;
@@ -81,14 +98,14 @@ public:
     };
 
     Vertex vertex(std::size_t t, std::size_t corner) const noexcept {
-        if (number() == CoordinateType::f64) {
+        if (number() == Number::f64) {
             const std::byte* at = vertex_at(t, corner, 3 * sizeof(double));
             const Vertex given{_mm_loadu_pd(reinterpret_cast<const double*>(at)), load_double(at + 2 * sizeof(double))};
             return identity_ ? given : moved(given);
         }
-        if (number() != CoordinateType::f32) {
-            const Vertex given = number() == CoordinateType::i32 ? of_integers<std::int32_t>(t, corner)
-                                                                 : of_integers<std::int64_t>(t, corner);
+        if (number() != Number::f32) {
+            const Vertex given =
+                number() == Number::i32 ? of_integers<std::int32_t>(t, corner) : of_integers<std::int64_t>(t, corner);
             return identity_ ? given : moved(given);
         }
         const std::byte* at = vertex_at(t, corner, 3 * sizeof(float));
@@ -106,8 +123,8 @@ private:
 
     /// Where a vertex of `vertex_bytes` lies.
     const std::byte* vertex_at(std::size_t t, std::size_t corner, std::size_t vertex_bytes) const noexcept {
-        return mesh_.indices != nullptr ? mesh_.vertices + mesh_.vertex_of(t, corner) * mesh_.stride
-                                        : mesh_.vertices + t * mesh_.stride + corner * vertex_bytes;
+        return mesh_.indices != nullptr ? mesh_.vertex_at(mesh_.vertex_of(t, corner))
+                                        : mesh_.vertex_at(t) + corner * vertex_bytes;
     }
 
 #ifdef __SSE2__
@@ -153,16 +170,16 @@ private:
 #else
     void place(std::size_t t, std::size_t corner, double* to) const noexcept {
         switch (number()) {
-            case CoordinateType::f32:
+            case Number::f32:
                 read<float>(t, corner, to);
                 break;
-            case CoordinateType::f64:
+            case Number::f64:
                 read<double>(t, corner, to);
                 break;
-            case CoordinateType::i32:
+            case Number::i32:
                 read<std::int32_t>(t, corner, to);
                 break;
-            case CoordinateType::i64:
+            case Number::i64:
                 read<std::int64_t>(t, corner, to);
                 break;
         }

@@ -40,8 +40,8 @@ inline void store_vertices(GridTriangle& grid, __m128i first, __m128i second, __
 /// Any mesh, transform and unit.
 class GeneralReader {
 public:
-    GeneralReader(const MeshView& mesh, const Transform& transform, double unit_mm) noexcept
-        : placed_(mesh, transform), unit_mm_(unit_mm) {}
+    GeneralReader(const MeshView& mesh, const Placing& placing, double unit_mm) noexcept
+        : placed_(mesh, placing), unit_mm_(unit_mm) {}
 
     GridTriangle operator()(std::size_t t) const noexcept {
         GridTriangle grid;
@@ -94,7 +94,7 @@ private:
     }
 
     GridTriangle soup(std::size_t t) const noexcept {
-        const auto* at = reinterpret_cast<const float*>(mesh_.vertices + t * mesh_.stride);
+        const auto* at = reinterpret_cast<const float*>(mesh_.vertex_at(t));
         const __m128 c = _mm_loadu_ps(at + 5);
         GridTriangle grid;
         store_vertices(grid, round_even(_mm_loadu_ps(at)), round_even(_mm_loadu_ps(at + 3)),
@@ -103,7 +103,7 @@ private:
     }
 
     __m128i vertex(std::size_t index) const noexcept {
-        const std::byte* at = mesh_.vertices + index * mesh_.stride;
+        const std::byte* at = mesh_.vertex_at(index);
         return round_even(_mm_movelh_ps(load_two_floats(at), load_float(at + 2 * sizeof(float))));
     }
 
@@ -120,14 +120,14 @@ private:
 
 /// Calls use(reader) with the fastest reader for this input; all give the same grid triangles.
 template <class Use>
-decltype(auto) with_reader(const MeshView& mesh, const Transform& transform, double unit_mm, Use&& use) {
+decltype(auto) with_reader(const MeshView& mesh, const Placing& placing, double unit_mm, Use&& use) {
 #ifdef __SSE2__
     int exponent = 0;
-    if (mesh.coordinate_type == CoordinateType::f32 && transform.is_identity() && std::frexp(unit_mm, &exponent) == 0.5) {
+    if (mesh.vertex_type == Number::f32 && placing.transform.is_identity() && std::frexp(unit_mm, &exponent) == 0.5) {
         return use(FloatReader(mesh, unit_mm));
     }
 #endif
-    return use(GeneralReader(mesh, transform, unit_mm));
+    return use(GeneralReader(mesh, placing, unit_mm));
 }
 
 }  // namespace lamella

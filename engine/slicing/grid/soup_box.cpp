@@ -7,7 +7,7 @@
 #include <cstring>
 #include <limits>
 
-#include "base/prefetch.hpp"
+#include "base/dispatch.hpp"
 
 namespace lamella {
 

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "base/dispatch.hpp"
-#include "slicing/grid/blocks.hpp"
+#include "slicing/grid/bounds.hpp"
 
 namespace lamella {
 

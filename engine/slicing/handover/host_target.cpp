@@ -12,6 +12,7 @@
 
 #include "base/guard.hpp"
 #include "base/words.hpp"
+#include "slicing/regions/rules.hpp"
 
 namespace lamella {
 
@@ -21,21 +22,21 @@ constexpr double most_scale = 9007199254740992;  // 2^53: doubles hold every who
 
 struct TypeFacts {
     std::string_view name;
-    std::size_t bytes;  ///< of a coordinate
     double most;
 };
 
-constexpr std::array<TypeFacts, 4> type_facts = {{{"32-bit integers", 4, 2147483647.0},
-                                                  {"64-bit integers", 8, 9223372036854774784.0},
-                                                  {"32-bit floats", 4, std::numeric_limits<float>::max()},
-                                                  {"64-bit floats", 8, std::numeric_limits<double>::max()}}};
+/// By Number; a point of unsigned numbers is none.
+constexpr std::array<TypeFacts, 4> type_facts = {{{"32-bit floats", std::numeric_limits<float>::max()},
+                                                  {"64-bit floats", std::numeric_limits<double>::max()},
+                                                  {"32-bit integers", 2147483647.0},
+                                                  {"64-bit integers", 9223372036854774784.0}}};
 
-const TypeFacts& facts_of(PointType type) noexcept {
+const TypeFacts& facts_of(Number type) noexcept {
     return type_facts[static_cast<std::size_t>(type)];
 }
 
-bool is_integer(PointType type) noexcept {
-    return type == PointType::i32 || type == PointType::i64;
+bool is_integer(Number type) noexcept {
+    return type == Number::i32 || type == Number::i64;
 }
 
 [[noreturn]] void refuse(std::string message, ErrorCode code = ErrorCode::invalid_argument) {
@@ -70,89 +71,98 @@ void convert(std::span<const Point> points, double scale, std::byte* to, std::si
     }
 }
 
-void check_array(const void* array, std::uint64_t capacity, std::string_view what) {
-    if (array == nullptr && capacity > 0) {
-        refuse("there is no memory for " + std::string(what) + ", but a capacity of " + std::to_string(capacity));
-    }
-}
-
 /// Bytes of x and y.
-std::size_t point_bytes(PointType type) noexcept {
-    return 2 * facts_of(type).bytes;
+std::size_t point_bytes(Number type) noexcept {
+    return 2 * size_of(type);
 }
 
 /// Refuses arrays and scales that make no sense; returns the others.
-const HostOutput& checked(const HostOutput& output) {
-    if (static_cast<std::size_t>(output.type) >= type_facts.size()) {
+const HostArrays& checked(const HostArrays& output) {
+    if (static_cast<std::size_t>(output.point_type) >= type_facts.size()) {
         refuse("there is no such type of points");
     }
-    if (output.stride != 0 && output.stride < point_bytes(output.type)) {
-        refuse("a stride of " + counted(output.stride, "byte") + " is too short for points of " +
-               std::string(facts_of(output.type).name) + ", which take " + std::to_string(point_bytes(output.type)));
+    if (output.point_stride != 0 && output.point_stride < point_bytes(output.point_type)) {
+        refuse("a stride of " + counted(output.point_stride, "byte") + " is too short for points of " +
+               std::string(facts_of(output.point_type).name) + ", which take " +
+               std::to_string(point_bytes(output.point_type)));
     }
-    const bool in_range = is_integer(output.type)
+    const bool in_range = is_integer(output.point_type)
                               ? output.scale >= 1 && output.scale <= most_scale && output.scale == std::floor(output.scale)
                               : output.scale > 0 && std::isfinite(output.scale);
     if (!in_range) {
-        refuse("the scale of points of " + std::string(facts_of(output.type).name) + " must be " +
-               (is_integer(output.type) ? "a whole number from 1 to 2^53" : "finite and above 0") + ", not " +
+        refuse("the scale of points of " + std::string(facts_of(output.point_type).name) + " must be " +
+               (is_integer(output.point_type) ? "a whole number from 1 to 2^53" : "finite and above 0") + ", not " +
                exact_text(output.scale));
     }
+    const auto check_array = [](const void* array, std::uint64_t capacity, const char* what) {
+        if (array == nullptr && capacity > 0) {
+            refuse("there is no memory for " + std::string(what) + ", but a capacity of " + std::to_string(capacity));
+        }
+    };
     check_array(output.points, output.point_capacity, "points");
-    check_array(output.contours, output.contour_capacity, "contours");
-    check_array(output.layers, output.layer_capacity, "layers");
-    check_array(output.closed_gaps, output.closed_gap_capacity, "closed gaps");
+    check_array(output.contours.data(), output.contours.size(), "contours");
+    check_array(output.layers.data(), output.layers.size(), "layers");
+    check_array(output.stitches.data(), output.stitches.size(), "stitches");
+    check_array(output.origins.data(), output.origins.size(), "origins");
+    if (!output.origins.empty() && output.origins.size() < output.point_capacity) {
+        refuse("there is memory for " + counted(output.origins.size(), "origin") + ", but for " +
+               counted(output.point_capacity, "point"));
+    }
     return output;
 }
 
 /// Refuses a scale by which a coordinate of at most `farthest` grid units may exceed the type.
-void check_scale(const HostOutput& output, double farthest) {
-    if (farthest * output.scale > facts_of(output.type).most) {
+void check_scale(const HostArrays& output, double farthest) {
+    if (farthest * output.scale > facts_of(output.point_type).most) {
         refuse("coordinates up to " + exact_text(farthest) + " grid units times a scale of " + exact_text(output.scale) +
-               " do not fit " + std::string(facts_of(output.type).name));
+               " do not fit " + std::string(facts_of(output.point_type).name));
     }
 }
 
 /// True where the points are those of the grid as they are in memory.
-bool is_plain(const HostOutput& output) noexcept {
-    return output.type == PointType::i32 && output.scale == 1 && (output.stride == 0 || output.stride == sizeof(Point)) &&
+bool is_plain(const HostArrays& output) noexcept {
+    return output.point_type == Number::i32 && output.scale == 1 &&
+           (output.point_stride == 0 || output.point_stride == sizeof(Point)) &&
            reinterpret_cast<std::uintptr_t>(output.points) % alignof(Point) == 0;
 }
 
 /// A bound on the coordinates of contours, in grid units.
-double farthest_units(const SliceResult& result) noexcept {
+double farthest_units(const SliceInfo& info) noexcept {
     double farthest_mm = 0;
-    for (int axis = 0; axis < 2; ++axis) {
-        farthest_mm = std::max({farthest_mm, std::abs(result.summary.min_mm[axis]), std::abs(result.summary.max_mm[axis])});
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+        farthest_mm = std::max({farthest_mm, std::abs(info.box.min_mm[axis]), std::abs(info.box.max_mm[axis])});
     }
     // Vertices are rounded by a unit at most, points of regions by another. Miters reach as far as check_reach() says.
-    const RegionRules& rules = result.region;
-    const double reach_mm = std::max(2.0, rules.miter_limit) * (rules.close_mm + std::abs(rules.offset_mm));
-    return std::min(std::ceil((farthest_mm + reach_mm) / result.unit_mm) + 2, double{grid_limit});
+    const double moved = moved_mm(info.options.region);
+    return std::min(std::ceil((farthest_mm + moved) / info.grid_mm) + 2, double{grid_limit});
 }
 
 }  // namespace
 
-HostPoints::HostPoints(const HostOutput& output) noexcept
-    : output_(output), stride_(output.stride == 0 ? point_bytes(output.type) : output.stride) {
-    constexpr std::array<Convert, 4> by_type = {convert<std::int32_t>, convert<std::int64_t>, convert<float>,
-                                                convert<double>};
-    convert_ = by_type[static_cast<std::size_t>(output.type)];
+HostPoints::HostPoints(const HostArrays& output) noexcept
+    : output_(output), stride_(output.point_stride == 0 ? point_bytes(output.point_type) : output.point_stride) {
+    constexpr std::array<Convert, 4> by_type = {convert<float>, convert<double>, convert<std::int32_t>,
+                                                convert<std::int64_t>};
+    convert_ = by_type[static_cast<std::size_t>(output.point_type)];
 }
 
 void HostPoints::write(std::uint64_t first, std::span<const Point> points) const noexcept {
     convert_(points, output_.scale, static_cast<std::byte*>(output_.points) + first * stride_, stride_);
 }
 
-HostTarget::HostTarget(const HostOutput& host) : host_(checked(host)), writer_(host) {}
+HostTarget::HostTarget(const HostArrays& host) : host_(checked(host)), writer_(host) {}
+
+void HostTarget::check_layers(std::uint64_t layers) const {
+    if (layers > host_.layers.size()) {
+        refuse(
+            "the slice has " + counted(layers, "layer") + ", but there is memory for " + std::to_string(host_.layers.size()),
+            ErrorCode::result_too_large);
+    }
+}
 
 void HostTarget::admit(const SweepInput& input, std::uint64_t /*memory_limit*/) {
-    if (input.planes.size() > host_.layer_capacity) {
-        refuse("the slice has " + counted(input.planes.size(), "layer") + ", but there is memory for " +
-                   std::to_string(host_.layer_capacity),
-               ErrorCode::result_too_large);
-    }
-    check_scale(host_, farthest_units(input.result));
+    check_layers(input.planes.size());
+    check_scale(host_, farthest_units(input.result.info));
 }
 
 BandTarget& HostTarget::begin(const SweepInput& input) {
@@ -162,8 +172,8 @@ BandTarget& HostTarget::begin(const SweepInput& input) {
     } else if (host_.point_capacity > 0) {
         room.points = {static_cast<Point*>(host_.points), host_.point_capacity};
     }
-    if (input.origins && host_.origins != nullptr) {
-        room.origins = {host_.origins, host_.point_capacity};
+    if (input.origins && !host_.origins.empty()) {
+        room.origins = host_.origins.first(host_.point_capacity);
     }
     input.scratch.placement.begin(input.bands, input.lead(), room, input.parallel.stop());
     return input.scratch.placement;
@@ -171,45 +181,46 @@ BandTarget& HostTarget::begin(const SweepInput& input) {
 
 void HostTarget::finish(const SweepInput& input) {
     const Placement& placement = input.scratch.placement;
-    check_room(placement);
-    const std::span<Layer> layers(host_.layers, input.planes.size());
+    check_room({placement.contour_count(), placement.point_count(), placement.stitch_count()});
+    const std::span<Layer> layers = host_.layers.first(input.planes.size());
     fill_layers(input, layers);
-    placement.write_contours(input.parallel, {host_.contours, placement.contour_count()}, layers);
-    if (host_.closed_gaps != nullptr) {
-        placement.write_closed_gaps({host_.closed_gaps, placement.closed_gap_count()}, input.parallel.stop());
+    placement.write_contours(input.parallel, host_.contours.first(placement.contour_count()), layers);
+    if (!host_.stitches.empty()) {
+        placement.write_stitches(host_.stitches.first(placement.stitch_count()), input.parallel.stop());
     }
-    set_counts(placement.contour_counts(), input.result.region.keeps_contours() ? 0 : count_emptied(layers),
-               input.result.summary);
-    layers_ = layers.size();
-    contours_ = placement.contour_count();
-    points_ = placement.point_count();
-    closed_gaps_ = placement.closed_gap_count();
+    SliceInfo& info = input.result.info;
+    set_counts(placement.contour_counts(), info.options.region.keeps_contours() ? 0 : count_emptied(layers), info);
+    info.contours = placement.contour_count();
+    info.points = placement.point_count();
+    info.stitches = placement.stitch_count();
 }
 
-void HostTarget::check_room(const Placement& placement) const {
-    const std::uint64_t gaps = host_.closed_gaps == nullptr ? 0 : placement.closed_gap_count();
-    if (placement.point_count() > host_.point_capacity || placement.contour_count() > host_.contour_capacity ||
-        gaps > host_.closed_gap_capacity) {
-        refuse("the slice has " + counted(placement.contour_count(), "contour") + ", " +
-                   counted(placement.point_count(), "point") + " and " +
-                   counted(placement.closed_gap_count(), "closed gap") + ", but there is memory for " +
-                   std::to_string(host_.contour_capacity) + ", " + std::to_string(host_.point_capacity) + " and " +
-                   std::to_string(host_.closed_gap_capacity),
+void HostTarget::take_whole(SliceResult& whole, const Parallel& parallel) {
+    check_layers(whole.layers.size());
+    check_scale(host_, farthest_units(whole.info));
+    check_room({whole.contours.size(), whole.points.size(), whole.stitches.size()});
+    parallel.run_ranges(whole.points.size(), 1 << 14, [&](std::size_t begin, std::size_t end, int) {
+        writer_.write(begin, whole.points.span().subspan(begin, end - begin));
+    });
+    std::copy(whole.contours.begin(), whole.contours.end(), host_.contours.begin());
+    std::copy(whole.layers.begin(), whole.layers.end(), host_.layers.begin());
+    if (!host_.stitches.empty()) {
+        std::copy(whole.stitches.begin(), whole.stitches.end(), host_.stitches.begin());
+    }
+    if (!host_.origins.empty()) {
+        std::copy(whole.origins.begin(), whole.origins.end(), host_.origins.begin());
+    }
+}
+
+void HostTarget::check_room(const Sizes& sizes) const {
+    const std::uint64_t stitches = host_.stitches.empty() ? 0 : sizes.stitches;
+    if (sizes.points > host_.point_capacity || sizes.contours > host_.contours.size() || stitches > host_.stitches.size()) {
+        refuse("the slice has " + counted(sizes.contours, "contour") + ", " + counted(sizes.points, "point") + " and " +
+                   counted(sizes.stitches, "stitch", "stitches") + ", but there is memory for " +
+                   std::to_string(host_.contours.size()) + ", " + std::to_string(host_.point_capacity) + " and " +
+                   std::to_string(host_.stitches.size()),
                ErrorCode::result_too_large);
     }
-}
-
-SliceTotals HostTarget::totals(SliceResult& result) const {
-    return {layers_,
-            contours_,
-            points_,
-            closed_gaps_,
-            result.unit_mm,
-            result.close_gaps_mm,
-            result.first_layer,
-            result.all_layers,
-            std::move(result.layer_of),
-            result.summary};
 }
 
 }  // namespace lamella

@@ -5,7 +5,8 @@
 #include <cstdint>
 #include <span>
 
-#include "lamella/host_output.hpp"
+#include "lamella/destination.hpp"
+#include "lamella/slice.hpp"
 #include "slicing/result/layer_target.hpp"
 
 namespace lamella {
@@ -14,7 +15,7 @@ namespace lamella {
 class HostPoints final : public PointWriter {
 public:
     /// `output` has passed the checks and outlives this.
-    explicit HostPoints(const HostOutput& output) noexcept;
+    explicit HostPoints(const HostArrays& output) noexcept;
 
     std::uint64_t capacity() const noexcept override { return output_.point_capacity; }
     void write(std::uint64_t first, std::span<const Point> points) const noexcept override;
@@ -22,7 +23,7 @@ public:
 private:
     using Convert = void (*)(std::span<const Point> points, double scale, std::byte* to, std::size_t stride) noexcept;
 
-    const HostOutput& output_;
+    const HostArrays& output_;
     std::size_t stride_;
     Convert convert_;
 };
@@ -30,23 +31,25 @@ private:
 class HostTarget final : public LayerTarget {
 public:
     /// Throws Refused where arrays or scale make no sense.
-    explicit HostTarget(const HostOutput& host);
+    explicit HostTarget(const HostArrays& host);
 
     void admit(const SweepInput& input, std::uint64_t memory_limit) override;
     BandTarget& begin(const SweepInput& input) override;
     void finish(const SweepInput& input) override;
 
-    SliceTotals totals(SliceResult& result) const;
+    void take_whole(SliceResult& whole, const Parallel& parallel) override;
 
 private:
-    void check_room(const Placement& placement) const;
+    struct Sizes {
+        std::uint64_t contours;
+        std::uint64_t points;
+        std::uint64_t stitches;
+    };
+    void check_layers(std::uint64_t layers) const;
+    void check_room(const Sizes& sizes) const;
 
-    const HostOutput& host_;
+    const HostArrays& host_;
     HostPoints writer_;
-    std::uint64_t layers_ = 0;
-    std::uint64_t contours_ = 0;
-    std::uint64_t points_ = 0;
-    std::uint64_t closed_gaps_ = 0;
 };
 
 }  // namespace lamella

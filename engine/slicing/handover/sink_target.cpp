@@ -43,22 +43,22 @@ struct LayerCursor {
         if (output.with_origins) {
             view.origins = {output.origins + first_point, points};
         }
-        view.closed_gaps = take_gaps(index);
+        view.stitches = take_gaps(index);
         first_contour += contours.size();
         first_point += points;
         ++layer;
         return view;
     }
 
-    std::span<const ClosedGap> take_gaps(std::uint64_t index) {
-        const std::span<ClosedGap> rest = std::span<ClosedGap>(output.closed_gaps).subspan(first_gap);
+    std::span<const Stitch> take_gaps(std::uint64_t index) {
+        const std::span<Stitch> rest = std::span<Stitch>(output.stitches).subspan(first_gap);
         std::size_t count = 0;
         while (count < rest.size() && rest[count].layer == layer) {
             rest[count++].layer = index;
         }
         first_gap += count;
         std::sort(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(count),
-                  [](const ClosedGap& a, const ClosedGap& b) { return std::tie(a.from, a.to) < std::tie(b.from, b.to); });
+                  [](const Stitch& a, const Stitch& b) { return std::tie(a.from, a.to) < std::tie(b.from, b.to); });
         return rest.first(count);
     }
 };
@@ -69,7 +69,7 @@ void SinkTotals::add(const SinkTotals& other) noexcept {
     layers += other.layers;
     contours += other.contours;
     points += other.points;
-    closed_gaps += other.closed_gaps;
+    stitches += other.stitches;
     emptied += other.emptied;
     counts.add(other.counts);
 }
@@ -198,12 +198,12 @@ void SinkBands::hand_over(BandOutput& output, SinkTotals& totals) const {
     while (cursor.layer < output.layer_contours.size()) {
         const auto plane = static_cast<PlaneIndex>(output.first_layer + cursor.layer);
         LayerView view = cursor.next(input_.first_index + plane);
-        view.layer = describe_layer(input_.planes, plane, input_.buckets.segments[plane]);
-        view.layer.contour_count = view.contours.size();
-        view.unit_mm = input_.result.unit_mm;
-        sink_.take(sink_.context, view);
-        totals.closed_gaps += view.closed_gaps.size();
-        totals.emptied += view.layer.segments > 0 && view.contours.empty() ? 1 : 0;
+        static_cast<Layer&>(view) = describe_layer(input_.planes, plane, input_.buckets.segments[plane]);
+        view.contour_count = view.contours.size();
+        view.grid_mm = input_.result.info.grid_mm;
+        sink_.take(view);
+        totals.stitches += view.stitches.size();
+        totals.emptied += view.segments > 0 && view.contours.empty() ? 1 : 0;
         input_.parallel.ask_host();  // so that a sink which ends the call gets no layer more
     }
     totals.layers += output.layer_contours.size();
@@ -237,20 +237,40 @@ void SinkBands::submit(std::size_t band) {
 }
 
 SinkTarget::SinkTarget(const LayerSink& sink) : sink_(sink) {
-    if (sink.take == nullptr) {
+    if (!sink.take) {
         throw Refused{{ErrorCode::invalid_argument, "the sink has no function that takes layers"}};
     }
 }
 
-void SinkTarget::finish(const SweepInput& input) {
-    const SinkTotals& totals = bands_->totals();
-    set_counts(totals.counts, input.result.region.keeps_contours() ? 0 : totals.emptied, input.result.summary);
+void SinkTarget::announce(const SliceInfo& info) {
+    if (sink_.begin && !is_announced_) {
+        sink_.begin(info);
+    }
+    is_announced_ = true;
 }
 
-SliceTotals SinkTarget::totals(SliceResult& result) const {
+void SinkTarget::finish(const SweepInput& input) {
     const SinkTotals& totals = bands_->totals();
-    return {totals.layers,        totals.contours,    totals.points,     totals.closed_gaps,         result.unit_mm,
-            result.close_gaps_mm, result.first_layer, result.all_layers, std::move(result.layer_of), result.summary};
+    SliceInfo& info = input.result.info;
+    set_counts(totals.counts, info.options.region.keeps_contours() ? 0 : totals.emptied, info);
+    info.contours = totals.contours;
+    info.points = totals.points;
+    info.stitches = totals.stitches;
+}
+
+/// Layers count from their own first, as those that are swept do.
+void SinkTarget::take_whole(SliceResult& whole, const Parallel& parallel) {
+    announce(whole.info);
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+        LayerView view = whole[i];
+        for (Contour& contour : whole.contours.span().subspan(view.first_contour, view.contour_count)) {
+            contour.first_point -= view.first_point;
+            contour.parent -= contour.parent < 0 ? 0 : static_cast<std::int64_t>(view.first_contour);
+        }
+        view.first_contour = view.first_point = 0;
+        sink_.take(view);
+        parallel.ask_host();
+    }
 }
 
 }  // namespace lamella

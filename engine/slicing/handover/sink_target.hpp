@@ -21,7 +21,8 @@
 #include <optional>
 #include <vector>
 
-#include "lamella/sink.hpp"
+#include "lamella/destination.hpp"
+#include "lamella/slice.hpp"
 #include "slicing/result/layer_target.hpp"
 
 namespace lamella {
@@ -31,7 +32,7 @@ struct SinkTotals {
     std::uint64_t layers = 0;
     std::uint64_t contours = 0;
     std::uint64_t points = 0;
-    std::uint64_t closed_gaps = 0;
+    std::uint64_t stitches = 0;
     std::uint64_t emptied = 0;  ///< layers that have segments but no contour
     ContourCounts counts;
 
@@ -99,13 +100,20 @@ public:
     std::uint64_t most_band_segments(int threads) const noexcept override {
         return sink_.order == SinkOrder::any ? BandPlan::no_limit : SinkBands::most_segments(threads);
     }
-    BandTarget& begin(const SweepInput& input) override { return bands_.emplace(sink_, input); }
+    BandTarget& begin(const SweepInput& input) override {
+        announce(input.result.info);
+        return bands_.emplace(sink_, input);
+    }
     void finish(const SweepInput& input) override;
 
-    SliceTotals totals(SliceResult& result) const;
+    void take_whole(SliceResult& whole, const Parallel& parallel) override;
+
+    /// Tells the sink what is known before the first layer: once, by whoever calls it first.
+    void announce(const SliceInfo& info);
 
 private:
     const LayerSink& sink_;
+    bool is_announced_ = false;
     std::optional<SinkBands> bands_;
 };
 

@@ -1,5 +1,5 @@
 // The assembled form on a caller's own segments: Algorithm 4 of the paper, with keys from the caller.
-#include "lamella/assemble.hpp"
+#include "lamella/layers.hpp"
 
 #include <algorithm>
 #include <new>
@@ -22,51 +22,33 @@ constexpr std::size_t most_segments = std::size_t{1} << 30;  // two ends each mu
 
 class Assembly {
 public:
-    Assembly(std::span<const Segment> segments, const Control& control)
-        : segments_(segments),
-          output_(control.memory),
-          links_(control.memory),
-          points_(control.memory),
-          stop_(control.stop),
-          worker_(control.memory, stop_.check()),
-          progress_(control.progress) {}
+    Assembly(std::span<const Segment> segments, const Context& context)
+        : segments_(segments), stop_(context.stop), worker_(context.memory, stop_.check()) {}
 
     void link() {
         constexpr std::size_t segment_work = 32;  // two ends are looked up
         stop_.stop_if_asked();
-        progress_.reach(0);
         SlotTable::Attaching attaching = graph_.begin_attaching(2 * segments_.size());
         links_.reserve(segments_.size());
         grow_exactly(points_, graph_.capacity(), worker_);  // an edge has one slot where two segments meet
-        worker_.in_stretches(0, segments_.size(), segment_work, [&](std::size_t begin, std::size_t end) {
-            attach_all(attaching, begin, end);
-            progress_.reach(attached_share * static_cast<double>(end) / static_cast<double>(segments_.size()));
-        });
+        worker_.in_stretches(0, segments_.size(), segment_work,
+                             [&](std::size_t begin, std::size_t end) { attach_all(attaching, begin, end); });
         graph_.end_attaching(attaching, 2 * segments_.size());
         graph_.settle(
             links_, [this](Slot, std::span<MeetingEnd> ends) { sort_by_rank(ends); },
             [this](Slot to, Slot from) { put(to, Point(points_[from])); });
         graph_.connect(links_);
         graph_.walk();
-        progress_.reach(walked_share);
     }
 
-    LayerContours build() {
+    SliceResult build() {
         output_.buffer.resize_discarding(segments_.size() + segments_.size() / 64 + 64);  // seldom more, see slice()
         output_.begin(output_.buffer.span());
         layer_.build(graph_, points_.data(), nullptr, output_);
-        progress_.reach(built_share);
-        LayerContours layer = copy_layer(output_, worker_, worker_.memory());
-        progress_.finish();
-        return layer;
+        return copy_layer(output_, segments_.size(), worker_, worker_.memory());
     }
 
 private:
-    // Progress when the step is done.
-    static constexpr double attached_share = 0.5;
-    static constexpr double walked_share = 0.7;
-    static constexpr double built_share = 0.9;
-
     void attach_all(SlotTable::Attaching& attaching, std::size_t begin, std::size_t end) {
         for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
             const Segment& segment = segments_[i];
@@ -115,14 +97,13 @@ private:
     }
 
     std::span<const Segment> segments_;
-    BandOutput output_;
-    Vector<Link> links_;
-    Vector<Point> points_;  // by slot
     PacedStop stop_;
     Worker worker_;
+    BandOutput output_{worker_.memory()};
+    Vector<Link> links_{worker_.memory()};
+    Vector<Point> points_{worker_.memory()};  // by slot
     LinkGraph graph_{worker_};
     LayerBuilder layer_{worker_};
-    ProgressMeter progress_;
 };
 
 }  // namespace
@@ -132,12 +113,12 @@ EndKey EndKey::of_edge(GridVertex u, GridVertex v) noexcept {
     return to_key(u_is_lower ? MeshEdge::between(u, v) : MeshEdge::between(v, u));
 }
 
-Result<LayerContours> assemble(std::span<const Segment> segments, const Control& control) noexcept {
-    return guarded(control, [&]() -> Result<LayerContours> {
+Result<SliceResult> assemble(std::span<const Segment> segments, const Context& context) noexcept {
+    return guarded(context, [&]() -> Result<SliceResult> {
         if (segments.size() > most_segments) {
             return Error{ErrorCode::invalid_argument, "more than 2^30 segments in one plane"};
         }
-        Assembly assembly(segments, control);
+        Assembly assembly(segments, context);
         assembly.link();
         return assembly.build();
     });

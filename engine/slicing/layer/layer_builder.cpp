@@ -65,7 +65,7 @@ void LayerBuilder::build_given(std::span<const Path> contours, BandOutput& out) 
 
 void LayerBuilder::finish(BandOutput& out) {
     with_origins_ = out.with_origins;
-    if (rules.close_gaps > 0) {
+    if (rules.stitch > 0) {
         close_gaps(out);
     }
     sort_by_start();
@@ -85,7 +85,7 @@ void LayerBuilder::close_gaps(BandOutput& out) {
     const auto first_open = std::stable_partition(paths_.begin(), paths_.end(), is_closed);
     const auto closed = std::span(paths_).first(static_cast<std::size_t>(first_open - paths_.begin()));
     if (repair_.join(std::span(paths_).subspan(closed.size()), closed,
-                     {rules.close_gaps, rules.crossing_gaps, rules.gap_sense}, out.layer_contours.size(), out.closed_gaps)) {
+                     {rules.stitch, rules.crossing_stitch, rules.direction}, out.layer_contours.size(), out.stitches)) {
         paths_.erase(first_open, paths_.end());
         paths_.insert(paths_.end(), repair_.joined().begin(), repair_.joined().end());
     }
@@ -102,7 +102,7 @@ void LayerBuilder::sort_by_start() {
 }
 
 void LayerBuilder::nest(FillRule rule) {
-    const bool marks = rules.region != nullptr && rules.region->mark_near_mm > 0;
+    const bool marks = rules.region != nullptr && rules.region->flag_closing_mm > 0;
     const bool simplifies = rules.region != nullptr && rules.region->simplify_mm > 0;
     const std::uint64_t before = timed ? ticks() : 0;
     if (rule != FillRule::contours) {
@@ -115,14 +115,14 @@ void LayerBuilder::nest(FillRule rule) {
         nester_.nest(items_);
     }
     if (marks) {
-        regions_.mark_near(items_, rules.region->mark_near_mm / rules.unit_mm, rules.region->miter_limit, nester_);
+        regions_.mark_near(items_, rules.region->flag_closing_mm / rules.grid_mm, rules.region->miter_limit, nester_);
     }
     fill_ticks += timed && (marks || simplifies || rule != FillRule::contours) ? ticks() - before : 0;
 }
 
 /// A region keeps its parents and roles: no contour of it crosses another, before or after.
 void LayerBuilder::simplify() {
-    const double units = std::floor(rules.region->simplify_mm / rules.unit_mm);
+    const double units = std::floor(rules.region->simplify_mm / rules.grid_mm);
     constexpr double most = 2.0 * grid_limit;
     simplifier_.run(items_, static_cast<std::int64_t>(std::min(units, most)));
     for (std::size_t i = 0; i < items_.size(); ++i) {
@@ -142,9 +142,9 @@ void LayerBuilder::apply_rules(FillRule rule) {
     }
     regions_.run(closed_,
                  {.rule = rule,
-                  .close = region.close_mm / rules.unit_mm,
-                  .offset = region.offset_mm / rules.unit_mm,
-                  .miter_limit = region.miter_limit,
+                  .close = region.closing_mm / rules.grid_mm,
+                  .offset = region.offset_mm / rules.grid_mm,
+                  .miter = region.miter_limit,
                   .always_list = rewrites || closed_.size() != items_.size()},
                  nester_);
     cancels_ = regions_.cancels();

@@ -30,10 +30,10 @@ namespace lamella {
 /// Everything that is done to a plane's contours beyond walking them.
 struct LayerRules {
     const RegionRules* region = nullptr;  ///< null: contours stay as they are
-    double unit_mm = default_unit_mm;
-    double close_gaps = 0;     ///< grid units
-    double crossing_gaps = 0;  ///< grid units: longer joints cross no contour
-    GapSense gap_sense = GapSense::kept;
+    double grid_mm = default_grid_mm;
+    double stitch = 0;           ///< grid units
+    double crossing_stitch = 0;  ///< grid units: longer joints cross no contour
+    StitchDirection direction = StitchDirection::oriented;
     std::uint64_t first_layer = 0;  ///< of the plan's layers, which the rules count; see SliceOptions::layers
 };
 

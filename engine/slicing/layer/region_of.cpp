@@ -1,5 +1,5 @@
 // A region of a caller's own contours: a layer without the walk.
-#include "lamella/region.hpp"
+#include "lamella/layers.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,6 @@
 #include "base/vector.hpp"
 #include "base/words.hpp"
 #include "base/worker.hpp"
-#include "lamella/assemble.hpp"
 #include "slicing/layer/layer_builder.hpp"
 #include "slicing/regions/rules.hpp"
 #include "slicing/result/band_output.hpp"
@@ -55,10 +54,10 @@ double farthest(ContoursView contours) {
     return most;
 }
 
-Status check_all(ContoursView contours, const RegionRules& rules, double unit_mm, Worker& worker) {
-    if (!(unit_mm > 0) || !std::isfinite(unit_mm)) {
+Status check_all(ContoursView contours, const RegionRules& rules, double grid_mm, Worker& worker) {
+    if (!(grid_mm > 0) || !std::isfinite(grid_mm)) {
         return Error{ErrorCode::invalid_argument,
-                     "the grid unit must be finite and above 0, not " + exact_text(unit_mm) + " mm"};
+                     "the grid unit must be finite and above 0, not " + exact_text(grid_mm) + " mm"};
     }
     if (Status status = check_rules(rules); !status) {
         return status;
@@ -66,7 +65,7 @@ Status check_all(ContoursView contours, const RegionRules& rules, double unit_mm
     if (Status status = check_points(contours, worker); !status) {
         return status;
     }
-    return check_reach(rules, unit_mm, farthest(contours) * unit_mm);
+    return check_reach(rules, grid_mm, farthest(contours) * grid_mm);
 }
 
 /// Those that have points.
@@ -84,22 +83,23 @@ Vector<Path> list_given(ContoursView contours, Worker& worker) {
 
 }  // namespace
 
-Result<LayerContours> region_of(std::span<const std::span<const Point>> contours, const RegionRules& rules, double unit_mm,
-                                const Control& control) noexcept {
-    return guarded(control, [&]() -> Result<LayerContours> {
-        const PacedStop stop(control.stop);
-        Worker worker(control.memory, stop.check());
+Result<SliceResult> region_of(std::span<const std::span<const Point>> contours, const RegionRules& rules, double grid_mm,
+                              const Context& context) noexcept {
+    return guarded(context, [&]() -> Result<SliceResult> {
+        const PacedStop stop(context.stop);
+        Worker worker(context.memory, stop.check());
         worker.ask();
-        if (Status status = check_all(contours, rules, unit_mm, worker); !status) {
+        if (Status status = check_all(contours, rules, grid_mm, worker); !status) {
             return status.error();
         }
         LayerBuilder builder(worker);
-        builder.rules = {&rules, unit_mm, 0};
-        BandOutput output(control.memory);
+        builder.rules = {.region = &rules, .grid_mm = grid_mm};
+        BandOutput output(context.memory);
         output.begin(output.buffer.span());
         builder.build_given(list_given(contours, worker), output);
-        LayerContours region = copy_layer(output, worker, control.memory);
-        region.unit_mm = unit_mm;
+        SliceResult region = copy_layer(output, 0, worker, context.memory);
+        region.info.options.region = rules;
+        region.info.grid_mm = grid_mm;
         return region;
     });
 }

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "base/function_ref.hpp"
-#include "lamella/assemble.hpp"
+#include "lamella/layers.hpp"
 #include "slicing/nesting/nest.hpp"
 #include "slicing/nesting/ring_facts.hpp"
 

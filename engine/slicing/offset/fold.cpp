@@ -62,11 +62,10 @@ double shrinking(Point a, Point b, Point c, Point d) noexcept {
 
 /// True if the outer corner `b` passes the miter limit. Between the moved edges then runs a third one, which stays where one
 /// of them shrinks to a point.
-bool is_cut(Point a, Point b, Point c, double miter_limit) noexcept {
+bool is_cut(Point a, Point b, Point c, double miter) noexcept {
     const Step before(a, b);
     const Step after(b, c);
-    return before.sine_to(after) >= 0 &&
-           before.cosine1_to(after) < std::max(2.0 / (miter_limit * miter_limit), sharpest_cosine1);
+    return before.sine_to(after) >= 0 && before.cosine1_to(after) < std::max(2.0 / (miter * miter), sharpest_cosine1);
 }
 
 /// True if the edge from `a` to `b`, an end of which was rounded, still has its direction: when it moves by `distance`, its
@@ -78,7 +77,7 @@ bool is_steady(Point a, Point b, double distance) noexcept {
 
 /// Replaces edges of an open stretch, the first to shrink to a point first, until none does so within the distance. Those at
 /// its ends stay.
-bool fold_stretch(double distance, double miter_limit, Vector<Point>& stretch, Vector<std::uint32_t>& indices) {
+bool fold_stretch(double distance, double miter, Vector<Point>& stretch, Vector<std::uint32_t>& indices) {
     for (;;) {
         std::size_t first = 0;
         double fastest = 1 / distance;
@@ -96,7 +95,7 @@ bool fold_stretch(double distance, double miter_limit, Vector<Point>& stretch, V
         const Point b = stretch[first];
         const Point c = stretch[first + 1];
         const Point d = stretch[first + 2];
-        if (is_cut(a, b, c, miter_limit) || is_cut(b, c, d, miter_limit)) {
+        if (is_cut(a, b, c, miter) || is_cut(b, c, d, miter)) {
             return false;
         }
         const std::optional<Point> corner = corner_of(a, b, c, d);
@@ -112,7 +111,7 @@ bool fold_stretch(double distance, double miter_limit, Vector<Point>& stretch, V
 
 }  // namespace
 
-bool fold_edges(std::span<const Point> contour, std::span<const std::uint32_t> turned, double distance, double miter_limit,
+bool fold_edges(std::span<const Point> contour, std::span<const std::uint32_t> turned, double distance, double miter,
                 Vector<Point>& points, Vector<std::uint32_t>& indices) {
     constexpr std::size_t before = 2;  // points of a stretch before its first edge that turns round
     constexpr std::size_t after = 3;   // and after the start of its last
@@ -146,7 +145,7 @@ bool fold_edges(std::span<const Point> contour, std::span<const std::uint32_t> t
         for (; next <= last; ++next) {
             append(next, stretch, stretch_indices);
         }
-        if (!fold_stretch(distance, miter_limit, stretch, stretch_indices)) {
+        if (!fold_stretch(distance, miter, stretch, stretch_indices)) {
             points.resize(begin);
             return false;
         }

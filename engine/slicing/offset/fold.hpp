@@ -29,7 +29,7 @@ inline constexpr std::uint32_t no_point = 0xffffffff;
 /// the right of an edge; where an outer corner beside an edge passes the miter limit, so that its neighbours' moved edges do
 /// not meet; where a neighbour becomes so short that rounding turns it; or where nearly all of the contour turns round.
 /// O(points), and the square of edges that stand close together. Throws std::bad_alloc.
-bool fold_edges(std::span<const Point> contour, std::span<const std::uint32_t> turned, double distance, double miter_limit,
+bool fold_edges(std::span<const Point> contour, std::span<const std::uint32_t> turned, double distance, double miter,
                 Vector<Point>& points, Vector<std::uint32_t>& indices);
 
 }  // namespace lamella

@@ -105,8 +105,8 @@ Point* RawOffset::write_corner(std::span<const Point> contour, std::size_t corne
     return out;
 }
 
-RawCurve RawOffset::append(std::span<const Point> contour, double distance, double miter_limit, Turned turned) {
-    const Shape shape{distance, std::max(2.0 / (miter_limit * miter_limit), sharpest_cosine1)};
+RawCurve RawOffset::append(std::span<const Point> contour, double distance, double miter, Turned turned) {
+    const Shape shape{distance, std::max(2.0 / (miter * miter), sharpest_cosine1)};
     const std::size_t count = contour.size();
     reserve(count);
     RawCurve curve;

@@ -96,10 +96,10 @@ public:
     void clear() noexcept { points_.clear(); }
 
     /// Appends the curve of a closed contour, solid on the left, from any of its points on; the first is not repeated.
-    /// `distance`: grid units, finite, at most 2 grid_limit either way. `miter_limit`: at least 1; counts as 1,000 if it is
+    /// `distance`: grid units, finite, at most 2 grid_limit either way. `miter`: at least 1; counts as 1,000 if it is
     /// more. Precondition: three points or more, consecutive ones differ. At most three points a corner. Throws
     /// std::bad_alloc.
-    RawCurve append(std::span<const Point> contour, double distance, double miter_limit, Turned turned = Turned::written);
+    RawCurve append(std::span<const Point> contour, double distance, double miter, Turned turned = Turned::written);
 
     /// For the contour that append() had last: its edges that do not keep their direction, ascending. Edge i leads from
     /// point i to the next.

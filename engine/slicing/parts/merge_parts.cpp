@@ -9,7 +9,7 @@
 #include "base/clock.hpp"
 #include "base/vector.hpp"
 #include "slicing/layer/layer_builder.hpp"
-#include "slicing/result/layer_view.hpp"
+#include "slicing/result/layer_target.hpp"
 #include "slicing/result/placement.hpp"
 
 namespace lamella {
@@ -45,14 +45,13 @@ Path as_given(const SliceResult& part, const Contour& contour) noexcept {
 /// copied straight to their place.
 class Merging {
 public:
-    Merging(std::span<SliceResult> parts, bool united, const Control& control, const Parallel& parallel, SliceResult& merged)
+    Merging(std::span<SliceResult> parts, bool united, const Parallel& parallel, SliceResult& merged)
         : parts_(parts),
           united_(united),
-          control_(control),
           parallel_(parallel),
           merged_(merged),
           builders_(static_cast<std::size_t>(parallel.threads())),
-          placement_(control.memory) {}
+          placement_(parallel.memory()) {}
 
     void run(FunctionRef<void(double)> reach) {
         cut_tasks();
@@ -70,7 +69,7 @@ public:
         placement_.finish(parallel_, merged_);
         ContourCounts counts = placement_.contour_counts();
         for (const SliceResult& part : parts_) {
-            counts.cancelled_layers += part.summary.cancelled_layers;
+            counts.cancelled_layers += part.info.cancelled_layers;
         }
         set_counts(counts, merged_);
     }
@@ -112,8 +111,8 @@ private:
     void fill_layer(std::size_t layer, int worker, BandOutput& output) {
         for (std::size_t p = 0; p < parts_.size(); ++p) {
             number(layer, p);
-            for (const ClosedGap& gap : closed_gaps_of(parts_[p], layer)) {
-                output.closed_gaps.push_back({layer - output.first_layer, gap.from, gap.to});
+            for (const Stitch& stitch : parts_[p][layer].stitches) {
+                output.stitches.push_back({layer - output.first_layer, stitch.from, stitch.to});
             }
         }
         if (united_) {
@@ -160,9 +159,10 @@ private:
     void unite(std::size_t l, int worker, BandOutput& output) {
         auto& builder = builders_[static_cast<std::size_t>(worker)];
         if (builder == nullptr) {
-            builder = std::make_unique<Builder>(control_.memory, parallel_.stop());
+            builder = std::make_unique<Builder>(parallel_.memory(), parallel_.stop());
+            const SliceInfo& info = merged_.info;
             builder->layers.rules = {
-                .region = &merged_.region, .unit_mm = parts_[0].unit_mm, .first_layer = parts_[0].first_layer};
+                .region = &info.options.region, .grid_mm = info.grid_mm, .first_layer = info.first_layer};
         }
         builder->given.clear();
         for (const SliceResult& part : parts_) {
@@ -175,7 +175,6 @@ private:
 
     std::span<SliceResult> parts_;
     bool united_;
-    const Control& control_;
     const Parallel& parallel_;
     SliceResult& merged_;
     std::vector<std::unique_ptr<Builder>> builders_;  ///< by worker
@@ -185,39 +184,31 @@ private:
 
 }  // namespace
 
-void add_summary(const SliceSummary& part, SliceSummary& sum) noexcept {
-    sum.triangles += part.triangles;
-    sum.degenerate += part.degenerate;
-    sum.crossed += part.crossed;
-    sum.segments += part.segments;
-    sum.bands += part.bands;
-    sum.ms.bucket += part.ms.bucket;
-    sum.ms.sweep += part.ms.sweep;
-    sum.ms.contours += part.ms.contours;
-    sum.ms.nesting += part.ms.nesting;
-    sum.ms.fill += part.ms.fill;
+void add_part(const SliceInfo& own, std::size_t part, SliceInfo& sum) {
+    if (part == 0) {
+        sum.layers = own.layers;
+        sum.layer_of = own.layer_of;
+        sum.first_layer = own.first_layer;
+        sum.planned_layers = own.planned_layers;
+        sum.options.heights_mm = own.options.heights_mm;
+        sum.options.stitch_mm = 0;
+        sum.part_count = 0;
+        sum.threads = own.threads;
+    }
+    ++sum.part_count;
+    sum.options.stitch_mm = std::max(sum.options.stitch_mm, own.options.stitch_mm);
+    add_work(own, sum);
 }
 
-void merge_parts(std::span<SliceResult> parts, PartRegions regions, const Control& control, const Parallel& parallel,
-                 FunctionRef<void(double)> reach, SliceResult& merged) {
+void merge_parts(std::span<SliceResult> parts, bool united, const Parallel& parallel, FunctionRef<void(double)> reach,
+                 SliceResult& merged) {
     assert(!parts.empty());
     const auto start = Clock::now();
-    merged.layer_of.resize_discarding(parts[0].layer_of.size());
-    std::copy(parts[0].layer_of.begin(), parts[0].layer_of.end(), merged.layer_of.begin());
-    merged.first_layer = parts[0].first_layer;
-    merged.all_layers = parts[0].all_layers;
-    merged.part_count = static_cast<std::uint32_t>(parts.size());
-    merged.part_regions = regions;
-    merged.gap_sense = parts[0].gap_sense;
-    merged.unit_mm = parts[0].unit_mm;
-    merged.close_gaps_mm = parts[0].close_gaps_mm;
-    merged.summary = parts[0].summary;
-    for (const SliceResult& part : parts.subspan(1)) {
-        merged.close_gaps_mm = std::max(merged.close_gaps_mm, part.close_gaps_mm);
-        add_summary(part.summary, merged.summary);
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+        add_part(parts[p].info, p, merged.info);
     }
-    Merging(parts, regions == PartRegions::united, control, parallel, merged).run(reach);
-    double& ms = regions == PartRegions::united ? merged.summary.ms.fill : merged.summary.ms.contours;
+    Merging(parts, united, parallel, merged).run(reach);
+    double& ms = united ? merged.info.ms.fill : merged.info.ms.contours;
     ms += milliseconds_since(start);
 }
 

@@ -14,15 +14,15 @@
 
 namespace lamella {
 
-/// Fills in all of `merged`, whose region is set, but frame and plan. `regions` united: makes regions by merged.region of
-/// the contours that all parts have in a layer, by the orientation of their facets; no layer's rule may be `contours` then.
-/// Contours and origins of `parts` get the number of their part. Preconditions: there is a part; all have the same planes.
-/// O(n + p k) for n points and contours, p parts and k planes, and for regions O(q log q) for a layer of q points. `reach`
-/// is told the share of layers that are done. Throws std::bad_alloc, Stopped.
-void merge_parts(std::span<SliceResult> parts, PartRegions regions, const Control& control, const Parallel& parallel,
-                 FunctionRef<void(double)> reach, SliceResult& merged);
+/// Fills in the layers of `merged` and the rest of its info, of which options, box and grid are set. `united`: makes regions
+/// by the options' rules of the contours that all parts have in a layer, by the orientation of their facets; no layer's rule
+/// may be `contours` then. Contours and origins of `parts` get the number of their part. Preconditions: there is a part; all
+/// have the same planes. O(n + p k) for n points and contours, p parts and k planes, and for regions O(q log q) for a layer
+/// of q points. `reach` is told the share of layers that are done. Throws std::bad_alloc, Stopped.
+void merge_parts(std::span<SliceResult> parts, bool united, const Parallel& parallel, FunctionRef<void(double)> reach,
+                 SliceResult& merged);
 
-/// Adds what the parts of a slice spend and find in their triangles.
-void add_summary(const SliceSummary& part, SliceSummary& sum) noexcept;
+/// Adds to `sum` what part number `part` has.
+void add_part(const SliceInfo& own, std::size_t part, SliceInfo& sum);
 
 }  // namespace lamella

@@ -3,7 +3,7 @@
 //     choose_frame       the box of all parts, and from it one grid and one set of planes
 //     slice_all          each part by itself, by all threads
 //     merge_parts        contours of all parts, side by side in each layer, or one region of them
-#include "lamella/parts.hpp"
+#include "slicing/parts/slice_parts.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -14,8 +14,8 @@
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
 #include "slicing/buckets/mesh_source.hpp"
-#include "slicing/frame.hpp"
 #include "slicing/parts/merge_parts.hpp"
+#include "slicing/regions/rules.hpp"
 #include "slicing/slice_layers.hpp"
 
 namespace lamella {
@@ -24,121 +24,139 @@ namespace {
 
 class PartSlicing {
 public:
-    PartSlicing(std::span<const Part> parts, const SliceOptions& options, PartRegions regions)
+    PartSlicing(std::span<const Part> parts, const SliceCall& call)
         : parts_(parts),
-          options_(options),
-          regions_(regions),
-          parallel_(options.control),
-          progress_(options.control.progress) {}
-
-    SliceResult run() {
-        check_options(options_);
-        if (united()) {
-            require(check_uniting(options_.region));
+          call_(call),
+          united_(call.options.unite_parts),
+          parallel_(*call.kept.parallel),
+          progress_(call.context.progress) {
+        if (parts.empty()) {
+            throw Refused{{ErrorCode::invalid_argument, "there are no parts to slice"}};
         }
+        constexpr std::size_t most = std::numeric_limits<std::uint16_t>::max();
+        if (call.options.origins && parts.size() > most) {
+            throw Refused{{ErrorCode::invalid_argument, "origins name one of at most " + std::to_string(most) +
+                                                            " parts, not of " + std::to_string(parts.size())}};
+        }
+        if (united_) {
+            require(check_uniting(call.options.region));
+        }
+    }
+
+    void slice(SliceResult& merged) {
         choose_frame();
+        const Bounds box = frame_.bounds;
         slice_all();
-        if (nothing_left()) {  // its box must not choose planes
-            frame_.bounds = {};
+        if (std::all_of(sliced_.begin(), sliced_.end(),
+                        [](const SliceResult& part) { return part.info.degenerate == part.info.triangles; })) {
+            frame_.bounds = {};  // the box of nothing must not choose planes
             sliced_.clear();
             slice_all();
         }
-        SliceResult merged(options_.control.memory);
-        merged.region = options_.region;
-        merged.frame = options_.transform;
-        merged.plan = options_.plan;
+        begin_info(call_.options, box, frame_.unit, merged.info);
         const auto reach = [this](double share) { progress_.reach(sliced_share() + (0.99 - sliced_share()) * share); };
-        merge_parts(sliced_, regions_, options_.control, parallel_, reach, merged);
-        std::copy_n(frame_.bounds.min_mm, 3, merged.summary.min_mm);
-        std::copy_n(frame_.bounds.max_mm, 3, merged.summary.max_mm);
+        merge_parts(sliced_, united_, parallel_, reach, merged);
         progress_.finish();
-        return merged;
+    }
+
+    void outline(SliceInfo& info) {
+        choose_frame();
+        begin_info(call_.options, frame_.bounds, frame_.unit, info);
+        for (std::size_t p = 0; p < parts_.size(); ++p) {
+            SliceInfo own;
+            with_part(p, {}, call_.context.memory_limit_bytes,
+                      [&](TriangleSource& source, const SliceCall& call) { count_layers(source, call, own); });
+            add_part(own, p, info);
+        }
     }
 
 private:
-    bool united() const noexcept { return regions_ == PartRegions::united; }
     /// The progress when all parts are sliced.
-    double sliced_share() const noexcept { return united() ? 0.5 : 0.95; }
+    double sliced_share() const noexcept { return united_ ? 0.5 : 0.95; }
 
     /// A part's own progress, as a share of the whole.
     struct Share {
         ProgressMeter& whole;
         double from;
         double length;
-        void operator()(double fraction) const noexcept { whole.reach(from + length * fraction); }
+        void operator()(double fraction) noexcept { whole.reach(from + length * fraction); }
     };
 
-    Transform transform_of(const Part& part) const noexcept { return options_.transform * part.transform; }
+    Placing placing_of(const Part& part) const noexcept {
+        return lamella::placing_of(part.mesh, call_.options.frame, part.placement);
+    }
 
     /// An option speaks for itself; of a mesh the message must say which.
     static Error blame(Error error, std::size_t part) {
         if (error.triangle >= 0 || error.code == ErrorCode::empty_mesh || error.code == ErrorCode::bad_coordinate) {
             error.message = "part " + std::to_string(part) + ": " + error.message;
+            error.part = static_cast<std::int64_t>(part);
         }
         return error;
     }
 
     void choose_frame() {
-        BlockTable table(options_.control.memory);
+        BlockTable table(parallel_.memory());
         Bounds bounds = Bounds::empty();
-        CoordinateType number = CoordinateType::f32;
+        Number number = Number::f32;
         for (std::size_t p = 0; p < parts_.size(); ++p) {
-            const Transform transform = transform_of(parts_[p]);
-            if (options_.allow_empty && parts_[p].mesh.triangle_count == 0) {
+            const MeshView& mesh = parts_[p].mesh;
+            const Placing placing = placing_of(parts_[p]);
+            if (call_.options.allow_empty && mesh.triangle_count == 0) {
                 continue;
             }
-            const Result<Bounds> own = measure_bounds(parts_[p].mesh, transform, options_.unit_mm, parallel_, table);
+            const Result<Bounds> own = measure_bounds(mesh, placing, call_.options.frame.grid_mm, parallel_, table);
             if (!own) {
                 throw Refused{blame(own.error(), p)};
             }
             bounds.add(*own);
-            if (placed_number(parts_[p].mesh, transform) == CoordinateType::f64) {
-                number = CoordinateType::f64;
+            if (placed_number(mesh, placing) == Number::f64) {
+                number = Number::f64;
             }
-            triangles_ += parts_[p].mesh.triangle_count;
+            triangles_ += mesh.triangle_count;
         }
-        frame_ = lamella::choose_frame(triangles_ == 0 ? Bounds{} : bounds, number, options_.unit_mm, options_.unit_fit,
-                                       options_.region);
+        frame_ =
+            lamella::choose_frame(triangles_ == 0 ? Bounds{} : bounds, number, call_.options.frame, call_.options.region);
+    }
+
+    /// Calls use(source, call) for a part in the frame of all.
+    template <class Use>
+    void with_part(std::size_t p, const Callback<void(double)>& progress, std::uint64_t memory_limit, Use use) {
+        SliceOptions options = call_.options;
+        if (united_) {
+            options.region = {};
+        }
+        Context context = call_.context;
+        context.progress = progress;
+        context.memory_limit_bytes = memory_limit;
+        try {
+            AnyMeshSource source(parts_[p].mesh, placing_of(parts_[p]), &frame_, call_.kept.source_tools());
+            use(source, SliceCall{options, call_.tuning, context, call_.kept});
+        } catch (Refused& refused) {
+            throw Refused{blame(std::move(refused.error), p)};
+        }
     }
 
     void slice_all() {
-        SliceOptions options = options_;
-        options.control.stop = parallel_.stop();  // the host's, asked no more often for many parts
-        if (united()) {
-            options.region = {};
-        }
-        Workspace workspace;
         std::uint64_t before = 0;  // triangles of the parts before
         for (std::size_t p = 0; p < parts_.size(); ++p) {
             const auto share = [&](std::size_t triangles) {
                 return sliced_share() * static_cast<double>(triangles) /
                        static_cast<double>(std::max<std::uint64_t>(1, triangles_));
             };
-            const Share sink{progress_, share(before), share(parts_[p].mesh.triangle_count)};
-            options.transform = transform_of(parts_[p]);
-            options.control.progress = Progress::to(sink);
-            options.memory_limit_bytes = memory_left();
-            SliceResult& result = sliced_.emplace_back(options_.control.memory);
-            try {
-                detail::WorkspaceParts& kept = detail::WorkspaceParts::of(workspace, options.control);
-                AnyMeshSource source(parts_[p].mesh, options.transform, &frame_, kept.source_tools());
+            Share progress{progress_, share(before), share(parts_[p].mesh.triangle_count)};
+            SliceResult& result = sliced_.emplace_back(call_.context.memory);
+            with_part(p, progress, memory_left(), [&](TriangleSource& source, const SliceCall& call) {
                 ResultTarget target;
-                slice_layers(source, target, options, kept, result);
-            } catch (Refused& refused) {
-                throw Refused{blame(std::move(refused.error), p)};
-            }
+                slice_layers(source, target, call, result);
+            });
             before += parts_[p].mesh.triangle_count;
         }
     }
 
-    bool nothing_left() const noexcept {
-        return std::all_of(sliced_.begin(), sliced_.end(),
-                           [](const SliceResult& part) { return part.summary.degenerate == part.summary.triangles; });
-    }
-
     /// The rest of the limit that was asked for; where none was, each part has its own.
     std::uint64_t memory_left() const noexcept {
-        std::uint64_t left = options_.memory_limit_bytes;
+        std::uint64_t left = call_.context.memory_limit_bytes;
         for (const SliceResult& result : sliced_) {
             const std::uint64_t bytes = result.points.size() * sizeof(Point) + result.contours.size() * sizeof(Contour) +
                                         result.origins.size() * sizeof(PointOrigin);
@@ -148,9 +166,9 @@ private:
     }
 
     std::span<const Part> parts_;
-    const SliceOptions& options_;
-    PartRegions regions_;
-    Parallel parallel_;
+    const SliceCall& call_;
+    bool united_;
+    const Parallel& parallel_;
     ProgressMeter progress_;
     SharedFrame frame_{};
     std::uint64_t triangles_ = 0;
@@ -159,17 +177,12 @@ private:
 
 }  // namespace
 
-Result<SliceResult> slice_parts(std::span<const Part> parts, const SliceOptions& options, PartRegions regions) noexcept {
-    return guarded(options.control, [&]() -> Result<SliceResult> {
-        if (parts.empty()) {
-            return Error{ErrorCode::invalid_argument, "there are no parts to slice"};
-        }
-        if (constexpr std::size_t most = std::numeric_limits<std::uint16_t>::max(); options.origins && parts.size() > most) {
-            return Error{ErrorCode::invalid_argument, "origins name one of at most " + std::to_string(most) +
-                                                          " parts, not of " + std::to_string(parts.size())};
-        }
-        return PartSlicing(parts, options, regions).run();
-    });
+void slice_parts(std::span<const Part> parts, const SliceCall& call, SliceResult& result) {
+    PartSlicing(parts, call).slice(result);
+}
+
+void outline_parts(std::span<const Part> parts, const SliceCall& call, SliceInfo& info) {
+    PartSlicing(parts, call).outline(info);
 }
 
 }  // namespace lamella

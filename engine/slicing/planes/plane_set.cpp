@@ -44,40 +44,37 @@ private:
 
 }  // namespace
 
-Status PlaneSet::build(const LayerPlan& plan, const Bounds& bounds, double unit_mm, CoordinateType number,
-                       std::uint64_t memory_limit) {
-    side_ = plan.side;
+void PlaneSet::build(const SliceOptions& options, const std::optional<RandomHeights>& random, const SharedFrame& frame,
+                     std::uint64_t memory_limit) {
+    side_ = options.planes.side;
     layer_height_mm_ = 0;
-    unit_mm_ = unit_mm;
-    number_ = number;
+    unit_mm_ = frame.unit.mm;
+    number_ = frame.number;
     count_ = 0;
     first_kept_ = 0;
     inverse_step_ = 0;
     heights_mm_.clear();
     plane_of_listed_.clear();
-    return guarded([&]() -> Status {
-        if (const auto* uniform = std::get_if<UniformLayers>(&plan.spacing)) {
-            build_uniform(*uniform, bounds, memory_limit);
-        } else if (const auto* listed = std::get_if<ExplicitPlanes>(&plan.spacing)) {
-            build_explicit(*listed);
-        } else {
-            build_random(std::get<RandomLayers>(plan.spacing), bounds, memory_limit);
-        }
-        planned_ = count_;
-        return {};
-    });
+    if (random) {
+        build_random(*random, frame.bounds, memory_limit);
+    } else if (options.heights_mm) {
+        build_listed(*options.heights_mm);
+    } else {
+        build_uniform(options, frame.bounds, memory_limit);
+    }
+    planned_ = count_;
 }
 
-Status PlaneSet::keep(const LayerRange& range) {
-    if (range == LayerRange{} || count_ == 0) {
-        return {};
+void PlaneSet::keep(std::uint64_t first_layer, std::uint64_t end_layer) {
+    if (count_ == 0 || (first_layer == 0 && end_layer == all_layers)) {
+        return;
     }
-    if (range.first >= std::min<std::uint64_t>(range.end, count_)) {
-        return Error{ErrorCode::bad_planes, "layers " + std::to_string(range.first) + ":" + std::to_string(range.end) +
-                                                " are none of the " + counted(count_, "layer") + " of the plan"};
+    if (first_layer >= std::min<std::uint64_t>(end_layer, count_)) {
+        throw Refused{{ErrorCode::bad_planes, "layers " + std::to_string(first_layer) + ":" + std::to_string(end_layer) +
+                                                  " are none of the " + counted(count_, "layer") + " of the plan"}};
     }
-    const auto first = static_cast<PlaneIndex>(range.first);
-    const auto end = static_cast<PlaneIndex>(std::min<std::uint64_t>(range.end, count_));
+    const auto first = static_cast<PlaneIndex>(first_layer);
+    const auto end = static_cast<PlaneIndex>(std::min<std::uint64_t>(end_layer, count_));
     std::copy(padded_.data() + 1 + first, padded_.data() + 1 + end, padded_.data() + 1);
     first_kept_ += first;
     count_ = end - first;
@@ -88,7 +85,6 @@ Status PlaneSet::keep(const LayerRange& range) {
         last_guess_ = static_cast<double>(count_ - 1);
     }
     make_table();
-    return {};
 }
 
 void PlaneSet::build(const Array<Layer>& layers) {
@@ -128,7 +124,7 @@ bool PlaneSet::find_step() noexcept {
 }
 
 std::int32_t PlaneSet::round_height(double mm) const noexcept {
-    const double as_vertex = number_ == CoordinateType::f32 ? static_cast<double>(static_cast<float>(mm)) : mm;
+    const double as_vertex = number_ == Number::f32 ? static_cast<double>(static_cast<float>(mm)) : mm;
     const double reach_mm = beyond_grid * unit_mm_;  // what lies further cuts nothing, and would overflow
     return to_even_grid(std::clamp(as_vertex, -reach_mm, reach_mm), unit_mm_) + (side_ == PlaneSide::below ? -1 : 1);
 }
@@ -158,12 +154,13 @@ void PlaneSet::check_distinct() const {
     }
 }
 
-void PlaneSet::build_uniform(const UniformLayers& plan, const Bounds& bounds, std::uint64_t memory_limit) {
-    const double h = plan.layer_height_mm;
+void PlaneSet::build_uniform(const SliceOptions& options, const Bounds& bounds, std::uint64_t memory_limit) {
+    const double h = options.layer_height_mm;
+    const auto& [first_height_mm, datum, side, first_layer, end_layer] = options.planes;
     if (!(h > 0) || !std::isfinite(h)) {
         throw Refused{{ErrorCode::invalid_argument, "the layer height must be positive"}};
     }
-    if (plan.first_height_mm && !std::isfinite(*plan.first_height_mm)) {
+    if (first_height_mm && !std::isfinite(*first_height_mm)) {
         throw Refused{{ErrorCode::invalid_argument, "the first height must be finite"}};
     }
     if (h < 2 * unit_mm_) {
@@ -172,12 +169,11 @@ void PlaneSet::build_uniform(const UniformLayers& plan, const Bounds& bounds, st
     }
     const double low = bounds.min_mm[2];
     const double high = bounds.max_mm[2];
-    const double datum = plan.datum == Datum::zero ? 0 : low;
-    first_mm_ = datum + plan.first_height_mm.value_or(h / 2);
+    first_mm_ = (datum == Datum::zero ? 0 : low) + first_height_mm.value_or(h / 2);
     step_mm_ = h;
     layer_height_mm_ = h;
     // Layers continue below the datum only if the plan does not say where they start.
-    const bool from_first = plan.first_height_mm || plan.datum == Datum::mesh_min;
+    const bool from_first = first_height_mm || datum == Datum::mesh_min;
     double step = std::floor((low - first_mm_) / h) - 1;
     step = from_first ? std::max(step, 0.0) : step;
     const double last_step = std::ceil((high - first_mm_) / h) + 1;
@@ -213,34 +209,33 @@ void PlaneSet::build_uniform(const UniformLayers& plan, const Bounds& bounds, st
     make_table();
 }
 
-void PlaneSet::build_explicit(const ExplicitPlanes& plan) {
-    if (plan.heights_mm.size() > most_listed) {
+void PlaneSet::build_listed(const std::vector<double>& heights) {
+    if (heights.size() > most_listed) {
         throw Refused{{ErrorCode::bad_planes, "more than 2^27 planes listed"}};
     }
-    for (std::size_t i = 0; i < plan.heights_mm.size(); ++i) {
-        if (!std::isfinite(plan.heights_mm[i])) {
+    for (std::size_t i = 0; i < heights.size(); ++i) {
+        if (!std::isfinite(heights[i])) {
             throw Refused{
                 {ErrorCode::bad_planes, "plane " + std::to_string(i) + " is not finite", -1, static_cast<std::int64_t>(i)}};
         }
     }
-    sort_listed(plan.heights_mm);
+    sort_listed(heights);
     keep_distinct();
     fill_from_heights();
     make_table();
 }
 
-void PlaneSet::sort_listed(const std::vector<double>& heights_mm) {
-    heights_mm_.assign(heights_mm.begin(), heights_mm.end());
-    listed_order_.resize(heights_mm.size());
+void PlaneSet::sort_listed(const std::vector<double>& heights) {
+    heights_mm_.assign(heights.begin(), heights.end());
+    listed_order_.resize(heights.size());
     std::iota(listed_order_.begin(), listed_order_.end(), PlaneIndex{0});
-    if (std::is_sorted(heights_mm.begin(), heights_mm.end())) {
+    if (std::is_sorted(heights.begin(), heights.end())) {
         return;
     }
-    std::sort(listed_order_.begin(), listed_order_.end(), [&](PlaneIndex a, PlaneIndex b) {
-        return heights_mm[a] != heights_mm[b] ? heights_mm[a] < heights_mm[b] : a < b;
-    });
+    std::sort(listed_order_.begin(), listed_order_.end(),
+              [&](PlaneIndex a, PlaneIndex b) { return heights[a] != heights[b] ? heights[a] < heights[b] : a < b; });
     std::transform(listed_order_.begin(), listed_order_.end(), heights_mm_.begin(),
-                   [&](PlaneIndex listed) { return heights_mm[listed]; });
+                   [&](PlaneIndex listed) { return heights[listed]; });
 }
 
 /// The least of sorted heights with one plane stays.
@@ -266,9 +261,9 @@ bool PlaneSet::share_plane(double below_mm, double above_mm) const noexcept {
            (within_reach(below_mm) && within_reach(above_mm) && round_height(below_mm) == round_height(above_mm));
 }
 
-void PlaneSet::build_random(const RandomLayers& plan, const Bounds& bounds, std::uint64_t memory_limit) {
-    const double least = plan.min_height_mm;
-    const double most = plan.max_height_mm;
+void PlaneSet::build_random(const RandomHeights& random, const Bounds& bounds, std::uint64_t memory_limit) {
+    const double least = random.min_step_mm;
+    const double most = random.max_step_mm;
     if (!(least > 0) || !(most >= least) || !std::isfinite(most)) {
         throw Refused{{ErrorCode::invalid_argument, "random heights need 0 < minimum <= maximum"}};
     }
@@ -281,10 +276,10 @@ void PlaneSet::build_random(const RandomLayers& plan, const Bounds& bounds, std:
     check_count((high - low) / least + 2, memory_limit);
     const std::int32_t lowest = to_even_grid(low, unit_mm_);
     const std::int32_t highest = to_even_grid(high, unit_mm_);
-    Generator random(plan.seed);
+    Generator generator(random.seed);
     double above = 0;  // the sum of the steps, so that heights do not depend on where the mesh stands
     for (;;) {
-        above += least + (most - least) * random.next();
+        above += least + (most - least) * generator.next();
         if (low + above > high) {
             break;
         }

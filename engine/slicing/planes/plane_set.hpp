@@ -4,14 +4,16 @@
 #include <algorithm>
 #include <cassert>
 #include <cstdint>
+#include <optional>
+#include <vector>
 
 #include "base/vector.hpp"
 #include "lamella/array.hpp"
-#include "lamella/error.hpp"
+#include "lamella/context.hpp"
 #include "lamella/grid.hpp"
-#include "lamella/memory.hpp"
-#include "lamella/planes.hpp"
+#include "lamella/options.hpp"
 #include "slicing/grid/bounds.hpp"
+#include "slicing/tuning.hpp"
 
 namespace lamella {
 
@@ -64,6 +66,7 @@ public:
     double bottom_mm(PlaneIndex i) const noexcept;
     double top_mm(PlaneIndex i) const noexcept;
     /// The plane of each listed height; empty where heights are not listed.
+    const Vector<double>& listed_mm() const noexcept { return heights_mm_; }
     const Vector<PlaneIndex>& plane_of_listed() const noexcept { return plane_of_listed_; }
 
     /// The first plane above a vertex at height z. Uniform planes by arithmetic, corrected by one either way (Algorithm 2,
@@ -74,14 +77,14 @@ public:
     PlaneIndex by_table(std::int32_t z) const noexcept;
     const HeightTable& table() const noexcept { return table_; }
 
-    /// Makes the planes of `plan` for a mesh within `bounds`. `number`: the type of the mesh's coordinates; heights are
-    /// rounded to it first, so that a vertex at a plane's very height rounds as the plane does. O(k). Errors:
-    /// invalid_argument, bad_planes, result_too_large (k layers alone exceed the limit).
-    Status build(const LayerPlan& plan, const Bounds& bounds, double unit_mm, CoordinateType number,
-                 std::uint64_t memory_limit);
-    /// Drops all planes but those of `range`, which keep their heights, bottoms and tops. O(k). Errors: bad_planes (there
-    /// are planes, but none of these).
-    Status keep(const LayerRange& range);
+    /// Makes the planes that are asked for, of a mesh in `frame`. Heights are rounded to the frame's number type first, so
+    /// that a vertex at a plane's very height rounds as the plane does. O(k). Refused: invalid_argument, bad_planes,
+    /// result_too_large (k layers alone exceed the limit).
+    void build(const SliceOptions& options, const std::optional<RandomHeights>& random, const SharedFrame& frame,
+               std::uint64_t memory_limit);
+    /// Drops all planes but [first, end), which keep their heights, bottoms and tops. O(k). Refused: bad_planes (there are
+    /// planes, but none of these).
+    void keep(std::uint64_t first, std::uint64_t end);
     /// The plane that is now plane 0, and how many there were before.
     PlaneIndex first_kept() const noexcept { return first_kept_; }
     PlaneIndex planned() const noexcept { return planned_; }
@@ -93,12 +96,12 @@ public:
 
 private:
     // These throw Refused:
-    void build_uniform(const UniformLayers& plan, const Bounds& bounds, std::uint64_t memory_limit);
-    void build_explicit(const ExplicitPlanes& plan);
-    void build_random(const RandomLayers& plan, const Bounds& bounds, std::uint64_t memory_limit);
+    void build_uniform(const SliceOptions& options, const Bounds& bounds, std::uint64_t memory_limit);
+    void build_listed(const std::vector<double>& heights);
+    void build_random(const RandomHeights& random, const Bounds& bounds, std::uint64_t memory_limit);
     void check_count(double planes, std::uint64_t memory_limit) const;
     void check_distinct() const;
-    void sort_listed(const std::vector<double>& heights_mm);
+    void sort_listed(const std::vector<double>& heights);
     void keep_distinct();
     bool share_plane(double below_mm, double above_mm) const noexcept;
     bool within_reach(double mm) const noexcept;
@@ -125,8 +128,8 @@ private:
 
     PlaneSide side_ = PlaneSide::below;
     double layer_height_mm_ = 0;  // 0 when not uniform
-    double unit_mm_ = default_unit_mm;
-    CoordinateType number_ = CoordinateType::f32;
+    double unit_mm_ = default_grid_mm;
+    Number number_ = Number::f32;
     PlaneIndex count_ = 0;
     PlaneIndex first_kept_ = 0;
     PlaneIndex planned_ = 0;

@@ -23,7 +23,7 @@
 #include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
-#include "lamella/region.hpp"
+#include "lamella/options.hpp"
 #include "slicing/nesting/path.hpp"
 #include "slicing/regions/snap_rounding.hpp"
 

@@ -104,11 +104,11 @@ void Regions::list_dilated(const RegionSteps& steps) {
     folded_ends_.clear();
     for (const Path& ring : rings_) {
         const std::span<const Point> points = points_of(ring.item);
-        curves_.push_back(moved_curves_.append(points, steps.close, steps.miter_limit, RawOffset::Turned::omitted));
+        curves_.push_back(moved_curves_.append(points, steps.close, steps.miter, RawOffset::Turned::omitted));
         parts_.push_back(ring.item.part);
         worker_.spend(curve_work * points.size());
         if (!curves_.back().directions_kept && !fold(ring.item, steps)) {
-            curves_.back() = moved_curves_.append(points, steps.close, steps.miter_limit);
+            curves_.back() = moved_curves_.append(points, steps.close, steps.miter);
         }
         refuse_beyond_grid(curves_.back());
         folded_ends_.push_back(folded_.size());
@@ -129,11 +129,11 @@ bool Regions::fold(const NestItem& ring, const RegionSteps& steps) {
     from_start_.resize(ring.count);
     std::rotate_copy(ring.points, ring.points + ring.start, ring.points + ring.count, from_start_.begin());
     folded_of_.clear();
-    if (!fold_edges(from_start_, turned_edges_, steps.close, steps.miter_limit, folded_, folded_of_)) {
+    if (!fold_edges(from_start_, turned_edges_, steps.close, steps.miter, folded_, folded_of_)) {
         return false;
     }
     const RawCurve curve =
-        moved_curves_.append(std::span(folded_).subspan(begin), steps.close, steps.miter_limit, RawOffset::Turned::omitted);
+        moved_curves_.append(std::span(folded_).subspan(begin), steps.close, steps.miter, RawOffset::Turned::omitted);
     if (curve.reflex_cut || curve.count == 0) {
         folded_.resize(begin);
         return false;
@@ -189,26 +189,26 @@ void Regions::list_eroded(const RegionSteps& steps) {
         if (is_alone_[kept.source] != 0) {
             alone_.push_back(as_folded(kept.source));
         } else {
-            append_curve(kept.item, -steps.close, steps.miter_limit, closed_curves_);
+            append_curve(kept.item, -steps.close, steps.miter, closed_curves_);
         }
     }
     for (const Path& made : moved_.made()) {
-        append_curve(made.item, -steps.close, steps.miter_limit, closed_curves_);
+        append_curve(made.item, -steps.close, steps.miter, closed_curves_);
     }
     input_.swap(alone_);
     list_curves(closed_curves_);
 }
 
 void Regions::offset(const RegionSteps& steps, Nester& nester) {
-    list_moved(steps.offset, steps.miter_limit);
+    list_moved(steps.offset, steps.miter);
     fill_positive(moved_, nester);
     take(moved_);
 }
 
-void Regions::list_moved(double distance, double miter_limit) {
+void Regions::list_moved(double distance, double miter) {
     clear_curves(moved_curves_);
     for (const Path& ring : rings_) {
-        append_curve(ring.item, distance, miter_limit, moved_curves_);
+        append_curve(ring.item, distance, miter, moved_curves_);
     }
     input_.clear();
     list_curves(moved_curves_);
@@ -220,8 +220,8 @@ void Regions::clear_curves(RawOffset& curves) {
     parts_.clear();
 }
 
-void Regions::append_curve(const NestItem& ring, double distance, double miter_limit, RawOffset& curves) {
-    curves_.push_back(curves.append(points_of(ring), distance, miter_limit));
+void Regions::append_curve(const NestItem& ring, double distance, double miter, RawOffset& curves) {
+    curves_.push_back(curves.append(points_of(ring), distance, miter));
     parts_.push_back(ring.part);
     refuse_beyond_grid(curves_.back());
     worker_.spend(curve_work * ring.count);
@@ -247,7 +247,7 @@ void Regions::fill_positive(Fill& fill, Nester& nester) {
     fill.run(input_, FillRule::positive, nester);
 }
 
-void Regions::mark_near(std::span<NestItem> contours, double distance, double miter_limit, Nester& nester) {
+void Regions::mark_near(std::span<NestItem> contours, double distance, double miter, Nester& nester) {
     rings_.clear();
     for (std::uint32_t c = 0; c < contours.size(); ++c) {
         if (contours[c].orientation != 0) {
@@ -255,12 +255,12 @@ void Regions::mark_near(std::span<NestItem> contours, double distance, double mi
         }
     }
     turn_backward_ones();
-    list_moved(distance, miter_limit);
+    list_moved(distance, miter);
     fill_positive(moved_, nester);
     find_alone();
     for (std::size_t r = 0; r < rings_.size(); ++r) {
         if (is_alone_[r] == 0) {
-            contours[rings_[r].source].flags |= near_contour;
+            contours[rings_[r].source].flags |= would_close;
         }
     }
 }

@@ -20,7 +20,7 @@
 #include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
-#include "lamella/region.hpp"
+#include "lamella/options.hpp"
 #include "slicing/nesting/path.hpp"
 #include "slicing/offset/raw_offset.hpp"
 #include "slicing/regions/fill.hpp"
@@ -32,7 +32,7 @@ struct RegionSteps {
     FillRule rule = FillRule::non_zero;
     double close = 0;
     double offset = 0;
-    double miter_limit = 3;
+    double miter = 3;
     bool always_list = false;  ///< paths() also where the region is unchanged
 };
 
@@ -53,8 +53,8 @@ public:
     std::span<const NestItem> nested() const noexcept { return filled_.nested(); }
     bool cancels() const noexcept { return filled_.cancels(); }
 
-    /// Adds the flag near_contour to those of `contours`, closed ones with a role, that closing by `distance` would change.
-    void mark_near(std::span<NestItem> contours, double distance, double miter_limit, Nester& nester);
+    /// Adds the flag would_close to those of `contours`, closed ones with a role, that closing by `distance` would change.
+    void mark_near(std::span<NestItem> contours, double distance, double miter, Nester& nester);
 
 private:
     void turn_backward_ones();
@@ -66,8 +66,8 @@ private:
     bool find_alone();
     void offset(const RegionSteps& steps, Nester& nester);
     void list_eroded(const RegionSteps& steps);
-    void append_curve(const NestItem& ring, double distance, double miter_limit, RawOffset& curves);
-    void list_moved(double distance, double miter_limit);
+    void append_curve(const NestItem& ring, double distance, double miter, RawOffset& curves);
+    void list_moved(double distance, double miter);
     void clear_curves(RawOffset& curves);
     void list_curves(RawOffset& curves);
     void fill_positive(Fill& fill, Nester& nester);

@@ -9,12 +9,11 @@
 
 #include "base/words.hpp"
 #include "lamella/grid.hpp"
+#include "options/option_words.hpp"
 
 namespace lamella {
 
 namespace {
-
-constexpr std::array<std::string_view, 5> rule_names = {"contours", "even-odd", "non-zero", "positive", "outermost"};
 
 Error refusal(std::string message) {
     return {ErrorCode::invalid_argument, std::move(message)};
@@ -28,9 +27,9 @@ struct NamedLength {
 };
 
 std::array<NamedLength, 4> lengths_of(const RegionRules& rules) {
-    return {{{"the closing radius", rules.close_mm, false, true},
+    return {{{"the closing radius", rules.closing_mm, false, true},
              {"the offset", rules.offset_mm, true, true},
-             {"the radius of the mark for near contours", rules.mark_near_mm, false, true},
+             {"the radius of the mark for near contours", rules.flag_closing_mm, false, true},
              {"the tolerance of simplification", rules.simplify_mm, false, false}}};
 }
 
@@ -48,7 +47,7 @@ Status check_lengths(const RegionRules& rules) {
 }
 
 bool is_a_rule(FillRule rule) noexcept {
-    return static_cast<std::size_t>(rule) < rule_names.size();
+    return static_cast<std::size_t>(rule) < detail::words_of(FillRule{}).size();
 }
 
 Status check_layers(const RegionRules& rules) {
@@ -69,7 +68,7 @@ Status check_layers(const RegionRules& rules) {
 
 /// The name of a rule that only a region can be given; empty if nothing of it is asked for.
 std::string_view needs_region(const RegionRules& rules) {
-    if (rules.close_mm > 0) {
+    if (rules.closing_mm > 0) {
         return "closing";
     }
     if (rules.offset_mm != 0) {
@@ -81,9 +80,9 @@ std::string_view needs_region(const RegionRules& rules) {
     return rules.largest_only ? "keeping the largest contour only" : "";
 }
 
-/// How far contours may move. A corner that is cut lies up to 1.42 offsets away, one that is not up to the miter limit.
+/// As moved_mm(), and how far contours would move that are only flagged.
 double reach_of(const RegionRules& rules) noexcept {
-    return std::max(2.0, rules.miter_limit) * std::max(rules.close_mm + std::abs(rules.offset_mm), rules.mark_near_mm);
+    return std::max(moved_mm(rules), std::max(2.0, rules.miter_limit) * rules.flag_closing_mm);
 }
 
 std::optional<std::uint64_t> first_layer_of_contours(const RegionRules& rules) {
@@ -105,20 +104,24 @@ Status check_every_layer(const RegionRules& rules, std::string_view what) {
 
 }  // namespace
 
-std::string_view name_of(FillRule rule) noexcept {
-    return rule_names[static_cast<std::size_t>(rule)];
+double moved_mm(const RegionRules& rules) noexcept {
+    return std::max(2.0, rules.miter_limit) * (rules.closing_mm + std::abs(rules.offset_mm));
 }
 
-FillRule RegionRules::rule_of(std::uint64_t layer) const noexcept {
-    const auto after = std::upper_bound(fill_from.begin(), fill_from.end(), layer,
-                                        [](std::uint64_t own, const FillFrom& from) { return own < from.first_layer; });
-    return after == fill_from.begin() ? fill_rule : std::prev(after)->rule;
+bool keeps_solid(const RegionRules& rules) noexcept {
+    const auto serves = [](FillRule rule) { return rule == FillRule::contours || rule == FillRule::non_zero; };
+    return serves(rules.fill_rule) &&
+           std::all_of(rules.fill_from.begin(), rules.fill_from.end(),
+                       [&](const FillFrom& from) { return serves(from.rule); }) &&
+           moved_mm(rules) == 0 && !rules.largest_only && rules.simplify_mm == 0;
 }
 
-bool RegionRules::keeps_contours() const noexcept {
-    return fill_rule == FillRule::contours && std::all_of(fill_from.begin(), fill_from.end(), [](const FillFrom& from) {
-               return from.rule == FillRule::contours;
-           });
+RegionRules working_rules(const SliceOptions& options) {
+    RegionRules rules = options.region;
+    if (options.content != LayerContent::section && rules.keeps_contours()) {
+        rules.fill_rule = FillRule::positive;
+    }
+    return rules;
 }
 
 Status check_rules(const RegionRules& rules) {
@@ -136,8 +139,8 @@ Status check_uniting(const RegionRules& rules) {
     return check_every_layer(rules, "uniting parts");
 }
 
-Result<ChosenUnit> choose_unit_for(const Bounds& bounds, double asked_mm, UnitFit fit, const RegionRules& rules) {
-    Result<ChosenUnit> unit = choose_unit(bounds, asked_mm, fit == UnitFit::coarser_if_needed, reach_of(rules));
+Result<ChosenUnit> choose_unit_for(const Bounds& bounds, double asked_mm, bool coarser, const RegionRules& rules) {
+    Result<ChosenUnit> unit = choose_unit(bounds, asked_mm, coarser, reach_of(rules));
     if (unit) {
         if (const Status status = check_reach(rules, unit->mm, bounds.farthest_in_plane()); !status) {
             return status.error();
@@ -160,8 +163,8 @@ Status check_reach(const RegionRules& rules, double unit_mm, double farthest_mm)
                            exact_text(unit_mm) + " mm: nothing would happen");
         }
     }
-    const double reach_mm = reach_of(rules);
-    if (reach_mm > 0 && farthest_mm + reach_mm > grid_limit * unit_mm) {
+    const double reach = reach_of(rules);
+    if (reach > 0 && farthest_mm + reach > grid_limit * unit_mm) {
         return refusal("contours that extend to " + exact_text(farthest_mm) +
                        " mm from zero could be offset beyond the grid, " + "which ends at " +
                        exact_text(grid_limit * unit_mm) + " mm; choose a unit of more than " + exact_text(unit_mm) + " mm");

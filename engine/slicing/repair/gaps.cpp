@@ -112,7 +112,7 @@ std::span<const Gap> GapCloser::close(std::span<const PolylineEnds> polylines, c
     }
     gaps_.clear();
     follow_chains(true);
-    if (sense_ == GapSense::any) {
+    if (sense_ == StitchDirection::any) {
         follow_chains(false);
     }
     sort_gaps(polylines);
@@ -158,7 +158,7 @@ void GapCloser::follow_chain(Site first) {
 GapCloser::Site GapCloser::nearest(Site site) {
     const Point from = at(site);
     const Site kept{tree_of(!site.last).nearest(from, reach_squared_), !site.last};
-    if (sense_ == GapSense::kept) {
+    if (sense_ == StitchDirection::oriented) {
         return kept.number == EndTree::none ? no_site : kept;
     }
     double least = reach_squared_;

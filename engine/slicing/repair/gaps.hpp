@@ -18,10 +18,10 @@
 
 namespace lamella {
 
-/// The length asked for, or if that is gaps_by_mesh what the mesh's own box makes of it. By operations that round alike
+/// The length asked for, or if that is stitch_by_mesh what the mesh's own box makes of it. By operations that round alike
 /// everywhere.
 inline double gap_length_mm(double asked_mm, const Bounds& mesh) noexcept {
-    if (asked_mm != gaps_by_mesh) {
+    if (asked_mm != stitch_by_mesh) {
         return asked_mm;
     }
     double squares = 0;
@@ -35,7 +35,7 @@ inline double gap_length_mm(double asked_mm, const Bounds& mesh) noexcept {
 /// The length up to which joints may cross contours. By the mesh, cracks are closed whatever crosses them, since surfaces
 /// overlap a little there; what lies within a wider gap may be a wall.
 inline double crossing_gap_mm(double asked_mm, double length_mm) noexcept {
-    return asked_mm == gaps_by_mesh ? length_mm / 10 : length_mm;
+    return asked_mm == stitch_by_mesh ? length_mm / 10 : length_mm;
 }
 
 /// Where a polyline starts and ends, in grid units.
@@ -125,7 +125,7 @@ struct Gap {
 struct GapRules {
     double reach = 0;           ///< grid units
     double crossing_reach = 0;  ///< grid units: joints longer than that cross no contour and no shorter joint
-    GapSense sense = GapSense::kept;
+    StitchDirection sense = StitchDirection::oriented;
 };
 
 /// One per thread; scratch is kept.
@@ -165,7 +165,7 @@ private:
 
     Worker& worker_;
     double reach_squared_ = 0;
-    GapSense sense_ = GapSense::kept;
+    StitchDirection sense_ = StitchDirection::oriented;
     EndTree ends_{worker_}, starts_{worker_};          // those not joined yet
     Vector<Site> chain_{worker_.memory()};             // each the nearest to its predecessor
     Vector<PolylineEnd> joined_to_{worker_.memory()};  // by number

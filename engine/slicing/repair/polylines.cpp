@@ -79,11 +79,11 @@ std::span<const Point> points_of(const Path& path) noexcept {
 }  // namespace
 
 bool PolylineRepair::join(std::span<const Path> polylines, std::span<const Path> around, const GapRules& rules,
-                          std::uint64_t layer, Vector<ClosedGap>& closed_gaps) {
+                          std::uint64_t layer, Vector<Stitch>& stitches) {
     sort(polylines);
     const std::span<const Gap> gaps = choose_gaps(around, rules);
     for (const Gap& gap : gaps) {
-        closed_gaps.push_back({layer, at(gap.from), at(gap.to)});
+        stitches.push_back({layer, at(gap.from), at(gap.to)});
     }
     used_.assign(sorted_.size(), 0);
     joined_.clear();
@@ -195,7 +195,7 @@ void PolylineRepair::join_from(PolylineEnd first) {
     whole.start_key = closed || start.last() ? EndKey{} : sorted_[start.polyline()].start_key;
     whole.segments = static_cast<std::uint32_t>(segments[0] + segments[1]);
     whole.item.flags =
-        static_cast<std::uint16_t>(flags | (is_joined ? gap_closed : 0) | (runs[0] && runs[1] ? orientation_mixed : 0));
+        static_cast<std::uint16_t>(flags | (is_joined ? stitched : 0) | (runs[0] && runs[1] ? orientation_mixed : 0));
 }
 
 /// Appends the points of a polyline from `entered` to its other end.

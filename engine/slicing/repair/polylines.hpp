@@ -56,16 +56,16 @@ public:
     explicit PolylineRepair(Worker& worker) noexcept : worker_(worker) {}
 
     /// Joins open polylines over gaps by these rules, nearest first, and appends the gaps that were closed to
-    /// `closed_gaps`, as of `layer`. Gaps longer than the crossing reach stay open where the joint would cross a polyline, a
+    /// `stitches`, as of `layer`. Gaps longer than the crossing reach stay open where the joint would cross a polyline, a
     /// closed contour of `around` or a shorter joint. What comes of polylines that run against each other runs as most of
     /// their segments do. Returns whether there were any: joined() then takes the place of all polylines. What comes out
     /// does not depend on the order of polylines and contours. O(o log o + q) for o polylines with q points, unless gaps lie
     /// so that searches are slow; where gaps may stay open, also what CrossedJoints::find() takes for all edges. Throws
     /// std::bad_alloc.
     bool join(std::span<const Path> polylines, std::span<const Path> around, const GapRules& rules, std::uint64_t layer,
-              Vector<ClosedGap>& closed_gaps);
+              Vector<Stitch>& stitches);
 
-    /// Each with the flag gap_closed, but for a polyline that nothing was joined to, and with orientation_mixed where some
+    /// Each with the flag stitched, but for a polyline that nothing was joined to, and with orientation_mixed where some
     /// run against the others. Valid until the next call.
     std::span<const Path> joined() const noexcept { return joined_; }
 

@@ -21,18 +21,22 @@ void copy_paced(const T* from, std::size_t count, StopPace& pace, Array<T>& to) 
 
 }  // namespace
 
-void set_counts(const ContourCounts& counts, std::uint64_t emptied_layers, SliceSummary& summary) noexcept {
-    summary.holes = counts.of(Role::hole);
-    summary.open_contours = counts.of(Role::open);
-    summary.flat_contours = counts.of(Role::flat);
-    summary.overruled_contours = counts.overruled;
-    summary.near_contours = counts.near;
-    summary.emptied_layers = emptied_layers;
-    summary.cancelled_layers = counts.cancelled_layers;
+void set_counts(const ContourCounts& counts, std::uint64_t emptied_layers, SliceInfo& info) noexcept {
+    info.holes = counts.of(Role::hole);
+    info.open_contours = counts.of(Role::open);
+    info.flat_contours = counts.of(Role::flat);
+    info.overruled_contours = counts.overruled;
+    info.would_close_contours = counts.near;
+    info.emptied_layers = emptied_layers;
+    info.cancelled_layers = counts.cancelled_layers;
 }
 
 void set_counts(const ContourCounts& counts, SliceResult& result) noexcept {
-    set_counts(counts, result.region.keeps_contours() ? 0 : count_emptied(result.layers.span()), result.summary);
+    SliceInfo& info = result.info;
+    set_counts(counts, info.options.region.keeps_contours() ? 0 : count_emptied(result.layers.span()), info);
+    info.contours = result.contours.size();
+    info.points = result.points.size();
+    info.stitches = result.stitches.size();
 }
 
 std::uint64_t count_emptied(std::span<const Layer> layers) noexcept {
@@ -46,7 +50,7 @@ void BandOutput::trim() {
     fit(origin_buffer);
     fit(contours);
     fit(layer_contours);
-    fit(closed_gaps);
+    fit(stitches);
 }
 
 void BandOutput::move_to_buffer(std::size_t count) {
@@ -91,7 +95,7 @@ void BandOutput::drop_layers() noexcept {
     point_count = 0;
     contours.clear();
     layer_contours.clear();
-    closed_gaps.clear();
+    stitches.clear();
 }
 
 void BandOutput::move_layers_to(BandOutput& other) noexcept {
@@ -106,24 +110,29 @@ void BandOutput::move_layers_to(BandOutput& other) noexcept {
 
 std::size_t BandOutput::bytes_used() const noexcept {
     return point_count * (sizeof(Point) + (with_origins ? sizeof(PointOrigin) : 0)) + contours.size() * sizeof(Contour) +
-           layer_contours.size() * sizeof(std::uint32_t) + closed_gaps.size() * sizeof(ClosedGap);
+           layer_contours.size() * sizeof(std::uint32_t) + stitches.size() * sizeof(Stitch);
 }
 
 std::size_t BandOutput::bytes_held() const noexcept {
     return buffer.capacity() * sizeof(Point) + origin_buffer.capacity() * sizeof(PointOrigin) +
            contours.capacity() * sizeof(Contour) + layer_contours.capacity() * sizeof(std::uint32_t) +
-           closed_gaps.capacity() * sizeof(ClosedGap);
+           stitches.capacity() * sizeof(Stitch);
 }
 
 void BandOutput::release() noexcept {
     *this = BandOutput(buffer.memory());
 }
 
-LayerContours copy_layer(const BandOutput& output, StopPace& pace, const Memory* memory) {
-    LayerContours layer{Array<Contour>(memory), Array<Point>(memory)};
-    copy_paced(output.contours.data(), output.contours.size(), pace, layer.contours);
-    copy_paced(output.points, output.point_count, pace, layer.points);
-    return layer;
+SliceResult copy_layer(const BandOutput& output, std::uint64_t segments, StopPace& pace, const Memory* memory) {
+    SliceResult result(memory);
+    copy_paced(output.contours.data(), output.contours.size(), pace, result.contours);
+    copy_paced(output.points, output.point_count, pace, result.points);
+    result.layers.resize_discarding(1);
+    result.layers[0] = {.contour_count = result.contours.size(), .segments = segments, .plane = {}};
+    result.info.layers = result.info.planned_layers = 1;
+    result.info.segments = segments;
+    set_counts(output.counts, result);
+    return result;
 }
 
 }  // namespace lamella

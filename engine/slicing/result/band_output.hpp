@@ -8,7 +8,7 @@
 #include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "lamella/array.hpp"
-#include "lamella/assemble.hpp"
+#include "lamella/layers.hpp"
 #include "lamella/result.hpp"
 
 namespace lamella {
@@ -23,7 +23,7 @@ struct ContourCounts {
     void add(const Contour& contour) noexcept {
         ++by_role[static_cast<std::size_t>(contour.role)];
         overruled += (contour.flags & orientation_overruled) != 0 ? 1 : 0;
-        near += (contour.flags & near_contour) != 0 ? 1 : 0;
+        near += (contour.flags & would_close) != 0 ? 1 : 0;
     }
     void add(const ContourCounts& other) noexcept {
         for (std::size_t role = 0; role < 4; ++role) {
@@ -37,8 +37,8 @@ struct ContourCounts {
 };
 
 /// Sets what the summary counts of contours, and of layers that the rules have emptied.
-void set_counts(const ContourCounts& counts, std::uint64_t emptied_layers, SliceSummary& summary) noexcept;
-/// The same for a result with all its layers. O(k).
+void set_counts(const ContourCounts& counts, std::uint64_t emptied_layers, SliceInfo& info) noexcept;
+/// The same for a result with all its layers, which are counted too. O(k).
 void set_counts(const ContourCounts& counts, SliceResult& result) noexcept;
 /// How many of `layers` planes cut, but have no contour left.
 std::uint64_t count_emptied(std::span<const Layer> layers) noexcept;
@@ -70,7 +70,7 @@ protected:
 
 struct BandOutput {
     explicit BandOutput(const Memory* memory)
-        : buffer(memory), origin_buffer(memory), contours(memory), layer_contours(memory), closed_gaps(memory) {}
+        : buffer(memory), origin_buffer(memory), contours(memory), layer_contours(memory), stitches(memory) {}
 
     Point* points = nullptr;         ///< in the result's own array, or in `buffer`
     PointOrigin* origins = nullptr;  ///< of each point, in the same place, where `with_origins`
@@ -82,7 +82,7 @@ struct BandOutput {
     Vector<Contour> contours;
     ContourCounts counts;
     Vector<std::uint32_t> layer_contours;  ///< number of contours of each plane
-    Vector<ClosedGap> closed_gaps;
+    Vector<Stitch> stitches;
     std::uint64_t first_layer = 0;  ///< number of the layer that comes first
     BandTarget* reader = nullptr;   ///< null: layers stay until the band is done
     std::size_t band = 0;           ///< for the reader
@@ -97,7 +97,7 @@ struct BandOutput {
         contours.clear();
         counts = {};
         layer_contours.clear();
-        closed_gaps.clear();
+        stitches.clear();
     }
     /// The same with all points in `buffer`, which takes `count` at once. Throws std::bad_alloc.
     void begin_in_buffer(std::size_t count) {
@@ -157,6 +157,6 @@ void fill_band(BandTarget& target, std::size_t band, Fill fill) {
 
 /// All contours and points of `output`, in arrays that take their memory from `memory`. Throws std::bad_alloc, and Stopped
 /// where the host that `pace` asks wants the call to end.
-LayerContours copy_layer(const BandOutput& output, StopPace& pace, const Memory* memory);
+SliceResult copy_layer(const BandOutput& output, std::uint64_t segments, StopPace& pace, const Memory* memory);
 
 }  // namespace lamella

@@ -1,6 +1,7 @@
 #include "slicing/result/layer_target.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <string>
 
 #include "base/guard.hpp"
@@ -41,6 +42,10 @@ void ResultTarget::finish(const SweepInput& input) {
     set_counts(input.scratch.placement.contour_counts(), result);
 }
 
+void ResultTarget::take_whole(SliceResult& /*whole*/, const Parallel& /*parallel*/) {
+    assert(false);
+}
+
 void move_to(const Memory* memory, SliceResult& result) {
     if (result.points.memory() != memory) {
         result = SliceResult(memory);
@@ -55,12 +60,28 @@ void fill_layers(const SweepInput& input, std::span<Layer> layers) {
     });
 }
 
-void describe_plan(const PlaneSet& planes, SliceResult& result) {
+void describe_plan(const PlaneSet& planes, bool list_heights, SliceInfo& info) {
     const Vector<PlaneIndex>& listed = planes.plane_of_listed();
-    result.layer_of.resize_discarding(listed.size());
-    std::copy(listed.begin(), listed.end(), result.layer_of.begin());
-    result.first_layer = planes.first_kept();
-    result.all_layers = planes.planned();
+    info.layer_of.assign(listed.begin(), listed.end());
+    if (list_heights) {
+        info.options.heights_mm.emplace(planes.listed_mm().begin(), planes.listed_mm().end());
+    }
+    info.layers = planes.size();
+    info.first_layer = planes.first_kept();
+    info.planned_layers = planes.planned();
+}
+
+void add_work(const SliceInfo& part, SliceInfo& sum) noexcept {
+    sum.triangles += part.triangles;
+    sum.degenerate += part.degenerate;
+    sum.crossed += part.crossed;
+    sum.segments += part.segments;
+    sum.bands += part.bands;
+    sum.ms.bucket += part.ms.bucket;
+    sum.ms.sweep += part.ms.sweep;
+    sum.ms.contours += part.ms.contours;
+    sum.ms.nesting += part.ms.nesting;
+    sum.ms.fill += part.ms.fill;
 }
 
 }  // namespace lamella

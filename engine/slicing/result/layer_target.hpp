@@ -52,6 +52,8 @@ public:
     virtual BandTarget& begin(const SweepInput& input) = 0;
     /// After the scratch of the sweep has been released: completes result and summary.
     virtual void finish(const SweepInput& input) = 0;
+    /// In place of these functions: a result that was made whole.
+    virtual void take_whole(SliceResult& whole, const Parallel& parallel) = 0;
 
 protected:
     ~LayerTarget() = default;
@@ -63,6 +65,8 @@ public:
     void admit(const SweepInput& input, std::uint64_t memory_limit) override;
     BandTarget& begin(const SweepInput& input) override;
     void finish(const SweepInput& input) override;
+    /// Precondition: never, since `whole` is it.
+    void take_whole(SliceResult& whole, const Parallel& parallel) override;
 };
 
 /// Has the arrays of `result` take their memory from there. Those that take it from elsewhere are emptied.
@@ -77,7 +81,10 @@ inline Layer describe_layer(const PlaneSet& planes, PlaneIndex plane, std::uint6
 /// Writes all layers, without their contours, to `layers`.
 void fill_layers(const SweepInput& input, std::span<Layer> layers);
 
-/// SliceResult::layer_of, first_layer and all_layers.
-void describe_plan(const PlaneSet& planes, SliceResult& result);
+/// SliceInfo::layers, layer_of, first_layer and planned_layers; `list_heights`: the options have not chosen them.
+void describe_plan(const PlaneSet& planes, bool list_heights, SliceInfo& info);
+
+/// Adds what a part of a slice has read, swept and spent.
+void add_work(const SliceInfo& part, SliceInfo& sum) noexcept;
 
 }  // namespace lamella

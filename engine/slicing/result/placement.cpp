@@ -176,7 +176,7 @@ void Placement::place_head() {
     placed.first_contour = contour_count_;
     placed.contours.swap(placed.output->contours);
     placed.layer_contours.swap(placed.output->layer_contours);
-    placed.closed_gaps.swap(placed.output->closed_gaps);
+    placed.stitches.swap(placed.output->stitches);
     if (placed.room && placed.room->begin != point_count_) {
         assert(placed.room->begin > point_count_);
         const std::size_t count = placed.output->point_count;
@@ -232,15 +232,15 @@ void Placement::finish(const Parallel& parallel, SliceResult& result) {
         }
         write_band(band, result.contours.span(), result.layers.span(), parallel);
     });
-    result.closed_gaps.resize_discarding(closed_gap_count());
-    write_closed_gaps(result.closed_gaps.span(), stop_);
+    result.stitches.resize_discarding(stitch_count());
+    write_stitches(result.stitches.span(), stop_);
 }
 
 void Placement::trim() {
     for (Placed& placed : placed_) {
         fit(placed.contours);
         fit(placed.layer_contours);
-        fit(placed.closed_gaps);
+        fit(placed.stitches);
     }
     for (const auto& buffer : buffers_) {
         buffer->trim();
@@ -255,21 +255,21 @@ void Placement::abort() {
     head_moved_.notify_all();
 }
 
-std::uint64_t Placement::closed_gap_count() const noexcept {
+std::uint64_t Placement::stitch_count() const noexcept {
     return std::accumulate(placed_.begin(), placed_.end(), std::uint64_t{0},
-                           [](std::uint64_t sum, const Placed& placed) { return sum + placed.closed_gaps.size(); });
+                           [](std::uint64_t sum, const Placed& placed) { return sum + placed.stitches.size(); });
 }
 
-void Placement::write_closed_gaps(std::span<ClosedGap> gaps, const StopCheck& stop) const {
+void Placement::write_stitches(std::span<Stitch> gaps, const StopCheck& stop) const {
     StopPace pace;
     pace.follow(stop);
-    ClosedGap* out = gaps.data();
+    Stitch* out = gaps.data();
     for (std::size_t b = 0; b < placed_.size(); ++b) {
-        ClosedGap* const first = out;
-        for (const ClosedGap& gap : placed_[b].closed_gaps) {
+        Stitch* const first = out;
+        for (const Stitch& gap : placed_[b].stitches) {
             *out++ = {bands_[b].first + gap.layer, gap.from, gap.to};
         }
-        std::sort(first, out, [&pace](const ClosedGap& a, const ClosedGap& b) {
+        std::sort(first, out, [&pace](const Stitch& a, const Stitch& b) {
             pace.spend(1);
             return std::tie(a.layer, a.from, a.to) < std::tie(b.layer, b.from, b.to);
         });

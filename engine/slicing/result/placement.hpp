@@ -82,12 +82,12 @@ public:
     std::uint64_t point_count() const noexcept { return point_count_; }
     std::uint64_t contour_count() const noexcept { return contour_count_; }
     const ContourCounts& contour_counts() const noexcept { return counts_; }
-    std::uint64_t closed_gap_count() const noexcept;
+    std::uint64_t stitch_count() const noexcept;
 
     /// In place of finish(): contours and the layers' contour ranges. layers[i] is plane i's.
     void write_contours(const Parallel& parallel, std::span<Contour> contours, std::span<Layer> layers) const;
     /// The same: closed gaps, by layer, then by `from` and `to`.
-    void write_closed_gaps(std::span<ClosedGap> gaps, const StopCheck& stop = {}) const;
+    void write_stitches(std::span<Stitch> gaps, const StopCheck& stop = {}) const;
 
 private:
     /// Points [begin, end) of the result.
@@ -96,13 +96,13 @@ private:
         std::uint64_t end;
     };
     struct Placed {
-        explicit Placed(const Memory* memory) : contours(memory), layer_contours(memory), closed_gaps(memory) {}
+        explicit Placed(const Memory* memory) : contours(memory), layer_contours(memory), stitches(memory) {}
 
         /// As it is before its band is begun, but for the memory that it holds.
         void clear() noexcept {
             contours.clear();
             layer_contours.clear();
-            closed_gaps.clear();
+            stitches.clear();
             output = nullptr;
             done = false;
             room.reset();
@@ -112,7 +112,7 @@ private:
         std::uint64_t first_contour = 0;
         Vector<Contour> contours;
         Vector<std::uint32_t> layer_contours;
-        Vector<ClosedGap> closed_gaps;
+        Vector<Stitch> stitches;
         BandOutput* output = nullptr;  // from acquire() until the band's points are where they belong
         bool done = false;
         std::optional<Stretch> room;  // until the band is placed or moves to a buffer

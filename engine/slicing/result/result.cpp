@@ -1,12 +1,10 @@
 #include "lamella/result.hpp"
 
-#include <cmath>
+#include <algorithm>
 #include <limits>
 
+#include "base/guard.hpp"
 #include "base/numbers.hpp"
-#include "lamella/assemble.hpp"
-#include "lamella/sink.hpp"
-#include "slicing/result/hash.hpp"
 
 namespace lamella {
 
@@ -14,7 +12,7 @@ namespace {
 
 /// Areas carry their sign, so outers minus holes is a plain sum; rounding happens once, at its end. What lies beside an
 /// open polyline is solid on one side: how far is not known.
-double areas_of(std::span<const Contour> contours, double unit_mm) noexcept {
+double areas_of(std::span<const Contour> contours, double grid_mm) noexcept {
     Int128 twice_area = 0;
     for (const Contour& contour : contours) {
         if (contour.role == Role::open) {
@@ -22,15 +20,11 @@ double areas_of(std::span<const Contour> contours, double unit_mm) noexcept {
         }
         twice_area += to_int128(contour.twice_area);
     }
-    return static_cast<double>(twice_area) / 2 * unit_mm * unit_mm;
+    return static_cast<double>(twice_area) / 2 * grid_mm * grid_mm;
 }
 
-double area_of(const Contour& contour, double unit_mm) noexcept {
-    return contour.twice_area.to_double() / 2 * unit_mm * unit_mm;
-}
-
-// The hashed layout is documented with hash_result(). It is made of values, not of memory, so padding and byte order play no
-// part.
+// The hashed layout is documented with SliceResult::hash(). It is made of values, not of memory, so padding and byte order
+// play no part.
 
 std::uint64_t kind_word(const Contour& contour) noexcept {
     const auto orientation = static_cast<std::uint8_t>(contour.orientation);
@@ -44,61 +38,91 @@ std::uint64_t point_word(Point point) noexcept {
 
 }  // namespace
 
-double SliceResult::area_mm2(const Layer& layer) const noexcept {
-    return areas_of(contours_of(layer), unit_mm);
-}
-
 double LayerView::area_mm2() const noexcept {
-    return areas_of(contours, unit_mm);
+    return areas_of(contours, grid_mm);
 }
 
-double LayerContours::area_mm2() const noexcept {
-    return areas_of(contours.span(), unit_mm);
+double LayerView::area_mm2(const Contour& contour) const noexcept {
+    return contour.twice_area.to_double() / 2 * grid_mm * grid_mm;
 }
 
-double SliceResult::area_mm2(const Contour& contour) const noexcept {
-    return area_of(contour, unit_mm);
+LayerView SliceResult::operator[](std::size_t index) const noexcept {
+    LayerView view;
+    static_cast<Layer&>(view) = layers[index];
+    view.index = index;
+    view.contours = contours_of(view);
+    view.grid_mm = info.grid_mm;
+    if (!view.contours.empty()) {
+        const Contour& last = view.contours.back();
+        view.first_point = view.contours.front().first_point;
+        const std::uint64_t count = last.first_point + last.point_count - view.first_point;
+        view.points = {points.data() + view.first_point, count};
+        if (!origins.empty()) {
+            view.origins = {origins.data() + view.first_point, count};
+        }
+    }
+    if (!stitches.empty()) {
+        const auto before = [](const Stitch& stitch, std::uint64_t layer) { return stitch.layer < layer; };
+        const Stitch* const first = std::lower_bound(stitches.begin(), stitches.end(), index, before);
+        view.stitches = {first, std::lower_bound(first, stitches.end(), index + 1, before)};
+    }
+    return view;
 }
 
-double LayerContours::area_mm2(const Contour& contour) const noexcept {
-    return area_of(contour, unit_mm);
+Result<SliceResult> SliceResult::copy(const Memory* memory) const noexcept {
+    return guarded([&]() -> Result<SliceResult> {
+        SliceResult same(memory);
+        const auto copy_array = [](const auto& from, auto& to) {
+            to.resize_discarding(from.size());
+            std::copy(from.begin(), from.end(), to.data());
+        };
+        copy_array(layers, same.layers);
+        copy_array(contours, same.contours);
+        copy_array(points, same.points);
+        copy_array(origins, same.origins);
+        copy_array(stitches, same.stitches);
+        same.info = info;
+        return same;
+    });
 }
 
-double SliceResult::length_mm(const ClosedGap& gap) const noexcept {
-    const double dx = static_cast<double>(gap.to.x) - gap.from.x;
-    const double dy = static_cast<double>(gap.to.y) - gap.from.y;
-    return std::sqrt(dx * dx + dy * dy) * unit_mm;
+namespace {
+
+/// FNV-1a with a whole 64-bit word where the original takes a byte: one multiplication a point.
+std::uint64_t hashed(std::uint64_t hash, std::uint64_t word) noexcept {
+    return (hash ^ word) * 0x100000001b3U;
 }
 
-void ResultHash::add_contour(const Layer& layer, const Contour& contour, const Point* points) noexcept {
-    add(kind_word(contour));
-    add(contour.segments);
-    add(contour.point_count);
-    add_signed(contour.parent < 0 ? -1 : contour.parent - static_cast<std::int64_t>(layer.first_contour));
-    add(contour.twice_area.low);
-    add_signed(contour.twice_area.high);
-    for (const Point point : std::span(points + contour.first_point, contour.point_count)) {
-        add(point_word(point));
+std::uint64_t hash_of(std::uint64_t hash, const LayerView& layer, const Contour& contour) noexcept {
+    const std::int64_t parent = contour.parent < 0 ? -1 : contour.parent - static_cast<std::int64_t>(layer.first_contour);
+    for (const std::uint64_t word : {kind_word(contour), std::uint64_t{contour.segments}, std::uint64_t{contour.point_count},
+                                     static_cast<std::uint64_t>(parent), static_cast<std::uint64_t>(contour.twice_area.low),
+                                     static_cast<std::uint64_t>(contour.twice_area.high)}) {
+        hash = hashed(hash, word);
+    }
+    for (const Point point : layer.points_of(contour)) {
+        hash = hashed(hash, point_word(point));
+    }
+    return hash;
+}
+
+}  // namespace
+
+LayerHash::LayerHash(std::uint64_t layers) noexcept : hash_(hashed(0xcbf29ce484222325U, layers)) {}
+
+void LayerHash::add(const LayerView& layer) noexcept {
+    hash_ = hashed(hash_, static_cast<std::uint64_t>(std::int64_t{layer.plane.z()}));
+    hash_ = hashed(hash_, layer.contour_count);
+    for (const Contour& contour : layer.contours) {
+        hash_ = hash_of(hash_, layer, contour);
     }
 }
 
-void ResultHash::add_layer(const Layer& layer, std::span<const Contour> contours, const Point* points) noexcept {
-    add_signed(layer.plane.z());
-    add(layer.contour_count);
-    for (const Contour& contour : contours) {
-        add_contour(layer, contour, points);
+std::uint64_t SliceResult::hash() const noexcept {
+    LayerHash hash(layers.size());
+    for (const LayerView layer : *this) {
+        hash.add(layer);
     }
-}
-
-void ResultHash::add_layers(const SliceResult& result) noexcept {
-    for (const Layer& layer : result.layers) {
-        add_layer(layer, result.contours_of(layer), result.points.data());
-    }
-}
-
-std::uint64_t hash_result(const SliceResult& result) noexcept {
-    ResultHash hash(result.layers.size());
-    hash.add_layers(result);
     return hash.value();
 }
 

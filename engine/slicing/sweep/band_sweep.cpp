@@ -5,7 +5,7 @@
 #include <cassert>
 
 #include "base/clock.hpp"
-#include "lamella/memory.hpp"
+#include "lamella/context.hpp"
 
 namespace lamella {
 

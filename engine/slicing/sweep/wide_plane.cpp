@@ -4,7 +4,7 @@
 #include <bit>
 
 #include "base/atomic_word.hpp"
-#include "lamella/memory.hpp"
+#include "lamella/context.hpp"
 #include "slicing/contours/mesh_edge.hpp"
 #include "slicing/grid/mesh_edge.hpp"
 

@@ -11,9 +11,9 @@
 #include <filesystem>
 #include <string>
 
+#include "lamella/check.hpp"
 #include "lamella/error.hpp"
 #include "lamella/io/report.hpp"
-#include "lamella/mesh/check.hpp"
 
 namespace lamella {
 

@@ -19,13 +19,11 @@
 #include <vector>
 
 #include "lamella/array.hpp"
-#include "lamella/control.hpp"
+#include "lamella/check.hpp"
+#include "lamella/context.hpp"
 #include "lamella/error.hpp"
 #include "lamella/mesh.hpp"
-#include "lamella/mesh/check.hpp"
-#include "lamella/mesh/inspect.hpp"
-#include "lamella/mesh/weld.hpp"
-#include "lamella/slice.hpp"
+#include "lamella/weld.hpp"
 
 namespace lamella {
 
@@ -72,7 +70,7 @@ struct MeshFile {
     Array<std::byte> bytes;        ///< what holds the coordinates; a binary STL file is kept as it is (no parse, no copy)
     std::size_t first_offset = 0;  ///< of the first triangle's (soup) or vertex's coordinates in `bytes`
     std::size_t stride = 0;        ///< bytes from one triangle (soup) or vertex to the next
-    CoordinateType coordinate_type = CoordinateType::f32;
+    Number vertex_type = Number::f32;
     std::uint64_t vertex_count = 0;    ///< 0 for soup
     Array<std::uint32_t> indices;      ///< three a triangle; empty for soup
     std::uint64_t first_triangle = 0;  ///< of those that view() shows: with `triangle_count`, a part's for the part alone
@@ -90,17 +88,18 @@ struct MeshFile {
     double read_ms = 0;   ///< getting the bytes
     double parse_ms = 0;  ///< making triangles of them, and decompression
 
+    /// With the file's unit: what slice() and all other calls take.
     MeshView view() const noexcept {
-        if (indices.empty()) {
-            return MeshView::strided_soup(bytes.data() + first_offset + first_triangle * stride, triangle_count, stride,
-                                          coordinate_type);
-        }
-        return MeshView::indexed(bytes.data() + first_offset, vertex_count, stride, coordinate_type,
-                                 indices.span().subspan(3 * first_triangle, 3 * triangle_count));
+        const std::byte* const first = bytes.data() + first_offset;
+        const bool soup = indices.empty();
+        return {.vertices = soup ? first + first_triangle * stride : first,
+                .vertex_count = vertex_count,
+                .triangle_count = triangle_count,
+                .indices = soup ? nullptr : indices.data() + 3 * first_triangle,
+                .vertex_stride = stride,
+                .vertex_type = vertex_type,
+                .mm_per_unit = mm_per_unit};
     }
-
-    /// From the coordinates to mm. The calls below apply it; a call that takes view() needs it in its options.
-    Transform to_mm() const noexcept { return Transform::scale(mm_per_unit); }
 };
 
 struct ReadOptions {
@@ -114,24 +113,12 @@ struct ReadOptions {
     /// What reading may take beside the file's own bytes; more is an error before it is allocated. 0: three times the file
     /// and 256 MiB, which only files that expand enormously exceed.
     std::uint64_t memory_limit_bytes = 0;
-    Control control{};
 };
 
 /// Reads `path`. O(bytes). It never allocates by a count that the file claims but does not hold. Errors: unreadable_file,
 /// malformed_mesh (with the byte offset, and for text the line, in the message), empty_mesh, invalid_argument (negative
 /// threads), out_of_memory, cancelled.
-Result<MeshFile> read_mesh(const std::filesystem::path& path, const ReadOptions& options = {}) noexcept;
-
-// The calls on meshes, with the file's unit applied before `options.transform`.
-
-/// See slice.hpp.
-Result<SliceResult> slice(const MeshFile& file, const SliceOptions& options = {}) noexcept;
-Status slice(const MeshFile& file, const SliceOptions& options, Workspace& workspace, SliceResult& result) noexcept;
-/// See mesh/inspect.hpp.
-Result<MeshInfo> inspect(const MeshFile& file, const InspectOptions& options = {}) noexcept;
-/// See mesh/check.hpp.
-Result<MeshCheck> check(const MeshFile& file, const CheckOptions& options = {}) noexcept;
-/// See mesh/weld.hpp; the file's unit takes the place of `options.mm_per_unit`.
-Result<WeldedMesh> weld(const MeshFile& file, const WeldOptions& options = {}) noexcept;
+Result<MeshFile> read_mesh(const std::filesystem::path& path, const ReadOptions& options = {},
+                           const Context& context = {}) noexcept;
 
 }  // namespace lamella

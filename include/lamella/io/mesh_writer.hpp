@@ -1,4 +1,4 @@
-// A mesh as a binary file: what slice_file() can cut in pieces.
+// A mesh as a binary file, which open_mesh() reads in pieces.
 //
 //     const lamella::Result<lamella::MeshFile> liver = lamella::read_mesh("liver.obj.gz");
 //     if (liver) {
@@ -8,7 +8,7 @@
 
 #include <filesystem>
 
-#include "lamella/control.hpp"
+#include "lamella/context.hpp"
 #include "lamella/error.hpp"
 #include "lamella/io/mesh_file.hpp"
 
@@ -29,6 +29,6 @@ bool is_written_as_mesh(const std::filesystem::path& path) noexcept;
 /// unwritable_file; invalid_argument (another end, more triangles or vertices than the format counts, a coordinate beyond
 /// floats for STL); cancelled, out_of_memory.
 Result<WrittenMesh> write_mesh(const MeshFile& mesh, const std::filesystem::path& path,
-                               const Control& control = {}) noexcept;
+                               const Context& context = {}) noexcept;
 
 }  // namespace lamella

@@ -1,9 +1,9 @@
 // Reports as JSON: what was asked, what came of it, and what the program that writes it adds.
 //
-//     const lamella::Result<lamella::Ledger> ledger = lamella::make_ledger(mesh, result);
+//     const lamella::Result<lamella::Audit> found = lamella::audit(result, mesh);
 //     const lamella::ReportMember mine{.place = lamella::ReportPlace::at_end, .key = "machine", .value = "printer 3"};
 //     const lamella::Result<std::string> report =
-//         lamella::make_report_json(result, {.ledger = ledger ? &*ledger : nullptr, .members = {&mine, 1}});
+//         lamella::make_report_json(result, {.audit = found ? &*found : nullptr, .members = {&mine, 1}});
 //     if (report) {
 //         std::printf("%s", report->c_str());
 //     }
@@ -16,14 +16,12 @@
 #include <string_view>
 #include <variant>
 
-#include "lamella/audit/crossings.hpp"
-#include "lamella/audit/ledger.hpp"
-#include "lamella/audit/volume.hpp"
+#include "lamella/audit.hpp"
+#include "lamella/check.hpp"
 #include "lamella/error.hpp"
 #include "lamella/io/mesh_file.hpp"
-#include "lamella/mesh/check.hpp"
-#include "lamella/mesh/weld.hpp"
 #include "lamella/result.hpp"
+#include "lamella/weld.hpp"
 
 namespace lamella {
 
@@ -46,13 +44,11 @@ struct ReportMember {
 
 /// What a report tells beside the result: each part only if it is there.
 struct ReportParts {
-    std::string_view mesh_name{};               ///< "mesh"
-    const MeshFile* file = nullptr;             ///< "file": format, unit, size
-    const WeldedMesh* welded = nullptr;         ///< "weld", if that is what was sliced
-    const Ledger* ledger = nullptr;             ///< "ledger"
-    const VolumeCertificate* volume = nullptr;  ///< "volume"
-    const Crossings* crossings = nullptr;       ///< "crossings"
-    std::span<const ReportMember> members{};    ///< those of the program
+    std::string_view mesh_name{};             ///< "mesh"
+    const MeshFile* file = nullptr;           ///< "file": format, unit, size
+    const WeldedMesh* welded = nullptr;       ///< "weld", if that is what was sliced
+    const Audit* audit = nullptr;             ///< "volume", "ledger", "crossings": what was asked
+    std::span<const ReportMember> members{};  ///< those of the program
 };
 
 /// The report of a slicing, indented, with a final newline. Errors: out_of_memory.

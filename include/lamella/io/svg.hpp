@@ -10,17 +10,16 @@
 #include <filesystem>
 #include <memory>
 
-#include "lamella/control.hpp"
+#include "lamella/context.hpp"
+#include "lamella/destination.hpp"
 #include "lamella/error.hpp"
-#include "lamella/mesh/weld.hpp"
 #include "lamella/result.hpp"
-#include "lamella/sink.hpp"
+#include "lamella/weld.hpp"
 
 namespace lamella {
 
 struct SvgOptions {
     const WeldedMesh* welded = nullptr;  ///< what was sliced, if it was welded: the file then says so
-    Control control{};
 };
 
 /// Writes `result` in the convention of Slic3r: a `<g id="layerN" slic3r:z="mm" lamella:cut-z="mm">` per layer, with the
@@ -32,16 +31,17 @@ struct SvgOptions {
 /// The file is written aside and renamed when complete, so that no half-written one is left; a device or a pipe is written
 /// in place, and /dev/stdout is standard output wherever that leads. O(points) time and 1 MiB of memory, on the calling
 /// thread. Errors: unwritable_file, invalid_argument (negative threads), cancelled, out_of_memory.
-Status write_svg(const SliceResult& result, const std::filesystem::path& path, const SvgOptions& options = {}) noexcept;
+Status write_svg(const SliceResult& result, const std::filesystem::path& path, const SvgOptions& options = {},
+                 const Context& context = {}) noexcept;
 
 /// The same file, layer by layer, of a result that is never held: begin() with what is known before the first layer, then
 /// add() each layer in ascending order, then finish(). 1 MiB of memory, and 8 bytes an open polyline. Errors are kept, and
 /// finish() returns the first; a stream that ends without it leaves no file.
 class SvgStream {
 public:
-    /// Of `facts` frame, unit, rules, plan, box and part_count are looked at. `layers`: how many will come.
-    static Result<SvgStream> begin(const SliceResult& facts, std::uint64_t layers, const std::filesystem::path& path,
-                                   const SvgOptions& options = {}) noexcept;
+    /// `info` as LayerSink::begin gives it.
+    static Result<SvgStream> begin(const SliceInfo& info, const std::filesystem::path& path, const SvgOptions& options = {},
+                                   const Context& context = {}) noexcept;
     SvgStream(SvgStream&& other) noexcept;
     SvgStream& operator=(SvgStream&& other) noexcept;
     ~SvgStream();

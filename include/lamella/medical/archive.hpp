@@ -11,11 +11,11 @@
 //
 //     /layers/first_contour    [ 0 | 2 | 3 | 7 ]        of layer i: contours first_contour[i] to first_contour[i + 1]
 //     /contours/first_point    [ 0 | 4 | 8 | ... ]      of contour c: points first_point[c] to first_point[c + 1]
-//     /points                  [ x y | x y | ... ]      in grid units; times `unit_mm` of the root: mm
+//     /points                  [ x y | x y | ... ]      in grid units; times `grid_mm` of the root: mm
 //
-// Where each number comes from stands in attributes: of the root the grid, of /mesh the mesh and its frame, of /plan the
-// planes, of /region the rules, of /image the voxels. Nothing in the file depends on threads or time. Contours' exact areas
-// are not in it: their points give them.
+// Where each number comes from stands in attributes: of the root the grid, of /mesh the mesh, of /options the options by
+// their names, of /image the voxels. Nothing in the file depends on threads or time. Contours' exact areas are not in it:
+// their points give them.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@
 #include <span>
 #include <string>
 
-#include "lamella/control.hpp"
+#include "lamella/context.hpp"
 #include "lamella/error.hpp"
 #include "lamella/medical/geometry.hpp"
 #include "lamella/result.hpp"
@@ -61,21 +61,22 @@ struct Archive {
 /// O(points); memory of a few MiB, and a temporary file of some KiB with a hole as large as the archive. Errors:
 /// invalid_argument (a name too long, a result that contradicts itself), unwritable_file, cancelled, out_of_memory.
 Status write_archive(const SliceResult& result, const ArchiveInfo& info, const std::filesystem::path& path,
-                     const Control& control = {}) noexcept;
+                     const Context& context = {}) noexcept;
 
-/// Reads an archive back and checks it: the checksum of its bytes, offsets, ranges, parents, and that hash_result() is the
-/// one written. Of SliceResult::summary, `crossed`, `bands`, `threads` and times are not kept.
+/// Reads an archive back and checks it: the checksum of its bytes, offsets, ranges, parents, and that SliceResult::hash() is
+/// the one written. Of SliceInfo, `crossed`, `cancelled_layers`, `bands`, `threads` and times are not kept. The
+/// range of layers in SliceInfo::options is that of the layers which the file has.
 ///
 /// O(points) on all threads; memory of the result, at most some times the file's size. Files of HDF5 1.8 and later are read.
 /// Errors, with file and place: unreadable_file, malformed_mesh (no HDF5 file, none of this library, damaged), cancelled,
 /// out_of_memory.
-Result<Archive> read_archive(const std::filesystem::path& path, const Control& control = {}) noexcept;
+Result<Archive> read_archive(const std::filesystem::path& path, const Context& context = {}) noexcept;
 
 /// What merge_archives() has joined.
 struct MergedArchive {
     std::uint64_t layers = 0;
-    std::uint64_t hash = 0;  ///< hash_result() of the whole
-    double unit_mm = 0;
+    std::uint64_t hash = 0;  ///< SliceResult::hash() of the whole
+    double grid_mm = 0;
     FillRule fill_rule = FillRule::contours;
     ArchiveInfo info;
 };
@@ -86,6 +87,6 @@ struct MergedArchive {
 /// Every part is read and checked whole, one at a time: memory of the largest part. Errors: those of both, and
 /// invalid_argument.
 Result<MergedArchive> merge_archives(std::span<const std::filesystem::path> parts, const std::filesystem::path& path,
-                                     const Control& control = {}) noexcept;
+                                     const Context& context = {}) noexcept;
 
 }  // namespace lamella

@@ -3,8 +3,8 @@
 //     const lamella::Result<lamella::ImageGeometry> image = lamella::read_image_geometry("ct.nii.gz");
 //     if (image) {
 //         lamella::SliceOptions for_image;
-//         for_image.plan.spacing = lamella::ExplicitPlanes{image->slice_heights_mm()};
-//         for_image.transform = image->slicing_frame(lamella::PatientFrame::lps);
+//         for_image.heights_mm = image->slice_heights_mm();
+//         for_image.frame.transform = image->slicing_frame(lamella::PatientFrame::lps);
 //         const lamella::Result<lamella::SliceResult> organ = lamella::slice(mesh, for_image);
 //     }
 #pragma once
@@ -92,7 +92,6 @@ Result<ImageGeometry> read_image_geometry(const std::filesystem::path& path) noe
 /// rounded up, and at least one. The image is centred on the box, so that 44 mm at 1 mm are 44 voxels whose outer sides are
 /// the box's. A thousandth of a voxel is taken for rounding; so far the origin may move to a float, which NIfTI holds.
 /// Errors: invalid_argument.
-Result<ImageGeometry> geometry_around(const std::array<double, 3>& min_mm, const std::array<double, 3>& max_mm,
-                                      const std::array<double, 3>& spacing_mm) noexcept;
+Result<ImageGeometry> geometry_around(const Box& box, const std::array<double, 3>& spacing_mm) noexcept;
 
 }  // namespace lamella

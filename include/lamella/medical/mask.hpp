@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "lamella/audit/open_layers.hpp"
-#include "lamella/control.hpp"
+#include "lamella/audit.hpp"
+#include "lamella/context.hpp"
 #include "lamella/error.hpp"
 #include "lamella/medical/geometry.hpp"
 #include "lamella/result.hpp"
@@ -31,7 +31,6 @@ struct MaskPart {
 struct MaskOptions {
     bool coverage = false;  ///< the share of each voxel's area that lies inside, instead of a label
     int subslices = 1;      ///< more than 1: the mean share over so many planes a slice
-    Control control{};
 };
 
 struct MaskSummary {
@@ -54,6 +53,7 @@ struct MaskSummary {
 /// v voxels, q points: O(v + q) and memory for some slices. The bytes do not depend on threads. Errors: invalid_argument
 /// (not cut at the image's slices; a side over 32,767 for NIfTI; too large), unwritable_file, cancelled, out_of_memory.
 Result<MaskSummary> write_mask(std::span<const MaskPart> parts, const ImageGeometry& image,
-                               const std::filesystem::path& path, const MaskOptions& options = {}) noexcept;
+                               const std::filesystem::path& path, const MaskOptions& options = {},
+                               const Context& context = {}) noexcept;
 
 }  // namespace lamella

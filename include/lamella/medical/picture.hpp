@@ -10,7 +10,7 @@
 #include <span>
 #include <string>
 
-#include "lamella/control.hpp"
+#include "lamella/context.hpp"
 #include "lamella/error.hpp"
 #include "lamella/medical/geometry.hpp"
 #include "lamella/result.hpp"
@@ -38,7 +38,6 @@ struct PictureOptions {
     /// right, right, anterior and superior up; heights are the patient's, as "S 12.5 mm", towards left (L), posterior (P) or
     /// superior (S), whichever the slices follow nearest.
     const ImageGeometry* image = nullptr;
-    Control control{};
 };
 
 /// Whether this build writes pictures: whether it has libpng. Without it the calls below give invalid_argument.
@@ -52,11 +51,11 @@ bool can_write_pictures() noexcept;
 /// p pixels, q points: O(p + q), and memory for p pixels of six bytes. The bytes do not depend on threads. Errors:
 /// invalid_argument (no such layer; a side or an area beyond the limits above), unwritable_file, cancelled, out_of_memory.
 Status write_layer_picture(std::span<const PicturePart> parts, std::uint64_t layer, const std::filesystem::path& path,
-                           const PictureOptions& options = {}) noexcept;
+                           const PictureOptions& options = {}, const Context& context = {}) noexcept;
 
 /// Draws evenly spaced layers side by side at one scale, each with its height in mm. Empty layers are shown empty. Errors:
 /// as above; also where so many layers leave no room.
 Status write_contact_sheet(std::span<const PicturePart> parts, const std::filesystem::path& path,
-                           const PictureOptions& options = {}) noexcept;
+                           const PictureOptions& options = {}, const Context& context = {}) noexcept;
 
 }  // namespace lamella

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "lamella/control.hpp"
+#include "lamella/context.hpp"
 #include "lamella/error.hpp"
 
 namespace lamella {
@@ -35,10 +35,10 @@ struct Record {
     std::vector<std::string> options;  ///< the words of the command that decide the output
     std::string patient_frame;         ///< "LPS", "RAS" or ""
     std::vector<double> grid_mm;       ///< of each mesh
-    /// Of each mesh, as SliceResult::close_gaps_mm; empty in records of earlier versions.
-    std::vector<double> close_gaps_mm;
+    /// Of each mesh, as SliceResult::stitch_mm; empty in records of earlier versions.
+    std::vector<double> stitch_mm;
     std::string fill_rule;
-    std::vector<std::string> result_hashes;  ///< hash_result() of each mesh: 16 hexadecimal digits
+    std::vector<std::string> result_hashes;  ///< SliceResult::hash() of each mesh: 16 hexadecimal digits
     std::string source_date_epoch;           ///< SOURCE_DATE_EPOCH of the environment, or ""
     friend bool operator==(const Record&, const Record&) = default;
 };
@@ -46,7 +46,7 @@ struct Record {
 /// Of a folder, its one DICOM series: the bytes of all slices, and SHA-256 over the digests of their files, 32 bytes each,
 /// in the order of slices. O(bytes). Errors: unreadable_file, malformed_mesh (a folder that read_image_geometry() refuses),
 /// cancelled, out_of_memory.
-Result<FileSeal> seal_file(const std::filesystem::path& path, const Control& control = {}) noexcept;
+Result<FileSeal> seal_file(const std::filesystem::path& path, const Context& context = {}) noexcept;
 
 /// Errors: unwritable_file, out_of_memory.
 Status write_record(const Record& record, const std::filesystem::path& path) noexcept;

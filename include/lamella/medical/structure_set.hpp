@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-#include "lamella/control.hpp"
+#include "lamella/context.hpp"
 #include "lamella/error.hpp"
 #include "lamella/medical/geometry.hpp"
 #include "lamella/result.hpp"
@@ -43,7 +43,6 @@ struct StructureSetOptions {
     bool without_ct = false;  ///< write one although `image` is no DICOM series: with UIDs of its own, and without a patient
     std::optional<std::int64_t> seconds_since_1970{};  ///< date and time (UTC) of the structure set; else they stay empty
     std::string label = "lamella";                     ///< at most 16 characters
-    Control control{};
 };
 
 struct StructureSetSummary {
@@ -65,7 +64,7 @@ struct StructureSetSummary {
 /// series; one that lacks a UID; not cut at the image's slices; nothing on any slice), unwritable_file, cancelled,
 /// out_of_memory.
 Result<StructureSetSummary> write_structure_set(std::span<const Roi> rois, const ImageGeometry& image,
-                                                const std::filesystem::path& path,
-                                                const StructureSetOptions& options = {}) noexcept;
+                                                const std::filesystem::path& path, const StructureSetOptions& options = {},
+                                                const Context& context = {}) noexcept;
 
 }  // namespace lamella

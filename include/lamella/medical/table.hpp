@@ -12,12 +12,12 @@
 #include <string>
 #include <vector>
 
-#include "lamella/control.hpp"
+#include "lamella/context.hpp"
+#include "lamella/destination.hpp"
 #include "lamella/error.hpp"
 #include "lamella/medical/geometry.hpp"
 #include "lamella/mesh.hpp"
 #include "lamella/result.hpp"
-#include "lamella/sink.hpp"
 
 namespace lamella {
 
@@ -30,10 +30,8 @@ struct MeshFacts {
     std::vector<std::string> warnings;
 };
 
-/// The facts of a mesh and its result. `to_mm`: from the mesh's coordinates to mm. O(n + q). Errors: those of inspect() and
-/// certify_volume().
-Result<MeshFacts> measure_facts(const MeshView& mesh, const Transform& to_mm, const SliceResult& result,
-                                const Control& control = {}) noexcept;
+/// The facts of a mesh and its result. O(n + q). Errors: those of check() and audit().
+Result<MeshFacts> measure_facts(const MeshView& mesh, const SliceResult& result, const Context& context = {}) noexcept;
 
 /// A mesh of a table.
 struct TablePart {
@@ -47,8 +45,8 @@ struct TablePart {
 /// NAME.meshes.csv. `image`: at whose slices the parts were cut, in its slicing_frame(); heights and places are then the
 /// patient's, in columns named _lps_mm (ImageGeometry::height_lps_mm(), to_lps()). Errors: invalid_argument,
 /// unwritable_file, cancelled, out_of_memory.
-Status write_layer_table(std::span<const TablePart> parts, const std::filesystem::path& path, const Control& control = {},
-                         const ImageGeometry* image = nullptr) noexcept;
+Status write_layer_table(std::span<const TablePart> parts, const std::filesystem::path& path,
+                         const ImageGeometry* image = nullptr, const Context& context = {}) noexcept;
 
 /// The same file for one mesh without facts, layer by layer, of a result that is never held: add() each layer in ascending
 /// order, then finish(). Errors are kept, and finish() returns the first; a stream that ends without it leaves no file.

@@ -9,30 +9,42 @@ from ctypes import POINTER, Structure, byref, c_double, c_int32, c_int64, c_size
 
 
 STOP = ctypes.CFUNCTYPE(c_int32, c_void_p)
+# The kinds of structs that lamella_init_sized() knows.
+KINDS = {"Error": 0, "Context": 1, "Mesh": 2, "Source": 3, "Options": 4, "Sink": 8, "Destination": 10}
 
 
 class Mesh(Structure):
     _fields_ = [
-        ("struct_size", c_uint32), ("coordinate_type", c_int32), ("vertices", c_void_p), ("vertex_stride", c_size_t),
-        ("vertex_count", c_size_t), ("indices", c_void_p), ("index_stride", c_size_t), ("index_type", c_int32),
-        ("reserved", c_int32), ("triangle_count", c_size_t), ("coordinate_mm", c_double),
+        ("struct_size", c_uint32), ("vertex_type", c_int32), ("vertices", c_void_p), ("vertex_count", c_size_t),
+        ("triangle_count", c_size_t), ("indices", c_void_p), ("vertex_stride", c_size_t), ("index_stride", c_size_t),
+        ("mm_per_unit", c_double), ("index_type", c_int32), ("reserved", c_int32),
+    ]  # fmt: skip
+
+
+class Source(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32), ("reserved", c_int32), ("mesh", POINTER(Mesh)), ("prepared", c_void_p), ("parts", c_void_p),
+        ("part_count", c_size_t),
     ]  # fmt: skip
 
 
 class Options(Structure):
     _fields_ = [
-        ("struct_size", c_uint32), ("spacing", c_int32), ("layer_height_mm", c_double), ("first_height_mm", c_double),
-        ("datum", c_int32), ("side", c_int32), ("heights_mm", POINTER(c_double)), ("height_count", c_size_t),
-        ("unit_mm", c_double), ("transform", c_double * 12), ("arithmetic", c_int32), ("unit_fit", c_int32),
-        ("region", c_void_p), ("close_gaps_mm", c_double), ("gap_sense", c_int32), ("allow_empty", c_int32),
-        ("memory_limit_bytes", c_uint64), ("control", c_void_p), ("origins", c_int32), ("reserved", c_int32),
+        ("struct_size", c_uint32), ("reserved", c_int32), ("layer_height_mm", c_double), ("heights_mm", POINTER(c_double)),
+        ("height_count", c_size_t), ("stitch_mm", c_double), ("first_height_mm", c_double), ("first_layer", c_uint64),
+        ("end_layer", c_uint64), ("transform", c_double * 12), ("grid_mm", c_double), ("closing_mm", c_double),
+        ("offset_mm", c_double), ("miter_limit", c_double), ("simplify_mm", c_double), ("flag_closing_mm", c_double),
+        ("fill_from", c_void_p), ("fill_from_count", c_size_t), ("at_heights", c_int32), ("stitch_direction", c_int32),
+        ("origins", c_int32), ("unite_parts", c_int32), ("allow_empty", c_int32), ("content", c_int32), ("datum", c_int32),
+        ("side", c_int32), ("coarser_if_needed", c_int32), ("as_mesh_numbers", c_int32), ("fill_rule", c_int32),
+        ("drop_collinear", c_int32), ("largest_only", c_int32), ("reserved_0_3", c_int32),
     ]  # fmt: skip
 
 
 class Error(Structure):
     _fields_ = [
-        ("struct_size", c_uint32), ("status", c_int32), ("triangle", c_int64), ("plane", c_int64), ("byte_offset", c_int64),
-        ("message", ctypes.c_char * 512),
+        ("struct_size", c_uint32), ("status", c_int32), ("part", c_int64), ("triangle", c_int64), ("plane", c_int64),
+        ("byte_offset", c_int64), ("message", ctypes.c_char * 512),
     ]  # fmt: skip
 
 
@@ -40,19 +52,26 @@ class PointOrigin(Structure):
     _fields_ = [("triangle", c_uint32), ("part", c_uint16), ("edge", c_uint8), ("end_edge", c_uint8)]
 
 
-class LayerView(Structure):
+class Layer(Structure):
     _fields_ = [
-        ("struct_size", c_uint32), ("reserved", c_int32), ("index", c_uint64), ("unit_mm", c_double), ("layer", c_void_p),
-        ("contours", c_void_p), ("contour_count", c_uint64), ("points", POINTER(c_int32)), ("point_count", c_uint64),
-        ("closed_gaps", c_void_p), ("closed_gap_count", c_uint64), ("origins", POINTER(PointOrigin)),
+        ("bottom_mm", c_double), ("plane_mm", c_double), ("top_mm", c_double), ("first_contour", c_uint64),
+        ("contour_count", c_uint64), ("segments", c_uint64), ("plane", c_int32), ("reserved", c_int32),
     ]  # fmt: skip
 
 
-class Control(Structure):
+class LayerView(Structure):
     _fields_ = [
-        ("struct_size", c_uint32), ("threads", c_int32), ("executor", c_void_p), ("executor_context", c_void_p),
-        ("executor_threads", c_int32), ("reserved", c_int32), ("memory", c_void_p), ("stop", STOP), ("stop_context", c_void_p),
-        ("progress", c_void_p), ("progress_context", c_void_p),
+        ("struct_size", c_uint32), ("reserved", c_int32), ("index", c_uint64), ("grid_mm", c_double), ("layer", Layer),
+        ("contours", c_void_p), ("points", POINTER(c_int32)), ("point_count", c_uint64), ("first_point", c_uint64),
+        ("origins", POINTER(PointOrigin)), ("stitches", c_void_p), ("stitch_count", c_uint64),
+    ]  # fmt: skip
+
+
+class Context(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32), ("threads", c_int32), ("stop", STOP), ("stop_object", c_void_p), ("progress", c_void_p),
+        ("progress_object", c_void_p), ("memory", c_void_p), ("memory_limit_bytes", c_uint64), ("executor", c_void_p),
+        ("executor_object", c_void_p), ("executor_threads", c_int32), ("reserved", c_int32),
     ]  # fmt: skip
 
 
@@ -60,11 +79,32 @@ TAKE = ctypes.CFUNCTYPE(None, c_void_p, POINTER(LayerView))
 
 
 class Sink(Structure):
-    _fields_ = [("take", TAKE), ("context", c_void_p), ("order", c_int32), ("reserved", c_int32)]
+    _fields_ = [("struct_size", c_uint32), ("order", c_int32), ("take", TAKE), ("begin", c_void_p), ("object", c_void_p)]
+
+
+class Destination(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32), ("reserved", c_int32), ("result", c_void_p), ("sink", POINTER(Sink)), ("arrays", c_void_p),
+    ]  # fmt: skip
+
+
+def made(lamella, kind):
+    """A struct with its defaults."""
+    struct = kind()
+    lamella.lamella_init_sized(byref(struct), KINDS[kind.__name__], c_size_t(ctypes.sizeof(struct)))
+    return struct
+
+
+def slice_to(lamella, take, mesh, options, context, error):
+    source, sink, to = made(lamella, Source), made(lamella, Sink), made(lamella, Destination)
+    source.mesh = ctypes.pointer(mesh)
+    sink.take = TAKE(take)
+    to.sink = ctypes.pointer(sink)
+    return lamella.lamella_slice_to(None, byref(to), byref(source), byref(options), context, None, byref(error))
 
 
 class Kept:
-    """The first exception of a call's callbacks. `stop` is lamella_control.stop; finish() follows the call."""
+    """The first exception of a call's callbacks. `stop` is lamella_context.stop; finish() follows the call."""
 
     def __init__(self):
         self.first = None
@@ -86,18 +126,14 @@ class Kept:
 
 def raise_in_a_sink(lamella, mesh, options, error):
     """The exception ends the call at that layer and comes back."""
-    kept, control, layers = Kept(), Control(), []
-    lamella.lamella_control_init_sized(byref(control), c_size_t(ctypes.sizeof(control)))
-    control.stop = kept.stop
-    options.control = ctypes.addressof(control)
+    kept, context, layers = Kept(), made(lamella, Context), []
+    context.stop = kept.stop
 
     def take(_, view):
         layers.append(view.contents.index)
         raise LookupError("enough")
 
-    sink = Sink(TAKE(kept.keeping(take)), None, 1, 0)
-    status = lamella.lamella_slice_to(byref(sink), byref(mesh), byref(options), None, None, byref(error))
-    options.control = None
+    status = slice_to(lamella, kept.keeping(take), mesh, options, byref(context), error)
     try:
         kept.finish()
     except LookupError:
@@ -110,9 +146,7 @@ def main():
     lamella = ctypes.CDLL(sys.argv[1])
     with open(sys.argv[2], "rb") as file:
         stl = file.read()
-    mesh, options, error = Mesh(), Options(), Error()
-    for name, struct in (("mesh", mesh), ("options", options), ("error", error)):
-        getattr(lamella, f"lamella_{name}_init_sized")(byref(struct), c_size_t(ctypes.sizeof(struct)))
+    mesh, options, error = made(lamella, Mesh), made(lamella, Options), made(lamella, Error)
     body = ctypes.create_string_buffer(stl[84 + 12 :])
     mesh.vertices = ctypes.addressof(body)
     mesh.vertex_stride = 50
@@ -124,17 +158,16 @@ def main():
 
     def take(_, view):
         layer = view.contents
-        contours.append(layer.contour_count)
+        contours.append(layer.layer.contour_count)
         named.extend(layer.origins[i].triangle for i in range(layer.point_count))
 
-    sink = Sink(TAKE(take), None, 1, 0)
-    if lamella.lamella_slice_to(byref(sink), byref(mesh), byref(options), None, None, byref(error)) != 0:
+    if slice_to(lamella, take, mesh, options, None, error) != 0:
         sys.exit(error.message.decode())
     if not named or max(named) >= mesh.triangle_count:
         sys.exit("edges come from triangles that the mesh does not have")
     raise_in_a_sink(lamella, mesh, options, error)
     mesh.triangle_count = 0
-    if lamella.lamella_slice_to(byref(sink), byref(mesh), byref(options), None, None, byref(error)) != 4:
+    if slice_to(lamella, take, mesh, options, None, error) != 4:
         sys.exit("a mesh without triangles is not refused")
     print(f"{len(contours)} layers, {sum(contours)} contours")
 

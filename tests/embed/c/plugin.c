@@ -7,7 +7,7 @@ uint64_t plugin_hash(const lamella_mesh* mesh, const lamella_options* options);
 uint64_t plugin_hash(const lamella_mesh* mesh, const lamella_options* options) {
     lamella_result* result = NULL;
     uint64_t hash = 0;
-    if (lamella_slice(mesh, options, NULL, &result, NULL) == LAMELLA_OK) {
+    if (lamella_slice(NULL, mesh, options, &result, NULL) == LAMELLA_OK) {
         hash = lamella_result_hash(result);
         lamella_result_free(result);
     }

@@ -20,8 +20,8 @@ static void find(void* library, const char* name, void* function, size_t size) {
 }
 
 static uint64_t hash_by(void* library, const lamella_mesh* mesh, const lamella_options* options) {
-    int32_t (*slice)(const lamella_mesh*, const lamella_options*, lamella_workspace*, lamella_result**, lamella_error*);
-    int32_t (*prepare)(const lamella_mesh*, const lamella_options*, lamella_prepared**, lamella_error*);
+    int32_t (*slice)(lamella_slicer*, const lamella_mesh*, const lamella_options*, lamella_result**, lamella_error*);
+    int32_t (*prepare)(const lamella_mesh*, const lamella_options*, const lamella_context*, lamella_prepared**, lamella_error*);
     uint64_t (*hash_of)(const lamella_result*);
     void (*free_result)(lamella_result*);
     void (*free_prepared)(lamella_prepared*);
@@ -38,8 +38,9 @@ static uint64_t hash_by(void* library, const lamella_mesh* mesh, const lamella_o
         exit(1);
     }
     /* The second call frees what the first one made. */
-    if (slice(mesh, options, NULL, &result, NULL) != LAMELLA_OK || prepare(mesh, options, &prepared, NULL) != LAMELLA_OK ||
-        prepare(mesh, options, &prepared, NULL) != LAMELLA_OK) {
+    if (slice(NULL, mesh, options, &result, NULL) != LAMELLA_OK ||
+        prepare(mesh, options, NULL, &prepared, NULL) != LAMELLA_OK ||
+        prepare(mesh, options, NULL, &prepared, NULL) != LAMELLA_OK) {
         fprintf(stderr, "a loaded library cuts nothing\n");
         exit(1);
     }
@@ -70,9 +71,9 @@ int main(int count, char** words) {
     if (bytes == NULL) {
         return 1;
     }
-    lamella_options_init(&options);
+    LAMELLA_INIT(&options, LAMELLA_OPTIONS);
     options.layer_height_mm = 0.5;
-    if (lamella_slice(&mesh, &options, NULL, &result, NULL) != LAMELLA_OK) {
+    if (lamella_slice(NULL, &mesh, &options, &result, NULL) != LAMELLA_OK) {
         return 1;
     }
     hash = lamella_result_hash(result);

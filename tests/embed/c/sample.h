@@ -27,7 +27,7 @@ static unsigned char* read_sample(const char* path, lamella_mesh* mesh) {
         bytes = NULL;
     } else {
         memcpy(&triangles, bytes + 80, sizeof triangles);
-        lamella_mesh_init(mesh);
+        LAMELLA_INIT(mesh, LAMELLA_MESH);
         mesh->vertices = bytes + 84 + 12;
         mesh->vertex_stride = 50;
         mesh->triangle_count = triangles;
@@ -38,9 +38,9 @@ static unsigned char* read_sample(const char* path, lamella_mesh* mesh) {
 
 static void print_counts(const lamella_result* result) {
     lamella_view view;
-    lamella_view_init(&view);
+    LAMELLA_INIT(&view, LAMELLA_VIEW);
     lamella_result_view(result, &view);
-    printf("%d layers, %d contours\n", (int)view.layer_count, (int)view.contour_count);
+    printf("%d layers, %d contours\n", (int)view.info.layers, (int)view.info.contours);
 }
 
 #endif

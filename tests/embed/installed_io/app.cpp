@@ -2,6 +2,7 @@
 #include <filesystem>
 
 #include <lamella/io.hpp>
+#include <lamella/lamella.hpp>
 
 int main(int count, char** words) {
     const auto file = lamella::read_mesh(words[count - 1]);
@@ -10,7 +11,7 @@ int main(int count, char** words) {
         return 1;
     }
     lamella::SliceOptions options;
-    options.plan.spacing = lamella::UniformLayers{.layer_height_mm = 0.5};
+    options.layer_height_mm = 0.5;
     const auto result = lamella::slice(*file, options);
     if (!result || !lamella::write_svg(*result, "layers.svg") || !lamella::make_report_json(*result)) {
         return 1;

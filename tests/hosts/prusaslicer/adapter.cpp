@@ -12,8 +12,8 @@
 //     vertices transformed in float           HostVertex in cut.cpp
 //     cancelling by an exception              Exceptions in cut.cpp
 //     a vertex on a plane lies above it       PlaneSide::below, the default
-//     coordinates of 32 bits, 1e-6 mm         frame.hpp: points are copied as bytes
-//     gaps joined up to 2 mm                  SliceOptions::close_gaps_mm
+//     coordinates of 32 bits, 1e-6 mm         adapter.hpp: points are copied as bytes
+//     gaps joined up to 2 mm                  SliceOptions::stitch_mm
 //     no collinear points in regions          RegionRules::drop_collinear
 //     loops turned counter-clockwise          Turn::counter_clockwise, then a region of its own per layer
 //     faces turned by a mirroring transform   project() in cut.cpp
@@ -29,9 +29,7 @@
 #include <utility>
 #include <vector>
 
-#include "contours.hpp"
-#include "cut.hpp"
-#include "frame.hpp"
+#include "adapter.hpp"
 
 namespace Slic3r {
 namespace {
@@ -59,7 +57,7 @@ lamella::RegionRules rules_of(const MeshSlicingParamsEx& params, Mode mode) {
     rules.fill_rule = rule_of(mode);
     rules.drop_collinear = true;
     rules.offset_mm = params.extra_offset * frame_per_mm;
-    rules.close_mm = params.closing_radius >= params.extra_offset ? params.closing_radius * frame_per_mm : 0;
+    rules.closing_mm = params.closing_radius >= params.extra_offset ? params.closing_radius * frame_per_mm : 0;
     return rules;
 }
 
@@ -78,11 +76,11 @@ Polygons polygons_of(const lamella::LayerView& layer, Mode mode) {
 ExPolygons region(const lamella::LayerView& layer, const lamella::RegionRules& rules, Mode mode) {
     const auto turned = loops(layer, turns_loops(mode) ? Turn::counter_clockwise : Turn::as_facets);
     const std::vector<std::span<const lamella::Point>> views(turned.begin(), turned.end());
-    const lamella::Result<lamella::LayerContours> whole = lamella::region_of(views, rules, layer.unit_mm);
+    const lamella::Result<lamella::SliceResult> whole = lamella::region_of(views, rules, layer.grid_mm);
     if (!whole) {
         throw SlicingError(whole.error().message);
     }
-    return expolygons(*whole, layer.unit_mm);
+    return expolygons((*whole)[0]);
 }
 
 void simplify(ExPolygons& whole, double resolution_mm) {
@@ -100,7 +98,7 @@ void simplify(ExPolygons& whole, double resolution_mm) {
 
 // By layer to by height. Heights that fall on one plane share its layer.
 template <class Layer>
-std::vector<Layer> by_height(std::vector<Layer> layers, const lamella::Array<std::uint64_t>& layer_of) {
+std::vector<Layer> by_height(std::vector<Layer> layers, const std::vector<std::uint64_t>& layer_of) {
     std::vector<std::uint64_t> in_order(layer_of.size());
     std::iota(in_order.begin(), in_order.end(), std::uint64_t{0});
     if (std::equal(layer_of.begin(), layer_of.end(), in_order.begin())) {
@@ -117,14 +115,9 @@ std::vector<Layer> by_height(std::vector<Layer> layers, const lamella::Array<std
 // What faces of one sense project, by height.
 std::vector<Polygons> slabs_by_height(const lamella::SliceResult& slabs) {
     std::vector<Polygons> layers(slabs.layers.size());
-    tbb::parallel_for(std::size_t{0}, layers.size(), [&](std::size_t layer) {
-        lamella::LayerView view;
-        view.contours = slabs.contours_of(slabs.layers[layer]);
-        view.points = slabs.points.span();
-        view.unit_mm = slabs.unit_mm;
-        layers[layer] = polygons(view, Turn::as_facets);
-    });
-    return by_height(std::move(layers), slabs.layer_of);
+    tbb::parallel_for(std::size_t{0}, layers.size(),
+                      [&](std::size_t layer) { layers[layer] = polygons(slabs[layer], Turn::as_facets); });
+    return by_height(std::move(layers), slabs.info.layer_of);
 }
 
 }  // namespace
@@ -167,16 +160,18 @@ std::vector<ExPolygons> slice_mesh_ex(const indexed_triangle_set& mesh, const st
 void slice_mesh_slabs(const indexed_triangle_set& mesh, const std::vector<float>& zs, const Transform3d& trafo,
                       std::vector<Polygons>* out_top, std::vector<Polygons>* out_bottom,
                       std::function<void()> throw_on_cancel) {
-    const Faces wanted{out_top != nullptr, out_bottom != nullptr};
-    if (!wanted.upward && !wanted.downward) {
-        return;
+    std::vector<std::vector<Polygons>*> wanted;
+    std::vector<lamella::LayerContent> faces;
+    for (const auto& [out, content] : {std::pair(out_top, lamella::LayerContent::upward_faces),
+                                       std::pair(out_bottom, lamella::LayerContent::downward_faces)}) {
+        if (out != nullptr) {
+            wanted.push_back(out);
+            faces.push_back(content);
+        }
     }
-    const lamella::Slabs slabs = project(mesh, zs, trafo, wanted, throw_on_cancel);
-    if (wanted.upward) {
-        *out_top = slabs_by_height(slabs.top);
-    }
-    if (wanted.downward) {
-        *out_bottom = slabs_by_height(slabs.bottom);
+    const std::vector<lamella::SliceResult> slabs = project(mesh, zs, trafo, faces, throw_on_cancel);
+    for (std::size_t at = 0; at < wanted.size(); ++at) {
+        *wanted[at] = slabs_by_height(slabs[at]);
     }
 }
 

@@ -37,9 +37,10 @@ struct Worst {
     float height = 0;
 };
 
-double area_of(const ExPolygons& region) {
+template <class Region>
+double area_of(const Region& region) {
     return std::accumulate(region.begin(), region.end(), 0.0,
-                           [](double sum, const ExPolygon& each) { return sum + each.area(); });
+                           [](double sum, const auto& each) { return sum + each.area(); });
 }
 
 double length_of(const ExPolygons& region) {
@@ -239,17 +240,11 @@ bool loops_agree(const Model& model) {
     const auto ours = slice_mesh(model.mesh, zs, MeshSlicingParams{}, never);
     for (std::size_t layer = 0; layer < zs.size(); ++layer) {
         const Polygons single = slice_mesh(model.mesh, zs[layer], MeshSlicingParams{});
-        double sums[3] = {0, 0, 0};
+        const double sums[] = {area_of(host[layer]) * square_mm, area_of(ours[layer]) * square_mm,
+                               area_of(single) * square_mm};
         double length = 1;
         for (const Polygon& loop : host[layer]) {
-            sums[0] += loop.area() * square_mm;
             length += loop.length() * SCALING_FACTOR;
-        }
-        for (const Polygon& loop : ours[layer]) {
-            sums[1] += loop.area() * square_mm;
-        }
-        for (const Polygon& loop : single) {
-            sums[2] += loop.area() * square_mm;
         }
         if (std::abs(sums[0] - sums[1]) > (points_mm + rounding_mm(model)) * length ||
             std::abs(sums[1] - sums[2]) > 1e-9 * length) {

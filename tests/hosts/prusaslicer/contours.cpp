@@ -1,10 +1,10 @@
 // Part of the adapter, under its licence: AGPL-3.0-or-later (see adapter.cpp).
-#include "contours.hpp"
+#include "adapter.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <lamella/islands.hpp>
+#include <lamella/result.hpp>
 #include <span>
 #include <utility>
 
@@ -23,7 +23,7 @@ bool is_loop(const Contour& contour) {
 
 Points host_points(const lamella::LayerView& layer, const Contour& contour) {
     const std::span<const lamella::Point> from = layer.points_of(contour);
-    const auto host_units = static_cast<coord_t>(layer.unit_mm / lamella::default_unit_mm);
+    const auto host_units = static_cast<coord_t>(layer.grid_mm / lamella::default_grid_mm);
     if (host_units == 1) {
         const Point* first = reinterpret_cast<const Point*>(from.data());
         return Points(first, first + from.size());
@@ -93,7 +93,7 @@ Polygons largest_polygon(const lamella::LayerView& layer) {
 }
 
 ExPolygons expolygons(const lamella::LayerView& layer) {
-    const lamella::Islands islands = lamella::islands_of(layer.contours);
+    const lamella::Islands islands = layer.islands();
     ExPolygons made;
     made.reserve(static_cast<std::size_t>(std::distance(islands.begin(), islands.end())));
     for (const lamella::Island island : islands) {
@@ -105,14 +105,6 @@ ExPolygons expolygons(const lamella::LayerView& layer) {
         }
     }
     return made;
-}
-
-ExPolygons expolygons(const lamella::LayerContours& layer, double unit_mm) {
-    lamella::LayerView view;
-    view.contours = {layer.contours.data(), layer.contours.size()};
-    view.points = {layer.points.data(), layer.points.size()};
-    view.unit_mm = unit_mm;
-    return expolygons(view);
 }
 
 }  // namespace Slic3r::lamella_adapter

@@ -1,5 +1,5 @@
 // Part of the adapter, under its licence: AGPL-3.0-or-later (see adapter.cpp).
-#include "cut.hpp"
+#include "adapter.hpp"
 
 #include <tbb/parallel_for.h>
 
@@ -13,8 +13,6 @@
 #include <mutex>
 #include <utility>
 
-#include "frame.hpp"
-
 namespace Slic3r::lamella_adapter {
 namespace {
 
@@ -22,29 +20,29 @@ static_assert(sizeof(stl_vertex) == 3 * sizeof(float) && sizeof(stl_triangle_ver
               "the library reads the host's arrays where they lie");
 
 // Fresh pages cost a slice more than its arithmetic, so what one call has written the next one writes again.
-class Workspaces {
+class Slicers {
 public:
-    lamella::Workspace take() {
+    lamella::Slicer take() {
         const std::lock_guard lock(mutex_);
         if (idle_.empty()) {
             return {};
         }
-        lamella::Workspace kept = std::move(idle_.back());
+        lamella::Slicer kept = std::move(idle_.back());
         idle_.pop_back();
         return kept;
     }
-    void give_back(lamella::Workspace workspace) {
+    void give_back(lamella::Slicer slicer) {
         const std::lock_guard lock(mutex_);
-        idle_.push_back(std::move(workspace));
+        idle_.push_back(std::move(slicer));
     }
 
 private:
     std::mutex mutex_;
-    std::vector<lamella::Workspace> idle_;
+    std::vector<lamella::Slicer> idle_;
 };
 
-Workspaces& workspaces() {
-    static Workspaces kept;
+Slicers& slicers() {
+    static Slicers kept;
     return kept;
 }
 
@@ -145,11 +143,13 @@ std::vector<float> corners_near(const indexed_triangle_set& mesh, const HostVert
     return corners;
 }
 
-lamella::ExplicitPlanes planes_at(const std::vector<float>& heights) {
-    lamella::ExplicitPlanes planes;
-    planes.heights_mm.resize(heights.size());
-    std::transform(heights.begin(), heights.end(), planes.heights_mm.begin(), in_frame);
-    return planes;
+// Options that host and library agree on, for planes at these heights.
+lamella::SliceOptions options_at(const std::vector<float>& heights) {
+    lamella::SliceOptions options;
+    options.heights_mm.emplace(heights.size());
+    std::transform(heights.begin(), heights.end(), options.heights_mm->begin(), in_frame);
+    options.allow_empty = true;
+    return options;
 }
 
 bool mirrors(const Transform3d& transform) {
@@ -169,17 +169,14 @@ class Cancelling {
 public:
     explicit Cancelling(const std::function<void()>& throw_on_cancel) : throw_on_cancel_(throw_on_cancel) {}
 
-    lamella::StopCheck check() {
-        return {[](void* cancelling) noexcept { return static_cast<Cancelling*>(cancelling)->stop(); }, this};
+    // The library's stop check.
+    bool operator()() noexcept {
+        exceptions_.within(throw_on_cancel_);
+        return exceptions_.thrown();
     }
     Exceptions& exceptions() { return exceptions_; }
 
 private:
-    bool stop() noexcept {
-        exceptions_.within(throw_on_cancel_);
-        return exceptions_.thrown();
-    }
-
     const std::function<void()>& throw_on_cancel_;
     Exceptions exceptions_;
 };
@@ -188,23 +185,21 @@ private:
 class Call {
 public:
     Call(const std::vector<float>& heights, const std::function<void()>& throw_on_cancel, const TakeLayer& take)
-        : cancelling_(throw_on_cancel), take_(take) {
+        : options(options_at(heights)), cancelling_(throw_on_cancel), take_(take) {
         constexpr double host_gap_mm = 2;
-        options.plan.spacing = planes_at(heights);
-        options.close_gaps_mm = host_gap_mm * frame_per_mm;
-        options.allow_empty = true;
-        options.control.stop = cancelling_.check();
+        options.stitch_mm = host_gap_mm * frame_per_mm;
     }
 
-    lamella::Array<std::uint64_t> slice(const lamella::MeshView& mesh) {
-        lamella::Workspace workspace = workspaces().take();
-        auto totals = lamella::slice_to(lamella::LayerSink::to(*this, lamella::SinkOrder::any), mesh, options, workspace);
-        workspaces().give_back(std::move(workspace));
+    std::vector<std::uint64_t> slice(const lamella::MeshView& mesh, int threads = 0) {
+        lamella::Slicer slicer = slicers().take();
+        auto info = slicer.slice_to(lamella::LayerSink{.take = *this, .order = lamella::SinkOrder::any}, mesh, options,
+                                    {.threads = threads, .stop = cancelling_});
+        slicers().give_back(std::move(slicer));
         cancelling_.exceptions().rethrow();
-        if (!totals) {
-            throw SlicingError(totals.error().message);
+        if (!info) {
+            throw SlicingError(info.error().message);
         }
-        return std::move(totals->layer_of);
+        return std::move(info->layer_of);
     }
 
     // The library's sink.
@@ -221,15 +216,15 @@ private:
 
 }  // namespace
 
-lamella::Array<std::uint64_t> cut(const indexed_triangle_set& mesh, const std::vector<float>& heights,
-                                  const Transform3d& transform, const lamella::RegionRules& rules,
-                                  const std::function<void()>& throw_on_cancel, const TakeLayer& take) {
+std::vector<std::uint64_t> cut(const indexed_triangle_set& mesh, const std::vector<float>& heights,
+                               const Transform3d& transform, const lamella::RegionRules& rules,
+                               const std::function<void()>& throw_on_cancel, const TakeLayer& take) {
     throw_on_cancel();
     Call call(heights, throw_on_cancel, take);
     call.options.region = rules;
     if (is_identity(transform)) {
-        call.options.transform = lamella::Transform::scale(frame_per_mm);
-        call.options.transform.arithmetic = lamella::Arithmetic::as_mesh;
+        call.options.frame.transform = lamella::Transform::scale(frame_per_mm);
+        call.options.frame.as_mesh_numbers = true;
         return call.slice(view_of(mesh.vertices, mesh.indices));
     }
     return call.slice(view_of(host_vertices(mesh.vertices, HostVertex(transform)), mesh.indices));
@@ -238,29 +233,31 @@ lamella::Array<std::uint64_t> cut(const indexed_triangle_set& mesh, const std::v
 void cut(const indexed_triangle_set& mesh, float height, const Transform3d& transform, const TakeLayer& take) {
     const std::function<void()> never = [] {};
     Call call({height}, never, take);
-    call.options.control.threads = 1;
     const std::vector<float> corners = corners_near(mesh, HostVertex(transform), in_frame(height));
-    call.slice(lamella::MeshView::soup(corners));
+    call.slice(lamella::MeshView::soup(corners), 1);
 }
 
-lamella::Slabs project(const indexed_triangle_set& mesh, const std::vector<float>& heights, const Transform3d& transform,
-                       Faces faces, const std::function<void()>& throw_on_cancel) {
+std::vector<lamella::SliceResult> project(const indexed_triangle_set& mesh, const std::vector<float>& heights,
+                                          const Transform3d& transform, const std::vector<lamella::LayerContent>& faces,
+                                          const std::function<void()>& throw_on_cancel) {
     throw_on_cancel();
     Cancelling cancelling(throw_on_cancel);
-    lamella::SlabOptions options;
-    options.plan.spacing = planes_at(heights);
-    options.allow_empty = true;
-    options.top = faces.upward;
-    options.bottom = faces.downward;
-    options.control.stop = cancelling.check();
+    lamella::SliceOptions options = options_at(heights);
     const std::vector<stl_vertex> vertices = host_vertices(mesh.vertices, HostVertex(transform));
-    auto slabs = mirrors(transform) ? lamella::slice_slabs(view_of(vertices, turned(mesh.indices)), options)
-                                    : lamella::slice_slabs(view_of(vertices, mesh.indices), options);
-    cancelling.exceptions().rethrow();
-    if (!slabs) {
-        throw SlicingError(slabs.error().message);
+    const std::vector<stl_triangle_vertex_indices> indices = mirrors(transform) ? turned(mesh.indices) : mesh.indices;
+    lamella::Slicer slicer = slicers().take();
+    std::vector<lamella::SliceResult> projected;
+    for (const lamella::LayerContent content : faces) {
+        options.content = content;
+        auto slabs = slicer.slice(view_of(vertices, indices), options, {.stop = cancelling});
+        cancelling.exceptions().rethrow();
+        if (!slabs) {
+            throw SlicingError(slabs.error().message);
+        }
+        projected.push_back(std::move(slabs).value());
     }
-    return std::move(slabs).value();
+    slicers().give_back(std::move(slicer));
+    return projected;
 }
 
 }  // namespace Slic3r::lamella_adapter

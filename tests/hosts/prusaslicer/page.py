@@ -2,13 +2,11 @@
 """Prints bench/results/hosts.md: page.py TABLES BUILD COMMAND
 
 TABLES holds suites.md, layers.md and times.md, BUILD the host's build."""
-import datetime
-import os
 import pathlib
-import platform
-import re
-import subprocess
 import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "bench" / "scripts"))
+from readme_table import field, machine_table  # noqa: E402
 
 HEAD = """# lamella in PrusaSlicer
 
@@ -37,38 +35,13 @@ or more, if they take longer than 20 s), after one that is not counted. Both inc
 """
 
 
-def output(*command):
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
-
-
-def field(path, name):
-    found = re.search(rf"^{name}\s*[:=]\s*(.*)$", pathlib.Path(path).read_text(), re.MULTILINE)
-    return found.group(1) if found else "unknown"
-
-
-def rows(build, command):
-    kib = int(field("/proc/meminfo", "MemTotal").split()[0])
-    compiler = field(build / "CMakeCache.txt", "CMAKE_CXX_COMPILER:[A-Z]*")
-    package = next(build.parent.glob("slic3r-prusa_*.dsc")).stem
-    return {
-        "processor": field("/proc/cpuinfo", "model name"),
-        "cores": len(os.sched_getaffinity(0)),
-        "memory": f"{kib / 2**20:.0f} GiB",
-        "system": platform.freedesktop_os_release()["PRETTY_NAME"],
-        "compiler": output(compiler, "--version").splitlines()[0],
-        "host": package + ", with -O1; what is timed, and the adapter, with -O3",
-        "commit": output("git", "-C", str(pathlib.Path(__file__).parent), "rev-parse", "--short", "HEAD"),
-        "measured": datetime.date.today().isoformat(),
-        "command": f"`{command}`",
-    }
-
-
 def main():
     tables, build, command = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]), sys.argv[3]
+    package = next(build.parent.glob("slic3r-prusa_*.dsc")).stem
+    compiler = field(build / "CMakeCache.txt", "CMAKE_CXX_COMPILER:[A-Z]*")
+    host = package + ", with -O1; what is timed, and the adapter, with -O3"
     print(HEAD)
-    print("|  |  |\n|---|---|")
-    for name, value in rows(build, command).items():
-        print(f"| {name} | {value} |")
+    print(machine_table(compiler, {"host": host, "command": f"`{command}`"}))
     for text, table in ((SUITES, "suites"), (LAYERS, "layers"), (TIMES, "times")):
         print(f"\n{text}{(tables / f'{table}.md').read_text().strip()}")
 

@@ -1,12 +1,12 @@
-#include "batch/batch_run.hpp"
+#include "batch/batch.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <regex>
 #include <set>
-#include <string_view>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -15,11 +15,9 @@
 #include <unistd.h>
 
 #include "batch/admission.hpp"
-#include "batch/batch_words.hpp"
-#include "batch/results.hpp"
 #include "files/mesh_input.hpp"
 #include "processes/workers.hpp"
-#include "terminal/failure.hpp"
+#include "terminal/console.hpp"
 
 namespace lamella::cli::batch {
 
@@ -52,30 +50,6 @@ void make_folder_of(const std::string& path) {
     }
 }
 
-struct AsideName {
-    std::string target;
-    std::string process;
-};
-
-/// Splits ".NAME.PID-TIME.part", as io/write/output_file.cpp names files that are being written; none for other names.
-std::optional<AsideName> parse_aside(std::string_view name) {
-    constexpr std::string_view end = ".part";
-    if (!name.starts_with('.') || !name.ends_with(end)) {
-        return std::nullopt;
-    }
-    const std::string_view rest = name.substr(1, std::max(name.size(), end.size() + 1) - end.size() - 1);
-    const std::size_t dot = rest.rfind('.');
-    const std::size_t dash = rest.find('-', std::min(dot, rest.size()));
-    const auto is_number = [](std::string_view text) {
-        return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
-    };
-    if (dash == std::string_view::npos || dot == 0 || !is_number(rest.substr(dot + 1, dash - dot - 1)) ||
-        !is_number(rest.substr(dash + 1))) {
-        return std::nullopt;
-    }
-    return AsideName{std::string(rest.substr(0, dot)), std::string(rest.substr(dot + 1, dash - dot - 1))};
-}
-
 /// True if another process of this number runs this program.
 bool runs_here(const std::string& process) {
     if (process == std::to_string(::getpid())) {
@@ -92,6 +66,7 @@ bool runs_here(const std::string& process) {
 /// holds the lock by which only one batch works on the targets.
 void remove_leftovers(const std::vector<std::string>& targets, std::chrono::milliseconds patience) {
     constexpr std::size_t longest_stem = 180;  // of a target in the name of its file aside: io/write/output_file.cpp
+    static const std::regex aside(R"(\.([^]+)\.([0-9]+)-[0-9]+\.part)");  // ".NAME.PID-TIME.part", as named there
     std::map<std::filesystem::path, std::set<std::string>> names;
     for (const std::string& target : targets) {
         const std::filesystem::path path(target);
@@ -101,30 +76,73 @@ void remove_leftovers(const std::vector<std::string>& targets, std::chrono::mill
     for (const auto& [folder, wanted] : names) {
         std::error_code ignored;
         for (const std::filesystem::directory_entry& entry : entries_of(folder, ignored)) {
-            const std::optional<AsideName> aside = parse_aside(entry.path().filename().native());
-            if (!aside || !wanted.contains(aside->target)) {
+            const std::string name = entry.path().filename().string();
+            std::smatch parts;
+            if (!std::regex_match(name, parts, aside) || !wanted.contains(parts.str(1))) {
                 continue;
             }
-            while (runs_here(aside->process) && Clock::now() < until) {
+            while (runs_here(parts.str(2)) && Clock::now() < until) {
                 std::this_thread::sleep_for(std::chrono::milliseconds(10));
             }
-            if (!runs_here(aside->process)) {
+            if (!runs_here(parts.str(2))) {
                 std::filesystem::remove(entry.path(), ignored);
             }
         }
     }
 }
 
+struct BatchCounts {
+    std::size_t items = 0;      ///< of the batch
+    std::size_t unchanged = 0;  ///< done before
+    std::size_t done = 0;       ///< now
+    std::size_t failed = 0;
+    std::size_t of_older_version = 0;  ///< done before, by a version of lamella with other defaults
+    double triangles = 0;              ///< of those done
+    double cost = 0;                   ///< of those that ended, as estimated
+    double all_cost = 0;               ///< of those to do
+
+    std::size_t ended() const noexcept { return unchanged + done + failed; }
+};
+
+constexpr std::size_t most_listed = 20;  ///< of meshes that failed
+
+/// "35 s", "12 min", "3.4 h"
+std::string duration_text(double seconds) {
+    constexpr double minute = 60;
+    constexpr double hour = 60 * minute;
+    if (seconds < 2 * minute) {
+        return rounded(seconds, seconds < 10 ? 1 : 0) + " s";
+    }
+    return seconds < 2 * hour ? rounded(seconds / minute, 0) + " min" : rounded(seconds / hour, 1) + " h";
+}
+
+/// "1.2 M triangles/s"
+std::string rate_text(double triangles_per_s) {
+    constexpr double million = 1e6;
+    return triangles_per_s >= million ? rounded(triangles_per_s / million, 1) + " M triangles/s"
+                                      : rounded(triangles_per_s / 1e3, 1) + " k triangles/s";
+}
+
+/// How far it is after so many seconds, on one line.
+std::string batch_status(const BatchCounts& counts, double seconds) {
+    std::string text = grouped(counts.ended()) + " of " + counted(counts.items, "mesh", "meshes");
+    text += when(counts.triangles > 0, ", " + rate_text(counts.triangles / std::max(seconds, 1e-3)));
+    if (counts.cost > 0 && counts.all_cost > counts.cost) {
+        text += ", " + duration_text(seconds * (counts.all_cost / counts.cost - 1)) + " left";
+    }
+    return counts.failed == 0 ? text : text + ", " + grouped(counts.failed) + " failed";
+}
+
 class BatchRun {
 public:
-    BatchRun(std::vector<Item> items, const LedgerName& name, const RunOptions& options, Interrupt& interrupt)
+    BatchRun(std::vector<Item> items, const LedgerName& name, const BatchArguments& options, Interrupt& interrupt)
         : items_(std::move(items)),
           options_(options),
           interrupt_(interrupt),
           stop_(interrupt.defer()),
           ledger_(name),
           admission_(options.jobs, options.memory_bytes),
-          bar_(options.progress),
+          bar_(options.slice.progress),
           next_status_(Clock::now() + (bar_.shown() ? Clock::duration(0) : between_lines)),
           attempts_(items_.size()),
           output_inodes_(items_.size()),
@@ -152,7 +170,7 @@ public:
         clean(std::chrono::milliseconds(0));
         ledger_.finish(items_);
         interrupt_.end_deferring();
-        return outcome();
+        return {summary(), failed_.size()};
     }
 
 private:
@@ -234,25 +252,13 @@ private:
 
     std::vector<std::string> words_of(const Item& item, const Admitted& admitted) const {
         std::vector<std::string> words = item.words;
-        const bool in_ranges = admission_.is_too_large(admitted.item);
-        if (!in_ranges) {
+        if (admission_.is_too_large(admitted.item)) {
+            words.push_back("--memory=" + std::to_string(options_.memory_bytes));
+        } else {
             words.insert(words.end(), item.plain.begin(), item.plain.end());
         }
-        for (const std::string& output : item.outputs) {
-            words.push_back("--output=" + output);
-        }
-        if (!item.to.empty()) {
-            words.push_back("--to=" + item.to);
-        }
-        if (!item.report.empty()) {
-            words.push_back("--report=" + item.report);
-        }
-        words.push_back("--threads=" + std::to_string(admitted.threads));
-        words.emplace_back("--progress=never");
-        if (in_ranges) {
-            words.push_back("--memory=" + std::to_string(options_.memory_bytes));
-        }
-        words.insert(words.end(), {"--", item.mesh});
+        words.insert(words.end(), item.writes.begin(), item.writes.end());
+        words.insert(words.end(), {"--threads=" + std::to_string(admitted.threads), "--progress=never", "--", item.mesh});
         return words;
     }
 
@@ -283,7 +289,7 @@ private:
         ledger_.append(line);
         ++counts_.failed;
         counts_.cost += cost_of(i);
-        failed_.emplace(i, FailedItem{item.mesh, reason});
+        failed_.emplace(i, reason);
     }
 
     double cost_of(std::size_t i) const { return process_bytes + static_cast<double>(items_[i].inputs.front().bytes); }
@@ -303,7 +309,7 @@ private:
     /// On a terminal by the bar, else by a line from time to time.
     void show_status() {
         const Clock::time_point now = Clock::now();
-        if (now < next_status_ || options_.progress == ProgressBar::When::never) {
+        if (now < next_status_ || options_.slice.progress == ProgressBar::When::never) {
             return;
         }
         const std::string status = batch_status(counts_, watch_.ms() / 1000);
@@ -318,23 +324,39 @@ private:
 
     /// The pool ends its processes as this ends.
     void stop_if_asked() const {
-        if (stop_.stop_requested()) {
+        if (stop_()) {
             throw Failure(bad_input, "cancelled");
         }
     }
 
-    BatchOutcome outcome() const {
-        std::vector<FailedItem> failed;
-        for (const auto& [item, what] : failed_) {
-            failed.push_back(what);
+    /// Some lines for people, each a keyword and what there is to say.
+    std::string summary() const {
+        const double seconds = watch_.ms() / 1000;
+        std::string text = "meshes    " + grouped(counts_.items) + ": " + grouped(counts_.done) + " done, " +
+                           grouped(counts_.unchanged) + " unchanged, " + grouped(failed_.size()) + " failed\n";
+        text += when(counts_.triangles > 0, "sliced    " + grouped(static_cast<std::uint64_t>(counts_.triangles)) +
+                                                " triangles in " + duration_text(seconds) + ", " +
+                                                rate_text(counts_.triangles / std::max(seconds, 1e-3)) + "\n");
+        text +=
+            when(counts_.of_older_version > 0, "again     " + counted(counts_.of_older_version, "mesh", "meshes") +
+                                                   " that an older version of lamella sliced, whose defaults were others\n");
+        text += "results   " + printable(ledger_.path()) + "\n";
+        std::size_t listed = 0;
+        for (const auto& [item, reason] : failed_) {
+            text +=
+                when(listed++ < most_listed, "failed    " + printable(items_[item].mesh) + ": " + printable(reason) + "\n");
         }
-        return {batch_summary(counts_, watch_.ms() / 1000, ledger_.path(), failed), failed.size()};
+        if (failed_.size() > most_listed) {
+            text += "          and " + grouped(failed_.size() - most_listed) + " more, which " + printable(ledger_.path()) +
+                    " names\n";
+        }
+        return failed_.empty() ? text : text + "retry     the same command again slices those that failed, and no other\n";
     }
 
     std::vector<Item> items_;
-    const RunOptions& options_;
+    const BatchArguments& options_;
     Interrupt& interrupt_;
-    StopCheck stop_;
+    Callback<bool()> stop_;
     Ledger ledger_;
     Admission admission_;
     ProgressBar bar_;
@@ -343,13 +365,14 @@ private:
     BatchCounts counts_;
     std::vector<int> attempts_;                              ///< by item
     std::vector<std::vector<std::uint64_t>> output_inodes_;  ///< by item: of its outputs, when it began
-    std::map<std::size_t, FailedItem> failed_;               ///< by item
+    std::map<std::size_t, std::string> failed_;              ///< by item: why
     WorkerPool pool_;  ///< the last member: its processes end before what they are recorded in
 };
 
 }  // namespace
 
-BatchOutcome run_batch(std::vector<Item> items, const LedgerName& name, const RunOptions& options, Interrupt& interrupt) {
+BatchOutcome run_batch(std::vector<Item> items, const LedgerName& name, const BatchArguments& options,
+                       Interrupt& interrupt) {
     return BatchRun(std::move(items), name, options, interrupt).run();
 }
 

@@ -1,4 +1,4 @@
-#include "batch/plan.hpp"
+#include "batch/batch.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -8,10 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "files/streams.hpp"
-#include "files/text_input.hpp"
-#include "outputs/recorded_options.hpp"
+#include "outputs/write_outputs.hpp"
 #include "terminal/console.hpp"
-#include "terminal/failure.hpp"
 #include "terminal/numbers.hpp"
 
 namespace lamella::cli::batch {
@@ -22,7 +20,7 @@ using Json = nlohmann::json;
 
 /// True if its value is one number of mm.
 bool takes_length(const CLI::Option& option) {
-    return option.get_type_name() == "MM" || option.get_type_name() == "MM|auto";
+    return option.get_type_name().starts_with("MM");
 }
 
 /// For messages.
@@ -39,10 +37,9 @@ char separator_of(std::string_view text, const std::string& name) {
         if (line.find(separator) == std::string_view::npos) {
             continue;
         }
-        if (found != 0) {
-            throw Failure(bad_input, name + ":1: the names are separated by " + name_of_separator(found) + " and by " +
-                                         name_of_separator(separator) + ": one of them has to separate all");
-        }
+        refuse_if(found != 0, bad_input,
+                  name + ":1: the names are separated by " + name_of_separator(found) + " and by " +
+                      name_of_separator(separator) + ": one of them has to separate all");
         found = separator;
     }
     return found == 0 ? ',' : found;
@@ -59,85 +56,57 @@ bool are_empty(const CsvRow& row, std::size_t begin) {
                        [](const std::string& cell) { return cell.empty(); });
 }
 
-/// CSV as RFC 4180 has it, or with another separator in place of commas: quoted cells that may hold commas, quotes ("") and
-/// line ends; LF or CRLF.
-class CsvReader {
-public:
-    CsvReader(std::string_view text, char separator, const std::string& name)
-        : text_(text), ends_{separator, '\r', '\n'}, name_(name) {}
-
-    /// But for those without a word. Throws Failure naming the line of a cell whose quotes do not match.
-    std::vector<CsvRow> rows() {
-        std::vector<CsvRow> rows;
-        while (at_ < text_.size()) {
-            CsvRow row = next_row();
-            if (!are_empty(row, 0)) {
-                rows.push_back(std::move(row));
-            }
+/// The rows but those without a word, by CSV as RFC 4180 has it, or with another separator in place of commas: quoted cells
+/// that may hold commas, quotes ("") and line ends; LF or CRLF. Throws Failure naming the line of a cell whose quotes do not
+/// match.
+std::vector<CsvRow> csv_rows(std::string_view text, char separator, const std::string& name) {
+    std::vector<CsvRow> rows;
+    CsvRow row{{""}, 1};
+    std::size_t line = 1;
+    std::size_t quoted_from = 0;  // the line of a quote that is open; else 0
+    bool closed = false;          // the quote of the cell
+    const auto end_row = [&] {
+        if (!are_empty(row, 0)) {
+            rows.push_back(std::move(row));
         }
-        return rows;
-    }
-
-private:
-    CsvRow next_row() {
-        CsvRow row{.cells = {}, .line = line_};
-        do {
-            row.cells.push_back(at_ < text_.size() && text_[at_] == '"' ? quoted_cell() : plain_cell());
-        } while (at_ < text_.size() && text_[at_] == ends_[0] && ++at_ <= text_.size());
-        end_line();
-        return row;
-    }
-
-    std::string plain_cell() {
-        const std::size_t begin = at_;
-        at_ = std::min(text_.find_first_of(ends_, begin), text_.size());
-        return std::string(text_.substr(begin, at_ - begin));
-    }
-
-    std::string quoted_cell() {
-        const std::size_t line = line_;
-        std::string cell;
-        for (++at_; at_ < text_.size(); ++at_) {
-            if (text_[at_] == '"' && (++at_ == text_.size() || text_[at_] != '"')) {
-                require_end_of_cell();
-                return cell;
-            }
-            line_ += text_[at_] == '\n' ? 1 : 0;
-            cell += text_[at_];
-        }
-        throw Failure(bad_input, name_ + ":" + std::to_string(line) + ": a quote is not closed");
-    }
-
-    void require_end_of_cell() const {
-        if (at_ < text_.size() && ends_.find(text_[at_]) == std::string_view::npos) {
-            throw Failure(bad_input, name_ + ":" + std::to_string(line_) + ": text follows a closing quote");
+        row = {{""}, ++line};
+    };
+    for (std::size_t at = 0; at < text.size(); ++at) {
+        const char c = text[at];
+        const char next = at + 1 < text.size() ? text[at + 1] : '\0';
+        if (quoted_from > 0 && (c != '"' || next == '"')) {
+            row.cells.back() += c;
+            at += c == '"' ? 1 : 0;
+            line += c == '\n' ? 1 : 0;
+        } else if (quoted_from > 0) {
+            quoted_from = 0;
+            closed = true;
+        } else if (c == separator || c == '\r' || c == '\n') {
+            closed = false;
+            at += c == '\r' && next == '\n' ? 1 : 0;
+            c == separator ? void(row.cells.emplace_back()) : end_row();
+        } else if (closed) {
+            throw Failure(bad_input, name + ":" + std::to_string(line) + ": text follows a closing quote");
+        } else if (c == '"' && row.cells.back().empty()) {
+            quoted_from = line;
+        } else {
+            row.cells.back() += c;
         }
     }
-
-    void end_line() {
-        at_ += at_ < text_.size() && text_[at_] == '\r' ? 1 : 0;
-        at_ += at_ < text_.size() && text_[at_] == '\n' ? 1 : 0;
-        ++line_;
-    }
-
-    std::string_view text_;
-    std::string ends_;  ///< of a cell: the separator, and ends of lines
-    const std::string& name_;
-    std::size_t at_ = 0;
-    std::size_t line_ = 1;
-};
+    refuse_if(quoted_from > 0, bad_input, name + ":" + std::to_string(quoted_from) + ": a quote is not closed");
+    end_row();
+    return rows;
+}
 
 /// Rows of one manifest, whatever its format.
 class ManifestReader {
 public:
-    ManifestReader(std::string path, const SliceWords& words) : path_(std::move(path)), words_(words) {}
+    ManifestReader(std::string path, const SliceOptionNames& names) : path_(std::move(path)), names_(names) {}
 
     std::vector<MeshSource> rows() {
         const std::string text = read_text(path_);
         path_.ends_with(".csv") ? read_csv(text) : read_lines(text);
-        if (rows_.empty()) {
-            throw Failure(bad_input, path_ + ": no meshes");
-        }
+        refuse_if(rows_.empty(), bad_input, path_ + ": no meshes");
         return std::move(rows_);
     }
 
@@ -151,7 +120,7 @@ private:
         if (text == "path" || text == "mesh") {
             return {};
         }
-        std::string name = words_.name_of(text);
+        std::string name = names_.name_of(text);
         if (name.empty()) {
             throw at(line, "'" + text + "' is neither path nor an option of lamella slice");
         }
@@ -174,7 +143,7 @@ private:
         if (name.empty() || !is_decimal_comma(value)) {
             return value;
         }
-        if (takes_length(words_.option(name))) {
+        if (takes_length(names_.option(name))) {
             return with_point(value);
         }
         if (separator_ != ',') {
@@ -190,24 +159,22 @@ private:
             row.path = values.front();
             return;
         }
-        if (!is_flag(words_.option(name))) {
+        if (!is_flag(names_.option(name))) {
             row.values[name] = std::move(values);
             return;
         }
         const std::string& value = values.front();
-        if (value == "true" || value == "1" || value == "yes") {
-            row.values[name] = {"true"};
-        } else if (value == "false" || value == "0" || value == "no") {
-            row.values[name] = {};
-        } else {
+        const bool is_set = value == "true" || value == "1" || value == "yes";
+        if (!is_set && value != "false" && value != "0" && value != "no") {
             throw at(line, name + ": '" + value + "' is neither true nor false");
         }
+        row.values[name] = is_set ? std::vector<std::string>{"true"} : std::vector<std::string>();
     }
 
     void read_csv(const std::string& text) {
         std::vector<std::string> columns;
         separator_ = separator_of(text, path_);
-        const std::vector<CsvRow> table = CsvReader(text, separator_, path_).rows();
+        const std::vector<CsvRow> table = csv_rows(text, separator_, path_);
         for (const CsvRow& row : table) {
             if (&row == &table.front()) {
                 columns = columns_of(row);
@@ -291,7 +258,7 @@ private:
         if (values.empty() || name.empty()) {
             throw at(line, "'" + key + "' is a list" + (values.empty() ? " of nothing" : ""));
         }
-        return words_.option(name).get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll
+        return names_.option(name).get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll
                    ? values
                    : std::vector<std::string>{joined};
     }
@@ -313,7 +280,7 @@ private:
     }
 
     std::string path_;
-    const SliceWords& words_;
+    const SliceOptionNames& names_;
     char separator_ = ',';
     std::vector<MeshSource> rows_;
 };
@@ -324,8 +291,8 @@ bool is_named_as_manifest(const std::string& path) {
     return path.ends_with(".csv") || path.ends_with(".jsonl");
 }
 
-std::vector<MeshSource> read_manifest(const std::string& path, const SliceWords& words) {
-    return ManifestReader(path, words).rows();
+std::vector<MeshSource> read_manifest(const std::string& path, const SliceOptionNames& names) {
+    return ManifestReader(path, names).rows();
 }
 
 }  // namespace lamella::cli::batch

@@ -1,7 +1,6 @@
-#include "batch/plan.hpp"
+#include "batch/batch.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <memory>
 #include <new>
@@ -11,14 +10,9 @@
 
 #include <glob.h>
 
-#include "files/mesh_input.hpp"
 #include "files/streams.hpp"
-#include "outputs/output_checks.hpp"
-#include "outputs/output_formats.hpp"
-#include "outputs/recorded_options.hpp"
 #include "outputs/write_outputs.hpp"
-#include "slice/slice_arguments.hpp"
-#include "terminal/failure.hpp"
+#include "terminal/console.hpp"
 
 namespace lamella::cli::batch {
 
@@ -42,23 +36,19 @@ std::vector<std::string> expanded(const std::string& path) {
     if (status == GLOB_NOSPACE) {
         throw std::bad_alloc();
     }
-    if (status != 0) {
-        throw Failure(bad_input, path + (status == GLOB_NOMATCH ? ": no file has such a name" : ": cannot be listed"));
-    }
+    refuse_if(status != 0, bad_input, path + (status == GLOB_NOMATCH ? ": no file has such a name" : ": cannot be listed"));
     return {found.gl_pathv, found.gl_pathv + found.gl_pathc};
 }
 
-void add_sources(const std::string& path, const SliceWords& words, std::vector<MeshSource>& sources) {
+void add_sources(const std::string& path, const SliceOptionNames& names, std::vector<MeshSource>& sources) {
     std::error_code unknown;
     if (std::filesystem::is_directory(path, unknown)) {
         for (const ListedMesh& mesh : meshes_below(path)) {
-            if (!mesh.problem.empty()) {
-                throw Failure(bad_input, mesh.path + ": " + mesh.problem);
-            }
+            refuse_if(!mesh.problem.empty(), bad_input, mesh.path + ": " + mesh.problem);
             sources.push_back({mesh.path, mesh.folder, {}, ""});
         }
     } else if (is_named_as_manifest(path)) {
-        const std::vector<MeshSource> rows = read_manifest(path, words);
+        const std::vector<MeshSource> rows = read_manifest(path, names);
         sources.insert(sources.end(), rows.begin(), rows.end());
     } else {
         sources.push_back({path, "", {}, ""});
@@ -84,6 +74,9 @@ std::string word_for(const std::string& word, const MeshSource& mesh, const std:
 
 /// The name of an output that has places for that of the mesh: 'out/{parent}/{stem}.nii.gz'.
 std::string expand_pattern(const std::string& pattern, const MeshSource& mesh, const std::string& option) {
+    if (pattern.empty()) {
+        return {};
+    }
     std::string text;
     std::size_t at = 0;
     for (std::size_t open = pattern.find('{'); open != std::string::npos; open = pattern.find('{', at)) {
@@ -97,89 +90,73 @@ std::string expand_pattern(const std::string& pattern, const MeshSource& mesh, c
     return std::filesystem::path(text + pattern.substr(at)).lexically_normal().string();
 }
 
-using Values = std::vector<std::string>;
+/// An item's options as slice takes them. Items of a SOURCE that is no manifest have them alike.
+struct ParsedOptions {
+    SliceArguments arguments;
+    std::vector<std::string> words;  ///< as Item::words, and what follows
+    std::vector<std::string> plain;
+    std::vector<std::string> files;
+};
 
-const Values& values_of(const OptionValues& all, const std::string& name) {
-    static const Values none;
-    const auto found = all.find(name);
-    return found == all.end() ? none : found->second;
-}
-
-std::string value_of(const OptionValues& all, const std::string& name) {
-    const Values& values = values_of(all, name);
-    return values.empty() ? std::string() : values.back();
-}
-
-/// An option of the manifest takes the place of the one typed.
-OptionValues merged(OptionValues common, const OptionValues& own) {
-    for (const auto& [name, values] : own) {
-        common[name] = values;
-    }
-    std::erase_if(common, [](const auto& option) { return option.second.empty(); });
-    return common;
-}
-
-/// --like and --transform name files; --planes does where no list of numbers stands there.
-Values files_named_by(const OptionValues& values) {
-    Values files;
-    for (const char* name : {"--like", "--transform", "--planes"}) {
-        const std::string path = value_of(values, name);
-        std::error_code unknown;
-        if (!path.empty() && (std::string_view(name) != "--planes" || std::filesystem::exists(path, unknown))) {
-            files.push_back(path);
+/// Throws Failure (bad_usage) if slice would refuse these options.
+ParsedOptions parsed(const OptionValues& values) {
+    ParsedOptions options;
+    CLI::App app;
+    declare(app, options.arguments);
+    std::vector<std::string> typed = {"mesh"};  // the last word comes first
+    for (const auto& [name, all] : values) {
+        const bool flag = is_flag(*app.get_option(name));
+        for (auto value = all.rbegin(); value != all.rend(); ++value) {
+            typed.push_back(flag ? name : std::string(name).append("=").append(*value));
+            if (name == "--map" || name == "--band" || name == "--form") {
+                options.plain.push_back(typed.back());
+            }
         }
     }
-    return files;
-}
-
-/// The options that results and records hold.
-OptionValues recorded(OptionValues values) {
-    for (const ChangedDefault& changed : changed_defaults) {
-        values.try_emplace(std::string(changed.name), Values{std::string(changed.now)});
+    try {
+        app.parse(typed);
+    } catch (const CLI::ParseError& error) {
+        throw Failure(bad_usage, error.what());
     }
-    std::erase_if(values, [](const auto& option) { return !is_recorded(option.first); });
-    return values;
-}
-
-OptionValues plain(OptionValues values) {
-    std::erase_if(values, [](const auto& option) {
-        return option.first != "--map" && option.first != "--band" && option.first != "--form";
-    });
-    return values;
-}
-
-void plan_outputs(Item& item, const OptionValues& values, const MeshSource& source) {
-    for (const std::string& pattern : values_of(values, "--output")) {
-        item.outputs.push_back(expand_pattern(pattern, source, "--output"));
+    for (const RecordedOption& option : recorded_options(app)) {
+        options.words.push_back(option.name + (option.value ? "=" + *option.value : ""));
+        if (option.names_file()) {
+            options.files.push_back(*option.value);
+        }
     }
-    if (item.outputs.empty()) {
+    const SliceArguments& arguments = options.arguments;
+    if (arguments.outputs.outputs.empty()) {
         throw Failure(bad_usage, "--output: none is given, such as -o 'out/{stem}.nii.gz'");
     }
-    item.to = value_of(values, "--to");
-    item.report = value_of(values, "--report");
-    if (!item.report.empty()) {
-        item.report = expand_pattern(item.report, source, "--report");
-    }
-    const bool several_meshes = !value_of(values, "--split").empty();
-    for (const PlannedOutput& output : planned_outputs(item.outputs, item.to)) {
-        if (is_standard(output.path) || is_standard(item.report)) {
-            throw Failure(bad_usage, "'-': a batch writes files");
-        }
-        const std::vector<std::string> files = output.files(several_meshes);
-        item.files.insert(item.files.end(), files.begin(), files.end());
-    }
+    require_together(planned_outputs(arguments.outputs), arguments.outputs, arguments.mesh_count(), arguments.image);
+    return options;
 }
 
-Item planned_item(const MeshSource& source, const OptionValues& values, const SliceWords& words) {
-    Item item;
-    item.mesh = source.path;
-    item.place = source.place;
-    plan_outputs(item, values, source);
-    item.option_files = files_named_by(values);
-    item.words = words.words(recorded(values));
-    item.plain = words.words(plain(values));
-    if (const std::string threads = value_of(values, "--threads"); !threads.empty()) {
-        (void)std::from_chars(threads.data(), threads.data() + threads.size(), item.threads.emplace());
+Item planned_item(const MeshSource& source, const ParsedOptions& options) {
+    const SliceArguments& arguments = options.arguments;
+    Item item{.mesh = source.path,
+              .words = options.words,
+              .plain = options.plain,
+              .report = expand_pattern(arguments.report, source, "--report"),
+              .option_files = options.files,
+              .threads = arguments.threads,
+              .place = source.place};
+    OutputArguments outputs;
+    outputs.to = arguments.outputs.to;
+    for (const std::string& pattern : arguments.outputs.outputs) {
+        outputs.outputs.push_back(expand_pattern(pattern, source, "--output"));
+        item.writes.push_back("--output=" + outputs.outputs.back());
+    }
+    for (const PlannedOutput& output : planned_outputs(outputs)) {
+        refuse_if(is_standard(output.path) || is_standard(item.report), bad_usage, "'-': a batch writes files");
+        const std::vector<std::string> files = output.files(arguments.split);
+        item.files.insert(item.files.end(), files.begin(), files.end());
+    }
+    if (!outputs.to.empty()) {
+        item.writes.push_back("--to=" + outputs.to);
+    }
+    if (!item.report.empty()) {
+        item.writes.push_back("--report=" + item.report);
     }
     return item;
 }
@@ -218,12 +195,7 @@ void require_distinct(const std::vector<Item>& items, const std::vector<std::str
 
 }  // namespace
 
-SliceWords::SliceWords() {
-    SliceArguments arguments;
-    declare(prototype_, arguments);  // Nothing is ever parsed by it: what it refers to may go.
-}
-
-std::string SliceWords::name_of(const std::string& text) const {
+std::string SliceOptionNames::name_of(const std::string& text) const {
     std::string name = text.substr(std::min(text.find_first_not_of('-'), text.size()));
     std::replace(name.begin(), name.end(), '_', '-');
     const CLI::Option* const found =
@@ -231,16 +203,7 @@ std::string SliceWords::name_of(const std::string& text) const {
     return found == nullptr || is_for_batch(found->get_name()) ? std::string() : found->get_name();
 }
 
-std::vector<std::string> SliceWords::names_without_memory() const {
-    std::vector<std::string> names;
-    for (const CLI::Option* excluded : option("--memory").get_excludes()) {
-        names.push_back(excluded->get_name());
-    }
-    names.emplace_back("--report");
-    return names;
-}
-
-OptionValues SliceWords::typed(const CLI::App& command) const {
+OptionValues SliceOptionNames::typed(const CLI::App& command) const {
     OptionValues values;
     for (const CLI::Option* given : command.get_options()) {
         const std::string name = given->get_name();
@@ -251,41 +214,6 @@ OptionValues SliceWords::typed(const CLI::App& command) const {
     return values;
 }
 
-std::vector<std::string> SliceWords::words(const OptionValues& values) const {
-    std::vector<std::string> words;
-    for (const CLI::Option* known : prototype_.get_options()) {
-        const std::string name = known->get_name();
-        const auto found = values.find(name);
-        if (found == values.end()) {
-            continue;
-        }
-        for (const std::string& value : found->second) {
-            words.push_back(is_flag(*known) ? name : std::string(name).append("=").append(value));
-        }
-    }
-    return words;
-}
-
-void SliceWords::require_accepted(const OptionValues& values) const {
-    CLI::App app;
-    SliceArguments arguments;
-    declare(app, arguments);
-    std::vector<std::string> typed = words(values);
-    typed.emplace_back("mesh");
-    std::reverse(typed.begin(), typed.end());
-    try {
-        app.parse(typed);
-    } catch (const CLI::ParseError& error) {
-        throw Failure(bad_usage, error.what());
-    }
-    (void)options_of(arguments);
-    const OutputArguments& outputs = arguments.outputs;
-    if (!outputs.outputs.empty()) {
-        require_together(planned_outputs(outputs.outputs, outputs.to), outputs, arguments.mesh_count(),
-                         arguments.image.given(), arguments.image.subslices);
-    }
-}
-
 std::vector<std::string> Item::all_files() const {
     std::vector<std::string> all = files;
     if (!report.empty()) {
@@ -294,29 +222,35 @@ std::vector<std::string> Item::all_files() const {
     return all;
 }
 
-std::vector<MeshSource> list_sources(const std::vector<std::string>& given, const SliceWords& words) {
+std::vector<MeshSource> list_sources(const std::vector<std::string>& given, const SliceOptionNames& names) {
     std::vector<MeshSource> sources;
     for (const std::string& each : given) {
         if (is_standard(each)) {
             throw Failure(bad_usage, "'-' is one mesh, which lamella slice takes; a batch takes files");
         }
         for (const std::string& path : expanded(each)) {
-            add_sources(path, words, sources);
+            add_sources(path, names, sources);
         }
     }
     return sources;
 }
 
-std::vector<Item> plan_items(const std::vector<MeshSource>& sources, const OptionValues& common, const SliceWords& words,
+std::vector<Item> plan_items(const std::vector<MeshSource>& sources, const OptionValues& common,
                              const std::vector<std::string>& own_files) {
     std::vector<Item> items;
+    std::optional<ParsedOptions> of_all;
     for (const MeshSource& source : sources) {
-        const OptionValues values = source.values.empty() ? common : merged(common, source.values);
         try {
-            if (!source.values.empty() || items.empty()) {
-                words.require_accepted(values);
+            if (source.values.empty()) {
+                of_all = of_all ? std::move(of_all) : parsed(common);
+                items.push_back(planned_item(source, *of_all));
+                continue;
             }
-            items.push_back(planned_item(source, values, words));
+            OptionValues values = common;
+            for (const auto& [name, own] : source.values) {  // an empty one takes a flag back
+                values[name] = own;
+            }
+            items.push_back(planned_item(source, parsed(values)));
         } catch (const Failure& failure) {
             throw Failure(failure.status(), before(source.place) + failure.what());
         }

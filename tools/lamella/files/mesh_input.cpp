@@ -1,7 +1,9 @@
 #include "files/mesh_input.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <cmath>
 #include <csignal>
 #include <utility>
 
@@ -47,11 +49,11 @@ void explain_bus_errors(const std::string& name) {
     (void)std::signal(SIGBUS, end_with_bus_error_line);
 }
 
-Result<MeshFile> read_standard_input(const ReadOptions& options) {
+Result<MeshFile> read_standard_input(const ReadOptions& options, const Context& context) {
     const Stopwatch watch;
     const SpooledInput input;
     const double spool_ms = watch.ms();
-    Result<MeshFile> mesh = read_mesh(input.path(), options);
+    Result<MeshFile> mesh = read_mesh(input.path(), options, context);
     if (mesh) {
         mesh->read_ms += spool_ms;
     }
@@ -85,43 +87,67 @@ void add_meshes(const std::filesystem::path& folder, const std::filesystem::path
     }
 }
 
+constexpr double longest_mm = 10'000;  // of what is printed, or scanned
+constexpr double shortest_mm = 1;
+
+struct Unit {
+    const char* name;
+    const char* words;
+    double mm;
+};
+constexpr Unit metre{"m", "metres", 1000};
+constexpr Unit micrometre{"um", "micrometres", 0.001};
+
+/// "in metres? --unit m", unless the mesh would be out of proportion in that unit too.
+std::string question(const Unit& unit, double length_mm) {
+    const double length_so_mm = length_mm * unit.mm;
+    return length_so_mm < shortest_mm || length_so_mm > longest_mm
+               ? "in another unit? see --unit"
+               : std::string("in ") + unit.words + "? --unit " + unit.name;
+}
+
+std::optional<std::string> doubt_of_unit(const MeasuredMesh& mesh) {
+    double length_mm = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        length_mm = std::max(length_mm, mesh.box.max_mm[axis] - mesh.box.min_mm[axis]);
+    }
+    const double height_mm = mesh.box.max_mm[2] - mesh.box.min_mm[2];
+    if (length_mm > longest_mm) {
+        return "the mesh is " + measure_text(length_mm) + " mm long: " + question(micrometre, length_mm);
+    }
+    // A plate may be thinner than a layer. What would be longer than 10 m in metres is not in metres.
+    if (mesh.plane_distance_mm && height_mm < *mesh.plane_distance_mm && length_mm * metre.mm <= longest_mm) {
+        return "the mesh is " + measure_text(height_mm) + " mm high, less than a layer: " + question(metre, length_mm);
+    }
+    return std::nullopt;
+}
+
 }  // namespace
-
-std::string given(const std::string& text) {
-    return text.empty() ? "is empty" : "";
-}
-
-std::string given_path(const std::string& path) {
-    return path.empty() ? "the path is empty" : "";
-}
-
-std::string lower_case(std::string word) {
-    std::transform(word.begin(), word.end(), word.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c | 0x20) : c; });
-    return word;
-}
 
 std::string mesh_help(const std::string& what) {
     return what + ": " + mesh_formats();
 }
 
 void declare_reading(CLI::App& command, MeshArguments& arguments) {
-    command.add_option("--unit", arguments.unit, "Unit of meshes that do not state one (default mm)")
-        ->type_name("mm|um|cm|m|in|ft|MM")
+    add_parsed(command, "--unit", "mm|um|cm|m|in|ft|MM", "Unit of meshes that do not state one (default mm)",
+               [&arguments](const std::string& text) {
+                   arguments.unit_mm = parse_unit(text);
+                   return arguments.unit_mm ? ""
+                                            : "'" + text + "' is neither mm, um, cm, m, in, ft nor a positive number of mm";
+               })
         ->transform(lower_case);
-    command
-        .add_option("--grid", arguments.grid,
-                    "Unit of the integer grid (2^-20 mm, or more if the mesh needs it); auto: the finest that it fits")
-        ->type_name("MM|auto")
-        ->transform(lower_case)
-        ->check(given);
-    declare_threads(command, arguments);
+    declare_options(command, arguments.options, "--grid");
+    declare_running(command, arguments);
 }
 
-void declare_threads(CLI::App& command, MeshArguments& arguments) {
-    command.add_option("--threads", arguments.threads, "Use at most N threads (0: all)")
-        ->type_name("N")
-        ->check(CLI::Range(0, most_threads));
+void declare_threads(CLI::App& command, int& threads) {
+    add(command, "--threads", threads, "N", "Use at most N threads (0: all)")->check(CLI::Range(0, most_threads));
+}
+
+void declare_running(CLI::App& command, MeshArguments& arguments) {
+    static constexpr std::array<std::string_view, 3> when = {"auto", "always", "never"};
+    declare_threads(command, arguments.threads);
+    add_choice(command, "--progress", when, "Progress bar on stderr (auto: on a terminal)", arguments.progress);
 }
 
 MeshFile read_mesh_of(const MeshArguments& arguments, ProgressBar& bar) {
@@ -129,15 +155,13 @@ MeshFile read_mesh_of(const MeshArguments& arguments, ProgressBar& bar) {
     if (arguments.map_file) {
         explain_bus_errors(name);
     }
-    const Stage stage(bar, "reading");
-    ReadOptions options;
-    options.map_file = arguments.map_file;
-    options.mm_per_unit = parse_unit(arguments.unit.value_or("mm"), "--unit");
-    options.control.threads = arguments.threads;
-    options.control.progress = stage.progress();
+    Stage stage(bar, "reading");
     const bool standard = is_standard(arguments.mesh);
-    options.name = standard ? std::string_view(name) : "";
-    Result<MeshFile> mesh = standard ? read_standard_input(options) : read_mesh(arguments.mesh, options);
+    const ReadOptions options{.map_file = arguments.map_file,
+                              .mm_per_unit = arguments.unit_mm.value_or(1),
+                              .name = standard ? std::string_view(name) : ""};
+    const Context context{.threads = arguments.threads, .progress = stage.progress()};
+    Result<MeshFile> mesh = standard ? read_standard_input(options, context) : read_mesh(arguments.mesh, options, context);
     if (!mesh) {
         const Failure failure = failure_of(mesh.error());
         // Where memory ran out there was none left to say in which file.
@@ -145,7 +169,7 @@ MeshFile read_mesh_of(const MeshArguments& arguments, ProgressBar& bar) {
             ? Failure(failure.status(), name + ": " + failure.what())
             : failure;
     }
-    if (arguments.unit && mesh->states_unit) {
+    if (arguments.unit_mm && mesh->states_unit) {
         mesh->warnings.push_back(name + ": states that its unit is " + exact_text(mesh->mm_per_unit) +
                                  " mm, which holds instead of --unit");
     }
@@ -163,13 +187,44 @@ MeshFile read_mesh_and_warn(const MeshArguments& arguments, ProgressBar& bar) {
 std::string description(const MeshFile& mesh) {
     std::string text = std::string(mesh.text ? "text" : "binary") + " " + std::string(name_of(mesh.format)) + ", " +
                        file_size_text(mesh.file_bytes) + (mesh.compressed ? " of gzip" : "");
-    if (mesh.mm_per_unit != 1) {
-        text += ", in units of " + exact_text(mesh.mm_per_unit) + " mm";
-    }
-    if (mesh.patient_frame != PatientFrame::unstated) {
-        text += ", patient frame " + std::string(name_of(mesh.patient_frame));
-    }
+    text += when(mesh.mm_per_unit != 1, ", in units of " + exact_text(mesh.mm_per_unit) + " mm");
+    text +=
+        when(mesh.patient_frame != PatientFrame::unstated, ", patient frame " + std::string(name_of(mesh.patient_frame)));
     return text;
+}
+
+std::vector<std::string> doubts_of_scale(const MeshArguments& arguments, const MeshFile& file, const MeasuredMesh& mesh) {
+    std::vector<std::string> doubts;
+    const auto add = [&](const std::string& text) { doubts.push_back(arguments.name() + ": " + text); };
+    if (!file.states_unit && !arguments.unit_mm) {
+        if (const std::optional<std::string> doubt = doubt_of_unit(mesh)) {
+            add(*doubt);
+        }
+    }
+    const MeshScale scale = judge_scale(mesh.box, file.vertex_type, mesh.grid_mm);
+    if (scale.coarse_grid) {
+        add("the grid of " + exact_text(mesh.grid_mm) + " mm is coarse for a mesh of " + measure_text(scale.diagonal_mm) +
+            " mm from corner to corner; " +
+            (scale.finest_grid_mm < mesh.grid_mm
+                 ? "--grid finest takes " + exact_text(scale.finest_grid_mm) + " mm"
+                 : "none finer reaches the coordinate of " + measure_text(scale.farthest_mm) + " mm"));
+    }
+    const double farthest = mesh.farthest_mm.value_or(scale.farthest_mm);
+    const Box there{{farthest, farthest, farthest}, {farthest, farthest, farthest}};
+    const MeshScale stored = judge_scale(there, file.vertex_type, mesh.grid_mm, mesh.detail_mm);
+    if (stored.coarse_numbers && !mesh.moved) {
+        add("coordinates of up to " + measure_text(farthest) + " mm are stored in steps of " +
+            measure_text(stored.number_step_mm) + " mm, more than a tenth of " + exact_text(mesh.detail_mm) +
+            " mm, the layer height or voxel; it lost precision before it was read");
+    }
+    return doubts;
+}
+
+std::string joined_by_grid(const MeshCheck& info) {
+    return info.exact_boundary_edges == info.boundary_edges
+               ? ""
+               : ", boundary edges " + grouped(info.boundary_edges) + " on it and " + grouped(info.exact_boundary_edges) +
+                     " by exact coordinates";
 }
 
 std::vector<std::filesystem::directory_entry> entries_of(const std::filesystem::path& folder, std::error_code& problem) {
@@ -191,54 +246,41 @@ std::vector<ListedMesh> meshes_below(const std::string& folder) {
     return meshes;
 }
 
-void declare_mesh_list(CLI::App& command, MeshListArguments& arguments) {
-    command
-        .add_option("mesh", arguments.given,
-                    mesh_help("Mesh files, folders with mesh files, or - for standard input; formats"))
-        ->required()
-        ->type_name("MESH|FOLDER|-")
-        ->check(given_path);
-    declare_reading(command, arguments.each);
+void declare_mesh_list(CLI::App& command, MeshList& list) {
+    add_text(command, "mesh", list.given, "MESH|FOLDER|-",
+             mesh_help("Mesh files, folders with mesh files, or - for standard input; formats"))
+        ->required();
+    declare_reading(command, list.each);
 }
 
-MeshList::MeshList(const MeshListArguments& arguments)
-    : each_(arguments.each), several_(arguments.given.size() > 1 || is_folder(arguments.given.front())) {
-    if (std::count_if(arguments.given.begin(), arguments.given.end(), is_standard) > 1) {
-        throw Failure(bad_usage, "mesh: '-' is given twice, and standard input can be read once");
-    }
-    (void)parse_unit(each_.unit.value_or("mm"), "--unit");
-    (void)parse_grid(each_.grid);
-    for (const std::string& path : arguments.given) {
-        if (is_folder(path)) {
-            const std::vector<ListedMesh> found = meshes_below(path);
-            meshes_.insert(meshes_.end(), found.begin(), found.end());
-        } else {
-            meshes_.push_back({path, "", ""});
-        }
-    }
+bool MeshList::several() const {
+    return given.size() > 1 || is_folder(given.front());
 }
 
-std::vector<std::string> MeshList::paths() const {
-    std::vector<std::string> paths;
-    for (const ListedMesh& entry : meshes_) {
-        paths.push_back(entry.path);
+std::vector<ListedMesh> MeshList::meshes() const {
+    refuse_if(std::count_if(given.begin(), given.end(), is_standard) > 1, bad_usage,
+              "mesh: '-' is given twice, and standard input can be read once");
+    std::vector<ListedMesh> all;
+    for (const std::string& path : given) {
+        const std::vector<ListedMesh> found = is_folder(path) ? meshes_below(path) : std::vector<ListedMesh>{{path, "", ""}};
+        all.insert(all.end(), found.begin(), found.end());
     }
-    return paths;
+    return all;
 }
 
-std::optional<Failure> MeshList::for_each(Interrupt& interrupt, const Use& use, const Refuse& refuse) const {
+std::optional<Failure> MeshList::for_each(Interrupt& interrupt, const std::function<void(const MeshArguments&)>& use,
+                                          const std::function<void(const MeshArguments&, const Failure&)>& refuse) const {
+    const std::vector<ListedMesh> all = meshes();
     ExitStatus worst = done;
     std::size_t refused = 0;
-    for (const ListedMesh& entry : meshes_) {
-        MeshArguments mesh = each_;
+    for (const ListedMesh& entry : all) {
+        MeshArguments mesh = each;
         mesh.mesh = entry.path;
         try {
-            if (!entry.problem.empty()) {
-                throw Failure(bad_input, entry.path + ": " + entry.problem);
-            }
+            refuse_if(!entry.problem.empty(), bad_input, entry.path + ": " + entry.problem);
             use(mesh);
         } catch (const Failure& failure) {
-            if (meshes_.size() == 1 || failure.status() == bad_output) {
+            if (all.size() == 1 || failure.status() == bad_output) {
                 throw;
             }
             interrupt.die_if_interrupted();
@@ -251,7 +293,7 @@ std::optional<Failure> MeshList::for_each(Interrupt& interrupt, const Use& use, 
     if (refused == 0) {
         return std::nullopt;
     }
-    return Failure(worst, grouped(refused) + " of " + counted(meshes_.size(), "mesh", "meshes") + " could not be used");
+    return Failure(worst, grouped(refused) + " of " + counted(all.size(), "mesh", "meshes") + " could not be used");
 }
 
 }  // namespace lamella::cli

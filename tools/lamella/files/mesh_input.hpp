@@ -1,4 +1,5 @@
-// The meshes that a command works on: the flags that say how to read them, files and folders, and a file in words.
+// The meshes that a command works on: the flags that say how to read them, files and folders, a file in words, and doubts
+// that its size and place raise.
 #pragma once
 
 #include <filesystem>
@@ -10,18 +11,18 @@
 
 #include <CLI/CLI.hpp>
 
+#include "files/flags.hpp"
 #include "files/streams.hpp"
+#include "lamella/check.hpp"
 #include "lamella/io/mesh_file.hpp"
-#include "terminal/console.hpp"
-#include "terminal/failure.hpp"
-#include "terminal/interrupt.hpp"
+#include "terminal/stages.hpp"
 
 namespace lamella::cli {
 
 struct MeshArguments {
     std::string mesh;  ///< a path, or - for standard input
-    std::optional<std::string> unit;
-    std::string grid;  ///< empty: the default
+    std::optional<double> unit_mm;
+    SliceOptions options = tool_options();  ///< of which info and check use the grid alone
     int threads = 0;
     bool map_file = false;
     ProgressBar::When progress = ProgressBar::When::automatic;
@@ -29,18 +30,12 @@ struct MeshArguments {
     std::string name() const { return input_name(mesh); }
 };
 
-/// A check for options whose value may not be empty: what is wrong with it, if anything.
-std::string given(const std::string& text);
-std::string given_path(const std::string& path);
-
-/// Transforms a word of a list to lower case, as it is listed; records hold it so.
-std::string lower_case(std::string word);
-
-/// Declares --unit, --grid and --threads on `command`, to be stored in `arguments`.
+/// Declares --unit, --grid, --threads and --progress on `command`, to be stored in `arguments`.
 void declare_reading(CLI::App& command, MeshArguments& arguments);
 
-/// --threads alone.
-void declare_threads(CLI::App& command, MeshArguments& arguments);
+/// --threads and --progress alone; --threads alone.
+void declare_running(CLI::App& command, MeshArguments& arguments);
+void declare_threads(CLI::App& command, int& threads);
 
 /// The help of an argument that is a mesh: "Mesh file, or - for standard input: ...".
 std::string mesh_help(const std::string& what);
@@ -53,6 +48,26 @@ MeshFile read_mesh_and_warn(const MeshArguments& arguments, ProgressBar& bar);
 
 /// "binary STL, 1.9 MB", with what else is known of the file.
 std::string description(const MeshFile& mesh);
+
+/// Judges a mesh that is not sliced.
+inline constexpr double common_layer_mm = 0.2;
+
+/// A mesh as it was cut or examined.
+struct MeasuredMesh {
+    const Box& box;
+    double grid_mm;
+    std::optional<double> plane_distance_mm = common_layer_mm;  ///< the least from plane to plane, if there are two
+    double detail_mm = common_layer_mm;                         ///< the least of that and the sides of voxels
+    std::optional<double> farthest_mm{};                        ///< of the file's coordinates, where an image moved them
+    bool moved = false;                                         ///< by a transform, so that coordinates are not the file's
+};
+
+/// Warnings, each one line that names the file: a grid too coarse, coordinates too far away, and a size that suggests
+/// another unit where neither the file nor --unit states one.
+std::vector<std::string> doubts_of_scale(const MeshArguments& arguments, const MeshFile& file, const MeasuredMesh& mesh);
+
+/// ", boundary edges 0 on it and 44 by exact coordinates", after the grid, or nothing where they are as many.
+std::string joined_by_grid(const MeshCheck& check);
 
 /// By name. Where `problem` is set, those that were found before it.
 std::vector<std::filesystem::directory_entry> entries_of(const std::filesystem::path& folder, std::error_code& problem);
@@ -67,36 +82,26 @@ struct ListedMesh {
 /// which may lead back to one above them. A folder that cannot be listed, or without any mesh, stands there as a problem.
 std::vector<ListedMesh> meshes_below(const std::string& folder);
 
-struct MeshListArguments {
+/// The meshes of info and check, which work on one after the other.
+struct MeshList {
     std::vector<std::string> given;  ///< as typed
     MeshArguments each;              ///< how to read each; its mesh is left empty
-};
-
-/// Declares the meshes, --unit, --grid and --threads on `command`, to be stored in `arguments`.
-void declare_mesh_list(CLI::App& command, MeshListArguments& arguments);
-
-class MeshList {
-public:
-    /// Lists the meshes in folders and in the folders below them. Throws Failure (bad_usage) if standard input is given
-    /// twice, or if --unit or --grid is none.
-    explicit MeshList(const MeshListArguments& arguments);
 
     /// A list of files and folders, and not one file.
-    bool several() const noexcept { return several_; }
-    std::vector<std::string> paths() const;
-
-    using Use = std::function<void(const MeshArguments&)>;
-    using Refuse = std::function<void(const MeshArguments&, const Failure&)>;
+    bool several() const;
+    /// The meshes, those in folders and in the folders below them too. Throws Failure (bad_usage) if standard input is given
+    /// twice.
+    std::vector<ListedMesh> meshes() const;
 
     /// Calls `use` for one mesh after the other. A Failure by which one of several cannot be used is printed and passed to
     /// `refuse`, and the rest goes on; in the end one Failure for all is returned. A Failure of the output, or of the only
     /// mesh, is thrown.
-    [[nodiscard]] std::optional<Failure> for_each(Interrupt& interrupt, const Use& use, const Refuse& refuse) const;
-
-private:
-    MeshArguments each_;
-    bool several_;
-    std::vector<ListedMesh> meshes_;
+    [[nodiscard]] std::optional<Failure> for_each(
+        Interrupt& interrupt, const std::function<void(const MeshArguments&)>& use,
+        const std::function<void(const MeshArguments&, const Failure&)>& refuse) const;
 };
+
+/// Declares the meshes and the flags of declare_reading() on `command`, to be stored in `list`.
+void declare_mesh_list(CLI::App& command, MeshList& list);
 
 }  // namespace lamella::cli

@@ -62,9 +62,8 @@ std::size_t read_some(std::vector<char>& buffer) {
 
 void require_open_output() {
     const int flags = ::fcntl(STDOUT_FILENO, F_GETFL);
-    if (flags < 0 || (flags & O_ACCMODE) == O_RDONLY) {
-        throw Failure(bad_output, "cannot write to standard output: " + std::generic_category().message(EBADF));
-    }
+    refuse_if(flags < 0 || (flags & O_ACCMODE) == O_RDONLY, bad_output,
+              "cannot write to standard output: " + std::generic_category().message(EBADF));
 }
 
 }  // namespace
@@ -169,17 +168,15 @@ std::string place_of(const std::string& path) {
 void require_different(const std::string& path, const std::string& other, const std::string& name,
                        const std::string& other_name) {
     std::error_code unknown;
-    if (!is_standard(path) && !is_standard(other) &&
-        (place_of(path) == place_of(other) || std::filesystem::equivalent(path, other, unknown))) {
-        throw Failure(bad_usage, name + ": '" + path + "' is " + other_name + " itself");
-    }
+    refuse_if(!is_standard(path) && !is_standard(other) &&
+                  (place_of(path) == place_of(other) || std::filesystem::equivalent(path, other, unknown)),
+              bad_usage, name + ": '" + path + "' is " + other_name + " itself");
 }
 
 void require_different_output(const std::string& path, const std::string& other, const std::string& name,
                               const std::string& other_name) {
-    if (is_standard(path) && is_standard(other)) {
-        throw Failure(bad_usage, name + ": '-' is " + other_name + " too, and standard output takes one of them");
-    }
+    refuse_if(is_standard(path) && is_standard(other), bad_usage,
+              name + ": '-' is " + other_name + " too, and standard output takes one of them");
     require_different(path, other, name, other_name);
 }
 

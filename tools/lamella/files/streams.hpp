@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "terminal/failure.hpp"
+#include "terminal/console.hpp"
 
 namespace lamella::cli {
 

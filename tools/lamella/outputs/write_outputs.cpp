@@ -5,15 +5,16 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
-#include "files/scale_words.hpp"
+#include "files/flags.hpp"
 #include "files/streams.hpp"
 #include "lamella/io/svg.hpp"
 #include "lamella/version.hpp"
-#include "outputs/output_checks.hpp"
 #include "terminal/console.hpp"
-#include "terminal/failure.hpp"
+#include "terminal/numbers.hpp"
 
 namespace lamella::cli {
 
@@ -21,12 +22,22 @@ namespace {
 
 using Note = std::function<void(const std::string&)>;
 
+/// The parts as a writer takes them.
+template <class Make>
+auto parts_of(const OutputJob& job, Make make) {
+    std::vector<decltype(make(job.parts.front()))> parts;
+    for (const SlicedPart& part : job.parts) {
+        parts.push_back(make(part));
+    }
+    return parts;
+}
+
 std::string percent(double share) {
     return share < 0.0001 ? "less than 0.01 %" : rounded(share * 100, 2) + " %";
 }
 
 void note_beyond_slices(const OutputJob& job, const SlicedPart& part, const PlannedOutput& output, const Note& note) {
-    const SliceSummary& mesh = part.result.summary;
+    const Box& mesh = part.result.info.box;
     const std::vector<double> heights = job.image->slice_heights_mm();
     const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
     const double half = job.image->spacing_mm[2] / 2;
@@ -39,7 +50,7 @@ void note_beyond_slices(const OutputJob& job, const SlicedPart& part, const Plan
 /// Voxels are in by their centres, which thin walls slip between.
 void note_thin_walls(const OutputJob& job, const SlicedPart& part, double wall_mm, const PlannedOutput& output,
                      const Note& note) {
-    const SliceSummary& mesh = part.result.summary;
+    const Box& mesh = part.result.info.box;
     const std::array<double, 3>& voxel = job.image->spacing_mm;
     const auto thin = [&](std::size_t axis) { return mesh.max_mm[axis] - mesh.min_mm[axis] < voxel[axis]; };
     const bool in_slices = !job.arguments.coverage && (wall_mm < std::min(voxel[0], voxel[1]) || thin(0) || thin(1));
@@ -52,14 +63,10 @@ void note_thin_walls(const OutputJob& job, const SlicedPart& part, double wall_m
     }
 }
 
-void write_mask_of(const OutputJob& job, const PlannedOutput& output, const Control& control, const Note& note) {
-    std::vector<MaskPart> parts;
-    for (const SlicedPart& part : job.parts) {
-        parts.push_back({&part.result, part.name});
-    }
-    const MaskSummary summary =
-        done_or_thrown(write_mask(parts, *job.image, output.path,
-                                  {.coverage = job.arguments.coverage, .subslices = job.subslices, .control = control}));
+void write_mask_of(const OutputJob& job, const PlannedOutput& output, const Context& context, const Note& note) {
+    const auto parts = parts_of(job, [](const SlicedPart& part) { return MaskPart{&part.result, part.name}; });
+    const MaskSummary summary = done_or_thrown(write_mask(
+        parts, *job.image, output.path, {.coverage = job.arguments.coverage, .subslices = job.subslices}, context));
     if (summary.overlapped_voxels > 0) {
         note(output.path + ": " + counted(summary.overlapped_voxels, "voxel") +
              (summary.overlapped_voxels == 1 ? " lies" : " lie") + " in several meshes; the later label holds");
@@ -77,30 +84,20 @@ void write_mask_of(const OutputJob& job, const PlannedOutput& output, const Cont
     }
 }
 
-void write_table_of(const OutputJob& job, const PlannedOutput& output, const Control& control) {
-    std::vector<TablePart> parts;
-    for (const SlicedPart& part : job.parts) {
-        parts.push_back({&part.result, part.name, part.facts ? &*part.facts : nullptr});
-    }
-    done_or_thrown(write_layer_table(parts, output.path, control, job.image ? &*job.image : nullptr));
-}
-
-void write_structure_set_of(const OutputJob& job, const PlannedOutput& output, const Control& control, const Note& note) {
+void write_structure_set_of(const OutputJob& job, const PlannedOutput& output, const Context& context, const Note& note) {
     static constexpr std::array<std::array<std::uint8_t, 3>, 6> colours = {
         {{230, 77, 51}, {0, 115, 178}, {0, 158, 115}, {230, 158, 0}, {204, 120, 166}, {87, 181, 232}}};
     if (!job.image) {  // an archive that was sliced without one
         throw Failure(bad_input, "'" + output.path + "': no image says where the slices lie in the patient");
     }
-    std::vector<Roi> rois;
-    for (const SlicedPart& part : job.parts) {
-        rois.push_back({&part.result, part.name, colours[rois.size() % colours.size()]});
-    }
-    StructureSetOptions options;
-    options.holes = job.arguments.holes;
-    options.without_ct = job.arguments.without_ct;
-    options.seconds_since_1970 = source_date();
-    options.control = control;
-    const Result<StructureSetSummary> written = write_structure_set(rois, *job.image, output.path, options);
+    std::size_t next = 0;
+    const auto rois = parts_of(job, [&](const SlicedPart& part) {
+        return Roi{&part.result, part.name, colours[next++ % colours.size()]};
+    });
+    const StructureSetOptions options{.holes = job.arguments.holes.value_or(HoleForm::keyhole),
+                                      .without_ct = job.arguments.without_ct,
+                                      .seconds_since_1970 = source_date()};
+    const Result<StructureSetSummary> written = write_structure_set(rois, *job.image, output.path, options, context);
     if (!written) {  // what options can be wrong in was seen before
         const Failure failure = failure_of(written.error());
         throw Failure(failure.status() == bad_usage ? bad_input : failure.status(), failure.what());
@@ -117,20 +114,7 @@ void write_structure_set_of(const OutputJob& job, const PlannedOutput& output, c
     }
 }
 
-void write_picture_of(const OutputJob& job, const PlannedOutput& output, const Control& control) {
-    std::vector<PicturePart> parts;
-    for (const SlicedPart& part : job.parts) {
-        parts.push_back({&part.result, part.name});
-    }
-    PictureOptions options;
-    options.control = control;
-    options.image = job.image ? &*job.image : nullptr;
-    const std::optional<std::uint64_t> layer = job.arguments.picture_layer;
-    done_or_thrown(layer ? write_layer_picture(parts, *layer, output.path, options)
-                         : write_contact_sheet(parts, output.path, options));
-}
-
-void write_archive_of(const OutputJob& job, const PlannedOutput& output, const Control& control) {
+void write_archive_of(const OutputJob& job, const PlannedOutput& output, const Context& context) {
     const SlicedPart& part = job.parts.front();
     ArchiveInfo info{.name = part.name,
                      .mesh_sha256 = part.mesh_sha256,
@@ -140,35 +124,45 @@ void write_archive_of(const OutputJob& job, const PlannedOutput& output, const C
     if (part.welded) {
         info.weld = ArchiveWeld{part.welded->tolerance_mm, part.welded->joined};
     }
-    done_or_thrown(write_archive(part.result, info, output.path, control));
+    done_or_thrown(write_archive(part.result, info, output.path, context));
 }
 
-void write_one(const OutputJob& job, const PlannedOutput& output, const Control& control, const Note& note) {
+void write_one(const OutputJob& job, const PlannedOutput& output, const Context& context, const Note& note) {
+    const ImageGeometry* const image = job.image ? &*job.image : nullptr;
     switch (output.format) {
         case OutputFormat::svg: {
             const SlicedPart& part = job.parts.front();
             done_or_thrown(write_svg(part.result, output_path(output.path),
-                                     {.welded = part.welded ? &*part.welded : nullptr, .control = control}));
+                                     {.welded = part.welded ? &*part.welded : nullptr}, context));
             return;
         }
         case OutputFormat::nifti:
         case OutputFormat::nifti_gz:
         case OutputFormat::nrrd:
         case OutputFormat::segmentation:
-            return write_mask_of(job, output, control, note);
+            return write_mask_of(job, output, context, note);
         case OutputFormat::structure_set:
-            write_structure_set_of(job, output, control, note);
+            write_structure_set_of(job, output, context, note);
             for (const SlicedPart& part : job.parts) {
                 note_beyond_slices(job, part, output, note);
             }
             return;
         case OutputFormat::csv:
         case OutputFormat::json_lines:
-            return write_table_of(job, output, control);
-        case OutputFormat::png:
-            return write_picture_of(job, output, control);
+            return done_or_thrown(write_layer_table(
+                parts_of(job,
+                         [](const SlicedPart& part) {
+                             return TablePart{&part.result, part.name, part.facts ? &*part.facts : nullptr};
+                         }),
+                output.path, image, context));
+        case OutputFormat::png: {
+            const auto parts = parts_of(job, [](const SlicedPart& part) { return PicturePart{&part.result, part.name}; });
+            const std::optional<std::uint64_t> layer = job.arguments.picture_layer;
+            return done_or_thrown(layer ? write_layer_picture(parts, *layer, output.path, {.image = image}, context)
+                                        : write_contact_sheet(parts, output.path, {.image = image}, context));
+        }
         case OutputFormat::hdf5:
-            return write_archive_of(job, output, control);
+            return write_archive_of(job, output, context);
     }
 }
 
@@ -181,21 +175,18 @@ Record record_of(const OutputJob& job, const PlannedOutput& output) {
         record.source_date_epoch = epoch;
     }
     record.patient_frame = name_of(job.parts.front().frame);
-    record.fill_rule = name_of(job.parts.front().result.region.fill_rule);
+    record.fill_rule = name_of(job.parts.front().result.info.options.region.fill_rule);
     for (const SlicedPart& part : job.parts) {
-        record.grid_mm.push_back(part.result.unit_mm);
-        record.close_gaps_mm.push_back(part.result.close_gaps_mm);
-        record.result_hashes.push_back(hexadecimal(part.hash ? *part.hash : hash_result(part.result)));
+        record.grid_mm.push_back(part.result.info.grid_mm);
+        record.stitch_mm.push_back(part.reach_mm());
+        record.result_hashes.push_back(hexadecimal(part.hash ? *part.hash : part.result.hash()));
     }
     return record;
 }
 
-void tell_names_apart(std::vector<SlicedPart>& parts, const Note& note) {
-    std::vector<std::string> names;
-    names.reserve(parts.size());
-    for (const SlicedPart& part : parts) {
-        names.push_back(part.name);
-    }
+void tell_names_apart(OutputJob& job, const Note& note) {
+    std::vector<SlicedPart>& parts = job.parts;
+    const auto names = parts_of(job, [](const SlicedPart& part) { return part.name; });
     const std::vector<std::string> distinct = distinct_names(names);
     for (std::size_t i = 0; i < parts.size(); ++i) {
         if (distinct[i] != names[i]) {
@@ -208,26 +199,101 @@ void tell_names_apart(std::vector<SlicedPart>& parts, const Note& note) {
 void require_closed(const OutputJob& job) {
     for (const SlicedPart& part : job.parts) {
         if (part.open.layers > 0) {
-            throw Failure(bad_input, part.name + ": --strict: " + describe(part.open, "--close-gaps "));
+            throw Failure(bad_input, part.name + ": --strict: " + describe_open(part.open));
         }
     }
 }
 
+/// True if the option may stand beside this output alone, and says something of it.
+bool concerns(const std::string& name, const PlannedOutput& output) {
+    if (name == "--holes" || name == "--without-ct") {
+        return output.format == OutputFormat::structure_set;
+    }
+    return (name != "--coverage" || output.is_mask()) && (name != "--picture-layer" || output.format == OutputFormat::png);
+}
+
+/// ", 1.9 MB", or nothing of a pipe and of a device.
+std::string size_after(const std::string& output) {
+    std::error_code unknown;
+    const std::uintmax_t bytes = is_standard(output) ? 0 : std::filesystem::file_size(output, unknown);
+    return is_standard(output) || unknown ? "" : ", " + file_size_text(bytes);
+}
+
 }  // namespace
+
+bool is_recorded(const std::string& name) {
+    static constexpr std::array<std::string_view, 13> without_effect = {"",  // hidden options have no name
+                                                                        "mesh",  "archives",  "parts",      "--output",
+                                                                        "--to",  "--threads", "--progress", "--report",
+                                                                        "--map", "--band",    "--form",     "--help"};
+    return std::find(without_effect.begin(), without_effect.end(), name) == without_effect.end();
+}
+
+bool is_flag(const CLI::Option& option) {
+    return option.get_items_expected_max() == 0;
+}
+
+bool RecordedOption::names_file() const {
+    return name == "--like" || is_file_of(name, value.value_or(""));
+}
+
+std::vector<RecordedOption> recorded_options(const CLI::App& slice_command) {
+    std::vector<RecordedOption> options;
+    for (const CLI::Option* option : slice_command.get_options()) {
+        const std::string name = option->get_name();
+        for (const ChangedDefault& changed : changed_defaults) {
+            if (option->count() == 0 && name == changed.name) {
+                options.push_back({name, std::string(changed.now)});
+            }
+        }
+        if (option->count() == 0 || !is_recorded(name)) {
+            continue;
+        }
+        if (is_flag(*option)) {
+            options.push_back({name, std::nullopt});
+            continue;
+        }
+        for (const std::string& value : option->results()) {
+            options.push_back({name, value});
+        }
+    }
+    return options;
+}
+
+std::vector<std::string> record_words(const std::vector<RecordedOption>& options, const PlannedOutput& output) {
+    std::vector<std::string> words;
+    for (const RecordedOption& option : options) {
+        if (concerns(option.name, output)) {
+            words.push_back(option.name);
+            if (option.value) {
+                words.push_back(*option.value);
+            }
+        }
+    }
+    return words;
+}
 
 bool takes_record(const PlannedOutput& output) {
     return output.has_record() && std::filesystem::is_regular_file(output.path);
 }
 
-void write_record_beside(const PlannedOutput& output, Record record, const Control& control) {
+void write_record_beside(const PlannedOutput& output, Record record, const Context& context) {
     record.version = version;
-    record.output = done_or_thrown(seal_file(output.path, control));
+    record.output = done_or_thrown(seal_file(output.path, context));
     record.output.path = std::filesystem::path(output.path).filename().string();
     done_or_thrown(write_record(record, output.record_path()));
 }
 
-WrittenOutputs write_outputs(OutputJob& job, const Control& control, const Note& note) {
-    tell_names_apart(job.parts, note);
+OpenLayers open_layers_of(const SliceResult& result, const Context& context) {
+    return *done_or_thrown(audit(result, MeshView{}, {.volume = false, .ledger = false, .crossings = false}, context)).open;
+}
+
+std::string describe_open(const OpenLayers& open) {
+    return describe(open, "--stitch ");
+}
+
+WrittenOutputs write_outputs(OutputJob& job, const Context& context, const Note& note) {
+    tell_names_apart(job, note);
     if (job.arguments.strict) {
         require_closed(job);
     }
@@ -238,14 +304,14 @@ WrittenOutputs write_outputs(OutputJob& job, const Control& control, const Note&
     for (const PlannedOutput& output : job.outputs) {
         try {
             if (!job.finish_streamed) {
-                write_one(job, output, control, note);
+                write_one(job, output, context, note);
             }
             if (takes_record(output)) {
-                write_record_beside(output, record_of(job, output), control);
+                write_record_beside(output, record_of(job, output), context);
             }
             written.paths.push_back(output.path);
         } catch (const Failure& failure) {
-            if (control.stop.stop_requested()) {
+            if (context.stop && context.stop()) {
                 throw;
             }
             if (written.failure) {
@@ -270,6 +336,14 @@ std::string mesh_name_of(const std::string& path) {
         name = name.stem();
     }
     return name.stem().string();
+}
+
+std::string wrote(const std::vector<std::string>& outputs) {
+    std::string text;
+    for (const std::string& output : outputs) {
+        text += "wrote     " + output_name(output) + size_after(output) + "\n";
+    }
+    return text;
 }
 
 }  // namespace lamella::cli

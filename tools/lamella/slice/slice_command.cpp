@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,15 +13,10 @@
 #include "files/streams.hpp"
 #include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
-#include "outputs/output_checks.hpp"
-#include "outputs/recorded_options.hpp"
+#include "options/asked.hpp"
 #include "outputs/write_outputs.hpp"
 #include "processes/workers.hpp"
-#include "slice/slice_arguments.hpp"
 #include "slice/slice_stages.hpp"
-#include "slice/slice_summary.hpp"
-#include "terminal/console.hpp"
-#include "terminal/failure.hpp"
 #include "terminal/stages.hpp"
 
 namespace lamella::cli {
@@ -30,23 +26,35 @@ namespace {
 class SliceCommand {
 public:
     SliceCommand(const CLI::App& command, const SliceArguments& arguments, Interrupt& interrupt)
-        : command_(command),
-          arguments_(arguments),
+        : arguments_(arguments),
           stages_(arguments.progress, arguments.threads, interrupt),
-          job_{.outputs = plan_slice_outputs(arguments), .arguments = arguments_.outputs, .command = command.get_name()} {}
+          job_{.arguments = arguments_.outputs, .command = command.get_name(), .options = recorded_options(command)} {
+        run_.random_heights = arguments.tuning.random_heights;
+        run_.print_hash = arguments.hash;
+    }
 
     void run() {
-        stages_.interrupt().tidy(files_to_write(arguments_, job_.outputs));
-        std::vector<MeshFile> files = find_image();
-        if (arguments_.mesh_count() == 1) {
-            const MeshFile mesh = files.empty() ? read(arguments_.meshes.front()) : std::move(files.front());
+        plan();
+        std::vector<MeshToSlice> meshes = find_image();
+        std::string words;
+        for (std::size_t i = 0; i < arguments_.meshes.size(); ++i) {
+            MeshToSlice mesh = meshes.empty() ? read(arguments_.meshes[i]) : std::move(meshes[i]);
+            arguments_.mesh = arguments_.meshes[i];
+            if (arguments_.split) {
+                words += slice_objects(mesh);
+                continue;
+            }
             slice_part(mesh, mesh_name_of(arguments_.mesh));
+            if (arguments_.mesh_count() == 1) {
+                write();
+                report(mesh);
+            } else {
+                words += summary_of(mesh, arguments_.mesh);
+            }
+        }
+        if (arguments_.mesh_count() > 1) {
             write();
-            report(mesh);
-        } else {
-            slice_all(std::move(files));
-            write();
-            print_words(words_ + wrote(run_.outputs), arguments_.output_to_stdout());
+            print_words(words + wrote(run_.outputs), arguments_.output_to_stdout());
         }
         if (failure_) {
             throw Failure(*failure_);
@@ -57,33 +65,73 @@ public:
     SliceFacts facts() const {
         SliceFacts facts{.warnings = run_.warnings};
         for (const SlicedPart& part : job_.parts) {
-            facts.layers = part.result.layers.size();  // the same of all
-            facts.triangles += part.result.summary.triangles;
-            facts.contours += run_.contours.value_or(part.result.contours.size());
-            facts.open_contours += part.result.summary.open_contours;
-            facts.close_gaps_mm = std::max(facts.close_gaps_mm, part.result.close_gaps_mm);
+            const SliceInfo& info = part.result.info;
+            facts.layers = info.layers;  // the same of all
+            facts.triangles += info.triangles;
+            facts.contours += info.contours;
+            facts.open_contours += info.open_contours;
+            facts.stitch_mm = std::max(facts.stitch_mm, part.reach_mm());
         }
         return facts;
     }
 
 private:
+    /// Refuses before any work is done what could not be written, or would overwrite a mesh, the file of another option or
+    /// another output.
+    void plan() {
+        refuse_if(arguments_.in_ranges() && !arguments_.report.empty(), bad_usage,
+                  "--memory: --report looks at the whole mesh, which is not held");
+        if (arguments_.in_ranges() && std::any_of(arguments_.meshes.begin(), arguments_.meshes.end(), is_standard)) {
+            throw Failure(bad_usage, "--memory: standard input cannot be read twice; write it to a file first");
+        }
+        NamedInputs inputs;
+        for (const RecordedOption& option : job_.options) {
+            if (option.names_file()) {
+                inputs.emplace_back(*option.value, "the file of " + option.name);
+            }
+        }
+        for (const std::string& mesh : arguments_.meshes) {
+            inputs.emplace_back(mesh, "the mesh");
+        }
+        job_.outputs = plan_outputs(arguments_.outputs, arguments_.mesh_count(), arguments_.image, inputs);
+        require_report_possible(inputs);
+        files_ = files_of(job_.outputs, arguments_.mesh_count() > 1);
+        files_.emplace_back(arguments_.report);
+        stages_.interrupt().tidy(files_);
+    }
+
+    void require_report_possible(const NamedInputs& inputs) const {
+        const std::string& report = arguments_.report;
+        if (report.empty()) {
+            return;
+        }
+        refuse_if(!are_all_layers(arguments_.options), bad_usage,
+                  "--report: not with --layers, as it judges the whole mesh");
+        refuse_if(arguments_.mesh_count() > 1, bad_usage, "--report: one mesh a report, not several");
+        require_writable(report);
+        require_no_input(report, inputs, "--report");
+        for (const std::filesystem::path& output : files_of(job_.outputs, false)) {
+            require_different_output(report, output.string(), "--report", "--output");
+        }
+    }
+
     /// The meshes, where all of them are needed before the first one is sliced.
-    std::vector<MeshFile> find_image() {
-        std::vector<MeshFile> files;
+    std::vector<MeshToSlice> find_image() {
+        std::vector<MeshToSlice> meshes;
         if (!arguments_.image.given()) {
-            return files;
+            return meshes;
         }
         if (!arguments_.image.spacing.empty()) {
             for (const std::string& mesh : arguments_.meshes) {
-                files.push_back(read(mesh));
+                meshes.push_back(read(mesh));
             }
         }
-        job_.image = image_for(files, arguments_);
+        job_.image = image_for(meshes, arguments_);
         job_.subslices = arguments_.image.subslices;
         note_all(job_.image->warnings);
         require_image_serves(*job_.image, job_.outputs, arguments_.outputs);
-        require_series_kept(*job_.image, files_to_write(arguments_, job_.outputs));
-        return files;
+        require_series_kept(*job_.image, files_);
+        return meshes;
     }
 
     void note(const std::string& warning) {
@@ -97,101 +145,87 @@ private:
         }
     }
 
-    MeshFile read(const std::string& path) {
+    MeshToSlice read(const std::string& path) {
         arguments_.mesh = path;
-        MeshFile mesh = read_for_slicing(arguments_, stages_);
+        MeshToSlice mesh = read_for_slicing(arguments_, stages_);
         note_all(mesh.warnings);
         return mesh;
     }
 
-    void slice_all(std::vector<MeshFile> files) {
-        for (std::size_t i = 0; i < arguments_.meshes.size(); ++i) {
-            arguments_.mesh = arguments_.meshes[i];
-            MeshFile mesh = files.empty() ? read(arguments_.mesh) : std::move(files[i]);
-            if (arguments_.split) {
-                slice_objects(mesh);
-            } else {
-                slice_part(mesh, mesh_name_of(arguments_.mesh));
-                add_summary(mesh, arguments_.mesh);
-            }
-        }
-    }
-
-    /// Each solid part as a mesh of its own, all at the planes of the whole.
-    void slice_objects(MeshFile& mesh) {
-        std::vector<MeshPart> parts = mesh.parts;
+    /// Each solid part as a mesh of its own, all at the planes of the whole. Returns their summaries.
+    std::string slice_objects(MeshToSlice& mesh) {
+        std::vector<MeshPart> parts = mesh.file.parts;
         if (parts.empty()) {
             note(arguments_.name() + ": names no objects to split it into, and is one");
-            parts = {{mesh_name_of(arguments_.mesh), PartRole::solid, 0, mesh.triangle_count}};
+            parts = {{mesh_name_of(arguments_.mesh), PartRole::solid, 0, mesh.file.triangle_count}};
         }
-        planes_ = job_.image ? ExplicitPlanes{} : planes_of(mesh);
-        bool first = true;
+        heights_ = job_.image ? std::vector<double>() : heights_of(mesh);
+        std::string words;
         for (const MeshPart& part : parts) {
             if (part.role == PartRole::solid) {
-                mesh.first_triangle = part.first_triangle;
-                mesh.triangle_count = part.triangle_count;
-                slice_part(mesh, part.name, std::exchange(first, false));
-                add_summary(mesh, arguments_.name() + ", " + part.name);
+                mesh.file.first_triangle = part.first_triangle;
+                mesh.file.triangle_count = part.triangle_count;
+                slice_part(mesh, part.name, words.empty());
+                words += summary_of(mesh, arguments_.name() + ", " + part.name);
             }
         }
+        return words;
     }
 
-    ExplicitPlanes planes_of(const MeshFile& mesh) {
-        SliceArguments whole = arguments_;
-        whole.layers.clear();
-        whole.hash = false;
-        const SliceResult cut = cut_mesh(mesh, {}, options_of(whole), whole, nullptr, stages_, run_);
-        ExplicitPlanes planes;
-        for (const Layer& layer : cut.layers) {
-            planes.heights_mm.push_back(layer.plane_mm);
+    std::vector<double> heights_of(const MeshToSlice& mesh) {
+        SliceOptions whole = arguments_.options;
+        set_layers(whole, 0, all_layers);
+        SlicedPart cut;
+        cut_mesh(mesh, whole, arguments_.tuning, cut);
+        std::vector<double> heights;
+        for (const Layer& layer : cut.result.layers) {
+            heights.push_back(layer.plane_mm);
         }
-        return planes;
-    }
-
-    void add_summary(const MeshFile& mesh, const std::string& name) {
-        end_run();
-        words_ += summary(job_.parts.back().result, {.mesh_name = name, .file = &mesh}, run_);
+        return heights;
     }
 
     /// `first`: of its file.
-    void slice_part(const MeshFile& mesh, const std::string& name, bool first = true) {
+    void slice_part(MeshToSlice& mesh, const std::string& name, bool first = true) {
         const std::size_t earlier = run_.warnings.size();  // of meshes before
         SlicedPart part;
         part.name = name;
-        const SliceOptions options = options_for(mesh, part);
+        const SliceOptions options = options_for(mesh.about(), part);
+        run_.ms["read"] = mesh.about().read_ms;
+        run_.ms["parse"] = mesh.about().parse_ms;
         begin_streaming(name);
-        mended_ = mend_mesh(mesh, arguments_, stages_, run_);
-        part.result = cut_mesh(mesh, mended_, options, arguments_, streamed_ ? &*streamed_ : nullptr, stages_, run_);
-        part.welded = std::move(mended_.welded);
-        part.hash = run_.hash;
-        if (!arguments_.hash) {
-            run_.hash.reset();
+        mend(mesh, arguments_, stages_, run_);
+        Tuning tuning = arguments_.tuning;
+        if (heights_) {
+            tuning.random_heights.reset();
+        }
+        cut_mesh(mesh, options, tuning, part);
+        if (arguments_.hash && !streamed_) {
+            part.hash = part.result.hash();
         }
         examine(mesh, part);
         if (wants_records()) {
-            part.mesh_sha256 = first ? add_input(arguments_.mesh, mesh.file_bytes) : job_.inputs.back().sha256;
+            part.mesh_sha256 = first ? add_input(arguments_.mesh, mesh.about().file_bytes) : job_.inputs.back().sha256;
         }
         if (wants_facts()) {
-            part.facts = stages_.done("measuring", [&](const Control& control) {
-                return measure_facts(sliced_view(mesh, part), mesh.to_mm(), part.result, control);
-            });
+            part.facts = stages_.done(
+                "measuring", [&](const Context& context) { return measure_facts(mesh.view(), part.result, context); });
             part.facts->warnings = mesh.warnings;
             part.facts->warnings.insert(part.facts->warnings.end(),
                                         run_.warnings.begin() + static_cast<std::ptrdiff_t>(earlier), run_.warnings.end());
         }
+        part.welded = std::exchange(mesh.welded, std::nullopt);
         job_.parts.push_back(std::move(part));
     }
 
     SliceOptions options_for(const MeshFile& mesh, SlicedPart& part) const {
-        SliceOptions options = options_of(arguments_);
-        if (planes_) {
-            options.plan.spacing = *planes_;
+        SliceOptions options = arguments_.options;
+        if (heights_) {
+            cut_at(options, *heights_);
         }
         part.frame = mesh.patient_frame == PatientFrame::unstated ? arguments_.image.frame : mesh.patient_frame;
         if (job_.image) {
             part.frame = patient_frame_of(mesh, arguments_.image, arguments_.name());
-            options.plan.spacing = ExplicitPlanes{job_.image->slice_heights_mm(job_.subslices)};
-            options.transform = job_.image->slicing_frame(part.frame);
+            cut_at(options, job_.image->slice_heights_mm(job_.subslices), job_.image->slicing_frame(part.frame));
         }
         return options;
     }
@@ -199,40 +233,61 @@ private:
     /// Within --memory, where all outputs take one layer after the other.
     void begin_streaming(const std::string& name) {
         const bool one_mesh = arguments_.meshes.size() == 1;
-        if (in_ranges() && (job_.outputs.empty() || (one_mesh && StreamedOutputs::serve(job_.outputs)))) {
+        if (arguments_.in_ranges() && (job_.outputs.empty() || (one_mesh && StreamedOutputs::serve(job_.outputs)))) {
             streamed_.emplace(job_.outputs, name, job_.image ? &*job_.image : nullptr);
             job_.finish_streamed = [this] { streamed_->finish(); };
         }
     }
 
+    void cut_mesh(const MeshToSlice& mesh, const SliceOptions& options, const Tuning& tuning, SlicedPart& part) {
+        const Status cut = stages_.run("slicing", [&](const Context& context) -> Status {
+            if (streamed_) {
+                return streamed_->slice(part, mesh.source(), options, tuning, arguments_.hash, context);
+            }
+            Slicer slicer;
+            const Result<SliceInfo> info = slice_tuned(slicer, part.result, mesh.source(), options, tuning, context);
+            return info ? Status() : info.error();
+        });
+        if (mesh.stream) {
+            const MeshStream::Spent spent = mesh.stream->spent();
+            run_.ranges =
+                "ranges    " + counted(spent.ranges, "range") + " of layers within " + file_size_text(spent.memory_bytes) +
+                (spent.spilled_bytes > 0 ? ", " + file_size_text(spent.spilled_bytes) + " by way of a temporary file" : "") +
+                "\n";
+            return done_or_thrown(cut);  // messages name the file
+        }
+        if (!cut && cut.error().code == ErrorCode::empty_mesh && mesh.welded && mesh.welded->joined > 0) {
+            throw Failure(bad_input, arguments_.name() + ": welding at " + exact_text(*arguments_.weld_mm) +
+                                         " mm leaves nothing: " + cut.error().message);
+        }
+        done_or_thrown(cut, arguments_.name());
+    }
+
     /// Warns before anything is written.
-    void examine(const MeshFile& mesh, SlicedPart& part) {
-        if (mended_.oriented && !mended_.oriented->complete) {
+    void examine(const MeshToSlice& mesh, SlicedPart& part) {
+        if (mesh.oriented && !mesh.oriented->complete) {
             note("--orient-shells: " + part.name +
                  " has open shells, or too many in a row: cavities may have been turned outwards");
         }
         if (job_.image) {
-            require_overlap(*job_.image, part.name, part.result.summary);
+            require_overlap(*job_.image, part.name, part.result.info.box);
         }
         if (!streamed_) {
-            run_.open = done_or_thrown(find_open_layers(part.result, {.threads = arguments_.threads}));
+            part.open = open_layers_of(part.result, {.threads = arguments_.threads});
         }
-        part.open = run_.open;
-        note_all(warnings_of(part, run_.contours, arguments_, mesh, job_.image));
+        note_all(warnings_of(part, arguments_, mesh.about(), job_.image));
     }
 
     bool wants_records() const {
-        return std::any_of(job_.outputs.begin(), job_.outputs.end(),
-                           [](const PlannedOutput& output) { return output.has_record(); });
+        return std::any_of(job_.outputs.begin(), job_.outputs.end(), std::mem_fn(&PlannedOutput::has_record));
     }
-
-    bool in_ranges() const noexcept { return !arguments_.memory.empty(); }
 
     /// Facts are those of the whole mesh.
     bool wants_facts() const {
-        return !in_ranges() && std::any_of(job_.outputs.begin(), job_.outputs.end(), [](const PlannedOutput& output) {
-            return output.format == OutputFormat::csv || output.format == OutputFormat::json_lines;
-        });
+        return !arguments_.in_ranges() &&
+               std::any_of(job_.outputs.begin(), job_.outputs.end(), [](const PlannedOutput& output) {
+                   return output.format == OutputFormat::csv || output.format == OutputFormat::json_lines;
+               });
     }
 
     /// Returns its SHA-256.
@@ -241,76 +296,72 @@ private:
         return job_.inputs.back().sha256;
     }
 
-    /// The triangles that were sliced, in the unit of the file.
-    MeshView sliced_view(const MeshFile& mesh, const SlicedPart& part) const {
-        return mended_.oriented ? mended_.oriented->mesh.view() : (part.welded ? part.welded->view() : mesh.view());
-    }
-
     void write() {
         if (job_.outputs.empty()) {
             return;
         }
-        job_.options = recorded_options(command_);
         for (const RecordedOption& option : job_.options) {
             if (wants_records() && option.names_file()) {
                 (void)add_input(*option.value, 0);
             }
         }
         const Stopwatch watch;
-        WrittenOutputs written = stages_.run("writing", [this](const Control& control) {
-            return write_outputs(job_, control, [this](const std::string& warning) { note(warning); });
+        WrittenOutputs written = stages_.run("writing", [this](const Context& context) {
+            return write_outputs(job_, context, [this](const std::string& warning) { note(warning); });
         });
         run_.outputs = std::move(written.paths);
         failure_ = std::move(written.failure);
-        run_.write_ms = watch.ms();
+        run_.ms["write"] = watch.ms();
     }
 
     /// The summary of one mesh, and its report where one is wanted.
-    void report(const MeshFile& mesh) {
+    void report(const MeshToSlice& mesh) {
         const SlicedPart& part = job_.parts.front();
-        ReportParts parts{.mesh_name = arguments_.mesh, .file = &mesh, .welded = part.welded ? &*part.welded : nullptr};
+        ReportParts parts{
+            .mesh_name = arguments_.mesh, .file = &mesh.about(), .welded = part.welded ? &*part.welded : nullptr};
         if (arguments_.report.empty()) {
             end_run();
-            return print_words(summary(part.result, parts, run_), arguments_.output_to_stdout());
+            return print_words(summary(part, parts, run_), arguments_.output_to_stdout());
         }
-        const SliceResult& result = part.result;
-        const MeshView sliced = sliced_view(mesh, part);
-        const auto ledger = stages_.done(
-            "ledger", [&](const Control& c) { return make_ledger(sliced, result, c); }, &run_.ledger_ms);
-        const auto volume = stages_.done(
-            "certificate", [&](const Control& c) { return certify_volume(sliced, result, c); }, &run_.certificate_ms);
-        const auto crossings = stages_.done(
-            "crossings", [&](const Control& c) { return find_crossings(result, c); }, &run_.crossings_ms);
+        const MeshView sliced = part.welded && !mesh.oriented ? part.welded->view() : mesh.view();
+        const auto ask = [&](const char* what, const AuditOptions& question) {
+            return stages_.done(
+                what, [&](const Context& context) { return audit(part.result, sliced, question, context); }, &run_.ms[what]);
+        };
+        Audit found = ask("ledger", {.open = false, .volume = false, .crossings = false});
+        found.volume = std::move(ask("certificate", {.open = false, .ledger = false, .crossings = false}).volume);
+        found.crossings = std::move(ask("crossings", {.open = false, .volume = false, .ledger = false}).crossings);
         stages_.interrupt().end_deferring();  // what follows does not look for stop requests
         end_run();
-        const std::vector<ReportMember> members = members_of(run_, mesh);
-        parts.ledger = &ledger;
-        parts.volume = &volume;
-        parts.crossings = &crossings;
+        const std::vector<ReportMember> members = members_of(run_);
+        parts.audit = &found;
         parts.members = members;
         const Stopwatch watch;
-        write_text(arguments_.report, done_or_thrown(make_report_json(result, parts)));
-        run_.report_ms = watch.ms();
+        write_text(arguments_.report, done_or_thrown(make_report_json(part.result, parts)));
+        run_.ms["report"] = watch.ms();
         end_run();
-        print_words(
-            summary(result, parts, run_) + (arguments_.report_to_stdout() ? "" : "report    " + arguments_.report + "\n"),
-            arguments_.output_to_stdout() || arguments_.report_to_stdout());
+        const bool to_stdout = is_standard(arguments_.report);
+        print_words(summary(part, parts, run_) + (to_stdout ? "" : "report    " + arguments_.report + "\n"),
+                    to_stdout || arguments_.output_to_stdout());
+    }
+
+    std::string summary_of(const MeshToSlice& mesh, const std::string& name) {
+        end_run();
+        return summary(job_.parts.back(), {.mesh_name = name, .file = &mesh.about()}, run_);
     }
 
     void end_run() {
-        run_.total_ms = total_.ms();
+        run_.ms["total"] = total_.ms();
         run_.peak_rss_bytes = peak_rss_bytes();
     }
 
-    const CLI::App& command_;
     SliceArguments arguments_;
     Stages stages_;
     OutputJob job_;
-    std::string words_;  ///< the summaries of several meshes
-    MendedMesh mended_;  ///< of the mesh that was sliced last
+    std::vector<std::filesystem::path> files_;  ///< that the outputs come to be, and the report
     std::optional<StreamedOutputs> streamed_;
-    std::optional<Failure> failure_;        ///< of an output, beside others that were written
-    std::optional<ExplicitPlanes> planes_;  ///< of the file whose objects are being sliced
+    std::optional<Failure> failure_;              ///< of an output, beside others that were written
+    std::optional<std::vector<double>> heights_;  ///< of the file whose objects are being sliced
     ToolRun run_;
     Stopwatch total_;
 };

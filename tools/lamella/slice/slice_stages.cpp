@@ -1,135 +1,56 @@
 #include "slice/slice_stages.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
-#include <string_view>
+#include <filesystem>
 #include <utility>
 
-#include "files/scale_words.hpp"
 #include "files/streams.hpp"
-#include "lamella/lamella.hpp"
-#include "outputs/output_checks.hpp"
+#include "outputs/planned_outputs.hpp"
 #include "terminal/console.hpp"
-#include "terminal/failure.hpp"
 #include "terminal/numbers.hpp"
 
 namespace lamella::cli {
 
 namespace {
 
-/// The meshes, and the files that other options name.
-NamedInputs inputs_of(const SliceArguments& arguments) {
-    NamedInputs inputs = {{arguments.image.like, "the file of --like"},
-                          {arguments.transform, "the file of --transform"},
-                          {arguments.planes, "the file of --planes"}};
-    for (const std::string& mesh : arguments.meshes) {
-        inputs.emplace_back(mesh, "the mesh");
-    }
-    return inputs;
-}
-
-void require_report_possible(const SliceArguments& arguments, const std::vector<PlannedOutput>& outputs) {
-    if (arguments.report.empty()) {
-        return;
-    }
-    if (!arguments.layers.empty()) {
-        throw Failure(bad_usage, "--report: not with --layers, as it judges the whole mesh");
-    }
-    if (arguments.mesh_count() > 1) {
-        throw Failure(bad_usage, "--report: one mesh a report, not several");
-    }
-    require_writable(arguments.report);
-    require_no_input(arguments.report, inputs_of(arguments), "--report");
-    for (const std::filesystem::path& output : files_of(outputs, false)) {
-        require_different_output(arguments.report, output.string(), "--report", "--output");
-    }
-}
-
-/// --memory cannot be had together with the report or with standard input.
-void require_ranges_possible(const SliceArguments& arguments) {
-    if (arguments.memory.empty()) {
-        return;
-    }
-    (void)parse_bytes(arguments.memory, "--memory");
-    if (!arguments.report.empty()) {
-        throw Failure(bad_usage, "--memory: --report looks at the whole mesh, which is not held");
-    }
-    if (std::any_of(arguments.meshes.begin(), arguments.meshes.end(), is_standard)) {
-        throw Failure(bad_usage, "--memory: standard input cannot be read twice; write it to a file first");
-    }
-}
-
-/// How to slice the file within --memory.
-FileSliceOptions file_options(const SliceArguments& arguments, const SliceOptions& options) {
-    FileSliceOptions in_file{.slice = options, .hash = arguments.hash};
-    in_file.mm_per_unit = parse_unit(arguments.unit.value_or("mm"), "--unit");
-    in_file.memory_bytes = parse_bytes(arguments.memory, "--memory");
-    in_file.temporary_folder = temporary_folder();
+/// For what a mesh larger than memory does not leave in it.
+std::filesystem::path folder_beside(const SliceArguments& arguments) {
     const char* const asked = std::getenv("TMPDIR");
     // Else beside the output: the system's own folder is often held in memory.
     if ((asked == nullptr || *asked == 0) && !arguments.outputs.outputs.empty() && !arguments.output_to_stdout()) {
         const std::filesystem::path folder = std::filesystem::path(arguments.outputs.outputs.front()).parent_path();
-        in_file.temporary_folder = folder.empty() ? "." : folder;
+        return folder.empty() ? "." : folder;
     }
-    return in_file;
+    return temporary_folder();
 }
 
-/// Lower and upper corner of a mesh in LPS.
-using Box = std::array<std::array<double, 3>, 2>;
-
-Box box_of(const MeshFile& file, const std::string& name, const SliceArguments& arguments) {
-    SliceOptions options = options_of(arguments);
-    options.plan.spacing = ExplicitPlanes{{0}};
-    options.layers = {};
-    options.transform = ImageGeometry{}.slicing_frame(patient_frame_of(file, arguments.image, name));
-    const SliceSummary summary = arguments.memory.empty()
-                                     ? done_or_thrown(slice(file, options)).summary
-                                     : done_or_thrown(outline_file(name, file_options(arguments, options))).facts.summary;
-    return {std::to_array(summary.min_mm), std::to_array(summary.max_mm)};
+std::string why_nothing_is_cut(const Box& box) {
+    return "no plane meets the mesh, which reaches from " + exact_text(box.min_mm[2]) + " to " + exact_text(box.max_mm[2]) +
+           " mm along the slicing direction";
 }
 
-ImageGeometry image_around(const std::vector<MeshFile>& files, const SliceArguments& arguments) {
-    const std::vector<double> spacing = parse_triple(arguments.image.spacing, "--spacing");
-    Box all{};
-    for (std::size_t i = 0; i < files.size(); ++i) {
-        const Box box = box_of(files[i], arguments.meshes[i], arguments);
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            all[0][axis] = i == 0 ? box[0][axis] : std::min(all[0][axis], box[0][axis]);
-            all[1][axis] = i == 0 ? box[1][axis] : std::max(all[1][axis], box[1][axis]);
-        }
-    }
-    return done_or_thrown(geometry_around(all[0], all[1], {spacing[0], spacing[1], spacing[2]}));
+std::string why_nothing_is_left(const SliceInfo& info) {
+    const double offset_mm = info.options.region.offset_mm;
+    return (offset_mm < 0 ? "an offset of " + exact_text(offset_mm) + " mm" : "the fill rule") + " leaves nothing: " +
+           (info.emptied_layers == 1 ? "the one layer that the mesh crosses is empty"
+                                     : "all " + counted(info.emptied_layers, "layer") + " that the mesh crosses are empty");
 }
 
-std::string why_nothing_is_cut(const SliceSummary& found) {
-    return "no plane meets the mesh, which reaches from " + exact_text(found.min_mm[2]) + " to " +
-           exact_text(found.max_mm[2]) + " mm along the slicing direction";
-}
-
-std::string why_nothing_is_left(const SliceResult& result) {
-    const double offset_mm = result.region.offset_mm;
-    const std::string what = offset_mm < 0 ? "an offset of " + exact_text(offset_mm) + " mm" : "the fill rule";
-    return what + " leaves nothing: " +
-           (result.summary.emptied_layers == 1
-                ? "the one layer that the mesh crosses is empty"
-                : "all " + counted(result.summary.emptied_layers, "layer") + " that the mesh crosses are empty");
-}
-
-std::vector<std::string> doubts_of(const SliceResult& result, const SliceArguments& arguments, const MeshFile& mesh,
+std::vector<std::string> doubts_of(const SliceInfo& info, const SliceArguments& arguments, const MeshFile& mesh,
                                    const std::optional<ImageGeometry>& image) {
-    const std::optional<double> distance = least_plane_distance(result.plan);
-    MeasuredMesh measured{.min_mm = result.summary.min_mm,
-                          .max_mm = result.summary.max_mm,
-                          .unit_mm = result.unit_mm,
+    const std::optional<double> distance =
+        arguments.tuning.random_heights ? arguments.tuning.random_heights->min_step_mm : least_plane_distance(info.options);
+    MeasuredMesh measured{.box = info.box,
+                          .grid_mm = info.grid_mm,
                           .plane_distance_mm = distance,
                           .detail_mm = distance.value_or(common_layer_mm),
-                          .moved = !arguments.transform.empty() || !arguments.normal.empty()};
+                          .moved = !arguments.options.frame.transform.is_identity()};
     if (image) {
         measured.detail_mm = std::min({measured.detail_mm, image->spacing_mm[0], image->spacing_mm[1]});
-        for (const auto& corner : {result.summary.min_mm, result.summary.max_mm}) {
-            for (const double at : image->to_lps({corner[0], corner[1], corner[2]})) {
+        for (const std::array<double, 3>& corner : {info.box.min_mm, info.box.max_mm}) {
+            for (const double at : image->to_lps(corner)) {
                 measured.farthest_mm = std::max(measured.farthest_mm.value_or(0), std::abs(at));
             }
         }
@@ -137,109 +58,201 @@ std::vector<std::string> doubts_of(const SliceResult& result, const SliceArgumen
     return doubts_of_scale(arguments, mesh, measured);
 }
 
+/// std::visit() could throw.
+template <class Stream, class Use>
+auto of_its_kind(Stream& stream, Use use) noexcept {
+    auto* const svg = std::get_if<SvgStream>(&stream);
+    return svg != nullptr ? use(*svg) : use(*std::get_if<LayerTableStream>(&stream));
+}
+
+template <class T>
+void copy_to(Array<T>& array, const std::vector<T>& from) {
+    array.resize_discarding(from.size());
+    std::copy(from.begin(), from.end(), array.begin());
+}
+
 }  // namespace
 
-std::vector<PlannedOutput> plan_slice_outputs(const SliceArguments& arguments) {
-    require_ranges_possible(arguments);
-    const NamedInputs inputs = inputs_of(arguments);
-    for (const std::string& output : arguments.outputs.outputs) {
-        require_writable(output);
-        require_no_input(output, inputs, "--output");
+MeshToSlice read_for_slicing(const SliceArguments& arguments, Stages& stages) {
+    MeshToSlice mesh;
+    if (arguments.in_ranges()) {
+        const StreamOptions options{.memory_bytes = arguments.memory_bytes,
+                                    .temporary_folder = folder_beside(arguments),
+                                    .read = {.mm_per_unit = arguments.unit_mm.value_or(1)}};
+        mesh.stream = done_or_thrown(open_mesh(arguments.mesh, options));
+    } else {
+        mesh.file = read_mesh_of(arguments, stages.bar());
     }
-    std::vector<PlannedOutput> outputs =
-        plan_outputs(arguments.outputs, arguments.mesh_count(), arguments.image.given(), arguments.image.subslices, inputs);
-    require_report_possible(arguments, outputs);
-    return outputs;
-}
-
-std::vector<std::filesystem::path> files_to_write(const SliceArguments& arguments,
-                                                  const std::vector<PlannedOutput>& outputs) {
-    std::vector<std::filesystem::path> files = files_of(outputs, arguments.mesh_count() > 1);
-    files.emplace_back(arguments.report);
-    return files;
-}
-
-MeshFile read_for_slicing(const SliceArguments& arguments, Stages& stages) {
-    MeshFile mesh = arguments.memory.empty() ? read_mesh_of(arguments, stages.bar())
-                                             : done_or_thrown(describe_file(arguments.mesh, file_options(arguments, {})));
+    mesh.warnings = mesh.about().warnings;
     const PatientFrame asked = arguments.image.frame;
-    if (asked != PatientFrame::unstated && mesh.patient_frame != PatientFrame::unstated && mesh.patient_frame != asked) {
-        mesh.warnings.push_back(arguments.name() + ": states the patient frame " + std::string(name_of(mesh.patient_frame)) +
+    const PatientFrame stated = mesh.about().patient_frame;
+    if (asked != PatientFrame::unstated && stated != PatientFrame::unstated && stated != asked) {
+        mesh.warnings.push_back(arguments.name() + ": states the patient frame " + std::string(name_of(stated)) +
                                 ", which holds instead of --frame " + std::string(name_of(asked)));
     }
     return mesh;
 }
 
-ImageGeometry image_for(const std::vector<MeshFile>& files, const SliceArguments& arguments) {
-    return arguments.image.like.empty() ? image_around(files, arguments) : read_image_of(arguments.image);
-}
-
-MendedMesh mend_mesh(const MeshFile& mesh, const SliceArguments& arguments, Stages& stages, ToolRun& run) {
-    MendedMesh mended;
+void mend(MeshToSlice& mesh, const SliceArguments& arguments, Stages& stages, ToolRun& run) {
+    mesh.welded.reset();
+    mesh.oriented.reset();
     if (arguments.weld_mm) {
-        const auto join = [&](const Control& control) {
-            return weld(mesh, {.tolerance_mm = *arguments.weld_mm, .control = control});
-        };
+        const auto join = [&](const Context& context) { return weld(mesh.view(), *arguments.weld_mm, context); };
         const Stopwatch watch;
-        mended.welded = done_or_thrown(stages.run("welding", join), arguments.name());
-        run.weld_ms = watch.ms();
+        mesh.welded = done_or_thrown(stages.run("welding", join), arguments.name());
+        run.ms["weld"] = watch.ms();
     }
     if (arguments.orient_shells) {
-        const MeshView view = mended.welded ? mended.welded->view() : mesh.view();
-        const auto turn = [&](const Control& control) {
-            return orient_shells(view, {.mm_per_unit = mesh.mm_per_unit, .control = control});
-        };
-        mended.oriented = done_or_thrown(stages.run("turning shells", turn), arguments.name());
-        run.shells = mended.oriented->shells;
-        run.turned_shells = mended.oriented->turned_shells;
+        const auto turn = [&](const Context& context) { return orient_shells(mesh.view(), 0, context); };
+        mesh.oriented = done_or_thrown(stages.run("turning shells", turn), arguments.name());
+        run.shells = mesh.oriented->shells;
+        run.turned_shells = mesh.oriented->turned_shells;
     }
-    return mended;
 }
 
-SliceResult cut_mesh(const MeshFile& mesh, const MendedMesh& mended, SliceOptions options, const SliceArguments& arguments,
-                     StreamedOutputs* streamed, Stages& stages, ToolRun& run) {
-    const bool in_ranges = !arguments.memory.empty();
-    Result<SliceResult> result = stages.run("slicing", [&](const Control& control) {
-        options.control = control;
-        return in_ranges         ? slice_in_ranges(arguments.mesh, file_options(arguments, options), streamed, run)
-               : mended.oriented ? slice(mended.oriented->mesh, options)
-               : mended.welded   ? slice(*mended.welded, options)
-                                 : slice(mesh, options);
-    });
-    if (!result && result.error().code == ErrorCode::empty_mesh && mended.welded && mended.welded->joined > 0) {
-        throw Failure(bad_input, arguments.name() + ": welding at " + exact_text(*arguments.weld_mm) +
-                                     " mm leaves nothing: " + result.error().message);
+ImageGeometry image_for(const std::vector<MeshToSlice>& meshes, const SliceArguments& arguments) {
+    if (!arguments.image.like.empty()) {
+        return read_image_of(arguments.image);
     }
-    SliceResult sliced = in_ranges ? done_or_thrown(std::move(result)) : done_or_thrown(std::move(result), arguments.name());
-    if (arguments.hash && !in_ranges) {
-        run.hash = hash_result(sliced);
+    const std::vector<double> spacing = parse_triple(arguments.image.spacing, "--spacing");
+    Box all;
+    for (std::size_t i = 0; i < meshes.size(); ++i) {
+        SliceOptions options = arguments.options;
+        const PatientFrame frame = patient_frame_of(meshes[i].about(), arguments.image, arguments.meshes[i]);
+        cut_at(options, {}, ImageGeometry{}.slicing_frame(frame));
+        const Box box = done_or_thrown(Slicer().outline(meshes[i].source(), options)).box;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            all.min_mm[axis] = i == 0 ? box.min_mm[axis] : std::min(all.min_mm[axis], box.min_mm[axis]);
+            all.max_mm[axis] = i == 0 ? box.max_mm[axis] : std::max(all.max_mm[axis], box.max_mm[axis]);
+        }
     }
-    return sliced;
+    return done_or_thrown(geometry_around(all, {spacing[0], spacing[1], spacing[2]}));
 }
 
-std::vector<std::string> warnings_of(const SlicedPart& part, std::optional<std::uint64_t> contours,
-                                     const SliceArguments& arguments, const MeshFile& mesh,
+std::vector<std::string> warnings_of(const SlicedPart& part, const SliceArguments& arguments, const MeshFile& mesh,
                                      const std::optional<ImageGeometry>& image) {
-    const SliceSummary& summary = part.result.summary;
+    const SliceInfo& info = part.result.info;
     std::vector<std::string> warnings;
     if (part.open.layers > 0 && !arguments.outputs.strict) {  // which says the same
-        warnings.push_back(arguments.name() + (arguments.split ? ", " + part.name : "") + ": " +
-                           describe(part.open, "--close-gaps "));
+        warnings.push_back(arguments.name() + (arguments.split ? ", " + part.name : "") + ": " + describe_open(part.open));
     }
-    if (summary.segments == 0) {
-        warnings.push_back(why_nothing_is_cut(summary));
+    if (info.segments == 0) {
+        warnings.push_back(why_nothing_is_cut(info.box));
     }
-    if (summary.emptied_layers > 0 && contours.value_or(part.result.contours.size()) == 0) {
-        warnings.push_back(why_nothing_is_left(part.result));
+    if (info.emptied_layers > 0 && info.contours == 0) {
+        warnings.push_back(why_nothing_is_left(info));
     }
-    if (summary.cancelled_layers > 0) {
-        warnings.push_back("in " + counted(summary.cancelled_layers, "layer") +
+    if (info.cancelled_layers > 0) {
+        warnings.push_back("in " + counted(info.cancelled_layers, "layer") +
                            " shells turned inwards overlap others, and where they do, both cancel: solid is missing there; "
                            "--orient-shells turns each shell outwards unless it bounds a cavity");
     }
-    const std::vector<std::string> doubts = doubts_of(part.result, arguments, mesh, image);
+    const std::vector<std::string> doubts = doubts_of(info, arguments, mesh, image);
     warnings.insert(warnings.end(), doubts.begin(), doubts.end());
     return warnings;
+}
+
+bool StreamedOutputs::serve(const std::vector<PlannedOutput>& outputs) {
+    return std::all_of(outputs.begin(), outputs.end(), [](const PlannedOutput& output) {
+        return output.format == OutputFormat::svg || output.format == OutputFormat::csv ||
+               output.format == OutputFormat::json_lines;
+    });
+}
+
+Status StreamedOutputs::slice(SlicedPart& part, const Source& mesh, const SliceOptions& options, const Tuning& tuning,
+                              bool hash, Context context) {
+    const Context asked{.stop = context.stop};
+    const auto stop = [&]() noexcept { return out_of_memory_ || failed() || (asked.stop && asked.stop()); };
+    hash = hash ||
+           std::any_of(outputs_.begin(), outputs_.end(), [](const PlannedOutput& output) { return output.has_record(); });
+    const auto begin_all = [&](const SliceInfo& info) noexcept { begin(info, hash); };
+    const auto take_layer = [&](const LayerView& view) noexcept { take(view, asked); };
+    context.stop = stop;
+    direction_ = options.stitch_direction;
+    Slicer slicer;
+    const LayerSink sink{.take = take_layer, .begin = begin_all};
+    const Result<SliceInfo> info = slice_tuned(slicer, sink, mesh, options, tuning, context);
+    if (out_of_memory_) {
+        return Error{ErrorCode::out_of_memory, "out of memory"};
+    }
+    if (failed()) {
+        finish();  // throws
+    }
+    if (!info) {
+        return info.error();
+    }
+    copy_to(part.result.layers, layers_);
+    copy_to(part.result.stitches, stitches_);
+    part.result.info = *info;
+    if (hash_) {
+        part.hash = hash_->value();
+    }
+    part.open = open_;
+    return {};
+}
+
+void StreamedOutputs::begin(const SliceInfo& info, bool hash) noexcept {
+    if (hash) {
+        hash_.emplace(info.layers);
+    }
+    try {
+        for (const PlannedOutput& output : outputs_) {
+            Result<Stream> stream = open(output, info);
+            if (!stream) {
+                begun_ = stream.error();
+                return;
+            }
+            streams_.push_back(std::move(stream).value());
+        }
+    } catch (...) {
+        out_of_memory_ = true;
+    }
+}
+
+Result<StreamedOutputs::Stream> StreamedOutputs::open(const PlannedOutput& output, const SliceInfo& info) const {
+    const auto as_stream = [](auto begun) -> Result<Stream> {
+        return begun ? Result<Stream>(Stream(std::move(begun).value())) : begun.error();
+    };
+    return output.format == OutputFormat::svg ? as_stream(SvgStream::begin(info, output_path(output.path)))
+                                              : as_stream(LayerTableStream::begin(mesh_name_, output.path, image_));
+}
+
+void StreamedOutputs::take(const LayerView& view, const Context& context) noexcept {
+    if (hash_) {
+        hash_->add(view);
+    }
+    try {
+        layers_.push_back(view);
+        const Result<OpenLayers> open = find_open_layer(view, direction_, context);
+        out_of_memory_ = out_of_memory_ || (!open && open.error().code == ErrorCode::out_of_memory);
+        open_.add(open ? *open : OpenLayers{});
+        stitches_.insert(stitches_.end(), view.stitches.begin(), view.stitches.end());
+    } catch (...) {
+        out_of_memory_ = true;
+    }
+    for (Stream& stream : streams_) {
+        of_its_kind(stream, [&](auto& own) { own.add(view); });
+    }
+}
+
+bool StreamedOutputs::has_failed(const Stream& stream) noexcept {
+    return of_its_kind(stream, [](const auto& own) { return own.failed(); });
+}
+
+bool StreamedOutputs::failed() const noexcept {
+    return !begun_ || std::any_of(streams_.begin(), streams_.end(), has_failed);
+}
+
+void StreamedOutputs::finish() {
+    Status status = begun_;
+    // Streams that failed come first: they ended the slicing, and the others lack layers.
+    std::stable_partition(streams_.begin(), streams_.end(), has_failed);
+    for (Stream& stream : streams_) {
+        if (status) {
+            status = of_its_kind(stream, [](auto& own) { return own.finish(); });
+        }
+    }
+    done_or_thrown(status);
 }
 
 }  // namespace lamella::cli

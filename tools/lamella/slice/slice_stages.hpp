@@ -1,65 +1,91 @@
-// The stages of lamella slice, in their order. All throw Failure.
+// The stages of lamella slice: the mesh that is read and mended, its image, what is warned of, and outputs that are written
+// while it is sliced; and the summary for people, with the members that the tool adds to the report.
 #pragma once
 
 #include <atomic>
-#include <filesystem>
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
-#include "lamella/io/mesh_file.hpp"
+#include "lamella/io/mesh_stream.hpp"
+#include "lamella/io/report.hpp"
 #include "lamella/io/svg.hpp"
 #include "lamella/medical/geometry.hpp"
 #include "lamella/medical/table.hpp"
-#include "lamella/mesh/orient.hpp"
-#include "lamella/mesh/weld.hpp"
-#include "lamella/slice_file.hpp"
+#include "lamella/weld.hpp"
 #include "outputs/write_outputs.hpp"
 #include "slice/slice_arguments.hpp"
-#include "slice/slice_summary.hpp"
+#include "slicing/tuning.hpp"
 #include "terminal/stages.hpp"
 
 namespace lamella::cli {
 
-/// The outputs, before any work is done. (bad_usage, bad_output) where an output or the report could not be written, or
-/// would overwrite a mesh, the file of another option or another output.
-std::vector<PlannedOutput> plan_slice_outputs(const SliceArguments& arguments);
-
-/// All files that come of them, with the report.
-std::vector<std::filesystem::path> files_to_write(const SliceArguments& arguments,
-                                                  const std::vector<PlannedOutput>& outputs);
-
-/// The mesh, or within --memory what its file's beginning says of it.
-MeshFile read_for_slicing(const SliceArguments& arguments, Stages& stages);
-
-/// The image of --like, if there is one, or the voxels of --spacing around all meshes.
-ImageGeometry image_for(const std::vector<MeshFile>& files, const SliceArguments& arguments);
-
-/// Takes the place of a mesh as its file has it.
-struct MendedMesh {
-    std::optional<WeldedMesh> welded{};
-    std::optional<OrientedMesh> oriented{};  ///< after welding
+/// The tool's own work on the mesh that was sliced last, and the time that it took.
+struct ToolRun {
+    std::vector<std::string> outputs{};  ///< the files that were written, or -
+    /// Stages of the tool, by the names of the report. That of the report itself, which has only the making, is "report".
+    std::map<std::string_view, double> ms{};
+    std::uint64_t peak_rss_bytes = 0;
+    std::vector<std::string> warnings{};
+    std::uint64_t shells = 0;         ///< looked at by --orient-shells
+    std::uint64_t turned_shells = 0;  ///< of these
+    std::optional<RandomHeights> random_heights{};
+    bool print_hash = false;
+    std::string ranges{};  ///< how a mesh larger than memory was sliced, a line
 };
 
-/// By --weld and --orient-shells. Fills in `run`.
-MendedMesh mend_mesh(const MeshFile& mesh, const SliceArguments& arguments, Stages& stages, ToolRun& run);
+/// The members that the tool adds to the report. They refer to `run`.
+std::vector<ReportMember> members_of(const ToolRun& run);
 
-/// Outputs of a mesh larger than memory, that are written while it is sliced: each layer is cut, written, forgotten.
+/// Some lines, each a keyword and what there is to say, with a final newline.
+std::string summary(const SlicedPart& part, const ReportParts& parts, const ToolRun& run);
+
+/// The mesh that is sliced: a file, mended or not, or within --memory a stream of it.
+struct MeshToSlice {
+    MeshFile file;
+    std::optional<MeshStream> stream{};      ///< in place of the file
+    std::optional<WeldedMesh> welded{};      ///< in place of the file
+    std::optional<OrientedMesh> oriented{};  ///< after welding
+    std::vector<std::string> warnings{};     ///< of reading
+
+    const MeshFile& about() const noexcept { return stream ? stream->about() : file; }
+    /// The triangles that are sliced. Precondition: no stream.
+    MeshView view() const noexcept { return oriented ? oriented->view() : welded ? welded->view() : file.view(); }
+    Source source() const noexcept { return stream ? stream->view() : Source(view()); }
+};
+
+/// The mesh, or within --memory a stream of it. Throws Failure, as all that follow.
+MeshToSlice read_for_slicing(const SliceArguments& arguments, Stages& stages);
+
+/// By --weld and --orient-shells. Fills in `run`.
+void mend(MeshToSlice& mesh, const SliceArguments& arguments, Stages& stages, ToolRun& run);
+
+/// The image of --like, if there is one, or the voxels of --spacing around all meshes.
+ImageGeometry image_for(const std::vector<MeshToSlice>& meshes, const SliceArguments& arguments);
+
+/// Warnings of open layers, layers of which nothing is cut or left, solid that is taken away, doubts of the mesh's scale.
+/// `image`: whose slices were cut.
+std::vector<std::string> warnings_of(const SlicedPart& part, const SliceArguments& arguments, const MeshFile& mesh,
+                                     const std::optional<ImageGeometry>& image);
+
+/// Outputs of a mesh larger than memory: each layer is cut, written, forgotten.
 class StreamedOutputs {
 public:
     /// True if all of them are of formats that take one layer after the other: SVG and tables.
     static bool serve(const std::vector<PlannedOutput>& outputs);
 
     /// `mesh_name`: of the rows of tables. `image`: at whose slices the mesh is cut, or null; it must outlive this.
-    StreamedOutputs(std::vector<PlannedOutput> outputs, std::string mesh_name, const ImageGeometry* image);
+    StreamedOutputs(std::vector<PlannedOutput> outputs, std::string mesh_name, const ImageGeometry* image)
+        : outputs_(std::move(outputs)), mesh_name_(std::move(mesh_name)), image_(image) {}
 
-    /// The result has layers and closed gaps only. Fills in `run`. Errors: those of slice_file(). Throws Failure where an
-    /// output cannot be written.
-    Result<SliceResult> slice(const std::string& mesh, FileSliceOptions options, ToolRun& run);
-
-    /// Takes a layer from slice_file().
-    void operator()(const LayerView& view) noexcept;
+    /// The part's result gets layers and stitches only; its open layers, and its hash where `hash` asks for it or an output
+    /// has a record, are found on the way. Errors: those of slicing. Throws Failure where an output cannot be written.
+    Status slice(SlicedPart& part, const Source& mesh, const SliceOptions& options, const Tuning& tuning, bool hash,
+                 Context context);
 
     /// Puts the files in their places, or none where some failed before. Throws Failure.
     void finish();
@@ -68,8 +94,9 @@ private:
     using Stream = std::variant<SvgStream, LayerTableStream>;
 
     static bool has_failed(const Stream& stream) noexcept;
-    Result<Stream> open(const PlannedOutput& output, const FileOutline& outline) const;
-    void begin(const FileOutline& outline) noexcept;
+    Result<Stream> open(const PlannedOutput& output, const SliceInfo& info) const;
+    void begin(const SliceInfo& info, bool hash) noexcept;
+    void take(const LayerView& view, const Context& context) noexcept;
     bool failed() const noexcept;
 
     std::vector<PlannedOutput> outputs_;
@@ -77,27 +104,12 @@ private:
     const ImageGeometry* image_;
     std::vector<Stream> streams_;
     Status begun_;
-    SliceResult facts_;  ///< what the summary tells of, as the following
+    std::optional<LayerHash> hash_;
     std::vector<Layer> layers_;
-    std::vector<ClosedGap> gaps_;
+    std::vector<Stitch> stitches_;
     OpenLayers open_;
-    StopCheck stop_;
+    StitchDirection direction_ = StitchDirection::oriented;
     std::atomic<bool> out_of_memory_ = false;
 };
-
-/// Slices within --memory. The `outputs` take layers as they are cut; null: the result holds everything. Fills in `run`.
-/// Errors: those of slice_file().
-Result<SliceResult> slice_in_ranges(const std::string& mesh, const FileSliceOptions& options, StreamedOutputs* outputs,
-                                    ToolRun& run);
-
-/// `streamed`: outputs that take layers as they are cut, or null. Fills in `run`.
-SliceResult cut_mesh(const MeshFile& mesh, const MendedMesh& mended, SliceOptions options, const SliceArguments& arguments,
-                     StreamedOutputs* streamed, Stages& stages, ToolRun& run);
-
-/// Warnings of open layers, layers of which nothing is cut or left, solid that is taken away, doubts of the mesh's scale.
-/// `contours`: of a result that keeps its layers only. `image`: whose slices were cut.
-std::vector<std::string> warnings_of(const SlicedPart& part, std::optional<std::uint64_t> contours,
-                                     const SliceArguments& arguments, const MeshFile& mesh,
-                                     const std::optional<ImageGeometry>& image);
 
 }  // namespace lamella::cli

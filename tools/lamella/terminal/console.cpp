@@ -4,13 +4,12 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <system_error>
 
 #include <unistd.h>
-
-#include "terminal/failure.hpp"
 
 namespace lamella::cli {
 
@@ -52,6 +51,14 @@ std::string rounded(double value, int decimals) {
 std::string exact_text(double value) {
     std::array<char, 32> text{};  // The longest shortest form has 24 characters.
     return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
+
+std::string measure_text(double value) {
+    if (value == 0 || !std::isfinite(value)) {
+        return rounded(value, 3);
+    }
+    const int digits_before_point = static_cast<int>(std::floor(std::log10(std::abs(value)))) + 1;
+    return rounded(value, std::max(3, 6 - digits_before_point));
 }
 
 std::string hexadecimal(std::uint64_t value) {

@@ -1,15 +1,86 @@
-// Text for people: counts with separators, the progress bar, single-line messages.
+// Text for people: counts with separators, the progress bar, single-line messages. And how a command fails: by one line for
+// a person and an exit status for a script.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
+#include "lamella/error.hpp"
 #include "lamella/io/name_text.hpp"
 
 namespace lamella::cli {
+
+enum ExitStatus : int {
+    done = 0,
+    bad_usage = 2,
+    bad_input = 3,
+    bad_output = 4,
+    some_failed = 5,  ///< items of a batch, or outputs that differ from their records
+};
+
+class Failure : public std::runtime_error {
+public:
+    Failure(ExitStatus status, const std::string& line) : std::runtime_error(line), status_(status) {}
+    ExitStatus status() const noexcept { return status_; }
+
+private:
+    ExitStatus status_;
+};
+
+inline void refuse_if(bool wrong, ExitStatus status, const std::string& line) {
+    if (wrong) {
+        throw Failure(status, line);
+    }
+}
+
+/// The exit status and line for an error of the library.
+inline Failure failure_of(const Error& error) {
+    switch (error.code) {
+        case ErrorCode::invalid_argument:
+        case ErrorCode::bad_planes:
+        case ErrorCode::result_too_large:
+            return {bad_usage, error.message};
+        case ErrorCode::unwritable_file:
+            return {bad_output, error.message};
+        case ErrorCode::unreadable_file:
+        case ErrorCode::malformed_mesh:
+        case ErrorCode::empty_mesh:
+        case ErrorCode::bad_coordinate:
+        case ErrorCode::out_of_memory:
+        case ErrorCode::cancelled:
+            break;
+    }
+    return {bad_input, error.message};
+}
+
+/// Throws Failure unless the library did what it was asked for.
+inline void done_or_thrown(const Status& status) {
+    if (!status) {
+        throw failure_of(status.error());
+    }
+}
+
+/// The same for a mesh: a line on what is wrong with it names it; one on an option says all.
+inline void done_or_thrown(const Status& status, const std::string& mesh) {
+    if (!status) {
+        const Failure failure = failure_of(status.error());
+        throw failure.status() == bad_input ? Failure(bad_input, mesh + ": " + failure.what()) : failure;
+    }
+}
+
+/// The value that the library made. Throws Failure where it made none. `mesh`: likewise.
+template <class T, class... Name>
+T done_or_thrown(Result<T> result, const Name&... mesh) {
+    if (!result) {
+        done_or_thrown(Status(result.error()), mesh...);
+    }
+    return std::move(result).value();
+}
 
 inline constexpr int most_threads = 4096;  ///< that --threads takes
 
@@ -26,11 +97,19 @@ std::string grouped(std::uint64_t count);
 /// "1 triangle", "1,234 triangles"; `plural` where an s does not make it.
 std::string counted(std::uint64_t count, std::string_view noun, std::string_view plural = {});
 
+/// The text, or nothing.
+inline std::string when(bool so, std::string text) {
+    return so ? std::move(text) : std::string();
+}
+
 /// With so many decimals.
 std::string rounded(double value, int decimals);
 
 /// Shortest decimal text that reads back as the same number.
 std::string exact_text(double value);
+
+/// For people, with at least six digits.
+std::string measure_text(double value);
 
 /// 16 digits.
 std::string hexadecimal(std::uint64_t value);

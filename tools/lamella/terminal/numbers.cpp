@@ -2,15 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
+#include <memory>
 #include <system_error>
 #include <utility>
 
-#include "files/text_input.hpp"
-#include "lamella/grid.hpp"
 #include "terminal/console.hpp"
-#include "terminal/failure.hpp"
 
 namespace lamella::cli {
 
@@ -30,7 +30,7 @@ std::string quoted(std::string_view word) {
     return "'" + printable(word.substr(0, longest)) + (word.size() > longest ? "...'" : "'");
 }
 
-/// What stands between white space and semicolons.
+/// Stands between white space and semicolons.
 struct Word {
     std::string_view text;
     std::size_t line;
@@ -58,7 +58,7 @@ WordList words_of(std::string_view text) {
     return list;
 }
 
-/// Whether commas are decimal ones: in columns of whole numbers and such as 0,5. Throws Failure of a file that may be read
+/// True if commas are decimal ones: in columns of whole numbers and such as 0,5. Throws Failure of a file that may be read
 /// in both ways.
 bool has_decimal_commas(const WordList& list, const std::string& path) {
     const auto separates = [](const Word& word) {
@@ -104,7 +104,7 @@ std::optional<double> parse_number(std::string_view text) noexcept {
     return value;
 }
 
-double parse_unit(const std::string& text, const std::string& option) {
+std::optional<double> parse_unit(std::string_view text) noexcept {
     constexpr std::array<std::pair<std::string_view, double>, 6> units = {
         {{"mm", 1}, {"um", 0.001}, {"cm", 10}, {"m", 1000}, {"in", 25.4}, {"ft", 304.8}}};
     for (const auto& [name, mm] : units) {
@@ -113,10 +113,7 @@ double parse_unit(const std::string& text, const std::string& option) {
         }
     }
     const std::optional<double> mm = parse_number(text);
-    if (!mm || *mm <= 0) {
-        throw Failure(bad_usage, option + ": '" + text + "' is neither mm, um, cm, m, in, ft nor a positive number of mm");
-    }
-    return *mm;
+    return mm && *mm > 0 ? mm : std::nullopt;
 }
 
 std::optional<std::vector<double>> parse_list(std::string_view text) {
@@ -143,32 +140,6 @@ std::vector<double> parse_triple(std::string_view text, const std::string& optio
     return *std::move(values);
 }
 
-double parse_grid(const std::string& text) {
-    if (text.empty()) {
-        return 0;
-    }
-    if (text == "auto") {
-        return unit_by_box;
-    }
-    const std::optional<double> unit = parse_number(text);
-    if (!unit) {
-        throw Failure(bad_usage, "--grid: '" + text + "' is neither a number of mm nor auto");
-    }
-    require_positive(unit, "--grid");
-    return *unit;
-}
-
-double parse_gaps(const std::string& text) {
-    if (lower_case(text) == "auto") {
-        return gaps_by_mesh;
-    }
-    const std::optional<double> length = parse_number(text);
-    if (!length || !(*length >= 0 && std::isfinite(*length))) {
-        throw Failure(bad_usage, "--close-gaps: '" + text + "' is neither a number of mm that is at least 0 nor auto");
-    }
-    return *length;
-}
-
 std::uint64_t parse_bytes(const std::string& text, const std::string& option) {
     std::uint64_t bytes = 0;
     const char* const end = text.data() + text.size();
@@ -188,24 +159,14 @@ std::uint64_t parse_bytes(const std::string& text, const std::string& option) {
     return bytes << shift;
 }
 
-LayerRange parse_layers(const std::string& text, const std::string& option) {
+bool parse_layers(std::string_view text, std::uint64_t& first, std::uint64_t& end) {
     const auto part = [](std::string_view digits, std::uint64_t& value) {
-        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-        return digits.empty() || (end == digits.data() + digits.size() && error == std::errc());
+        const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+        return digits.empty() || (stop == digits.data() + digits.size() && error == std::errc());
     };
-    const std::size_t colon = std::min(text.find(':'), text.size());
-    LayerRange range;
-    if (colon == text.size() || !part(std::string_view(text).substr(0, colon), range.first) ||
-        !part(std::string_view(text).substr(colon + 1), range.end) || range.first >= range.end) {
-        throw Failure(bad_usage, option + ": '" + text + "' is not A:B with A < B, such as 0:100");
-    }
-    return range;
-}
-
-void require_positive(const std::optional<double>& value_mm, const std::string& option) {
-    if (value_mm && !(*value_mm > 0 && std::isfinite(*value_mm))) {
-        throw Failure(bad_usage, option + ": not a positive number of mm");
-    }
+    const std::size_t colon = text.find(':');
+    return colon != std::string_view::npos && part(text.substr(0, colon), first) && part(text.substr(colon + 1), end) &&
+           first < end;
 }
 
 bool is_decimal_comma(std::string_view text) noexcept {
@@ -219,6 +180,37 @@ std::string with_point(std::string_view text) {
     std::string number(text);
     std::replace(number.begin(), number.end(), ',', '.');
     return number;
+}
+
+std::string read_text(const std::string& path) {
+    constexpr std::size_t most_bytes = std::size_t{1} << 30;
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
+    std::string text;
+    std::vector<char> piece(std::size_t{1} << 16);
+    std::size_t count = 0;
+    while (file && (count = std::fread(piece.data(), 1, piece.size(), file.get())) > 0) {
+        text.append(piece.data(), count);
+        refuse_if(text.size() > most_bytes, bad_input, path + ": larger than 1 GiB, too large for such a file");
+    }
+    refuse_if(!file || std::ferror(file.get()) != 0, bad_input,
+              "cannot read '" + path + "': " + std::generic_category().message(errno));
+    const std::string_view start = std::string_view(text).substr(0, 2);
+    refuse_if(start == "\xff\xfe" || start == "\xfe\xff" || start.find('\0') != std::string_view::npos, bad_input,
+              path + ": is text in UTF-16: save it as UTF-8");
+    if (text.starts_with("\xef\xbb\xbf")) {
+        text.erase(0, 3);
+    }
+    return text;
+}
+
+std::vector<std::string_view> split(std::string_view text, char separator) {
+    std::vector<std::string_view> pieces;
+    for (std::size_t end = text.find(separator); end != std::string_view::npos; end = text.find(separator)) {
+        pieces.push_back(text.substr(0, end));
+        text.remove_prefix(end + 1);
+    }
+    pieces.push_back(text);
+    return pieces;
 }
 
 NumberFile read_numbers(const std::string& path) {

@@ -1,4 +1,4 @@
-// Numbers as people write them: on the command line, separated by commas, and in small text files.
+// Numbers and small text files as people write them: on the command line, in manifests, heights, matrices.
 #pragma once
 
 #include <cstddef>
@@ -7,8 +7,6 @@
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "lamella/planes.hpp"
 
 namespace lamella::cli {
 
@@ -21,24 +19,22 @@ std::optional<std::vector<double>> parse_list(std::string_view text);
 /// Exactly three numbers with commas between; throws Failure naming `option`.
 std::vector<double> parse_triple(std::string_view text, const std::string& option);
 
-/// mm in a "mm", "um", "cm", "m", "in" or "ft", or in so many mm as the number says; throws Failure naming `option`.
-double parse_unit(const std::string& text, const std::string& option);
-
-/// The grid's unit in mm: a number of them, unit_by_box for "auto", 0 for "". Throws Failure naming --grid.
-double parse_grid(const std::string& text);
-
-/// The length of --close-gaps in mm: a number of them, gaps_by_mesh for "auto". Throws Failure naming --close-gaps.
-double parse_gaps(const std::string& text);
+/// mm in a "mm", "um", "cm", "m", "in" or "ft", or in so many mm as the number says; nothing where it is none of these.
+std::optional<double> parse_unit(std::string_view text) noexcept;
 
 /// A number of bytes, at least 1: "1500000", "200K", "512M", "2GB", "1TiB", all of powers of 1024. Throws Failure naming
 /// `option`.
 std::uint64_t parse_bytes(const std::string& text, const std::string& option);
 
-/// "A:B", "A:" or ":B": layers from A up to, but not with, B. Throws Failure naming `option`.
-LayerRange parse_layers(const std::string& text, const std::string& option);
+/// "A:B", "A:" or ":B": layers from A up to, but not with, B. False where it is none of these; what is not given stays.
+bool parse_layers(std::string_view text, std::uint64_t& first, std::uint64_t& end);
 
-/// Throws Failure naming `option`.
-void require_positive(const std::optional<double>& value_mm, const std::string& option);
+/// All of the file, but for a byte-order mark. Throws Failure (bad_input) of one that cannot be read, is larger than 1 GiB
+/// or is in UTF-16.
+std::string read_text(const std::string& path);
+
+/// The pieces between separators, of which one more than of these: text that ends with one has an empty last piece.
+std::vector<std::string_view> split(std::string_view text, char separator);
 
 struct NumberFile {
     std::vector<double> values;
@@ -49,7 +45,7 @@ struct NumberFile {
 /// commas may be decimal ones. Throws Failure naming the file and the line.
 NumberFile read_numbers(const std::string& path);
 
-/// Whether all of `text` is digits with one comma between them, as 0,5.
+/// True if all of `text` is digits with one comma between them, as 0,5.
 bool is_decimal_comma(std::string_view text) noexcept;
 /// Its comma as a point.
 std::string with_point(std::string_view text);

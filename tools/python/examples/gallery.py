@@ -24,9 +24,9 @@ def one_layer(mesh, axes):
 
 
 def oblique_section(mesh, axes):
-    box = lamella.slice(mesh, layer_height=1).summary
+    box = lamella.slice(mesh, layer_height=1).info
     middle = (np.array(box["min"]) + box["max"]) / 2
-    lamella.section(mesh, middle, normal=[1, 0.2, 0.1], close_gaps=0.1).plot(axes)
+    lamella.section(mesh, middle, normal=[1, 0.2, 0.1], stitch=0.1).plot(axes)
 
 
 def places_of_faults(mesh, axes):

@@ -1,157 +1,182 @@
-// Meshes: in arrays of Python, from files, welded.
+// Meshes: in arrays of Python, from files, welded, turned, checked.
+#include <pybind11/stl.h>
+
+#include <cstddef>
 #include <filesystem>
 
+#include "lamella/check.hpp"
+#include "lamella/io/check_report.hpp"
 #include "lamella/io/mesh_file.hpp"
-#include "lamella/mesh/orient.hpp"
-#include "lamella/mesh/weld.hpp"
+#include "lamella/weld.hpp"
 #include "native.hpp"
 
 namespace lamella::python {
 
 namespace {
 
-CoordinateType coordinate_type_of(const py::array& numbers) {
+Number number_of(const py::array& numbers) {
     const bool wide = numbers.itemsize() == 8;
     if (numbers.dtype().kind() == 'f') {
-        return wide ? CoordinateType::f64 : CoordinateType::f32;
+        return wide ? Number::f64 : Number::f32;
     }
-    return wide ? CoordinateType::i64 : CoordinateType::i32;
+    return wide ? Number::i64 : Number::i32;
 }
 
-MeshView mesh_of(const py::array& vertices, const py::object& faces) {
-    const auto* const first = static_cast<const std::byte*>(vertices.data());
+MeshView mesh_of(const py::array& vertices, const py::object& faces, double mm_per_unit) {
     const auto rows = static_cast<std::size_t>(vertices.shape(0));
-    const auto stride = static_cast<std::size_t>(vertices.strides(0));
-    const CoordinateType type = coordinate_type_of(vertices);
+    MeshView mesh{.vertices = vertices.data(),
+                  .vertex_stride = static_cast<std::size_t>(vertices.strides(0)),
+                  .vertex_type = number_of(vertices),
+                  .mm_per_unit = mm_per_unit};
     if (faces.is_none()) {
-        return MeshView::strided_soup(first, rows, stride, type);
+        mesh.triangle_count = rows;
+        return mesh;
     }
     const auto indices = py::reinterpret_borrow<py::array>(faces);
-    return MeshView::indexed(first, rows, stride, type, static_cast<const std::byte*>(indices.data()),
-                             static_cast<std::size_t>(indices.shape(0)), static_cast<std::size_t>(indices.strides(0)),
-                             indices.itemsize() == 4 ? IndexType::u32 : IndexType::u64);
+    mesh.vertex_count = rows;
+    mesh.triangle_count = static_cast<std::size_t>(indices.shape(0));
+    mesh.indices = indices.data();
+    mesh.index_stride = static_cast<std::size_t>(indices.strides(0));
+    mesh.index_type = indices.itemsize() == 4 ? Number::u32 : Number::u64;
+    return mesh;
 }
 
-py::array rows_of(const void* data, CoordinateType type, std::size_t rows, std::size_t stride, int width,
-                  const py::handle& owner) {
-    const py::dtype number = type == CoordinateType::f32 ? py::dtype::of<float>() : py::dtype::of<double>();
+py::array rows_of(const void* data, const py::dtype& number, std::size_t rows, std::size_t step, int width,
+                  const py::object& owner) {
     return read_only(py::array(number, {static_cast<py::ssize_t>(rows), static_cast<py::ssize_t>(width)},
-                               {static_cast<py::ssize_t>(stride), number.itemsize()}, data, owner));
+                               {static_cast<py::ssize_t>(step), number.itemsize()}, data, owner));
 }
 
-py::array faces_of(const Array<std::uint32_t>& indices, const py::handle& owner) {
-    return read_only(py::array(py::dtype::of<std::uint32_t>(),
-                               {static_cast<py::ssize_t>(indices.size() / 3), py::ssize_t{3}}, indices.data(), owner));
+/// A mesh of the engine as arrays, which keep it. Has a view().
+template <class Mesh>
+py::dict arrays_of(Mesh&& mesh, const py::dict& info) {
+    const auto* const kept = new Mesh(std::move(mesh));
+    const py::capsule owner(kept, [](void* held) { delete static_cast<Mesh*>(held); });
+    const MeshView view = kept->view();
+    const bool soup = view.indices == nullptr;
+    const py::dtype number = view.vertex_type == Number::f32 ? py::dtype::of<float>() : py::dtype::of<double>();
+    const py::array vertices = rows_of(view.vertices, number, soup ? view.triangle_count : view.vertex_count,
+                                       view.vertex_step(), soup ? 9 : 3, owner);
+    const auto faces = [&] {
+        return rows_of(view.indices, py::dtype::of<std::uint32_t>(), view.triangle_count, view.index_step(), 3, owner);
+    };
+    return py::dict("vertices"_a = vertices, "faces"_a = soup ? py::object(py::none()) : py::object(faces()),
+                    "unit"_a = view.mm_per_unit, "info"_a = info);
 }
 
 py::dict info_of(const MeshFile& file) {
-    py::dict info;
-    info["format"] = std::string(name_of(file.format));
-    info["text"] = file.text;
-    info["compressed"] = file.compressed;
-    info["states_unit"] = file.states_unit;
-    info["patient_frame"] = std::string(name_of(file.patient_frame));
-    info["bytes"] = file.file_bytes;
     py::list parts;
     for (const MeshPart& part : file.parts) {
-        parts.append(py::dict(py::arg("name") = text_of(part.name), py::arg("role") = std::string(name_of(part.role)),
-                              py::arg("first_triangle") = part.first_triangle, py::arg("triangles") = part.triangle_count));
+        parts.append(py::dict("name"_a = text_of(part.name), "role"_a = name_of(part.role),
+                              "first_triangle"_a = part.first_triangle, "triangles"_a = part.triangle_count));
     }
-    info["parts"] = parts;
-    return info;
+    return py::dict("format"_a = name_of(file.format), "text"_a = file.text, "compressed"_a = file.compressed,
+                    "states_unit"_a = file.states_unit, "patient_frame"_a = name_of(file.patient_frame),
+                    "bytes"_a = file.file_bytes, "parts"_a = parts);
 }
 
-py::dict read(const std::string& path, double mm_per_unit, const SliceOptions& options) {
-    MeshFile outcome = run(options.control, [&](const Control& control) {
-        return read_mesh(std::filesystem::path(path), {.mm_per_unit = mm_per_unit, .control = control});
+py::dict read(const std::string& path, double mm_per_unit, const Asked& asked) {
+    MeshFile file = run(asked, [&](const Context& context) {
+        return read_mesh(std::filesystem::path(path), {.mm_per_unit = mm_per_unit}, context);
     });
-    const auto* const file = new MeshFile(std::move(outcome));
-    const py::capsule owner(file, [](void* kept) { delete static_cast<MeshFile*>(kept); });
-    const bool soup = file->indices.empty();
-    py::dict mesh;
-    mesh["vertices"] = rows_of(file->bytes.data() + file->first_offset, file->coordinate_type,
-                               soup ? file->triangle_count : file->vertex_count, file->stride, soup ? 9 : 3, owner);
-    mesh["faces"] = soup ? py::object(py::none()) : faces_of(file->indices, owner);
-    mesh["unit"] = file->mm_per_unit;
-    mesh["info"] = info_of(*file);
     py::list warnings;
-    for (const std::string& warning : file->warnings) {
+    for (const std::string& warning : file.warnings) {
         warnings.append(text_of(warning));
     }
+    const py::dict info = info_of(file);
+    py::dict mesh = arrays_of(std::move(file), info);
     mesh["warnings"] = warnings;
     return mesh;
 }
 
-py::dict arrays_of(WeldedMesh&& outcome, const py::dict& info) {
-    const auto* const kept_mesh = new WeldedMesh(std::move(outcome));
-    const py::capsule owner(kept_mesh, [](void* kept) { delete static_cast<WeldedMesh*>(kept); });
-    const MeshView mesh = kept_mesh->view();
+py::dict weld_mesh(const View& view, double tolerance_mm, const Asked& asked) {
+    WeldedMesh welded = run(asked, [&](const Context& context) { return weld(view.mesh(), tolerance_mm, context); });
+    const py::dict info("joined"_a = welded.joined, "largest_move"_a = welded.largest_move_mm,
+                        "tolerance"_a = welded.tolerance_mm);
+    return arrays_of(std::move(welded), info);
+}
+
+py::dict orient_mesh(const View& view, const Asked& asked) {
+    OrientedMesh turned = run(asked, [&](const Context& context) { return orient_shells(view.mesh(), 0, context); });
+    const py::dict info("shells"_a = turned.shells, "turned"_a = turned.turned_shells, "complete"_a = turned.complete);
+    return arrays_of(std::move(turned.mesh), info);
+}
+
+py::array shells_of(const MeshCheck& check) {
+    return copy_of(check.shells, type_of<MeshShell>({{"triangles", "i8", offsetof(MeshShell, triangles)},
+                                                     {"closed", "?", offsetof(MeshShell, closed)},
+                                                     {"volume", "f8", offsetof(MeshShell, volume_mm3)},
+                                                     {"orientation", "i4", offsetof(MeshShell, orientation)},
+                                                     {"depth", "i4", offsetof(MeshShell, depth)},
+                                                     {"parent", "i8", offsetof(MeshShell, parent)},
+                                                     {"triangle", "i8", offsetof(MeshShell, triangle)},
+                                                     {"first", "3f8", offsetof(MeshShell, first_mm)}}));
+}
+
+/// By the key of their kind: count, whether it is a lower bound, and places.
+py::dict findings_of(const MeshCheck& check) {
+    const py::dtype place = type_of<FaultPlace>({{"points", "(3,3)f8", offsetof(FaultPlace, points_mm)},
+                                                 {"point_count", "i4", offsetof(FaultPlace, point_count)},
+                                                 {"triangles", "2i8", offsetof(FaultPlace, triangles)},
+                                                 {"parts", "i8", offsetof(FaultPlace, parts)},
+                                                 {"measure", "f8", offsetof(FaultPlace, measure)},
+                                                 {"closed", "?", offsetof(FaultPlace, closed)}});
     py::dict made;
-    made["vertices"] = rows_of(mesh.vertices, mesh.coordinate_type, mesh.vertex_count, mesh.stride, 3, owner);
-    made["faces"] = faces_of(kept_mesh->indices, owner);
-    made["unit"] = kept_mesh->mm_per_unit;
-    made["info"] = info;
+    for (std::size_t i = 0; i < fault_count; ++i) {
+        const FaultFinding& found = check.findings[i];
+        made[py::cast(key_of(static_cast<Fault>(i)))] =
+            py::make_tuple(found.count, found.at_least, copy_of(found.places, place));
+    }
     return made;
 }
 
-py::dict weld_mesh(const View& view, double tolerance_mm, const SliceOptions& options) {
-    WeldedMesh outcome = run(options.control, [&](const Control& control) {
-        return weld(view.mesh(),
-                    {.tolerance_mm = tolerance_mm, .mm_per_unit = view.parts().front().transform.m[0], .control = control});
-    });
-    py::dict info;
-    info["joined"] = outcome.joined;
-    info["largest_move"] = outcome.largest_move_mm;
-    info["tolerance"] = outcome.tolerance_mm;
-    return arrays_of(std::move(outcome), info);
+py::dict info_of(const MeshCheck& check) {
+    return py::dict("triangles"_a = check.triangles, "degenerate"_a = check.degenerate, "min"_a = check.box.min_mm,
+                    "max"_a = check.box.max_mm, "volume"_a = check.volume_mm3, "area"_a = check.area_mm2,
+                    "edges"_a = check.edges, "boundary_edges"_a = check.boundary_edges,
+                    "overfull_edges"_a = check.overfull_edges, "mismatched_edges"_a = check.mismatched_edges,
+                    "shells"_a = check.shell_count, "closed"_a = check.closed, "grid"_a = check.grid_mm);
 }
 
-py::dict orient_mesh(const View& view, const SliceOptions& options) {
-    OrientedMesh outcome = run(options.control, [&](const Control& control) {
-        return orient_shells(view.mesh(),
-                             {.mm_per_unit = view.parts().front().transform.m[0], .unit_mm = 0, .control = control});
+py::dict check_mesh(const View& view, const Asked& asked, double tolerance_mm, double sliver_ratio,
+                    std::size_t most_places) {
+    const MeshCheck found = run(asked, [&](const Context& context) {
+        return check(view.mesh(),
+                     {.frame = asked.options.frame,
+                      .tolerance_mm = tolerance_mm,
+                      .sliver_ratio = sliver_ratio,
+                      .most_places = most_places},
+                     context);
     });
-    py::dict info;
-    info["shells"] = outcome.shells;
-    info["turned"] = outcome.turned_shells;
-    info["complete"] = outcome.complete;
-    return arrays_of(std::move(outcome.mesh), info);
+    return py::dict("verdict"_a = run([&](const Context& /*lent*/) { return make_verdict(found); }),
+                    "clean"_a = found.clean(), "complete"_a = found.complete(), "info"_a = info_of(found),
+                    "shells"_a = shells_of(found), "findings"_a = findings_of(found));
 }
 
 }  // namespace
 
-Transform transform_of(const py::array_t<double>& matrix) {
-    Transform transform;
-    for (int i = 0; i < 12; ++i) {
-        transform.m[static_cast<std::size_t>(i)] = matrix.at(i / 4, i % 4);
-    }
-    return transform;
-}
-
-View::View(const py::list& meshes) {
+View::View(const py::list& meshes, bool as_parts) : as_parts_(as_parts) {
     for (const py::handle mesh : meshes) {
         const auto given = py::reinterpret_borrow<py::tuple>(mesh);
         const py::object vertices = given[0];
         const py::object faces = given[1];
-        const double mm_per_unit = py::float_(given[2]);
-        Part part{.mesh = mesh_of(py::reinterpret_borrow<py::array>(vertices), faces)};
-        if (mm_per_unit != 1) {
-            part.transform = Transform::scale(mm_per_unit);
+        Part& part = parts_.emplace_back();
+        part.mesh = mesh_of(py::reinterpret_borrow<py::array>(vertices), faces, py::float_(given[2]));
+        if (const py::object placement = given[3]; !placement.is_none()) {
+            const auto rows = py::reinterpret_borrow<py::array_t<double, py::array::c_style>>(placement);
+            std::copy_n(rows.data(), part.placement.m.size(), part.placement.m.begin());
         }
-        if (const py::object move = given[3]; !move.is_none()) {
-            part.transform = transform_of(py::reinterpret_borrow<py::array_t<double>>(move)) * part.transform;
-        }
-        parts_.push_back(part);
         arrays_.push_back(vertices);
         arrays_.push_back(faces);
     }
 }
 
 void define_meshes(py::module_& module) {
-    py::class_<View>(module, "View").def(py::init<const py::list&>());
+    py::class_<View>(module, "View").def(py::init<const py::list&, bool>());
     module.def("read", &read);
     module.def("weld", &weld_mesh);
     module.def("orient_shells", &orient_mesh);
+    module.def("check", &check_mesh);
 }
 
 }  // namespace lamella::python

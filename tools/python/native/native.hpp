@@ -13,16 +13,17 @@
 #include <utility>
 #include <vector>
 
-#include "lamella/control.hpp"
+#include "lamella/context.hpp"
 #include "lamella/error.hpp"
 #include "lamella/mesh.hpp"
-#include "lamella/parts.hpp"
 #include "lamella/result.hpp"
 #include "lamella/slice.hpp"
+#include "lamella/source.hpp"
 
 namespace lamella::python {
 
 namespace py = pybind11;
+using namespace py::literals;
 
 /// Throws the exception of lamella._errors that fits, with the evidence.
 [[noreturn]] void raise(const Error& error);
@@ -30,21 +31,27 @@ namespace py = pybind11;
 /// Bytes that are no UTF-8 stand as \xe4.
 py::str text_of(const std::string& text);
 
-/// Where calls of the engine run: oneTBB's threads do not survive a fork, and its locks may stay locked by threads that are
-/// gone. In a forked process a call therefore starts threads of its own; elsewhere there is no executor.
-Executor executor_here() noexcept;
+/// Python's keywords of a call: what is asked for, and what it may use.
+struct Asked {
+    SliceOptions options{};
+    int threads = 0;
+    std::uint64_t memory_limit_bytes = 0;
+    py::object progress{};  ///< a callable, or null
+};
+
+/// Options by the names of their C++ members, both ways.
+void read_options(const py::dict& given, SliceOptions& options);
+py::dict dict_of(const SliceOptions& options);
 
 /// The thread that calls the engine: looks at the interpreter's signals if it is Python's main thread, and reports progress.
 /// An exception that a handler or the report raises stays pending and ends the call.
 class Caller {
 public:
-    /// The calling thread holds the interpreter. `progress` says which callable is told the progress, if any: see
-    /// progress_of(). It outlives this.
-    explicit Caller(const Progress& progress);
-    StopCheck check() noexcept;
-    Progress progress() noexcept;
-    /// True if Python has raised. Precondition: the calling thread has released the interpreter.
-    bool look() noexcept;
+    /// The calling thread holds the interpreter. `report` is a callable or null, and outlives this.
+    explicit Caller(PyObject* report);
+    /// What the engine asks, on any thread.
+    bool wants_to_stop() noexcept;
+    void reach(double fraction) noexcept { reached_.store(fraction, std::memory_order_relaxed); }
     /// The call has succeeded. The thread holds the interpreter again.
     void finish();
 
@@ -52,7 +59,6 @@ private:
     using Clock = std::chrono::steady_clock;
     static constexpr std::chrono::milliseconds interval{50};
 
-    bool requested() noexcept;
     bool report() noexcept;
 
     std::thread::id thread_;
@@ -64,8 +70,10 @@ private:
     std::atomic<bool> raised_ = false;
 };
 
-/// Names a Python callable where the engine takes a sink: Caller puts one in its place.
-Progress progress_of(const py::object& callable);
+/// oneTBB's threads do not survive a fork, and its locks may stay locked by threads that are gone: in a forked process a
+/// call starts threads of its own.
+extern std::atomic<bool> is_forked;
+void lend_threads(Context& context) noexcept;
 
 template <class T>
 T taken(Result<T>&& result) {
@@ -73,17 +81,20 @@ T taken(Result<T>&& result) {
 }
 inline void taken(Status&&) {}
 
-/// The value of `work(control)`, a Result or Status, which runs without the interpreter. Raises its error.
+/// The value of `work(context)`, a Result or Status, which runs without the interpreter. Raises its error.
 template <class Work>
-auto run(const Control& asked, Work&& work) {
-    Caller caller(asked.progress);
-    Control control = asked;
-    control.stop = caller.check();
-    control.progress = caller.progress();
-    control.executor = executor_here();
+auto run(const Asked& asked, Work&& work) {
+    Caller caller(asked.progress.ptr());
+    auto stop = [&caller]() noexcept { return caller.wants_to_stop(); };
+    auto progress = [&caller](double fraction) noexcept { caller.reach(fraction); };
+    Context context{.threads = asked.threads, .stop = stop, .memory_limit_bytes = asked.memory_limit_bytes};
+    if (asked.progress) {
+        context.progress = progress;
+    }
+    lend_threads(context);
     auto outcome = [&] {
         const py::gil_scoped_release released;
-        return work(std::as_const(control));
+        return work(std::as_const(context));
     }();
     if (!outcome) {
         if (PyErr_Occurred() != nullptr) {
@@ -94,82 +105,108 @@ auto run(const Control& asked, Work&& work) {
     caller.finish();
     return taken(std::move(outcome));
 }
+template <class Work>
+auto run(Work&& work) {
+    return run(Asked{}, std::forward<Work>(work));
+}
 
 /// Meshes in arrays of Python, which it keeps alive.
 class View {
 public:
-    /// Each mesh is (vertices, faces or None, mm per unit, 3x4 transform or None). Arrays are as _mesh.py leaves them.
-    explicit View(const py::list& meshes);
+    /// Each mesh is (vertices, faces or None, mm per unit, 3x4 placement or None). Arrays are as _mesh.py leaves them.
+    View(const py::list& meshes, bool as_parts);
 
-    const std::vector<Part>& parts() const noexcept { return parts_; }
+    Source source() const noexcept { return as_parts_ ? Source(parts_) : Source(mesh()); }
+    /// Precondition: it has one.
     const MeshView& mesh() const noexcept { return parts_.front().mesh; }
-    /// From the only mesh's coordinates to where it is sliced.
-    Transform to_planes(const Transform& asked) const noexcept {
-        return parts_.front().transform.is_identity() ? asked : asked * parts_.front().transform;
-    }
+    std::size_t size() const noexcept { return parts_.size(); }
 
 private:
     std::vector<py::object> arrays_;
     std::vector<Part> parts_;
+    bool as_parts_;
 };
 
 /// Memory of calls and results that are over, for those to come: fresh pages cost a slice of a small mesh more than its
-/// arithmetic. One result and a few workspaces, none of more than 64 MB. Whoever finds them in use by another thread goes
-/// without: nobody waits, and a forked process does not hang where its parent held the lock.
+/// arithmetic. Whoever finds it in use by another thread goes without: nobody waits, and a forked process does not hang
+/// where its parent held the lock.
+template <class T>
 class Spares {
 public:
-    /// The module's own. It is never destroyed: results may go after everything else.
-    static Spares& all() noexcept;
+    explicit Spares(std::size_t most) { kept_.reserve(most); }
 
-    Workspace take_workspace() noexcept;
-    SliceResult take_result() noexcept;
-    void give(Workspace&& workspace) noexcept;
-    void give(SliceResult&& result) noexcept;
+    T take() noexcept {
+        const std::unique_lock lock(mutex_, std::try_to_lock);
+        if (!lock || kept_.empty()) {
+            return T();
+        }
+        T taken = std::move(kept_.back());
+        kept_.pop_back();
+        return taken;
+    }
+    void give(T&& used, std::size_t bytes) noexcept {
+        constexpr std::size_t most_bytes = std::size_t{64} << 20;
+        const std::unique_lock lock(mutex_, std::try_to_lock);
+        if (lock && bytes != 0 && bytes <= most_bytes && kept_.size() < kept_.capacity()) {
+            kept_.push_back(std::move(used));
+        }
+    }
 
 private:
-    static constexpr std::size_t most_bytes = std::size_t{64} << 20;
-    static constexpr std::size_t most_workspaces = 4;
-
     std::mutex mutex_;
-    std::vector<Workspace> workspaces_;
-    SliceResult result_;
+    std::vector<T> kept_;
 };
 
 /// A result that arrays look into.
-struct HeldResult {
-    HeldResult(SliceResult sliced = SliceResult{}, std::uint64_t first = 0) noexcept
-        : result(std::move(sliced)), first_layer(first) {}
+class HeldResult {
+public:
+    explicit HeldResult(SliceResult sliced) noexcept : result(std::move(sliced)) {}
     HeldResult(HeldResult&&) noexcept = default;
-    HeldResult& operator=(HeldResult&&) noexcept = default;
-    ~HeldResult() { Spares::all().give(std::move(result)); }
+    HeldResult& operator=(HeldResult&&) = delete;
+    ~HeldResult();
 
     SliceResult result;
-    std::uint64_t first_layer;  ///< of a chunk of layers: how many are before it
 };
 
-Transform transform_of(const py::array_t<double>& matrix);
-
-/// Adds a contour to the counts of a result.
-void count(const Contour& contour, SliceSummary& summary) noexcept;
-
 inline py::array read_only(py::array array) {
-    array.attr("setflags")(py::arg("write") = false);
+    array.attr("setflags")("write"_a = false);
     return array;
 }
 
-/// The numbers of an Array as a numpy array that owns it.
-template <class Number, class Element>
-py::array own(Array<Element>&& elements, std::vector<py::ssize_t> shape) {
-    auto* const kept = new Array<Element>(std::move(elements));
-    const py::capsule owner(kept, [](void* array) { delete static_cast<Array<Element>*>(array); });
-    return py::array(py::dtype::of<Number>(), std::move(shape), reinterpret_cast<const Number*>(kept->data()), owner);
+/// A copy of a range's elements.
+template <class Range>
+py::array copy_of(const Range& range, const py::dtype& type) {
+    return py::array(type, {static_cast<py::ssize_t>(range.size())}, range.data());
+}
+/// The elements where they lie, in memory that `owner` has and the array keeps.
+template <class Range>
+py::array view_of(const Range& range, const py::dtype& type, const py::object& owner) {
+    return read_only(py::array(type, {static_cast<py::ssize_t>(range.size())}, range.data(), owner));
+}
+
+struct Field {
+    const char* name;
+    const char* format;
+    std::size_t offset;
+};
+
+/// A structured type of some members of `T`.
+template <class T>
+py::dtype type_of(std::initializer_list<Field> fields) {
+    py::list names;
+    py::list formats;
+    py::list offsets;
+    for (const Field& field : fields) {
+        names.append(field.name);
+        formats.append(field.format);
+        offsets.append(field.offset);
+    }
+    return py::dtype(names, formats, offsets, sizeof(T));
 }
 
 void define_options(py::module_& module);
 void define_meshes(py::module_& module);
 void define_slicing(py::module_& module);
-void define_stream(py::module_& module);
 void define_results(py::module_& module);
-void define_checks(py::module_& module);
 
 }  // namespace lamella::python

@@ -1,115 +1,34 @@
-// Results: views of their arrays, and numbers computed of them.
+// Results: views of their arrays, numbers computed of them, audits, and files written.
+#include <pybind11/stl.h>
+
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <filesystem>
 #include <limits>
+#include <span>
 #include <type_traits>
 
-#include "lamella/audit/open_layers.hpp"
-#include "lamella/mesh/scale.hpp"
+#include "lamella/audit.hpp"
+#include "lamella/check.hpp"
+#include "lamella/io/report.hpp"
+#include "lamella/io/svg.hpp"
+#include "lamella/io/text_file.hpp"
+#include "lamella/version.hpp"
 #include "native.hpp"
 
 namespace lamella::python {
 
 namespace {
 
-struct Field {
-    const char* name;
-    const char* format;
-    std::size_t offset;
-};
-
-/// A type that lives as long as the process: numpy's types must not go after the interpreter.
-const py::dtype& lasting_type(std::initializer_list<Field> fields, std::size_t size) {
-    py::list names;
-    py::list formats;
-    py::list offsets;
-    for (const Field& field : fields) {
-        names.append(field.name);
-        formats.append(field.format);
-        offsets.append(field.offset);
-    }
-    return *new py::dtype(names, formats, offsets, static_cast<py::ssize_t>(size));
-}
-
-// Counts and rows are below 2^63. As signed numbers they stay whole: numpy makes a float of the sum of an uint64 and an int.
-const py::dtype& origin_type() {
-    static const py::dtype& type = lasting_type({{"triangle", "u4", offsetof(PointOrigin, triangle)},
-                                                 {"part", "u2", offsetof(PointOrigin, part)},
-                                                 {"edge", "u1", offsetof(PointOrigin, edge)},
-                                                 {"end_edge", "u1", offsetof(PointOrigin, end_edge)}},
-                                                sizeof(PointOrigin));
-    return type;
-}
-
-const py::dtype& gap_type() {
-    static const py::dtype& type = lasting_type({{"layer", "i8", offsetof(ClosedGap, layer)},
-                                                 {"from_grid", "2i4", offsetof(ClosedGap, from)},
-                                                 {"to_grid", "2i4", offsetof(ClosedGap, to)}},
-                                                sizeof(ClosedGap));
-    return type;
-}
-
-const py::dtype& contour_type() {
-    static const py::dtype& type = lasting_type({{"first_point", "i8", offsetof(Contour, first_point)},
-                                                 {"twice_area_low", "u8", offsetof(Contour, twice_area)},
-                                                 {"twice_area_high", "i8", offsetof(Contour, twice_area) + 8},
-                                                 {"parent", "i8", offsetof(Contour, parent)},
-                                                 {"point_count", "u4", offsetof(Contour, point_count)},
-                                                 {"segments", "u4", offsetof(Contour, segments)},
-                                                 {"role", "u1", offsetof(Contour, role)},
-                                                 {"orientation", "i1", offsetof(Contour, orientation)},
-                                                 {"flags", "u2", offsetof(Contour, flags)},
-                                                 {"part", "u4", offsetof(Contour, part)}},
-                                                sizeof(Contour));
-    return type;
-}
-
-const py::dtype& layer_type() {
-    static const py::dtype& type = lasting_type({{"bottom", "f8", offsetof(Layer, bottom_mm)},
-                                                 {"z", "f8", offsetof(Layer, plane_mm)},
-                                                 {"top", "f8", offsetof(Layer, top_mm)},
-                                                 {"first_contour", "i8", offsetof(Layer, first_contour)},
-                                                 {"contour_count", "i8", offsetof(Layer, contour_count)},
-                                                 {"segments", "i8", offsetof(Layer, segments)},
-                                                 {"z_grid", "i4", offsetof(Layer, plane)}},
-                                                sizeof(Layer));
-    return type;
-}
-
-const SliceResult& result_of(const py::object& self) {
-    return self.cast<const HeldResult&>().result;
-}
-
-py::array points_grid(const py::object& self) {
-    const SliceResult& result = result_of(self);
-    return read_only(py::array(py::dtype::of<std::int32_t>(),
-                               {static_cast<py::ssize_t>(result.points.size()), py::ssize_t{2}},
-                               reinterpret_cast<const std::int32_t*>(result.points.data()), self));
-}
-
-py::array points_mm(const HeldResult& held) {
-    static_assert(sizeof(PointMm) == 2 * sizeof(double));
-    const SliceResult& result = held.result;
-    Array<PointMm> points;
-    {
-        const py::gil_scoped_release released;
-        points.resize_discarding(result.points.size());
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            points[i] = result.to_mm(result.points[i]);
-        }
-    }
-    return read_only(own<double>(std::move(points), {static_cast<py::ssize_t>(result.points.size()), 2}));
-}
-
-/// `value` of each element, computed without the interpreter.
-template <class Element, class Value>
-py::array_t<double> numbers_of(const Array<Element>& elements, Value value) {
-    py::array_t<double> numbers(static_cast<py::ssize_t>(elements.size()));
-    double* const out = numbers.mutable_data();
+/// `value` of each, computed without the interpreter.
+template <class Range, class Value>
+py::array_t<double> numbers_of(const Range& range, Value value) {
+    py::array_t<double> numbers(static_cast<py::ssize_t>(range.size()));
+    double* out = numbers.mutable_data();
     const py::gil_scoped_release released;
-    for (std::size_t i = 0; i < elements.size(); ++i) {
-        out[i] = value(elements[i]);
+    for (auto&& each : range) {
+        *out++ = value(each);
     }
     return numbers;
 }
@@ -125,7 +44,7 @@ double length_mm(const SliceResult& result, const Contour& contour) {
     for (std::size_t i = 1; i < points.size(); ++i) {
         length += distance(points[i - 1], points[i]);
     }
-    return length * result.unit_mm;
+    return length * result.info.grid_mm;
 }
 
 /// As LayerTable does: NaN where a contour is open.
@@ -137,193 +56,221 @@ double perimeter_mm(const SliceResult& result, const Layer& layer) {
     return perimeter;
 }
 
-py::array_t<double> frame(const HeldResult& held) {
-    py::array_t<double> matrix({4, 4});
-    std::copy(held.result.frame.m.begin(), held.result.frame.m.end(), matrix.mutable_data());
-    constexpr double last[4] = {0, 0, 0, 1};
-    std::copy(last, last + 4, matrix.mutable_data() + 12);
-    return matrix;
+py::array_t<double> areas(const HeldResult& held) {
+    return numbers_of(held.result, [](const LayerView& layer) { return layer.area_mm2(); });
 }
-
-py::tuple triple(const double (&numbers)[3]) {
-    return py::make_tuple(numbers[0], numbers[1], numbers[2]);
+py::array_t<double> perimeters(const HeldResult& held) {
+    return numbers_of(held.result.layers, [&](const Layer& layer) { return perimeter_mm(held.result, layer); });
+}
+py::array_t<double> contour_areas(const HeldResult& held) {
+    LayerView any;
+    any.grid_mm = held.result.info.grid_mm;
+    return numbers_of(held.result.contours, [&](const Contour& contour) { return any.area_mm2(contour); });
+}
+py::array_t<double> contour_lengths(const HeldResult& held) {
+    return numbers_of(held.result.contours, [&](const Contour& contour) { return length_mm(held.result, contour); });
 }
 
 OpenLayers open_layers(const HeldResult& held) {
-    return run(Control{}, [&](const Control& control) { return find_open_layers(held.result, control); });
+    const Audit found = run([&](const Context& context) {
+        return audit(held.result, MeshView{}, {.volume = false, .ledger = false, .crossings = false}, context);
+    });
+    return *found.open;
 }
 
-py::dict summary(const HeldResult& held) {
-    const SliceSummary& summary = held.result.summary;
+/// What a result states beside its options, by the names of Python.
+template <class Info, class Visit>
+void each_figure(Info& info, Visit visit) {
+    visit("triangles", info.triangles);
+    visit("degenerate", info.degenerate);
+    visit("crossed", info.crossed);
+    visit("layers", info.layers);
+    visit("segments", info.segments);
+    visit("contours", info.contours);
+    visit("points", info.points);
+    visit("stitches", info.stitches);
+    visit("holes", info.holes);
+    visit("open_contours", info.open_contours);
+    visit("flat_contours", info.flat_contours);
+    visit("overruled_contours", info.overruled_contours);
+    visit("would_close_contours", info.would_close_contours);
+    visit("emptied_layers", info.emptied_layers);
+    visit("cancelled_layers", info.cancelled_layers);
+    visit("first_layer", info.first_layer);
+    visit("planned_layers", info.planned_layers);
+    visit("part_count", info.part_count);
+    visit("grid", info.grid_mm);
+    visit("grid_doublings", info.grid_doublings);
+    visit("min", info.box.min_mm);
+    visit("max", info.box.max_mm);
+    visit("threads", info.threads);
+    visit("bucket_ms", info.ms.bucket);
+    visit("sweep_ms", info.ms.sweep);
+    visit("contours_ms", info.ms.contours);
+    visit("nesting_ms", info.ms.nesting);
+    visit("fill_ms", info.ms.fill);
+}
+
+py::dict figures_of(const SliceInfo& info) {
     py::dict made;
-    made["triangles"] = summary.triangles;
-    made["degenerate"] = summary.degenerate;
-    made["crossed"] = summary.crossed;
-    made["segments"] = summary.segments;
-    made["holes"] = summary.holes;
-    made["open_contours"] = summary.open_contours;
+    each_figure(info, [&](const char* name, const auto& figure) { made[name] = figure; });
+    return made;
+}
+
+py::dict info(const HeldResult& held) {
+    py::dict made = figures_of(held.result.info);
     const OpenLayers open = open_layers(held);
     made["open_layers"] = open.layers;
     made["crossed_layers"] = open.crossed;
     made["open_height_share"] = open.share();
-    made["closing_gap"] = open.layers > open.stuck ? py::cast(open.reach_mm) : py::none();
-    made["flat_contours"] = summary.flat_contours;
-    made["overruled_contours"] = summary.overruled_contours;
-    made["near_contours"] = summary.near_contours;
-    made["emptied_layers"] = summary.emptied_layers;
-    made["cancelled_layers"] = summary.cancelled_layers;
-    made["threads"] = summary.threads;
-    made["min"] = triple(summary.min_mm);
-    made["max"] = triple(summary.max_mm);
-    py::dict ms;
-    ms["bucket"] = summary.ms.bucket;
-    ms["sweep"] = summary.ms.sweep;
-    ms["contours"] = summary.ms.contours;
-    ms["nesting"] = summary.ms.nesting;
-    ms["fill"] = summary.ms.fill;
-    made["ms"] = ms;
+    made["closing_stitch"] = open.layers > open.stuck ? py::cast(open.reach_mm) : py::none();
     return made;
 }
 
-/// Unit, the mesh's diagonal and the finest unit for it, in mm, where the grid is coarse for the mesh; else None.
+/// Step of the grid, the mesh's diagonal and the finest step for it, in mm, where the grid is coarse for the mesh; else
+/// None.
 py::object coarse_grid(const HeldResult& held, const View& view) {
-    const SliceSummary& summary = held.result.summary;
-    const MeshScale scale = judge_scale(summary.min_mm, summary.max_mm, view.mesh().coordinate_type, held.result.unit_mm);
-    if (!scale.coarse_grid || summary.triangles == 0) {
+    const SliceInfo& info = held.result.info;
+    if (info.triangles == 0) {
         return py::none();
     }
-    return py::make_tuple(held.result.unit_mm, scale.diagonal_mm, scale.finest_unit_mm);
+    const MeshScale scale = judge_scale(info.box, view.mesh().vertex_type, info.grid_mm);
+    return scale.coarse_grid ? py::make_tuple(info.grid_mm, scale.diagonal_mm, scale.finest_grid_mm)
+                             : py::object(py::none());
 }
 
-/// The fields that pickle keeps beside the arrays.
-struct Rest {
-    SliceSummary summary;
-    Transform frame;
-    double unit_mm;
-    double close_gaps_mm;
-    std::uint64_t first_layer;
-    std::uint32_t part_count;
-    PartRegions part_regions;
-};
-static_assert(std::is_trivially_copyable_v<Rest>);
-
-/// The arrays that it keeps, in their order.
-template <class Arrays, class Visit>
-void each_array(Arrays& result, Visit visit) {
+/// The arrays that pickle keeps, in their order.
+template <class Held, class Visit>
+void each_array(Held& result, Visit visit) {
     visit(result.layers);
     visit(result.contours);
     visit(result.points);
     visit(result.origins);
-    visit(result.closed_gaps);
-    visit(result.layer_of);
+    visit(result.stitches);
 }
 
 py::tuple state(const py::object& self) {
-    const HeldResult& held = self.cast<const HeldResult&>();
-    const SliceResult& result = held.result;
-    const Rest rest{result.summary,   result.frame,      result.unit_mm,     result.close_gaps_mm,
-                    held.first_layer, result.part_count, result.part_regions};
+    const SliceResult& result = self.cast<const HeldResult&>().result;
     py::list arrays;
     each_array(result, [&](const auto& array) {
-        using Element = std::remove_cv_t<std::remove_reference_t<decltype(array[0])>>;
-        arrays.append(py::array(py::dtype::of<std::uint8_t>(), {static_cast<py::ssize_t>(array.size() * sizeof(Element))},
-                                reinterpret_cast<const std::uint8_t*>(array.data()), self));
+        arrays.append(view_of(std::as_bytes(std::span(array)), py::dtype::of<std::uint8_t>(), self));
     });
-    return py::make_tuple(arrays, py::bytes(reinterpret_cast<const char*>(&rest), sizeof rest));
+    return py::make_tuple(version, arrays, dict_of(result.info.options), figures_of(result.info), result.info.layer_of);
 }
 
-template <class Element>
-void restore_array(Array<Element>& array, const py::handle& bytes) {
-    const auto given = py::reinterpret_borrow<py::array_t<std::uint8_t, py::array::c_style>>(bytes);
-    array.resize_discarding(static_cast<std::size_t>(given.size()) / sizeof(Element));
-    if (!array.empty()) {
-        std::memcpy(static_cast<void*>(array.data()), given.data(), array.size() * sizeof(Element));
-    }
-}
-
-HeldResult restore(const SliceOptions& options, const py::tuple& state) {
-    HeldResult held;
-    SliceResult& result = held.result;
-    const std::string bytes = state.size() == 2 ? std::string(py::reinterpret_borrow<py::bytes>(state[1])) : std::string();
-    Rest rest;
-    if (bytes.size() != sizeof rest) {
+HeldResult restore(const py::tuple& state) {
+    if (state.size() != 5 || state[0].cast<std::string>() != version) {
         raise({ErrorCode::invalid_argument, "the result was pickled by another version of lamella"});
     }
-    std::memcpy(static_cast<void*>(&rest), bytes.data(), sizeof rest);
-    const auto arrays = py::reinterpret_borrow<py::list>(state[0]);
-    each_array(result, [&, next = std::size_t{0}](auto& array) mutable { restore_array(array, arrays[next++]); });
-    result.summary = rest.summary;
-    result.frame = rest.frame;
-    result.unit_mm = rest.unit_mm;
-    result.close_gaps_mm = rest.close_gaps_mm;
-    held.first_layer = rest.first_layer;
-    result.part_count = rest.part_count;
-    result.part_regions = rest.part_regions;
-    result.region = options.region;
-    result.plan = options.plan;
-    result.gap_sense = options.gap_sense;
-    return held;
+    SliceResult result;
+    const auto arrays = py::reinterpret_borrow<py::list>(state[1]);
+    each_array(result, [&, next = std::size_t{0}](auto& array) mutable {
+        const auto bytes = arrays[next++].template cast<py::array_t<std::uint8_t, py::array::c_style>>();
+        array.resize_discarding(static_cast<std::size_t>(bytes.size()) / sizeof(*array.data()));
+        if (!array.empty()) {
+            std::memcpy(static_cast<void*>(array.data()), bytes.data(), array.size() * sizeof(*array.data()));
+        }
+    });
+    read_options(state[2], result.info.options);
+    const py::dict figures = state[3];
+    each_figure(result.info, [&](const char* name, auto& figure) {
+        figure = figures[name].template cast<std::remove_reference_t<decltype(figure)>>();
+    });
+    result.info.layer_of = state[4].cast<std::vector<std::uint64_t>>();
+    return HeldResult(std::move(result));
+}
+
+py::dict certify(const HeldResult& held, const View& view) {
+    const Audit found = run([&](const Context& context) {
+        return audit(held.result, view.mesh(), {.open = false, .ledger = false, .crossings = false}, context);
+    });
+    const VolumeCertificate& certificate = *found.volume;
+    return py::dict("verdict"_a = name_of(certificate.verdict), "mesh_volume"_a = certificate.mesh_mm3,
+                    "slab_volumes"_a = copy_of(certificate.slab_mm3, py::dtype::of<double>()),
+                    "worst_layer"_a = certificate.worst_layer, "worst_difference"_a = certificate.worst_difference_mm2,
+                    "worst_allowed"_a = certificate.worst_allowed_mm2, "differing_layers"_a = certificate.differing_layers,
+                    "differing_signed"_a = certificate.differing_signed_mm2,
+                    "differing_solid"_a = certificate.differing_solid_mm2);
+}
+
+/// Ledger and certificate compare with one mesh.
+void write_report(const HeldResult& held, const View& view, const std::string& path) {
+    const Source mesh = view.size() == 1 ? view.mesh() : MeshView{};
+    const Audit found = run([&](const Context& context) { return audit(held.result, mesh, {}, context); });
+    const std::string text = run([&](const Context& /*lent*/) { return make_report_json(held.result, {.audit = &found}); });
+    run([&](const Context& /*lent*/) { return write_text_file(std::filesystem::path(path), text); });
+}
+
+void write_picture(const HeldResult& held, const std::string& path) {
+    run([&](const Context& context) { return write_svg(held.result, std::filesystem::path(path), {}, context); });
 }
 
 }  // namespace
 
 void define_results(py::module_& module) {
-    // Made now: what imports numpy may let other threads run, which must not wait for a static that is being made.
-    for (const auto type : {&layer_type, &contour_type, &origin_type, &gap_type}) {
-        type();
-    }
     py::class_<OpenLayers>(module, "OpenLayers")
         .def(py::init<>())
         .def("add", &OpenLayers::add)
         .def_readonly("layers", &OpenLayers::layers)
         .def("describe", &describe);
     py::class_<HeldResult> held(module, "Result");
-    const auto view = [&held](const char* name, auto get, const auto& type) {
-        held.def_property_readonly(name, [get, type](const py::object& self) {
-            const auto& array = get(result_of(self));
-            return read_only(py::array(type(), {static_cast<py::ssize_t>(array.size())}, array.data(), self));
+    const auto view = [&held](const char* name, auto array, const py::dtype& type) {
+        held.def_property_readonly(name, [array, type](const py::object& self) {
+            return view_of(self.cast<const HeldResult&>().result.*array, type, self);
         });
     };
-    view(
-        "layers", [](const SliceResult& r) -> auto& { return r.layers; }, &layer_type);
-    view(
-        "contours", [](const SliceResult& r) -> auto& { return r.contours; }, &contour_type);
-    view(
-        "origins", [](const SliceResult& r) -> auto& { return r.origins; }, &origin_type);
-    view(
-        "closed_gaps", [](const SliceResult& r) -> auto& { return r.closed_gaps; }, &gap_type);
-    view(
-        "layer_of", [](const SliceResult& r) -> auto& { return r.layer_of; }, &py::dtype::of<std::int64_t>);
-    held.def_property_readonly("points_grid", &points_grid)
-        .def("points", &points_mm)
-        .def("areas",
-             [](const HeldResult& h) {
-                 return numbers_of(h.result.layers, [&](const Layer& layer) { return h.result.area_mm2(layer); });
-             })
-        .def("perimeters",
-             [](const HeldResult& h) {
-                 return numbers_of(h.result.layers, [&](const Layer& layer) { return perimeter_mm(h.result, layer); });
-             })
-        .def("contour_areas",
-             [](const HeldResult& h) {
-                 return numbers_of(h.result.contours, [&](const Contour& contour) { return h.result.area_mm2(contour); });
-             })
-        .def("contour_lengths",
-             [](const HeldResult& h) {
-                 return numbers_of(h.result.contours, [&](const Contour& contour) { return length_mm(h.result, contour); });
-             })
-        .def_property_readonly("frame", &frame)
-        .def_property_readonly("summary", &summary)
-        .def_property_readonly("unit_mm", [](const HeldResult& h) { return h.result.unit_mm; })
+    // Counts and rows are below 2^63. As signed numbers they stay whole: numpy makes a float of the sum of an uint64 and an
+    // int.
+    view("layers", &SliceResult::layers,
+         type_of<Layer>({{"bottom", "f8", offsetof(Layer, bottom_mm)},
+                         {"z", "f8", offsetof(Layer, plane_mm)},
+                         {"top", "f8", offsetof(Layer, top_mm)},
+                         {"first_contour", "i8", offsetof(Layer, first_contour)},
+                         {"contour_count", "i8", offsetof(Layer, contour_count)},
+                         {"segments", "i8", offsetof(Layer, segments)},
+                         {"z_grid", "i4", offsetof(Layer, plane)}}));
+    view("contours", &SliceResult::contours,
+         type_of<Contour>({{"first_point", "i8", offsetof(Contour, first_point)},
+                           {"twice_area_low", "u8", offsetof(Contour, twice_area)},
+                           {"twice_area_high", "i8", offsetof(Contour, twice_area) + 8},
+                           {"parent", "i8", offsetof(Contour, parent)},
+                           {"point_count", "u4", offsetof(Contour, point_count)},
+                           {"segments", "u4", offsetof(Contour, segments)},
+                           {"role", "u1", offsetof(Contour, role)},
+                           {"orientation", "i1", offsetof(Contour, orientation)},
+                           {"flags", "u2", offsetof(Contour, flags)},
+                           {"part", "u4", offsetof(Contour, part)}}));
+    view("origins", &SliceResult::origins,
+         type_of<PointOrigin>({{"triangle", "u4", offsetof(PointOrigin, triangle)},
+                               {"part", "u2", offsetof(PointOrigin, part)},
+                               {"edge", "u1", offsetof(PointOrigin, edge)},
+                               {"end_edge", "u1", offsetof(PointOrigin, end_edge)}}));
+    view("stitches", &SliceResult::stitches,
+         type_of<Stitch>({{"layer", "i8", offsetof(Stitch, layer)},
+                          {"from_grid", "2i4", offsetof(Stitch, from)},
+                          {"to_grid", "2i4", offsetof(Stitch, to)}}));
+    view("points_grid", &SliceResult::points, py::dtype("(2,)i4"));
+    held.def_property_readonly(
+            "layer_of", [](const HeldResult& h) { return copy_of(h.result.info.layer_of, py::dtype::of<std::int64_t>()); })
+        .def("areas", &areas)
+        .def("perimeters", &perimeters)
+        .def("contour_areas", &contour_areas)
+        .def("contour_lengths", &contour_lengths)
+        .def_property_readonly("options", [](const HeldResult& h) { return dict_of(h.result.info.options); })
+        .def_property_readonly("info", &info)
+        .def_property_readonly("grid", [](const HeldResult& h) { return h.result.info.grid_mm; })
+        .def_property_readonly("first_layer", [](const HeldResult& h) { return h.result.info.first_layer; })
+        .def_property_readonly("cancelled_layers", [](const HeldResult& h) { return h.result.info.cancelled_layers; })
+        .def("__len__", [](const HeldResult& h) { return h.result.size(); })
         .def("open_layers", &open_layers)
-        .def_property_readonly("cancelled_layers", [](const HeldResult& h) { return h.result.summary.cancelled_layers; })
-        .def_property_readonly("layer_count", [](const HeldResult& h) { return h.result.layers.size(); })
-        .def_readonly("first_layer", &HeldResult::first_layer)
         .def(
-            "hash", [](const HeldResult& h) { return hash_result(h.result); }, py::call_guard<py::gil_scoped_release>())
+            "hash", [](const HeldResult& h) { return h.result.hash(); }, py::call_guard<py::gil_scoped_release>())
         .def("coarse_grid", &coarse_grid)
         .def("state", &state);
     module.def("restore", &restore);
+    module.def("certify", &certify);
+    module.def("write_report", &write_report);
+    module.def("write_svg", &write_picture);
 }
 
 }  // namespace lamella::python

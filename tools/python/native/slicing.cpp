@@ -1,184 +1,110 @@
-// Slicing into results.
-#include <algorithm>
-#include <cmath>
-
-#include "lamella/assemble.hpp"
-#include "lamella/prepare.hpp"
+// Slicing into results; contours of segments and of other contours.
+#include "lamella/layers.hpp"
 #include "native.hpp"
 
 namespace lamella::python {
 
 namespace {
 
-std::size_t bytes_of(const SliceResult& result) noexcept {
-    return result.points.capacity() * sizeof(Point) + result.origins.capacity() * sizeof(PointOrigin) +
-           result.contours.capacity() * sizeof(Contour) + result.layers.capacity() * sizeof(Layer);
+// Never destroyed: results may go after everything else. A forked process leaves its parent's slicers alone: to give up
+// oneTBB's threads, which they hold, may wait for one that is gone.
+Spares<Slicer>& spare_slicers() noexcept {
+    static auto& spares = *new Spares<Slicer>(4);
+    static auto& spares_of_forked = *new Spares<Slicer>(4);
+    return is_forked.load() ? spares_of_forked : spares;
+}
+Spares<SliceResult>& spare_results() noexcept {
+    static auto& spares = *new Spares<SliceResult>(1);
+    return spares;
 }
 
-/// Results live as long as arrays look into them: what a small one has of a large one's memory would be wasted.
-template <class T>
-void give_back_waste(Array<T>& array) {
-    constexpr std::size_t little = std::size_t{1} << 20;
-    if ((array.capacity() / 2 - std::min(array.size(), array.capacity() / 2)) * sizeof(T) > little) {
-        Array<T> whole;
-        whole.resize_discarding(array.size());
-        std::copy(array.begin(), array.end(), whole.begin());
-        array = std::move(whole);
-    }
-}
-
-/// `mesh` is a MeshView or a PreparedMesh.
-template <class Mesh>
-HeldResult slice_with_spares(const Mesh& mesh, SliceOptions& options) {
-    HeldResult held(Spares::all().take_result());
-    Workspace workspace = Spares::all().take_workspace();
-    run(options.control, [&](const Control& control) {
-        options.control = control;
-        return slice(mesh, options, workspace, held.result);
-    });
-    Spares::all().give(std::move(workspace));
-    give_back_waste(held.result.layers);
-    give_back_waste(held.result.contours);
-    give_back_waste(held.result.points);
-    give_back_waste(held.result.origins);
-    return held;
-}
-
-HeldResult slice_mesh(const View& view, SliceOptions options) {
-    options.transform = view.to_planes(options.transform);
-    return slice_with_spares(view.mesh(), options);
-}
-
-HeldResult slice_meshes(const View& view, SliceOptions options, bool united) {
-    return {run(options.control, [&](const Control& control) {
-        options.control = control;
-        return slice_parts(view.parts(), options, united ? PartRegions::united : PartRegions::separate);
-    })};
-}
-
-PreparedMesh prepare_mesh(const View& view, const SliceOptions& options) {
-    return run(options.control, [&](const Control& control) {
-        return prepare(view.mesh(),
-                       {.unit_mm = options.unit_mm, .transform = view.to_planes(options.transform), .control = control});
-    });
-}
-
-HeldResult slice_prepared(const View&, SliceOptions options, const PreparedMesh& mesh) {
-    return slice_with_spares(mesh, options);
-}
-
-/// On the grid of `unit_mm`.
-Point round_to_grid(const double* xy, double unit_mm, py::ssize_t segment) {
-    const auto round = [&](double mm) {
-        const double units = std::nearbyint(mm / unit_mm);
-        if (!(std::fabs(units) <= grid_limit)) {
-            raise({ErrorCode::bad_coordinate, "segments[" + std::to_string(segment) +
-                                                  "] has a coordinate that is not finite or beyond 2^30 grid units"});
-        }
-        return static_cast<std::int32_t>(units);
+/// The memory that it holds, or of that what it uses.
+std::size_t bytes_of(const SliceResult& result, bool used) noexcept {
+    const auto bytes = [used](const auto& array) {
+        return (used ? array.size() : array.capacity()) * sizeof(*array.data());
     };
-    return {round(xy[0]), round(xy[1])};
+    return bytes(result.points) + bytes(result.origins) + bytes(result.contours) + bytes(result.layers);
 }
 
-EndKey key_of(Point point) {
-    return {static_cast<std::uint32_t>(point.x), static_cast<std::uint32_t>(point.y), 1};
+HeldResult slice_source(const Source& source, const Asked& asked) {
+    Slicer slicer = spare_slicers().take();
+    SliceResult result = spare_results().take();
+    run(asked, [&](const Context& context) { return slicer.slice_to(result, source, asked.options, context); });
+    const std::size_t kept = slicer.bytes();
+    spare_slicers().give(std::move(slicer), kept);
+    // Results live as long as arrays look into them: what a small one has of a large one's memory would be wasted.
+    const std::size_t used = bytes_of(result, true);
+    if (bytes_of(result, false) > 2 * used + (std::size_t{1} << 20)) {
+        result = run([&](const Context& /*lent*/) { return result.copy(); });
+    }
+    return HeldResult(std::move(result));
 }
 
-/// Made of rows (x, y, x, y) in mm and of pairs of keys, or none.
-std::vector<Segment> segments_of(const py::array_t<double>& rows, const py::object& keys, double unit_mm) {
+/// The step of the grid, the first layer and the number of layers.
+py::tuple outline(const View& view, const Asked& asked) {
+    const SliceInfo info =
+        run(asked, [&](const Context& context) { return Slicer().outline(view.source(), asked.options, context); });
+    return py::make_tuple(info.grid_mm, info.first_layer, info.layers);
+}
+
+PreparedMesh prepare_mesh(const View& view, const Asked& asked) {
+    return run(asked, [&](const Context& context) { return prepare(view.mesh(), asked.options.frame, context); });
+}
+
+using Rows = py::array_t<std::int32_t, py::array::c_style>;
+using Keys = py::array_t<std::int64_t, py::array::c_style>;
+
+/// Of rows (x, y, x, y) in grid units, and of pairs of keys; without keys equal points meet.
+HeldResult assemble_segments(const Rows& rows, const py::object& keys, double grid_mm) {
+    const auto key_of = [](Point point) {
+        return EndKey{static_cast<std::uint32_t>(point.x), static_cast<std::uint32_t>(point.y), 1};
+    };
     std::vector<Segment> segments(static_cast<std::size_t>(rows.shape(0)));
-    const bool keyed = !keys.is_none();
-    const auto pairs = keyed ? py::reinterpret_borrow<py::array_t<std::int64_t>>(keys) : py::array_t<std::int64_t>();
-    for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
-        Segment& segment = segments[static_cast<std::size_t>(i)];
-        segment.from = round_to_grid(rows.data(i, 0), unit_mm, i);
-        segment.to = round_to_grid(rows.data(i, 2), unit_mm, i);
-        segment.from_key = keyed ? EndKey{static_cast<std::uint64_t>(pairs.at(i, 0))} : key_of(segment.from);
-        segment.to_key = keyed ? EndKey{static_cast<std::uint64_t>(pairs.at(i, 1))} : key_of(segment.to);
+    const Keys pairs = keys.is_none() ? Keys() : py::reinterpret_borrow<Keys>(keys);
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+        const std::int32_t* const row = rows.data() + 4 * i;
+        Segment& segment = segments[i];
+        segment.from = {row[0], row[1]};
+        segment.to = {row[2], row[3]};
+        segment.from_key = keys.is_none() ? key_of(segment.from) : EndKey{static_cast<std::uint64_t>(pairs.data()[2 * i])};
+        segment.to_key = keys.is_none() ? key_of(segment.to) : EndKey{static_cast<std::uint64_t>(pairs.data()[2 * i + 1])};
     }
-    return segments;
+    HeldResult held(run([&](const Context& context) { return assemble(segments, context); }));
+    held.result.info.grid_mm = grid_mm;
+    return held;
 }
 
-HeldResult assemble_segments(const py::array_t<double, py::array::c_style>& rows, const py::object& keys, double unit_mm) {
-    const std::vector<Segment> segments = segments_of(rows, keys, unit_mm);
-    LayerContours made = run(Control{}, [&](const Control& control) { return assemble(segments, control); });
-    HeldResult held{SliceResult{}};
-    SliceResult& result = held.result;
-    result.contours = std::move(made.contours);
-    result.points = std::move(made.points);
-    result.unit_mm = unit_mm;
-    result.layers.resize_discarding(1);
-    result.layers[0] = {};
-    result.layers[0].contour_count = result.contours.size();
-    result.layers[0].segments = segments.size();
-    result.summary.segments = segments.size();
-    for (const Contour& contour : result.contours) {
-        count(contour, result.summary);
+/// Of contours (n, 2) in grid units.
+HeldResult region_of_contours(const py::list& contours, const Asked& asked, double grid_mm) {
+    static_assert(sizeof(Point) == 2 * sizeof(std::int32_t));
+    std::vector<std::span<const Point>> paths;
+    for (const py::handle contour : contours) {
+        const auto rows = py::reinterpret_borrow<Rows>(contour);
+        paths.emplace_back(reinterpret_cast<const Point*>(rows.data()), static_cast<std::size_t>(rows.shape(0)));
     }
-    return held;
+    return HeldResult(
+        run(asked, [&](const Context& context) { return region_of(paths, asked.options.region, grid_mm, context); }));
 }
 
 }  // namespace
 
-Spares& Spares::all() noexcept {
-    static Spares& spares = []() -> Spares& {
-        auto* const made = new Spares;
-        made->workspaces_.reserve(most_workspaces);
-        return *made;
-    }();
-    return spares;
-}
-
-Workspace Spares::take_workspace() noexcept {
-    const std::unique_lock lock(mutex_, std::try_to_lock);
-    if (!lock || workspaces_.empty()) {
-        return {};
-    }
-    Workspace taken = std::move(workspaces_.back());
-    workspaces_.pop_back();
-    return taken;
-}
-
-SliceResult Spares::take_result() noexcept {
-    const std::unique_lock lock(mutex_, std::try_to_lock);
-    return lock ? std::exchange(result_, SliceResult{}) : SliceResult{};
-}
-
-void Spares::give(Workspace&& workspace) noexcept {
-    const std::unique_lock lock(mutex_, std::try_to_lock);
-    if (lock && workspaces_.size() < most_workspaces && workspace.bytes() <= most_bytes) {
-        workspaces_.push_back(std::move(workspace));
-    }
-}
-
-void Spares::give(SliceResult&& result) noexcept {
-    const std::size_t bytes = bytes_of(result);
-    if (bytes == 0 || bytes > most_bytes) {
-        return;
-    }
-    const std::unique_lock lock(mutex_, std::try_to_lock);
-    if (lock && bytes > bytes_of(result_)) {
-        result_ = std::move(result);
-    }
-}
-
-void count(const Contour& contour, SliceSummary& summary) noexcept {
-    summary.holes += contour.role == Role::hole ? 1 : 0;
-    summary.open_contours += contour.role == Role::open ? 1 : 0;
-    summary.flat_contours += contour.role == Role::flat ? 1 : 0;
-    summary.overruled_contours += (contour.flags & orientation_overruled) != 0 ? 1 : 0;
-    summary.near_contours += (contour.flags & near_contour) != 0 ? 1 : 0;
+HeldResult::~HeldResult() {
+    const std::size_t bytes = bytes_of(result, false);
+    spare_results().give(std::move(result), bytes);
 }
 
 void define_slicing(py::module_& module) {
     py::class_<PreparedMesh>(module, "Prepared")
         .def_property_readonly("nbytes", &PreparedMesh::bytes)
-        .def_property_readonly("unit_mm", &PreparedMesh::unit_mm);
-    module.def("slice", &slice_mesh);
-    module.def("slice_parts", &slice_meshes);
+        .def_property_readonly("grid", [](const PreparedMesh& mesh) { return mesh.frame().grid_mm; });
+    module.def("slice", [](const View& view, const Asked& asked) { return slice_source(view.source(), asked); });
+    module.def("slice_prepared", [](const View& /*named in errors*/, const Asked& asked, const PreparedMesh& mesh) {
+        return slice_source(mesh, asked);
+    });
+    module.def("outline", &outline);
     module.def("prepare", &prepare_mesh);
-    module.def("slice_prepared", &slice_prepared);
     module.def("assemble", &assemble_segments);
+    module.def("region_of", &region_of_contours);
 }
 
 }  // namespace lamella::python

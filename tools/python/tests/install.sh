@@ -6,10 +6,11 @@ source_folder=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 rm -rf "$folder"
 "$python" -m venv --system-site-packages "$folder"
-# A copy: setuptools leaves its files in the source folder. The version is read from the engine's header.
-mkdir -p "$folder/source/tools" "$folder/source/include"
+# A copy: setuptools leaves its files in the source folder. Version and options are read from the engine's.
+mkdir -p "$folder/source/tools" "$folder/source/include" "$folder/source/engine"
 cp -r "$source_folder" "$folder/source/tools/python"
 cp -r "$source_folder/../../include/lamella" "$folder/source/include"
+cp -r "$source_folder/../../engine/options" "$folder/source/engine"
 "$folder/bin/pip" install --quiet --disable-pip-version-check --no-index --no-build-isolation --no-deps "$folder/source/tools/python"
 
 cd /

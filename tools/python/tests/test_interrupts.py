@@ -1,8 +1,8 @@
 """A signal's handler that raises, as that of Ctrl-C does, ends a call."""
 
 import signal
-import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -28,9 +28,13 @@ def alarm():
     signal.signal(signal.SIGALRM, before)
 
 
+def sliced(torus, layer_height):
+    return lamella.slice(*torus, layer_height=layer_height, fill_rule="non-zero", offset=0.3)
+
+
 def long_slice(torus):
     """Takes seconds, and little memory until it is at its end."""
-    return lamella.slice(*torus, layer_height=0.0001, fill_rule="non-zero", offset=0.3)
+    return sliced(torus, 0.0001)
 
 
 def next_of_a_stream(torus):
@@ -47,25 +51,19 @@ def test_a_call_ends_when_a_handler_raises(torus, alarm, call):
 
 
 def test_calls_of_other_threads_go_on(torus, alarm):
-    hashes = []
-    other = threading.Thread(
-        target=lambda: hashes.append(lamella.slice(*torus, layer_height=0.01, fill_rule="non-zero", offset=0.3).hash)
-    )
-    other.start()
-    alarm(0.05)
-    with pytest.raises(Interrupted):
-        long_slice(torus)
-    other.join()
-    assert hashes == [lamella.slice(*torus, layer_height=0.01, fill_rule="non-zero", offset=0.3).hash]
+    with ThreadPoolExecutor(1) as pool:
+        other = pool.submit(sliced, torus, 0.01)
+        alarm(0.05)
+        with pytest.raises(Interrupted):
+            long_slice(torus)
+    assert other.result().hash == sliced(torus, 0.01).hash
 
 
 def test_the_interpreter_is_free_during_a_call(torus):
-    done = threading.Event()
-    worker = threading.Thread(target=lambda: (lamella.slice(*torus, layer_height=0.001, fill_rule="non-zero", offset=0.3), done.set()))
-    worker.start()
     steps = 0
-    while not done.is_set():
-        steps += 1
-        time.sleep(0.001)
-    worker.join()
+    with ThreadPoolExecutor(1) as pool:
+        call = pool.submit(sliced, torus, 0.001)
+        while not call.done():
+            steps += 1
+            time.sleep(0.001)
     assert steps > 20

@@ -2,7 +2,6 @@
 
 import concurrent.futures
 import multiprocessing
-import os
 import threading
 
 import numpy as np
@@ -11,30 +10,27 @@ from support import answer, hash_of
 
 import lamella
 
-METHODS = multiprocessing.get_all_start_methods()
 
-
-@pytest.mark.parametrize("method", METHODS)
-def test_a_child_slices_after_its_parent_has(method, torus):
-    expected = hash_of(torus)  # the parent's worker threads are there now; a forked child has none of them
-    context = multiprocessing.get_context(method)
+def hash_in_fork(mesh):
+    context = multiprocessing.get_context("fork")
     answers = context.Queue()
-    child = context.Process(target=answer, args=(torus, answers))
+    child = context.Process(target=answer, args=(mesh, answers))
     child.start()
     try:
-        assert answers.get(timeout=60) == expected
+        return answers.get(timeout=60)
     finally:
         child.join(30)
         if child.is_alive():
             child.kill()
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_a_pool_slices_many_meshes(method, torus):
+@pytest.mark.parametrize("method", multiprocessing.get_all_start_methods())
+def test_children_slice_after_their_parent_has(method, torus):
     vertices, faces = torus
     meshes = [(vertices * [1, 1, 1 + 0.1 * i], faces) for i in range(6)]
+    expected = [hash_of(mesh) for mesh in meshes]  # the parent's worker threads are there now; forked children have none
     with multiprocessing.get_context(method).Pool(2) as pool:
-        assert pool.map_async(hash_of, meshes).get(timeout=120) == [hash_of(mesh) for mesh in meshes]
+        assert pool.map_async(hash_of, meshes).get(timeout=120) == expected
 
 
 def test_a_fork_while_other_threads_slice_does_not_hang(torus):
@@ -49,41 +45,11 @@ def test_a_fork_while_other_threads_slice_does_not_hang(torus):
     for thread in threads:
         thread.start()
     try:
-        context = multiprocessing.get_context("fork")
-        for _ in range(10):
-            answers = context.Queue()
-            child = context.Process(target=answer, args=(torus, answers))
-            child.start()
-            try:
-                assert answers.get(timeout=60) == expected
-            finally:
-                child.join(30)
-                if child.is_alive():
-                    child.kill()
+        assert {hash_in_fork(torus) for _ in range(40)} == {expected}
     finally:
         stop.set()
         for thread in threads:
             thread.join()
-
-
-def test_a_stream_does_not_go_on_in_a_forked_child(torus):
-    chunks = lamella.stream(*torus, layer_height=0.01, chunk=4)
-    next(chunks)
-    reading, writing = os.pipe()
-    child = os.fork()
-    if child == 0:
-        try:
-            next(chunks)
-            os.write(writing, b"went on")
-        except lamella.Error as error:
-            os.write(writing, str(error).encode())
-        finally:
-            os._exit(0)
-    os.close(writing)
-    with os.fdopen(reading) as told:
-        assert "begin it there" in told.read()
-    os.waitpid(child, 0)
-    assert len(next(chunks)) == 4
 
 
 def test_eight_threads_share_meshes_and_results(torus):

@@ -23,9 +23,10 @@ first: float = result[0].z
 layers: list[lamella.Layer] = result[2:5]
 mesh: lamella.Mesh = lamella.read("liver.stl")
 again: lamella.Result = lamella.prepare(mesh).slice([1.0, 2.0], threads=2)
+joined: lamella.Layer = lamella.region_of([mesh.vertices[:, :2]], fill_rule="even-odd", offset=0.1)
 for chunk in lamella.stream(mesh.vertices, mesh.faces, layer_height=0.01, chunk=64):
     total: float = chunk.volume
-cut: lamella.Layer = lamella.section(mesh, origin=[0, 0, 1], normal=[0, 1, 1], close_gaps=0.1)
+cut: lamella.Layer = lamella.section(mesh, origin=[0, 0, 1], normal=[0, 1, 1], stitch=0.1)
 edges: int = lamella.check(mesh)["boundary_edges"].count
 
 def table(client: distributed.Client) -> list[dict[str, object]]:

@@ -1,23 +1,14 @@
 // Wavefront OBJ: vertices and faces. All other statements are skipped, with a warning where they may hold a shape.
-#include <algorithm>
-#include <array>
-#include <cstring>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 #include "base/words.hpp"
 #include "io/read/faces.hpp"
-#include "io/read/part_marks.hpp"
-#include "io/read/reader.hpp"
-#include "io/read/stated_frame.hpp"
-#include "io/text/lines.hpp"
+#include "io/read/stated.hpp"
 
 namespace lamella {
 
 namespace {
 
-/// What a piece holds beside vertices and faces.
+/// Contents of a piece beside vertices and faces.
 struct ObjNotes {
     PartMarks names;
     LeftOut skipped;          ///< statements that may hold a shape and are not read
@@ -41,28 +32,179 @@ public:
     ObjParser(std::string_view piece, ObjNotes& notes)
         : LineParser(piece.data(), piece.data() + piece.size(), true), notes_(notes) {}
 
-    void count(TextPiece& piece, FaceRange& faces);
+    void count(TextPiece& piece, FaceRange& faces) {
+        for (Statement statement = next(); statement != Statement::none; statement = next()) {
+            if (statement == Statement::face) {
+                faces.add(count_words(), statement_);
+            } else if (statement == Statement::vertex) {
+                ++piece.count;
+            } else if (!skips_silently()) {
+                notes_.skipped.add(statement_);
+            } else if (p_ - statement_ == 1 && (*statement_ == 'o' || *statement_ == 'g')) {
+                add_mark(notes_.names, faces.triangles, *statement_ == 'g', p_, skip_line(p_, end_));
+            }
+            skip_rest_of(statement);
+        }
+    }
 
     /// `vertex_count` is the whole file's, as faces may refer to later vertices.
-    void parse(const TextPiece& piece, std::size_t vertex_count, std::byte* coordinates, FaceWriter& faces);
+    void parse(const TextPiece& piece, std::size_t vertex_count, std::byte* coordinates, FaceWriter& faces) {
+        constexpr int weight_or_colour = 4;
+        vertex_count_ = vertex_count;
+        seen_ = piece.first;
+        for (Statement statement = next(); statement != Statement::none; statement = next()) {
+            if (statement == Statement::vertex) {
+                double xyz[3];
+                vertex(xyz, weight_or_colour);
+                std::memcpy(coordinates + seen_ * sizeof xyz, xyz, sizeof xyz);
+                ++seen_;
+            } else if (statement == Statement::face) {
+                face(faces);
+            }
+            skip_rest_of(statement);
+        }
+    }
 
     /// Where the piece's face of this number begins, of those with three corners or more. Precondition: it has so many.
-    const char* place_of_face(std::size_t number);
+    const char* place_of_face(std::size_t number) {
+        for (Statement statement = next();; statement = next()) {
+            if (statement == Statement::face && count_words() >= 3 && number-- == 0) {
+                return statement_;
+            }
+            skip_rest_of(statement);
+        }
+    }
 
 private:
     enum class Statement { vertex, face, other, none };
 
     /// To the next statement; past its first word if it is one that is read.
-    Statement next();
-    bool skips_silently();
-    void skip_other();
+    Statement next() {
+        for (p_ = skip_space(p_, end_); !to_word(); p_ = skip_space(skip_line(p_, end_), end_)) {
+            if (p_ == end_) {
+                return Statement::none;
+            }
+        }
+        statement_ = p_;
+        const Statement statement = shape_at(p_);
+        if (statement != Statement::other) {
+            p_ += word_ends(p_ + 1) ? 1 : 2;
+        }
+        return statement;
+    }
+
+    /// Skips the first word of a statement that is not read. Whether the statement holds no shape, or is part of one that a
+    /// warning names.
+    bool skips_silently() {
+        constexpr std::array<std::string_view, 34> known = {
+            "vt",        "vn",     "vp",     "l",      "p",     "g",        "o",        "s",    "mg",
+            "usemtl",    "mtllib", "usemap", "maplib", "bevel", "c_interp", "d_interp", "lod",  "shadow_obj",
+            "trace_obj", "ctech",  "stech",  "cstype", "deg",   "bmat",     "step",     "parm", "trim",
+            "hole",      "scrv",   "sp",     "end",    "con",   "res",      "csh"};
+        skip_word();
+        const std::string_view word(statement_, static_cast<std::size_t>(p_ - statement_));
+        return std::find(known.begin(), known.end(), word) != known.end();
+    }
+
+    /// To the end of a statement that is not read. A backslash at the end of a line is part of a name (`usemtl textures\`)
+    /// where the next line is a vertex or a face. Comments join no lines.
+    void skip_other() {
+        for (;;) {
+            const char* const line_end = skip_line(p_, end_);
+            const std::string_view line(p_, static_cast<std::size_t>(line_end - p_));
+            const bool joined = line_end != end_ && line_end[-1] == '\\' && line.find('#') == std::string_view::npos;
+            p_ = line_end;
+            if (!joined) {
+                return;
+            }
+            const char* const next = skip_blank(line_end - 1 + continuation_at(line_end - 1, end_), end_);
+            if (next != end_ && shape_at(next) != Statement::other) {
+                notes_.after_backslash.add(next);
+                return;
+            }
+            p_ = next;
+        }
+    }
+
     void skip_rest_of(Statement statement) { statement == Statement::other ? skip_other() : skip_rest(); }
-    Statement shape_at(const char* p) const;
-    void face(FaceWriter& faces);
-    std::uint32_t corner();
-    void skip_zero_decimals(const char* corner);
-    bool references();
-    [[noreturn]] void out_of_range(bool from_here) const;
+
+    /// The statement that begins at `p`, where a character is.
+    Statement shape_at(const char* p) const {
+        if (word_ends(p + 1) && (*p == 'v' || *p == 'f')) {
+            return *p == 'v' ? Statement::vertex : Statement::face;
+        }
+        return *p == 'f' && p[1] == 'o' && word_ends(p + 2) ? Statement::face : Statement::other;
+    }
+
+    void face(FaceWriter& faces) {
+        corners_.clear();
+        while (to_word()) {
+            corners_.push_back(corner());
+        }
+        if (!faces.add(corners_)) {
+            p_ = statement_;
+            fail("the face has " + std::to_string(corners_.size()) + " corners, too many to be cut into triangles");
+        }
+    }
+
+    std::uint32_t corner() {
+        const char* const begin = p_;
+        const bool from_here = *p_ == '-';
+        p_ += static_cast<int>(from_here);
+        const char* const digits = p_;
+        std::uint64_t number = 0;
+        p_ = read_digits(digits, end_, number);
+        skip_zero_decimals(begin);
+        if (p_ == digits || !references() || !word_ends(p_)) {
+            p_ = begin;
+            fail("malformed vertex number " + found());
+        }
+        if (number == 0 || number > (from_here ? seen_ : vertex_count_)) {
+            p_ = begin;
+            out_of_range(from_here);
+        }
+        return static_cast<std::uint32_t>(from_here ? seen_ - number : number - 1);
+    }
+
+    /// "1.0" is the 1 of a program that knows only one type of numbers.
+    void skip_zero_decimals(const char* corner) {
+        if (p_ == corner || p_ == end_ || *p_ != '.') {
+            return;
+        }
+        const char* p = p_ + 1;
+        while (p != end_ && *p == '0') {
+            ++p;
+        }
+        if (word_ends(p)) {
+            p_ = p;
+            notes_.decimals.add(corner);
+        }
+    }
+
+    /// The numbers of a corner's texture vertex and normal, which may be left out.
+    bool references() {
+        const char* p = p_;
+        bool good = true;
+        for (int i = 0; i < 2 && good && p != end_ && *p == '/'; ++i) {
+            ++p;
+            const bool from_here = p != end_ && *p == '-';
+            p += static_cast<int>(from_here);
+            const char* const digits = p;
+            while (p != end_ && is_digit(*p)) {
+                ++p;
+            }
+            good = !from_here || p != digits;
+        }
+        p_ = p;
+        return good;
+    }
+
+    [[noreturn]] void out_of_range(bool from_here) const {
+        fail("vertex number out of range: " +
+             (from_here ? std::to_string(seen_) + " vertices precede, found "
+                        : "the file has " + counted(vertex_count_, "vertex", "vertices") + ", found ") +
+             found());
+    }
 
     ObjNotes& notes_;
     std::vector<std::uint32_t> corners_;  // of a face
@@ -70,172 +212,6 @@ private:
     std::size_t seen_ = 0;             // vertices before this statement, in the whole file
     const char* statement_ = nullptr;  // where it begins
 };
-
-ObjParser::Statement ObjParser::next() {
-    for (p_ = skip_space(p_, end_); !to_word(); p_ = skip_space(skip_line(p_, end_), end_)) {
-        if (p_ == end_) {
-            return Statement::none;
-        }
-    }
-    statement_ = p_;
-    const Statement statement = shape_at(p_);
-    if (statement != Statement::other) {
-        p_ += word_ends(p_ + 1) ? 1 : 2;
-    }
-    return statement;
-}
-
-/// What begins at `p`, where a character is.
-ObjParser::Statement ObjParser::shape_at(const char* p) const {
-    if (word_ends(p + 1) && (*p == 'v' || *p == 'f')) {
-        return *p == 'v' ? Statement::vertex : Statement::face;
-    }
-    return *p == 'f' && p[1] == 'o' && word_ends(p + 2) ? Statement::face : Statement::other;
-}
-
-/// To the end of a statement that is not read. A backslash at the end of a line is part of a name (`usemtl textures\`) where
-/// the next line is a vertex or a face. Comments join no lines.
-void ObjParser::skip_other() {
-    for (;;) {
-        const char* const line_end = skip_line(p_, end_);
-        const std::string_view line(p_, static_cast<std::size_t>(line_end - p_));
-        const bool joined = line_end != end_ && line_end[-1] == '\\' && line.find('#') == std::string_view::npos;
-        p_ = line_end;
-        if (!joined) {
-            return;
-        }
-        const char* const next = skip_blank(line_end - 1 + continuation_at(line_end - 1, end_), end_);
-        if (next != end_ && shape_at(next) != Statement::other) {
-            notes_.after_backslash.add(next);
-            return;
-        }
-        p_ = next;
-    }
-}
-
-/// Skips the first word of a statement that is not read. Whether the statement holds no shape, or is part of one that a
-/// warning names.
-bool ObjParser::skips_silently() {
-    constexpr std::array<std::string_view, 34> known = {
-        "vt",        "vn",     "vp",     "l",      "p",     "g",        "o",        "s",    "mg",
-        "usemtl",    "mtllib", "usemap", "maplib", "bevel", "c_interp", "d_interp", "lod",  "shadow_obj",
-        "trace_obj", "ctech",  "stech",  "cstype", "deg",   "bmat",     "step",     "parm", "trim",
-        "hole",      "scrv",   "sp",     "end",    "con",   "res",      "csh"};
-    skip_word();
-    const std::string_view word(statement_, static_cast<std::size_t>(p_ - statement_));
-    return std::find(known.begin(), known.end(), word) != known.end();
-}
-
-void ObjParser::count(TextPiece& piece, FaceRange& faces) {
-    for (Statement statement = next(); statement != Statement::none; statement = next()) {
-        if (statement == Statement::face) {
-            faces.add(count_words(), statement_);
-        } else if (statement == Statement::vertex) {
-            ++piece.count;
-        } else if (!skips_silently()) {
-            notes_.skipped.add(statement_);
-        } else if (p_ - statement_ == 1 && (*statement_ == 'o' || *statement_ == 'g')) {
-            add_mark(notes_.names, faces.triangles, *statement_ == 'g', p_, skip_line(p_, end_));
-        }
-        skip_rest_of(statement);
-    }
-}
-
-void ObjParser::parse(const TextPiece& piece, std::size_t vertex_count, std::byte* coordinates, FaceWriter& faces) {
-    constexpr int weight_or_colour = 4;
-    vertex_count_ = vertex_count;
-    seen_ = piece.first;
-    for (Statement statement = next(); statement != Statement::none; statement = next()) {
-        if (statement == Statement::vertex) {
-            double xyz[3];
-            vertex(xyz, weight_or_colour);
-            std::memcpy(coordinates + seen_ * sizeof xyz, xyz, sizeof xyz);
-            ++seen_;
-        } else if (statement == Statement::face) {
-            face(faces);
-        }
-        skip_rest_of(statement);
-    }
-}
-
-const char* ObjParser::place_of_face(std::size_t number) {
-    for (Statement statement = next();; statement = next()) {
-        if (statement == Statement::face && count_words() >= 3 && number-- == 0) {
-            return statement_;
-        }
-        skip_rest_of(statement);
-    }
-}
-
-void ObjParser::face(FaceWriter& faces) {
-    corners_.clear();
-    while (to_word()) {
-        corners_.push_back(corner());
-    }
-    if (!faces.add(corners_)) {
-        p_ = statement_;
-        fail("the face has " + std::to_string(corners_.size()) + " corners, too many to be cut into triangles");
-    }
-}
-
-std::uint32_t ObjParser::corner() {
-    const char* const begin = p_;
-    const bool from_here = *p_ == '-';
-    p_ += static_cast<int>(from_here);
-    const char* const digits = p_;
-    std::uint64_t number = 0;
-    p_ = read_digits(digits, end_, number);
-    skip_zero_decimals(begin);
-    if (p_ == digits || !references() || !word_ends(p_)) {
-        p_ = begin;
-        fail("malformed vertex number " + found());
-    }
-    if (number == 0 || number > (from_here ? seen_ : vertex_count_)) {
-        p_ = begin;
-        out_of_range(from_here);
-    }
-    return static_cast<std::uint32_t>(from_here ? seen_ - number : number - 1);
-}
-
-/// "1.0" is the 1 of a program that knows only one type of numbers.
-void ObjParser::skip_zero_decimals(const char* corner) {
-    if (p_ == corner || p_ == end_ || *p_ != '.') {
-        return;
-    }
-    const char* p = p_ + 1;
-    while (p != end_ && *p == '0') {
-        ++p;
-    }
-    if (word_ends(p)) {
-        p_ = p;
-        notes_.decimals.add(corner);
-    }
-}
-
-/// The numbers of a corner's texture vertex and normal, which may be left out.
-bool ObjParser::references() {
-    const char* p = p_;
-    bool good = true;
-    for (int i = 0; i < 2 && good && p != end_ && *p == '/'; ++i) {
-        ++p;
-        const bool from_here = p != end_ && *p == '-';
-        p += static_cast<int>(from_here);
-        const char* const digits = p;
-        while (p != end_ && is_digit(*p)) {
-            ++p;
-        }
-        good = !from_here || p != digits;
-    }
-    p_ = p;
-    return good;
-}
-
-void ObjParser::out_of_range(bool from_here) const {
-    fail("vertex number out of range: " +
-         (from_here ? std::to_string(seen_) + " vertices precede, found "
-                    : "the file has " + counted(vertex_count_, "vertex", "vertices") + ", found ") +
-         found());
-}
 
 void warn_of(const LeftOut& found, const std::string& words, const FileContents& file, MeshFile& mesh) {
     if (found.count > 0) {
@@ -310,9 +286,9 @@ bool may_be_obj(const FileSource& source) {
     return false;
 }
 
-Result<MeshFile> read_obj(FileSource& source) {
+MeshFile read_obj(FileSource& source) {
     if (!is_text(source.sample())) {
-        return source.error(ErrorCode::malformed_mesh, "is no OBJ file as text; no other OBJ is read", 0);
+        source.refuse(ErrorCode::malformed_mesh, "is no OBJ file as text; no other OBJ is read", 0);
     }
     return read_contents(source, parse_obj);
 }

@@ -5,22 +5,10 @@
 //     VERTICES FACES [EDGES]        on lines of their own or on the header's
 //     X Y Z ...                     for each vertex; normal, colour and texture are skipped
 //     CORNERS V V V ... [COLOUR]    for each face, with vertices numbered from 0
-#include <algorithm>
-#include <cstring>
-#include <limits>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
 
-#include "base/guard.hpp"
 #include "base/words.hpp"
 #include "io/read/faces.hpp"
-#include "io/read/lookout.hpp"
-#include "io/read/reader.hpp"
-#include "io/read/stated_frame.hpp"
-#include "io/text/lines.hpp"
+#include "io/read/stated.hpp"
 
 namespace lamella {
 
@@ -50,7 +38,7 @@ struct OffCounts {
 
     std::size_t items() const { return vertices + faces; }
     std::string words() const { return counted(vertices, "vertex", "vertices") + " and " + counted(faces, "face"); }
-    /// Whether `bytes` can hold as many numbers. The shortest are "0 0 0" of a vertex and "0" of a face without corners,
+    /// True if `bytes` can hold as many numbers. The shortest are "0 0 0" of a vertex and "0" of a face without corners,
     /// each number with a space after it; the last may lack it.
     bool fit(std::size_t bytes) const { return 6 * vertices + 2 * faces <= bytes + 1; }
 };
@@ -69,34 +57,177 @@ public:
         : LineParser(text.data(), text.data() + text.size(), false), layout_(layout), lookout_(parallel) {}
 
     /// Reads the file's head, which rest() then follows. The number of edges may be absent: it is on the line of the faces'.
-    OffCounts header();
+    OffCounts header() {
+        const std::string_view text(p_, static_cast<std::size_t>(end_ - p_));
+        const std::string_view word = header_word(text);
+        if (word.find_first_of("4n") != std::string_view::npos) {
+            p_ = word.data();
+            fail("vertices of other than three coordinates are not read: " + found());
+        }
+        if (layout_ == OffLayout::bare_numbers && word.find_first_of("STCN") != std::string_view::npos) {
+            fail("numbers beside coordinates and corners");
+        }
+        p_ += head_of(text).size();
+        OffCounts counts;
+        counts.at = p_;
+        counts.vertices = whole_number("the number of vertices");
+        next_word();
+        counts.faces = whole_number("the number of faces");
+        if (layout_ == OffLayout::bare_numbers) {
+            whole_number("the number of edges");
+            return counts;
+        }
+        if (to_word()) {
+            whole_number("the number of edges");
+        }
+        other_numbers(0);
+        return counts;
+    }
+
     const char* rest() const { return p_; }
 
     /// Reads items [first, last) and calls end_of_face(corners) after each face. Coordinates and corners are written unless
     /// there is no place for them.
     template <class EndOfFace>
     void items(std::size_t first, std::size_t last, const OffCounts& counts, std::byte* coordinates, FaceWriter* faces,
-               EndOfFace end_of_face);
+               EndOfFace end_of_face) {
+        for (std::size_t item = first; item < last; ++item) {
+            next_word();
+            item_ = p_;
+            if (item < counts.vertices) {
+                vertex_item(coordinates != nullptr ? coordinates + item * 3 * sizeof(double) : nullptr);
+            } else {
+                end_of_face(face_item(counts.vertices, faces));
+            }
+            if (layout_ == OffLayout::lines) {
+                p_ = skip_line(p_, end_);
+            }
+        }
+    }
+
     /// Where the last item begins.
     const char* item() const { return item_; }
 
     /// Counts the faces of all items, which are to be all that the file holds where nothing tells what else it may be.
-    void count_all(const OffCounts& counts, FaceRange& faces);
+    void count_all(const OffCounts& counts, FaceRange& faces) {
+        if (!counts.fit(static_cast<std::size_t>(end_ - p_))) {
+            fail("counts more than the file holds");
+        }
+        items(0, counts.items(), counts, nullptr, nullptr, [&](std::size_t corners) { faces.add(corners, item_); });
+        if (layout_ == OffLayout::bare_numbers && next_word()) {
+            fail("expected the end of the file");
+        }
+    }
 
     /// The number of lines with items, at most `most`, which are not parsed. All but the first `vertices` are counted as
     /// faces.
     std::size_t count_lines(FaceRange& faces, std::size_t vertices = 0,
-                            std::size_t most = std::numeric_limits<std::size_t>::max());
+                            std::size_t most = std::numeric_limits<std::size_t>::max()) {
+        std::size_t lines = 0;
+        for (; lines < most && next_word(); ++lines) {
+            const char* const line_end = skip_line(p_, end_);
+            if (lines >= vertices) {
+                faces.add(corners_of_line(line_end), p_);
+            }
+            p_ = line_end;
+        }
+        return lines;
+    }
 
 private:
-    bool next_word();
-    bool to_number();
-    std::size_t whole_number(const char* what);
-    std::uint32_t vertex_number(std::size_t vertex_count);
-    void vertex_item(std::byte* to);
-    std::size_t face_item(std::size_t vertex_count, FaceWriter* faces);
+    /// To the next word, over line ends and comments. False: there is none.
+    bool next_word() {
+        for (p_ = skip_space(p_, end_); !to_word(); p_ = skip_space(skip_line(p_, end_), end_)) {
+            if (p_ == end_) {
+                return false;
+            }
+        }
+        return true;
+    }
+
+    /// To the next word of the item.
+    bool to_number() {
+        if (layout_ == OffLayout::lines) {
+            return to_word();
+        }
+        lookout_.pass();
+        return next_word();
+    }
+
+    std::size_t whole_number(const char* what) {
+        constexpr std::size_t limit = std::size_t{1} << 53;
+        std::size_t number = 0;
+        const bool found_word = to_number();
+        const char* const begin = p_;
+        p_ = read_digits(begin, end_, number);
+        if (!found_word || p_ == begin || !word_ends(p_)) {
+            p_ = begin;
+            fail(std::string("expected ") + what + ", found " + found());
+        }
+        return std::min(number, limit);
+    }
+
+    std::uint32_t vertex_number(std::size_t vertex_count) {
+        to_number();
+        const char* const begin = p_;
+        const std::size_t number = whole_number("a vertex number");
+        if (number >= vertex_count) {
+            p_ = begin;
+            fail("vertex number out of range: the file has " + counted(vertex_count, "vertex", "vertices") + ", found " +
+                 found());
+        }
+        return static_cast<std::uint32_t>(number);
+    }
+
+    void vertex_item(std::byte* to) {
+        constexpr int normal_colour_and_texture = 3 + 4 + 2;
+        double xyz[3];
+        for (double& value : xyz) {
+            to_number();
+            value = coordinate();
+        }
+        if (to != nullptr) {
+            std::memcpy(to, xyz, sizeof xyz);
+        }
+        extras(normal_colour_and_texture);
+    }
+
+    std::size_t face_item(std::size_t vertex_count, FaceWriter* faces) {
+        constexpr int colour = 4;
+        const std::size_t held = layout_ == OffLayout::lines ? corners_of_line(skip_line(p_, end_)) : 0;
+        const std::size_t corners = whole_number("the number of a face's corners");
+        if (layout_ == OffLayout::lines && corners != held) {
+            p_ = item_;
+            fail("the face counts " + std::to_string(corners) + " corners, more than its line holds");
+        }
+        corners_.clear();
+        for (std::size_t i = 0; i < corners; ++i) {
+            const std::uint32_t vertex = vertex_number(vertex_count);
+            if (faces != nullptr) {
+                corners_.push_back(vertex);
+            }
+        }
+        if (faces != nullptr && !faces->add(corners_)) {
+            p_ = item_;
+            fail("the face has " + std::to_string(corners) + " corners, too many to be cut into triangles");
+        }
+        const int count = extras(colour);
+        if (layout_ == OffLayout::numbers && face_extras_.value_or(count) != count) {
+            p_ = item_;
+            fail("expected as many numbers after the corners as in the faces before");
+        }
+        face_extras_ = count;
+        return corners;
+    }
+
     int extras(int most) { return layout_ == OffLayout::bare_numbers ? 0 : other_numbers(most); }
-    std::size_t corners_of_line(const char* line_end) const;
+
+    /// The number that a face's line begins with, where the line is long enough for so many corners.
+    std::size_t corners_of_line(const char* line_end) const {
+        std::uint64_t corners = 0;
+        read_digits(p_, line_end, corners);
+        return corners > static_cast<std::size_t>(line_end - p_) / 2 ? 0 : corners;  // face_item() will say so
+    }
 
     OffLayout layout_;
     Lookout lookout_;
@@ -104,164 +235,6 @@ private:
     std::optional<int> face_extras_;      // of the first face
     std::vector<std::uint32_t> corners_;  // of a face
 };
-
-/// To the next word, over line ends and comments. False: there is none.
-bool OffParser::next_word() {
-    for (p_ = skip_space(p_, end_); !to_word(); p_ = skip_space(skip_line(p_, end_), end_)) {
-        if (p_ == end_) {
-            return false;
-        }
-    }
-    return true;
-}
-
-/// To the next word of the item.
-bool OffParser::to_number() {
-    if (layout_ == OffLayout::lines) {
-        return to_word();
-    }
-    lookout_.pass();
-    return next_word();
-}
-
-std::size_t OffParser::whole_number(const char* what) {
-    constexpr std::size_t limit = std::size_t{1} << 53;
-    std::size_t number = 0;
-    const bool found_word = to_number();
-    const char* const begin = p_;
-    p_ = read_digits(begin, end_, number);
-    if (!found_word || p_ == begin || !word_ends(p_)) {
-        p_ = begin;
-        fail(std::string("expected ") + what + ", found " + found());
-    }
-    return std::min(number, limit);
-}
-
-std::uint32_t OffParser::vertex_number(std::size_t vertex_count) {
-    to_number();
-    const char* const begin = p_;
-    const std::size_t number = whole_number("a vertex number");
-    if (number >= vertex_count) {
-        p_ = begin;
-        fail("vertex number out of range: the file has " + counted(vertex_count, "vertex", "vertices") + ", found " +
-             found());
-    }
-    return static_cast<std::uint32_t>(number);
-}
-
-OffCounts OffParser::header() {
-    const std::string_view text(p_, static_cast<std::size_t>(end_ - p_));
-    const std::string_view word = header_word(text);
-    if (word.find_first_of("4n") != std::string_view::npos) {
-        p_ = word.data();
-        fail("vertices of other than three coordinates are not read: " + found());
-    }
-    if (layout_ == OffLayout::bare_numbers && word.find_first_of("STCN") != std::string_view::npos) {
-        fail("numbers beside coordinates and corners");
-    }
-    p_ += head_of(text).size();
-    OffCounts counts;
-    counts.at = p_;
-    counts.vertices = whole_number("the number of vertices");
-    next_word();
-    counts.faces = whole_number("the number of faces");
-    if (layout_ == OffLayout::bare_numbers) {
-        whole_number("the number of edges");
-        return counts;
-    }
-    if (to_word()) {
-        whole_number("the number of edges");
-    }
-    other_numbers(0);
-    return counts;
-}
-
-template <class EndOfFace>
-void OffParser::items(std::size_t first, std::size_t last, const OffCounts& counts, std::byte* coordinates,
-                      FaceWriter* faces, EndOfFace end_of_face) {
-    for (std::size_t item = first; item < last; ++item) {
-        next_word();
-        item_ = p_;
-        if (item < counts.vertices) {
-            vertex_item(coordinates != nullptr ? coordinates + item * 3 * sizeof(double) : nullptr);
-        } else {
-            end_of_face(face_item(counts.vertices, faces));
-        }
-        if (layout_ == OffLayout::lines) {
-            p_ = skip_line(p_, end_);
-        }
-    }
-}
-
-void OffParser::vertex_item(std::byte* to) {
-    constexpr int normal_colour_and_texture = 3 + 4 + 2;
-    double xyz[3];
-    for (double& value : xyz) {
-        to_number();
-        value = coordinate();
-    }
-    if (to != nullptr) {
-        std::memcpy(to, xyz, sizeof xyz);
-    }
-    extras(normal_colour_and_texture);
-}
-
-std::size_t OffParser::face_item(std::size_t vertex_count, FaceWriter* faces) {
-    constexpr int colour = 4;
-    const std::size_t held = layout_ == OffLayout::lines ? corners_of_line(skip_line(p_, end_)) : 0;
-    const std::size_t corners = whole_number("the number of a face's corners");
-    if (layout_ == OffLayout::lines && corners != held) {
-        p_ = item_;
-        fail("the face counts " + std::to_string(corners) + " corners, more than its line holds");
-    }
-    corners_.clear();
-    for (std::size_t i = 0; i < corners; ++i) {
-        const std::uint32_t vertex = vertex_number(vertex_count);
-        if (faces != nullptr) {
-            corners_.push_back(vertex);
-        }
-    }
-    if (faces != nullptr && !faces->add(corners_)) {
-        p_ = item_;
-        fail("the face has " + std::to_string(corners) + " corners, too many to be cut into triangles");
-    }
-    const int count = extras(colour);
-    if (layout_ == OffLayout::numbers && face_extras_.value_or(count) != count) {
-        p_ = item_;
-        fail("expected as many numbers after the corners as in the faces before");
-    }
-    face_extras_ = count;
-    return corners;
-}
-
-void OffParser::count_all(const OffCounts& counts, FaceRange& faces) {
-    if (!counts.fit(static_cast<std::size_t>(end_ - p_))) {
-        fail("counts more than the file holds");
-    }
-    items(0, counts.items(), counts, nullptr, nullptr, [&](std::size_t corners) { faces.add(corners, item_); });
-    if (layout_ == OffLayout::bare_numbers && next_word()) {
-        fail("expected the end of the file");
-    }
-}
-
-/// What a face's line begins with, where the line is long enough for so many corners.
-std::size_t OffParser::corners_of_line(const char* line_end) const {
-    std::uint64_t corners = 0;
-    read_digits(p_, line_end, corners);
-    return corners > static_cast<std::size_t>(line_end - p_) / 2 ? 0 : corners;  // face_item() will say so
-}
-
-std::size_t OffParser::count_lines(FaceRange& faces, std::size_t vertices, std::size_t most) {
-    std::size_t lines = 0;
-    for (; lines < most && next_word(); ++lines) {
-        const char* const line_end = skip_line(p_, end_);
-        if (lines >= vertices) {
-            faces.add(corners_of_line(line_end), p_);
-        }
-        p_ = line_end;
-    }
-    return lines;
-}
 
 /// Where the face of this number begins, of those with three corners or more among items [first, last) in `parser`, which
 /// have been read before.
@@ -390,9 +363,9 @@ bool looks_like_headless_off(const FileSource& source) {
     return is_text(source.sample());
 }
 
-Result<MeshFile> read_off(FileSource& source) {
+MeshFile read_off(FileSource& source) {
     if (!is_text(source.sample())) {
-        return source.error(ErrorCode::malformed_mesh, "is a binary OFF file; only OFF as text is read", 0);
+        source.refuse(ErrorCode::malformed_mesh, "is a binary OFF file; only OFF as text is read", 0);
     }
     return read_contents(source, parse_off);
 }

@@ -1,11 +1,6 @@
 #include "io/read/ply/ply_body.hpp"
 
-#include <algorithm>
-#include <array>
-#include <atomic>
 #include <cassert>
-#include <cstring>
-#include <type_traits>
 
 #ifdef __SSE2__
 #include <emmintrin.h>
@@ -131,8 +126,8 @@ std::size_t offset_in_row(const PlyElement& element, PlyUse use) {
 }
 
 std::optional<std::size_t> vertices_in_place(const PlyElement& vertices, std::size_t offset) {
-    const CoordinateType number = number_for(vertices);
-    const NumberType type = number == CoordinateType::f64 ? NumberType::float64 : NumberType::float32;
+    const Number number = number_for(vertices);
+    const NumberType type = number == Number::f64 ? NumberType::float64 : NumberType::float32;
     const std::size_t x = offset_in_row(vertices, PlyUse::x);
     const bool packed = offset_in_row(vertices, PlyUse::y) == x + size_of(type) &&
                         offset_in_row(vertices, PlyUse::z) == x + 2 * size_of(type);
@@ -147,7 +142,7 @@ std::optional<std::size_t> vertices_in_place(const PlyElement& vertices, std::si
 void swap_vertices(MeshFile& mesh, const Parallel& parallel) {
     parallel.run_ranges(mesh.vertex_count, grain, [&](std::size_t begin, std::size_t end, int) {
         std::byte* const first = mesh.bytes.data() + mesh.first_offset + begin * mesh.stride;
-        if (mesh.coordinate_type == CoordinateType::f64) {
+        if (mesh.vertex_type == Number::f64) {
             swap_rows<std::uint64_t>(first, mesh.stride, end - begin);
         } else {
             swap_rows<std::uint32_t>(first, mesh.stride, end - begin);
@@ -159,18 +154,18 @@ void copy_vertices(const PlyInput& input, const PlyElement& vertices, const char
     assert(!vertices.has_lists());
     const std::size_t row_bytes = fixed_row_bytes(vertices);
     input.parallel().run_ranges(vertices.count, grain, [&](std::size_t begin, std::size_t end, int) {
-        copy_vertex_rows(vertices, input.swapped(), rows + begin * row_bytes, end - begin, mesh.coordinate_type,
+        copy_vertex_rows(vertices, input.swapped(), rows + begin * row_bytes, end - begin, mesh.vertex_type,
                          mesh.bytes.data() + begin * mesh.stride);
     });
 }
 
-void copy_vertex_rows(const PlyElement& vertices, bool swapped, const char* rows, std::size_t count, CoordinateType number,
+void copy_vertex_rows(const PlyElement& vertices, bool swapped, const char* rows, std::size_t count, Number number,
                       std::byte* to) {
     const std::size_t row_bytes = fixed_row_bytes(vertices);
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto use = static_cast<PlyUse>(axis);
         const char* const from = rows + offset_in_row(vertices, use);
-        if (number == CoordinateType::f64) {
+        if (number == Number::f64) {
             copy_axis<double>(vertices.used(use), swapped, from, row_bytes, count, to + axis * sizeof(double));
         } else {
             copy_axis<float>(vertices.used(use), swapped, from, row_bytes, count, to + axis * sizeof(float));

@@ -1,12 +1,6 @@
-// What follows the header of a PLY file.
+// The body of a PLY file, after its header.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <optional>
-#include <string_view>
-
-#include "base/parallel.hpp"
 #include "io/read/faces.hpp"
 #include "io/read/ply/ply_header.hpp"
 
@@ -21,7 +15,7 @@ struct PlyInput {
     bool swapped() const noexcept { return header.encoding == PlyEncoding::big_endian; }
 };
 
-/// What is to be known of a body beside the mesh.
+/// Facts of a body beside the mesh.
 struct PlyBody {
     bool swapped = false;           ///< the file's byte order is not the machine's, and the coordinates are still the file's
     std::uint64_t small_faces = 0;  ///< left out: of fewer than three vertices
@@ -30,11 +24,7 @@ struct PlyBody {
 };
 
 /// Doubles and integers of 32 bits are kept as doubles.
-CoordinateType number_for(const PlyElement& vertices) noexcept;
-
-/// Fills in the vertices and indices of `mesh`. It has no bytes where coordinates are used where they lie in the file.
-/// Throws the first error in the body, whatever the number of threads.
-PlyBody read_ply_body(const PlyInput& input, MeshFile& mesh);
+Number number_for(const PlyElement& vertices) noexcept;
 
 /// ASCII PLY as nearly everyone writes it, one row a line, parsed in parallel. Lines may have more words than the header
 /// declares, which are ignored and counted. False: rows are no lines, or something is wrong, which a reader that goes from
@@ -53,7 +43,7 @@ void swap_vertices(MeshFile& mesh, const Parallel& parallel);
 void copy_vertices(const PlyInput& input, const PlyElement& vertices, const char* rows, MeshFile& mesh);
 
 /// The same for `count` rows, to packed coordinates at `to`.
-void copy_vertex_rows(const PlyElement& vertices, bool swapped, const char* rows, std::size_t count, CoordinateType number,
+void copy_vertex_rows(const PlyElement& vertices, bool swapped, const char* rows, std::size_t count, Number number,
                       std::byte* to);
 
 /// Bytes of a row that is a triangle; nothing if such rows may differ in size, or indices are no whole numbers.

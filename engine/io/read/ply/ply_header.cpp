@@ -1,15 +1,8 @@
 #include "io/read/ply/ply_header.hpp"
 
-#include <algorithm>
-#include <array>
-#include <charconv>
 #include <initializer_list>
-#include <optional>
-#include <utility>
 
 #include "base/words.hpp"
-#include "io/read/reader.hpp"
-#include "io/text/text.hpp"
 
 namespace lamella {
 
@@ -41,24 +34,165 @@ class HeaderParser {
 public:
     explicit HeaderParser(std::string_view text) : text_(text) {}
 
-    PlyHeader parse();
+    PlyHeader parse() {
+        // The first line tells how lines end: after CR alone, an LF after "end_header" is data.
+        const std::size_t first = text_.find_first_of("\r\n");
+        if (first != std::string_view::npos && text_[first] == '\r' && text_.substr(first + 1, 1) != "\n") {
+            line_end_ = '\r';
+        }
+        next_ = text_.size() - without_byte_order_mark(text_).size();
+        next_line();
+        if (word() != magic || !word().empty()) {
+            throw expected("'ply' alone on the first line");
+        }
+        do {
+            next_line();
+        } while (line());
+        header_.body = next_;
+        return std::move(header_);
+    }
 
     /// The first line skipped that declares a property, if it had the keyword.
     const std::optional<TextError>& lost_property() const { return lost_property_; }
 
 private:
-    void next_line();
-    bool line();
-    void other_line(std::string_view first);
-    void format();
-    void element();
-    void property();
-    NumberType type();
-    std::string_view name();
-    void declare();
-    void end_of_line();
-    std::string_view word();
-    TextError expected(const std::string& what) const;
+    void next_line() {
+        if (next_ == text_.size()) {
+            throw TextError{text_.data() + next_, "expected 'end_header', found the end of the file"};
+        }
+        const std::size_t end = std::min(text_.find(line_end_, next_), text_.size());
+        p_ = text_.data() + next_;
+        end_ = text_.data() + end;
+        next_ = std::min(end + 1, text_.size());
+    }
+
+    /// False: the header ends.
+    bool line() {
+        const std::string_view keyword = word();
+        if (keyword == "end_header") {
+            if (!has_format_) {
+                throw expected("a line 'format' before it");
+            }
+            end_of_line();
+            return false;
+        }
+        if (keyword == "comment" || keyword == "obj_info") {
+            header_.patient_frame.read_header({p_, static_cast<std::size_t>(end_ - p_)});
+        } else if (keyword == "format") {
+            format();
+        } else if (keyword == "element") {
+            element();
+        } else if (keyword == "property") {
+            property();
+        } else if (!keyword.empty()) {
+            other_line(keyword);
+        }
+        return true;
+    }
+
+    /// Skips a line without a keyword, as a comment is that goes on in the next line. Not numbers, with which the body
+    /// begins, and not what may be a keyword in capitals.
+    void other_line(std::string_view first) {
+        const std::string_view line(word_, static_cast<std::size_t>(end_ - word_));
+        const bool is_keyword = begins_in_any_case(first, "element") || begins_in_any_case(first, "propert") ||
+                                begins_in_any_case(first, "end_head") || lower_case(first.substr(0, 16)) == "format";
+        const bool begins_body =
+            is_digit(first.front()) || first.front() == '-' || first.front() == '+' || first.front() == '.';
+        const TextError error = expected("'element', 'property', 'comment' or 'end_header'");
+        if (is_keyword || begins_body || !is_text(line)) {
+            throw error;
+        }
+        if (!lost_property_ && (first == "list" || type_named(first))) {
+            lost_property_ = error;
+        }
+        header_.skipped.add(word_);
+    }
+
+    void format() {
+        constexpr std::array<std::string_view, 3> names = {"ascii", "binary_little_endian", "binary_big_endian"};
+        if (has_format_) {
+            throw expected("one format only");
+        }
+        has_format_ = true;
+        const auto* const found = std::find(names.begin(), names.end(), word());
+        if (found == names.end()) {
+            throw expected("'ascii', 'binary_little_endian' or 'binary_big_endian'");
+        }
+        header_.encoding = static_cast<PlyEncoding>(found - names.begin());
+        if (word() != "1.0") {
+            throw expected("version '1.0'");
+        }
+        end_of_line();
+    }
+
+    void element() {
+        PlyElement element;
+        element.at = word_;
+        declare();
+        element.name = name();
+        if (!read_integer(word(), element.count)) {
+            throw expected("the number of elements " + in_quotes(element.name));
+        }
+        header_.elements.push_back(std::move(element));
+        end_of_line();
+    }
+
+    void property() {
+        PlyProperty property;
+        if (header_.elements.empty()) {
+            throw expected("an element before its properties");
+        }
+        declare();
+        const char* const before = p_;
+        property.is_list = word() == "list";
+        if (property.is_list) {
+            property.count_type = type();
+        } else {
+            p_ = before;
+        }
+        property.type = type();
+        property.name = name();
+        header_.elements.back().properties.push_back(property);
+        end_of_line();
+    }
+
+    NumberType type() {
+        if (const std::optional<NumberType> found = type_named(word())) {
+            return *found;
+        }
+        throw expected("a type of number");
+    }
+
+    std::string_view name() {
+        if (const std::string_view name = word(); !name.empty()) {
+            return name;
+        }
+        throw expected("a name");
+    }
+
+    void declare() {
+        if (++declarations_ > most_declarations) {
+            throw expected("at most " + std::to_string(most_declarations) + " elements and properties");
+        }
+    }
+
+    void end_of_line() {
+        if (!word().empty()) {
+            throw expected("the end of the line");
+        }
+    }
+
+    std::string_view word() {
+        word_ = skip_space(p_, end_);
+        p_ = skip_word(word_, end_);
+        return {word_, static_cast<std::size_t>(p_ - word_)};
+    }
+
+    /// At the last word read.
+    TextError expected(const std::string& what) const {
+        const bool at_line_end = word_ == end_ && word_ != text_.data() + text_.size();
+        return {word_, "expected " + what + ", found " + (at_line_end ? "the end of the line" : word_at(word_, end_))};
+    }
 
     std::string_view text_;
     PlyHeader header_;
@@ -72,168 +206,11 @@ private:
     std::optional<TextError> lost_property_;
 };
 
-PlyHeader HeaderParser::parse() {
-    // The first line tells how lines end: after CR alone, an LF after "end_header" is data.
-    const std::size_t first = text_.find_first_of("\r\n");
-    if (first != std::string_view::npos && text_[first] == '\r' && text_.substr(first + 1, 1) != "\n") {
-        line_end_ = '\r';
-    }
-    next_ = text_.size() - without_byte_order_mark(text_).size();
-    next_line();
-    if (word() != magic || !word().empty()) {
-        throw expected("'ply' alone on the first line");
-    }
-    do {
-        next_line();
-    } while (line());
-    header_.body = next_;
-    return std::move(header_);
-}
-
-void HeaderParser::next_line() {
-    if (next_ == text_.size()) {
-        throw TextError{text_.data() + next_, "expected 'end_header', found the end of the file"};
-    }
-    const std::size_t end = std::min(text_.find(line_end_, next_), text_.size());
-    p_ = text_.data() + next_;
-    end_ = text_.data() + end;
-    next_ = std::min(end + 1, text_.size());
-}
-
-/// False: the header ends.
-bool HeaderParser::line() {
-    const std::string_view keyword = word();
-    if (keyword == "end_header") {
-        if (!has_format_) {
-            throw expected("a line 'format' before it");
-        }
-        end_of_line();
-        return false;
-    }
-    if (keyword == "comment" || keyword == "obj_info") {
-        header_.patient_frame.read_header({p_, static_cast<std::size_t>(end_ - p_)});
-    } else if (keyword == "format") {
-        format();
-    } else if (keyword == "element") {
-        element();
-    } else if (keyword == "property") {
-        property();
-    } else if (!keyword.empty()) {
-        other_line(keyword);
-    }
-    return true;
-}
-
-/// Skips a line without a keyword, as a comment is that goes on in the next line. Not numbers, with which the body begins,
-/// and not what may be a keyword in capitals.
-void HeaderParser::other_line(std::string_view first) {
-    const std::string_view line(word_, static_cast<std::size_t>(end_ - word_));
-    const bool is_keyword = begins_in_any_case(first, "element") || begins_in_any_case(first, "propert") ||
-                            begins_in_any_case(first, "end_head") || lower_case(first.substr(0, 16)) == "format";
-    const bool begins_body = is_digit(first.front()) || first.front() == '-' || first.front() == '+' || first.front() == '.';
-    const TextError error = expected("'element', 'property', 'comment' or 'end_header'");
-    if (is_keyword || begins_body || !is_text(line)) {
-        throw error;
-    }
-    if (!lost_property_ && (first == "list" || type_named(first))) {
-        lost_property_ = error;
-    }
-    header_.skipped.add(word_);
-}
-
-void HeaderParser::format() {
-    constexpr std::array<std::string_view, 3> names = {"ascii", "binary_little_endian", "binary_big_endian"};
-    if (has_format_) {
-        throw expected("one format only");
-    }
-    has_format_ = true;
-    const auto* const found = std::find(names.begin(), names.end(), word());
-    if (found == names.end()) {
-        throw expected("'ascii', 'binary_little_endian' or 'binary_big_endian'");
-    }
-    header_.encoding = static_cast<PlyEncoding>(found - names.begin());
-    if (word() != "1.0") {
-        throw expected("version '1.0'");
-    }
-    end_of_line();
-}
-
-void HeaderParser::element() {
-    PlyElement element;
-    element.at = word_;
-    declare();
-    element.name = name();
-    const std::string_view digits = word();
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), element.count);
-    if (digits.empty() || error != std::errc() || end != digits.data() + digits.size()) {
-        throw expected("the number of elements " + short_name(element.name));
-    }
-    header_.elements.push_back(std::move(element));
-    end_of_line();
-}
-
-void HeaderParser::property() {
-    PlyProperty property;
-    if (header_.elements.empty()) {
-        throw expected("an element before its properties");
-    }
-    declare();
-    const char* const before = p_;
-    property.is_list = word() == "list";
-    if (property.is_list) {
-        property.count_type = type();
-    } else {
-        p_ = before;
-    }
-    property.type = type();
-    property.name = name();
-    header_.elements.back().properties.push_back(property);
-    end_of_line();
-}
-
-NumberType HeaderParser::type() {
-    if (const std::optional<NumberType> found = type_named(word())) {
-        return *found;
-    }
-    throw expected("a type of number");
-}
-
-std::string_view HeaderParser::name() {
-    if (const std::string_view name = word(); !name.empty()) {
-        return name;
-    }
-    throw expected("a name");
-}
-
-void HeaderParser::declare() {
-    if (++declarations_ > most_declarations) {
-        throw expected("at most " + std::to_string(most_declarations) + " elements and properties");
-    }
-}
-
-void HeaderParser::end_of_line() {
-    if (!word().empty()) {
-        throw expected("the end of the line");
-    }
-}
-
-std::string_view HeaderParser::word() {
-    word_ = skip_space(p_, end_);
-    p_ = skip_word(word_, end_);
-    return {word_, static_cast<std::size_t>(p_ - word_)};
-}
-
-/// At the last word read.
-TextError HeaderParser::expected(const std::string& what) const {
-    const bool at_line_end = word_ == end_ && word_ != text_.data() + text_.size();
-    return {word_, "expected " + what + ", found " + (at_line_end ? "the end of the line" : word_at(word_, end_))};
-}
-
 // --- which elements make up the mesh
 
 /// The property of any of these names, if there is one of them.
 PlyProperty& find_property(PlyElement& element, std::initializer_list<std::string_view> names, bool is_list) {
-    const std::string place = " of element " + short_name(element.name) + " ";
+    const std::string place = " of element " + in_quotes(element.name) + " ";
     for (const std::string_view name : names) {
         const auto named = [name](const PlyProperty& p) { return p.name == name; };
         const auto found = std::find_if(element.properties.begin(), element.properties.end(), named);
@@ -241,14 +218,14 @@ PlyProperty& find_property(PlyElement& element, std::initializer_list<std::strin
             continue;
         }
         if (found->is_list != is_list) {
-            throw TextError{element.at, "property " + short_name(name) + place + (is_list ? "is no list" : "is a list")};
+            throw TextError{element.at, "property " + in_quotes(name) + place + (is_list ? "is no list" : "is a list")};
         }
         if (std::any_of(found + 1, element.properties.end(), named)) {
-            throw TextError{element.at, "property " + short_name(name) + place + "is declared twice"};
+            throw TextError{element.at, "property " + in_quotes(name) + place + "is declared twice"};
         }
         return *found;
     }
-    throw TextError{element.at, "element " + short_name(element.name) + " has no property " + short_name(*names.begin())};
+    throw TextError{element.at, "element " + in_quotes(element.name) + " has no property " + in_quotes(*names.begin())};
 }
 
 void find_uses(PlyElement& element) {
@@ -270,7 +247,7 @@ void find_roles(PlyHeader& header) {
             continue;
         }
         if (header.element_of(role) != nullptr) {
-            throw TextError{element.at, "element " + short_name(element.name) + " is declared twice"};
+            throw TextError{element.at, "element " + in_quotes(element.name) + " is declared twice"};
         }
         element.role = role;
         find_uses(element);
@@ -278,11 +255,6 @@ void find_roles(PlyHeader& header) {
 }
 
 }  // namespace
-
-std::string short_name(std::string_view name) {
-    constexpr std::size_t longest = 32;
-    return "'" + printable(name.substr(0, longest)) + (name.size() > longest ? "...'" : "'");
-}
 
 std::uint64_t PlyElement::least_row_bytes(PlyEncoding encoding) const noexcept {
     std::uint64_t bytes = 0;
@@ -306,8 +278,8 @@ const PlyElement* PlyHeader::element_of(PlyRole role) const noexcept {
     return found == elements.end() ? nullptr : &*found;
 }
 
-bool begins_as_ply(std::string_view text) noexcept {
-    text = without_byte_order_mark(text);
+bool looks_like_ply(const FileSource& source) {
+    const std::string_view text = without_byte_order_mark(source.sample());
     return text.starts_with(magic) && text.size() > magic.size() && is_space(text[magic.size()]);
 }
 
@@ -328,6 +300,15 @@ PlyHeader parse_ply_header(std::string_view text) {
         throw;
     }
     return header;
+}
+
+void check_ply_header(const FileSource& file, const PlyHeader& header) {
+    if (header.element_of(PlyRole::faces) == nullptr && header.element_of(PlyRole::strips) == nullptr) {
+        file.refuse(ErrorCode::empty_mesh, "holds no faces");
+    }
+    if (header.element_of(PlyRole::vertices) == nullptr) {
+        file.refuse(ErrorCode::malformed_mesh, "holds faces but no vertices");
+    }
 }
 
 void warn_of_skipped_lines(const FileSource& file, std::string_view contents, const PlyHeader& header,

@@ -1,22 +1,15 @@
 // The header of a PLY file: which elements follow it, how they are encoded, and which of them make up the mesh.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <string>
-#include <string_view>
-#include <vector>
-
 #include "io/read/number_type.hpp"
-#include "io/read/stated_frame.hpp"
+#include "io/read/stated.hpp"
 #include "io/text/lines.hpp"
-#include "lamella/io/mesh_file.hpp"
 
 namespace lamella {
 
 enum class PlyEncoding : std::uint8_t { ascii, little_endian, big_endian };
 
-/// What of a property goes into the mesh.
+/// The part of the mesh that a property becomes.
 enum class PlyUse : std::uint8_t { x, y, z, indices, nothing };
 
 struct PlyProperty {
@@ -38,7 +31,7 @@ struct PlyElement {
 
     /// Bytes that each row takes at least: its fixed numbers and, of lists, the counts.
     std::uint64_t least_row_bytes(PlyEncoding encoding) const noexcept;
-    /// Whether all rows are of the same size in a binary file.
+    /// True if all rows are of the same size in a binary file.
     bool has_lists() const noexcept;
     const PlyProperty& used(PlyUse use) const noexcept;  ///< Precondition: there is one.
 };
@@ -54,13 +47,10 @@ struct PlyHeader {
     const PlyElement* element_of(PlyRole role) const noexcept;
 };
 
-/// In quotes, for messages.
-std::string short_name(std::string_view name);
-
-bool begins_as_ply(std::string_view text) noexcept;
-
 /// Reads the header at the beginning of `text`, which names refer into. Throws TextError.
 PlyHeader parse_ply_header(std::string_view text);
+/// Throws Refused where the header counts no faces, or no vertices.
+void check_ply_header(const FileSource& file, const PlyHeader& header);
 
 /// `contents` begin with the header.
 void warn_of_skipped_lines(const FileSource& file, std::string_view contents, const PlyHeader& header,

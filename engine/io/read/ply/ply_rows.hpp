@@ -1,22 +1,13 @@
 // The rows of one element of a PLY file, read from numbers that are bytes or text.
 #pragma once
 
-#include <array>
-#include <charconv>
-#include <cmath>
-#include <cstdint>
-#include <cstring>
 #include <limits>
-#include <string>
-#include <type_traits>
-#include <vector>
 
 #include "io/read/ply/ply_header.hpp"
-#include "io/text/text.hpp"
 
 namespace lamella {
 
-/// Whether `value` is a whole number, all of which up to 2^53 are exact.
+/// True if `value` is a whole number, all of which up to 2^53 are exact.
 inline bool to_integer(double value, std::int64_t& integer) {
     constexpr double exact = 9007199254740992.0;
     if (!(std::abs(value) <= exact) || std::trunc(value) != value) {
@@ -163,7 +154,7 @@ private:
     const char* end_;
 };
 
-/// What the lists of indices of an element will take, known before anything is allocated for them.
+/// Sizes of an element's lists of indices, known before anything is allocated for them.
 struct PlyLists {
     std::uint64_t triangles = 0;  ///< at most
     std::uint64_t longest = 0;
@@ -199,8 +190,8 @@ public:
     }
 
     /// Writes the coordinates of the row's vertex to `out`, as numbers of the type.
-    void vertex(CoordinateType type, std::byte* out) {
-        if (type == CoordinateType::f64) {
+    void vertex(Number type, std::byte* out) {
+        if (type == Number::f64) {
             vertex_as<double>(out);
         } else {
             vertex_as<float>(out);
@@ -283,7 +274,7 @@ private:
 
     [[noreturn]] void fail(const PlyProperty& property, const std::string& what) const {
         throw TextError{numbers_.at(),
-                        "property " + short_name(property.name) + " of " + short_name(element_.name) + " " +
+                        "property " + in_quotes(property.name) + " of " + in_quotes(element_.name) + " " +
                             std::to_string(row_) + ": " + what,
                         !Numbers::binary};
     }

@@ -1,18 +1,7 @@
 // STL, binary and ASCII. Which of the two a file is, is decided by its size and content, never by the word "solid" alone.
-#include <algorithm>
-#include <array>
-#include <string_view>
-#include <utility>
 
-#include "base/guard.hpp"
-#include "base/little_endian.hpp"
-#include "base/parallel.hpp"
 #include "base/words.hpp"
-#include "io/read/lookout.hpp"
-#include "io/read/reader.hpp"
-#include "io/read/stated_frame.hpp"
 #include "io/read/stl/stl_ascii.hpp"
-#include "io/text/text.hpp"
 
 namespace lamella {
 
@@ -34,9 +23,7 @@ bool begins_with_solid(std::string_view text) {
 
 std::uint32_t counted_triangles(std::string_view sample) {
     std::uint32_t count = 0;
-    for (std::size_t i = 0; i < 4; ++i) {
-        count |= static_cast<std::uint32_t>(static_cast<unsigned char>(sample[80 + i])) << (8 * i);
-    }
+    std::memcpy(&count, sample.data() + 80, sizeof count);
     return count;
 }
 
@@ -67,39 +54,7 @@ Result<std::uint64_t> check_binary(const FileSource& file) {
     return count;
 }
 
-/// All but the bytes.
-Result<MeshFile> describe_binary(const FileSource& file) {
-    const Result<std::uint64_t> count = check_binary(file);
-    if (!count) {
-        return count.error();
-    }
-    const std::uint64_t needed = header_bytes + record_bytes * count.value();
-    MeshFile mesh;
-    mesh.first_offset = header_bytes + normal_bytes;
-    mesh.stride = record_bytes;
-    mesh.triangle_count = count.value();
-    give_stated_frame(file.sample().substr(0, 80), file, mesh);
-    if (file.size() > needed) {
-        mesh.warnings.push_back(file.name() + ": ignored " + counted(file.size() - needed, "byte") + " after the last of " +
-                                counted(count.value(), "triangle"));
-    }
-    return mesh;
-}
-
-Result<MeshFile> read_binary(FileSource& file) {
-    Result<MeshFile> mesh = describe_binary(file);
-    if (!mesh) {
-        return mesh;
-    }
-    Result<Array<std::byte>> bytes = file.take(header_bytes + record_bytes * mesh->triangle_count);
-    if (!bytes) {
-        return bytes.error();
-    }
-    mesh->bytes = std::move(bytes).value();
-    return mesh;
-}
-
-/// Whether what is no text would be, were it not for NUL bytes, and holds a facet.
+/// True if what is no text would be, were it not for NUL bytes, and holds a facet.
 bool is_ascii_with_nuls(const FileSource& file) {
     const std::string_view sample = file.sample();
     if (!begins_with_solid(sample) || check_binary(file)) {
@@ -116,7 +71,7 @@ class LineOfPlaces {
 public:
     explicit LineOfPlaces(std::string_view text) : end_(text.data() + text.size()), place_(text.data()), word_(place_) {}
 
-    /// Whether the line begins with `solid` or `endsolid`. Precondition: `place` is not before that of the last call. All
+    /// True if the line begins with `solid` or `endsolid`. Precondition: `place` is not before that of the last call. All
     /// calls together take O(text).
     bool is_name(const char* place) {
         const std::string_view between(place_, static_cast<std::size_t>(place - place_));
@@ -132,7 +87,7 @@ private:
     const char* word_;  // the first of the line, or white space before it
 };
 
-/// Whether NUL bytes in [begin, end) of `text` stand between words.
+/// True if NUL bytes in [begin, end) of `text` stand between words.
 bool are_between_words(std::string_view text, std::size_t begin, std::size_t end) {
     return (begin == 0 || is_space(text[begin - 1])) && (end == text.size() || is_space(text[end]));
 }
@@ -201,7 +156,7 @@ void parse_ascii(FileContents& file, MeshFile& mesh) {
                                          word_at(lines.first, file.whole.data() + file.whole.size())};
     }
     if (facets.count == 0) {
-        throw Refused{file.source.error(ErrorCode::empty_mesh, "holds no triangles")};
+        file.source.refuse(ErrorCode::empty_mesh, "holds no triangles");
     }
     mesh.bytes = std::move(facets.coordinates);
     mesh.stride = 9 * sizeof(float);
@@ -219,16 +174,32 @@ bool looks_like_stl(const FileSource& source) {
                                     : check_binary(source).ok() || is_ascii_with_nuls(source);
 }
 
-Result<MeshFile> read_stl(FileSource& source) {
-    return is_text(source.sample()) || is_ascii_with_nuls(source) ? read_contents(source, parse_ascii) : read_binary(source);
+MeshFile read_stl(FileSource& source) {
+    if (is_text(source.sample()) || is_ascii_with_nuls(source)) {
+        return read_contents(source, parse_ascii);
+    }
+    MeshFile mesh = describe_binary_stl(source);
+    mesh.bytes = source.take(header_bytes + record_bytes * mesh.triangle_count);
+    return mesh;
 }
 
 bool is_binary_stl(const FileSource& source) {
     return !is_text(source.sample()) && check_binary(source).ok();
 }
 
-Result<MeshFile> describe_binary_stl(const FileSource& source) {
-    return describe_binary(source);
+MeshFile describe_binary_stl(const FileSource& file) {
+    const std::uint64_t count = require(check_binary(file));
+    const std::uint64_t needed = header_bytes + record_bytes * count;
+    MeshFile mesh;
+    mesh.first_offset = header_bytes + normal_bytes;
+    mesh.stride = record_bytes;
+    mesh.triangle_count = count;
+    give_stated_frame(file.sample().substr(0, 80), file, mesh);
+    if (file.size() > needed) {
+        mesh.warnings.push_back(file.name() + ": ignored " + counted(file.size() - needed, "byte") + " after the last of " +
+                                counted(count, "triangle"));
+    }
+    return mesh;
 }
 
 }  // namespace lamella

@@ -1,11 +1,6 @@
 #include "io/read/stl/stl_ascii.hpp"
 
-#include <algorithm>
 #include <cassert>
-#include <utility>
-#include <vector>
-
-#include "io/read/lookout.hpp"
 
 namespace lamella {
 
@@ -28,7 +23,7 @@ bool passes_for_number(std::string_view word) {
            lower.find(".#") != std::string::npos;
 }
 
-/// Whether `facet normal N N N outer` begins at `p`: `facet normal` alone may be words of a name.
+/// True if `facet normal N N N outer` begins at `p`: `facet normal` alone may be words of a name.
 bool begins_facet(const char* p, const char* end) {
     if (!is_word<"facet">(p, end)) {
         return false;
@@ -43,13 +38,13 @@ bool begins_facet(const char* p, const char* end) {
     return is_word<"outer">(p, end);
 }
 
-/// Whether a facet goes on with the word at `p`.
+/// True if a facet goes on with the word at `p`.
 bool is_word_in_facet(const char* p, const char* end) {
     return is_word<"normal">(p, end) || is_word<"outer">(p, end) || is_word<"loop">(p, end) || is_word<"vertex">(p, end) ||
            is_word<"endloop">(p, end) || is_word<"endfacet">(p, end);
 }
 
-/// Whether the text ends within the first word of a statement.
+/// True if the text ends within the first word of a statement.
 bool is_cut_off(const char* p, const char* end) {
     const std::string_view word(p, static_cast<std::size_t>(end - p));
     return std::string_view("facet").starts_with(word) || std::string_view("endsolid").starts_with(word) ||
@@ -60,7 +55,7 @@ bool is_statement(const char* p, const char* end) {
     return is_word<"facet">(p, end) || is_word<"solid">(p, end) || is_word<"endsolid">(p, end);
 }
 
-/// Whether a facet may begin at `p`, by two words: `facet` may be one of a name or of a comment.
+/// True if a facet may begin at `p`, by two words: `facet` may be one of a name or of a comment.
 bool may_begin_facet(const char* p, const char* end) {
     if (!is_word<"facet">(p, end)) {
         return false;
@@ -75,28 +70,174 @@ public:
     FacetParser(const char* begin, const char* end, const Parallel& parallel) : p_(begin), end_(end), lookout_(parallel) {}
 
     /// The nine coordinates of the next facet that begins before `stop`. False: there is none. Throws TextError.
-    bool next_facet(const char* stop, float* nine);
+    bool next_facet(const char* stop, float* nine) {
+        TextError skipped;  // the line right before
+        for (p_ = skip_space(p_, end_); p_ < stop; p_ = skip_space(p_, end_)) {
+            if (!is_statement(p_, end_)) {
+                other_line(skipped);
+                continue;
+            }
+            skipped = {};
+            solid_ended_ = is_word<"endsolid">(p_, end_);
+            if (is_word<"facet">(p_, end_)) {
+                facet(nine);
+                ++facets_;
+                last_end_ = p_;
+                return true;
+            }
+            const char* const name = skip_word(p_, end_);
+            p_ = last_end_ = name_end();
+            if (!solid_ended_) {
+                add_mark(solids_, facets_, false, name, p_);
+            }
+        }
+        return false;
+    }
 
     const StlDepartures& departures() const { return departures_; }
     const PartMarks& solids() const { return solids_; }
 
-    /// Whether the last statement was `endsolid`, and where the last one ended.
+    /// True if the last statement was `endsolid`, and where the last one ended.
     bool solid_ended() const { return solid_ended_; }
     const char* last_end() const { return last_end_; }
 
 private:
-    const char* name_end();
-    void other_line(TextError& skipped);
-    void facet(float* nine);
-    bool strict_facet(float* nine);
-    bool sloppy_facet(float* nine);
-    bool normal();
-    bool vertex(float* xyz);
-    bool number(float& value);
+    /// The end of the name after `solid` or `endsolid`: the line's end, or where a facet begins on the same line.
+    const char* name_end() {
+        const char* p = skip_word(p_, end_);
+        while (p != end_ && !ends_line(*p)) {
+            lookout_.pass();
+            if (begins_facet(p, end_)) {
+                return p;
+            }
+            p = is_space(*p) ? p + 1 : skip_word(p, end_);
+        }
+        return p;
+    }
+
+    /// Skips a line that is no statement, as a comment is. An error where facets would be lost: they begin within it, it
+    /// stands in the place of a facet's first line, which `skipped` then tells, or the file is cut off there.
+    void other_line(TextError& skipped) {
+        const char* const line_end = skip_line(p_, end_);
+        bool harmless = !is_word_in_facet(p_, end_) && !is_cut_off(p_, end_) &&
+                        std::memchr(p_, '\0', static_cast<std::size_t>(line_end - p_)) == nullptr;
+        for (const char* p = p_; harmless && p < line_end; p = skip_space(skip_word(p, end_), end_)) {
+            lookout_.pass();
+            harmless = !may_begin_facet(p, end_);
+        }
+        if (skipped.at == nullptr) {
+            skipped = {p_, "expected 'facet', 'solid' or 'endsolid', found " + found()};
+        }
+        if (!harmless) {
+            throw skipped;
+        }
+        departures_.lines.add(p_);
+        p_ = line_end;
+    }
+
+    void facet(float* nine) {
+        const char* const begin = p_;
+        silent_ = departures_.facets.count > 0;  // words take longer than facets, and most departures are alike
+        if (strict_facet(nine)) {
+            return;
+        }
+        TextError failure = std::exchange(failure_, {});
+        p_ = begin;
+        if (sloppy_facet(nine)) {
+            if (departures_.facets.count == 0) {
+                departures_.first_facet = std::move(failure.what);
+            }
+            departures_.facets.add(failure.at);
+            return;
+        }
+        p_ = begin;
+        silent_ = false;
+        strict_facet(nine);
+        throw failure_;
+    }
+
+    bool strict_facet(float* nine) {
+        return word<"facet">("") && normal() && word<"outer">("after the normal") && word<"loop">("after 'outer'") &&
+               vertex(nine) && vertex(nine + 3) && vertex(nine + 6) && word<"endloop">("after three vertices") &&
+               word<"endfacet">("after 'endloop'");
+    }
+
+    /// A facet by its vertices: what the normal should be is skipped, as are words after `endloop`, and `outer loop` and
+    /// `endfacet` may be absent.
+    bool sloppy_facet(float* nine) {
+        constexpr int most_words = 16;
+        p_ = skip_space(skip_word(p_, end_), end_);
+        for (int words = 0; !is_word<"vertex">(p_, end_); ++words) {
+            if (words == most_words || is_statement(p_, end_) || is_word<"endloop">(p_, end_) ||
+                is_word<"endfacet">(p_, end_)) {
+                return false;
+            }
+            p_ = skip_space(skip_word(p_, end_), end_);
+        }
+        if (!vertex(nine) || !vertex(nine + 3) || !vertex(nine + 6)) {
+            return false;
+        }
+        p_ = skip_space(p_, end_);
+        if (!is_word<"endloop">(p_, end_)) {
+            return false;
+        }
+        p_ = skip_space(skip_word(p_, end_), end_);
+        for (int words = 0; words < most_words && p_ != end_ && !is_statement(p_, end_); ++words) {
+            if (is_word_in_facet(p_, end_)) {
+                const bool ends = is_word<"endfacet">(p_, end_);
+                p_ = ends ? skip_word(p_, end_) : p_;
+                return ends;
+            }
+            p_ = skip_space(skip_word(p_, end_), end_);
+        }
+        return is_statement(p_, end_);
+    }
+
+    bool normal() {
+        if (!word<"normal">("after 'facet'")) {
+            return false;
+        }
+        for (int axis = 0; axis < 3; ++axis) {
+            p_ = skip_space(p_, end_);
+            const char* word_end = skip_word(p_, end_);
+            if (p_ == word_end || !passes_for_number({p_, static_cast<std::size_t>(word_end - p_)})) {
+                return fail([&] { return "expected a number of the normal, found " + found(); });
+            }
+            p_ = word_end;
+        }
+        return true;
+    }
+
+    bool vertex(float* xyz) {
+        return word<"vertex">("(a facet has three)") && number(xyz[0]) && number(xyz[1]) && number(xyz[2]);
+    }
+
+    bool number(float& value) {
+        p_ = skip_space(p_, end_);
+        if (p_ == end_) {
+            return fail([] { return std::string("expected a coordinate, found the end of the file"); });
+        }
+        const NumberText got = read_number(p_, end_, value);
+        return got == NumberText::read || fail([&] { return coordinate_problem(got, "float", found()); });
+    }
+
     template <Keyword keyword>
-    bool word(const char* place);
+    bool word(const char* place) {
+        p_ = skip_space(p_, end_);
+        if (!is_word<keyword>(p_, end_)) {
+            return fail([&] { return std::string("expected '") + keyword.text + "' " + place + ", found " + found(); });
+        }
+        p_ += keyword.length;
+        return true;
+    }
+
+    /// With the words of what().
     template <class What>
-    bool fail(const What& what);
+    bool fail(const What& what) {
+        failure_ = {p_, silent_ ? std::string() : what()};
+        return false;
+    }
+
     std::string found() const { return word_at(p_, end_); }
 
     const char* p_;
@@ -111,172 +252,13 @@ private:
     std::uint64_t facets_ = 0;  // read so far
 };
 
-/// With the words of what().
-template <class What>
-bool FacetParser::fail(const What& what) {
-    failure_ = {p_, silent_ ? std::string() : what()};
-    return false;
-}
-
-template <Keyword keyword>
-inline bool FacetParser::word(const char* place) {
-    p_ = skip_space(p_, end_);
-    if (!is_word<keyword>(p_, end_)) {
-        return fail([&] { return std::string("expected '") + keyword.text + "' " + place + ", found " + found(); });
-    }
-    p_ += keyword.length;
-    return true;
-}
-
-bool FacetParser::next_facet(const char* stop, float* nine) {
-    TextError skipped;  // the line right before
-    for (p_ = skip_space(p_, end_); p_ < stop; p_ = skip_space(p_, end_)) {
-        if (!is_statement(p_, end_)) {
-            other_line(skipped);
-            continue;
-        }
-        skipped = {};
-        solid_ended_ = is_word<"endsolid">(p_, end_);
-        if (is_word<"facet">(p_, end_)) {
-            facet(nine);
-            ++facets_;
-            last_end_ = p_;
-            return true;
-        }
-        const char* const name = skip_word(p_, end_);
-        p_ = last_end_ = name_end();
-        if (!solid_ended_) {
-            add_mark(solids_, facets_, false, name, p_);
-        }
-    }
-    return false;
-}
-
-/// Skips a line that is no statement, as a comment is. An error where facets would be lost: they begin within it, it stands
-/// in the place of a facet's first line, which `skipped` then tells, or the file is cut off there.
-void FacetParser::other_line(TextError& skipped) {
-    const char* const line_end = skip_line(p_, end_);
-    bool harmless = !is_word_in_facet(p_, end_) && !is_cut_off(p_, end_) &&
-                    std::memchr(p_, '\0', static_cast<std::size_t>(line_end - p_)) == nullptr;
-    for (const char* p = p_; harmless && p < line_end; p = skip_space(skip_word(p, end_), end_)) {
-        lookout_.pass();
-        harmless = !may_begin_facet(p, end_);
-    }
-    if (skipped.at == nullptr) {
-        skipped = {p_, "expected 'facet', 'solid' or 'endsolid', found " + found()};
-    }
-    if (!harmless) {
-        throw skipped;
-    }
-    departures_.lines.add(p_);
-    p_ = line_end;
-}
-
-/// The end of the name after `solid` or `endsolid`: the line's end, or where a facet begins on the same line.
-const char* FacetParser::name_end() {
-    const char* p = skip_word(p_, end_);
-    while (p != end_ && !ends_line(*p)) {
-        lookout_.pass();
-        if (begins_facet(p, end_)) {
-            return p;
-        }
-        p = is_space(*p) ? p + 1 : skip_word(p, end_);
-    }
-    return p;
-}
-
-void FacetParser::facet(float* nine) {
-    const char* const begin = p_;
-    silent_ = departures_.facets.count > 0;  // words take longer than facets, and most departures are alike
-    if (strict_facet(nine)) {
-        return;
-    }
-    TextError failure = std::exchange(failure_, {});
-    p_ = begin;
-    if (sloppy_facet(nine)) {
-        if (departures_.facets.count == 0) {
-            departures_.first_facet = std::move(failure.what);
-        }
-        departures_.facets.add(failure.at);
-        return;
-    }
-    p_ = begin;
-    silent_ = false;
-    strict_facet(nine);
-    throw failure_;
-}
-
-/// A facet by its vertices: what the normal should be is skipped, as are words after `endloop`, and `outer loop` and
-/// `endfacet` may be absent.
-bool FacetParser::sloppy_facet(float* nine) {
-    constexpr int most_words = 16;
-    p_ = skip_space(skip_word(p_, end_), end_);
-    for (int words = 0; !is_word<"vertex">(p_, end_); ++words) {
-        if (words == most_words || is_statement(p_, end_) || is_word<"endloop">(p_, end_) || is_word<"endfacet">(p_, end_)) {
-            return false;
-        }
-        p_ = skip_space(skip_word(p_, end_), end_);
-    }
-    if (!vertex(nine) || !vertex(nine + 3) || !vertex(nine + 6)) {
-        return false;
-    }
-    p_ = skip_space(p_, end_);
-    if (!is_word<"endloop">(p_, end_)) {
-        return false;
-    }
-    p_ = skip_space(skip_word(p_, end_), end_);
-    for (int words = 0; words < most_words && p_ != end_ && !is_statement(p_, end_); ++words) {
-        if (is_word_in_facet(p_, end_)) {
-            const bool ends = is_word<"endfacet">(p_, end_);
-            p_ = ends ? skip_word(p_, end_) : p_;
-            return ends;
-        }
-        p_ = skip_space(skip_word(p_, end_), end_);
-    }
-    return is_statement(p_, end_);
-}
-
-bool FacetParser::strict_facet(float* nine) {
-    return word<"facet">("") && normal() && word<"outer">("after the normal") && word<"loop">("after 'outer'") &&
-           vertex(nine) && vertex(nine + 3) && vertex(nine + 6) && word<"endloop">("after three vertices") &&
-           word<"endfacet">("after 'endloop'");
-}
-
-bool FacetParser::normal() {
-    if (!word<"normal">("after 'facet'")) {
-        return false;
-    }
-    for (int axis = 0; axis < 3; ++axis) {
-        p_ = skip_space(p_, end_);
-        const char* word_end = skip_word(p_, end_);
-        if (p_ == word_end || !passes_for_number({p_, static_cast<std::size_t>(word_end - p_)})) {
-            return fail([&] { return "expected a number of the normal, found " + found(); });
-        }
-        p_ = word_end;
-    }
-    return true;
-}
-
-bool FacetParser::vertex(float* xyz) {
-    return word<"vertex">("(a facet has three)") && number(xyz[0]) && number(xyz[1]) && number(xyz[2]);
-}
-
-bool FacetParser::number(float& value) {
-    p_ = skip_space(p_, end_);
-    if (p_ == end_) {
-        return fail([] { return std::string("expected a coordinate, found the end of the file"); });
-    }
-    const NumberText got = read_number(p_, end_, value);
-    return got == NumberText::read || fail([&] { return coordinate_problem(got, "float", found()); });
-}
-
 // --- all facets
 
 constexpr std::size_t facet_floats = 9;
 constexpr std::size_t facet_bytes = facet_floats * sizeof(float);
 constexpr std::size_t shortest_facet = sizeof "facet vertex 0 0 0 vertex 0 0 0 vertex 0 0 0" - 1;
 
-/// Whether [line, p) holds `solid` or `endsolid` as a word: what follows on the line is then a name.
+/// True if [line, p) holds `solid` or `endsolid` as a word: what follows on the line is then a name.
 bool names_something(const char* line, const char* p) {
     while ((line = skip_space(line, p)) != p) {
         if (is_word<"solid">(line, p) || is_word<"endsolid">(line, p)) {
@@ -329,7 +311,7 @@ std::size_t most_facets(std::string_view piece) {
     return std::min(words, piece.size() / shortest_facet + 1);
 }
 
-/// What is made of a piece of text.
+/// The facets of a piece of text.
 struct FacetPiece {
     ItemRun run;
     StlDepartures departures;

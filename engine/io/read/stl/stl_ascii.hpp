@@ -1,18 +1,9 @@
 // ASCII STL as text in memory, parsed in parallel.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <cstring>
-#include <string>
-#include <string_view>
-
-#include "base/little_endian.hpp"
-#include "base/parallel.hpp"
-#include "io/read/part_marks.hpp"
+#include "io/read/stated.hpp"
 #include "io/text/lines.hpp"
-#include "lamella/array.hpp"
-#include "lamella/memory.hpp"
+#include "lamella/context.hpp"
 
 namespace lamella {
 
@@ -32,7 +23,7 @@ struct Keyword {
     }
 };
 
-/// Whether the text at `p` is `keyword`, in any case, and ends there.
+/// True if the text at `p` is `keyword`, in any case, and ends there.
 template <Keyword keyword>
 inline bool is_word(const char* p, const char* end) {
     constexpr std::size_t length = keyword.length;
@@ -46,7 +37,7 @@ inline bool is_word(const char* p, const char* end) {
     return (letters ^ keyword.letters) << (8 * (8 - length)) == 0 && (left == length || is_space(p[length]));
 }
 
-/// What a piece of text holds that is not as the format says, and is read all the same.
+/// Departures of a piece of text from the format, which is read all the same.
 struct StlDepartures {
     LeftOut facets;           ///< with an unusable normal, or without a word other than `facet` and `vertex`
     LeftOut lines;            ///< between facets, skipped

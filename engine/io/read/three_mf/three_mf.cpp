@@ -1,19 +1,9 @@
 // 3MF: a zip archive of XML parts (3MF core specification and production extension). The parts are streamed: neither an XML
 // text nor a tree of it is ever held, only the vertices and triangles that it lists.
-#include <algorithm>
-#include <array>
-#include <chrono>
 #include <limits>
-#include <optional>
-#include <utility>
 
 #include "base/clock.hpp"
-#include "io/read/reader.hpp"
-#include "io/read/three_mf/three_mf_build.hpp"
-#include "io/read/three_mf/three_mf_model.hpp"
 #include "io/read/three_mf/three_mf_part.hpp"
-#include "io/read/three_mf/zip_archive.hpp"
-#include "io/xml/xml.hpp"
 
 namespace lamella {
 
@@ -52,65 +42,50 @@ private:
     std::string root_;
 };
 
-Error no_package(const ZipArchive& package) {
-    const std::string mesh = package.first_part([](std::string_view name) { return is_named_as_mesh(name); });
-    return mesh.empty() ? package.error(ErrorCode::malformed_mesh, package_relationships, 0, "is missing")
-                        : package.error(ErrorCode::malformed_mesh, mesh, 0,
-                                        "is a mesh in a zip archive that is no 3MF package: unpack it first");
-}
-
-Result<std::string> find_root(ZipArchive& package, Model& model, MemoryBudget& budget, const Memory* memory) {
+std::string find_root(ZipArchive& package, Model& model, MemoryBudget& budget, const Memory* memory) {
     const std::string part(package_relationships);
     if (!package.contains(part)) {
-        return no_package(package);
+        const std::string mesh = package.first_part([](std::string_view name) { return is_named_as_mesh(name); });
+        package.refuse(mesh.empty() ? part : mesh,
+                       mesh.empty() ? "is missing" : "is a mesh in a zip archive that is no 3MF package: unpack it first");
     }
     RelationshipReader relationships(model, part, budget, memory);
-    if (Status read = relationships.read(package); !read) {
-        return read.error();
-    }
+    relationships.read(package);
     if (relationships.root().empty()) {
-        return package.error(ErrorCode::malformed_mesh, part, 0, "names no model: is no 3MF package");
+        package.refuse(part, "names no model: is no 3MF package");
     }
     return relationships.root();
 }
 
-Status read_part(ZipArchive& package, Model& model, Part part, MemoryBudget& budget, const Memory* memory) {
+void read_part(ZipArchive& package, Model& model, Part part, MemoryBudget& budget, const Memory* memory) {
     PartReader reader(model, part, budget, memory);
-    if (Status read = reader.read(package); !read) {
-        return read;
-    }
+    reader.read(package);
     if (part == 0) {
         model.mm_per_unit = reader.mm_per_unit();
     } else if (reader.mm_per_unit() != model.mm_per_unit) {
-        return package.error(ErrorCode::malformed_mesh, model.parts[part], 0, "has another unit than the root part");
+        package.refuse(model.parts[part], "has another unit than the root part");
     }
-    return {};
 }
 
 }  // namespace
 
 /// A damaged part can fail as XML before its checksum is known, and damage is the better message.
-Status PackageReader::read(ZipArchive& package) {
-    if (Status whole = package.read(name_, [this](std::string_view piece) { return feed_part(piece); }); !whole) {
-        return whole;
-    }
+void PackageReader::read(ZipArchive& package) {
+    package.read(name_, [this](std::string_view piece) { return feed_part(piece); });
     finish();
     if (failure()) {
-        return package.error(code_, name_, failure()->line, failure()->what);
+        package.refuse(name_, failure()->what, failure()->line, code_);
     }
     if (const std::optional<XmlUnboundName>& unbound = unbound_name()) {
         model_.warn(printable(name_), unbound->line, unbound->words());
     }
-    return {};
 }
 
-bool PackageReader::keep(std::uint64_t bytes) {
-    if (budget_.try_take(bytes, 1)) {
-        return true;
+void PackageReader::keep(std::uint64_t bytes) {
+    if (!budget_.try_take(bytes, 1)) {
+        code_ = ErrorCode::out_of_memory;
+        fail("takes more than the " + std::to_string(budget_.limit_bytes()) + " bytes that reading it may");
     }
-    code_ = ErrorCode::out_of_memory;
-    fail("takes more than the " + std::to_string(budget_.limit_bytes()) + " bytes that reading it may");
-    return false;
 }
 
 std::optional<PartRole> role_of(std::string_view word) noexcept {
@@ -137,25 +112,18 @@ Part Model::part_of(const std::string& name) {
     return at->second;
 }
 
-Result<Model> read_model(ZipArchive& package, const FileSource& file) {
+Model read_model(ZipArchive& package, const FileSource& file) {
     Model model;
     MemoryBudget budget(file);
-    const Result<std::string> root = find_root(package, model, budget, file.memory());
-    if (!root) {
-        return root.error();
-    }
+    const std::string root = find_root(package, model, budget, file.memory());
     if (!package.contains(content_types)) {
         model.warnings.push_back("has no part '" + std::string(content_types) + "', as a 3MF package must");
     }
-    model.part_of(root.value());
+    model.part_of(root);
     for (Part part = 0; part < model.parts.size(); ++part) {  // the root part adds to them
-        if (Status read = read_part(package, model, part, budget, file.memory()); !read) {
-            return read.error();
-        }
+        read_part(package, model, part, budget, file.memory());
     }
-    if (Status applied = apply_settings(package, model, budget, file.memory()); !applied) {
-        return applied.error();
-    }
+    apply_settings(package, model, budget, file.memory());
     return model;
 }
 
@@ -163,54 +131,42 @@ Result<Model> read_model(ZipArchive& package, const FileSource& file) {
 
 namespace {
 
-/// What the parts of a file may expand to. Their text is not held, so that this bounds the time: real files compress by
-/// about ten.
+/// Bytes that the parts of a file may expand to. Their text is not held, so that this bounds the time: real files compress
+/// by about ten.
 std::uint64_t text_limit(const FileSource& file) {
     constexpr std::uint64_t largest_ratio = 32;
     return file.memory_limit() + largest_ratio * std::min(file.size(), std::numeric_limits<std::uint64_t>::max() / 128);
 }
 
-void warn_of_other_bytes(const ZipArchive& package, three_mf::Model& model) {
-    if (package.bytes_before() > 0) {
-        model.warnings.push_back("ignored " + std::to_string(package.bytes_before()) + " bytes before the zip archive");
-    }
-    if (package.bytes_after() > 0) {
-        model.warnings.push_back("ignored " + std::to_string(package.bytes_after()) + " bytes after the zip archive");
+void warn_of_other_bytes(std::uint64_t bytes, const char* where, three_mf::Model& model) {
+    if (bytes > 0) {
+        model.warnings.push_back("ignored " + std::to_string(bytes) + " bytes " + where + " the zip archive");
     }
 }
 
-Result<three_mf::Model> load(FileSource& file, std::chrono::steady_clock::time_point& start) {
-    const Result<Array<std::byte>> bytes = file.take(file.size());
-    if (!bytes) {
-        return bytes.error();
-    }
+/// Holds the file's bytes no longer than they are read.
+three_mf::Model load(FileSource& file, Clock::time_point& start) {
+    const Array<std::byte> bytes = file.take(file.size());
     start = Clock::now();
-    Result<ZipArchive> package = ZipArchive::open(file, bytes.value().span(), text_limit(file));
-    if (!package) {
-        return package.error();
-    }
-    Result<three_mf::Model> model = three_mf::read_model(package.value(), file);
-    if (model) {
-        warn_of_other_bytes(package.value(), model.value());
-    }
+    ZipArchive package = ZipArchive::open(file, bytes.span(), text_limit(file));
+    three_mf::Model model = three_mf::read_model(package, file);
+    warn_of_other_bytes(package.bytes_before(), "before", model);
+    warn_of_other_bytes(package.bytes_after(), "after", model);
     return model;
 }
 
-Result<MeshFile> build(const FileSource& file, three_mf::Model& model) {
+MeshFile build(const FileSource& file, three_mf::Model& model) {
     if (model.items.empty()) {
-        return error_in_part(file, ErrorCode::empty_mesh, model.parts.front(), 0,
-                             model.unprintable_items == 0 ? "has nothing in its build"
-                                                          : "has nothing in its build but items marked as not printable");
+        refuse_part(file, ErrorCode::empty_mesh, model.parts.front(), 0,
+                    model.unprintable_items == 0 ? "has nothing in its build"
+                                                 : "has nothing in its build but items marked as not printable");
     }
     MeshFile mesh;
     std::vector<three_mf::Instance> instances;
-    if (const std::optional<three_mf::BuildProblem> problem =
-            three_mf::list_instances(model, file.memory_limit(), file.parallel(), instances, mesh.parts)) {
-        return error_in_part(file, problem->code, model.parts[problem->place.part], problem->place.line, problem->what);
-    }
+    three_mf::list_instances(model, file, instances, mesh.parts);
     if (instances.empty()) {
-        return file.error(ErrorCode::empty_mesh,
-                          mesh.parts.empty() ? "holds no triangles" : "holds nothing solid: " + model.warnings.back());
+        file.refuse(ErrorCode::empty_mesh,
+                    mesh.parts.empty() ? "holds no triangles" : "holds nothing solid: " + model.warnings.back());
     }
     three_mf::place(model, instances, file.memory(), file.parallel(), mesh);
     mesh.text = true;
@@ -228,16 +184,11 @@ bool looks_like_3mf(const FileSource& source) {
     return source.sample().starts_with(zip_magic);
 }
 
-Result<MeshFile> read_3mf(FileSource& source) {
-    std::chrono::steady_clock::time_point start;
-    Result<three_mf::Model> model = load(source, start);
-    if (!model) {
-        return model.error();
-    }
-    Result<MeshFile> mesh = build(source, model.value());
-    if (mesh) {
-        mesh->parse_ms = milliseconds_since(start);
-    }
+MeshFile read_3mf(FileSource& source) {
+    Clock::time_point start;
+    three_mf::Model model = load(source, start);
+    MeshFile mesh = build(source, model);
+    mesh.parse_ms = milliseconds_since(start);
     return mesh;
 }
 

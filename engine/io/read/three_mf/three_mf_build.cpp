@@ -1,13 +1,7 @@
-#include "io/read/three_mf/three_mf_build.hpp"
-
-#include <algorithm>
-#include <cstring>
-#include <limits>
-#include <utility>
+#include "io/read/three_mf/three_mf_model.hpp"
 
 #include "base/words.hpp"
-#include "io/read/lookout.hpp"
-#include "lamella/memory.hpp"
+#include "io/read/faces.hpp"
 
 namespace lamella::three_mf {
 
@@ -18,24 +12,16 @@ namespace {
 /// counted, and objects that come to no triangles are gone through once.
 class Lister {
 public:
-    Lister(const Model& model, std::uint64_t limit_bytes, const Parallel& parallel, std::vector<Instance>& instances)
-        : model_(model),
-          limit_bytes_(limit_bytes),
-          lookout_(parallel),
-          states_(model.objects.size()),
-          instances_(instances) {}
+    Lister(const Model& model, const FileSource& file, std::vector<Instance>& instances)
+        : model_(model), file_(file), lookout_(file.parallel()), states_(model.objects.size()), instances_(instances) {}
 
-    std::optional<BuildProblem> run() {
+    void run() {
         for (const Reference& item : model_.items) {
             meet(item, Instance{});
-            while (!open_.empty() && !problem_) {
+            while (!open_.empty()) {
                 step();
             }
-            if (problem_) {
-                break;
-            }
         }
-        return std::move(problem_);
     }
 
 private:
@@ -62,17 +48,18 @@ private:
         lookout_.pass();
         const auto found = model_.object_index.find(Model::key(reference.part, reference.id));
         if (found == model_.object_index.end()) {
-            return refuse(reference, "there is no object " + std::to_string(reference.id) +
-                                         (reference.part == reference.place.part ? "" : " in the part that it names"));
+            refuse(reference, "there is no object " + std::to_string(reference.id) +
+                                  (reference.part == reference.place.part ? "" : " in the part that it names"));
         }
         const std::uint32_t index = found->second;
         const Object& object = model_.objects[index];
         if (const std::string why = why_not_built(object, states_[index]); !why.empty()) {
-            return refuse(reference, why);
+            refuse(reference, why);
         }
-        if (states_[index] == State::empty || !fits(object)) {
+        if (states_[index] == State::empty) {
             return;
         }
+        must_fit(object);
         const Instance instance = placed(reference, index, outer);
         if (object.triangles.size() > 0) {
             instances_.push_back(instance);
@@ -94,16 +81,17 @@ private:
     }
 
     /// Counts one more instance of the object.
-    bool fits(const Object& object) {
+    void must_fit(const Object& object) {
         bytes_ += sizeof(Instance) + object.vertices.size() * sizeof(Vertex) + object.triangles.size() * sizeof(Triangle);
         vertices_ += object.vertices.size();
-        if (bytes_ > limit_bytes_) {
-            problem_ = {ErrorCode::out_of_memory, Place{},
-                        "builds more than the " + std::to_string(limit_bytes_) + " bytes that reading it may take"};
-        } else if (vertices_ > std::numeric_limits<std::uint32_t>::max()) {
-            problem_ = {ErrorCode::out_of_memory, Place{}, "builds more vertices than 32-bit indices can tell apart"};
+        if (bytes_ > file_.memory_limit()) {
+            refuse_part(file_, ErrorCode::out_of_memory, model_.parts[0], 0,
+                        "builds more than the " + std::to_string(file_.memory_limit()) + " bytes that reading it may take");
         }
-        return !problem_;
+        if (vertices_ > std::numeric_limits<std::uint32_t>::max()) {
+            refuse_part(file_, ErrorCode::out_of_memory, model_.parts[0], 0,
+                        "builds more vertices than 32-bit indices can tell apart");
+        }
     }
 
     Instance placed(const Reference& reference, std::uint32_t index, const Instance& outer) const {
@@ -118,19 +106,19 @@ private:
         return instance;
     }
 
-    void refuse(const Reference& reference, const std::string& what) {
-        problem_ = {ErrorCode::malformed_mesh, reference.place, what};
+    [[noreturn]] void refuse(const Reference& reference, const std::string& what) const {
+        const Place& place = reference.place;
+        refuse_part(file_, ErrorCode::malformed_mesh, model_.parts[place.part], place.line, what);
     }
 
     const Model& model_;
-    std::uint64_t limit_bytes_;
+    const FileSource& file_;
     Lookout lookout_;
     std::vector<State> states_;
     std::vector<Instance>& instances_;
     std::vector<Open> open_;
     std::uint64_t bytes_ = 0;
     std::uint64_t vertices_ = 0;
-    std::optional<BuildProblem> problem_;
 };
 
 /// "left out 2 modifiers: 'a', 'b'"
@@ -150,8 +138,8 @@ void warn_of_left_out(const std::vector<MeshPart>& parts, PartRole role, Model& 
     }
 }
 
-std::optional<BuildProblem> list_parts(const Model& model, const std::vector<Instance>& instances, std::uint64_t limit_bytes,
-                                       std::vector<MeshPart>& parts) {
+void list_parts(const Model& model, const FileSource& file, const std::vector<Instance>& instances,
+                std::vector<MeshPart>& parts) {
     std::uint64_t next = 0;
     std::uint64_t bytes = 0;
     for (std::size_t i = 0; i < instances.size(); ++i) {
@@ -160,10 +148,10 @@ std::optional<BuildProblem> list_parts(const Model& model, const std::vector<Ins
             const std::string& name = model.labels[instances[i].label].name;
             const bool solid = instances[i].role == PartRole::solid;
             bytes += sizeof(MeshPart) + name.size();
-            if (bytes > limit_bytes) {
-                return BuildProblem{
-                    ErrorCode::out_of_memory, Place{},
-                    "names its parts by more than the " + std::to_string(limit_bytes) + " bytes that reading it may take"};
+            if (bytes > file.memory_limit()) {
+                refuse_part(file, ErrorCode::out_of_memory, model.parts[0], 0,
+                            "names its parts by more than the " + std::to_string(file.memory_limit()) +
+                                " bytes that reading it may take");
             }
             parts.push_back(
                 {name.empty() ? "object " + std::to_string(object.id) : name, instances[i].role, solid ? next : 0, 0});
@@ -171,7 +159,6 @@ std::optional<BuildProblem> list_parts(const Model& model, const std::vector<Ins
         parts.back().triangle_count += object.triangles.size();
         next += instances[i].role == PartRole::solid ? object.triangles.size() : 0;
     }
-    return std::nullopt;
 }
 
 void put_vertices(std::span<const Vertex> vertices, const Transform& transform, std::byte* to) {
@@ -240,21 +227,15 @@ void place_object(Object& object, std::span<const Instance> instances, const Par
 
 }  // namespace
 
-std::optional<BuildProblem> list_instances(Model& model, std::uint64_t limit_bytes, const Parallel& parallel,
-                                           std::vector<Instance>& instances, std::vector<MeshPart>& parts) {
-    if (std::optional<BuildProblem> problem = Lister(model, limit_bytes, parallel, instances).run()) {
-        return problem;
-    }
+void list_instances(Model& model, const FileSource& file, std::vector<Instance>& instances, std::vector<MeshPart>& parts) {
+    Lister(model, file, instances).run();
     std::stable_sort(instances.begin(), instances.end(),
                      [](const Instance& a, const Instance& b) { return a.key() < b.key(); });
-    if (std::optional<BuildProblem> problem = list_parts(model, instances, limit_bytes, parts)) {
-        return problem;
-    }
+    list_parts(model, file, instances, parts);
     for (int role = 1; role <= static_cast<int>(PartRole::support); ++role) {
         warn_of_left_out(parts, static_cast<PartRole>(role), model);
     }
     std::erase_if(instances, [](const Instance& instance) { return instance.role != PartRole::solid; });
-    return std::nullopt;
 }
 
 void place(Model& model, const std::vector<Instance>& instances, const Memory* memory, const Parallel& parallel,
@@ -266,12 +247,10 @@ void place(Model& model, const std::vector<Instance>& instances, const Memory* m
         triangles += model.objects[instance.object].triangles.size();
     }
     release_unused(model, instances);
-    mesh.bytes = Array<std::byte>(memory);
-    mesh.bytes.resize_discarding(vertices * sizeof(Vertex));
+    allocate_vertices(vertices, Number::f64, memory, mesh);
+    mesh.vertex_count = 0;  // so far
     mesh.indices = Array<std::uint32_t>(memory);
     mesh.indices.resize_discarding(3 * triangles);
-    mesh.coordinate_type = CoordinateType::f64;
-    mesh.stride = sizeof(Vertex);
     for (auto first = instances.begin(); first != instances.end();) {
         const auto last =
             std::find_if(first, instances.end(), [first](const Instance& other) { return other.object != first->object; });

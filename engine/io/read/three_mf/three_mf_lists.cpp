@@ -1,8 +1,5 @@
 // Vertices and triangles as nearly every program writes them, read without the XML parser, which takes several times as
 // long.
-#include <algorithm>
-#include <array>
-#include <string_view>
 
 #include "io/read/three_mf/three_mf_part.hpp"
 

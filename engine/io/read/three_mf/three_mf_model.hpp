@@ -2,26 +2,18 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
-#include <optional>
-#include <string>
-#include <string_view>
+#include <tuple>
 #include <unordered_map>
-#include <utility>
-#include <vector>
 
 #include "io/read/chunk_list.hpp"
 #include "io/read/three_mf/zip_archive.hpp"
-#include "lamella/error.hpp"
-#include "lamella/io/mesh_file.hpp"
-#include "lamella/memory.hpp"
 #include "lamella/mesh.hpp"
 
 namespace lamella::three_mf {
 
 /// Index of a model part; 0 is the root.
 using Part = std::uint32_t;
-/// Of objects that are volumes of others; they are in no part.
+/// The part of objects that are volumes of others, which are in none.
 inline constexpr Part part_of_volumes = ~Part{0};
 
 struct Place {
@@ -29,7 +21,7 @@ struct Place {
     std::uint64_t line = 0;
 };
 
-/// What a file says of an object, or of one use of it.
+/// Name and role of an object, or of one use of it, by the file.
 struct Label {
     std::string name;
     PartRole role = PartRole::solid;
@@ -42,9 +34,9 @@ std::optional<PartRole> role_of(std::string_view word) noexcept;
 struct Reference {
     Part part = 0;  ///< that defines the object
     std::uint32_t id = 0;
-    Transform transform;
+    Transform transform{};
     bool mirrors = false;  ///< the transform does, so that triangles face inwards
-    Place place;           ///< of the reference itself, for messages
+    Place place{};         ///< of the reference itself, for messages
     std::uint32_t label = 0;
 };
 
@@ -56,7 +48,6 @@ using Triangle = std::array<std::uint32_t, 3>;
 struct Object {
     std::uint32_t id = 0;
     bool is_other = false;  ///< of a type that is not to be built
-    Place place{};
     ChunkList<Vertex> vertices;
     ChunkList<Triangle> triangles;
     std::vector<Reference> components{};
@@ -94,6 +85,30 @@ struct Model {
 };
 
 /// The model of the package in `file`: its root part, found by the package's relationships, and all parts that it refers to.
-Result<Model> read_model(ZipArchive& package, const FileSource& file);
+/// Throws Refused.
+Model read_model(ZipArchive& package, const FileSource& file);
+
+// --- From the objects and the build to one mesh
+
+/// A mesh object where the build wants it.
+struct Instance {
+    std::uint32_t object = 0;  ///< index
+    Transform transform;
+    bool mirrored = false;            ///< its triangles are reversed, so that they face outwards again
+    std::uint32_t label = 0;          ///< the innermost that has a name
+    PartRole role = PartRole::solid;  ///< of the outermost that is not solid
+
+    auto key() const noexcept { return std::tuple(object, label, role); }
+};
+
+/// All solid instances of the build, by object, and `parts`: those of one object and name are one. Nested components can
+/// make more instances than any machine can hold: they are refused where they and their mesh would take more than
+/// the file's memory limit. Types and roles that are no part of the solid are left out, with a warning added to the model's.
+/// Throws Refused.
+void list_instances(Model& model, const FileSource& file, std::vector<Instance>& instances, std::vector<MeshPart>& parts);
+
+/// The mesh of all instances. The model's meshes are released as they are copied.
+void place(Model& model, const std::vector<Instance>& instances, const Memory* memory, const Parallel& parallel,
+           MeshFile& mesh);
 
 }  // namespace lamella::three_mf

@@ -1,13 +1,6 @@
 #include "io/read/three_mf/three_mf_part.hpp"
 
-#include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <limits>
-
-#include "io/read/input_file.hpp"
-#include "io/text/text.hpp"
-#include "lamella/memory.hpp"
 
 namespace lamella::three_mf {
 
@@ -40,11 +33,6 @@ double determinant(const std::array<double, 12>& m) {
 }
 
 }  // namespace
-
-std::string in_quotes(std::string_view text) {
-    constexpr std::size_t longest = 64;
-    return "'" + printable(std::string(text.substr(0, longest))) + (text.size() > longest ? "...'" : "'");
-}
 
 std::optional<std::string> part_name(std::string_view path) {
     path.remove_prefix(path.starts_with('/') ? 1 : 0);
@@ -123,14 +111,13 @@ void PartReader::pass_over(const XmlName& name) {
     if (state_ == State::document) {
         fail("expected a 'model' of the namespace " + std::string(core) + ", found " + in_quotes(name.local) +
              (name.space.empty() ? std::string(" of none") : " of " + in_quotes(name.space)));
-        return;
     }
     passed_over_ = 1;
     constexpr std::size_t most_warnings = 8;
     const bool shapes = (state_ == State::object || state_ == State::mesh) && name.space != (draft_ ? draft_of_2013 : core);
     if (shapes && object().foreign.empty()) {
         object().foreign = in_quotes(name.local) + " of the extension " + in_quotes(name.space);
-        (void)keep(2 * object().foreign.size());
+        keep(2 * object().foreign.size());
     }
     if (shapes && warned_of_.size() < most_warnings &&
         std::find(warned_of_.begin(), warned_of_.end(), name.space) == warned_of_.end()) {
@@ -159,11 +146,9 @@ void PartReader::check_required(std::string_view prefixes) {
         const std::optional<std::string_view> space = namespace_of(prefix);
         if (!space) {
             fail("requires the extension " + in_quotes(prefix) + ", a prefix that it does not declare");
-            return;
         }
         if (std::find(supported_extensions.begin(), supported_extensions.end(), *space) == supported_extensions.end()) {
             fail("requires the extension " + in_quotes(prefix) + ", " + in_quotes(*space) + ", which is not supported");
-            return;
         }
     }
 }
@@ -173,7 +158,6 @@ void PartReader::set_unit(std::string_view name) {
         std::find_if(units.begin(), units.end(), [name](const Unit& known) { return known.name == name; });
     if (unit == units.end()) {
         fail("unknown unit " + in_quotes(name));
-        return;
     }
     mm_per_unit_ = unit->mm;
 }
@@ -181,29 +165,26 @@ void PartReader::set_unit(std::string_view name) {
 // --- Objects
 
 void PartReader::begin_object(const XmlAttributes& attributes) {
-    const std::optional<std::uint32_t> id = resource_id(attributes, "id");
+    const std::uint32_t id = resource_id(attributes, "id");
     const std::string_view type = attributes.find("type").value_or("model");
     if (std::find(type_names.begin(), type_names.end(), type) == type_names.end()) {
         fail("unknown object type " + in_quotes(type));
     }
     constexpr std::uint64_t index_entry_bytes = 64;
-    if (failure() || !keep(2 * sizeof(Object) + index_entry_bytes)) {
-        return;
+    keep(2 * sizeof(Object) + index_entry_bytes);
+    if (!model_.object_index.emplace(Model::key(part_, id), static_cast<std::uint32_t>(model_.objects.size())).second) {
+        fail("a second object with id " + std::to_string(id));
     }
-    if (!model_.object_index.emplace(Model::key(part_, *id), static_cast<std::uint32_t>(model_.objects.size())).second) {
-        fail("a second object with id " + std::to_string(*id));
-        return;
-    }
-    model_.objects.push_back({.id = *id,
+    model_.objects.push_back({.id = id,
                               .is_other = type == "other",
-                              .place = {part_, event_line()},
                               .vertices = ChunkList<Vertex>(memory_),
                               .triangles = ChunkList<Triangle>(memory_)});
     if (type == "support") {
         model_.label_of(object()).role = PartRole::support;
     }
     const std::string_view name = attributes.find("name").value_or("");
-    if (!name.empty() && keep(2 * (sizeof(Label) + name.size()))) {
+    if (!name.empty()) {
+        keep(2 * (sizeof(Label) + name.size()));
         model_.label_of(object()).name = printable(std::string(name));
     }
 }
@@ -216,7 +197,8 @@ void PartReader::begin_metadata(const XmlAttributes& attributes) {
 
 void PartReader::end_metadata() {
     const std::string value = lower_case(metadata_text_);
-    if ((value == "true" || value == "1") && keep(2 * sizeof(Label))) {
+    if (value == "true" || value == "1") {
+        keep(2 * sizeof(Label));
         model_.label_of(object()).role = metadata_role_;
     }
     metadata_role_ = PartRole::solid;
@@ -229,36 +211,32 @@ void PartReader::begin_mesh(const XmlAttributes&) {
 }
 
 void PartReader::begin_vertex(const XmlAttributes& attributes) {
-    Vertex vertex{};
-    if (coordinate(attributes, "x", vertex.x) && coordinate(attributes, "y", vertex.y) &&
-        coordinate(attributes, "z", vertex.z) && keep(object().vertices.next_bytes())) {
-        object().vertices.push_back(vertex);
-    }
+    const Vertex vertex{coordinate(attributes, "x"), coordinate(attributes, "y"), coordinate(attributes, "z")};
+    keep(object().vertices.next_bytes());
+    object().vertices.push_back(vertex);
 }
 
 void PartReader::begin_triangle(const XmlAttributes& attributes) {
-    Triangle triangle{};
-    if (vertex_index(attributes, "v1", triangle[0]) && vertex_index(attributes, "v2", triangle[1]) &&
-        vertex_index(attributes, "v3", triangle[2]) && keep(object().triangles.next_bytes())) {
-        object().triangles.push_back(triangle);
-    }
+    const Triangle triangle{vertex_index(attributes, "v1"), vertex_index(attributes, "v2"), vertex_index(attributes, "v3")};
+    keep(object().triangles.next_bytes());
+    object().triangles.push_back(triangle);
 }
 
-bool PartReader::coordinate(const XmlAttributes& attributes, std::string_view name, double& value) {
+double PartReader::coordinate(const XmlAttributes& attributes, std::string_view name) {
     const std::optional<std::string_view> text = attributes.find(name);
     if (!text) {
         fail("a vertex without " + in_quotes(name));
-        return false;
     }
-    const NumberText got = number_in(*text, value);
-    if (got != NumberText::read) {
+    double value = 0;
+    if (const NumberText got = number_in(*text, value); got != NumberText::read) {
         fail(coordinate_problem(got, "number", in_quotes(*text)));
     }
-    return got == NumberText::read;
+    return value;
 }
 
-bool PartReader::vertex_index(const XmlAttributes& attributes, std::string_view name, std::uint32_t& value) {
+std::uint32_t PartReader::vertex_index(const XmlAttributes& attributes, std::string_view name) {
     const std::optional<std::string_view> text = attributes.find(name);
+    std::uint32_t value = 0;
     if (!text) {
         fail("a triangle without " + in_quotes(name));
     } else if (!integer_in(*text, value)) {
@@ -267,20 +245,18 @@ bool PartReader::vertex_index(const XmlAttributes& attributes, std::string_view 
         fail("vertex index " + std::to_string(value) + " of a mesh with " + std::to_string(object().vertices.size()) +
              " vertices");
     }
-    return !failure();
+    return value;
 }
 
-std::optional<std::uint32_t> PartReader::resource_id(const XmlAttributes& attributes, std::string_view name) {
+std::uint32_t PartReader::resource_id(const XmlAttributes& attributes, std::string_view name) {
     constexpr std::uint32_t largest = std::numeric_limits<std::int32_t>::max();
     const std::optional<std::string_view> text = attributes.find(name);
     std::uint32_t id = 0;
     if (!text) {
         fail("expected an " + in_quotes(name));
-        return std::nullopt;
     }
     if (!integer_in(*text, id) || (id == 0 && !draft_) || id > largest) {  // the draft's ids begin at 0
         fail("malformed " + std::string(name) + " " + in_quotes(*text));
-        return std::nullopt;
     }
     return id;
 }
@@ -290,66 +266,55 @@ std::optional<std::uint32_t> PartReader::resource_id(const XmlAttributes& attrib
 void PartReader::begin_component(const XmlAttributes& attributes) {
     if (object().vertices.size() > 0) {
         fail("components in an object that has a mesh already");
-        return;
     }
-    if (const std::optional<Reference> component = reference(attributes)) {
-        object().components.push_back(*component);
-    }
+    const Reference component = reference(attributes);
+    object().components.push_back(component);
 }
 
 void PartReader::begin_item(const XmlAttributes& attributes) {
     if (part_ != 0) {
         return;  // only the root part's build counts
     }
-    const std::optional<Reference> item = reference(attributes);
-    if (!item) {
-        return;
-    }
+    const Reference item = reference(attributes);
     // Not in the standard; a slicer writes it for items beside the build plate.
     if (attributes.find("printable") == "0") {
         warn("ignored an item of the build that is marked as not printable");
         ++model_.unprintable_items;
         return;
     }
-    model_.items.push_back(*item);
+    model_.items.push_back(item);
 }
 
-std::optional<Reference> PartReader::reference(const XmlAttributes& attributes) {
-    Reference reference;
-    reference.part = part_;
-    reference.place = {part_, event_line()};
-    const std::optional<std::uint32_t> id = resource_id(attributes, "objectid");
-    if (!id || !keep(2 * sizeof(Reference))) {
-        return std::nullopt;
-    }
-    reference.id = *id;
+Reference PartReader::reference(const XmlAttributes& attributes) {
+    Reference reference{.part = part_, .id = resource_id(attributes, "objectid"), .place = {part_, event_line()}};
+    keep(2 * sizeof(Reference));
     if (const std::string_view unbound = attributes.unbound("path"); !unbound.empty()) {
         fail("refers to a part by " + in_quotes(unbound) + ", whose prefix is not declared");
-        return std::nullopt;
     }
-    const std::optional<std::string_view> path = attributes.find(XmlName{production, "path"});
-    const std::optional<std::string_view> numbers = attributes.find("transform");
-    if ((path && !set_part(*path, reference)) || (numbers && !set_transform(*numbers, reference))) {
-        return std::nullopt;
+    if (const std::optional<std::string_view> path = attributes.find(XmlName{production, "path"})) {
+        set_part(*path, reference);
+    }
+    if (const std::optional<std::string_view> numbers = attributes.find("transform")) {
+        set_transform(*numbers, reference);
     }
     return reference;
 }
 
-bool PartReader::set_part(std::string_view path, Reference& reference) {
+void PartReader::set_part(std::string_view path, Reference& reference) {
     const std::optional<std::string> name = part_name(path);
     if (part_ != 0) {
         fail("refers to another part, which only the root part may");
     } else if (!name) {
         fail("refers to a part outside the package: " + in_quotes(path));
-    } else if (constexpr std::uint64_t index_entry_bytes = 128; keep(index_entry_bytes + 2 * name->size())) {
-        reference.part = model_.part_of(*name);
     }
-    return !failure();
+    constexpr std::uint64_t index_entry_bytes = 128;
+    keep(index_entry_bytes + 2 * name->size());
+    reference.part = model_.part_of(*name);
 }
 
 /// 3MF multiplies row vectors from the left, and lists the matrix by rows: "m00 m01 m02 m10 ... m32", m30 and so on the
 /// translation.
-bool PartReader::set_transform(std::string_view numbers, Reference& reference) {
+void PartReader::set_transform(std::string_view numbers, Reference& reference) {
     const char* const end = numbers.data() + numbers.size();
     const char* p = skip_space(numbers.data(), end);
     std::array<double, 12>& m = reference.transform.m;
@@ -357,7 +322,6 @@ bool PartReader::set_transform(std::string_view numbers, Reference& reference) {
         for (std::size_t column = 0; column < 3; ++column) {
             if (p == end || read_number(p, end, m[4 * column + row]) != NumberText::read) {
                 fail("a transform that is not twelve finite numbers: " + in_quotes(numbers));
-                return false;
             }
             p = skip_space(p, end);
         }
@@ -366,10 +330,8 @@ bool PartReader::set_transform(std::string_view numbers, Reference& reference) {
     if (p != end || !std::isfinite(scale) || scale == 0) {
         fail(p != end ? "a transform of more than twelve numbers: " + in_quotes(numbers)
                       : "a transform that flattens what it places: " + in_quotes(numbers));
-        return false;
     }
     reference.mirrors = scale < 0;
-    return true;
 }
 
 }  // namespace lamella::three_mf

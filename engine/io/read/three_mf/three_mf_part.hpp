@@ -1,21 +1,8 @@
 // XML parts of a 3MF package as they stream by.
 #pragma once
 
-#include <array>
-#include <charconv>
-#include <cstdint>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <system_error>
-#include <utility>
-#include <vector>
-
-#include "io/read/memory_budget.hpp"
 #include "io/read/three_mf/three_mf_model.hpp"
-#include "io/text/text.hpp"
 #include "io/xml/xml.hpp"
-#include "lamella/memory.hpp"
 
 namespace lamella::three_mf {
 
@@ -41,12 +28,9 @@ std::optional<std::string> part_name(std::string_view path);
 
 /// Labels objects and components by what PrusaSlicer (Metadata/Slic3r_PE_model.config: ranges of an object's triangles, each
 /// of which becomes an object) or BambuStudio and OrcaSlicer (Metadata/model_settings.config: components) keep beside the
-/// model. An unknown type is solid, as it is for them, with a warning. Errors: malformed XML, ranges that are not an
+/// model. An unknown type is solid, as it is for them, with a warning. Throws Refused: malformed XML, ranges that are not an
 /// object's triangles.
-Status apply_settings(ZipArchive& package, Model& model, MemoryBudget& budget, const Memory* memory);
-
-/// Text of a file in a message: "'abc'", or its beginning.
-std::string in_quotes(std::string_view text);
+void apply_settings(ZipArchive& package, Model& model, MemoryBudget& budget, const Memory* memory);
 
 /// Reads a part of a package into a model.
 class PackageReader : public XmlReader {
@@ -54,14 +38,14 @@ public:
     PackageReader(Model& model, std::string part, MemoryBudget& budget, const Memory* memory)
         : model_(model), budget_(budget), memory_(memory), name_(std::move(part)) {}
 
-    /// Errors: those of the archive, and what is wrong in the part.
-    Status read(ZipArchive& package);
+    /// Throws Refused: what the archive refuses, and what is wrong in the part.
+    void read(ZipArchive& package);
 
 protected:
     virtual bool feed_part(std::string_view piece) { return feed(piece); }
 
     /// Counts what is kept of the part, or fails.
-    bool keep(std::uint64_t bytes);
+    void keep(std::uint64_t bytes);
     void warn(const std::string& what) { model_.warn(printable(name_), event_line(), what); }
 
     Model& model_;
@@ -132,13 +116,12 @@ private:
     void check_required(std::string_view prefixes);
     void set_unit(std::string_view unit);
     void pass_over(const XmlName& name);
-    std::optional<Reference> reference(const XmlAttributes& attributes);
-    bool set_part(std::string_view path, Reference& reference);
-    bool set_transform(std::string_view numbers, Reference& reference);
-    bool coordinate(const XmlAttributes& attributes, std::string_view name, double& value);
-    bool vertex_index(const XmlAttributes& attributes, std::string_view name, std::uint32_t& value);
-    /// Nothing after a failure.
-    std::optional<std::uint32_t> resource_id(const XmlAttributes& attributes, std::string_view name);
+    Reference reference(const XmlAttributes& attributes);
+    void set_part(std::string_view path, Reference& reference);
+    void set_transform(std::string_view numbers, Reference& reference);
+    double coordinate(const XmlAttributes& attributes, std::string_view name);
+    std::uint32_t vertex_index(const XmlAttributes& attributes, std::string_view name);
+    std::uint32_t resource_id(const XmlAttributes& attributes, std::string_view name);
     Object& object() { return model_.objects.back(); }
 
     Part part_;

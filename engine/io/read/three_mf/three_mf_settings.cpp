@@ -1,14 +1,9 @@
-// What slicers keep of their objects beside a 3MF model.
+// Settings of objects that slicers keep beside a 3MF model.
 
-#include <algorithm>
 #include <deque>
-#include <map>
 #include <set>
-#include <utility>
 
-#include "io/read/input_file.hpp"
 #include "io/read/three_mf/three_mf_part.hpp"
-#include "io/xml/xml.hpp"
 
 namespace lamella::three_mf {
 
@@ -36,7 +31,8 @@ private:
         if (depth_ == 1 && name.local != "config") {
             fail("expected 'config', found " + in_quotes(name.local));
         } else if (depth_ == 2) {
-            in_object_ = name.local == "object" && number(attributes, "id", id_);
+            in_object_ = name.local == "object";
+            id_ = in_object_ ? number(attributes, "id") : 0;
             label_ = {};
             ranges_.clear();
             components_.clear();
@@ -57,11 +53,9 @@ private:
 
     Label* begin_volume(bool is_range, const XmlAttributes& attributes) {
         Volume volume;
-        if (!number(attributes, is_range ? "firstid" : "id", volume.first) ||
-            (is_range && !number(attributes, "lastid", volume.last)) ||
-            !keep(2 * (sizeof(Object) + sizeof(Reference)) + 1024)) {  // and what maps and lists take
-            return nullptr;
-        }
+        volume.first = number(attributes, is_range ? "firstid" : "id");
+        volume.last = is_range ? number(attributes, "lastid") : 0;
+        keep(2 * (sizeof(Object) + sizeof(Reference)) + 1024);  // and what maps and lists take
         if (is_range) {
             return &ranges_.emplace_back(std::move(volume)).label;
         }
@@ -73,7 +67,8 @@ private:
     void set(Label& label, const XmlAttributes& attributes) {
         const std::string_view key = attributes.find("key").value_or("");
         const std::string_view value = attributes.find("value").value_or("");
-        if (key == "name" && keep(4 * value.size())) {
+        if (key == "name") {
+            keep(4 * value.size());
             label.name = printable(std::string(value));
         } else if (key == "volume_type") {
             set_role(label, value);
@@ -102,12 +97,13 @@ private:
         if (!components_.empty()) {
             label_components(object);
         }
-        if (!ranges_.empty() && ranges_are_whole(object)) {
+        if (!ranges_.empty()) {
+            check_ranges(object);
             cut(found->second);
         }
     }
 
-    /// Of an object that is one volume.
+    /// Labels an object that is one volume.
     void relabel(Object& object, const Label& volume) {
         Label& label = model_.label_of(object);
         label = {volume.name.empty() ? label.name : volume.name, volume.role};
@@ -136,8 +132,8 @@ private:
         }
     }
 
-    /// Whether they are all triangles of the object, each once; else it fails. Gives them names.
-    bool ranges_are_whole(const Object& object) {
+    /// Fails unless they are all triangles of the object, each once. Gives them names.
+    void check_ranges(const Object& object) {
         const std::string name = "object " + std::to_string(object.id);
         for (std::size_t i = 0; i < ranges_.size(); ++i) {
             if (ranges_[i].label.name.empty() && ranges_.size() > 1) {
@@ -151,14 +147,12 @@ private:
                 fail("a volume of triangles " + std::to_string(range.first) + " to " + std::to_string(range.last) + " of " +
                      name + ", which has " + std::to_string(object.triangles.size()) + " and whose next is " +
                      std::to_string(next));
-                return false;
             }
             next = std::uint64_t{range.last} + 1;
         }
         if (next != object.triangles.size()) {
             fail("triangle " + std::to_string(next) + " of " + name + " is in none of its volumes");
         }
-        return next == object.triangles.size();
     }
 
     void cut(std::uint32_t index) {
@@ -181,9 +175,7 @@ private:
             low = std::min(low, *std::min_element(triangle.begin(), triangle.end()));
             high = std::max(high, *std::max_element(triangle.begin(), triangle.end()));
         }
-        if (!keep(2 * (triangles.size_bytes() + (high - low + std::uint64_t{1}) * sizeof(Vertex)))) {
-            return;
-        }
+        keep(2 * (triangles.size_bytes() + (high - low + std::uint64_t{1}) * sizeof(Vertex)));
         Object volume{.id = id_, .vertices = ChunkList<Vertex>(memory_), .triangles = ChunkList<Triangle>(memory_)};
         for (std::uint32_t vertex = low; vertex <= high; ++vertex) {
             volume.vertices.push_back(vertices[vertex]);
@@ -200,12 +192,13 @@ private:
         model_.objects.push_back(std::move(volume));
     }
 
-    bool number(const XmlAttributes& attributes, std::string_view name, std::uint32_t& value) {
+    std::uint32_t number(const XmlAttributes& attributes, std::string_view name) const {
+        std::uint32_t value = 0;
         const std::optional<std::string_view> text = attributes.find(name);
         if (!text || !integer_in(*text, value)) {
             fail("expected a number as '" + std::string(name) + "', found " + in_quotes(text.value_or("")));
         }
-        return !failure();
+        return value;
     }
 
     void warn(const std::string& what) {
@@ -226,16 +219,12 @@ private:
 
 }  // namespace
 
-Status apply_settings(ZipArchive& package, Model& model, MemoryBudget& budget, const Memory* memory) {
+void apply_settings(ZipArchive& package, Model& model, MemoryBudget& budget, const Memory* memory) {
     for (const std::string part : {"Metadata/Slic3r_PE_model.config", "Metadata/model_settings.config"}) {
-        if (!package.contains(part)) {
-            continue;
-        }
-        if (Status read = SettingsReader(model, part, budget, memory).read(package); !read) {
-            return read;
+        if (package.contains(part)) {
+            SettingsReader(model, part, budget, memory).read(package);
         }
     }
-    return {};
 }
 
 }  // namespace lamella::three_mf

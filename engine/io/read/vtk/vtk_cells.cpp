@@ -1,15 +1,6 @@
-#include "io/read/vtk/vtk_cells.hpp"
+#include "io/read/vtk/vtk_file.hpp"
 
-#include <algorithm>
-#include <array>
-#include <atomic>
-#include <string>
-#include <utility>
-#include <vector>
-
-#include "base/guard.hpp"
 #include "io/read/faces.hpp"
-#include "io/read/lookout.hpp"
 
 namespace lamella {
 
@@ -40,7 +31,7 @@ bool copy_counted(const CellArray& array, std::uint64_t first, std::uint64_t cou
     return differences == 0 && *std::max_element(largest.begin(), largest.end()) < array.point_count;
 }
 
-/// Whether these cells end after three corners each.
+/// True if these cells end after three corners each.
 bool end_after_three(const CellArray& array, std::uint64_t first, std::uint64_t count) {
     std::array<std::uint64_t, 512> ends;
     std::uint64_t differences = 0;
@@ -308,11 +299,11 @@ void cut_cells(VtkFile& file, std::span<const CellArray> arrays, MeshFile& mesh)
     }
     const std::vector<Plan> plans = make_plans(file, arrays, mesh);
     if (mesh.triangle_count == 0) {
-        throw Refused{file.source.error(ErrorCode::empty_mesh, "holds no triangles")};
+        file.source.refuse(ErrorCode::empty_mesh, "holds no triangles");
     }
     mesh.indices = Array<std::uint32_t>(file.source.memory());
     mesh.indices.resize_discarding(3 * mesh.triangle_count);
-    const VertexCoordinates vertices{mesh.bytes.data() + mesh.first_offset, mesh.stride, mesh.coordinate_type};
+    const VertexCoordinates vertices{mesh.bytes.data() + mesh.first_offset, mesh.stride, mesh.vertex_type};
     const Parallel& parallel = file.source.parallel();
     std::size_t done = 0;
     for (const Plan& plan : plans) {

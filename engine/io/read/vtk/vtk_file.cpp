@@ -1,12 +1,8 @@
 #include "io/read/vtk/vtk_file.hpp"
 
-#include <algorithm>
-#include <array>
-#include <charconv>
 #include <concepts>
-#include <limits>
-#include <type_traits>
-#include <vector>
+
+#include "io/read/faces.hpp"
 
 namespace lamella {
 
@@ -116,6 +112,15 @@ void decode(const NumberArray& numbers, std::uint64_t first, std::uint64_t count
     });
 }
 
+/// Converts all of `numbers` in parallel, without alignment. `out` may be where they lie, if that is their type.
+void convert_coordinates(const NumberArray& numbers, Number type, std::byte* out, const Parallel& parallel) {
+    constexpr std::size_t grain = std::size_t{1} << 16;
+    parallel.run_ranges(numbers.count, grain, [&](std::size_t begin, std::size_t end, int) {
+        const auto convert = type == Number::f32 ? decode<float> : decode<double>;
+        convert(numbers, begin, end - begin, out + begin * size_of(type));
+    });
+}
+
 }  // namespace
 
 void VtkFile::fail_at(const NumberArray& numbers, std::uint64_t index, const std::string& what) const {
@@ -196,12 +201,31 @@ std::uint64_t decode_indices(const NumberArray& numbers, std::uint64_t first, st
     return largest;
 }
 
-void convert_coordinates(const NumberArray& numbers, CoordinateType type, std::byte* out, const Parallel& parallel) {
-    constexpr std::size_t grain = std::size_t{1} << 16;
-    parallel.run_ranges(numbers.count, grain, [&](std::size_t begin, std::size_t end, int) {
-        const auto convert = type == CoordinateType::f32 ? decode<float> : decode<double>;
-        convert(numbers, begin, end - begin, out + begin * size_of(type));
-    });
+void give_points(VtkFile& file, std::span<NumberArray> arrays, MeshFile& mesh) {
+    bool floats = true;
+    std::uint64_t numbers = 0;
+    for (const NumberArray& array : arrays) {
+        floats = floats && (array.type == NumberType::float32 || size_of(array.type) <= 2);
+        mesh.text = mesh.text || array.form == NumberArray::Form::text;
+        numbers += array.count;
+    }
+    // Without loss up to integers of 53 bits.
+    mesh.vertex_type = floats ? Number::f32 : Number::f64;
+    mesh.vertex_count = numbers / 3;
+    mesh.stride = 3 * size_of(mesh.vertex_type);
+    if (arrays.size() == 1 && !is_integer(arrays[0].type)) {
+        const bool in_file = arrays[0].form == NumberArray::Form::bytes;
+        mesh.first_offset = in_file ? file.offset_of(arrays[0].at) : 0;
+        mesh.bytes = std::move(in_file ? file.bytes : arrays[0].storage);
+    } else {
+        file.budget.take(mesh.vertex_count, mesh.stride);
+        allocate_vertices(mesh.vertex_count, mesh.vertex_type, file.source.memory(), mesh);
+    }
+    std::byte* out = mesh.bytes.data() + mesh.first_offset;
+    for (const NumberArray& array : arrays) {
+        convert_coordinates(array, mesh.vertex_type, out, file.source.parallel());
+        out += array.count * size_of(mesh.vertex_type);
+    }
 }
 
 }  // namespace lamella

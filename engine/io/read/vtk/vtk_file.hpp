@@ -1,15 +1,8 @@
 // Shared by both formats of VTK: a file, and its arrays of numbers as text and bytes.
 #pragma once
 
-#include <cstdint>
-#include <string>
-#include <string_view>
-
-#include "base/guard.hpp"
-#include "io/read/memory_budget.hpp"
 #include "io/read/number_type.hpp"
 #include "io/read/reader.hpp"
-#include "lamella/array.hpp"
 
 namespace lamella {
 
@@ -65,12 +58,30 @@ void decode_integers(const NumberArray& numbers, std::uint64_t first, std::uint6
 /// The same in 32 bits. Returns the largest in 64: if it does not fit, `out` does not hold what is in the array.
 std::uint64_t decode_indices(const NumberArray& numbers, std::uint64_t first, std::uint64_t count, std::uint32_t* out);
 
-/// What coordinates of `type` are held as, without loss up to integers of 53 bits.
-constexpr CoordinateType coordinates_of(NumberType type) noexcept {
-    return type == NumberType::float32 || size_of(type) <= 2 ? CoordinateType::f32 : CoordinateType::f64;
-}
+/// Gives `mesh` the vertices of all `arrays`, in their order; those of one may stay where they are in the file.
+void give_points(VtkFile& file, std::span<NumberArray> arrays, MeshFile& mesh);
 
-/// Converts all of `numbers` in parallel, without alignment. `out` may be where they lie, if that is their type.
-void convert_coordinates(const NumberArray& numbers, CoordinateType type, std::byte* out, const Parallel& parallel);
+// --- Triangles of cells, which are polygons and triangle strips
+
+enum class CellKind : std::uint8_t { polygons, strips };
+
+/// Cells of one kind, in one of two layouts:
+///
+///     counted:  corners 3 a b c 4 d e f g         each cell's corners after their number, in 32 bits
+///     else:     corners a b c d e f g, ends 3 7   all corners, and where each cell's end among them
+struct CellArray {
+    std::string_view name;  ///< for messages
+    CellKind kind = CellKind::polygons;
+    bool counted = false;
+    std::uint64_t cells = 0;
+    NumberArray corners{};
+    NumberArray ends{};
+    std::uint32_t first_point = 0;  ///< of those that the corners count from, in the mesh
+    std::uint32_t point_count = 0;
+};
+
+/// Gives `mesh`, which has its vertices, the triangles of all `arrays`, in their order. Warns of cells without an area.
+/// Throws errors. Memory: the indices, and little else unless there are polygons of millions of corners.
+void cut_cells(VtkFile& file, std::span<const CellArray> arrays, MeshFile& mesh);
 
 }  // namespace lamella

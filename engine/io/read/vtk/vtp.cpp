@@ -1,16 +1,8 @@
 // VTP, the XML files of VTK for polygonal data: all pieces are joined. Data at points and cells are
 // skipped.
-#include <algorithm>
 #include <limits>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
 
-#include "base/guard.hpp"
-#include "io/read/reader.hpp"
-#include "io/read/stated_frame.hpp"
-#include "io/read/vtk/vtk_cells.hpp"
+#include "io/read/stated.hpp"
 #include "io/read/vtk/vtp_document.hpp"
 
 namespace lamella {
@@ -21,15 +13,85 @@ class Vtp {
 public:
     Vtp(VtkFile& file, const VtpDocument& document) : file_(file), document_(document) {}
 
-    /// Points may stay in the file's bytes.
-    void give_points(MeshFile& mesh) const;
+    /// The points of all pieces that have some.
+    std::vector<NumberArray> load_points() const {
+        std::vector<NumberArray> points;
+        std::uint64_t count = 0;
+        for (const VtpPiece& piece : document_.pieces) {
+            if (piece.point_count > std::numeric_limits<std::uint32_t>::max() - count) {
+                throw TextError{piece.element, "expected fewer than 2^32 points in all, found " +
+                                                   std::to_string(piece.point_count) + " in this Piece"};
+            }
+            count += piece.point_count;
+            if (piece.point_count == 0) {
+                continue;
+            }
+            if (!piece.points) {
+                throw TextError{piece.element, "expected a DataArray in the Points of this Piece"};
+            }
+            const bool floats = piece.points->type == NumberType::float32;
+            points.push_back(load(*piece.points, 3 * piece.point_count, floats ? NumberType::float32 : NumberType::float64));
+        }
+        return points;
+    }
+
     /// Gives it the triangles; the points are there.
-    void give_triangles(MeshFile& mesh) const;
-    StatedFrame patient_frame() const;
+    void give_triangles(MeshFile& mesh) const {
+        std::vector<CellArray> arrays;
+        std::uint32_t first_point = 0;
+        for (const VtpPiece& piece : document_.pieces) {
+            const auto count = static_cast<std::uint32_t>(piece.point_count);
+            load_cells(piece.polygons, piece,
+                       {.name = "Polys", .kind = CellKind::polygons, .first_point = first_point, .point_count = count},
+                       arrays);
+            load_cells(piece.strips, piece,
+                       {.name = "Strips", .kind = CellKind::strips, .first_point = first_point, .point_count = count},
+                       arrays);
+            first_point += count;
+        }
+        cut_cells(file_, arrays, mesh);
+    }
+
+    /// The frame that the string SPACE states. Strings of other lengths are no known frame.
+    StatedFrame patient_frame() const {
+        constexpr std::size_t letters = 3;  // and a 0, which ends the string
+        StatedFrame frame;
+        if (!document_.space) {
+            return frame;
+        }
+        std::uint64_t code[letters + 1] = {};
+        try {
+            decode_integers(load(*document_.space, letters + 1, NumberType::uint32), 0, letters + 1, code);
+        } catch (const TextError&) {
+            return frame;
+        } catch (const Refused&) {
+            return frame;
+        }
+        const bool is_ascii = std::all_of(code, code + letters, [](std::uint64_t c) { return c > ' ' && c <= '~'; });
+        if (is_ascii && code[letters] == 0) {
+            frame.read_space(std::string(code, code + letters));
+        }
+        return frame;
+    }
 
 private:
-    std::vector<NumberArray> load_points() const;
-    void load_cells(const VtpCells& cells, const VtpPiece& piece, CellArray array, std::vector<CellArray>& arrays) const;
+    /// Adds `array`, whose kind and points are set, if there are any such cells.
+    void load_cells(const VtpCells& cells, const VtpPiece& piece, CellArray array, std::vector<CellArray>& arrays) const {
+        if (cells.count == 0) {
+            return;
+        }
+        if (!cells.offsets || !cells.connectivity) {
+            throw TextError{piece.element,
+                            "expected the DataArrays 'connectivity' and 'offsets' of the " + std::string(array.name)};
+        }
+        array.cells = cells.count;
+        array.ends = load(*cells.offsets, cells.count, NumberType::uint64);
+        std::uint64_t corners = 0;
+        decode_integers(array.ends, cells.count - 1, 1, &corners);
+        array.corners = load(*cells.connectivity, corners, NumberType::uint32);
+        arrays.push_back(std::move(array));
+    }
+
     NumberArray load(const VtpArray& array, std::uint64_t count, NumberType as) const {
         return load_array(file_, document_.form, array, count, as);
     }
@@ -37,109 +99,6 @@ private:
     VtkFile& file_;
     const VtpDocument& document_;
 };
-
-/// The points of all pieces that have some.
-std::vector<NumberArray> Vtp::load_points() const {
-    std::vector<NumberArray> points;
-    std::uint64_t count = 0;
-    for (const VtpPiece& piece : document_.pieces) {
-        if (piece.point_count > std::numeric_limits<std::uint32_t>::max() - count) {
-            throw TextError{piece.element, "expected fewer than 2^32 points in all, found " +
-                                               std::to_string(piece.point_count) + " in this Piece"};
-        }
-        count += piece.point_count;
-        if (piece.point_count == 0) {
-            continue;
-        }
-        if (!piece.points) {
-            throw TextError{piece.element, "expected a DataArray in the Points of this Piece"};
-        }
-        const bool floats = piece.points->type == NumberType::float32;
-        points.push_back(load(*piece.points, 3 * piece.point_count, floats ? NumberType::float32 : NumberType::float64));
-    }
-    return points;
-}
-
-void Vtp::give_points(MeshFile& mesh) const {
-    std::vector<NumberArray> points = load_points();
-    bool floats = true;
-    std::uint64_t numbers = 0;
-    for (const NumberArray& array : points) {
-        floats = floats && coordinates_of(array.type) == CoordinateType::f32;
-        mesh.text = mesh.text || array.form == NumberArray::Form::text;
-        numbers += array.count;
-    }
-    mesh.vertex_count = numbers / 3;
-    mesh.coordinate_type = floats ? CoordinateType::f32 : CoordinateType::f64;
-    mesh.stride = 3 * size_of(mesh.coordinate_type);
-    if (points.size() == 1 && !is_integer(points[0].type)) {
-        const bool in_file = points[0].form == NumberArray::Form::bytes;
-        mesh.first_offset = in_file ? file_.offset_of(points[0].at) : 0;
-        mesh.bytes = std::move(in_file ? file_.bytes : points[0].storage);
-    } else {
-        file_.budget.take(mesh.vertex_count, mesh.stride);
-        mesh.bytes = Array<std::byte>(file_.source.memory());
-        mesh.bytes.resize_discarding(mesh.vertex_count * mesh.stride);
-    }
-    std::byte* out = mesh.bytes.data() + mesh.first_offset;
-    for (const NumberArray& array : points) {
-        convert_coordinates(array, mesh.coordinate_type, out, file_.source.parallel());
-        out += array.count * size_of(mesh.coordinate_type);
-    }
-}
-
-/// Adds `array`, whose kind and points are set, if there are any such cells.
-void Vtp::load_cells(const VtpCells& cells, const VtpPiece& piece, CellArray array, std::vector<CellArray>& arrays) const {
-    if (cells.count == 0) {
-        return;
-    }
-    if (!cells.offsets || !cells.connectivity) {
-        throw TextError{piece.element,
-                        "expected the DataArrays 'connectivity' and 'offsets' of the " + std::string(array.name)};
-    }
-    array.cells = cells.count;
-    array.ends = load(*cells.offsets, cells.count, NumberType::uint64);
-    std::uint64_t corners = 0;
-    decode_integers(array.ends, cells.count - 1, 1, &corners);
-    array.corners = load(*cells.connectivity, corners, NumberType::uint32);
-    arrays.push_back(std::move(array));
-}
-
-void Vtp::give_triangles(MeshFile& mesh) const {
-    std::vector<CellArray> arrays;
-    std::uint32_t first_point = 0;
-    for (const VtpPiece& piece : document_.pieces) {
-        const auto count = static_cast<std::uint32_t>(piece.point_count);
-        load_cells(piece.polygons, piece,
-                   {.name = "Polys", .kind = CellKind::polygons, .first_point = first_point, .point_count = count}, arrays);
-        load_cells(piece.strips, piece,
-                   {.name = "Strips", .kind = CellKind::strips, .first_point = first_point, .point_count = count}, arrays);
-        first_point += count;
-    }
-    cut_cells(file_, arrays, mesh);
-}
-
-/// What the string SPACE states. Strings of other lengths are no known frame.
-StatedFrame Vtp::patient_frame() const {
-    constexpr std::size_t letters = 3;  // and a 0, which ends the string
-    StatedFrame frame;
-    if (!document_.space) {
-        return frame;
-    }
-    std::uint64_t code[letters + 1] = {};
-    try {
-        decode_integers(load(*document_.space, letters + 1, NumberType::uint32), 0, letters + 1, code);
-    } catch (const TextError&) {
-        return frame;
-    } catch (const Refused&) {
-        return frame;
-    }
-    const bool is_ascii = std::all_of(code, code + letters, [](std::uint64_t c) { return c > ' ' && c <= '~'; });
-    if (is_ascii && code[letters] == 0) {
-        frame.read_space(std::string(code, code + letters));
-    }
-    return frame;
-}
 
 void parse_vtp(FileContents& contents, MeshFile& mesh) {
     VtkFile file(contents);
@@ -150,7 +109,8 @@ void parse_vtp(FileContents& contents, MeshFile& mesh) {
     }
     const Vtp vtp(file, document);
     vtp.patient_frame().give(file.source, mesh);
-    vtp.give_points(mesh);
+    std::vector<NumberArray> points = vtp.load_points();
+    give_points(file, points, mesh);
     vtp.give_triangles(mesh);
 }
 
@@ -163,7 +123,7 @@ bool looks_like_vtp(const FileSource& source) {
     return first != end && *first == '<' && sample.find("<VTKFile") != std::string_view::npos;
 }
 
-Result<MeshFile> read_vtp(FileSource& source) {
+MeshFile read_vtp(FileSource& source) {
     return read_contents(source, parse_vtp);
 }
 

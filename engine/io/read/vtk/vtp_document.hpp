@@ -2,11 +2,7 @@
 // are raw, in base64 or compressed, where their element is or appended to the document.
 #pragma once
 
-#include <cstdint>
 #include <deque>
-#include <optional>
-#include <string>
-#include <string_view>
 
 #include "io/read/vtk/vtk_file.hpp"
 #include "io/xml/xml.hpp"
@@ -24,7 +20,7 @@ struct VtpArray {
     std::string_view content;           ///< the text in the element, up to the next tag
 };
 
-/// What the file says of the form of its data.
+/// The form of the file's data, as it states it.
 struct VtpForm {
     bool big_endian = false;
     std::size_t header_bytes = 4;    ///< of each of the numbers before the data of an array

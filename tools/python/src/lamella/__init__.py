@@ -26,8 +26,8 @@ check, weld
     What is wrong with a mesh and where; cracks joined.
 read
     A mesh file as a `Mesh`: STL, OBJ, OFF, PLY, VTK, VTP, 3MF, gzip of any.
-assemble
-    Contours from segments of another program.
+assemble, region_of
+    Contours from segments, or regions from contours, of another program.
 lamella.dask.slice_many
     Many files on the workers of a Dask scheduler; a module to import by itself.
 
@@ -45,63 +45,20 @@ Coordinates are in mm unless `unit` says otherwise. Faces run counter-clockwise 
 """
 
 from ._check import Check, Finding, check
-from ._errors import (
-    CancelledError,
-    CoordinateError,
-    EmptyMeshError,
-    Error,
-    InvalidArgumentError,
-    MalformedMeshError,
-    MeshTypeError,
-    MeshWarning,
-    OutOfMemoryError,
-    PlanesError,
-    ResultTooLargeError,
-    UnreadableFileError,
-    UnwritableFileError,
+from ._errors import (  # fmt: skip
+    CancelledError, CoordinateError, EmptyMeshError, Error, InvalidArgumentError, MalformedMeshError, MeshTypeError,
+    MeshWarning, OutOfMemoryError, PlanesError, ResultTooLargeError, UnreadableFileError, UnwritableFileError,
 )
 from ._layer import NO_TRIANGLE, SEVERAL_PARTS, ContourFlag, Layer, Polygon, Role
 from ._mesh import Mesh, read, weld
 from ._native import version as __version__
-from ._prepared import Prepared, prepare
 from ._result import Certificate, Result
-from ._slice import assemble, section, section_multiplane, slice, slice_parts, stream
+from ._slice import Prepared, assemble, prepare, region_of, section, section_multiplane, slice, slice_parts, stream
 
 __all__ = [
-    "NO_TRIANGLE",
-    "SEVERAL_PARTS",
-    "CancelledError",
-    "Certificate",
-    "Check",
-    "ContourFlag",
-    "CoordinateError",
-    "EmptyMeshError",
-    "Error",
-    "Finding",
-    "InvalidArgumentError",
-    "Layer",
-    "MalformedMeshError",
-    "Mesh",
-    "MeshTypeError",
-    "MeshWarning",
-    "OutOfMemoryError",
-    "PlanesError",
-    "Polygon",
-    "Prepared",
-    "Result",
-    "ResultTooLargeError",
-    "Role",
-    "UnreadableFileError",
-    "UnwritableFileError",
-    "__version__",
-    "assemble",
-    "check",
-    "prepare",
-    "read",
-    "section",
-    "section_multiplane",
-    "slice",
-    "slice_parts",
-    "stream",
-    "weld",
-]
+    "NO_TRIANGLE", "SEVERAL_PARTS", "CancelledError", "Certificate", "Check", "ContourFlag", "CoordinateError",
+    "EmptyMeshError", "Error", "Finding", "InvalidArgumentError", "Layer", "MalformedMeshError", "Mesh", "MeshTypeError",
+    "MeshWarning", "OutOfMemoryError", "PlanesError", "Polygon", "Prepared", "Result", "ResultTooLargeError", "Role",
+    "UnreadableFileError", "UnwritableFileError", "__version__", "assemble", "check", "prepare", "read", "region_of",
+    "section", "section_multiplane", "slice", "slice_parts", "stream", "weld",
+]  # fmt: skip

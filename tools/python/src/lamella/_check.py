@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Dict, Optional, Union
+from typing import TYPE_CHECKING, Any, Dict, Optional
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _native
 from ._mesh import MeshLike, as_view
-from ._options import ProgressLike, number, slice_options, whole_number
+from ._options import number, slice_options, whole_number
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._options import FrameKeywords
 
 
 @dataclass(frozen=True)
@@ -22,7 +27,7 @@ class Finding:
     """The search was cut short: there may be more."""
     points: npt.NDArray[np.float64]
     """(k, 3, 3), mm: a point, the ends of an edge or gap, or a face's corners; NaN in the rows beyond ``point_count``."""
-    point_count: npt.NDArray[np.int64]
+    point_count: npt.NDArray[np.int32]
     triangles: npt.NDArray[np.int64]
     """(k, 2): triangles that are part of it, or -1."""
     parts: npt.NDArray[np.int64]
@@ -33,43 +38,30 @@ class Finding:
     """True of loops that close."""
 
 
-def _rows(columns: Dict[str, npt.NDArray[Any]]) -> npt.NDArray[np.void]:
-    """A structured array of columns."""
-    rows = np.empty(len(columns["first"]), [(name, column.dtype, column.shape[1:]) for name, column in columns.items()])
-    for name, column in columns.items():
-        rows[name] = column
-    return rows
+def _finding(count: int, at_least: bool, places: npt.NDArray[np.void]) -> Finding:
+    points = places["points"].copy()
+    points[np.arange(3) >= places["point_count"][:, None]] = np.nan
+    others = {name: places[name] for name in ("point_count", "triangles", "parts", "measure", "closed")}
+    return Finding(count, at_least, points, **others)
 
 
+@dataclass(frozen=True, repr=False)
 class Check:
-    """What `check` found.
+    """What `check` found."""
 
-    Attributes
-    ----------
-    verdict : str
-        One line.
-    clean : bool
-        No fault was found but slivers, which slicing does not mind.
-    complete : bool
-        No search was cut short.
-    findings : dict of str to Finding
-        By kind: "boundary_edges", "crossing_faces", ...; all kinds are there.
-    shells : numpy.ndarray
-        A row for each set of connected triangles: ``triangles``, ``closed``, ``volume`` (mm³), ``orientation``, ``depth``,
-        ``parent``, ``triangle`` and ``first``, a triangle and vertex of it.
-    info : Dict[str, Any]
-        Counts of triangles and edges, box, volume and area.
-    """
-
-    __slots__ = ("clean", "complete", "findings", "info", "shells", "verdict")
-
-    def __init__(self, found: Dict[str, Any]) -> None:
-        self.verdict: str = found["verdict"]
-        self.clean: bool = found["clean"]
-        self.complete: bool = found["complete"]
-        self.info: Dict[str, Any] = found["info"]
-        self.shells: npt.NDArray[np.void] = _rows(found["shells"])
-        self.findings: Dict[str, Finding] = {key: Finding(**fault) for key, fault in found["findings"].items()}
+    verdict: str
+    """One line."""
+    clean: bool
+    """No fault was found but slivers, which slicing does not mind."""
+    complete: bool
+    """No search was cut short."""
+    info: Dict[str, Any]
+    """Counts of triangles and edges, box, volume and area."""
+    shells: npt.NDArray[np.void]
+    """A row for each set of connected triangles: ``triangles``, ``closed``, ``volume`` (mm³), ``orientation``, ``depth``,
+    ``parent``, ``triangle`` and ``first``, a triangle and vertex of it."""
+    findings: Dict[str, Finding]
+    """By kind: "boundary_edges", "crossing_faces", ...; all kinds are there."""
 
     def __getitem__(self, fault: str) -> Finding:
         """The finding of that kind."""
@@ -86,17 +78,13 @@ def check(
     tolerance: float = 0.01,
     sliver_ratio: float = 100,
     most_places: int = 1000,
-    unit: Union[None, str, float] = None,
-    grid: Union[None, str, float] = None,
-    transform: Optional[npt.ArrayLike] = None,
-    threads: int = 0,
-    progress: ProgressLike = None,
+    **options: Unpack[FrameKeywords],
 ) -> Check:
     """Find every departure of a mesh from a closed, oriented surface without self-intersections.
 
     Parameters
     ----------
-    mesh, faces, unit, grid, transform, threads, progress
+    mesh, faces
         As for `slice`.
     tolerance : float
         For T-junctions and cracks, mm.
@@ -104,10 +92,8 @@ def check(
         Longest side over the height on it, from which on a triangle is a sliver.
     most_places : int
         Kept of each kind; all are counted.
-
-    Returns
-    -------
-    Check
+    **options
+        As for `prepare`.
 
     Examples
     --------
@@ -118,7 +104,8 @@ def check(
     array([[ 0.,  0.,  0.],
            [ 0., 30.,  0.]])
     """
-    view = as_view(mesh, faces, unit=unit)
+    view = as_view(mesh, faces, unit=options.pop("unit", None))
     limits = number("tolerance", tolerance), number("sliver_ratio", sliver_ratio), whole_number("most_places", most_places)
-    options = slice_options({"grid": grid, "transform": transform, "threads": threads, "progress": progress})
-    return Check(view.run(_native.check, options, *limits))
+    found: Dict[str, Any] = view.run(_native.check, slice_options(options), *limits)
+    found["findings"] = {kind: _finding(*fault) for kind, fault in found["findings"].items()}
+    return Check(**found)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import warnings
 from types import FrameType
-from typing import Optional
+from typing import Optional, Union
 
 
 class Error(Exception):
@@ -28,89 +28,63 @@ class Error(Exception):
     """
 
     code: str = "error"
+    triangle: Optional[int] = None
+    vertex: Optional[int] = None
+    layer: Optional[int] = None
+    path: Optional[str] = None
+    byte_offset: Optional[int] = None
 
-    def __init__(
-        self,
-        message: str,
-        *,
-        triangle: Optional[int] = None,
-        vertex: Optional[int] = None,
-        layer: Optional[int] = None,
-        path: Optional[str] = None,
-        byte_offset: Optional[int] = None,
-    ) -> None:
+    def __init_subclass__(cls, code: Optional[str] = None) -> None:
+        super().__init_subclass__()
+        cls.code = code or cls.code
+
+    def __init__(self, message: str, **evidence: Union[None, int, str]) -> None:
         super().__init__(message)
-        self.triangle = triangle
-        self.vertex = vertex
-        self.layer = layer
-        self.path = path
-        self.byte_offset = byte_offset
+        self.__dict__.update({name: value for name, value in evidence.items() if value != -1})  # -1: the engine knows none
 
 
-class InvalidArgumentError(Error, ValueError):
+class InvalidArgumentError(Error, ValueError, code="invalid_argument"):
     """An argument that contradicts itself or another, has the wrong shape or type, or lies outside its range."""
 
-    code = "invalid_argument"
 
-
-class MeshTypeError(Error, TypeError):
+class MeshTypeError(Error, TypeError, code="no_mesh"):
     """Something that is no mesh."""
 
-    code = "no_mesh"
 
-
-class UnreadableFileError(Error, OSError):
+class UnreadableFileError(Error, OSError, code="unreadable_file"):
     """A file that is missing, a directory, without permission, or that changed while it was read."""
 
-    code = "unreadable_file"
 
-
-class MalformedMeshError(Error, ValueError):
+class MalformedMeshError(Error, ValueError, code="malformed_mesh"):
     """A file that is not a mesh in the format that it claims."""
 
-    code = "malformed_mesh"
 
-
-class EmptyMeshError(Error, ValueError):
+class EmptyMeshError(Error, ValueError, code="empty_mesh"):
     """A mesh without a triangle, or without one that has three distinct corners on the grid."""
 
-    code = "empty_mesh"
 
-
-class CoordinateError(Error, ValueError):
+class CoordinateError(Error, ValueError, code="bad_coordinate"):
     """A coordinate that is not finite, or beyond 1e9 mm, or beyond the grid that was asked for."""
 
-    code = "bad_coordinate"
 
-
-class PlanesError(Error, ValueError):
+class PlanesError(Error, ValueError, code="bad_planes"):
     """A height that is not finite, a step below two units of the grid, or too many planes."""
 
-    code = "bad_planes"
 
-
-class ResultTooLargeError(Error, MemoryError):
+class ResultTooLargeError(Error, MemoryError, code="result_too_large"):
     """A result that is known to exceed the memory limit. Nothing was allocated for it."""
 
-    code = "result_too_large"
 
-
-class OutOfMemoryError(Error, MemoryError):
+class OutOfMemoryError(Error, MemoryError, code="out_of_memory"):
     """An allocation failed."""
 
-    code = "out_of_memory"
 
-
-class CancelledError(Error):
+class CancelledError(Error, code="cancelled"):
     """The caller ended the call."""
 
-    code = "cancelled"
 
-
-class UnwritableFileError(Error, OSError):
+class UnwritableFileError(Error, OSError, code="unwritable_file"):
     """A file that could not be created or written."""
-
-    code = "unwritable_file"
 
 
 class MeshWarning(UserWarning):

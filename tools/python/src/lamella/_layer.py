@@ -21,6 +21,9 @@ NO_TRIANGLE = 0xFFFFFFFF
 SEVERAL_PARTS = 0xFFFFFFFF
 """In ``Result.contours["part"]``: its edges come from more than one part."""
 
+SIDE = 160  # width and height of a picture, pixels
+MOST_POINTS, MOST_CONTOURS = 4000, 500  # in a picture
+
 
 class Role(enum.IntEnum):
     """The values of ``Result.contours["role"]``."""
@@ -42,10 +45,10 @@ class ContourFlag(enum.IntFlag):
     """The facets' orientation contradicts the role, which was decided by the contours around."""
     ORIENTATION_MIXED = 2
     """Neighbouring facets disagree about which side is solid."""
-    GAP_CLOSED = 4
+    STITCHED = 4
     """Ends of open polylines were joined."""
-    NEAR = 8
-    """Closing by `mark_near` would change it."""
+    WOULD_CLOSE = 8
+    """Closing by `flag_closing` would change it."""
 
 
 class Polygon(NamedTuple):
@@ -128,10 +131,6 @@ class Layer:
     def polygons(self) -> List[Polygon]:
         """The solid area, as outers with their holes.
 
-        Returns
-        -------
-        list of Polygon
-
         Examples
         --------
         >>> layer = lamella.slice(corners, faces, heights=[20])[0]
@@ -170,14 +169,24 @@ class Layer:
             Where to. Without it the current ones.
         **style
             For `matplotlib.patches.PathPatch`: ``facecolor``, ``linewidth``, ...
-
-        Returns
-        -------
-        matplotlib.axes.Axes
         """
-        from ._draw import plot_layer
+        from matplotlib.patches import PathPatch
+        from matplotlib.path import Path
 
-        return plot_layer(self, ax, style)
+        if ax is None:
+            import matplotlib.pyplot as plt
+
+            ax = plt.gca()
+        axes: matplotlib.axes.Axes = ax
+        closed = [path for role, path in self._paths() if role in (Role.OUTER, Role.HOLE)]
+        if closed:  # as one compound path, so that holes stay empty
+            rings = [Path(np.vstack((path, path[:1])), closed=True) for path in closed]
+            axes.add_patch(PathPatch(Path.make_compound_path(*rings), **{"linewidth": 0.8, "edgecolor": "black", **style}))
+        for line in self.polylines():
+            axes.plot(line[:, 0], line[:, 1], color="red", linewidth=1)
+        axes.autoscale_view()
+        axes.set(aspect="equal", xlabel="x (mm)", ylabel="y (mm)")
+        return axes
 
     def _contour_range(self) -> Tuple[int, int]:
         row = self.result.layers[self.index]
@@ -200,9 +209,28 @@ class Layer:
         return f"<lamella.Layer {self.index}: z {self.z:g} mm, {count} contour{'s' if count != 1 else ''}, {self.area:.6g} mm²>"
 
     def _repr_html_(self) -> str:
-        from ._draw import layer_svg
-
-        return layer_svg(self)
+        """A small picture for notebooks, y upwards: about MOST_POINTS points of the MOST_CONTOURS contours that have most."""
+        points = self.points
+        if len(points) == 0:
+            return f'<svg xmlns="http://www.w3.org/2000/svg" width="{SIDE}" height="{SIDE}"></svg>'
+        low, high = points.min(axis=0), points.max(axis=0)
+        scale = (SIDE - 4) / max(float((high - low).max()), 1e-300)
+        step = -(-len(points) // MOST_POINTS)
+        paths = self._paths()
+        solid: List[str] = []
+        lines: List[str] = []
+        for i in np.sort(np.argsort([-len(path) for _, path in paths], kind="stable")[:MOST_CONTOURS]):
+            role, path = paths[i]
+            kept = path[::step] if len(path) > 3 * step else path
+            drawn = np.column_stack((kept[:, 0] - low[0], high[1] - kept[:, 1])) * scale + 2
+            text = "M" + " ".join(f"{x:.1f},{y:.1f}" for x, y in drawn.tolist())
+            (lines if role == Role.OPEN else solid).append(text if role == Role.OPEN else text + "z")
+        width, height = (high - low) * scale + 4
+        return (
+            f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height:.0f}">'
+            f'<path d="{"".join(solid)}" fill="#9db8d2" fill-rule="evenodd" stroke="#20435f" stroke-width="0.7"/>'
+            f'<path d="{"".join(lines)}" fill="none" stroke="#c03020"/></svg>'
+        )
 
     def __reduce__(self) -> Tuple[Any, ...]:
         return (Layer, (self.result, self.index))

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Callable, Dict, List, NamedTuple, NoReturn, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _native
 from ._errors import CoordinateError, Error, InvalidArgumentError, MeshTypeError, MeshWarning, warn
-from ._options import ProgressLike, affine, mm_per_unit, number, slice_options, whole_number
+from ._options import ProgressLike, affine, array_of, mm_per_unit, number, refuse, slice_options
 
 MeshLike = Any
 """Vertices, triangles, a path, a `Mesh`, or an object with ``.vertices`` and ``.faces`` or with ``.points``: see `slice`."""
@@ -35,9 +35,11 @@ class View:
 
     __slots__ = ("_meshes", "native")
 
-    def __init__(self, meshes: List[Arrays], transforms: Sequence[Optional[npt.NDArray[Any]]]) -> None:
+    def __init__(self, meshes: List[Arrays], placements: Optional[Sequence[Optional[npt.NDArray[Any]]]] = None) -> None:
+        """With placements they are parts."""
         self._meshes = meshes
-        self.native = _native.View([(mesh.vertices, mesh.faces, mesh.unit, move) for mesh, move in zip(meshes, transforms)])
+        rows = [(mesh.vertices, mesh.faces, mesh.unit, move) for mesh, move in zip(meshes, placements or [None])]
+        self.native = _native.View(rows, placements is not None)
 
     @property
     def mesh_count(self) -> int:
@@ -149,10 +151,6 @@ def read(path: Union[str, bytes, os.PathLike[Any]], *, unit: Union[str, float] =
     threads, progress
         As for `slice`.
 
-    Returns
-    -------
-    Mesh
-
     Raises
     ------
     UnreadableFileError, MalformedMeshError, EmptyMeshError
@@ -170,18 +168,17 @@ def read(path: Union[str, bytes, os.PathLike[Any]], *, unit: Union[str, float] =
         raise
     for text in file["warnings"]:
         warn(text, MeshWarning)
-    return Mesh(file["vertices"], file["faces"], file["unit"], name, file["info"])
+    return _mesh_of(file, name)
+
+
+def _mesh_of(made: Dict[str, Any], path: Optional[str] = None) -> Mesh:
+    return Mesh(made["vertices"], made["faces"], made["unit"], path, made["info"])
 
 
 def weld(
-    mesh: MeshLike,
-    faces: Optional[npt.ArrayLike] = None,
-    *,
-    tolerance: float = 0.01,
-    unit: Union[None, str, float] = None,
-    threads: int = 0,
-    progress: ProgressLike = None,
-) -> Mesh:
+    mesh: MeshLike, faces: Optional[npt.ArrayLike] = None, *, tolerance: float = 0.01,
+    unit: Union[None, str, float] = None, threads: int = 0, progress: ProgressLike = None,
+) -> Mesh:  # fmt: skip
     """Join vertices that should be one, so that a cracked mesh closes. Slicing never does this by itself.
 
     Parameters
@@ -203,22 +200,20 @@ def weld(
     >>> lamella.weld(cracked).info["joined"]
     1
     """
-    view = as_view(mesh, faces, unit=unit)
     options = slice_options({"threads": threads, "progress": progress})
-    welded = view.run(_native.weld, number("tolerance", tolerance), options)
-    return Mesh(welded["vertices"], welded["faces"], welded["unit"], None, welded["info"])
+    return _mesh_of(as_view(mesh, faces, unit=unit).run(_native.weld, number("tolerance", tolerance), options))
 
 
 def oriented(view: View, *, threads: int = 0, progress: ProgressLike = None) -> Mesh:
     turned = view.run(_native.orient_shells, slice_options({"threads": threads, "progress": progress}))
     if not turned["info"]["complete"]:
         warn("not all shells could be looked at: some cavities may be turned outwards", MeshWarning)
-    return Mesh(turned["vertices"], turned["faces"], turned["unit"], None, turned["info"])
+    return _mesh_of(turned)
 
 
 def as_view(mesh: MeshLike, faces: Optional[npt.ArrayLike], *, unit: Union[None, str, float]) -> View:
     """A mesh in any form that users may have."""
-    return View([_arrays_of(mesh, faces, unit)], [None])
+    return View([_arrays_of(mesh, faces, unit)])
 
 
 def as_views(meshes: Sequence[Any], transforms: Optional[Sequence[Any]], *, unit: Union[None, str, float]) -> View:
@@ -226,7 +221,7 @@ def as_views(meshes: Sequence[Any], transforms: Optional[Sequence[Any]], *, unit
     arrays = [_arrays_of(mesh, None, unit) for mesh in meshes]
     moves = [None] * len(arrays) if transforms is None else list(transforms)
     if len(moves) != len(arrays):
-        raise InvalidArgumentError(f"there are {len(arrays)} meshes and {len(moves)} transforms")
+        refuse(f"there are {len(arrays)} meshes and {len(moves)} transforms")
     matrices = [None if move is None else affine(f"transforms[{i}]", move) for i, move in enumerate(moves)]
     return View(arrays, matrices)
 
@@ -235,7 +230,7 @@ def _arrays_of(mesh: MeshLike, faces: Optional[npt.ArrayLike], unit: Union[None,
     mm = mm_per_unit("mm" if unit is None else unit)
     if isinstance(mesh, (str, bytes, os.PathLike)):
         if faces is not None:
-            _refuse("faces are for arrays of vertices, not for files")
+            refuse("faces are for arrays of vertices, not for files")
         mesh = read(mesh, unit=mm)
     if isinstance(mesh, Mesh) and faces is None:
         keeps_unit = unit is None or mesh.info.get("states_unit", False)
@@ -269,86 +264,60 @@ def _faces_of_cells(cells: Any) -> npt.NDArray[Any]:
     triangles = [np.asarray(data) for kind, data in blocks if kind == "triangle"]
     others = sorted({kind for kind, _ in blocks if kind not in ("triangle", "line", "vertex")})
     if others or not triangles:
-        _refuse(f"the cells must be triangles, and are {', '.join(others) or 'none'}")
+        refuse(f"the cells must be triangles, and are {', '.join(others) or 'none'}")
     return triangles[0] if len(triangles) == 1 else np.concatenate(triangles)
 
 
 def _faces_of_vtk(faces: Any) -> npt.NDArray[Any]:
     """As VTK has them: each face led by its number of corners, [3, a, b, c, 3, ...]."""
-    flat = np.asarray(faces)
+    flat = array_of(faces, "faces", "iu")
     if flat.ndim == 2 and flat.shape[1] == 3:
         return flat
-    if flat.ndim == 2 and flat.shape[1] == 4:
-        flat = flat.reshape(-1)
-    if flat.ndim != 1 or flat.dtype.kind not in "iu":
-        _refuse(f"faces must be a flat array of integers, each face led by its number of corners; they have shape {flat.shape}")
-    whole = len(flat) // 4 * 4
-    counts = flat[:whole:4]
-    wrong = np.flatnonzero(counts != 3)
-    if len(wrong) or whole != len(flat):
-        row = int(wrong[0]) if len(wrong) else whole // 4
-        _refuse(f"face {row} does not have 3 corners: triangulate the mesh first")
+    if flat.ndim != 1 and flat.shape[1:] != (4,):
+        refuse(f"faces must be a flat array of integers, each face led by its number of corners; they have shape {flat.shape}")
+    flat = flat.reshape(-1)
+    whole = len(flat) // 4
+    wrong = [*np.flatnonzero(flat[: 4 * whole : 4] != 3), *([whole] if 4 * whole < len(flat) else [])]
+    if wrong:
+        refuse(f"face {wrong[0]} does not have 3 corners: triangulate the mesh first")
     return flat.reshape(-1, 4)[:, 1:]
 
 
 def _checked(vertices: Any, faces: Any, unit: float) -> Arrays:
     if faces is None:
         return Arrays(_triangles(vertices), None, None, unit, None)
-    given = _array(faces, "faces")
+    given = array_of(faces, "faces", "iu")
     return Arrays(_rows(_coordinates(vertices, "vertices"), "vertices", 3), _indices(given), given, unit, None)
 
 
 def _triangles(values: Any) -> npt.NDArray[Any]:
     array = _coordinates(values, "triangles")
     if array.ndim == 3 and array.shape[1:] == (3, 3):
-        inner = array.strides[1:] == (3 * array.itemsize, array.itemsize)
-        array = (array if inner else np.ascontiguousarray(array)).view()
-        if array.strides[0] >= 9 * array.itemsize and not array.flags.c_contiguous:
-            return np.lib.stride_tricks.as_strided(array, (len(array), 9), (array.strides[0], array.itemsize), writeable=False)
-        return np.ascontiguousarray(array).reshape(-1, 9)
-    if array.ndim == 2 and array.shape[1] == 9:
-        return _rows(array, "triangles", 9)
+        array = array.reshape(len(array), 9)
     if array.ndim == 2 and array.shape[1] == 3:
-        _refuse(f"vertices of shape {array.shape} need faces")
-    _refuse(f"triangles must have shape (m, 3, 3) or (m, 9), and have {array.shape}")
+        refuse(f"vertices of shape {array.shape} need faces")
+    return _rows(array, "triangles", 9, "(m, 3, 3) or (m, 9)")
 
 
 def _coordinates(values: Any, name: str) -> npt.NDArray[Any]:
     """As the engine reads numbers: float32, float64, int32 or int64."""
-    array = _array(values, name)
+    array = array_of(values, name)
     kind, size = array.dtype.kind, array.itemsize
-    if kind not in "fiu":
-        _refuse(f"{name} must be numbers, and are of dtype {array.dtype}")
     if not array.dtype.isnative or (kind, size) not in (("f", 4), ("f", 8), ("i", 4), ("i", 8)):
         return array.astype(np.float32 if (kind, size) == ("f", 2) else np.int64 if size < 8 and kind in "iu" else np.float64)
     return array
 
 
 def _indices(faces: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    if faces.dtype.kind not in "iu":
-        _refuse(f"faces must be integers, and are of dtype {faces.dtype}")
     if faces.dtype.itemsize < 4 or not faces.dtype.isnative:
         faces = faces.astype(np.int32 if faces.dtype.itemsize < 4 else np.int64)
     return _rows(faces, "faces", 3)
 
 
-def _array(values: Any, name: str) -> npt.NDArray[Any]:
-    try:
-        return np.asarray(values)
-    except ValueError:
-        lengths = [np.size(row) for row in values]
-        odd = next((row for row, length in enumerate(lengths) if length != lengths[0]), 0)
-        _refuse(f"{name}[{odd}] has {lengths[odd]} numbers, the rows before it {lengths[0]}")
-
-
-def _rows(array: npt.NDArray[Any], name: str, width: int) -> npt.NDArray[Any]:
+def _rows(array: npt.NDArray[Any], name: str, width: int, shape: str = "(n, 3)") -> npt.NDArray[Any]:
     """Rows of packed numbers, any distance apart; a copy where they are not."""
     if array.ndim != 2 or array.shape[1] != width:
-        _refuse(f"{name} must have shape (n, {width}), and have {array.shape}")
+        refuse(f"{name} must have shape {shape}, and have {array.shape}")
     if array.strides[1] == array.itemsize and array.strides[0] >= width * array.itemsize:
         return array
     return np.ascontiguousarray(array)
-
-
-def _refuse(message: str) -> NoReturn:
-    raise InvalidArgumentError(message)

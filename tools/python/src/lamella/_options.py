@@ -3,72 +3,65 @@
 from __future__ import annotations
 
 import difflib
+import inspect
 import math
 import operator
 import sys
-from typing import Any, Callable, Dict, List, Mapping, NoReturn, Optional, Sequence, Tuple, TypedDict, Union
+import textwrap
+from typing import Any, Callable, Dict, List, Mapping, NoReturn, Optional, Sequence, Tuple, TypedDict, TypeVar, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _native
 from ._errors import InvalidArgumentError
+from ._option_table import (  # fmt: skip
+    OPTIONS, FrameOptions, HeightOptions, LayerOptions, Option, RegionOptions, TransformOptions, UniformOptions,
+)
 
 ProgressLike = Union[None, bool, Callable[[float], Any]]
 """True for a bar, or a callable that takes a fraction from 0 to 1."""
 
 
-class RuleKeywords(TypedDict, total=False):
-    """Keyword options of `slice`, where they are described: those of what is done to the contours."""
-
-    side: str
-    fill_rule: str
-    fill_from: Sequence[Tuple[int, str]]
-    close: float
-    offset: float
-    miter_limit: float
-    largest_only: bool
-    drop_collinear: bool
-    simplify: float
-    mark_near: float
-    close_gaps: Union[str, float]
-    gap_sense: str
-    origins: bool
-    allow_empty: bool
-    memory_limit: int
+class CallKeywords(TypedDict, total=False):
     threads: int
     progress: ProgressLike
 
 
-class SectionKeywords(RuleKeywords, total=False):
+class PlaceKeywords(FrameOptions, TransformOptions, total=False):
+    """Where a mesh lies on its grid."""
+
+    unit: Union[None, str, float]
+    normal: Optional[npt.ArrayLike]
+
+
+class FrameKeywords(CallKeywords, PlaceKeywords, total=False):
+    """Keyword options of `prepare` and `check`."""
+
+
+class RuleKeywords(CallKeywords, LayerOptions, RegionOptions, total=False):
+    """Those of every call that slices."""
+
+    memory_limit: int
+
+
+class SectionKeywords(RuleKeywords, FrameOptions, total=False):
     """Those of `section`, which places the planes itself."""
 
     unit: Union[None, str, float]
-    grid: Union[None, str, float]
 
 
-class LayerKeywords(RuleKeywords, total=False):
+class LayerKeywords(RuleKeywords, UniformOptions, total=False):
     """Those of a prepared mesh, which has its place."""
 
-    layer_height: Optional[float]
-    first_height: Optional[float]
-    datum: str
 
-
-class SliceKeywords(LayerKeywords, total=False):
+class SliceKeywords(LayerKeywords, HeightOptions, PlaceKeywords, total=False):
     """All of them."""
-
-    heights: Optional[npt.ArrayLike]
-    unit: Union[None, str, float]
-    grid: Union[None, str, float]
-    normal: Optional[npt.ArrayLike]
-    transform: Optional[npt.ArrayLike]
 
 
 MM_PER_UNIT = {"mm": 1.0, "um": 1e-3, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}
-FILL_RULES = ("contours", "even-odd", "non-zero", "positive", "outermost")
-UNIFORM_ONLY = ("layer_height", "first_height")
-OF_PREPARED = ("unit", "grid", "normal", "transform")
+FILL_RULES = OPTIONS["fill_rule"].words
+OF_PREPARED = PlaceKeywords.__annotations__
 
 
 def refuse(message: str) -> NoReturn:
@@ -118,22 +111,21 @@ def mm_per_unit(value: Any) -> float:
     return mm
 
 
-def whole_array(values: Any, name: str) -> npt.NDArray[np.float64]:
-    """Numbers as float64, without a copy where they are."""
+def array_of(values: Any, name: str, kinds: str = "fiu") -> npt.NDArray[Any]:
+    """Numbers of some kinds of numpy's, without a copy where they are in an array."""
     try:
         array = np.asarray(values)
     except ValueError:
-        refuse(f"{name} must be an array of numbers: its rows differ in length")
-    if array.dtype.kind not in "fiu":
-        refuse(f"{name} must be numbers, and are of dtype {array.dtype}")
-    return array.astype(np.float64, copy=False)
+        lengths = [np.size(row) for row in values]
+        odd = next((row for row, length in enumerate(lengths) if length != lengths[0]), 0)
+        refuse(f"{name}[{odd}] has {lengths[odd]} numbers, the rows before it {lengths[0]}")
+    if array.dtype.kind not in kinds:
+        refuse(f"{name} must be {'numbers' if 'f' in kinds else 'integers'}, and are of dtype {array.dtype}")
+    return array
 
 
-def heights_array(values: Any) -> npt.NDArray[np.float64]:
-    heights = np.atleast_1d(whole_array(values, "heights"))
-    if heights.ndim != 1:
-        refuse(f"heights must have one dimension, and have shape {heights.shape}")
-    return np.ascontiguousarray(heights)
+def whole_array(values: Any, name: str) -> npt.NDArray[np.float64]:
+    return array_of(values, name).astype(np.float64, copy=False)
 
 
 def affine(name: str, values: Any) -> npt.NDArray[np.float64]:
@@ -167,86 +159,120 @@ def plane_frame(origin: Any, normal: Any) -> npt.NDArray[np.float64]:
     return frame
 
 
-def _grid(value: Any) -> float:
-    if value == "auto":
-        return _native.UNIT_BY_BOX
-    unit = number("grid", value) if not isinstance(value, str) else refuse(f"grid must be mm or 'auto', not {value!r}")
-    if not (0 < unit < math.inf):
-        refuse(f"grid must be finite and more than 0 mm, and is {unit:g}")
-    return unit
-
-
-def _close_gaps(value: Any) -> float:
-    if value == "auto":
-        return _native.GAPS_BY_MESH
-    if isinstance(value, str):
-        refuse(f"close_gaps must be mm or 'auto', not {value!r}")
-    if (length := number("close_gaps", value)) < 0:
-        refuse(f"close_gaps must not be negative, and is {length:g}")
+def _limited(name: str, option: Option, value: Any) -> float:
+    if isinstance(value, str) and option.special:
+        if value not in option.special:
+            refuse(f"{name} must be a number or {' or '.join(map(repr, option.special))}, not {value!r}")
+        return option.special[value]
+    length = number(name, value)
+    if option.least is not None and not (length > option.least if option.exclusive else length >= option.least):
+        refuse(f"{name} must be {'more than' if option.exclusive else 'at least'} {option.least}, and is {length:g}")
     return length
 
 
-def _fill_from(value: Any) -> List[Any]:
+def _range(name: str, _: Option, value: Any) -> Tuple[int, int]:
     try:
-        pairs = [(whole_number("a layer of fill_from", layer), rule) for layer, rule in value]
-    except (TypeError, ValueError) as error:
-        if isinstance(error, InvalidArgumentError):
-            raise
-        refuse(f"fill_from must be pairs of a layer and a fill rule, not {value!r}")
-    return [(layer, one_of("a rule of fill_from", rule, FILL_RULES)) for layer, rule in pairs]
+        first, end = value
+    except (TypeError, ValueError):
+        refuse(f"{name} must be the first one and one past the last, not {value!r}")
+    return whole_number(f"the first of {name}", first), whole_number(f"the end of {name}", end)
 
 
-def _numeric(attribute: str) -> Tuple[str, Callable[[str, Any], Any]]:
-    return attribute, number
+def _fill_from(name: str, _: Option, value: Any) -> List[Any]:
+    try:
+        pairs = [(layer, rule) for layer, rule in value]
+    except (TypeError, ValueError):
+        refuse(f"{name} must be pairs of a layer and a fill rule, not {value!r}")
+    return [(whole_number(f"a layer of {name}", layer), one_of(f"a rule of {name}", rule, FILL_RULES)) for layer, rule in pairs]
 
 
-def _choice(attribute: str, *allowed: str) -> Tuple[str, Callable[[str, Any], Any]]:
-    return attribute, lambda name, value: one_of(name, value, allowed)
+def _heights(name: str, _: Option, value: Any) -> npt.NDArray[np.float64]:
+    heights = np.atleast_1d(whole_array(value, name))
+    if heights.ndim != 1:
+        refuse(f"{name} must have one dimension, and have shape {heights.shape}")
+    return np.ascontiguousarray(heights)
 
 
-# Where each option but those of planes goes: an attribute of _native.Options, and what checks the value.
-_ATTRIBUTES: Dict[str, Tuple[str, Callable[[str, Any], Any]]] = {
-    "side": _choice("side", "below", "above"),
-    "grid": ("unit_mm", lambda _, value: _grid(value)),
-    "normal": ("transform", lambda name, value: _native.from_normal(*direction(name, value))),
-    "transform": ("transform", affine),
-    "fill_rule": _choice("fill_rule", *FILL_RULES),
-    "fill_from": ("fill_from", lambda _, value: _fill_from(value)),
-    "close": _numeric("close_mm"),
-    "offset": _numeric("offset_mm"),
-    "miter_limit": _numeric("miter_limit"),
-    "largest_only": ("largest_only", truth),
-    "drop_collinear": ("drop_collinear", truth),
-    "simplify": _numeric("simplify_mm"),
-    "mark_near": _numeric("mark_near_mm"),
-    "close_gaps": ("close_gaps_mm", lambda _, value: _close_gaps(value)),
-    "gap_sense": _choice("gap_sense", "kept", "any"),
-    "origins": ("origins", truth),
-    "allow_empty": ("allow_empty", truth),
-    "memory_limit": ("memory_limit", whole_number),
-    "threads": ("threads", whole_number),
+_CHECKS: Dict[str, Callable[[str, Option, Any], Any]] = {
+    "mm": _limited,
+    "optional_mm": _limited,
+    "number": _limited,
+    "flag": lambda name, _, value: truth(name, value),
+    "choice": lambda name, option, value: one_of(name, value, option.words),
+    "count": _range,
+    "heights": _heights,
+    "transform": lambda name, _, value: affine(name, value),
+    "fill_from": _fill_from,
 }
-_PLANES = ("layer_height", "first_height", "datum", "heights")
+
+
+def _checked(given: Mapping[str, Any]) -> Dict[str, Any]:
+    """Values by the names of the engine's members."""
+    fields: Dict[str, Any] = {}
+    for name, value in given.items():
+        option = OPTIONS[name]
+        checked = _CHECKS[option.kind](name, option, value)
+        fields.update(zip(option.fields, checked if len(option.fields) > 1 else (checked,)))
+    return fields
+
+
+_DEFAULTS = _checked({name: option.default for name, option in OPTIONS.items() if option.default is not None})
 
 
 def slice_options(keywords: Mapping[str, Any], *, prepared: bool = False) -> _native.Options:
     """The engine's options. None stands for an option that is not given."""
     given = {name: value for name, value in keywords.items() if value is not None}
-    options = _native.Options()
-    options.close_gaps_mm = _native.GAPS_BY_MESH
-    for name, value in given.items():
+    for name in given:
         if prepared and name in OF_PREPARED:
             refuse(f"{name} is for prepare(), which has put the mesh on its grid")
-        if name in _ATTRIBUTES:
-            attribute, convert = _ATTRIBUTES[name]
-            setattr(options, attribute, convert(name, value))
-        elif name not in _PLANES and name != "progress":
-            _refuse_unknown(name)
-    if "normal" in given and "transform" in given:
+        if "heights" in given and name in UniformOptions.__annotations__:
+            refuse(f"heights and {name} exclude each other")
+    normal = given.pop("normal", None)
+    if normal is not None and "transform" in given:
         refuse("normal and transform exclude each other")
-    _set_planes(options, given)
-    _set_progress(options, given.get("progress"))
-    return options
+    progress = progress_report(given.pop("progress", None))
+    threads = whole_number("threads", given.pop("threads", 0))
+    if threads > 4096:
+        refuse(f"threads must be at most 4096, and are {threads}")
+    memory_limit = whole_number("memory_limit", given.pop("memory_limit", 0))
+    for name in given.keys() - OPTIONS.keys():
+        known = sorted({*OPTIONS, *SliceKeywords.__annotations__})
+        near = difflib.get_close_matches(name, known, n=1)
+        refuse(f"there is no option {name!r}; " + (f"is it {near[0]!r}?" if near else f"allowed: {', '.join(known)}"))
+    fields = {**_DEFAULTS, **_checked(given)}
+    if fields["content"] != 0 and "fill_rule" not in given:
+        del fields["fill_rule"]  # what faces project is united by a rule of its own
+    if normal is not None:
+        fields["transform"] = _native.from_normal(*direction("normal", normal))
+    return _native.Options(fields, threads, memory_limit, progress)
+
+
+Call = TypeVar("Call", bound=Callable[..., Any])
+
+
+def documented(call: Call) -> Call:
+    """A call that takes all options as `**options`: its signature and docstring name each, as help() and editors show it."""
+    kinds = {
+        "flag": "bool",
+        "count": "(int, int)",
+        "heights": "array_like of float",
+        "transform": "array_like of float, shape (4, 4) or (3, 4)",
+        "fill_from": "sequence of (int, str)",
+    }
+    entries = []
+    for name, option in OPTIONS.items():
+        words = ", ".join(f'"{word}"' for word in option.words)
+        kind = f"{{{words}}}" if words else kinds.get(option.kind, " or ".join(["float", *map(repr, option.special)]))
+        entries += [f"    {name} : {kind}", textwrap.indent(textwrap.fill(option.text, 117), "        ")]
+    call.__doc__ = (call.__doc__ or "").replace("    **options", "\n".join(entries))
+    signature = inspect.signature(call)
+    own = [parameter for parameter in signature.parameters.values() if parameter.kind is not inspect.Parameter.VAR_KEYWORD]
+    added = [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=OPTIONS[name].default if name in OPTIONS else None)
+        for name in SliceKeywords.__annotations__
+    ]
+    setattr(call, "__signature__", signature.replace(parameters=own + added))  # noqa: B010: mypy knows no such attribute
+    return call
 
 
 class Bar:
@@ -273,35 +299,14 @@ class Bar:
         if self._bar is not None:
             self._bar.close()
 
-    def __del__(self) -> None:
-        self.close()
+    __del__ = close
 
 
-def _set_progress(options: _native.Options, progress: ProgressLike) -> None:
+def progress_report(progress: ProgressLike) -> Optional[Callable[[float], Any]]:
+    """What is told the progress, if anything is."""
     if progress is None or progress is False:
-        return
+        return None
     report = Bar() if progress is True else progress
     if not callable(report):
         refuse(f"progress must be True or a callable that takes a fraction, not {progress!r}")
-    options.set_progress(report)
-
-
-def _set_planes(options: _native.Options, given: Mapping[str, Any]) -> None:
-    from_zero = one_of("datum", given.get("datum", "mesh-min"), ("mesh-min", "zero")) == 1
-    if "heights" in given:
-        for name in UNIFORM_ONLY:
-            if name in given:
-                refuse(f"heights and {name} exclude each other")
-        if from_zero:
-            refuse("heights and datum exclude each other: heights count from zero")
-        options.set_heights(heights_array(given["heights"]))
-    elif any(name in given for name in _PLANES):
-        height = number("layer_height", given.get("layer_height", 0.2))
-        first = given.get("first_height")
-        options.set_layers(height, None if first is None else number("first_height", first), from_zero)
-
-
-def _refuse_unknown(name: str) -> NoReturn:
-    known = [*_PLANES, *_ATTRIBUTES, "progress", "unit"]
-    near = difflib.get_close_matches(name, known, n=1)
-    refuse(f"there is no option {name!r}; " + (f"is it {near[0]!r}?" if near else f"allowed: {', '.join(sorted(known))}"))
+    return report

@@ -14,7 +14,6 @@ import numpy.typing as npt
 from . import _native
 from ._errors import Error, InvalidArgumentError, MeshWarning, warn
 from ._layer import Layer, Role
-from ._options import slice_options
 
 if TYPE_CHECKING:
     import pandas
@@ -69,7 +68,7 @@ class Result:
     Attributes
     ----------
     first_layer : int
-        Of a chunk of `stream`: the number of layers before it. Else 0.
+        Of a chunk of `stream`, or of some ``layers``: the number of layers of the plan before it. Else 0.
 
     Examples
     --------
@@ -84,10 +83,9 @@ class Result:
     [344.531]
     """
 
-    def __init__(self, native: _native.Result, view: Optional[View], keywords: Dict[str, Any]) -> None:
+    def __init__(self, native: _native.Result, view: Optional[View]) -> None:
         self._native = native
         self._view = view
-        self._keywords = keywords
         self.first_layer: int = native.first_layer
 
     @functools.cached_property
@@ -117,7 +115,9 @@ class Result:
     @functools.cached_property
     def points(self) -> npt.NDArray[np.float64]:
         """Points (n, 2) of all contours, mm. Converted once, when first asked for."""
-        return self._native.points()
+        points = self.points_grid * self.grid
+        points.setflags(write=False)
+        return points
 
     @functools.cached_property
     def origins(self) -> npt.NDArray[np.void]:
@@ -129,9 +129,9 @@ class Result:
         return self._native.origins
 
     @functools.cached_property
-    def closed_gaps(self) -> npt.NDArray[np.void]:
+    def stitches(self) -> npt.NDArray[np.void]:
         """Ends of open polylines that were joined: ``layer``, ``from_grid`` and ``to_grid``."""
-        return self._native.closed_gaps
+        return self._native.stitches
 
     @functools.cached_property
     def layer_of(self) -> npt.NDArray[np.int64]:
@@ -168,22 +168,22 @@ class Result:
 
     @property
     def grid(self) -> float:
-        """Unit of the grid, mm."""
-        return self._native.unit_mm
+        """Step of the grid, mm."""
+        return self._native.grid
 
     @functools.cached_property
     def frame(self) -> npt.NDArray[np.float64]:
-        """Affine map (4, 4) from the mesh's coordinates to the space of layers and points."""
-        return self._native.frame
+        """Affine map (4, 4) from the mesh, in mm, to the space of layers and points."""
+        return np.vstack((self._native.options["transform"], (0, 0, 0, 1)))
 
     @functools.cached_property
-    def summary(self) -> Dict[str, Any]:
-        """Counts of triangles, segments and contours, the mesh's box, and times of the stages in ms.
+    def info(self) -> Dict[str, Any]:
+        """Counts of triangles, segments and contours, grid, the mesh's box, and times of the stages in ms.
 
         ``open_layers`` of ``crossed_layers`` have open contours and stand for ``open_height_share`` of the height;
-        ``close_gaps=closing_gap`` would close them.
+        ``stitch=closing_stitch`` would close them.
         """
-        return self._native.summary
+        return self._native.info
 
     @property
     def hash(self) -> str:
@@ -199,7 +199,7 @@ class Result:
         view = self._whole_mesh("certificate")
         if view.mesh_count != 1:
             raise InvalidArgumentError(f"the certificate is for one mesh, and there are {view.mesh_count}")
-        return Certificate(**view.run(self._native.certify))
+        return Certificate(**view.run(lambda native: _native.certify(self._native, native)))
 
     def contours_frame(self) -> pandas.DataFrame:
         """One row per contour as a pandas DataFrame: layer, z, role, area, length, points, parent, part, flags, segments."""
@@ -207,21 +207,15 @@ class Result:
 
         contours, layers = self.contours, self.layers
         layer = np.repeat(np.arange(len(layers)), layers["contour_count"])
-        return pandas.DataFrame(
-            {
-                "layer": layer + self.first_layer,
-                "z": layers["z"][layer],
-                "role": pandas.Categorical.from_codes(contours["role"], [role.name.lower() for role in Role]),
-                "area": self.contour_areas,
-                "length": self.contour_lengths,
-                "first_point": contours["first_point"],
-                "point_count": contours["point_count"],
-                "parent": contours["parent"],
-                "part": contours["part"],
-                "flags": contours["flags"],
-                "segments": contours["segments"],
-            }
-        )
+        measured = {
+            "layer": layer + self.first_layer,
+            "z": layers["z"][layer],
+            "role": pandas.Categorical.from_codes(contours["role"], [role.name.lower() for role in Role]),
+            "area": self.contour_areas,
+            "length": self.contour_lengths,
+        }
+        as_it_is = ("first_point", "point_count", "parent", "part", "flags", "segments")
+        return pandas.DataFrame({**measured, **{name: contours[name] for name in as_it_is}})
 
     def save(self, path: Union[str, bytes, os.PathLike[Any]]) -> None:
         """Write the result to a file, which appears whole or not at all.
@@ -238,9 +232,9 @@ class Result:
             raise InvalidArgumentError(f"{name}: results are saved as .svg or .json, not '{end}'", path=name)
         try:
             if end == ".svg":
-                self._native.write_svg(os.fsencode(name))
+                _native.write_svg(self._native, os.fsencode(name))
             else:
-                self._native.write_report(self._whole_mesh("report").native, os.fsencode(name))
+                _native.write_report(self._native, self._whole_mesh("report").native, os.fsencode(name))
         except Error as error:
             error.path = name
             raise
@@ -251,7 +245,7 @@ class Result:
         return self._view
 
     def __len__(self) -> int:
-        return self._native.layer_count
+        return len(self._native)
 
     def __iter__(self) -> Iterator[Layer]:
         return map(Layer, itertools.repeat(self), range(len(self)))
@@ -276,22 +270,34 @@ class Result:
         )
 
     def _repr_html_(self) -> str:
-        from ._draw import result_html
-
-        return result_html(self)
+        """For notebooks: a table of what there is, beside the layer of the largest area."""
+        rows = {
+            "layers": f"{len(self):,}",
+            "contours": f"{len(self.contours):,}",
+            "points": f"{len(self.points_grid):,}",
+            "volume": f"{self.volume:,.6g} mm³",
+        }
+        picture = ""
+        if len(self) > 0:
+            largest = self[int(np.argmax(np.nan_to_num(self.areas)))]
+            rows["z"] = f"{self[0].z:g} to {self[-1].z:g} mm"
+            rows["shown"] = f"layer {largest.index}, z {largest.z:g} mm"
+            picture = largest._repr_html_()
+        cells = "".join(f"<tr><th>{name}</th><td>{text}</td></tr>" for name, text in rows.items())
+        return f'<div style="display:flex;gap:1em;align-items:center">{picture}<table>{cells}</table></div>'
 
     def __reduce__(self) -> Tuple[Any, ...]:
-        return (_restore, (self._native.state(), self._keywords, self.__dict__.get("certificate")))
+        return (_restore, (self._native.state(), self.__dict__.get("certificate")))
 
 
-def _restore(state: Tuple[Any, ...], keywords: Dict[str, Any], certificate: Optional[Certificate]) -> Result:
-    result = Result(_native.restore(slice_options(keywords), state), None, keywords)
+def _restore(state: Tuple[Any, ...], certificate: Optional[Certificate]) -> Result:
+    result = Result(_native.restore(state), None)
     if certificate is not None:
         result.__dict__["certificate"] = certificate
     return result
 
 
-def finish(native: _native.Result, view: Optional[View], keywords: Dict[str, Any]) -> Result:
+def finish(native: _native.Result, view: View) -> Result:
     """The result of a call, after warning of what is wrong with it."""
     warn_of_open(native.open_layers())
     cancelled = native.cancelled_layers
@@ -299,19 +305,14 @@ def finish(native: _native.Result, view: Optional[View], keywords: Dict[str, Any
         where = "1 layer" if cancelled == 1 else f"{cancelled:,} layers"
         text = f"in {where} shells turned inwards overlap others, and where they do, both cancel: solid is missing there"
         warn(f"{text}; orient_shells=True turns each shell outwards unless it bounds a cavity", MeshWarning)
-    if view is not None and (coarse := native.coarse_grid(view.native)) is not None:
-        unit, diagonal, finest = coarse
-        help_ = f"grid='auto' takes {finest:g} mm" if finest < unit else "none finer reaches the mesh's coordinates"
-        warn(f"the grid of {unit:g} mm is coarse for a mesh of {diagonal:g} mm from corner to corner; {help_}", MeshWarning)
-    return result_of(native, view, keywords)
-
-
-def result_of(native: _native.Result, view: Optional[View], keywords: Dict[str, Any]) -> Result:
-    """The same without a warning."""
-    return Result(native, view, {name: value for name, value in keywords.items() if name != "progress"})
+    if (coarse := native.coarse_grid(view.native)) is not None:
+        step, diagonal, finest = coarse
+        help_ = f"grid='finest' takes {finest:g} mm" if finest < step else "none finer reaches the mesh's coordinates"
+        warn(f"the grid of {step:g} mm is coarse for a mesh of {diagonal:g} mm from corner to corner; {help_}", MeshWarning)
+    return Result(native, view)
 
 
 def warn_of_open(layers: _native.OpenLayers) -> None:
     """Warns where areas are not known."""
     if layers.layers > 0:
-        warn(layers.describe("close_gaps="), MeshWarning)
+        warn(layers.describe("stitch="), MeshWarning)

@@ -1,55 +1,32 @@
-"""slice() and the other calls that give layers: parts, sections, streams, segments."""
+"""slice() and the other calls that give layers: prepared meshes, parts, sections, streams, segments, regions."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, Iterator, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, NoReturn, Optional, Sequence
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _native
-from ._errors import InvalidArgumentError
+from ._errors import CoordinateError
 from ._layer import Layer
 from ._mesh import MeshLike, View, as_view, as_views, oriented
-from ._options import ProgressLike, number, plane_frame, slice_options, truth, whole_array, whole_number
-from ._result import Result, finish, result_of, warn_of_open
+from ._option_table import UniformOptions
+from ._options import (  # fmt: skip
+    OF_PREPARED, documented, number, plane_frame, progress_report, refuse, slice_options, truth, whole_array, whole_number,
+)
+from ._result import Result, finish, warn_of_open
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from ._options import SectionKeywords, SliceKeywords
+    from ._option_table import RegionOptions
+    from ._options import FrameKeywords, LayerKeywords, SectionKeywords, SliceKeywords
 
 
+@documented
 def slice(  # noqa: A001: the word of the field
-    mesh: MeshLike,
-    faces: Optional[npt.ArrayLike] = None,
-    *,
-    layer_height: Optional[float] = None,
-    first_height: Optional[float] = None,
-    datum: str = "mesh-min",
-    heights: Optional[npt.ArrayLike] = None,
-    side: str = "below",
-    unit: Union[None, str, float] = None,
-    grid: Union[None, str, float] = None,
-    normal: Optional[npt.ArrayLike] = None,
-    transform: Optional[npt.ArrayLike] = None,
-    fill_rule: str = "non-zero",
-    fill_from: Sequence[Tuple[int, str]] = (),
-    close: float = 0,
-    offset: float = 0,
-    miter_limit: float = 3,
-    largest_only: bool = False,
-    drop_collinear: bool = False,
-    simplify: float = 0,
-    mark_near: float = 0,
-    close_gaps: Union[str, float] = "auto",
-    gap_sense: str = "kept",
-    orient_shells: bool = False,
-    origins: bool = False,
-    allow_empty: bool = False,
-    memory_limit: int = 0,
-    threads: int = 0,
-    progress: ProgressLike = None,
+    mesh: MeshLike, faces: Optional[npt.ArrayLike] = None, *, orient_shells: bool = False, **options: Unpack[SliceKeywords]
 ) -> Result:
     """Cut a mesh by parallel planes into closed, oriented, nested contours.
 
@@ -60,55 +37,13 @@ def slice(  # noqa: A001: the word of the field
         meshio or pyvista. Arrays of float32, float64, int32 or int64 are read where they lie.
     faces : array_like of int, shape (m, 3), optional
         Three rows of the vertices for each triangle, counter-clockwise as seen from outside.
-    layer_height : float, optional
-        Height of uniform layers, mm. Without it and without `heights`: 0.2. The plane lies in the middle of its layer.
-    first_height : float, optional
-        Height of the first plane above the datum, mm, instead of half a layer.
-    datum : {"mesh-min", "zero"}
-        Where the heights of uniform layers count from: the mesh's lowest vertex, or z = 0.
-    heights : array_like of float, optional
-        Cut at these absolute heights in mm, in any order, instead of uniform layers. `Result.layer_of` names the layer of
-        each.
-    side : {"below", "above"}
-        Where a plane passes a vertex of exactly its height.
     unit : {"mm", "um", "cm", "m", "in", "ft"} or float, optional
         Unit of the mesh's coordinates, or how many mm it has; mm without it. A file that states its unit keeps that.
-    grid : float or "auto", optional
-        Unit of the integer grid, mm. Without it 2**-20, or more if the mesh needs it. "auto": the finest that the mesh
-        fits.
     normal : array_like of float, shape (3,), optional
         Cut perpendicular to this direction instead of z. Heights count along it.
-    transform : array_like of float, shape (4, 4) or (3, 4), optional
-        Affine map from the mesh (in mm) to the space of the planes, which are horizontal there.
-    fill_rule : {"contours", "even-odd", "non-zero", "positive", "outermost"}
-        What is solid where contours overlap. "non-zero": they are united. "contours": they stay as the mesh gives them.
-    fill_from : sequence of (int, str)
-        From this layer on, another fill rule.
-    close : float
-        Close gaps narrower than twice so many mm. Not by the fill rule "contours".
-    offset : float
-        Grow what is solid by so many mm, or shrink it by a negative number. Not by "contours".
-    miter_limit : float
-        Cut off corners that `close` or `offset` would move farther than so many times their length.
-    largest_only : bool
-        Keep the largest contour of a layer only, with its holes. Not by "contours".
-    drop_collinear : bool
-        Drop points exactly within straight lines. Not by "contours".
-    simplify : float
-        Drop points within so many mm of the lines that are left.
-    mark_near : float
-        Set the flag `ContourFlag.NEAR` on contours that ``close=mark_near`` would change.
-    close_gaps : float or "auto"
-        Join ends of open polylines at most so many mm apart, the nearest first, where nothing lies between them: see
-        `Result.closed_gaps`. "auto" is a hundredth of the diagonal of the mesh's box; 0 joins none.
-    gap_sense : {"kept", "any"}
-        Which ends are joined: those that keep the orientation of both polylines, or any.
+    **options
     orient_shells : bool
         Turn each closed shell outwards first, or inwards where it bounds a cavity: see `Mesh.orient_shells`.
-    origins : bool
-        Say which triangle each contour edge comes from: `Result.origins`.
-    allow_empty : bool
-        A mesh without triangles gives empty layers instead of an `EmptyMeshError`.
     memory_limit : int
         Results of more bytes are refused. 0: half of the machine's memory.
     threads : int
@@ -141,20 +76,76 @@ def slice(  # noqa: A001: the word of the field
     >>> lamella.slice(corners, faces, heights=[20, 10]).areas.round(3)
     array([253.125, 112.5  ])
     """
-    keywords = dict(locals())
-    del keywords["mesh"], keywords["faces"]
-    view = as_view(mesh, faces, unit=keywords.pop("unit"))
-    if truth("orient_shells", keywords.pop("orient_shells")):
-        view = as_view(oriented(view, threads=threads), None, unit=None)
-    return finish(view.run(_native.slice, slice_options(keywords)), view, keywords)
+    view = as_view(mesh, faces, unit=options.pop("unit", None))
+    if truth("orient_shells", orient_shells):
+        view = as_view(oriented(view, threads=options.get("threads", 0)), None, unit=None)
+    return finish(view.run(_native.slice, slice_options(options)), view)
+
+
+class Prepared:
+    """A mesh on the grid, ordered by height. Any number of threads may slice it at once.
+
+    Made by `prepare`.
+    """
+
+    __slots__ = ("_native", "_view")
+
+    def __init__(self, native: _native.Prepared, view: View) -> None:
+        self._native = native
+        self._view = view
+
+    @property
+    def nbytes(self) -> int:
+        """Memory that it holds: 48 bytes a triangle."""
+        return self._native.nbytes
+
+    @property
+    def grid(self) -> float:
+        """Step of the grid, mm."""
+        return self._native.grid
+
+    def slice(self, heights: Optional[npt.ArrayLike] = None, **options: Unpack[LayerKeywords]) -> Result:
+        """Cut it. The result is that of `lamella.slice` of the mesh.
+
+        Parameters
+        ----------
+        heights : array_like of float, optional
+            As for `lamella.slice`.
+        **options
+            As for `lamella.slice`, without those that `prepare` takes.
+        """
+        native = slice_options({"heights": heights, **options}, prepared=True)
+        return finish(self._view.run(_native.slice_prepared, native, self._native), self._view)
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError("a prepared mesh is not pickled: pickle the mesh, and prepare it where it is sliced")
+
+    def __repr__(self) -> str:
+        return f"<lamella.Prepared: {self._view.triangle_count:,} triangles, {self.nbytes:,} bytes>"
+
+
+def prepare(mesh: MeshLike, faces: Optional[npt.ArrayLike] = None, **options: Unpack[FrameKeywords]) -> Prepared:
+    """Prepare a mesh for many slices: one plane then reads little more than the triangles that it cuts.
+
+    Parameters
+    ----------
+    mesh, faces
+        As for `slice`.
+    **options
+        ``unit``, ``grid``, ``coarser_if_needed``, ``normal``, ``transform``, ``threads`` and ``progress``, as for `slice`.
+
+    Examples
+    --------
+    >>> tetrahedron = lamella.prepare(corners, faces)
+    >>> [tetrahedron.slice([z]).areas[0].round(3) for z in (10, 30)]
+    [253.125, 28.125]
+    """
+    view = as_view(mesh, faces, unit=options.pop("unit", None))
+    return Prepared(view.run(_native.prepare, slice_options(options)), view)
 
 
 def slice_parts(
-    meshes: Sequence[Any],
-    *,
-    united: bool = False,
-    transforms: Optional[Sequence[Optional[npt.ArrayLike]]] = None,
-    **options: Unpack[SliceKeywords],
+    meshes: Sequence[Any], *, transforms: Optional[Sequence[Optional[npt.ArrayLike]]] = None, **options: Unpack[SliceKeywords]
 ) -> Result:
     """Cut several meshes by the same planes, as the parts of one print.
 
@@ -162,13 +153,10 @@ def slice_parts(
     ----------
     meshes : sequence of mesh
         Each as `slice` takes it; one of vertices and faces as a pair.
-    united : bool
-        False: rules of regions are done to each part by itself, and contours of parts may overlap. True: to all parts of a
-        layer together, by a fill rule other than "contours".
     transforms : sequence of array_like, shape (4, 4), optional
         One for each part, or None for those that stay where they are.
     **options
-        As for `slice`.
+        As for `slice`. Contours of parts may overlap, unless ``unite_parts=True``.
 
     Returns
     -------
@@ -183,9 +171,8 @@ def slice_parts(
     >>> pair.contours["part"]
     array([0, 0, 1, 1], dtype=uint32)
     """
-    keywords: Dict[str, Any] = dict(options)
-    view = as_views(meshes, transforms, unit=keywords.pop("unit", None))
-    return finish(view.run(_native.slice_parts, slice_options(keywords), united), view, keywords)
+    view = as_views(meshes, transforms, unit=options.pop("unit", None))
+    return finish(view.run(_native.slice, slice_options(options)), view)
 
 
 def section(mesh: MeshLike, origin: npt.ArrayLike, normal: npt.ArrayLike, **options: Unpack[SectionKeywords]) -> Layer:
@@ -217,11 +204,7 @@ def section(mesh: MeshLike, origin: npt.ArrayLike, normal: npt.ArrayLike, **opti
 
 
 def section_multiplane(
-    mesh: MeshLike,
-    origin: npt.ArrayLike,
-    normal: npt.ArrayLike,
-    heights: npt.ArrayLike,
-    **options: Unpack[SectionKeywords],
+    mesh: MeshLike, origin: npt.ArrayLike, normal: npt.ArrayLike, heights: npt.ArrayLike, **options: Unpack[SectionKeywords]
 ) -> Result:
     """Cut a mesh by parallel planes of any direction.
 
@@ -246,21 +229,15 @@ def section_multiplane(
     array([253.125, 112.5  ])
     """
     for name in options:
-        if name in ("normal", "transform", "layer_height", "first_height", "datum"):
-            raise InvalidArgumentError(f"{name} is given by origin, normal and heights")
+        if name in ("normal", "transform", *UniformOptions.__annotations__):
+            refuse(f"{name} is given by origin, normal and heights")
     return slice(mesh, transform=plane_frame(origin, normal), heights=heights, **options)
 
 
 def stream(
-    mesh: MeshLike,
-    faces: Optional[npt.ArrayLike] = None,
-    *,
-    chunk: int = 256,
-    **options: Unpack[SliceKeywords],
+    mesh: MeshLike, faces: Optional[npt.ArrayLike] = None, *, chunk: int = 256, **options: Unpack[SliceKeywords]
 ) -> Iterator[Result]:
-    """Cut a mesh and hand its layers over in chunks, from below, while the rest is still being cut.
-
-    Memory does not grow with the number of layers. Leaving the loop early ends the slicing.
+    """Cut a mesh chunk by chunk, from below. Memory does not grow with the number of layers.
 
     Parameters
     ----------
@@ -287,20 +264,33 @@ def stream(
     keywords: Dict[str, Any] = dict(options)
     view = as_view(mesh, faces, unit=keywords.pop("unit", None))
     if whole_number("chunk", chunk) == 0:
-        raise InvalidArgumentError("a chunk must have at least one layer")
-    chunks = view.run(_native.Stream, slice_options(keywords), chunk)
-    return _chunks(chunks, view, keywords)
+        refuse("a chunk must have at least one layer")
+    report = progress_report(keywords.pop("progress", None))
+    slice_options(keywords)  # what is wrong is refused here, not in the loop
+    return _chunks(view, chunk, keywords, report)
 
 
-def _chunks(chunks: _native.Stream, view: View, keywords: Dict[str, Any]) -> Iterator[Result]:
+def _chunks(view: View, chunk: int, keywords: Dict[str, Any], report: Optional[Callable[[float], Any]]) -> Iterator[Result]:
+    """Slices a prepared mesh, of which each chunk reads little more than it cuts."""
+    grid, first, count = view.run(_native.outline, slice_options(keywords))
+    frame = {name: keywords.pop(name, None) for name in OF_PREPARED}
+    # The grid with room for what offset and closing reach, which preparing does not know.
+    prepared = view.run(_native.prepare, slice_options({**frame, "grid": grid, "threads": keywords.get("threads")}))
     found = _native.OpenLayers()
-    try:
-        while (layers := view.run(lambda _: chunks.next())) is not None:
-            found.add(layers.open_layers())
-            yield result_of(layers, None, keywords)
-        warn_of_open(found)
-    finally:
-        chunks.close()
+    for begin in range(first, first + count, chunk):
+        end = min(begin + chunk, first + count)
+
+        def told(fraction: float, done: int = begin - first, size: int = end - begin) -> None:
+            assert report is not None
+            report((done + fraction * size) / count)
+
+        options = slice_options({**keywords, "layers": (begin, end), "progress": None if report is None else told}, prepared=True)
+        layers = view.run(_native.slice_prepared, options, prepared)
+        found.add(layers.open_layers())
+        yield Result(layers, None)
+    if report is not None and count == 0:
+        report(1.0)
+    warn_of_open(found)
 
 
 def assemble(segments: npt.ArrayLike, keys: Optional[npt.ArrayLike] = None, *, grid: float = 2.0**-20) -> Layer:
@@ -315,11 +305,7 @@ def assemble(segments: npt.ArrayLike, keys: Optional[npt.ArrayLike] = None, *, g
     keys : array_like of int, shape (n, 2), optional
         A number for each end: ends with equal numbers meet. Without it those meet that are one point of the grid.
     grid : float
-        Unit of the grid, mm.
-
-    Returns
-    -------
-    Layer
+        Step of the grid, mm.
 
     Examples
     --------
@@ -331,18 +317,56 @@ def assemble(segments: npt.ArrayLike, keys: Optional[npt.ArrayLike] = None, *, g
     if rows.ndim == 3 and rows.shape[1:] == (2, 2):
         rows = rows.reshape(-1, 4)
     if rows.ndim != 2 or rows.shape[1] != 4:
-        raise InvalidArgumentError(f"segments must have shape (n, 2, 2) or (n, 4), and have {rows.shape}")
-    ends = None if keys is None else _checked_keys(keys, len(rows))
-    unit = number("grid", grid)
-    if not 0 < unit < float("inf"):
-        raise InvalidArgumentError(f"grid must be finite and more than 0 mm, and is {unit:g}")
-    return Result(_native.assemble(np.ascontiguousarray(rows), ends, unit), None, {})[0]
+        refuse(f"segments must have shape (n, 2, 2) or (n, 4), and have {rows.shape}")
+    if keys is not None:
+        keys = np.asarray(keys)
+        if keys.dtype.kind not in "iu" or keys.shape != (len(rows), 2):
+            refuse(f"keys must be integers of shape ({len(rows)}, 2), and are {keys.dtype} of shape {keys.shape}")
+        keys = np.ascontiguousarray(keys, dtype=np.int64)
+    step = _step(grid)
+    return Result(_native.assemble(_on_grid(rows, "segments", step), keys, step), None)[0]
 
 
-def _checked_keys(keys: npt.ArrayLike, count: int) -> npt.NDArray[Any]:
-    ends = np.asarray(keys)
-    if ends.dtype.kind not in "iu" or ends.shape != (count, 2):
-        raise InvalidArgumentError(
-            f"keys must be integers of shape ({count}, 2), and are {ends.dtype} of shape {ends.shape}"
-        )
-    return ends.astype(np.int64, copy=False)
+def region_of(contours: Sequence[npt.ArrayLike], *, grid: float = 2.0**-20, **rules: Unpack[RegionOptions]) -> Layer:
+    """Make the region that closed contours of any program bound, with outers and holes, by the rules of `slice`.
+
+    Parameters
+    ----------
+    contours : sequence of array_like of float, shape (n, 2)
+        Points in mm; the last leads to the first. They are rounded to the grid.
+    grid : float
+        Step of the grid, mm.
+    **rules
+        ``fill_rule``, ``closing``, ``offset`` and the other rules of regions, as for `slice`.
+
+    Examples
+    --------
+    >>> low = np.array([[0, 0], [4, 0], [4, 4], [0, 4]])
+    >>> lamella.region_of([low, low + 2]).area
+    28.0
+    """
+    step = _step(grid)
+    paths: List[npt.NDArray[np.int32]] = []
+    for i, contour in enumerate(contours):
+        name = f"contours[{i}]"
+        points = whole_array(contour, name)
+        if points.ndim != 2 or points.shape[1] != 2:
+            refuse(f"{name} must have shape (n, 2), and has {points.shape}")
+        paths.append(_on_grid(points, name, step))
+    return Result(_native.region_of(paths, slice_options(rules), step), None)[0]
+
+
+def _step(grid: Any) -> float:
+    step = number("grid", grid)
+    if not 0 < step < float("inf"):
+        refuse(f"grid must be finite and more than 0 mm, and is {step:g}")
+    return step
+
+
+def _on_grid(rows: npt.NDArray[np.float64], name: str, step: float) -> npt.NDArray[np.int32]:
+    with np.errstate(over="ignore"):
+        units = np.rint(rows / step)
+    wrong = np.argwhere(~(np.abs(units) <= 2**30))
+    if len(wrong) > 0:
+        raise CoordinateError(f"{name}[{wrong[0, 0]}] has a coordinate that is not finite or beyond 2^30 grid units")
+    return np.ascontiguousarray(units.astype(np.int32))

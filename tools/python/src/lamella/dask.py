@@ -19,6 +19,7 @@ import subprocess
 import tempfile
 import uuid
 from concurrent.futures import CancelledError
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Union
 
 from ._errors import Error, InvalidArgumentError
@@ -39,12 +40,11 @@ REFUSED = (2, 3)
 """Exit statuses of a batch that another try would not change: what was asked for is wrong."""
 
 
-class LostItemError(Error):
+class LostItemError(Error, code="lost_item"):
     """The batch of a mesh was killed, could not write, or has no program on the worker: another try may do."""
 
-    code = "lost_item"
 
-
+@dataclass(eq=False, repr=False)
 class Many:
     """Slices that `slice_many` has begun: a future for each mesh, and the table that they make.
 
@@ -59,10 +59,9 @@ class Many:
         The path of results.jsonl, in which the rows of all meshes are joined when the last one has ended.
     """
 
-    def __init__(self, paths: List[str], futures: List[distributed.Future], joined: distributed.Future) -> None:
-        self.paths = paths
-        self.futures = futures
-        self.joined = joined
+    paths: List[str]
+    futures: List[distributed.Future]
+    joined: distributed.Future
 
     def __len__(self) -> int:
         return len(self.futures)
@@ -165,7 +164,8 @@ def slice_many(
     outputs = [output] if isinstance(output, str) else list(output)
     words = [*(f"--output={each}" for each in outputs), *_words(options), f"--jobs={threads}", f"--retries={retries}"]
     words += [f"--timeout={timeout}"] if timeout is not None else []
-    batch = _Batch(tool, where, str(options.get("results") or _folder_of(outputs)), words, len(names))
+    results = options.get("results") or (os.path.dirname(outputs[0].split("{")[0]) if outputs else "") or "."
+    batch = _Batch(tool, where, str(results), words, len(names))
     scheduler: Any = client
     needs = _needs(names, where, memory, scheduler.scheduler_info()["workers"])
     call = f"lamella-slice-{uuid.uuid4().hex}"
@@ -229,33 +229,26 @@ def _needs(paths: Sequence[str], folder: str, memory: MemoryLike, workers: Mappi
     return needs
 
 
-def _folder_of(outputs: Sequence[str]) -> str:
-    return os.path.dirname(outputs[0].split("{")[0]) or "." if outputs else "."
-
-
 def _row_of(path: str, future: Any) -> Row:
     try:
         row: Row = future.result()
+        return row
     except InvalidArgumentError:
         raise
-    except CancelledError:
-        return {"mesh": path, "status": "failed", "reason": "cancelled"}
     except Exception as error:  # whatever ends one mesh must not hide the rows of the others
-        killed = type(error).__name__ == "KilledWorker"
-        reason = "every worker that it was given to was lost" if killed else str(error)
-        return {"mesh": path, "status": "failed", "reason": reason}
-    return row
+        lost = "every worker that it was given to was lost" if type(error).__name__ == "KilledWorker" else str(error)
+        return {"mesh": path, "status": "failed", "reason": "cancelled" if isinstance(error, CancelledError) else lost}
 
 
+@dataclass
 class _Batch:
     """The work of workers: one shard for each mesh, in the client's folder, since records name inputs as the client does."""
 
-    def __init__(self, tool: str, folder: str, results: str, words: List[str], shards: int) -> None:
-        self.tool = tool
-        self.folder = folder
-        self.results = results
-        self.words = words
-        self.shards = shards
+    tool: str
+    folder: str
+    results: str
+    words: List[str]
+    shards: int
 
     def part(self, shard: int) -> str:
         return os.path.join(self.folder, self.results, f"results.{shard}-of-{self.shards}.jsonl")

@@ -1,0 +1,368 @@
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <utility>
+
+#include <zlib.h>
+
+#include "base/guard.hpp"
+#include "base/numbers.hpp"
+#include "lamella/medical/archive.hpp"
+#include "medical/hdf5/archive_file.hpp"
+#include "medical/hdf5/handles.hpp"
+#include "options/asked.hpp"
+#include "slicing/grid/exact.hpp"
+#include "slicing/result/band_output.hpp"
+
+namespace lamella {
+
+namespace {
+
+[[noreturn]] void refuse(const InputFile& file, const std::string& why) {
+    throw Refused{file.error(ErrorCode::malformed_mesh, why)};
+}
+
+// --- the tree
+
+std::string text_at(const InputFile& file, std::uint64_t offset, std::size_t bytes) {
+    std::string text(bytes, '\0');
+    require(file.read_at(offset, std::as_writable_bytes(std::span(text))));
+    return text;
+}
+
+std::uint32_t checksum_of(const InputFile& file, std::uint64_t bytes, const Parallel& parallel) {
+    constexpr std::uint64_t at_once = rows_at_once_bytes;
+    std::vector<uLong> sums(static_cast<std::size_t>((bytes + at_once - 1) / at_once));
+    const auto piece_bytes = [&](std::size_t i) { return std::min(at_once, bytes - i * at_once); };
+    parallel.run(sums.size(), [&](std::size_t i, int) {
+        const std::string piece = text_at(file, i * at_once, piece_bytes(i));
+        sums[i] = ::crc32_z(0, reinterpret_cast<const unsigned char*>(piece.data()), piece.size());
+    });
+    uLong sum = 0;
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+        sum = ::crc32_combine(sum, sums[i], static_cast<z_off_t>(piece_bytes(i)));
+    }
+    return static_cast<std::uint32_t>(sum);
+}
+
+/// The last line says of which version the file is.
+void require_undamaged(const InputFile& file, const Parallel& parallel) {
+    constexpr std::string_view signature = "\x89HDF\r\n\x1a\n";
+    const std::string begin = text_at(file, 0, std::min<std::uint64_t>(file.size(), archive_format.size()));
+    if (begin == archive_format) {
+        refuse(file, "written by another version of lamella: an archive of the first form");
+    }
+    if (!begin.starts_with(signature)) {
+        refuse(file, "no HDF5 file");
+    }
+    const std::string expected = closing_line(0);
+    const std::uint64_t bytes = file.size() - std::min<std::uint64_t>(file.size(), expected.size());
+    const std::string line = text_at(file, bytes, static_cast<std::size_t>(file.size() - bytes));
+    const std::size_t version = expected.find(std::to_string(archive_version));
+    if (!line.starts_with(std::string_view(expected).substr(0, version))) {
+        refuse(file, "an HDF5 file, but no archive of lamella, or one that is cut off: its last line is not an archive's");
+    }
+    if (line[version] != expected[version]) {
+        refuse(file, "written by another version of lamella: an archive of form " + line.substr(version, 1) + ", not " +
+                         expected.substr(version, 1));
+    }
+    if (line != closing_line(checksum_of(file, bytes, parallel))) {
+        refuse(file, "damaged, or changed by another program: it does not have its checksum");
+    }
+}
+
+/// Soft links could run in a ring, and external ones lead elsewhere.
+void require_hard_link(const InputFile& file, hid_t tree, const std::string& path) {
+    H5L_info_t link{};
+    if (!path.empty() && (H5Lget_info(tree, path.c_str(), &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD)) {
+        refuse_place(file, path, "not a plain link");
+    }
+}
+
+PlacedColumn open_column(const InputFile& file, hid_t tree, const Column& column) {
+    const hid_t id = H5Dopen2(tree, column.path, H5P_DEFAULT);
+    if (id < 0) {
+        refuse_place(file, column.path, "cannot be opened");
+    }
+    const Handle dataset(id, H5Dclose);
+    const Handle type(H5Dget_type(id), H5Tclose);
+    const Handle space(H5Dget_space(id), H5Sclose);
+    const Handle creation(H5Dget_create_plist(id), H5Pclose);
+    std::array<hsize_t, 2> extents = {0, 1};
+    const int dimensions = column.width == 1 ? 1 : 2;
+    if (H5Tequal(type.id(), column.type()) <= 0 || H5Sget_simple_extent_ndims(space.id()) != dimensions ||
+        H5Sget_simple_extent_dims(space.id(), extents.data(), nullptr) != dimensions || extents[1] != column.width) {
+        refuse_place(file, column.path, "not of the type and shape that it should have");
+    }
+    if (H5Pget_layout(creation.id()) != H5D_CONTIGUOUS || H5Pget_external_count(creation.id()) != 0) {
+        refuse_place(file, column.path, "not in one piece, as lamella writes it");
+    }
+    const PlacedColumn placed{&column, extents[0], extents[0] == 0 ? 0 : H5Dget_offset(id)};
+    if (placed.rows > file.size() / column.row_bytes || placed.offset > file.size() - placed.bytes()) {
+        refuse_place(file, column.path, "reaches beyond the end of the file");
+    }
+    return placed;
+}
+
+/// The rows of a column; none where it is left out.
+std::uint64_t find_column(const InputFile& file, hid_t tree, const Column& column, std::vector<PlacedColumn>& found) {
+    const std::string path = column.path;
+    const std::string group = path.substr(0, path.rfind('/'));
+    const auto exists = [&](const std::string& link) { return H5Lexists(tree, link.c_str(), H5P_DEFAULT) > 0; };
+    if ((group.empty() || exists(group)) && exists(path)) {
+        require_hard_link(file, tree, group);
+        require_hard_link(file, tree, path);
+        found.push_back(open_column(file, tree, column));
+        return found.back().rows;
+    }
+    if (!column.is_optional()) {
+        refuse_place(file, path, "missing");
+    }
+    return 0;
+}
+
+void find_columns(const InputFile& file, hid_t tree, ReadTree& found) {
+    std::uint64_t bytes = 0;
+    const Column* before = nullptr;
+    for (const Column& column : all_columns()) {
+        const std::uint64_t rows = find_column(file, tree, column, found.columns);
+        if (before != nullptr && before->kind == column.kind && found.rows[column.kind] != rows) {
+            refuse_place(file, column.path, "missing, or not as long as the columns that belong to it");
+        }
+        found.rows[column.kind] = rows;
+        bytes += rows * column.row_bytes;
+        before = &column;
+    }
+    if (bytes > file.size()) {  // memory is taken for all of them
+        refuse(file, "its columns lie over one another");
+    }
+}
+
+// --- the rows
+
+/// Arrays of the right sizes, their contents unspecified.
+void make_room(const InputFile& file, ReadTree& tree) {
+    const auto count = [&](ColumnKind kind) { return static_cast<std::size_t>(tree.rows[kind]); };
+    const auto require = [&](bool holds, const char* place, const char* why) {
+        if (!holds) {
+            refuse_place(file, place, why);
+        }
+    };
+    constexpr const char* one_longer = "not one row longer than the columns beside it";
+    require(count(ColumnKind::layer_end) == count(ColumnKind::layer) + 1, "/layers/first_contour", one_longer);
+    require(count(ColumnKind::contour_end) == count(ColumnKind::contour) + 1, "/contours/first_point", one_longer);
+    require(count(ColumnKind::origin) == 0 || count(ColumnKind::origin) == count(ColumnKind::point), "/origins",
+            "not as many as there are points");
+    SliceResult& result = tree.result;
+    const SliceInfo& info = result.info;
+    require(info.first_layer <= info.planned_layers && count(ColumnKind::layer) <= info.planned_layers - info.first_layer,
+            "/planned_layers", "fewer layers than the file has");
+    resize(result, tree.rows);
+    const KindRows made = rows_of(result);
+    for (const Column& column : all_columns()) {
+        require(made[column.kind] == tree.rows[column.kind], column.path, "no heights are asked for");
+    }
+}
+
+/// Rows of one column that a thread reads at once.
+struct Block {
+    const PlacedColumn* placed = nullptr;
+    std::uint64_t first = 0;
+    std::uint64_t rows = 0;
+    std::uint64_t good_rows = 0;  ///< before one that is out of its range
+};
+
+/// Column by column, from the first row on; those that follow from others are left out.
+std::vector<Block> blocks_of(const std::vector<PlacedColumn>& columns) {
+    std::vector<Block> blocks;
+    for (const PlacedColumn& placed : columns) {
+        const std::uint64_t at_once = rows_at_once_bytes / placed.column->row_bytes;
+        for (std::uint64_t first = 0; placed.column->set != nullptr && first < placed.rows; first += at_once) {
+            blocks.push_back({&placed, first, std::min(at_once, placed.rows - first), 0});
+        }
+    }
+    return blocks;
+}
+
+void load_rows(const InputFile& file, ReadTree& tree, const Parallel& parallel) {
+    make_room(file, tree);
+    std::vector<Block> blocks = blocks_of(tree.columns);
+    parallel.run(blocks.size(), [&](std::size_t i, int) {
+        Block& block = blocks[i];
+        const Column& column = *block.placed->column;
+        std::vector<std::byte> rows(block.rows * column.row_bytes);
+        require(file.read_at(block.placed->offset + block.first * column.row_bytes, rows));
+        block.good_rows = column.set(tree.result, block.first, rows);
+    });
+    for (const Block& block : blocks) {
+        if (block.good_rows < block.rows) {
+            refuse_place(file, block.placed->column->path,
+                         "row " + std::to_string(block.first + block.good_rows) + " is out of its range");
+        }
+    }
+    require(file.unchanged());
+}
+
+// --- what no single row shows
+
+/// A place in the file, and what is wrong with it; empty where nothing is.
+struct Complaint {
+    const char* path = nullptr;
+    std::uint64_t row = 0;
+    const char* why = nullptr;
+};
+
+void refuse_if(const InputFile& file, const Complaint& complaint) {
+    if (complaint.path != nullptr) {
+        refuse_place(file, complaint.path, "row " + std::to_string(complaint.row) + " " + complaint.why);
+    }
+}
+
+/// Sets how many of `end` follow from each row's first one to the next row's.
+template <class T, class Count>
+Complaint set_row_counts(const char* path, Array<T>& rows, std::uint64_t end, std::uint64_t T::*first, Count T::*count,
+                         std::uint64_t least) {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const std::uint64_t begin = rows[i].*first;
+        const std::uint64_t next = i + 1 < rows.size() ? rows[i + 1].*first : end;
+        if ((i == 0 && begin != 0) || next < begin || next > end || next - begin < least ||
+            next - begin > std::numeric_limits<Count>::max()) {
+            return {path, i, "does not lead on to the next row"};
+        }
+        rows[i].*count = static_cast<Count>(next - begin);
+    }
+    return {};
+}
+
+Int128 twice_area_of(const SliceResult& result, const Contour& contour) {
+    Int128 sum = 0;
+    if (contour.role == Role::outer || contour.role == Role::hole) {
+        const std::span<const Point> points = result.points_of(contour);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            sum += cross(points[i], points[i + 1 == points.size() ? 0 : i + 1]);
+        }
+    }
+    return sum;
+}
+
+Int128 size_of(const Contour& contour) {
+    const Int128 area = to_int128(contour.twice_area);
+    return area < 0 ? -area : area;
+}
+
+/// Parents start before their children, or there and are larger, so that no chain of parents runs in a ring.
+bool is_parent(const SliceResult& result, const Layer& layer, const Contour& contour) {
+    if (contour.parent < 0) {
+        return contour.parent == -1;
+    }
+    const auto index = static_cast<std::uint64_t>(contour.parent);
+    if (index < layer.first_contour || index >= layer.first_contour + layer.contour_count) {
+        return false;
+    }
+    const Contour& parent = result.contours[index];
+    const Point start = result.points[contour.first_point];
+    const Point around = result.points[parent.first_point];
+    return parent.role <= Role::hole && (around < start || (around == start && size_of(parent) > size_of(contour)));
+}
+
+/// Sets the areas of the layer's contours.
+Complaint check_layer(SliceResult& result, std::size_t index) {
+    const Layer& layer = result.layers[index];
+    if (index > 0 && layer.plane <= result.layers[index - 1].plane) {
+        return {"/layers/plane", index, "not above the row before"};
+    }
+    if (!(layer.bottom_mm <= layer.plane_mm && layer.plane_mm <= layer.top_mm)) {
+        return {"/layers/plane_mm", index, "not between bottom and top"};
+    }
+    const std::span contours = result.contours.span().subspan(layer.first_contour, layer.contour_count);
+    for (Contour& contour : contours) {
+        contour.twice_area = to_integer128(twice_area_of(result, contour));
+    }
+    for (const Contour& contour : contours) {
+        if (!is_parent(result, layer, contour)) {
+            return {"/contours/parent", static_cast<std::uint64_t>(&contour - result.contours.data()),
+                    "cannot lie around the contour"};
+        }
+    }
+    return {};
+}
+
+/// Checks offsets, parents and the order of layers, and sets what follows from the columns.
+void check_loaded(const InputFile& file, SliceResult& result, const Parallel& parallel) {
+    refuse_if(file, set_row_counts("/layers/first_contour", result.layers, result.contours.size(), &Layer::first_contour,
+                                   &Layer::contour_count, 0));
+    refuse_if(file, set_row_counts("/contours/first_point", result.contours, result.points.size(), &Contour::first_point,
+                                   &Contour::point_count, 1));
+    std::vector<Complaint> complaints(result.layers.size());
+    parallel.run_ranges(result.layers.size(), 16, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) {
+            complaints[i] = check_layer(result, i);
+        }
+    });
+    for (const Complaint& complaint : complaints) {
+        refuse_if(file, complaint);
+    }
+}
+
+/// Counts, and the range of layers that was asked for.
+void set_info(SliceResult& result) {
+    SliceInfo& info = result.info;
+    info.layers = result.layers.size();
+    info.contours = result.contours.size();
+    info.points = result.points.size();
+    info.stitches = result.stitches.size();
+    ContourCounts counts;
+    for (const Contour& contour : result.contours) {
+        counts.add(contour);
+    }
+    set_counts(counts, result);
+    for (const Layer& layer : result.layers) {
+        info.segments += layer.segments;
+    }
+    const std::uint64_t end = info.first_layer + info.layers;
+    set_layers(info.options, info.first_layer, end < info.planned_layers ? end : all_layers);
+}
+
+}  // namespace
+
+ReadTree read_tree(const InputFile& file, const std::filesystem::path& path, const Parallel& parallel,
+                   const Memory* memory) {
+    require_undamaged(file, parallel);
+    const QuietErrors quiet;
+    const Handle access = plain_file_access();
+    const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.id());
+    if (id < 0) {
+        refuse(file, "a damaged HDF5 file");
+    }
+    const Handle open(id, H5Fclose);
+    ReadTree tree{.result = SliceResult(memory)};
+    read_attributes(file, id, tree.result.info, tree.info);
+    tree.hash = whole_of_root(file, id, "result_hash");
+    tree.result.info.first_layer = whole_of_root(file, id, "first_layer");
+    find_columns(file, id, tree);
+    return tree;
+}
+
+ReadTree load_archive(const std::filesystem::path& path, const Parallel& parallel, const Memory* memory) {
+    const InputFile file = require(InputFile::open(path));
+    ReadTree tree = read_tree(file, path, parallel, memory);
+    load_rows(file, tree, parallel);
+    check_loaded(file, tree.result, parallel);
+    if (tree.result.hash() != tree.hash) {
+        refuse_place(file, "/result_hash", "not the hash of the layers");
+    }
+    set_info(tree.result);
+    return tree;
+}
+
+Result<Archive> read_archive(const std::filesystem::path& path, const Context& context) noexcept {
+    return guarded(context, [&]() -> Result<Archive> {
+        const Parallel parallel(context);
+        parallel.begin_stage(0.9, load_runs);
+        ReadTree loaded = load_archive(path, parallel, context.memory);
+        parallel.finish();
+        return Archive{std::move(loaded.result), std::move(loaded.info)};
+    });
+}
+
+}  // namespace lamella

@@ -1,0 +1,17 @@
+// Slicing several meshes at the planes of one plan.
+#pragma once
+
+#include <span>
+
+#include "lamella/source.hpp"
+#include "slicing/slice_layers.hpp"
+
+namespace lamella {
+
+/// Preconditions: options were checked. Throws Refused, Stopped, std::bad_alloc.
+void slice_parts(std::span<const Part> parts, const SliceCall& call, SliceResult& result);
+
+/// What is known before anything is cut: of all parts together.
+void outline_parts(std::span<const Part> parts, const SliceCall& call, SliceInfo& info);
+
+}  // namespace lamella

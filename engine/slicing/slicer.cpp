@@ -1,0 +1,246 @@
+// Where calls of slices enter: from any source, to any destination.
+#include "slicing/slicer.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <variant>
+
+#include <unistd.h>
+
+#include "base/guard.hpp"
+#include "lamella/destination.hpp"
+#include "lamella/slice.hpp"
+#include "lamella/source.hpp"
+#include "slicing/buckets/mesh_source.hpp"
+#include "slicing/buckets/prepared_source.hpp"
+#include "slicing/faces/slice_faces.hpp"
+#include "slicing/handover/host_target.hpp"
+#include "slicing/handover/sink_target.hpp"
+#include "slicing/parts/slice_parts.hpp"
+#include "slicing/slice_layers.hpp"
+#include "slicing/source_impl.hpp"
+
+namespace lamella {
+
+namespace {
+
+using detail::PreparedImpl;
+using detail::SlicerImpl;
+
+/// A prepared mesh has its grid and its frame already: the options may leave them out, or repeat them.
+SliceOptions options_for(const PreparedImpl& prepared, const SliceOptions& options) {
+    const Frame& asked = options.frame;
+    if (asked.grid_mm != 0 && asked.grid_mm != prepared.asked_grid_mm && asked.grid_mm != prepared.asked.grid_mm) {
+        throw Refused{{ErrorCode::invalid_argument, "the mesh was prepared on another grid than the one asked for"}};
+    }
+    if (!asked.transform.is_identity() && !(asked.transform == prepared.asked.transform)) {
+        throw Refused{{ErrorCode::invalid_argument, "the mesh was prepared with another transform than the one asked for"}};
+    }
+    SliceOptions own = options;
+    own.frame = prepared.asked;
+    return own;
+}
+
+/// Calls use(source, call) for a mesh or a prepared one.
+template <class Use>
+void with_source(const Source& from, const SliceCall& call, Use use) {
+    SourceTools tools = call.kept.source_tools();
+    if (const PreparedImpl* const prepared = from.prepared()) {
+        const SliceOptions options = options_for(*prepared, call.options);
+        PreparedSource source(*prepared, tools);
+        use(source, SliceCall{options, call.tuning, call.context, call.kept});
+    } else {
+        AnyMeshSource source(from.mesh(), placing_of(from.mesh(), call.options.frame), nullptr, tools);
+        use(source, call);
+    }
+}
+
+/// What no mesh can be sliced with, and no other source than meshes gives.
+void check(const Source& from, const SliceCall& call) {
+    check_options(call.options, call.tuning);
+    const bool is_section = call.options.content == LayerContent::section;
+    if (from.other() != nullptr && (call.options.origins || !is_section)) {
+        throw Refused{{ErrorCode::invalid_argument, "a file in pieces has neither origins nor faces; read it whole"}};
+    }
+    if (!is_section) {
+        check_faces(from, call.options);
+    }
+}
+
+/// Sources that are not swept for their target: their whole result goes there.
+bool is_held_whole(const Source& from, const SliceOptions& options, bool for_sink) noexcept {
+    return from.is_parts() || options.content != LayerContent::section || (from.other() != nullptr && !for_sink);
+}
+
+void slice_whole(const Source& from, const SliceCall& call, SliceResult& result) {
+    if (from.other() != nullptr) {
+        collect_layers(*from.other(), call, result);
+    } else if (from.is_parts()) {
+        slice_parts({from.parts(), from.part_count()}, call, result);
+    } else {
+        slice_faces(from.mesh(), call, result);
+    }
+}
+
+/// The target that a destination stands for.
+class AnyTarget {
+public:
+    explicit AnyTarget(const Destination& to) {
+        if (to.sink() != nullptr) {
+            target_ = &kinds_.emplace<SinkTarget>(*to.sink());
+        } else if (to.arrays() != nullptr) {
+            target_ = &kinds_.emplace<HostTarget>(*to.arrays());
+        } else {
+            target_ = &kinds_.emplace<ResultTarget>();
+        }
+    }
+    LayerTarget& operator*() noexcept { return *target_; }
+    bool is_result() const noexcept { return std::holds_alternative<ResultTarget>(kinds_); }
+    /// Null where it is none.
+    SinkTarget* sink() noexcept { return std::get_if<SinkTarget>(&kinds_); }
+
+private:
+    std::variant<std::monostate, ResultTarget, SinkTarget, HostTarget> kinds_;
+    LayerTarget* target_;
+};
+
+/// Every slice: `result` gets what is known of it, and the layers where it is what `target` stands for.
+void slice_for(AnyTarget& target, const Source& from, const SliceCall& call, SliceResult& result) {
+    check(from, call);
+    if (is_held_whole(from, call.options, target.sink() != nullptr)) {
+        if (target.is_result()) {
+            slice_whole(from, call, result);
+        } else {
+            SliceResult whole(call.context.memory);
+            slice_whole(from, call, whole);
+            (*target).take_whole(whole, *call.kept.parallel);
+            result.info = std::move(whole.info);
+        }
+    } else if (from.other() != nullptr) {
+        from.other()->slice(*target.sink(), call, result.info);
+    } else {
+        with_source(from, call,
+                    [&](TriangleSource& source, const SliceCall& own) { slice_layers(source, *target, own, result); });
+    }
+}
+
+}  // namespace
+
+Result<SliceInfo> slice_tuned(Slicer& slicer, const Destination& to, const Source& from, const SliceOptions& options,
+                              const Tuning& tuning, const Context& context) noexcept {
+    return guarded(context, [&]() -> Result<SliceInfo> {
+        SliceResult none(context.memory);  // of sinks and arrays, which take the layers
+        SliceResult& result = to.result() != nullptr ? *to.result() : none;
+        move_to(context.memory, result);
+        AnyTarget target(to);
+        slice_for(target, from, {options, tuning, context, SlicerImpl::of(slicer, context)}, result);
+        return to.result() != nullptr ? SliceInfo(result.info) : std::move(result.info);
+    });
+}
+
+Result<SliceInfo> Slicer::slice_to(const Destination& to, const Source& from, const SliceOptions& options,
+                                   const Context& context) noexcept {
+    return slice_tuned(*this, to, from, options, {}, context);
+}
+
+Result<SliceResult> Slicer::slice(const Source& from, const SliceOptions& options, const Context& context) noexcept {
+    SliceResult result(context.memory);
+    if (Result<SliceInfo> info = slice_to(result, from, options, context); !info) {
+        return std::move(info).error();
+    }
+    return result;
+}
+
+Result<SliceInfo> Slicer::outline(const Source& from, const SliceOptions& options, const Context& context) noexcept {
+    return guarded(context, [&]() -> Result<SliceInfo> {
+        const Tuning tuning;
+        const SliceCall call{options, tuning, context, SlicerImpl::of(*this, context)};
+        check(from, call);
+        SliceInfo info;
+        if (from.other() != nullptr) {
+            from.other()->outline(call, info);
+        } else if (from.is_parts()) {
+            outline_parts({from.parts(), from.part_count()}, call, info);
+        } else if (options.content != LayerContent::section) {
+            outline_faces(from.mesh(), call, info);
+        } else {
+            with_source(from, call, [&](TriangleSource& source, const SliceCall& own) { count_layers(source, own, info); });
+        }
+        return info;
+    });
+}
+
+Result<SliceResult> slice(const Source& from, const SliceOptions& options, const Context& context) noexcept {
+    return Slicer().slice(from, options, context);
+}
+
+namespace detail {
+
+std::uint64_t usual_memory_limit() {
+    const auto pages = static_cast<std::uint64_t>(std::max(0L, ::sysconf(_SC_PHYS_PAGES)));
+    return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) / 2;
+}
+
+SlicerImpl::SlicerImpl(const Memory* host) : counted(host), usual_limit(usual_memory_limit()) {}
+
+SlicerImpl& SlicerImpl::of(Slicer& slicer, const Context& context) {
+    std::unique_ptr<SlicerImpl>& kept = slicer.impl_;
+    if (kept == nullptr || kept->counted.host() != context.memory) {
+        kept = std::make_unique<SlicerImpl>(context.memory);
+    }
+    if (kept->parallel == nullptr || !kept->parallel->serves(context)) {
+        kept->parallel = std::make_unique<Parallel>(context);
+    }
+    kept->parallel->follow(context.stop);
+    return *kept;
+}
+
+std::size_t SlicerImpl::bytes() const noexcept {
+    const auto made = std::count_if(sweeps.begin(), sweeps.end(), [](const auto& sweep) { return sweep != nullptr; });
+    return sizeof(*this) + static_cast<std::size_t>(made) * sizeof(BandSweep) + counted.bytes();
+}
+
+void SlicerImpl::trim() {
+    const std::size_t most =
+        buckets.segments.empty() ? 0 : *std::max_element(buckets.segments.begin(), buckets.segments.end());
+    const bool all = sweeps_made_regions && !last_made_regions;
+    for (auto& sweep : sweeps) {
+        if (sweep != nullptr && (all || sweep->most_segments() > 2 * most)) {
+            sweep.reset();
+        }
+    }
+    sweeps_made_regions = last_made_regions;
+    output.placement.trim();
+    output.outputs.clear();
+    bands.trim();
+    buckets.trim();
+    planes.trim();
+}
+
+}  // namespace detail
+
+Slicer::Slicer() noexcept = default;
+Slicer::~Slicer() = default;
+Slicer::Slicer(Slicer&&) noexcept = default;
+Slicer& Slicer::operator=(Slicer&&) noexcept = default;
+
+std::size_t Slicer::bytes() const noexcept {
+    return impl_ == nullptr ? 0 : impl_->bytes();
+}
+
+void Slicer::trim() noexcept {
+    try {
+        if (impl_ != nullptr) {
+            impl_->trim();
+        }
+    } catch (...) {
+        reset();  // no memory is left even for less
+    }
+}
+
+void Slicer::reset() noexcept {
+    impl_.reset();
+}
+
+}  // namespace lamella

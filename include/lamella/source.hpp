@@ -1,0 +1,114 @@
+// What can be cut: a mesh in memory, a mesh that was prepared, several parts, a file.
+//
+//     lamella::Slicer slicer;
+//     const auto once = slicer.slice(mesh);                       // a MeshView, or anything whose view() gives one
+//
+//     const auto prepared = lamella::prepare(mesh);               // for slices again and again, by other heights or rules
+//     lamella::SliceResult live;
+//     for (const double height : {1.5, 0.25, 7.0}) {
+//         if (prepared && slicer.slice_to(live, *prepared, {.heights_mm = std::vector<double>{height}})) {
+//             std::printf("z %g mm: %g mm2\n", height, live[0].area_mm2());
+//         }
+//     }
+//
+//     // A mesh, and with it the same at twice its size, each with its own contours.
+//     const lamella::Part parts[] = {{.mesh = mesh}, {.mesh = mesh, .placement = lamella::Transform::scale(2)}};
+//     const auto both = slicer.slice(parts);
+//
+// Several parts are cut at the planes of one plan, on one grid: both are chosen for the box around all parts. Facets of one
+// part never continue those of another. A layer has the contours of part 0, then of part 1, and so on, those of each as it
+// has them alone; Contour::part is the part's index. By SliceOptions::unite_parts the rules of regions are done to all of a
+// layer together, and contours are in the order of one mesh. Heights are rounded as floats where every part is of floats
+// that no transform moves in double, as doubles elsewhere. Parts are cut one after another by all threads, and held until
+// they are put together, so that the result takes its memory twice.
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "lamella/context.hpp"
+#include "lamella/error.hpp"
+#include "lamella/mesh.hpp"
+#include "lamella/options.hpp"
+
+namespace lamella {
+
+namespace detail {
+struct PreparedImpl;
+class SourceImpl;
+}  // namespace detail
+
+/// A mesh on its grid, ordered by height: one plane reads little more than the triangles that it cuts, where a MeshView is
+/// read whole. Immutable: any number of threads may slice it at once, each with a Slicer of its own. The MeshView that it
+/// was made of is not needed any more. One that was moved from may only be assigned to or destroyed.
+class PreparedMesh {
+public:
+    explicit PreparedMesh(std::unique_ptr<const detail::PreparedImpl> impl) noexcept;
+    ~PreparedMesh();
+    PreparedMesh(PreparedMesh&&) noexcept;
+    PreparedMesh& operator=(PreparedMesh&&) noexcept;
+
+    /// As given to prepare(), with the grid that was chosen. A slice's own frame is this one, or left out.
+    const Frame& frame() const noexcept;
+    /// The memory that it holds: 48 bytes a triangle and about a fiftieth of a byte more for each.
+    std::size_t bytes() const noexcept;
+
+private:
+    friend class Source;
+    std::unique_ptr<const detail::PreparedImpl> impl_;
+};
+
+struct Part;
+
+/// What is cut, as a parameter only: it views what it is made of, which must outlive the call.
+class Source {
+public:
+    Source(const MeshView& mesh) noexcept : mesh_(mesh) {}                      // NOLINT(google-explicit-constructor)
+    Source(const PreparedMesh& mesh) noexcept : prepared_(mesh.impl_.get()) {}  // NOLINT(google-explicit-constructor)
+    Source(const detail::SourceImpl& other) noexcept : other_(&other) {}        // NOLINT(google-explicit-constructor)
+    template <class Parts>
+    requires std::convertible_to<const Parts&, std::span<const Part>> Source(const Parts& parts)
+    noexcept : Source(std::span<const Part>(parts), 0) {}  // NOLINT(google-explicit-constructor)
+    /// Of MeshFile, WeldedMesh, MeshStream, or a host's own class.
+    template <class Mesh>
+    requires requires(const Mesh& mesh) {
+        { mesh.view() } -> std::convertible_to<Source>;
+    }
+    Source(const Mesh& mesh) noexcept : Source(mesh.view()) {}  // NOLINT(google-explicit-constructor)
+
+    // What it was made of, for the library: the first of these that is not null, else the mesh.
+    const detail::PreparedImpl* prepared() const noexcept { return prepared_; }
+    const detail::SourceImpl* other() const noexcept { return other_; }
+    const Part* parts() const noexcept { return parts_; }
+    std::size_t part_count() const noexcept { return part_count_; }
+    bool is_parts() const noexcept { return is_parts_; }
+    const MeshView& mesh() const noexcept { return mesh_; }
+
+private:
+    Source(std::span<const Part> parts, int) noexcept;
+
+    MeshView mesh_{};
+    const detail::PreparedImpl* prepared_ = nullptr;
+    const detail::SourceImpl* other_ = nullptr;
+    const Part* parts_ = nullptr;
+    std::size_t part_count_ = 0;
+    bool is_parts_ = false;
+};
+
+struct Part {
+    MeshView mesh{};
+    Transform placement{};  ///< from the part in mm to the space that all parts share; Frame::transform comes next
+};
+
+inline Source::Source(std::span<const Part> parts, int /*made of parts*/) noexcept
+    : parts_(parts.data()), part_count_(parts.size()), is_parts_(true) {}
+
+/// O(n) for n triangles, of which the mesh is read three times. Takes 48 bytes a triangle from the context's memory, which
+/// it holds until its end, and while it works some more for its lists. A mesh without triangles is prepared too; slicing it
+/// needs SliceOptions::allow_empty. Errors: invalid_argument, bad_coordinate (with the triangle), out_of_memory, cancelled.
+Result<PreparedMesh> prepare(const MeshView& mesh, const Frame& frame = {}, const Context& context = {}) noexcept;
+
+}  // namespace lamella

@@ -1,0 +1,157 @@
+#!/usr/bin/env python3
+"""Checks that options are described once: engine/options/options.toml is what the other places follow from.
+
+    options.py ROOT [LAMELLA]    exit status 1 if generate.py would write something else than there is, or if an option lacks
+                                 its C field, its C++ member, its Python keyword or its flag of LAMELLA, the tool
+    options.py --names ROOT      exit status 1 if more files name an option than may
+    options.py --self-test ROOT  breaks each rule in a copy and checks that it is reported
+
+A file names an option by its C++ member, its flag or its Python keyword. Comments, tests, examples and what generate.py writes
+do not count. ROOM, which does what options ask, counts as one file where no more of its own name the option than may.
+"""
+
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import tomllib
+
+MOST_FILES = 5
+SHOWN = 5
+ROOM = "engine/slicing"
+HEADER, C_HEADER, TABLE = "include/lamella/options.hpp", "include/lamella/lamella.h", "tools/python/src/lamella/_option_table.py"
+WRITTEN = [HEADER, C_HEADER, TABLE, "engine/options/options.inc", "engine/options/option_words.hpp"]
+SUFFIXES = {".cpp", ".hpp", ".h", ".py"}
+COMMENT = {".py": r'#[^\n]*|"""(?:.|\n)*?"""'}
+C_COMMENT = r"//[^\n]*|/\*(?:.|\n)*?\*/"
+
+
+def options_of(root):
+    return tomllib.loads((root / "engine/options/options.toml").read_text())["option"]
+
+
+def keyword_of(option):
+    return option.get("python", option["name"].removesuffix("_mm"))
+
+
+def flag_of(option):
+    flag = option.get("tool", option["name"].removesuffix("_mm").replace("_", "-"))
+    return f"--{flag}" if flag else ""
+
+
+def copy_of(root, folder):
+    for path in [*WRITTEN, "engine/options/options.toml", "engine/options/generate.py"]:
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(root / path, folder / path)
+    return folder
+
+
+def stale(root):
+    """Files that generate.py would write otherwise."""
+    with tempfile.TemporaryDirectory() as name:
+        copy = copy_of(root, pathlib.Path(name))
+        subprocess.run([sys.executable, copy / "engine/options/generate.py"], check=True)
+        for path in WRITTEN:
+            if (copy / path).read_bytes() != (root / path).read_bytes():
+                yield f"{path} is not what engine/options/generate.py writes"
+
+
+def missing(root, tool):
+    """Places where an option is not, though its description does not say why."""
+    cpp, c, python = ((root / path).read_text() for path in (HEADER, C_HEADER, TABLE))
+    shown = subprocess.run([tool, "slice", "--help"], check=True, capture_output=True, text=True).stdout if tool else None
+    for option in options_of(root):
+        name, keyword, flag = option["name"], keyword_of(option), flag_of(option)
+        if not re.search(rf"^    [\w:<>]+ {name}( = |{{}};)", cpp, re.MULTILINE):
+            yield f"{name} has no member in {HEADER}"
+        if not re.search(rf"^    [\w ]+\*? {name}(\[12\])?;", c, re.MULTILINE):
+            yield f"{name} has no field in {C_HEADER}"
+        if keyword and f'    "{keyword}": Option(' not in python:
+            yield f"{name} has no keyword in {TABLE}"
+        if flag and shown is not None and not re.search(rf"{flag}\b(?!-)", shown):
+            yield f"{name} has no {flag} in lamella slice --help"
+
+
+def sources(root):
+    """Path and code of each file that is no test, without comments and what generate.py writes."""
+    for folder in ("engine", "include", "tools/lamella", "tools/python"):
+        for path in sorted((root / folder).rglob("*")):
+            inner = path.relative_to(root)
+            if path.suffix in SUFFIXES and not {"tests", "examples", "options"} & set(inner.parts):
+                text = re.sub(r"\bbegin (\w+)(?:.|\n)*?\bend \1\b", "", path.read_text(errors="replace"))
+                yield inner, re.sub(COMMENT.get(path.suffix, C_COMMENT), "", text)
+
+
+def pattern_of(option, files):
+    """A name that other public structs have, too, or one word, as `side`, counts only as a member of options."""
+    name, keyword, flag, group = option["name"], keyword_of(option), flag_of(option), option.get("group", "options")
+    shared = any(path.parts[0] == "include" and path.suffix == ".hpp" and re.search(rf"\b{name}\b", code) for path, code in files)
+    owner = {"region": "region|rules"}.get(group, group)
+    spelled = [rf"\b(?:{owner}|options)\.{name}\b" if shared or "_" not in name else rf"\b{name}\b"]
+    if flag:
+        spelled.append(rf'"{flag}\b(?!-)')
+    if keyword:
+        spelled.append(rf'^ +{keyword}: [A-Z]\w+\[|slice_options\([^)]*"{keyword}"')
+    return re.compile("|".join(spelled), re.MULTILINE)
+
+
+def places(root):
+    """The files that name each option."""
+    files = list(sources(root))
+    for option in options_of(root):
+        pattern = pattern_of(option, files)
+        named = [path for path, code in files if pattern.search(code)]
+        inside = [path for path in named if path.is_relative_to(ROOM)]
+        yield option["name"], [path for path in named if path not in inside[1:] or len(inside) > MOST_FILES]
+
+
+def named_too_often(root):
+    for name, named in places(root):
+        if len(named) > MOST_FILES:
+            yield f"{name} is named in {len(named)} files, at most {MOST_FILES}: {', '.join(map(str, named))}"
+
+
+# For each rule: a file, what is replaced in it, by what, and a part of the complaint.
+PLANTED = [
+    (HEADER, "double closing_mm = 0;", "double closing_mm = 1;", f"{HEADER} is not what"),
+    (C_HEADER, "int32_t side;", "int32_t sides;", "side has no field"),
+    (TABLE, '"largest_only": Option(', '"largest": Option(', "largest_only has no keyword"),
+    (HEADER, "bool origins = false;", "", "origins has no member"),
+    *((f"engine/named_{i}.cpp", "", "options.frame.transform;", None) for i in range(MOST_FILES)),
+    ("engine/named_last.cpp", "", "options.frame.transform;", "transform is named in"),
+]
+
+
+def self_test(root):
+    with tempfile.TemporaryDirectory() as name:
+        copy = copy_of(root, pathlib.Path(name))
+        for path, old, new, expected in PLANTED:
+            file = copy / path
+            before = file.read_text() if file.exists() else ""
+            assert old in before, f"{path} has no {old}"
+            file.write_text(before.replace(old, new, 1) if old else new)
+            if expected is not None:
+                found = [*stale(copy), *missing(copy, None), *named_too_often(copy)]
+                assert any(expected in complaint for complaint in found), f"not reported: {new} in {path}"
+                file.write_text(before)
+
+
+def main():
+    mode, root = ("", sys.argv[1]) if not sys.argv[1].startswith("--") else sys.argv[1:3]
+    root = pathlib.Path(root)
+    if mode == "--self-test":
+        return self_test(root)
+    if mode == "--names":
+        worst = sorted(places(root), key=lambda place: -len(place[1]))[:SHOWN]
+        print("Files that name an option:", ", ".join(f"{name} {len(named)}" for name, named in worst))
+        found = list(named_too_often(root))
+    else:
+        found = [*stale(root), *missing(root, sys.argv[2] if len(sys.argv) > 2 else None)]
+    print(*found, sep="\n", end="\n" if found else "")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

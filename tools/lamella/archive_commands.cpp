@@ -1,0 +1,271 @@
+// lamella merge: archives of ranges of layers become that of all layers. lamella convert: what an archive holds, as any
+// other output of lamella slice; a mesh, as binary STL or PLY.
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "commands.hpp"
+#include "files/mesh_input.hpp"
+#include "files/streams.hpp"
+#include "lamella/io/mesh_writer.hpp"
+#include "lamella/medical.hpp"
+#include "outputs/write_outputs.hpp"
+#include "processes/workers.hpp"
+#include "terminal/stages.hpp"
+
+namespace lamella::cli {
+
+namespace {
+
+struct MergeArguments : MeshArguments {
+    std::vector<std::string> parts;
+    std::string output;
+};
+
+void require_possible(const MergeArguments& arguments, const PlannedOutput& output) {
+    refuse_if(!has_archives(), bad_usage, "--output: '" + output.path + "': this build has no HDF5");
+    require_extension(output.path, "--output", ".h5");
+    for (const std::string& file : output.files(false)) {
+        require_writable(file);
+        for (const std::string& part : arguments.parts) {
+            require_different(file, part, "--output", "one of the parts");
+        }
+    }
+}
+
+void record(const MergedArchive& merged, const MergeArguments& arguments, const PlannedOutput& output,
+            const Context& context) {
+    Record record;
+    record.command = "merge";
+    record.patient_frame = name_of(merged.info.frame);
+    record.grid_mm = {merged.grid_mm};
+    record.fill_rule = name_of(merged.fill_rule);
+    record.result_hashes = {hexadecimal(merged.hash)};
+    for (const std::string& part : arguments.parts) {
+        record.inputs.push_back(done_or_thrown(seal_file(part, context)));
+    }
+    write_record_beside(output, std::move(record), context);
+}
+
+void merge_parts(const MergeArguments& arguments, Interrupt& interrupt) {
+    const PlannedOutput output{arguments.output, OutputFormat::hdf5};
+    require_possible(arguments, output);
+    interrupt.tidy({output.path, output.record_path()});
+    Stages stages(arguments.progress, arguments.threads, interrupt);
+    const std::vector<std::filesystem::path> parts(arguments.parts.begin(), arguments.parts.end());
+    const Result<MergedArchive> merged =
+        stages.run("merging", [&](const Context& context) { return merge_archives(parts, output.path, context); });
+    if (!merged) {
+        const Failure failure = failure_of(merged.error());
+        throw Failure(failure.status() == bad_usage ? bad_input : failure.status(), merged.error().message);
+    }
+    if (takes_record(output)) {
+        stages.run("sealing", [&](const Context& context) { record(*merged, arguments, output, context); });
+    }
+    print_words(counted(parts.size(), "part") + ", " + counted(merged->layers, "layer") + "\n" + wrote({output.path}),
+                false);
+}
+
+struct ConvertArguments : MeshArguments {
+    std::vector<std::string> archives;  ///< `mesh` is the one that is worked on
+    OutputArguments outputs;
+    ImageArguments image;  ///< of which only --like can be given
+};
+
+bool same_voxels(const ImageGeometry& a, const ImageGeometry& b) {
+    return a.size == b.size && a.spacing_mm == b.spacing_mm && a.origin_mm == b.origin_mm && a.axes == b.axes &&
+           a.uneven_slices_mm == b.uneven_slices_mm;
+}
+
+class ConvertCommand {
+public:
+    ConvertCommand(const CLI::App& command, const ConvertArguments& arguments, Interrupt& interrupt)
+        : command_(command),
+          arguments_(arguments),
+          stages_(arguments.progress, arguments.threads, interrupt),
+          job_{.arguments = arguments.outputs, .command = command.get_name()} {}
+
+    void run() {
+        plan();
+        for (const std::string& archive : arguments_.archives) {
+            read(archive);
+        }
+        if (!arguments_.image.like.empty()) {
+            use_image();
+        }
+        require_image_outputs_possible();
+        require_overlaps();
+        job_.options = recorded_options(command_);
+        const WrittenOutputs written = stages_.run("writing", [this](const Context& context) {
+            return write_outputs(job_, context, [this](const std::string& warning) { stages_.warn(warning); });
+        });
+        const std::vector<std::string>& outputs = arguments_.outputs.outputs;
+        print_words(wrote(written.paths), std::any_of(outputs.begin(), outputs.end(), is_standard));
+        if (written.failure) {
+            throw Failure(*written.failure);
+        }
+    }
+
+private:
+    /// The value that a call on a file makes.
+    template <class Call>
+    auto found(const std::string& what, const Call& call) {
+        return stages_.done("reading " + printable(what), call);
+    }
+
+    void plan() {
+        NamedInputs inputs = {{arguments_.image.like, "the file of --like"}};
+        for (const std::string& archive : arguments_.archives) {
+            inputs.emplace_back(archive, "the archive");
+        }
+        const std::size_t meshes = arguments_.archives.size();
+        // The archives say whether there is an image, and how many planes a slice has.
+        job_.outputs = plan_outputs(arguments_.outputs, meshes, {.in_archives = true}, inputs);
+        files_ = files_of(job_.outputs, meshes > 1);
+        stages_.interrupt().tidy(files_);
+    }
+
+    void read(const std::string& path) {
+        Archive archive = found(path, [&](const Context& context) { return read_archive(path, context); });
+        SlicedPart part;
+        part.name = archive.info.name;
+        part.result = std::move(archive.result);
+        part.frame = archive.info.frame;
+        part.mesh_sha256 = archive.info.mesh_sha256;
+        if (archive.info.weld) {
+            part.welded.emplace();
+            part.welded->tolerance_mm = archive.info.weld->tolerance_mm;
+            part.welded->joined = archive.info.weld->joined;
+        }
+        part.open = stages_.run("reading " + printable(path),
+                                [&](const Context& context) { return open_layers_of(part.result, context); });
+        if (part.open.layers > 0 && !arguments_.outputs.strict) {
+            stages_.warn(path + ": " + describe(part.open, "lamella slice --stitch "));
+        }
+        refuse_if(!job_.parts.empty() && (archive.info.geometry.has_value() != job_.image.has_value() ||
+                                          (job_.image && !same_voxels(*job_.image, *archive.info.geometry)) ||
+                                          archive.info.subslices != job_.subslices),
+                  bad_input, path + ": not cut for the same image as " + arguments_.archives.front());
+        job_.image = std::move(archive.info.geometry);
+        job_.subslices = archive.info.subslices;
+        job_.parts.push_back(std::move(part));
+        job_.inputs.push_back(found(path, [&](const Context& context) { return seal_file(path, context); }));
+    }
+
+    /// --like: an image that says more than its geometry, which archives hold.
+    void use_image() {
+        ImageGeometry image = read_image_of(arguments_.image);
+        for (const std::string& warning : image.warnings) {
+            stages_.warn(warning);
+        }
+        refuse_if(!job_.image || !same_voxels(image, *job_.image), bad_input,
+                  arguments_.archives.front() + ": not cut at the slices of " + arguments_.image.like);
+        require_series_kept(image, files_);
+        job_.image = std::move(image);
+        job_.inputs.push_back(
+            found(arguments_.image.like, [&](const Context& context) { return seal_file(arguments_.image.like, context); }));
+    }
+
+    static bool needs_image(const PlannedOutput& output) {
+        return output.is_mask() || output.format == OutputFormat::structure_set;
+    }
+
+    void require_image_outputs_possible() const {
+        const auto first = std::find_if(job_.outputs.begin(), job_.outputs.end(), needs_image);
+        if (first == job_.outputs.end()) {
+            return;
+        }
+        if (!job_.image) {
+            throw Failure(bad_input, arguments_.archives.front() +
+                                         ": no image geometry in it: it was sliced without --like and --spacing");
+        }
+        require_image_serves(*job_.image, job_.outputs, arguments_.outputs);
+        refuse_if(job_.subslices > 1 && (job_.parts.size() > 1 || !first->is_mask()), bad_usage,
+                  "--output: '" + first->path + "': cut at several planes a slice, which only a mask of one mesh takes");
+        for (std::size_t i = 0; i < job_.parts.size(); ++i) {
+            const SliceResult& result = job_.parts[i].result;
+            if (result.layers.size() < result.info.planned_layers) {
+                throw Failure(bad_input, arguments_.archives[i] + ": " + counted(result.layers.size(), "layer") + " of " +
+                                             grouped(result.info.planned_layers) + "; lamella merge joins such parts");
+            }
+        }
+    }
+
+    void require_overlaps() const {
+        for (const SlicedPart& part : job_.parts) {
+            if (job_.image) {
+                require_overlap(*job_.image, part.name, part.result.info.box);
+            }
+        }
+    }
+
+    const CLI::App& command_;
+    const ConvertArguments& arguments_;
+    Stages stages_;
+    OutputJob job_;
+    std::vector<std::filesystem::path> files_;  ///< that the outputs come to be
+};
+
+/// The mesh of `inputs`, which must be one, as binary STL or PLY: a file that can be sliced within a budget of memory. Warns
+/// of coordinates that STL rounds, and of a unit that is lost.
+void convert_mesh(const std::vector<std::string>& inputs, const std::string& output, const MeshArguments& reading,
+                  Interrupt& interrupt) {
+    refuse_if(inputs.size() != 1, bad_usage, "--output: '" + output + "' takes one mesh");
+    require_writable(output);
+    require_different(output, inputs.front(), "--output", "the mesh");
+    interrupt.tidy({output});
+    MeshArguments arguments = reading;
+    arguments.mesh = inputs.front();
+    ProgressBar bar(arguments.progress);
+    const MeshFile mesh = read_mesh_and_warn(arguments, bar);
+    const WrittenMesh written = done_or_thrown(write_mesh(mesh, output, {.stop = interrupt.defer()}));
+    if (written.rounded) {
+        warn(output + ": coordinates are rounded to the 32 bits of STL; PLY keeps them");
+    }
+    if (mesh.states_unit && mesh.mm_per_unit != 1) {
+        const std::string unit = exact_text(mesh.mm_per_unit);
+        warn(output + ": does not state that its unit is " + unit + " mm; slice it with --unit " + unit);
+    }
+    print_words(output + ": " + counted(mesh.triangle_count, "triangle") + " of " + description(mesh) + "\n", false);
+}
+
+}  // namespace
+
+void add_merge_command(CLI::App& app, Interrupt& interrupt) {
+    CLI::App* const command = app.add_subcommand("merge", "Join archives (.h5) of ranges of layers");
+    const auto arguments = std::make_shared<MergeArguments>();
+    add_text(*command, "parts", arguments->parts, "PART.h5", "Archives that lamella slice --layers A:B wrote, in any order")
+        ->required();
+    add_text(*command, "-o,--output", arguments->output, "WHOLE.h5", "Archive to write: that of all layers")->required();
+    declare_running(*command, *arguments);
+    declare_worker(*command);
+    command->callback([arguments, &interrupt] { merge_parts(*arguments, interrupt); });
+}
+
+void add_convert_command(CLI::App& app, Interrupt& interrupt) {
+    CLI::App* const command =
+        app.add_subcommand("convert", "Write archives (.h5) as any other output, or a mesh as binary STL or PLY");
+    const auto arguments = std::make_shared<ConvertArguments>();
+    add_text(*command, "archives", arguments->archives, "IN",
+             "Archives of lamella slice, several for a mask or a table; or a mesh, for .stl and .ply")
+        ->required();
+    declare_outputs(*command, arguments->outputs);
+    command->get_option("--output")->required();
+    add_text(*command, "--like", arguments->image.like, "IMAGE",
+             "The image at whose slices the archives were cut, for outputs that need more of it");
+    declare_running(*command, *arguments);
+    declare_worker(*command);
+    command->callback([command, arguments, &interrupt] {
+        const OutputArguments& wanted = arguments->outputs;
+        if (wanted.to.empty() && wanted.outputs.size() == 1 && is_written_as_mesh(wanted.outputs.front())) {
+            return convert_mesh(arguments->archives, wanted.outputs.front(), *arguments, interrupt);
+        }
+        ConvertCommand(*command, *arguments, interrupt).run();
+    });
+}
+
+}  // namespace lamella::cli

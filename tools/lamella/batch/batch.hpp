@@ -1,0 +1,220 @@
+// A batch: from what was typed to its items, with all that can be refused before any work; from there to its end; and
+// results.jsonl, a line an item, appended when the item ends, and put in order when the batch ends.
+//
+// A crash can tear the last line only. It is dropped when the file is opened, and its item is done again. Lines hold no time
+// of the run and nothing of the machine, so that the same meshes give the same bytes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "files/streams.hpp"
+#include "lamella/context.hpp"
+#include "processes/workers.hpp"
+#include "slice/slice_arguments.hpp"
+#include "terminal/stages.hpp"
+
+namespace lamella::cli::batch {
+
+/// Values by the option's name with its dashes, "--layer-height"; a flag has the value "true".
+using OptionValues = std::map<std::string, std::vector<std::string>>;
+
+/// The options of `lamella slice` by name, as a batch passes them on.
+class SliceOptionNames {
+public:
+    /// Nothing is ever parsed by the prototype.
+    SliceOptionNames() { declare(prototype_, arguments_); }
+
+    /// The name with dashes of an option that an item may have: of "layer-height", "layer_height" or "--layer-height". Empty
+    /// if there is none of that name.
+    std::string name_of(const std::string& text) const;
+    /// As slice declares it.
+    const CLI::Option& option(const std::string& name) const { return *prototype_.get_option(name); }
+    /// The options typed for `command`, which has those of slice and more.
+    OptionValues typed(const CLI::App& command) const;
+
+private:
+    SliceArguments arguments_;
+    CLI::App prototype_;
+};
+
+struct MeshSource {
+    std::string path;
+    std::string folder;   ///< of the mesh below the SOURCE that is a folder; empty where that is the folder itself
+    OptionValues values;  ///< of a manifest
+    std::string place;    ///< FILE:LINE of a manifest, else empty
+};
+
+/// True if a file's name ends in .csv or .jsonl.
+bool is_named_as_manifest(const std::string& path);
+
+/// A list of meshes with options for each: CSV with a line of names, or JSON Lines.
+///
+///     path,layer-height,like            {"path": "liver.stl", "layer-height": 0.5, "like": "ct.nii.gz"}
+///     liver.stl,0.5,ct.nii.gz           {"path": "skull.stl", "spacing": [1, 1, 2], "coverage": true}
+///     skull.stl,,
+///
+/// The names may be separated by semicolons or tabs; then so is the rest, and one number may have a decimal comma: 0,5. An
+/// empty cell or null leaves the option as the command line has it. Paths are relative to the current folder, as on the
+/// command line. Throws Failure naming the file and the line: of what cannot be read, and of names that are no option of
+/// slice.
+std::vector<MeshSource> read_manifest(const std::string& path, const SliceOptionNames& names);
+
+/// The meshes of SOURCE..., files, folders, globs and manifests, in the order of the sources; a folder's in the order of
+/// names, folders in it included. Throws Failure: of a folder that cannot be listed, of a folder or glob without meshes, of
+/// a manifest. A mesh need not exist: that is for its item to say.
+std::vector<MeshSource> list_sources(const std::vector<std::string>& given, const SliceOptionNames& names);
+
+/// A file that decides what comes out, as it was found: with its time, or with its content by --hash.
+struct InputFact {
+    std::string path;
+    std::uint64_t bytes = 0;
+    std::int64_t modified_ns = 0;  ///< since 1970; 0 with a hash
+    std::string sha256;            ///< empty without --hash
+
+    bool operator==(const InputFact&) const = default;
+};
+
+/// One mesh of a batch: what is sliced, how, and into which files.
+struct Item {
+    std::string mesh;
+    std::vector<std::string> words{};   ///< options that decide what comes out: "--layer-height=0.5"
+    std::vector<std::string> plain{};   ///< options that do not: "--map"
+    std::vector<std::string> writes{};  ///< options that name what is written: "--output=out/liver.svg"
+    std::string report{};
+    std::vector<std::string> files{};  ///< all that come to lie on disk, but for the report; the first one names the item
+    std::vector<std::string> option_files{};  ///< that the options name: images, planes, transforms
+    int threads = 0;                          ///< asked for; 0: as the batch has it
+    std::string place{};                      ///< FILE:LINE of a manifest, else empty
+    std::vector<InputFact> inputs{};          ///< the mesh, then option_files; found when the item's turn comes
+
+    const std::string& key() const { return files.front(); }
+    /// With the report.
+    std::vector<std::string> all_files() const;
+};
+
+/// `common` are the options of all, of which those of a manifest take the place. Throws Failure: options that slice would
+/// refuse, an unknown word in a name, two items with one output, an output that is a mesh of the batch, a file that options
+/// name, or one of `own_files`: results and manifests.
+std::vector<Item> plan_items(const std::vector<MeshSource>& sources, const OptionValues& common,
+                             const std::vector<std::string>& own_files);
+
+/// The folder in which all lies that the name of an output with places for that of a mesh stands for: "out" of
+/// 'out/{stem}.svg', "." of '{stem}.svg'.
+std::string fixed_folder(const std::string& pattern);
+
+struct OutputFact {
+    std::string path;
+    std::optional<std::uint64_t> bytes{};  ///< none: it was not written
+
+    bool operator==(const OutputFact&) const = default;
+};
+
+/// The outcome of an item.
+struct ResultLine {
+    std::string mesh;
+    std::string failure;  ///< why it failed; empty: done
+    std::vector<std::string> options;
+    std::vector<InputFact> inputs;
+    std::vector<OutputFact> outputs;  ///< of a failed item without sizes; the first one names the item
+    std::optional<SliceFacts> facts{};
+
+    bool done() const noexcept { return failure.empty(); }
+    const std::string& key() const { return outputs.front().path; }
+};
+
+/// A file by its time, or by its content. A folder, such as a DICOM series, by the bytes in its files, and the latest time.
+/// A file that cannot be read has no bytes and no time: the item then says why. Throws Failure where `stop` ends it.
+InputFact fact_of(const std::string& path, bool hash, const Callback<bool()>& stop);
+
+/// The outputs of an item with their sizes; an output that is not there has none.
+std::vector<OutputFact> outputs_of(const Item& item);
+
+/// Done: the line says so, of the same mesh, options and inputs, and every output is there in the size that it says, or is
+/// not there if it says so (slice within --memory leaves out a table).
+bool is_done(const Item& item, const ResultLine& line);
+
+/// True if the line does not state what every line of this version does: see changed_defaults.
+bool is_of_older_version(const ResultLine& line);
+
+struct LedgerName {
+    std::string folder;
+    std::uint32_t shard = 0;
+    std::uint32_t shards = 0;  ///< 0: the batch is not divided
+
+    std::string path() const;
+    std::string path_of_whole() const;
+};
+
+/// The shard that `text` names as I `between` N where 0 <= I < N, as 0/4; its folder is left empty.
+std::optional<LedgerName> parse_shard(const std::string& text, const std::string& between);
+
+class Ledger {
+public:
+    /// Opens or makes the file, and its folder, and locks it. Throws Failure (bad_input, bad_output), also where
+    /// another batch holds the lock.
+    explicit Ledger(const LedgerName& name);
+
+    /// The line of an item, if there is one. A shard also knows those of the whole.
+    const ResultLine* find(const std::string& key) const;
+
+    /// On disk when this returns. Throws Failure (bad_output); what was written of the line is taken back then.
+    void append(const ResultLine& result);
+
+    /// Puts the file in order: by mesh, then by output. A line of an earlier batch stays, unless an item of `items` writes
+    /// one of its outputs; a shard keeps those of `items` alone. Throws Failure (bad_output).
+    void finish(const std::vector<Item>& items);
+
+    const std::string& path() const noexcept { return path_; }
+
+private:
+    std::string path_;
+    bool shard_;
+    Descriptor file_;
+    std::uint64_t bytes_ = 0;                            ///< of whole lines
+    std::unordered_map<std::string, ResultLine> lines_;  ///< by output
+};
+
+struct MergedResults {
+    std::string path;
+    std::size_t items = 0;
+    std::vector<std::string> failures;  ///< "MESH: REASON"
+};
+
+/// Joins the results of shards. `sources` is a folder with results.I-of-N.jsonl, or those files. Writes results.jsonl beside
+/// them: their lines, and those of the results.jsonl that was there which no shard has. Throws Failure, also where a shard
+/// is missing.
+MergedResults merge_shards(const std::vector<std::string>& sources);
+
+struct BatchArguments {
+    SliceArguments slice;            ///< its meshes are the sources; what it holds else is read from the command
+    int jobs = 0;                    ///< 0: as many as there are processors
+    std::uint64_t memory_bytes = 0;  ///< 0: what is free
+    double timeout_s = 0;
+    int retries = 1;
+    std::string shard;
+    std::string results;
+    bool force = false;
+    bool hash = false;
+    bool merge = false;
+    std::vector<std::string> names_without_memory{};  ///< options that a mesh larger than all of it cannot have
+};
+
+struct BatchOutcome {
+    std::string summary;  ///< for people
+    std::size_t failed = 0;
+};
+
+/// Slices what is not done of `items`, those of this shard. `arguments` say how many jobs and how much memory. Throws
+/// Failure where results cannot be kept.
+BatchOutcome run_batch(std::vector<Item> items, const LedgerName& name, const BatchArguments& arguments,
+                       Interrupt& interrupt);
+
+}  // namespace lamella::cli::batch

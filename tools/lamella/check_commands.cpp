@@ -1,0 +1,364 @@
+// lamella info: what a mesh is, and whether it is closed. lamella check: what is wrong with it, and where.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "commands.hpp"
+#include "files/mesh_input.hpp"
+#include "files/streams.hpp"
+#include "lamella/check.hpp"
+#include "lamella/io/check_report.hpp"
+#include "lamella/io/mesh_file.hpp"
+#include "terminal/numbers.hpp"
+#include "terminal/stages.hpp"
+
+namespace lamella::cli {
+
+namespace {
+
+std::string box(const MeshCheck& info) {
+    std::string text;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        text += std::string(axis == 0 ? "" : ", ") + "xyz"[axis] + " " + exact_text(info.box.min_mm[axis]) + " to " +
+                exact_text(info.box.max_mm[axis]);
+    }
+    return text + " mm";
+}
+
+std::string size(const MeshCheck& info) {
+    std::string text;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        text += (axis == 0 ? "" : " x ") + measure_text(info.box.max_mm[axis] - info.box.min_mm[axis]);
+    }
+    return text + " mm";
+}
+
+/// Planes lie in the middle of their layers.
+std::string layers(const MeshCheck& info) {
+    std::string text;
+    for (const double layer_mm : {0.1, 0.2}) {
+        const double count = std::max(0.0, std::ceil((info.box.max_mm[2] - info.box.min_mm[2]) / layer_mm - 0.5));
+        text +=
+            (text.empty() ? "" : ", ") + grouped(static_cast<std::uint64_t>(count)) + " of " + exact_text(layer_mm) + " mm";
+    }
+    return text;
+}
+
+/// A line for each part, where there are several.
+std::string parts(const MeshFile& mesh) {
+    std::string text = "parts           " + grouped(mesh.parts.size()) + "\n";
+    for (const MeshPart& part : mesh.parts) {
+        text += "  " + std::string(name_of(part.role)) + (part.role == PartRole::solid ? ", " : " (left out), ") +
+                counted(part.triangle_count, "triangle") + ": " + printable(part.name) + "\n";
+    }
+    return mesh.parts.size() > 1 ? text : "";
+}
+
+std::string words(const std::string& path, const MeshFile& mesh, const MeshCheck& info) {
+    return "mesh            " + path + ", " + description(mesh) + "\ntriangles       " + grouped(info.triangles) +
+           "\ndegenerate      " + grouped(info.degenerate) + "\nbox             " + box(info) + "\nsize            " +
+           size(info) + "\nlayers          " + layers(info) + "\narea            " + measure_text(info.area_mm2) +
+           " mm2\nvolume          " + measure_text(info.volume_mm3) + " mm3" +
+           (info.closed ? "" : " (not meaningful: the mesh is not closed)") + "\nedges           " + grouped(info.edges) +
+           "\nboundary edges  " + grouped(info.boundary_edges) + "\nover-full edges " + grouped(info.overfull_edges) +
+           "\nflipped edges   " + grouped(info.mismatched_edges) + "\nshells          " + grouped(info.shell_count) +
+           "\ngrid            " + exact_text(info.grid_mm) + " mm" + joined_by_grid(info) + "\nclosed          " +
+           (info.closed ? "yes" : "no") + "\n" + parts(mesh);
+}
+
+std::string info_words(const MeshArguments& arguments) {
+    ProgressBar bar(arguments.progress);
+    const MeshFile mesh = read_mesh_and_warn(arguments, bar);
+    Stage stage(bar, "inspecting");
+    const Context context{.threads = arguments.threads, .progress = stage.progress()};
+    const MeshCheck info = done_or_thrown(
+        check(mesh.view(), {.frame = arguments.options.frame, .counts_only = true}, context), arguments.name());
+    for (const std::string& doubt : doubts_of_scale(arguments, mesh, {info.box, info.grid_mm})) {
+        bar.wipe();
+        warn(doubt);
+    }
+    return words(arguments.name(), mesh, info);
+}
+
+void run(const MeshList& meshes, Interrupt& interrupt) {
+    bool first = true;
+    const auto print_info = [&first](const MeshArguments& mesh) {
+        const std::string words = info_words(mesh);
+        print((std::exchange(first, false) ? "" : "\n") + words);
+    };
+    if (const auto failure = meshes.for_each(interrupt, print_info, [](const MeshArguments&, const Failure&) {})) {
+        throw Failure(*failure);
+    }
+}
+
+constexpr std::size_t most_marks =
+    1'000'000;  ///< of each kind, as of what is listed; also keeps vertex numbers within PLY's int
+
+struct CheckArguments : MeshList {
+    std::string report;
+    std::string marks;
+    double tolerance_mm = CheckOptions{}.tolerance_mm;
+    std::size_t places = CheckOptions{}.most_places;
+    bool all_kinds = false;
+};
+
+/// An array of values, each of which is text that ends a line.
+std::string json_array(const std::vector<std::string>& values) {
+    std::string text = "[\n";
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        text.append(values[i], 0, values[i].size() - 1).append(i + 1 < values.size() ? ",\n" : "\n");
+    }
+    return text + "]\n";
+}
+
+/// The members that the tool adds to the report. They refer to `mesh`.
+std::vector<ReportMember> members_of(const CheckTimes& ms, const MeshFile& mesh, double write_ms, double total_ms) {
+    return {{ReportPlace::in_times, "read", mesh.read_ms},
+            {ReportPlace::in_times, "parse", mesh.parse_ms},
+            {ReportPlace::in_times, "measure", ms.measure},
+            {ReportPlace::in_times, "faces", ms.faces},
+            {ReportPlace::in_times, "edges", ms.edges},
+            {ReportPlace::in_times, "joints", ms.joints},
+            {ReportPlace::in_times, "shells", ms.shells},
+            {ReportPlace::in_times, "meeting", ms.meeting},
+            {ReportPlace::in_times, "gaps", ms.gaps},
+            {ReportPlace::in_times, "write", write_ms},
+            {ReportPlace::in_times, "total", total_ms},
+            {ReportPlace::at_end, "warnings", std::span<const std::string>(mesh.warnings)}};
+}
+
+/// So that figures stand below one another.
+std::string line(std::string name, const std::string& value) {
+    constexpr std::size_t column = 27;
+    name.resize(std::max(name.size() + 1, column), ' ');
+    return name + value + "\n";
+}
+
+std::string point(const std::array<double, 3>& mm) {
+    return "(" + exact_text(mm[0]) + ", " + exact_text(mm[1]) + ", " + exact_text(mm[2]) + ")";
+}
+
+/// Details that only this kind of fault has.
+std::string detail(Fault fault, const FaultPlace& place) {
+    switch (fault) {
+        case Fault::overfull_balanced:
+        case Fault::overfull_unbalanced:
+            return ", " + counted(place.parts, "face");
+        case Fault::boundary_loop:
+            return ", " + counted(place.parts, "edge") + ", " + measure_text(place.measure) + " mm" +
+                   (place.closed ? "" : ", not closed");
+        case Fault::split_vertex:
+            return ", " + counted(place.parts, "fan");
+        case Fault::needle_face:
+        case Fault::cap_face:
+            return ", " + rounded(place.measure, 0) + " : 1";
+        case Fault::misoriented_shell:
+            return ", " + measure_text(place.measure) + " mm3";
+        case Fault::t_junction:
+        case Fault::crack:
+            return ", " + exact_text(place.measure) + " mm wide";
+        default:
+            return "";
+    }
+}
+
+std::string words(Fault fault, const FaultPlace& place) {
+    std::string text = "  ";
+    for (std::size_t i = 0; i < static_cast<std::size_t>(place.point_count); ++i) {
+        text += (i == 0 ? "" : " ") + point(place.points_mm[i]);
+    }
+    text += detail(fault, place);
+    text += when(place.triangles[0] >= 0,
+                 (place.triangles[1] >= 0 ? ", triangles " : ", triangle ") + std::to_string(place.triangles[0]));
+    return text + (place.triangles[1] >= 0 ? " and " + std::to_string(place.triangles[1]) : "") + "\n";
+}
+
+/// A line that says how many there are beyond the first.
+std::string more(std::uint64_t count, std::size_t shown) {
+    return count > shown ? "  ... and " + grouped(count - shown) + " more\n" : "";
+}
+
+std::string words(Fault fault, const FaultFinding& finding, std::size_t most) {
+    const std::size_t shown = std::min(most, finding.places.size());
+    std::string text =
+        line(std::string(words_for(fault, 0)), (finding.at_least ? "at least " : "") + grouped(finding.count));
+    for (std::size_t i = 0; i < shown; ++i) {
+        text += words(fault, finding.places[i]);
+    }
+    return text + more(finding.count, shown);
+}
+
+std::string words(const MeshShell& shell) {
+    const std::string kind = !shell.closed           ? "not closed"
+                             : shell.orientation > 0 ? "solid"
+                             : shell.orientation < 0 ? "cavity"
+                                                     : "no volume";
+    return "  " + point(shell.first_mm) + ", " + kind + ", depth " + std::to_string(shell.depth) + ", " +
+           counted(shell.triangles, "triangle") + (shell.closed ? ", " + measure_text(shell.volume_mm3) + " mm3" : "") +
+           ", triangle " + std::to_string(shell.triangle) + "\n";
+}
+
+std::string shell_words(const MeshCheck& check, std::size_t most) {
+    const std::size_t shown = std::min(most, check.shells.size());
+    std::string text =
+        line("shells", grouped(check.shells.size()) + (check.nesting_complete ? "" : ", nested at least as deep as this"));
+    for (std::size_t i = 0; i < shown; ++i) {
+        text += words(check.shells[i]);
+    }
+    return text + more(check.shells.size(), shown);
+}
+
+/// One line a kind of fault with its count, below it its places, at most so many; then what was examined; the last line is
+/// the verdict. `all_kinds`: also those that were not found.
+std::string check_words(const std::string& path, const MeshFile& mesh, const MeshCheck& check, std::size_t most_places,
+                        bool all_kinds) {
+    std::string text = line("mesh", path + ", " + description(mesh));
+    for (std::size_t i = 0; i < fault_count; ++i) {
+        text += when(all_kinds || check.findings[i].count > 0 || check.findings[i].at_least,
+                     words(static_cast<Fault>(i), check.findings[i], most_places));
+    }
+    text += line("triangles", grouped(check.triangles)) + line("edges", grouped(check.edges)) +
+            line("grid", exact_text(check.grid_mm) + " mm" + joined_by_grid(check)) +
+            line("tolerance", exact_text(check.tolerance_mm) + " mm") +
+            line("slivers", "from " + exact_text(check.sliver_ratio) + " : 1");
+    return text + shell_words(check, most_places) + done_or_thrown(make_verdict(check)) + "\n";
+}
+
+class CheckCommand {
+public:
+    CheckCommand(const CheckArguments& arguments, Interrupt& interrupt) : arguments_(arguments), interrupt_(interrupt) {}
+
+    void run() {
+        require_outputs();
+        interrupt_.tidy({arguments_.report, arguments_.marks});
+        const std::optional<Failure> failure = arguments_.for_each(
+            interrupt_, [this](const MeshArguments& mesh) { examine(mesh); },
+            [this](const MeshArguments& mesh, const Failure& reason) { add_failure(mesh, reason); });
+        write_report();
+        print_words(held_words_, stdout_taken());
+        if (failure) {
+            throw Failure(*failure);
+        }
+    }
+
+private:
+    void require_outputs() const {
+        const std::vector<ListedMesh> meshes = arguments_.meshes();
+        if (!arguments_.report.empty()) {
+            require_writable(arguments_.report);
+            require_different_output(arguments_.report, arguments_.marks, "--report", "--marks");
+        }
+        if (!arguments_.marks.empty()) {
+            refuse_if(meshes.size() > 1, bad_usage,
+                      "--marks: the marks are of one mesh, and " + grouped(meshes.size()) + " are given");
+            require_writable(arguments_.marks);
+        }
+        for (const ListedMesh& mesh : meshes) {
+            require_different(arguments_.report, mesh.path, "--report", "the mesh");
+            require_different(arguments_.marks, mesh.path, "--marks", "the mesh");
+        }
+        require_extension(arguments_.marks, "--marks", ".ply");
+    }
+
+    bool stdout_taken() const noexcept { return is_standard(arguments_.report) || is_standard(arguments_.marks); }
+
+    void examine(const MeshArguments& mesh) {
+        const Stopwatch watch;
+        ProgressBar bar(mesh.progress);
+        MeshFile file = read_mesh_and_warn(mesh, bar);
+        const MeshCheck found = checked(mesh, file, bar);
+        for (std::string& doubt : doubts_of_scale(mesh, file, {found.box, found.grid_mm})) {
+            warn(doubt);
+            file.warnings.push_back(std::move(doubt));
+        }
+        const Stopwatch marking;
+        if (!arguments_.marks.empty()) {
+            const Stage stage(bar, "writing");
+            done_or_thrown(write_marks(found, output_path(arguments_.marks)));
+        }
+        if (!arguments_.report.empty()) {
+            const double write_ms = arguments_.marks.empty() ? 0 : marking.ms();
+            const std::vector<ReportMember> members = members_of(found.ms, file, write_ms, watch.ms());
+            const ReportParts parts{.mesh_name = mesh.mesh, .file = &file, .members = members};
+            reports_.push_back(done_or_thrown(make_check_json(found, parts, arguments_.places)));
+        }
+        add_words(check_words(mesh.name(), file, found, arguments_.places, arguments_.all_kinds));
+    }
+
+    MeshCheck checked(const MeshArguments& mesh, const MeshFile& file, ProgressBar& bar) const {
+        Stage stage(bar, "checking");
+        const CheckOptions options{
+            .frame = mesh.options.frame,
+            .tolerance_mm = arguments_.tolerance_mm,
+            .most_places = arguments_.marks.empty() ? arguments_.places : std::max(arguments_.places, most_marks)};
+        const Context context{.threads = mesh.threads, .progress = stage.progress()};
+        return done_or_thrown(check(file.view(), options, context), mesh.name());
+    }
+
+    /// The words of one mesh come when the report is written; of several at once, a blank line before each but the first.
+    void add_words(const std::string& words) {
+        if (!arguments_.several()) {
+            held_words_ = words;
+            return;
+        }
+        print_words((any_words_ ? "\n" : "") + words, stdout_taken());
+        any_words_ = true;
+    }
+
+    void add_failure(const MeshArguments& mesh, const Failure& failure) {
+        if (arguments_.report.empty()) {
+            return;
+        }
+        const ReportMember error{.key = "error", .value = std::string_view(failure.what())};
+        reports_.push_back(done_or_thrown(make_mesh_json({.mesh_name = mesh.mesh, .members = {&error, 1}})));
+    }
+
+    void write_report() const {
+        if (!arguments_.report.empty()) {
+            write_text(arguments_.report, arguments_.several() ? json_array(reports_) : reports_.front());
+        }
+    }
+
+    const CheckArguments& arguments_;
+    Interrupt& interrupt_;
+    std::vector<std::string> reports_;  ///< one of each mesh
+    std::string held_words_;
+    bool any_words_ = false;
+};
+
+}  // namespace
+
+void add_info_command(CLI::App& app, Interrupt& interrupt) {
+    CLI::App* const command = app.add_subcommand("info", "Say what meshes are and whether they are closed");
+    const auto arguments = std::make_shared<MeshList>();
+    declare_mesh_list(*command, *arguments);
+    command->callback([arguments, &interrupt] { run(*arguments, interrupt); });
+}
+
+void add_check_command(CLI::App& app, Interrupt& interrupt) {
+    CLI::App* const command = app.add_subcommand("check", "Say what is wrong with meshes, and where");
+    const auto arguments = std::make_shared<CheckArguments>();
+    declare_mesh_list(*command, *arguments);
+    add_text(*command, "--report", arguments->report, "FILE|-",
+             "JSON report to write, an array if several meshes are given; - for standard output");
+    add_text(*command, "--marks", arguments->marks, "FILE.ply|-",
+             "PLY file of coloured points and edges at every place; - for standard output");
+    add_parsed(*command, "--tolerance", "MM", "Widest gap that counts as a crack or T-junction (0.01)",
+               [arguments](const std::string& text) {
+                   arguments->tolerance_mm = parse_number(text).value_or(-1);
+                   return arguments->tolerance_mm >= 0 ? "" : "not a number of mm, zero or more";
+               });
+    add(*command, "--places", arguments->places, "N", "List at most N places of each kind (10)")
+        ->check(CLI::Range(0, static_cast<int>(most_marks)));
+    command->add_flag("--all", arguments->all_kinds, "List the kinds of faults that were not found, too");
+    command->callback([arguments, &interrupt] { CheckCommand(*arguments, interrupt).run(); });
+}
+
+}  // namespace lamella::cli

@@ -1,0 +1,254 @@
+#include "files/flags.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "options/option_words.hpp"
+#include "terminal/console.hpp"
+#include "terminal/numbers.hpp"
+
+namespace lamella::cli {
+
+namespace {
+
+constexpr double no_limit = std::numeric_limits<double>::infinity();
+
+/// A line of options.inc, but for what tells its kind and where it is stored.
+struct OptionLine {
+    std::string flag;
+    std::string help;
+    double least = -no_limit;
+    bool exclusive = false;   ///< it must be more than `least`
+    std::string_view word{};  ///< for a special value
+    double value_of_word = 0;
+};
+
+std::string why_no_number(const std::string& text, const OptionLine& line, bool mm) {
+    std::string wanted = mm ? "a number of mm" : "a number";
+    if (line.least > -no_limit) {
+        wanted += std::string(" that is ") + (line.exclusive ? "more than " : "at least ") + exact_text(line.least);
+    }
+    const std::string word(line.word);
+    return "'" + text + "' is " + (word.empty() ? "not " + wanted : "neither " + wanted + " nor " + word);
+}
+
+void declare_number(CLI::App& command, const OptionLine& line, double& value, bool mm = false) {
+    const auto take = [line, mm, &value](const std::string& text) -> std::string {
+        const std::optional<double> number = text == line.word ? line.value_of_word : parse_number(text);
+        const bool in_range =
+            number && (text == line.word || (line.exclusive ? *number > line.least : *number >= line.least));
+        value = in_range ? *number : value;
+        return in_range ? "" : why_no_number(text, line, mm);
+    };
+    const std::string type = (mm ? "MM" : "N") + (line.word.empty() ? "" : "|" + std::string(line.word));
+    CLI::Option* const option = add_parsed(command, line.flag, type, line.help, take);
+    if (!line.word.empty()) {
+        option->transform(lower_case);
+    }
+}
+
+void declare_mm(CLI::App& command, const OptionLine& line, double& value) {
+    declare_number(command, line, value, true);
+}
+
+void declare_optional_mm(CLI::App& command, const OptionLine& line, std::optional<double>& value) {
+    add_parsed(command, line.flag, "MM", line.help, [line, &value](const std::string& text) {
+        value = parse_number(text);
+        return value ? "" : why_no_number(text, line, true);
+    });
+}
+
+void declare_flag(CLI::App& command, const OptionLine& line, bool& value) {
+    command.add_flag(line.flag, value, line.help);
+}
+
+template <class Enum>
+void declare_choice(CLI::App& command, const OptionLine& line, Enum& value) {
+    static constexpr auto words = detail::words_of(Enum{});
+    add_choice(command, line.flag, words, line.help, value);
+}
+
+/// The two lines of a range are one flag.
+void declare_range(CLI::App& command, const OptionLine& line, PlaneOptions& planes) {
+    add_parsed(command, line.flag, "A:B", line.help, [&planes](const std::string& text) {
+        return parse_layers(text, planes.first_layer, planes.end_layer)
+                   ? ""
+                   : "'" + text + "' is not A:B with A < B, such as 0:100";
+    });
+}
+
+void declare_heights(CLI::App& command, const OptionLine& line, std::optional<std::vector<double>>& heights) {
+    const auto take = [&heights](const std::string& text) -> std::string {
+        heights = parse_list(text);
+        std::error_code unknown;
+        if (!heights && text.find(',') != std::string::npos && !std::filesystem::exists(text, unknown)) {
+            return "'" + text + "' is neither a list of numbers nor a file";
+        }
+        if (!heights && (heights = read_numbers(text).values)->empty()) {
+            throw Failure(bad_input, text + ": no heights");
+        }
+        return "";
+    };
+    add_parsed(command, line.flag, "FILE|Z,Z,...", line.help, take)->check(given);
+}
+
+Transform transform_in(const std::string& path) {
+    const NumberFile file = read_numbers(path);
+    const std::size_t count = file.values.size();
+    Transform transform;
+    refuse_if(count != transform.m.size() && count != 16, bad_input,
+              path + ": " + counted(count, "number") + " where a 3x4 matrix has 12 and a 4x4 one 16");
+    if (count == 16 && (file.values[12] != 0 || file.values[13] != 0 || file.values[14] != 0 || file.values[15] != 1)) {
+        throw Failure(bad_input, path + ":" + std::to_string(file.lines[12]) + ": the last row is not 0 0 0 1");
+    }
+    std::copy_n(file.values.begin(), transform.m.size(), transform.m.begin());
+    refuse_if(transform.is_singular(), bad_input,
+              path + ": the matrix is singular: its determinant is 0, so that it flattens every mesh");
+    return transform;
+}
+
+void declare_transform(CLI::App& command, const OptionLine& line, Transform& transform) {
+    add_parsed(command, line.flag, "FILE", line.help, [&transform](const std::string& path) {
+        transform = transform_in(path);
+        return "";
+    })->check(given);
+}
+
+FillFrom parse_fill_from(const std::string& text, const std::string& flag) {
+    constexpr auto rules = detail::words_of(FillRule{});
+    const std::size_t colon = std::min(text.find(':'), text.size());
+    const auto* const rule = std::find(rules.begin(), rules.end(), text.substr(std::min(colon + 1, text.size())));
+    FillFrom from;
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + colon, from.first_layer);
+    if (stop != text.data() + colon || error != std::errc() || rule == rules.end()) {
+        throw CLI::ValidationError(flag, "'" + text + "' is not LAYER:RULE, such as 12:non-zero");
+    }
+    from.rule = static_cast<FillRule>(rule - rules.begin());
+    return from;
+}
+
+void declare_fill_from(CLI::App& command, const OptionLine& line, std::vector<FillFrom>& rules) {
+    const auto take = [flag = line.flag, &rules](const std::vector<std::string>& all) {
+        rules.clear();
+        for (const std::string& text : all) {
+            rules.push_back(parse_fill_from(text, flag));
+        }
+    };
+    command.add_option_function<std::vector<std::string>>(line.flag, take, line.help)
+        ->type_name("LAYER:RULE")
+        ->transform(lower_case)
+        ->take_all()
+        ->allow_extra_args(false);
+}
+
+/// Options and values as earlier versions recorded them.
+struct OlderWord {
+    std::string_view name;
+    std::string_view value;  ///< empty: any, which stays
+    std::string_view name_now;
+    std::string_view value_now;
+};
+constexpr std::array<OlderWord, 7> older_words = {{{"--gap-sense", "kept", "--stitch-direction", "oriented"},
+                                                   {"--gap-sense", "", "--stitch-direction", ""},
+                                                   {"--close-gaps", "", "--stitch", ""},
+                                                   {"--close", "", "--closing", ""},
+                                                   {"--mark-near", "", "--flag-closing", ""},
+                                                   {"--tolerance", "", "--simplify", ""},
+                                                   {"--grid", "auto", "--grid", "finest"}}};
+
+}  // namespace
+
+const std::array<ChangedDefault, 2> changed_defaults = {
+    {{"--fill-rule", "non-zero", "contours"}, {"--stitch", "auto", "0"}}};
+
+std::string given(const std::string& text) {
+    return text.empty() ? "is empty" : "";
+}
+
+std::string lower_case(std::string word) {
+    std::transform(word.begin(), word.end(), word.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c | 0x20) : c; });
+    return word;
+}
+
+CLI::Option* add_parsed(CLI::App& command, const std::string& flag, const std::string& type, const std::string& help,
+                        std::function<std::string(const std::string&)> take) {
+    const auto store = [flag, take = std::move(take)](const std::string& text) {
+        if (const std::string wrong = take(text); !wrong.empty()) {
+            throw CLI::ValidationError(flag, wrong);
+        }
+    };
+    return command.add_option_function<std::string>(flag, store, help)->type_name(type);
+}
+
+CLI::Option* add_choice(CLI::App& command, const std::string& flag, std::span<const std::string_view> words,
+                        const std::string& help, std::function<void(std::size_t)> take) {
+    std::string names;
+    for (const std::string_view word : words) {
+        names.append(names.empty() ? "" : "|").append(word);
+    }
+    const auto store = [names, words, take = std::move(take)](const std::string& text) {
+        const auto found = std::find(words.begin(), words.end(), text);
+        if (found == words.end()) {
+            return "'" + text + "' is not one of " + names;
+        }
+        take(static_cast<std::size_t>(found - words.begin()));
+        return std::string();
+    };
+    return add_parsed(command, flag, names, help, store)->transform(lower_case);
+}
+
+void declare_options(CLI::App& command, SliceOptions& options, std::string_view only) {
+    const auto is_wanted = [&](std::string_view flag) {
+        return !flag.empty() && (only.empty() || only == flag) && command.get_option_no_throw(std::string(flag)) == nullptr;
+    };
+#define LAMELLA_DECLARE_count(command, line, value) declare_range(command, line, options.planes)
+#define LAMELLA_DECLARE_mm declare_mm
+#define LAMELLA_DECLARE_number declare_number
+#define LAMELLA_DECLARE_optional_mm declare_optional_mm
+#define LAMELLA_DECLARE_flag declare_flag
+#define LAMELLA_DECLARE_choice declare_choice
+#define LAMELLA_DECLARE_heights declare_heights
+#define LAMELLA_DECLARE_transform declare_transform
+#define LAMELLA_DECLARE_fill_from declare_fill_from
+#define OPTION(kind, name, path, python, flag, least, exclusive, word, value, needs, help)                      \
+    if (is_wanted(flag)) {                                                                                      \
+        LAMELLA_DECLARE_##kind(command, (OptionLine{flag, help, least, exclusive, word, value}), options.path); \
+    }
+#include "options/options.inc"
+}
+
+SliceOptions tool_options() {
+    SliceOptions options;
+    options.stitch_mm = stitch_by_mesh;
+    options.region.fill_rule = FillRule::non_zero;
+    return options;
+}
+
+void put_in_words_of_today(std::vector<std::string>& words) {
+    for (std::size_t i = 0; i + 1 < words.size(); ++i) {
+        const auto* const older = std::find_if(older_words.begin(), older_words.end(), [&](const OlderWord& word) {
+            return word.name == words[i] && (word.value.empty() || word.value == words[i + 1]);
+        });
+        if (older != older_words.end()) {
+            words[i] = older->name_now;
+            words[i + 1] = older->value.empty() ? words[i + 1] : std::string(older->value_now);
+        }
+    }
+}
+
+bool is_file_of(std::string_view flag, const std::string& value) {
+    std::string_view kind;
+#define OPTION(kind_of_line, name, path, python, own_flag, ...) kind = flag == own_flag ? #kind_of_line : kind;
+#include "options/options.inc"
+    return kind == "transform" || (kind == "heights" && !parse_list(value));
+}
+
+}  // namespace lamella::cli

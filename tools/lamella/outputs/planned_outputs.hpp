@@ -1,0 +1,117 @@
+// Which files a command writes, as what, and whether that can be: before any mesh is read, and once the image is known at
+// whose slices meshes are cut.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "lamella/medical/geometry.hpp"
+#include "lamella/medical/structure_set.hpp"
+
+namespace lamella::cli {
+
+struct OutputArguments {
+    std::vector<std::string> outputs;  ///< paths, or -
+    std::string to;                    ///< formats
+    bool coverage = false;
+    bool strict = false;
+    std::optional<HoleForm> holes{};  ///< of structure sets
+    bool without_ct = false;
+    std::optional<std::uint64_t> picture_layer{};  ///< instead of a contact sheet
+};
+
+/// The image that sets the planes.
+struct ImageArguments {
+    std::string like{};
+    std::string spacing{};
+    PatientFrame frame = PatientFrame::unstated;
+    int subslices = 1;
+
+    /// The archives of convert may have been cut for one.
+    bool in_archives = false;
+
+    bool given() const noexcept { return in_archives || !like.empty() || !spacing.empty(); }
+};
+
+/// The flags of results that medicine reads, which slice and convert share.
+void declare_outputs(CLI::App& command, OutputArguments& arguments);
+void declare_image(CLI::App& command, ImageArguments& arguments);
+
+enum class OutputFormat : std::uint8_t {
+    svg,
+    nifti,
+    nifti_gz,
+    nrrd,
+    segmentation,
+    structure_set,
+    csv,
+    json_lines,
+    png,
+    hdf5
+};
+
+struct PlannedOutput {
+    std::string path;  ///< or - for standard output
+    OutputFormat format = OutputFormat::svg;
+
+    /// Voxels in the patient: it needs the geometry of an image, and the patient frame of the mesh.
+    bool is_mask() const noexcept;
+    /// True if it takes one mesh only.
+    bool one_mesh() const noexcept { return format == OutputFormat::svg || format == OutputFormat::hdf5; }
+    /// True if a record is written beside it: beside all but SVG.
+    bool has_record() const noexcept { return format != OutputFormat::svg; }
+    std::string record_path() const { return path + ".lamella.json"; }
+    /// All files that come to lie on disk.
+    std::vector<std::string> files(bool several_meshes) const;
+};
+
+/// The outputs of -o and --to. Without --to the end of each name decides. With it there is one -o, and each format takes its
+/// name with the end exchanged: -o liver.nii.gz --to nii.gz,csv writes liver.nii.gz and liver.csv. Throws Failure
+/// (bad_usage).
+std::vector<PlannedOutput> planned_outputs(const OutputArguments& arguments);
+
+/// Files that are read, each with what messages call it.
+using NamedInputs = std::vector<std::pair<std::string, std::string>>;
+
+/// Throws Failure (bad_usage) where `file`, which `option` names, is one of the inputs.
+void require_no_input(const std::string& file, const NamedInputs& inputs, const std::string& option);
+
+/// Throws Failure (bad_usage) where options and formats do not go together, wherever the files may lie.
+void require_together(const std::vector<PlannedOutput>& outputs, const OutputArguments& arguments, std::size_t meshes,
+                      const ImageArguments& image);
+
+/// The outputs that are asked for, if any. Throws Failure (bad_usage, bad_output) where they do not go together, plainly
+/// cannot be written, or would overwrite an input.
+std::vector<PlannedOutput> plan_outputs(const OutputArguments& arguments, std::size_t meshes, const ImageArguments& image,
+                                        const NamedInputs& inputs);
+
+/// All files that come of them.
+std::vector<std::filesystem::path> files_of(const std::vector<PlannedOutput>& outputs, bool several_meshes);
+
+/// The environment's SOURCE_DATE_EPOCH, seconds since 1970, if it is there. Throws Failure (bad_usage).
+std::optional<std::int64_t> source_date();
+
+/// The geometry of --like. Throws Failure.
+ImageGeometry read_image_of(const ImageArguments& arguments);
+
+/// The patient frame of a mesh: what its file states, else --frame. Throws Failure where neither says it.
+PatientFrame patient_frame_of(const MeshFile& mesh, const ImageArguments& arguments, const std::string& name);
+
+/// Throws Failure (bad_usage) where one of the outputs would replace a slice of the image's series.
+void require_series_kept(const ImageGeometry& image, const std::vector<std::filesystem::path>& outputs);
+
+/// Throws Failure (bad_input).
+void require_image_serves(const ImageGeometry& image, const std::vector<PlannedOutput>& outputs,
+                          const OutputArguments& arguments);
+
+/// Throws Failure (bad_input) where the mesh lies outside of the image.
+void require_overlap(const ImageGeometry& image, const std::string& name, const Box& mesh);
+
+}  // namespace lamella::cli

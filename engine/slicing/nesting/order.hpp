@@ -23,7 +23,7 @@ constexpr bool before(const SortKey& a, const SortKey& b) noexcept {
 }
 
 /// Orders as points do: by x, then y. This is the order of starts: layers are sorted by it, a parent therefore starts before
-/// its children, and windows of starts reach to the right. RingFacts finds the start by the same order, and validate() and
+/// its children, and windows of starts reach to the right. RingFacts finds the start by the same order, and audit() and
 /// canonical_order rely on it.
 constexpr std::uint64_t key_of(Point point) noexcept {
     const auto biased = [](std::int32_t value) { return static_cast<std::uint32_t>(value) ^ 0x8000'0000U; };

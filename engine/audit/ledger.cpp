@@ -96,8 +96,8 @@ private:
             return;
         }
         const SlabTriangle triangle(corners, planes_);
-        share.cut += triangle.within_one() ? 0 : 1;
-        share.horizontal += triangle.is_horizontal() ? 1 : 0;
+        share.cut += triangle.within_one() ? 0U : 1U;
+        share.horizontal += triangle.is_horizontal() ? 1U : 0U;
         const std::array<std::uint32_t, 3> own = {parts_.of(triangle.slabs[0]), parts_.of(triangle.slabs[1]),
                                                   parts_.of(triangle.slabs[2])};
         share.parts[own[0]].push_back(t);
@@ -182,19 +182,17 @@ private:
 
     std::vector<std::uint64_t> find_gaps() const {
         std::vector<std::uint64_t> gaps;
-        std::vector<std::uint64_t> empty;
         bool begun = false;
+        std::size_t between = 0;  // gaps below the last layer with contours
         for (std::size_t l = 0; l < result_.layers.size(); ++l) {
-            if (result_.layers[l].contour_count == 0) {
-                empty.push_back(l);
-                continue;
+            if (result_.layers[l].contour_count > 0) {
+                begun = true;
+                between = gaps.size();
+            } else if (begun) {
+                gaps.push_back(l);
             }
-            if (begun) {
-                gaps.insert(gaps.end(), empty.begin(), empty.end());
-            }
-            begun = true;
-            empty.clear();
         }
+        gaps.resize(between);
         return gaps;
     }
 

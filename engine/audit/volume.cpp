@@ -94,21 +94,12 @@ struct LayerSize {
 std::pair<Int128, std::uint64_t> traced(std::span<const Point> points) noexcept {
     Int128 twice_area = 0;
     std::uint64_t length = 0;  // up to 2^32 edges of up to 2^32
-    if (points.empty()) {
-        return {twice_area, length};
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Point at = points[i];
+        const Point next = points[i + 1 == points.size() ? 0 : i + 1];
+        twice_area += std::int64_t{at.x} * next.y - std::int64_t{at.y} * next.x;
+        length += static_cast<std::uint64_t>(std::abs(std::int64_t{next.x} - at.x) + std::abs(std::int64_t{next.y} - at.y));
     }
-    Point before = points.back();
-    Point at = points.front();
-    const auto go_on = [&](Point after) {
-        twice_area += at.x * (std::int64_t{after.y} - before.y);
-        length +=
-            static_cast<std::uint64_t>(std::abs(std::int64_t{after.x} - at.x) + std::abs(std::int64_t{after.y} - at.y));
-        before = std::exchange(at, after);
-    };
-    for (const Point after : points.subspan(1)) {
-        go_on(after);
-    }
-    go_on(points.front());
     return {twice_area, length};
 }
 

@@ -125,7 +125,7 @@ void number_where(std::size_t count, const Parallel& parallel, const IsCounted& 
     parallel.run(ranges, [&](std::size_t range, int) {
         std::uint32_t own = 0;
         for (std::size_t i = first(range); i != first(range + 1); ++i) {
-            own += is_counted(i) ? 1 : 0;
+            own += is_counted(i) ? 1U : 0U;
         }
         firsts[range] = own;
     });
@@ -135,7 +135,7 @@ void number_where(std::size_t count, const Parallel& parallel, const IsCounted& 
         std::uint32_t next = firsts[range];
         for (std::size_t i = first(range); i != first(range + 1); ++i) {
             const bool counted = is_counted(i);
-            next += counted ? 1 : 0;
+            next += counted ? 1U : 0U;
             see(i, next - 1, counted);
         }
     });

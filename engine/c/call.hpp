@@ -2,6 +2,7 @@
 // becomes a status and a message.
 #pragma once
 
+#include <initializer_list>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -46,6 +47,12 @@ public:
 private:
     lamella_context c_;
 };
+
+/// These throw Refused where a list is missing; where a choice is none of 0 to `last`; where not exactly one of the pointers
+/// is set, which are the `fields` of a struct.
+void require_list(const void* list, std::size_t count, const char* name);
+void require_choice(std::int32_t given, std::int32_t last, const char* name);
+void require_one(std::initializer_list<const void*> given, const char* fields);
 
 /// These throw Refused where a struct has no size, a pointer is missing or a choice has no meaning.
 MeshView read_mesh(const lamella_mesh* given);

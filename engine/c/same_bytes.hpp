@@ -16,41 +16,24 @@ namespace lamella::c {
 /// For each struct of the C header that is an element of an array: the C++ struct that lies in the same bytes.
 template <class C>
 struct Same;
-template <>
-struct Same<lamella_point> {
-    using type = Point;
-};
-template <>
-struct Same<lamella_contour> {
-    using type = Contour;
-};
-template <>
-struct Same<lamella_layer> {
-    using type = Layer;
-};
-template <>
-struct Same<lamella_stitch> {
-    using type = Stitch;
-};
-template <>
-struct Same<lamella_point_origin> {
-    using type = PointOrigin;
-};
-template <>
-struct Same<lamella_segment> {
-    using type = Segment;
-};
-
-template <>
-struct Same<lamella_memory> {
-    using type = Memory;
-};
+#define LAMELLA_SAME(C, Cpp)                                   \
+    template <>                                                \
+    struct Same<C> {                                           \
+        using type = Cpp;                                      \
+        static_assert(sizeof(C) == sizeof(Cpp), "same bytes"); \
+    }
+LAMELLA_SAME(lamella_point, Point);
+LAMELLA_SAME(lamella_contour, Contour);
+LAMELLA_SAME(lamella_layer, Layer);
+LAMELLA_SAME(lamella_stitch, Stitch);
+LAMELLA_SAME(lamella_point_origin, PointOrigin);
+LAMELLA_SAME(lamella_segment, Segment);
+LAMELLA_SAME(lamella_memory, Memory);
+#undef LAMELLA_SAME
 
 #define LAMELLA_SAME_PLACE(C, c_field, Cpp, field) \
     static_assert(offsetof(C, c_field) == offsetof(Cpp, field), #C "." #c_field " and its C++ field lie in one place")
-static_assert(sizeof(lamella_point) == sizeof(Point));
 LAMELLA_SAME_PLACE(lamella_point, y, Point, y);
-static_assert(sizeof(lamella_contour) == sizeof(Contour));
 LAMELLA_SAME_PLACE(lamella_contour, twice_area_low, Contour, twice_area);
 LAMELLA_SAME_PLACE(lamella_contour, parent, Contour, parent);
 LAMELLA_SAME_PLACE(lamella_contour, point_count, Contour, point_count);
@@ -59,23 +42,19 @@ LAMELLA_SAME_PLACE(lamella_contour, role, Contour, role);
 LAMELLA_SAME_PLACE(lamella_contour, orientation, Contour, orientation);
 LAMELLA_SAME_PLACE(lamella_contour, flags, Contour, flags);
 LAMELLA_SAME_PLACE(lamella_contour, part, Contour, part);
-static_assert(sizeof(lamella_layer) == sizeof(Layer));
 LAMELLA_SAME_PLACE(lamella_layer, top_mm, Layer, top_mm);
 LAMELLA_SAME_PLACE(lamella_layer, first_contour, Layer, first_contour);
 LAMELLA_SAME_PLACE(lamella_layer, segments, Layer, segments);
 LAMELLA_SAME_PLACE(lamella_layer, plane, Layer, plane);
-static_assert(sizeof(lamella_stitch) == sizeof(Stitch));
 LAMELLA_SAME_PLACE(lamella_stitch, from, Stitch, from);
 LAMELLA_SAME_PLACE(lamella_stitch, to, Stitch, to);
-static_assert(sizeof(lamella_point_origin) == sizeof(PointOrigin));
 LAMELLA_SAME_PLACE(lamella_point_origin, part, PointOrigin, part);
 LAMELLA_SAME_PLACE(lamella_point_origin, edge, PointOrigin, edge);
 LAMELLA_SAME_PLACE(lamella_point_origin, end_edge, PointOrigin, end_edge);
-static_assert(sizeof(lamella_segment) == sizeof(Segment));
 LAMELLA_SAME_PLACE(lamella_segment, to_key, Segment, to_key);
 LAMELLA_SAME_PLACE(lamella_segment, from, Segment, from);
 LAMELLA_SAME_PLACE(lamella_segment, from_rank, Segment, from_rank);
-static_assert(sizeof(lamella_memory) == sizeof(Memory) && std::is_standard_layout_v<Memory>);
+static_assert(std::is_standard_layout_v<Memory>);
 LAMELLA_SAME_PLACE(lamella_memory, release_object, Memory, release);
 #undef LAMELLA_SAME_PLACE
 static_assert(LAMELLA_NO_TRIANGLE == no_triangle && LAMELLA_NO_EDGE == no_edge && LAMELLA_SEVERAL_PARTS == several_parts);

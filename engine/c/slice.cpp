@@ -22,10 +22,7 @@ public:
             refuse("the source is NULL");
         }
         c_ = read_sized(given, {sizeof(lamella_source), 0, nullptr, nullptr, nullptr, 0});
-        const int set = (c_.mesh != nullptr ? 1 : 0) + (c_.prepared != nullptr ? 1 : 0) + (c_.parts != nullptr ? 1 : 0);
-        if (set != 1) {
-            refuse("of mesh, prepared and parts of a source exactly one must be set, and " + std::to_string(set) + " are");
-        }
+        require_one({c_.mesh, c_.prepared, c_.parts}, "mesh, prepared and parts of a source");
         if (c_.parts != nullptr) {
             read_parts();
         }
@@ -73,17 +70,13 @@ lamella_sink read_sink(const lamella_sink* given) {
     if (c.take == nullptr) {
         refuse("the sink has no function that takes layers");
     }
-    if (c.order != LAMELLA_SINK_ANY && c.order != LAMELLA_SINK_ASCENDING) {
-        refuse("the sink's order is " + std::to_string(c.order) + ", but the choices are 0 to 1");
-    }
+    require_choice(c.order, LAMELLA_SINK_ANY, "the sink's order");
     return c;
 }
 
 HostArrays read_arrays(const lamella_arrays* given) {
     const lamella_arrays c = read_sized(given, default_arrays());
-    if (c.point_type < LAMELLA_F32 || c.point_type > LAMELLA_I64) {
-        refuse("point_type is " + std::to_string(c.point_type) + ", but the choices are 0 to 3");
-    }
+    require_choice(c.point_type, LAMELLA_I64, "point_type");
     return {.points = c.points,
             .point_capacity = c.point_capacity,
             .point_type = static_cast<Number>(c.point_type),
@@ -172,12 +165,7 @@ int32_t lamella_slice_to(lamella_slicer* slicer, const lamella_destination* to, 
                          lamella_error* error) {
     return called(error, [&] {
         const auto where = lamella::c::read_sized(to, {sizeof(lamella_destination), 0, nullptr, nullptr, nullptr});
-        const int set =
-            (where.result != nullptr ? 1 : 0) + (where.sink != nullptr ? 1 : 0) + (where.arrays != nullptr ? 1 : 0);
-        if (set != 1) {
-            refuse("of result, sink and arrays of a destination exactly one must be set, and " + std::to_string(set) +
-                   " are");
-        }
+        lamella::c::require_one({where.result, where.sink, where.arrays}, "result, sink and arrays of a destination");
         Kept kept(slicer);
         const Host host(context);
         read_options(options, kept->options);
@@ -254,9 +242,7 @@ int32_t lamella_region_of(const lamella_path* contours, size_t count, const lame
         const Host host(context);
         lamella::SliceOptions how;
         read_options(options, how);
-        if (contours == nullptr && count != 0) {
-            refuse("contours is NULL, but its count is not 0");
-        }
+        lamella::c::require_list(contours, count, "contours");
         std::vector<std::span<const lamella::Point>> paths;
         for (std::size_t i = 0; i < count; ++i) {
             paths.emplace_back(lamella::c::as_cpp(contours[i].points), contours[i].count);
@@ -272,9 +258,7 @@ int32_t lamella_assemble(const lamella_segment* segments, size_t count, const la
                          lamella_result** result, lamella_error* error) {
     return called(error, [&] {
         const Host host(context);
-        if (segments == nullptr && count != 0) {
-            refuse("segments is NULL, but its count is not 0");
-        }
+        lamella::c::require_list(segments, count, "segments");
         fill_result(result, [&](lamella::SliceResult& filled) {
             filled = lamella::require(lamella::assemble({lamella::c::as_cpp(segments), count}, host.context));
         });

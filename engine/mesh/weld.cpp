@@ -62,21 +62,21 @@ bool write_corners(const RawTriangle& raw, std::size_t t, Corner<Real>* corners)
     return usable;
 }
 
-/// Says why triangle t cannot be used.
-Error unusable(const MeshView& mesh, std::size_t t) {
+/// Throws Refused: why triangle t cannot be used.
+[[noreturn]] void refuse_triangle(const MeshView& mesh, std::size_t t) {
     const std::string triangle = "triangle " + std::to_string(t);
     if (const std::size_t corner = dangling_corner(mesh, t); corner < 3) {
-        return {ErrorCode::invalid_argument,
-                triangle + " has index " + std::to_string(mesh.vertex_of(t, corner)) + ", but there are " +
-                    std::to_string(mesh.vertex_count) + " vertices",
-                static_cast<std::int64_t>(t)};
+        throw Refused{{ErrorCode::invalid_argument,
+                       triangle + " has index " + std::to_string(mesh.vertex_of(t, corner)) + ", but there are " +
+                           std::to_string(mesh.vertex_count) + " vertices",
+                       static_cast<std::int64_t>(t)}};
     }
-    return {ErrorCode::bad_coordinate, triangle + " has a coordinate that is not finite or beyond 1e9",
-            static_cast<std::int64_t>(t)};
+    throw Refused{{ErrorCode::bad_coordinate, triangle + " has a coordinate that is not finite or beyond 1e9",
+                   static_cast<std::int64_t>(t)}};
 }
 
 template <class Real>
-Result<Array<Corner<Real>>> sorted_corners(const MeshView& mesh, const Parallel& parallel) {
+Array<Corner<Real>> sorted_corners(const MeshView& mesh, const Parallel& parallel) {
     Array<Corner<Real>> corners(parallel.memory());
     corners.resize_discarding(3 * mesh.triangle_count);
     const PlacedReader read(mesh, {});
@@ -92,7 +92,7 @@ Result<Array<Corner<Real>>> sorted_corners(const MeshView& mesh, const Parallel&
         }
     });
     if (const std::size_t bad = *std::min_element(first_bad.begin(), first_bad.end()); bad != none) {
-        return unusable(mesh, bad);
+        refuse_triangle(mesh, bad);
     }
     // Which of two equal corners comes first does not show: both get one vertex.
     sort_in_parallel(
@@ -102,14 +102,9 @@ Result<Array<Corner<Real>>> sorted_corners(const MeshView& mesh, const Parallel&
 
 /// The mesh's distinct vertices, ascending; `of_corners` gets the number of each corner's.
 template <class Real>
-Result<Array<Place<Real>>> distinct_places(const MeshView& mesh, std::span<std::uint32_t> of_corners,
-                                           const Parallel& parallel) {
+Array<Place<Real>> distinct_places(const MeshView& mesh, std::span<std::uint32_t> of_corners, const Parallel& parallel) {
     parallel.begin_stage(sorted_share, 4);
-    const Result<Array<Corner<Real>>> sorted = sorted_corners<Real>(mesh, parallel);
-    if (!sorted) {
-        return sorted.error();
-    }
-    const std::span<const Corner<Real>> corners = sorted->span();
+    const Array<Corner<Real>> corners = sorted_corners<Real>(mesh, parallel);
     parallel.begin_stage(numbered_share, 2);
     Array<Place<Real>> places(parallel.memory());
     number_where(
@@ -201,23 +196,20 @@ void keep_all(std::span<const Place<Real>> places, const Parallel& parallel, Wel
 }
 
 template <class Real>
-Result<WeldedMesh> weld_corners(const MeshView& mesh, double tolerance, const Parallel& parallel) {
+WeldedMesh weld_corners(const MeshView& mesh, double tolerance, const Parallel& parallel) {
     WeldedMesh welded{Array<std::byte>(parallel.memory()), Array<std::uint32_t>(parallel.memory()),
                       std::is_same_v<Real, float> ? Number::f32 : Number::f64};
     welded.indices.resize_discarding(3 * mesh.triangle_count);
-    const Result<Array<Place<Real>>> places = distinct_places<Real>(mesh, welded.indices.span(), parallel);
-    if (!places) {
-        return places.error();
-    }
+    const Array<Place<Real>> places = distinct_places<Real>(mesh, welded.indices.span(), parallel);
     Joining joining;
     if (tolerance > 0) {  // else equal vertices are one already
-        joining = join(places->span(), tolerance, parallel);
+        joining = join(places.span(), tolerance, parallel);
     }
     parallel.begin_stage(1, 3);
     if (joining.joined == 0) {
-        keep_all(places->span(), parallel, welded);
+        keep_all(places.span(), parallel, welded);
     } else {
-        keep(places->span(), joining, parallel, welded);
+        keep(places.span(), joining, parallel, welded);
     }
     welded.joined = joining.joined;
     welded.largest_move_mm = std::sqrt(joining.largest_squared);
@@ -240,14 +232,12 @@ Result<WeldedMesh> weld_or_throw(const MeshView& mesh, double tolerance_mm, cons
         return Error{ErrorCode::invalid_argument, "more than 2^32 / 3 triangles cannot be welded"};
     }
     const Parallel parallel(context);
-    Result<WeldedMesh> welded = mesh.vertex_type == Number::f32 ? weld_corners<float>(mesh, tolerance, parallel)
-                                                                : weld_corners<double>(mesh, tolerance, parallel);
-    if (welded) {
-        parallel.finish();
-        welded->tolerance_mm = tolerance_mm;
-        welded->mm_per_unit = mesh.mm_per_unit;
-        welded->largest_move_mm *= mesh.mm_per_unit;
-    }
+    WeldedMesh welded = mesh.vertex_type == Number::f32 ? weld_corners<float>(mesh, tolerance, parallel)
+                                                        : weld_corners<double>(mesh, tolerance, parallel);
+    parallel.finish();
+    welded.tolerance_mm = tolerance_mm;
+    welded.mm_per_unit = mesh.mm_per_unit;
+    welded.largest_move_mm *= mesh.mm_per_unit;
     return welded;
 }
 

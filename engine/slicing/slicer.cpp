@@ -2,6 +2,7 @@
 #include "slicing/slicer.hpp"
 
 #include <algorithm>
+#include <new>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -9,6 +10,7 @@
 #include <unistd.h>
 
 #include "base/guard.hpp"
+#include "base/vector.hpp"
 #include "lamella/destination.hpp"
 #include "lamella/slice.hpp"
 #include "lamella/source.hpp"
@@ -27,6 +29,7 @@ namespace {
 
 using detail::PreparedImpl;
 using detail::SlicerImpl;
+using detail::SourceImpl;
 
 /// A prepared mesh has its grid and its frame already: the options may leave them out, or repeat them.
 SliceOptions options_for(const PreparedImpl& prepared, const SliceOptions& options) {
@@ -51,8 +54,8 @@ void with_source(const Source& from, const SliceCall& call, Use use) {
         PreparedSource source(*prepared, tools);
         use(source, SliceCall{options, call.tuning, call.context, call.kept});
     } else {
-        AnyMeshSource source(from.mesh(), placing_of(from.mesh(), call.options.frame), nullptr, tools);
-        use(source, call);
+        with_mesh_source(from.mesh(), placing_of(from.mesh(), call.options.frame), nullptr, tools,
+                         [&](TriangleSource& source) { use(source, call); });
     }
 }
 
@@ -71,6 +74,77 @@ void check(const Source& from, const SliceCall& call) {
 /// Sources that are not swept for their target: their whole result goes there.
 bool is_held_whole(const Source& from, const SliceOptions& options, bool for_sink) noexcept {
     return from.is_parts() || options.content != LayerContent::section || (from.other() != nullptr && !for_sink);
+}
+
+template <class T>
+void append(Vector<T>& to, std::span<const T> more) {
+    to.insert(to.end(), more.begin(), more.end());
+}
+
+template <class T>
+void copy_to(Array<T>& to, const Vector<T>& from) {
+    to.resize_discarding(from.size());
+    std::copy(from.begin(), from.end(), to.data());
+}
+
+/// Layers come in ascending order, and count contours and points from their own first.
+class Collecting {
+public:
+    explicit Collecting(const Memory* memory) : layers_(memory), contours_(memory), points_(memory), stitches_(memory) {}
+
+    void take(const LayerView& view) noexcept {
+        try {
+            add(view);
+        } catch (const std::bad_alloc&) {
+            is_full_ = true;
+        }
+    }
+    bool is_full() const noexcept { return is_full_; }
+
+    void move_to(SliceResult& result) const {
+        copy_to(result.layers, layers_);
+        copy_to(result.contours, contours_);
+        copy_to(result.points, points_);
+        copy_to(result.stitches, stitches_);
+        result.origins.set_size(0);
+    }
+
+private:
+    void add(const LayerView& view) {
+        if (is_full_) {
+            return;
+        }
+        Layer layer = view;
+        layer.first_contour = contours_.size();
+        const std::uint64_t first_point = points_.size();
+        for (Contour contour : view.contours) {
+            contour.first_point += first_point - view.first_point;
+            contour.parent += contour.parent < 0 ? 0 : static_cast<std::int64_t>(layer.first_contour - view.first_contour);
+            contours_.push_back(contour);
+        }
+        append(points_, view.points);
+        append(stitches_, view.stitches);
+        layers_.push_back(layer);
+    }
+
+    Vector<Layer> layers_;
+    Vector<Contour> contours_;
+    Vector<Point> points_;
+    Vector<Stitch> stitches_;
+    bool is_full_ = false;
+};
+
+/// All of `result`, from layers that the source hands over one by one.
+void collect_layers(const SourceImpl& source, const SliceCall& call, SliceResult& result) {
+    Collecting collecting(call.context.memory);
+    auto take = [&](const LayerView& layer) noexcept { collecting.take(layer); };
+    const LayerSink sink{.take = take};
+    SinkTarget target(sink);
+    source.slice(target, call, result.info);
+    if (collecting.is_full()) {
+        throw std::bad_alloc();
+    }
+    collecting.move_to(result);
 }
 
 void slice_whole(const Source& from, const SliceCall& call, SliceResult& result) {

@@ -18,10 +18,3 @@ public:
 };
 
 }  // namespace lamella::detail
-
-namespace lamella {
-
-/// All of `result`, from layers that the source hands over one by one. Throws Refused, Stopped, std::bad_alloc.
-void collect_layers(const detail::SourceImpl& source, const SliceCall& call, SliceResult& result);
-
-}  // namespace lamella

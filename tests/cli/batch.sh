@@ -180,16 +180,17 @@ END
 {"path":"in/s2.stl","spacing":[]}|3::2: 'spacing' is a list of nothing
 {"path":"in/s2.stl","like":"x.nii","layer-height":1}|2::2: --like excludes --layer-height
 END
-    printf 'path,colour\nin/s1.stl,red\n' > bad.csv
-    expect_failure 3 "bad.csv:1: 'colour' is neither path nor an option" batch bad.csv -o 'none/{stem}.csv'
-    printf 'path,layer_height,layer-height\n' > bad.csv
-    expect_failure 3 "bad.csv:1: two columns are 'layer-height'" batch bad.csv -o 'none/{stem}.csv'
-    printf 'file\nin/s1.stl\n' > bad.csv
-    expect_failure 3 "bad.csv:1: 'file' is neither" batch bad.csv -o 'none/{stem}.csv'
-    printf 'strict\nyes\n' > bad.csv
-    expect_failure 3 "bad.csv:1: no column is named path" batch bad.csv -o 'none/{stem}.csv'
-    printf 'path\n' > bad.csv
-    expect_failure 3 "bad.csv: no meshes" batch bad.csv -o 'none/{stem}.csv'
+    while IFS='|' read -r line text; do
+        # shellcheck disable=SC2086
+        printf '%s\n' ${line//;/ } > bad.csv
+        expect_failure 3 "bad.csv:$text" batch bad.csv -o 'none/{stem}.csv'
+    done << 'END'
+path,colour;in/s1.stl,red|1: 'colour' is neither path nor an option
+path,layer_height,layer-height|1: two columns are 'layer-height'
+file;in/s1.stl|1: 'file' is neither
+strict;yes|1: no column is named path
+path| no meshes
+END
     expect_failure 3 "cannot read 'none.csv'" batch none.csv -o 'none/{stem}.csv'
     [[ ! -e none ]] || fail "work was done"
 }

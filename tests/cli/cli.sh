@@ -92,6 +92,16 @@ expect_json() {
     [[ "$got" == "$want" ]] || fail "$file: $* is '$got', not '$want'"
 }
 
+# expect_members FILE KEYS=VALUE...: the same of several values; the keys of one are separated by blanks.
+expect_members() {
+    local file=$1 pair
+    shift
+    for pair in "$@"; do
+        # shellcheck disable=SC2086
+        expect_json "$file" "${pair#*=}" ${pair%%=*}
+    done
+}
+
 sphere() { expect 0 make sphere --triangles "${2:-1000}" --height 20 -o "$1"; }
 
 source "$here/input.sh"

@@ -48,10 +48,8 @@ test_check() {
     [[ $(tail -n 1 .stdout) == "not clean: 3 boundary edges, 1 boundary loop" ]] || fail "the hole is not named"
     grep -qE '^boundary edges  *3$' .stdout || fail "no count"
     grep -qE '^  \(.*\) \(.*\), triangle [0-9]+$' .stdout || fail "no place"
-    expect_json open.json 3 findings boundary_edges count
-    expect_json open.json 3 findings boundary_loops places 0 edges
-    expect_json open.json OFF clean
-    expect_json open.json STL file format
+    expect_members open.json 'findings boundary_edges count=3' 'findings boundary_loops places 0 edges=3' clean=OFF \
+        'file format=STL'
     grep -q '^element vertex 7$' open.ply || fail "marks: not seven points"
     grep -q '^element edge 3$' open.ply || fail "marks: not three edges"
     cp .stdout words

@@ -69,17 +69,8 @@ test_report_stdout() {
     sphere ball.stl
     expect 0 slice ball.stl --layer-height 0.5 -o ball.svg --report -
     cp .stdout report.json
-    expect_json report.json 1000 triangles
-    expect_json report.json 40 planes
-    expect_json report.json 40 contours
-    expect_json report.json 0 holes
-    expect_json report.json 0 open_contours
-    expect_json report.json 0 degenerate
-    expect_json report.json ball.stl mesh
-    expect_json report.json ball.svg output
-    expect_json report.json below plan side
-    expect_json report.json mesh-min plan datum
-    expect_json report.json uniform plan kind
+    expect_members report.json triangles=1000 planes=40 contours=40 holes=0 open_contours=0 degenerate=0 \
+        mesh=ball.stl output=ball.svg 'plan side=below' 'plan datum=mesh-min' 'plan kind=uniform'
     local key
     for key in segments grid_mm threads peak_rss_bytes output_hash "ms read" "ms bucket" "ms sweep" "ms contours" "ms nesting" \
         "ms write" "ms total"; do

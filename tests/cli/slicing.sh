@@ -21,9 +21,7 @@ test_planes_file() {
     hash=$(json_value file.json output_hash)
     expect_json list.json "$hash" output_hash
     expect_json spaced.json "$hash" output_hash
-    expect_json file.json 5 planes
-    expect_json file.json explicit plan kind
-    expect_json file.json below plan side
+    expect_members file.json planes=5 'plan kind=explicit' 'plan side=below'
     expect 0 slice ball.stl --planes heights.txt --side above --report above.json
     expect_json above.json above plan side
     [[ $(json_value above.json output_hash) != "$hash" ]] || fail "--side above cut where below does"
@@ -86,11 +84,8 @@ test_orientation() {
 test_units() {
     expect 0 make sphere --triangles 2000 --height 2 -o ball.stl
     expect 0 slice ball.stl --layer-height 0.5 --unit cm --report cm.json
-    expect_json cm.json 40 planes
-    expect_json cm.json 10.0 file mm_per_unit
-    expect_json cm.json OFF file states_unit
-    expect_json cm.json STL file format
-    expect_json cm.json "" file patient_frame
+    expect_members cm.json planes=40 'file mm_per_unit=10.0' 'file states_unit=OFF' 'file format=STL' \
+        'file patient_frame='
     expect 0 slice ball.stl --layer-height 0.5 --unit 10 --report ten.json
     expect_json ten.json "$(json_value cm.json output_hash)" output_hash
     printf '10 0 0 0 0 10 0 0 0 0 10 0\n' > ten.txt
@@ -140,15 +135,9 @@ test_regions() {
     cat left.stl right.stl > both.stl
     expect 0 slice both.stl --planes 2,5 --fill-rule non-zero --fill-from 1:positive --fill-from 40:even-odd --closing 0.5 \
         --offset -1 --miter-limit 2.5 --drop-collinear --largest-only --flag-closing 0.25 -o out.svg --report report.json
-    expect_json report.json 1 region fill_from 0 first_layer
-    expect_json report.json positive region fill_from 0 fill_rule
-    expect_json report.json even-odd region fill_from 1 fill_rule
-    expect_json report.json 0.5 region closing_mm
-    expect_json report.json -1.0 region offset_mm
-    expect_json report.json 2.5 region miter_limit
-    expect_json report.json ON region largest_only
-    expect_json report.json ON region drop_collinear
-    expect_json report.json 0.25 region flag_closing_mm
+    expect_members report.json 'region fill_from 0 first_layer=1' 'region fill_from 0 fill_rule=positive' \
+        'region fill_from 1 fill_rule=even-odd' 'region closing_mm=0.5' 'region offset_mm=-1.0' \
+        'region miter_limit=2.5' 'region largest_only=ON' 'region drop_collinear=ON' 'region flag_closing_mm=0.25'
     local line
     for line in 'near      0 contours would change if gaps under 0.5 mm were closed' \
         'filled    by the rule non-zero, from layer 1 on positive, from layer 40 on even-odd' 'closed    gaps under 1 mm' \
@@ -201,20 +190,16 @@ test_mending() {
     grep -q 'rule non-zero' .stdout || fail "the summary does not say the rule"
     expect_failure 2 "--fill-rule" slice both.stl --fill-rule odd
     grep -q '"region"' report.json && fail "a region's report without more than a fill rule"
-    expect_json report.json "solid is not what the mesh encloses" volume verdict
-    expect_json report.json 200.0 volume differing_signed_mm2
-    expect_json report.json 150.0 volume differing_solid_mm2
+    expect_members report.json 'volume verdict=solid is not what the mesh encloses' \
+        'volume differing_signed_mm2=200.0' 'volume differing_solid_mm2=150.0'
     expect 0 slice both.stl --layer-height 10 --first-height 5 --report report.json
     grep -v '^time\|^memory' .stdout | diff united - || fail "non-zero is not the default"
 
     sed -E 's/^vertex ([0-9]+) 0 /vertex \1 5 /; s/^vertex ([0-9]+) 10 /vertex \1 15 /' right.stl > shifted.stl
     cat left.stl shifted.stl > through.stl
     expect 0 slice through.stl --planes 5 --fill-rule contours --report through.json
-    expect_json through.json 2 crossings count
-    expect_json through.json 5.0 crossings layers 0 first_mm 0
-    expect_json through.json 10.0 crossings layers 0 first_mm 1
-    expect_json through.json 2000.0 volume mesh_mm3
-    expect_json through.json holds volume verdict
+    expect_members through.json 'crossings count=2' 'crossings layers 0 first_mm 0=5.0' \
+        'crossings layers 0 first_mm 1=10.0' 'volume mesh_mm3=2000.0' 'volume verdict=holds'
     grep -q '^crossings 2 of contours, in layers 1' .stdout || fail "the summary does not say what crosses"
 
     awk '/vertex/ { v[n++] = $0; if (n == 3) { print v[0]; print v[2]; print v[1]; n = 0 } next } { print }' right.stl |
@@ -230,16 +215,9 @@ test_mending() {
 
     cube open.stl 0 5
     expect 0 slice open.stl --planes 5 --report open.json
-    expect_json open.json 1 open_contours
-    expect_json open.json 5.0 open_layers 0 plane_mm
-    expect_json open.json 1 open_layers 0 count
-    expect_json open.json 10.0 open_layers 0 first 0 gap_mm
-    expect_json open.json 0 open_layers 0 not_listed
-    expect_json open.json 10 ledger triangles
-    expect_json open.json 6 ledger cut
-    expect_json open.json 4 ledger between_planes
-    expect_json open.json 100.0 ledger flat_up_mm2
-    expect_json open.json "open mesh" volume verdict
+    expect_members open.json open_contours=1 'open_layers 0 plane_mm=5.0' 'open_layers 0 count=1' \
+        'open_layers 0 first 0 gap_mm=10.0' 'open_layers 0 not_listed=0' 'ledger triangles=10' 'ledger cut=6' \
+        'ledger between_planes=4' 'ledger flat_up_mm2=100.0' 'volume verdict=open mesh'
     grep -q '^volume *not certified: open mesh' .stdout || fail "an open mesh has a volume"
     expect_json open.json 1 open layers
     expect_json open.json 1.0 open height_share
@@ -248,10 +226,7 @@ test_mending() {
     expect_json report.json 1 open_contours
     expect_json report.json 0 gaps closed
     expect 0 slice open.stl --planes 5 --stitch 10 --report report.json
-    expect_json report.json 0 open_contours
-    expect_json report.json 1 gaps closed
-    expect_json report.json 10.0 gaps total_mm
-    expect_json report.json 10.0 gaps closings 0 length_mm
+    expect_members report.json open_contours=0 'gaps closed=1' 'gaps total_mm=10.0' 'gaps closings 0 length_mm=10.0'
     grep -q '^gaps *1 closed' .stdout || fail "the summary does not say what was closed"
     expect_failure 2 "--stitch" slice open.stl --stitch -1
 
@@ -265,9 +240,7 @@ test_mending() {
     expect_json report.json oriented gaps direction
     expect_json report.json 0 gaps closed
     expect 0 slice mixed.stl --planes 5 --stitch 8 --stitch-direction any --report report.json
-    expect_json report.json any gaps direction
-    expect_json report.json 2 gaps closed
-    expect_json report.json 0 open_contours
+    expect_members report.json 'gaps direction=any' 'gaps closed=2' open_contours=0
     expect_failure 2 "--stitch-direction" slice mixed.stl --stitch 8 --stitch-direction both
 
     awk '/^vertex 10 10 10$/ && ++n == 3 {$2 = 10.001} 1' left.stl > cracked.stl
@@ -275,9 +248,7 @@ test_mending() {
     expect_json report.json 2 open_contours
     for words in "" "--stitch auto"; do
         expect 0 slice cracked.stl --planes 5 $words --report report.json -o out.svg
-        expect_json report.json 0 open_contours
-        expect_json report.json 0.17321085678674045 gaps reach_mm
-        expect_json report.json 2 gaps closed
+        expect_members report.json open_contours=0 'gaps reach_mm=0.17321085678674045' 'gaps closed=2'
         grep -q '<desc>2 gaps of at most' out.svg || fail "the SVG does not show the gap that was closed"
     done
     expect_failure 2 "--stitch: 'car' is neither a number of mm" slice cracked.stl --stitch car
@@ -286,9 +257,7 @@ test_mending() {
     expect 0 slice cracked.ply --planes 2,5,8 --memory 5M -o ranges.svg
     cmp whole.svg ranges.svg || fail "--memory closes other gaps"
     expect 0 slice cracked.stl --planes 5 --weld 0.01 --report report.json
-    expect_json report.json 0 open_contours
-    expect_json report.json 1 weld joined
-    expect_json report.json 8 weld vertices
+    expect_members report.json open_contours=0 'weld joined=1' 'weld vertices=8'
     grep -q '^welded *1 vertex onto' .stdout || fail "the summary does not say what was welded"
     expect 0 slice cracked.stl --planes 5 --weld 0.01 -o out.svg
     grep -q 'Vertices at most 0.01 mm apart welded before: 1 moved' out.svg || fail "the SVG does not say what was welded"

@@ -1,13 +1,6 @@
 #!/usr/bin/env bash
 # regions.sh PAGE TOOL: runs the commands of tools/docs/regions.md in a folder with a mesh of four boxes, and checks that each did
 # what the page says.
-set -euo pipefail
-page=$(realpath "$1")
-tool=$(realpath "$2")
-
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
 
 # box LOW HIGH: the facets of a box from LOW to HIGH in x and from 0 to 10 in y and z, as ASCII STL.
 box() {
@@ -21,11 +14,10 @@ box() {
         echo "endloop endfacet"
     done
 }
-{ echo "solid part"; box 0 5; box 4 9; box 9.05 12; box 20 30; echo "endsolid part"; } > part.stl
+prepare() { { echo "solid part"; box 0 5; box 4 9; box 9.05 12; box 20 30; echo "endsolid part"; } > part.stl; }
 
-sed -n '/^```bash$/,/^```$/p' "$page" | sed '/^```/d' > examples
+source "$(dirname "${BASH_SOURCE[0]}")/page.sh" "$@"
 [[ $(grep -c '^lamella slice' examples) == 6 ]] || { echo "the page does not show six commands"; exit 1; }
-PATH=$(dirname "$tool"):$PATH bash -eu examples > output
 
 # has FILE COUNT WORDS: the SVG has that many contours of that kind in its 50 layers.
 has() { [[ $(grep -o "$3" "$1" | wc -l) == "$2" ]] || { echo "$1: not $2 times $3"; exit 1; }; }

@@ -34,7 +34,6 @@ SLICING = [
     ["slice_layers.hpp"],
     ["slice_layers.cpp", "prepare.cpp", "parts", "handover", "faces"],
     ["source_impl.hpp"],
-    ["source_impl.cpp"],
     ["slicer.cpp"],
 ]
 

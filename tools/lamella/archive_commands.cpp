@@ -158,7 +158,7 @@ private:
 
     /// --like: an image that says more than its geometry, which archives hold.
     void use_image() {
-        ImageGeometry image = read_image_of(arguments_.image);
+        ImageGeometry image = done_or_thrown(read_image_geometry(arguments_.image.like));
         for (const std::string& warning : image.warnings) {
             stages_.warn(warning);
         }

@@ -41,6 +41,7 @@ std::vector<std::string> reversed_words(int count, char** words) {
     return reversed;
 }
 
+/// Throws Failure.
 int run(int count, char** words) {
     Interrupt interrupt;
     CLI::App app("Slices triangle meshes into closed, oriented, nested contours", "lamella");
@@ -62,10 +63,9 @@ int run(int count, char** words) {
     } catch (const CLI::ParseError& error) {
         complain(usage_line(app, error));
         return bad_usage;
-    } catch (const Failure& failure) {
+    } catch (const Failure&) {
         interrupt.die_if_interrupted();
-        complain(failure.what());
-        return failure.status();
+        throw;
     }
 }
 

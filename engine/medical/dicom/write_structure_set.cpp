@@ -46,13 +46,16 @@ void put_reference(DataSet& out, std::string_view class_uid, std::string_view in
     out.put_uid(dicom::referenced_sop_instance_uid, instance_uid);
 }
 
+void put_images(DataSet& out, std::span<const DicomSeries::Instance> slices) {
+    out.put_items(dicom::contour_image_sequence, slices.size(),
+                  [&](std::size_t i) { put_reference(out, slices[i].sop_class_uid, slices[i].sop_instance_uid); });
+}
+
 /// Which frame of reference, and which images.
 void put_frame_of_reference(DataSet& out, const StructureSetIdentity& identity, const ImageGeometry& image) {
     const auto put_series = [&](std::size_t) {
-        const std::vector<DicomSeries::Instance>& slices = image.series->slices;
         out.put_uid(dicom::series_instance_uid, image.series->series_uid);
-        out.put_items(dicom::contour_image_sequence, slices.size(),
-                      [&](std::size_t i) { put_reference(out, slices[i].sop_class_uid, slices[i].sop_instance_uid); });
+        put_images(out, image.series->slices);
     };
     const auto put_study = [&](std::size_t) {
         put_reference(out, dicom::detached_study_management, identity.study_uid);
@@ -96,9 +99,9 @@ void flush(DataSet& data, OutputFile& file) {
     data.bytes().clear();
 }
 
-bool has_holes(const SliceResult& result) {
+bool has_any(const SliceResult& result, Role role) {
     return std::any_of(result.contours.begin(), result.contours.end(),
-                       [](const Contour& contour) { return contour.role == Role::hole; });
+                       [role](const Contour& contour) { return contour.role == role; });
 }
 
 /// The contours of a ROI as items of a Contour Sequence. One a thread.
@@ -109,7 +112,7 @@ public:
         : image_(image),
           roi_(roi),
           holes_(holes),
-          exclusive_or_(holes == HoleForm::exclusive_or && has_holes(*roi.result)),
+          exclusive_or_(holes == HoleForm::exclusive_or && has_any(*roi.result, Role::hole)),
           axes_{image.axes[0], image.axes[1], cross(image.axes[0], image.axes[1])},
           // So many that a number lies nearer to its point of the grid than to any other.
           decimals_(std::clamp(static_cast<int>(std::ceil(-std::log10(roi.result->info.grid_mm / 4))), 0, 14)) {}
@@ -163,9 +166,7 @@ private:
         DataSet& out = slice.out;
         out.put_item([&] {
             if (image_.series) {
-                const DicomSeries::Instance& on = image_.series->slices[slice.index];
-                out.put_items(dicom::contour_image_sequence, 1,
-                              [&](std::size_t) { put_reference(out, on.sop_class_uid, on.sop_instance_uid); });
+                put_images(out, std::span(image_.series->slices).subspan(slice.index, 1));
             }
             out.put(dicom::contour_geometric_type, exclusive_or_ ? "CLOSEDPLANAR_XOR" : "CLOSED_PLANAR");
             out.put_number(dicom::number_of_contour_points, ring.size());
@@ -255,8 +256,7 @@ void require_contours(std::span<const Roi> rois, const ImageGeometry& image, con
     }
     for (const Roi& roi : rois) {
         require_cut(roi.result, roi.name, image.size[2]);
-        if (std::none_of(roi.result->contours.begin(), roi.result->contours.end(),
-                         [](const Contour& contour) { return contour.role == Role::outer; })) {
+        if (!has_any(*roi.result, Role::outer)) {
             refuse_output(path, "'" + roi.name + "' has no closed contour on any slice of the image");
         }
     }

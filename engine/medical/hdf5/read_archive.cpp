@@ -11,7 +11,7 @@
 #include "medical/hdf5/archive_file.hpp"
 #include "medical/hdf5/handles.hpp"
 #include "options/asked.hpp"
-#include "slicing/grid/exact.hpp"
+#include "slicing/nesting/ring_facts.hpp"
 #include "slicing/result/band_output.hpp"
 
 namespace lamella {
@@ -205,44 +205,25 @@ void load_rows(const InputFile& file, ReadTree& tree, const Parallel& parallel) 
 
 // --- what no single row shows
 
-/// A place in the file, and what is wrong with it; empty where nothing is.
-struct Complaint {
-    const char* path = nullptr;
-    std::uint64_t row = 0;
-    const char* why = nullptr;
-};
-
-void refuse_if(const InputFile& file, const Complaint& complaint) {
-    if (complaint.path != nullptr) {
-        refuse_place(file, complaint.path, "row " + std::to_string(complaint.row) + " " + complaint.why);
+void require_row(const InputFile& file, bool holds, const char* path, std::uint64_t row, const char* why) {
+    if (!holds) {
+        refuse_place(file, path, "row " + std::to_string(row) + " " + why);
     }
 }
 
 /// Sets how many of `end` follow from each row's first one to the next row's.
 template <class T, class Count>
-Complaint set_row_counts(const char* path, Array<T>& rows, std::uint64_t end, std::uint64_t T::*first, Count T::*count,
-                         std::uint64_t least) {
+void set_row_counts(const InputFile& file, const char* path, Array<T>& rows, std::uint64_t end, std::uint64_t T::*first,
+                    Count T::*count, std::uint64_t least) {
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const std::uint64_t begin = rows[i].*first;
         const std::uint64_t next = i + 1 < rows.size() ? rows[i + 1].*first : end;
-        if ((i == 0 && begin != 0) || next < begin || next > end || next - begin < least ||
-            next - begin > std::numeric_limits<Count>::max()) {
-            return {path, i, "does not lead on to the next row"};
-        }
+        require_row(file,
+                    (i > 0 || begin == 0) && next >= begin && next <= end && next - begin >= least &&
+                        next - begin <= std::numeric_limits<Count>::max(),
+                    path, i, "does not lead on to the next row");
         rows[i].*count = static_cast<Count>(next - begin);
     }
-    return {};
-}
-
-Int128 twice_area_of(const SliceResult& result, const Contour& contour) {
-    Int128 sum = 0;
-    if (contour.role == Role::outer || contour.role == Role::hole) {
-        const std::span<const Point> points = result.points_of(contour);
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            sum += cross(points[i], points[i + 1 == points.size() ? 0 : i + 1]);
-        }
-    }
-    return sum;
 }
 
 Int128 size_of(const Contour& contour) {
@@ -265,42 +246,35 @@ bool is_parent(const SliceResult& result, const Layer& layer, const Contour& con
     return parent.role <= Role::hole && (around < start || (around == start && size_of(parent) > size_of(contour)));
 }
 
-/// Sets the areas of the layer's contours.
-Complaint check_layer(SliceResult& result, std::size_t index) {
+void check_layer(const InputFile& file, const SliceResult& result, std::size_t index) {
     const Layer& layer = result.layers[index];
-    if (index > 0 && layer.plane <= result.layers[index - 1].plane) {
-        return {"/layers/plane", index, "not above the row before"};
+    require_row(file, index == 0 || layer.plane > result.layers[index - 1].plane, "/layers/plane", index,
+                "not above the row before");
+    require_row(file, layer.bottom_mm <= layer.plane_mm && layer.plane_mm <= layer.top_mm, "/layers/plane_mm", index,
+                "not between bottom and top");
+    for (const Contour& contour : result.contours_of(layer)) {
+        require_row(file, is_parent(result, layer, contour), "/contours/parent",
+                    static_cast<std::uint64_t>(&contour - result.contours.data()), "cannot lie around the contour");
     }
-    if (!(layer.bottom_mm <= layer.plane_mm && layer.plane_mm <= layer.top_mm)) {
-        return {"/layers/plane_mm", index, "not between bottom and top"};
-    }
-    const std::span contours = result.contours.span().subspan(layer.first_contour, layer.contour_count);
-    for (Contour& contour : contours) {
-        contour.twice_area = to_integer128(twice_area_of(result, contour));
-    }
-    for (const Contour& contour : contours) {
-        if (!is_parent(result, layer, contour)) {
-            return {"/contours/parent", static_cast<std::uint64_t>(&contour - result.contours.data()),
-                    "cannot lie around the contour"};
-        }
-    }
-    return {};
 }
 
 /// Checks offsets, parents and the order of layers, and sets what follows from the columns.
 void check_loaded(const InputFile& file, SliceResult& result, const Parallel& parallel) {
-    refuse_if(file, set_row_counts("/layers/first_contour", result.layers, result.contours.size(), &Layer::first_contour,
-                                   &Layer::contour_count, 0));
-    refuse_if(file, set_row_counts("/contours/first_point", result.contours, result.points.size(), &Contour::first_point,
-                                   &Contour::point_count, 1));
-    std::vector<Complaint> complaints(result.layers.size());
-    parallel.run_ranges(result.layers.size(), 16, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t i = begin; i < end; ++i) {
-            complaints[i] = check_layer(result, i);
+    constexpr std::size_t grain = 256;
+    set_row_counts(file, "/layers/first_contour", result.layers, result.contours.size(), &Layer::first_contour,
+                   &Layer::contour_count, 0);
+    set_row_counts(file, "/contours/first_point", result.contours, result.points.size(), &Contour::first_point,
+                   &Contour::point_count, 1);
+    parallel.run_ranges(result.contours.size(), grain, [&](std::size_t begin, std::size_t end, int) {
+        for (Contour& contour : result.contours.span().subspan(begin, end - begin)) {
+            const std::span<const Point> points = result.points_of(contour);
+            const bool has_area = contour.role == Role::outer || contour.role == Role::hole;
+            contour.twice_area = to_integer128(has_area ? examine_ring(points.data(), points.size()).twice_area : 0);
         }
     });
-    for (const Complaint& complaint : complaints) {
-        refuse_if(file, complaint);
+    for (std::size_t i = 0; i < result.layers.size(); ++i) {
+        parallel.stop_if_asked();
+        check_layer(file, result, i);
     }
 }
 

@@ -237,10 +237,7 @@ std::string closing_line(std::uint32_t crc) {
 
 Status write_columns(const KindRows& rows, FillRows fill, const ArchiveHead& head, const std::filesystem::path& path,
                      const Parallel& parallel, double begun) {
-    Result<OutputFile> file = OutputFile::create(path);  // first: what cannot be written is refused at once
-    if (!file) {
-        return file.error();
-    }
+    OutputFile file = require(OutputFile::create(path));  // first: what cannot be written is refused at once
     std::vector<PlacedColumn> columns;
     for (const Column& column : all_columns()) {
         if (rows[column.kind] > 0 || !column.is_optional()) {
@@ -252,7 +249,7 @@ Status write_columns(const KindRows& rows, FillRows fill, const ArchiveHead& hea
     std::sort(columns.begin(), columns.end(),
               [](const PlacedColumn& a, const PlacedColumn& b) { return a.offset < b.offset; });
     parallel.begin_stage(1);
-    ArchiveWriter writer(*file, tree, parallel, begun);
+    ArchiveWriter writer(file, tree, parallel, begun);
     for (const PlacedColumn& column : columns) {
         writer.write_tree(column.offset);
         writer.write_rows(fill, column);

@@ -1,5 +1,8 @@
 #include "medical/mask/mask_file.hpp"
 
+#include <cstring>
+
+#include "base/little_endian.hpp"
 #include "base/words.hpp"
 #include "io/text/text.hpp"
 #include "lamella/io/name_text.hpp"
@@ -19,12 +22,7 @@ std::string vector_text(const Direction& at) {
 /// NIfTI's numbers are written little-endian.
 template <class T>
 void put(std::string& header, std::size_t at, T value) {
-    std::array<char, sizeof(T)> raw;
-    std::memcpy(raw.data(), &value, sizeof value);
-    if constexpr (std::endian::native == std::endian::big) {
-        std::reverse(raw.begin(), raw.end());
-    }
-    std::copy(raw.begin(), raw.end(), header.begin() + static_cast<std::ptrdiff_t>(at));
+    std::memcpy(header.data() + at, &value, sizeof value);
 }
 
 /// The quaternion (b, c, d) of the rotation whose columns are `axes`, right-handed.

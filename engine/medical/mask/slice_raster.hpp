@@ -3,6 +3,7 @@
 
 #include <cstring>
 
+#include "base/little_endian.hpp"
 #include "medical/mask/mask_file.hpp"
 #include "medical/raster/coverage.hpp"
 #include "medical/raster/row_crossings.hpp"
@@ -224,10 +225,7 @@ private:
     void draw_wide_labels(std::uint64_t slice, unsigned char* to, Scratch& scratch, MaskCounts& counts) const {
         scratch.wide.assign(image_.size[0] * image_.size[1], 0);
         draw_spans(slice, scratch.wide.data(), scratch, counts);
-        for (const std::uint16_t label : scratch.wide) {
-            *to++ = static_cast<unsigned char>(label & 0xff);
-            *to++ = static_cast<unsigned char>(label >> 8);
-        }
+        std::memcpy(to, scratch.wide.data(), slice_bytes());
     }
 
     void draw_shares(std::uint64_t slice, unsigned char* to, Scratch& scratch, MaskCounts& counts) const {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <new>
 
+#include "base/guard.hpp"
 #include "io/write/output_file.hpp"
 #include "lamella/medical/picture.hpp"
 
@@ -127,10 +128,7 @@ bool can_write_pictures() noexcept {
 }
 
 Status Canvas::write_png(const std::filesystem::path& path) const {
-    Result<OutputFile> file = OutputFile::create(path);
-    if (!file) {
-        return file.error();
-    }
+    OutputFile file = require(OutputFile::create(path));
     png_image image{};
     image.version = PNG_IMAGE_VERSION;
     image.width = static_cast<png_uint_32>(width_);
@@ -141,8 +139,8 @@ Status Canvas::write_png(const std::filesystem::path& path) const {
     if (png_image_write_to_memory(&image, encoded.data(), &bytes, 0, pixels_.data(), 0, nullptr) == 0) {
         throw std::bad_alloc();  // the only way to fail
     }
-    file->append({encoded.data(), bytes});
-    return file->commit();
+    file.append({encoded.data(), bytes});
+    return file.commit();
 }
 
 #else

@@ -38,8 +38,8 @@ public:
     /// One line in a font of digits, letters and a few signs, text_height(unit) pixels high.
     void write(int x, int y, std::string_view text, int unit, Colour colour) noexcept;
 
-    /// Equal pixels give equal bytes: no time is written. Precondition: can_write_pictures(). Errors: unwritable_file.
-    /// Throws std::bad_alloc.
+    /// Equal pixels give equal bytes: no time is written. Precondition: can_write_pictures(). Throws Refused
+    /// (unwritable_file), std::bad_alloc.
     Status write_png(const std::filesystem::path& path) const;
 
 private:

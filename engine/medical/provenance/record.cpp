@@ -17,37 +17,36 @@
 
 namespace lamella {
 
-namespace {
-
 using Json = nlohmann::ordered_json;
 
-constexpr std::uintmax_t most_record_bytes = std::uintmax_t{64} << 20;
-
-Json json_of(const FileSeal& seal) {
-    return {{"path", text_of_name(seal.path)}, {"bytes", seal.bytes}, {"sha256", seal.sha256}};
+// Found by nlohmann's lists of seals.
+static void to_json(Json& json, const FileSeal& seal) {
+    json = {{"path", text_of_name(seal.path)}, {"bytes", seal.bytes}, {"sha256", seal.sha256}};
 }
 
-FileSeal seal_of(const Json& json) {
-    return {name_of_text(json.at("path").get<std::string>()), json.at("bytes").get<std::uint64_t>(),
+static void from_json(const Json& json, FileSeal& seal) {
+    seal = {name_of_text(json.at("path").get<std::string>()), json.at("bytes").get<std::uint64_t>(),
             json.at("sha256").get<std::string>()};
 }
 
+namespace {
+
+constexpr std::uintmax_t most_record_bytes = std::uintmax_t{64} << 20;
+
 Record record_of(const Json& json) {
     Record record;
-    record.version = json.at("lamella").get<std::string>();
-    record.command = json.at("command").get<std::string>();
-    for (const Json& input : json.at("inputs")) {
-        record.inputs.push_back(seal_of(input));
-    }
-    record.output = seal_of(json.at("output"));
+    json.at("lamella").get_to(record.version);
+    json.at("command").get_to(record.command);
+    json.at("inputs").get_to(record.inputs);
+    json.at("output").get_to(record.output);
     for (const Json& option : json.at("options")) {
         record.options.push_back(name_of_text(option.get<std::string>()));
     }
-    record.patient_frame = json.at("patient_frame").get<std::string>();
-    record.grid_mm = json.at("grid_mm").get<std::vector<double>>();
+    json.at("patient_frame").get_to(record.patient_frame);
+    json.at("grid_mm").get_to(record.grid_mm);
     record.stitch_mm = json.value("stitch_mm", std::vector<double>());
-    record.fill_rule = json.at("fill_rule").get<std::string>();
-    record.result_hashes = json.at("result_hashes").get<std::vector<std::string>>();
+    json.at("fill_rule").get_to(record.fill_rule);
+    json.at("result_hashes").get_to(record.result_hashes);
     record.source_date_epoch = json.value("source_date_epoch", "");
     return record;
 }
@@ -102,18 +101,14 @@ Result<FileSeal> seal_file(const std::filesystem::path& path, const Context& con
 
 Status write_record(const Record& record, const std::filesystem::path& path) noexcept {
     return guarded([&]() -> Status {
-        Json inputs = Json::array();
-        for (const FileSeal& input : record.inputs) {
-            inputs.push_back(json_of(input));
-        }
         Json options = Json::array();
         for (const std::string& option : record.options) {
             options.push_back(text_of_name(option));
         }
         Json json = {{"lamella", record.version},
                      {"command", record.command},
-                     {"inputs", inputs},
-                     {"output", json_of(record.output)},
+                     {"inputs", record.inputs},
+                     {"output", record.output},
                      {"options", options},
                      {"patient_frame", record.patient_frame},
                      {"grid_mm", record.grid_mm},

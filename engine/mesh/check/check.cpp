@@ -72,8 +72,8 @@ struct Share {
     std::size_t runs;
 };
 constexpr double measure_share = 0.04;
-constexpr Share faces_share = {0.24, 11};
-constexpr Share edges_share = {0.36, 6};
+constexpr Share faces_share = {0.24, 13};
+constexpr Share edges_share = {0.36, 7};
 constexpr Share joints_share = {0.48, 7};
 constexpr Share tree_share = {0.54, 9};
 constexpr Share shells_share = {0.60, 9};

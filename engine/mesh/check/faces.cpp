@@ -9,40 +9,13 @@ namespace lamella {
 
 namespace {
 
+/// Of a side in halves of grid units: 2^30 along an axis at most, so that the sum fits.
 double square(const GridVector& v) {
-    return static_cast<double>(dot(v, v));
-}
-
-double real_square(const GridVector& v) {
-    const auto x = static_cast<double>(v.x);
-    const auto y = static_cast<double>(v.y);
-    const auto z = static_cast<double>(v.z);
-    return x * x + y * y + z * z;
+    return static_cast<double>(v.x * v.x + v.y * v.y + v.z * v.z);
 }
 
 /// A sliver is a needle when its shortest side is under a tenth of the longest; else two angles are acute and small: a cap.
 constexpr double needle_ratio = 10;
-
-/// Longest side over the height on it, and over the shortest side. The components are exact, the rest is in double.
-struct Shape {
-    double over_height;
-    double over_shortest;
-};
-
-Shape shape_of(const GridVector& ab, const GridVector& ac, const GridVector& bc, const GridVector& normal) {
-    const double twice_area =
-        std::hypot(static_cast<double>(normal.x), static_cast<double>(normal.y), static_cast<double>(normal.z));
-    const auto [shortest, longest] = std::minmax({square(ab), square(ac), square(bc)});
-    return {longest / twice_area, std::sqrt(longest / shortest)};
-}
-
-/// A quick test in place of shape_of(), without roots and with a margin for rounding: false for nearly all faces.
-bool may_be_sliver(const GridVector& ab, const GridVector& ac, const GridVector& bc, const GridVector& normal,
-                   double sliver_ratio) {
-    constexpr double margin = 1 - 1e-9;
-    const double longest = std::max({real_square(ab), real_square(ac), real_square(bc)});
-    return longest * longest >= margin * sliver_ratio * sliver_ratio * real_square(normal);
-}
 
 void judge_shape(const GridMesh& mesh, const Face& face, double sliver_ratio, FaultCollector& faults) {
     const std::array<GridVertex, 3> corners = mesh.corners(face);
@@ -54,14 +27,14 @@ void judge_shape(const GridMesh& mesh, const Face& face, double sliver_ratio, Fa
         faults.add(Fault::zero_area_face, [&] { return faults.at(face); });
         return;
     }
-    if (!may_be_sliver(ab, ac, bc, normal, sliver_ratio)) {
-        return;
-    }
-    const Shape shape = shape_of(ab, ac, bc, normal);
-    if (shape.over_height >= sliver_ratio) {
-        faults.add(shape.over_shortest > needle_ratio ? Fault::needle_face : Fault::cap_face, [&] {
+    // Longest side over the height on it. The components are exact, the rest is in double.
+    const auto [shortest, longest] = std::minmax({square(ab), square(ac), square(bc)});
+    const double over_height =
+        longest / std::hypot(static_cast<double>(normal.x), static_cast<double>(normal.y), static_cast<double>(normal.z));
+    if (over_height >= sliver_ratio) {
+        faults.add(std::sqrt(longest / shortest) > needle_ratio ? Fault::needle_face : Fault::cap_face, [&] {
             FaultPlace place = faults.at(face);
-            place.measure = shape.over_height;
+            place.measure = over_height;
             return place;
         });
     }

@@ -1,8 +1,8 @@
 #include "mesh/check/grid_mesh.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cassert>
-#include <functional>
 #include <limits>
 #include <span>
 #include <tuple>
@@ -17,8 +17,6 @@
 namespace lamella {
 
 namespace {
-
-constexpr std::size_t vertices_a_part = std::size_t{1} << 14;
 
 /// A vertex on the grid, and a hash of its coordinates as they are.
 struct Vertex {
@@ -57,8 +55,8 @@ private:
     bool joined_ = false;
 };
 
-/// Seven calls of run(). Corners are numbered within ranges of triangles, then what the ranges have found in parts of the
-/// order of vertices, each by a hash table in the cache: O(n) expected for the corners, O(v log v) for v vertices.
+/// Nine calls of run(). Corners are numbered within ranges of triangles, each by a hash table in the cache; what the ranges
+/// have found is sorted, and then numbered: O(n) expected for the corners, O(v log v) for v vertices.
 /// Coordinates are compared by hashes of 32 bits: that the only difference is missed has a chance of 2^-32.
 ///
 /// Triangles that follow one another share most of their vertices: each range of them is numbered by itself first, so that
@@ -82,16 +80,17 @@ public:
     /// Fills in vertices and `joined`; the number of each corner, three a triangle.
     Array<std::uint32_t> run(GridMesh& grid) {
         number_ranges();
-        Distributed<Item> parts = distribute_found();
-        grid.vertices = number_parts(parts);
+        number_found(sort_found(), grid);
         rename_corners();
-        grid.joined = std::any_of(tables_.begin(), tables_.end(), [](const VertexTable& table) { return table.joined(); });
+        grid.joined = grid.joined ||
+                      std::any_of(tables_.begin(), tables_.end(), [](const VertexTable& table) { return table.joined(); });
         return std::move(of_corners_);
     }
 
 private:
     /// A vertex that some range has found.
     struct Item {
+        std::uint64_t key;  ///< in Morton order
         Vertex vertex;
         std::uint32_t number;  ///< among all that were found
     };
@@ -120,82 +119,46 @@ private:
         });
     }
 
-    /// In parts of the Morton order. Frees what the ranges have found.
-    Distributed<Item> distribute_found() {
+    /// What the ranges have found, in the order of vertices. Frees it there.
+    Array<Item> sort_found() {
         firsts_.assign(ranges_ + 1, 0);
         for (std::size_t range = 0; range < ranges_; ++range) {
             firsts_[range + 1] = firsts_[range] + static_cast<std::uint32_t>(found_[range].size());
         }
-        const std::size_t count = firsts_.back();
-        Array<Vertex> all(parallel_.memory());
-        all.resize_discarding(count);
+        Array<Item> items(parallel_.memory());
+        items.resize_discarding(firsts_.back());
         parallel_.run(ranges_, [&](std::size_t range, int) {
-            std::copy(found_[range].begin(), found_[range].end(), all.begin() + firsts_[range]);
-            found_[range] = {};
-        });
-        const auto key = [&](std::size_t i) { return order_.key(all[i].place); };
-        const Splitters<std::uint64_t, std::less<>> splitters(count, parts_for(count, vertices_a_part), std::less<>{}, key);
-        return distribute<Item>(
-            count, splitters.parts(), parallel_,
-            [&](std::size_t begin, std::size_t end, const auto& emit) {
-                for (std::size_t i = begin; i != end; ++i) {
-                    emit(splitters.part_of(key(i)), Item{all[i], static_cast<std::uint32_t>(i)});
-                }
-            },
-            parallel_.memory());
-    }
-
-    /// All vertices in order; of_found_ becomes the number of each that a range has found.
-    Array<GridVertex> number_parts(Distributed<Item>& parts) {
-        std::vector<std::vector<GridVertex>> vertices(parts.size());
-        of_found_.resize_discarding(parts.items.size());
-        parallel_.run(parts.size(), [&](std::size_t part, int worker) {
-            vertices[part] = number_part(parts.of(part), tables_[static_cast<std::size_t>(worker)]);
-        });
-        std::vector<std::uint32_t> firsts(parts.size() + 1, 0);
-        for (std::size_t part = 0; part < parts.size(); ++part) {
-            firsts[part + 1] = firsts[part] + static_cast<std::uint32_t>(vertices[part].size());
-        }
-        Array<GridVertex> all(parallel_.memory());
-        all.resize_discarding(firsts.back());
-        parallel_.run(parts.size(), [&](std::size_t part, int) {
-            std::copy(vertices[part].begin(), vertices[part].end(), all.begin() + firsts[part]);
-            for (const Item& item : parts.of(part)) {
-                of_found_[item.number] += firsts[part];
+            std::uint32_t number = firsts_[range];
+            for (const Vertex& vertex : std::exchange(found_[range], {})) {
+                items[number] = {order_.key(vertex.place), vertex, number};
+                ++number;
             }
         });
-        return all;
+        sort_in_parallel(
+            items.span(),
+            [](const Item& a, const Item& b) { return a.key != b.key ? a.key < b.key : a.vertex.place < b.vertex.place; },
+            parallel_, parallel_.memory());
+        return items;
     }
 
-    /// The part's vertices in order; of_found_ becomes the rank among these.
-    std::vector<GridVertex> number_part(std::span<const Item> items, VertexTable& table) {
-        struct Ranked {
-            std::uint64_t key;
-            GridVertex place;
-            std::uint32_t arrival;
-        };
-        table.clear();
-        for (const Item& item : items) {
-            of_found_[item.number] = table.number(item.vertex);
-        }
-        std::vector<Ranked> ranked;
-        ranked.reserve(table.found().size());
-        for (const Vertex& vertex : table.found()) {
-            ranked.push_back({order_.key(vertex.place), vertex.place, static_cast<std::uint32_t>(ranked.size())});
-        }
-        std::sort(ranked.begin(), ranked.end(),
-                  [](const Ranked& a, const Ranked& b) { return a.key != b.key ? a.key < b.key : a.place < b.place; });
-        std::vector<std::uint32_t> ranks(ranked.size());
-        std::vector<GridVertex> vertices;
-        vertices.reserve(ranked.size());
-        for (const Ranked& vertex : ranked) {
-            ranks[vertex.arrival] = static_cast<std::uint32_t>(vertices.size());
-            vertices.push_back(vertex.place);
-        }
-        for (const Item& item : items) {
-            of_found_[item.number] = ranks[of_found_[item.number]];
-        }
-        return vertices;
+    /// All vertices in order; of_found_ becomes the number of each that a range has found. Whether a vertex stands for
+    /// several is seen where they follow one another.
+    void number_found(const Array<Item>& items, GridMesh& grid) {
+        std::atomic<bool> joined = false;
+        of_found_.resize_discarding(items.size());
+        number_where(
+            items.size(), parallel_,
+            [&](std::size_t i) { return i == 0 || !(items[i].vertex.place == items[i - 1].vertex.place); },
+            [&](std::size_t count) { grid.vertices.resize_discarding(count); },
+            [&](std::size_t i, std::uint32_t number, bool is_new) {
+                of_found_[items[i].number] = number;
+                if (is_new) {
+                    grid.vertices[number] = items[i].vertex.place;
+                } else if (items[i].vertex.exact != items[i - 1].vertex.exact) {
+                    joined = true;
+                }
+            });
+        grid.joined = joined;
     }
 
     void rename_corners() {

@@ -83,8 +83,8 @@ struct GridMesh {
     }
 };
 
-/// O(n log n), in eleven calls of run(). `measured` holds the box and the grid. Precondition: indices in range, coordinates
-/// within the grid, fewer than 2^32 / 3 triangles. Throws std::bad_alloc.
+/// O(n log n), in thirteen calls of run(). `measured` holds the box and the grid. Precondition: indices in range,
+/// coordinates within the grid, fewer than 2^32 / 3 triangles. Throws std::bad_alloc.
 GridMesh make_grid_mesh(const MeshView& mesh, const Frame& frame, const MeshCheck& measured, const Parallel& parallel);
 
 }  // namespace lamella

@@ -21,17 +21,13 @@ Result<OrientedMesh> orient_or_throw(const MeshView& view, const Frame& frame, c
     Context recycled = context;
     recycled.memory = recycler.memory();
     const Parallel parallel(recycled);
-    Result<WeldedMesh> welded = weld(view, 0, parallel.within(context));
-    if (!welded) {
-        return welded.error();
-    }
-    OrientedMesh oriented{.mesh = std::move(welded).value()};
+    OrientedMesh oriented{.mesh = require(weld(view, 0, parallel.within(context)))};
     MeshCheck found;
     measure_mesh(oriented.view(), frame, parallel, 0.3, found);
-    parallel.begin_stage(0.5, 11);
+    parallel.begin_stage(0.5, 13);
     const GridMesh grid = make_grid_mesh(oriented.view(), frame, found, parallel);
     if (!grid.faces.empty()) {
-        parallel.begin_stage(0.6, 6);
+        parallel.begin_stage(0.6, 7);
         const EdgeTable edges(grid, parallel);
         parallel.begin_stage(0.7, 7);
         const EmbeddedStars stars(grid, edges, parallel);

@@ -26,25 +26,6 @@ FaultPlace place_of_edge(const GridMesh& mesh, const EdgeTable& edges, std::size
     return place;
 }
 
-/// One call of run(): visit(edge, side, other side) for every edge with two faces.
-template <class Visit>
-void each_joint(const EdgeTable& edges, const Parallel& parallel, Visit visit) {
-    constexpr std::size_t grain = 8192;
-    parallel.run_ranges(edges.size(), grain, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t edge = begin; edge != end; ++edge) {
-            if (const auto sides = edges.sides(edge); sides.size() == 2) {
-                visit(edge, sides[0], sides[1]);
-            }
-        }
-    });
-}
-
-/// Faces of a patch (joined over edges with two faces) by orientation relative to its first face.
-struct Patch {
-    std::atomic<std::uint32_t> alike = 0;
-    std::atomic<std::uint32_t> opposite = 0;
-};
-
 /// The patches of a mesh. Each face takes part twice, as it is and reversed, so that faces which agree in orientation are in
 /// one set. Where the reversed first face is in the set of the first face, the patch has one side.
 class Patches {
@@ -52,12 +33,17 @@ public:
     /// Two calls of run().
     Patches(const GridMesh& mesh, const EdgeTable& edges, const Parallel& parallel)
         : sets_(2 * mesh.faces.size(), parallel, parallel.memory()) {
-        each_joint(edges, parallel, [&](std::size_t edge, std::uint32_t side, std::uint32_t other) {
-            const std::uint32_t face = EdgeTable::face_of(side);
-            const std::uint32_t next = EdgeTable::face_of(other);
-            const bool agree = edges.is_balanced(edge);
-            sets_.unite(as_is(face), agree ? as_is(next) : reversed(next));
-            sets_.unite(reversed(face), agree ? reversed(next) : as_is(next));
+        constexpr std::size_t grain = 8192;
+        parallel.run_ranges(edges.size(), grain, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t edge = begin; edge != end; ++edge) {
+                if (const auto sides = edges.sides(edge); sides.size() == 2) {
+                    const std::uint32_t face = EdgeTable::face_of(sides[0]);
+                    const std::uint32_t next = EdgeTable::face_of(sides[1]);
+                    const bool agree = edges.is_balanced(edge);
+                    sets_.unite(as_is(face), agree ? as_is(next) : reversed(next));
+                    sets_.unite(reversed(face), agree ? reversed(next) : as_is(next));
+                }
+            }
         });
     }
 
@@ -72,26 +58,16 @@ private:
     SharedSets<std::uint32_t> sets_;
 };
 
-/// One call of run(): counts the faces of each patch, by its first face.
-std::vector<Patch> sizes_of(Patches& patches, std::size_t faces, const Parallel& parallel) {
-    constexpr std::size_t grain = 8192;
-    std::vector<Patch> sizes(faces);
-    parallel.run_ranges(faces, grain, [&](std::size_t begin, std::size_t end, int) {
-        std::uint32_t first = 0;
-        std::array<std::uint32_t, 2> counts{0, 0};  // faces that follow one another in one patch
-        const auto add = [&] {
-            sizes[first].alike.fetch_add(std::exchange(counts[0], 0), std::memory_order_relaxed);
-            sizes[first].opposite.fetch_add(std::exchange(counts[1], 0), std::memory_order_relaxed);
-        };
-        for (auto face = static_cast<std::uint32_t>(begin); face != end; ++face) {
-            if (const std::uint32_t own = patches.first_face(face); own != first) {
-                add();
-                first = own;
-            }
-            ++counts[patches.is_opposite(face) ? 1 : 0];
+/// Faces of each patch (joined over edges with two faces) by orientation relative to its first face: alike, opposite.
+std::vector<std::array<std::uint32_t, 2>> sizes_of(Patches& patches, std::uint32_t faces, const Parallel& parallel) {
+    constexpr std::uint32_t faces_between_stops = 1 << 15;
+    std::vector<std::array<std::uint32_t, 2>> sizes(faces);
+    for (std::uint32_t face = 0; face != faces; ++face) {
+        if (face % faces_between_stops == 0) {
+            parallel.stop_if_asked();
         }
-        add();
-    });
+        ++sizes[patches.first_face(face)][patches.is_opposite(face) ? 1 : 0];
+    }
     return sizes;
 }
 
@@ -201,11 +177,12 @@ void find_flipped_faces(const GridMesh& mesh, const EdgeTable& edges, FaultColle
         return;  // all faces of a patch agree
     }
     Patches patches(mesh, edges, parallel);
-    const std::vector<Patch> sizes = sizes_of(patches, mesh.faces.size(), parallel);
+    const auto sizes = sizes_of(patches, static_cast<std::uint32_t>(mesh.faces.size()), parallel);
     faults.in_ranges(mesh.faces.size(), parallel, [&](std::size_t begin, std::size_t end, FaultCollector& own) {
         for (auto face = static_cast<std::uint32_t>(begin); face != end; ++face) {
             const std::uint32_t first = patches.first_face(face);
-            const bool flipped = patches.is_opposite(face) == (sizes[first].opposite <= sizes[first].alike);
+            const auto [alike, opposite] = sizes[first];
+            const bool flipped = patches.is_opposite(face) == (opposite <= alike);
             if (patches.is_one_sided(face)) {
                 if (face == first) {
                     own.add(Fault::one_sided_patch, [&] { return own.at(mesh.faces[face]); });

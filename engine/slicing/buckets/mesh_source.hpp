@@ -11,7 +11,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <variant>
 
 #include "lamella/mesh.hpp"
 #include "slicing/buckets/triangle_source.hpp"
@@ -76,24 +75,17 @@ private:
     void place_vertices();
 };
 
-/// The source that serves a mesh.
-class AnyMeshSource {
-public:
-    AnyMeshSource(const MeshView& mesh, const Placing& placing, const SharedFrame* frame, const SourceTools& tools) {
-        if (IndexedSource::pays_for(mesh)) {
-            source_ = &kinds_.emplace<IndexedSource>(mesh, placing, frame, tools);
-        } else {
-            source_ = &kinds_.emplace<SoupSource>(mesh, placing, frame, tools);
-        }
+/// Calls use(source) with the source that serves a mesh.
+template <class Use>
+void with_mesh_source(const MeshView& mesh, const Placing& placing, const SharedFrame* frame, const SourceTools& tools,
+                      Use use) {
+    if (IndexedSource::pays_for(mesh)) {
+        IndexedSource source(mesh, placing, frame, tools);
+        use(source);
+    } else {
+        SoupSource source(mesh, placing, frame, tools);
+        use(source);
     }
-    AnyMeshSource(const AnyMeshSource&) = delete;
-    AnyMeshSource& operator=(const AnyMeshSource&) = delete;
-
-    operator TriangleSource&() noexcept { return *source_; }  // NOLINT(google-explicit-constructor): it is one
-
-private:
-    std::variant<std::monostate, SoupSource, IndexedSource> kinds_;
-    TriangleSource* source_;
-};
+}
 
 }  // namespace lamella

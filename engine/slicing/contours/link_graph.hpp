@@ -1,29 +1,53 @@
-// Which segment of a plane follows which: the slot table, what happens where more than two segments meet, and the walk.
+// Which segment of a plane follows which: the links over the slot table, what happens where more than two segments meet, and
+// the walk along the links, which gives the plane's contours (paper, Algorithm 4). The order in which it meets the slots is
+// kept and patched from plane to plane.
 //
 //     slot_table.hpp    edges, links, the edge map       what a plane's events change
-//     meetings.hpp      pairing at irregular edges       a rare step between attaching and connecting
-//     walker.hpp        order and contours               patched from plane to plane
+//     pairing.hpp       pairing at irregular edges       a rare step between attaching and connecting
+//     walker.cpp        order and contours
+//
+// The last plane's order has a break after each position whose link changed and at each contour's end. A link that changed
+// has its source's position marked, so a run is never entered but at its first slot:
+//
+//     order_    a b c d | e f | g h i |          | break
+//     runs      [-----]  [-]   [---]             a run is walked by copying it
+//
+// A slot's position is where it lies in the last order until it is walked, and in the next one from then on. A run that
+// stays where it was is therefore not numbered again. Which of the two it is, the next order tells:
+//
+//     order_         a b c d e f            c has ended, x has begun, the walk has met a, b and d
+//     order_next_    a b d . . .
+//     position_      a 1, b 2, d 3: in order_next_; e 5, f 6: in order_; c and x: none
 #pragma once
 
 #include <cassert>
+#include <cstdint>
+#include <cstring>
 #include <span>
 
 #include "base/parallel.hpp"
+#include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "slicing/contours/pairing.hpp"
 #include "slicing/contours/slot_table.hpp"
-#include "slicing/contours/walker.hpp"
 
 namespace lamella {
 
+/// A contour of the current plane: a run of LinkGraph::order().
+struct WalkedContour {
+    std::uint32_t begin;
+    std::uint32_t count;
+    bool closed;
+    bool mixed;  ///< its segments do not all run the same way
+};
+
 class LinkGraph {
 public:
-    explicit LinkGraph(Worker& worker) : worker_(worker) {}
-    LinkGraph(const LinkGraph&) = delete;  // the walker refers to the slots
-    LinkGraph& operator=(const LinkGraph&) = delete;
+    explicit LinkGraph(Worker& worker) : worker_(worker) { forget_order(); }
 
     /// Forgets all slots.
     void clear() {
-        walker_.clear();
+        forget_order();
         slots_.clear();
     }
     /// Takes memory for `slots` slots at once rather than by growing.
@@ -32,7 +56,7 @@ public:
     // --- A plane's events, in this order
 
     /// Frees the slots of the edges that end at `plane`: it is the first one above them.
-    void release_ended(PlaneIndex plane) { walker_.note_ended(slots_.release_ended(plane)); }
+    void release_ended(PlaneIndex plane);
 
     /// For at most `attachments` ends of new links.
     SlotTable::Attaching begin_attaching(std::size_t attachments) { return slots_.begin_attaching(attachments); }
@@ -47,20 +71,14 @@ public:
     }
 
     /// Joins the two ports of each link.
-    void connect(std::span<const Link> links) {
-        constexpr std::size_t link_work = 2;
-        worker_.in_stretches(0, links.size(), link_work,
-                             [&](std::size_t begin, std::size_t end) { slots_.connect(links.subspan(begin, end - begin)); });
-        walker_.note_connected(links, slots_.fresh().size());
-    }
-
-    /// Brings order() and contours() up to date.
-    void walk() { walker_.walk(); }
+    void connect(std::span<const Link> links);
+    /// Brings order() and contours() up to date. O(runs between changes + slots), and O(1) when nothing changed.
+    void walk();
 
     // --- The plane as it stands
 
-    std::span<const Slot> order() const noexcept { return walker_.order(); }
-    std::span<const WalkedContour> contours() const noexcept { return walker_.contours(); }
+    std::span<const Slot> order() const noexcept { return {order_.data() + 1, ordered_}; }
+    std::span<const WalkedContour> contours() const noexcept { return contours_; }
     const MeshEdge& edge(Slot slot) const noexcept { return slots_.edge(slot); }
     /// The port of `slot` from which a segment leads to `next`, whichever way its facet runs.
     PortRef port_towards(Slot slot, Slot next) const noexcept {
@@ -84,25 +102,107 @@ public:
     /// Renumbers the slots 0, 1, 2, ... in walking order when many have ended, so that a plane costs what is active now.
     /// Calls move(new_to_old) once if it does. Precondition: walk() has been called since the last change.
     bool compact(FunctionRef<void(std::span<const Slot> new_to_old)> move) {
-        assert(!walker_.has_changes());
+        assert(changes_ == 0);
         if (!slots_.is_sparse()) {
             return false;
         }
         const std::span<const Slot> new_to_old = order();
         slots_.renumber(new_to_old, [this](PortRef ref) { return moved(ref); });
         move(new_to_old);
-        walker_.renumber();
+        renumber_order();
         slots_.free_from(static_cast<Slot>(order().size()));
         return true;
     }
     /// While compact() calls move: what a port becomes.
-    PortRef moved(PortRef ref) const noexcept { return port_of(walker_.place_of(slot_of(ref)), static_cast<int>(ref & 1)); }
+    PortRef moved(PortRef ref) const noexcept { return port_of(position_[slot_of(ref)] - 1, static_cast<int>(ref & 1)); }
 
 private:
+    static constexpr std::uint32_t no_position = 0;     // positions count from 1, so that a break after it does no harm
+    static constexpr std::size_t slot_work = 4;         // as StopPace counts it
+    static constexpr std::size_t slots_per_change = 3;  // with fewer, runs are too short to copy
+
+    /// A stretch of a contour, from `head` to the next piece's; see walk_pieces.cpp.
+    struct Piece {
+        Slot head;
+        std::uint32_t position;  ///< of the head, in the last order
+        Slot* slots;
+        std::uint32_t count;  ///< 0 once it is part of a contour
+        Slot next_head;
+        std::uint32_t next = 0;  ///< the piece that follows
+    };
+
+    void forget_order();
+    void renumber_order();
+    bool most_changed() const noexcept { return changes_ * slots_per_change > slots_.live(); }
+    void break_after(std::uint32_t position) noexcept { breaks_[position >> 6] |= std::uint64_t{1} << (position & 63); }
+    std::uint32_t next_break(std::uint32_t position) const noexcept;
+    bool walked(Slot slot) const noexcept;
+    void begin_order();
+    void finish_order();
+
+    void walk_open();
+    void walk_old_starts();
+    void walk_old_runs();
+    void walk_rest();
+    void walk_from(Slot start);
+    bool follow_runs(Slot start);
+    bool follow_links(Slot start);
+    void add_contour(std::uint32_t begin, bool closed, bool is_mixed);
+
+    void cut_pieces();
+    void add_piece(std::uint32_t begin, std::uint32_t end);
+    void walk_pieces();
+    void walk_four_at_once();
+    std::uint32_t piece_at(std::uint32_t position) const;
+    void join_pieces();
+
+    void walk_any_orientation();
+    void walk_polyline(Slot start, int leave_by, bool closed);
+    void follow_any_orientation(Slot start, int leave_by, bool closed);
+    bool runs_backwards(std::uint32_t begin, bool closed);
+
     Worker& worker_;
     SlotTable slots_{worker_};
     Meetings meetings_{worker_.memory()};
-    Walker walker_{worker_, slots_};
+    Vector<std::uint32_t> position_{worker_.memory()};
+    Vector<Slot> order_{worker_.memory()};  // from 1
+    Vector<Slot> order_next_{worker_.memory()};
+    Vector<std::uint64_t> breaks_{worker_.memory()};  // bit p: the walk does not go on from position p to p + 1
+    Vector<WalkedContour> contours_{worker_.memory()};
+    Vector<WalkedContour> old_contours_{worker_.memory()};  // the last plane's, while walking
+    Vector<Piece> pieces_{worker_.memory()};
+    Vector<std::uint64_t> is_head_{worker_.memory()};  // by slot: a piece begins there
+    Vector<Slot> lanes_{worker_.memory()};             // what pieces are walked into
+    Vector<std::uint8_t> leave_by_{worker_.memory()};  // of a walk in any orientation: the port by which each slot was left
+    std::uint32_t ordered_ = 0;
+    std::uint32_t filled_ = 0;  // of order_next_
+    std::size_t changes_ = 0;   // links written, slots made and freed since the last walk
+    bool by_links_ = false;     // this walk follows links rather than runs
+    bool order_known_ = true;   // order_ can be patched
 };
+
+/// Room beyond the order's end that copy_run() may write and read.
+inline constexpr std::size_t run_padding = 16;
+
+/// Copies 64 bytes a step and writes beyond the end: most runs are short, and an exact length mispredicts.
+inline void copy_run(const Slot* run, std::uint32_t length, Slot* to) {
+    for (std::uint32_t i = 0; i < length; i += run_padding) {
+        std::memcpy(to + i, run + i, run_padding * sizeof(Slot));
+    }
+}
+
+/// positions[run[i]] = first + i.
+inline void number_run(const Slot* run, std::uint32_t length, std::uint32_t first, std::uint32_t* positions) {
+    std::uint32_t i = 0;
+    for (; i + 4 <= length; i += 4) {
+        positions[run[i]] = first + i;
+        positions[run[i + 1]] = first + i + 1;
+        positions[run[i + 2]] = first + i + 2;
+        positions[run[i + 3]] = first + i + 3;
+    }
+    for (; i < length; ++i) {
+        positions[run[i]] = first + i;
+    }
+}
 
 }  // namespace lamella

@@ -1,72 +1,44 @@
 #include "slicing/contours/pairing.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <utility>
 
 #include "base/numbers.hpp"
+#include "slicing/grid/grid_vector.hpp"
 
 namespace lamella {
 
 namespace {
 
-struct Difference {
-    std::int64_t x;
-    std::int64_t y;
-    std::int64_t z;
-};
-
-Difference between(const GridVertex& a, const GridVertex& b) noexcept {
-    return {std::int64_t{b.x} - a.x, std::int64_t{b.y} - a.y, std::int64_t{b.z} - a.z};
-}
-
-/// Differences have 32 bits, products of two 63, sums of three products of three 97.
-std::array<Int128, 3> cross(const Difference& u, const Difference& v) noexcept {
-    return {Int128{u.y} * v.z - Int128{u.z} * v.y, Int128{u.z} * v.x - Int128{u.x} * v.z,
-            Int128{u.x} * v.y - Int128{u.y} * v.x};
-}
-
 /// Where directions lie round an axis, measured counter-clockwise from a reference.
 class AngleOrder {
 public:
-    AngleOrder(const GridVertex& lower, const GridVertex& upper, const GridVertex& reference)
-        : lower_(lower), axis_(between(lower, upper)), reference_normal_(cross(axis_, between(lower, reference))) {}
+    AngleOrder(const GridVertex& lower, const GridVertex& upper, const GridVertex& reference) noexcept
+        : lower_(half(lower)), axis_(half(upper) - lower_), reference_normal_(normal_to(reference)) {}
 
     /// 0: at the reference (or on the axis, where there is no angle), 1: within half a turn, 2: half a turn, 3: beyond.
     int quadrant(const GridVertex& apex) const noexcept {
-        const Difference v = between(lower_, apex);
-        const int side = sign_of(dot(reference_normal_, v));
-        if (side != 0) {
+        if (const int side = sign_of(dot(reference_normal_, half(apex) - lower_)); side != 0) {
             return side > 0 ? 1 : 3;
         }
-        const auto normal = cross(axis_, v);
-        for (std::size_t i = 0; i < 3; ++i) {
-            if (reference_normal_[i] != 0) {
-                return sign_of(reference_normal_[i]) * sign_of(normal[i]) < 0 ? 2 : 0;
-            }
-        }
-        return 0;
+        return dot(reference_normal_, normal_to(apex)) < 0 ? 2 : 0;  // the normals are parallel
     }
 
     /// Positive where b lies counter-clockwise of a by less than half a turn.
     int turn(const GridVertex& a, const GridVertex& b) const noexcept {
-        return sign_of(dot(cross(axis_, between(lower_, a)), between(lower_, b)));
+        return sign_of(dot(normal_to(a), half(b) - lower_));
     }
 
-    bool on_axis(const GridVertex& apex) const noexcept {
-        const auto normal = cross(axis_, between(lower_, apex));
-        return normal[0] == 0 && normal[1] == 0 && normal[2] == 0;
-    }
+    bool on_axis(const GridVertex& apex) const noexcept { return normal_to(apex) == GridVector{}; }
 
 private:
-    static Int128 dot(const std::array<Int128, 3>& normal, const Difference& v) noexcept {
-        return normal[0] * v.x + normal[1] * v.y + normal[2] * v.z;
-    }
+    /// Of the plane through the axis and a vertex.
+    GridVector normal_to(const GridVertex& apex) const noexcept { return cross(axis_, half(apex) - lower_); }
 
-    GridVertex lower_;
-    Difference axis_;
-    std::array<Int128, 3> reference_normal_;
+    GridVector lower_;
+    GridVector axis_;
+    GridVector reference_normal_;
 };
 
 }  // namespace

@@ -2,11 +2,11 @@
 // to, and most segments decide which way a contour runs.
 #include <algorithm>
 
-#include "slicing/contours/walker.hpp"
+#include "slicing/contours/link_graph.hpp"
 
 namespace lamella {
 
-void Walker::walk_any_orientation() {
+void LinkGraph::walk_any_orientation() {
     leave_by_.resize(order_next_.size());
     for (Slot slot = 0; slot < slots_.slot_end() && slots_.open_count() > 0; ++slot) {
         if (!slots_.is_free(slot) && slots_.has_any(slot, SlotTable::open_end) && !walked(slot)) {
@@ -20,7 +20,7 @@ void Walker::walk_any_orientation() {
     }
 }
 
-void Walker::walk_polyline(Slot start, int leave_by, bool closed) {
+void LinkGraph::walk_polyline(Slot start, int leave_by, bool closed) {
     const std::uint32_t begin = filled_;
     follow_any_orientation(start, leave_by, closed);
     bool is_mixed = false;
@@ -36,7 +36,7 @@ void Walker::walk_polyline(Slot start, int leave_by, bool closed) {
     add_contour(begin, closed, is_mixed);
 }
 
-void Walker::follow_any_orientation(Slot start, int leave_by, bool closed) {
+void LinkGraph::follow_any_orientation(Slot start, int leave_by, bool closed) {
     Slot slot = start;
     for (;;) {
         worker_.spend(slot_work);
@@ -54,7 +54,7 @@ void Walker::follow_any_orientation(Slot start, int leave_by, bool closed) {
 
 /// True if most segments of the walk run against it, or as many as along it where the walk backwards is the smaller sequence
 /// of edges, a closed one from its smallest edge on.
-bool Walker::runs_backwards(std::uint32_t begin, bool closed) {
+bool LinkGraph::runs_backwards(std::uint32_t begin, bool closed) {
     const std::uint32_t count = filled_ - begin;
     const Slot* slots = order_next_.data() + 1 + begin;
     const std::uint32_t segments = closed ? count : count - 1;

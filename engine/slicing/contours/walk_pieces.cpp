@@ -13,7 +13,7 @@
 // Contours that no head lies on begin at this plane, and are walked link by link.
 #include <algorithm>
 
-#include "slicing/contours/walker.hpp"
+#include "slicing/contours/link_graph.hpp"
 
 namespace lamella {
 
@@ -25,7 +25,7 @@ constexpr std::uint32_t head_search = 16;       // slots of the old order search
 }  // namespace
 
 /// Chooses the heads. Precondition: contours() and order() are the last plane's, and no slot has an open end.
-void Walker::cut_pieces() {
+void LinkGraph::cut_pieces() {
     pieces_.clear();
     is_head_.assign(slots_.slot_end() / 64 + 1, 0);
     for (const WalkedContour& contour : contours_) {
@@ -37,7 +37,7 @@ void Walker::cut_pieces() {
 }
 
 /// Begins at a slot of old positions [begin, end), if one is in use.
-void Walker::add_piece(std::uint32_t begin, std::uint32_t end) {
+void LinkGraph::add_piece(std::uint32_t begin, std::uint32_t end) {
     for (std::uint32_t position = begin; position < end; ++position) {
         const Slot head = order_[position];
         if (!slots_.is_free(head)) {
@@ -49,7 +49,7 @@ void Walker::add_piece(std::uint32_t begin, std::uint32_t end) {
     }
 }
 
-void Walker::walk_pieces() {
+void LinkGraph::walk_pieces() {
     if (!pieces_.empty()) {
         walk_four_at_once();
         join_pieces();
@@ -57,7 +57,7 @@ void Walker::walk_pieces() {
 }
 
 /// Each of four lanes writes one piece after the other to its own stretch of `lanes_`.
-void Walker::walk_four_at_once() {
+void LinkGraph::walk_four_at_once() {
     struct Lane {
         Slot next;
         Slot* out;
@@ -113,14 +113,14 @@ void Walker::walk_four_at_once() {
 }
 
 /// The piece whose head had the position: heads ascend by it.
-std::uint32_t Walker::piece_at(std::uint32_t position) const {
+std::uint32_t LinkGraph::piece_at(std::uint32_t position) const {
     const auto found = std::partition_point(pieces_.begin(), pieces_.end(),
                                             [position](const Piece& piece) { return piece.position < position; });
     return static_cast<std::uint32_t>(found - pieces_.begin());
 }
 
 /// Contours in the order of their first heads.
-void Walker::join_pieces() {
+void LinkGraph::join_pieces() {
     Slot* const out = order_next_.data() + 1;
     for (Piece& first : pieces_) {
         if (first.count == 0) {

@@ -1,4 +1,4 @@
-#include "slicing/contours/walker.hpp"
+#include "slicing/contours/link_graph.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -6,7 +6,8 @@
 
 namespace lamella {
 
-void Walker::clear() {
+/// To be called before the slots are freed.
+void LinkGraph::forget_order() {
     const std::size_t numbered = std::min<std::size_t>(slots_.slot_end(), position_.size());
     std::fill_n(position_.begin(), numbered, no_position);
     contours_.clear();
@@ -17,7 +18,8 @@ void Walker::clear() {
     order_known_ = true;
 }
 
-void Walker::note_ended(std::span<const Slot> ended) {
+void LinkGraph::release_ended(PlaneIndex plane) {
+    const std::span<const Slot> ended = slots_.release_ended(plane);
     for (const Slot slot : ended) {
         break_after(position_[slot]);
         position_[slot] = no_position;
@@ -25,9 +27,12 @@ void Walker::note_ended(std::span<const Slot> ended) {
     changes_ += ended.size();
 }
 
-void Walker::note_connected(std::span<const Link> links, std::size_t made) {
+void LinkGraph::connect(std::span<const Link> links) {
+    constexpr std::size_t link_work = 2;
+    worker_.in_stretches(0, links.size(), link_work,
+                         [&](std::size_t begin, std::size_t end) { slots_.connect(links.subspan(begin, end - begin)); });
     grow_exactly(position_, slots_.capacity(), worker_, no_position);
-    changes_ += made + links.size();
+    changes_ += slots_.fresh().size() + links.size();
     if (!most_changed()) {  // else the walk does not ask for runs
         for (const Link& link : links) {
             break_after(position_[slot_of(link.ends[source_port])]);
@@ -35,7 +40,7 @@ void Walker::note_connected(std::span<const Link> links, std::size_t made) {
     }
 }
 
-void Walker::walk() {
+void LinkGraph::walk() {
     if (changes_ == 0) {
         return;
     }
@@ -65,7 +70,7 @@ void Walker::walk() {
     order_known_ = one_orientation;
 }
 
-void Walker::begin_order() {
+void LinkGraph::begin_order() {
     const std::size_t live = slots_.live();
     if (order_next_.size() < live + 1 + run_padding) {
         grow_exactly(order_next_, std::max(live + live / 32 + 1 + run_padding, order_next_.size()), worker_);
@@ -75,7 +80,7 @@ void Walker::begin_order() {
     contours_.clear();
 }
 
-void Walker::finish_order() {
+void LinkGraph::finish_order() {
     order_.swap(order_next_);
     ordered_ = filled_;
     breaks_.assign(ordered_ / 64 + 1, 0);
@@ -85,7 +90,7 @@ void Walker::finish_order() {
     changes_ = 0;
 }
 
-std::uint32_t Walker::next_break(std::uint32_t position) const noexcept {
+std::uint32_t LinkGraph::next_break(std::uint32_t position) const noexcept {
     std::size_t word = position >> 6;
     std::uint64_t bits = breaks_[word] >> (position & 63) << (position & 63);
     while (bits == 0) {
@@ -94,13 +99,13 @@ std::uint32_t Walker::next_break(std::uint32_t position) const noexcept {
     return static_cast<std::uint32_t>(word * 64) + static_cast<std::uint32_t>(std::countr_zero(bits));
 }
 
-bool Walker::walked(Slot slot) const noexcept {
+bool LinkGraph::walked(Slot slot) const noexcept {
     const std::uint32_t position = position_[slot];
     return position - 1 < filled_ && order_next_[position] == slot;
 }
 
 /// Open polylines, from the slots that no segment enters.
-void Walker::walk_open() {
+void LinkGraph::walk_open() {
     for (Slot slot = 0; slot < slots_.slot_end(); ++slot) {
         if (!slots_.is_free(slot) && !slots_.is_linked(slot, target_port)) {
             walk_from(slot);
@@ -110,7 +115,7 @@ void Walker::walk_open() {
 
 /// Contours that go on from where one of the last plane's began. They are most, and walk_old_runs() then finds their runs
 /// walked.
-void Walker::walk_old_starts() {
+void LinkGraph::walk_old_starts() {
     for (const WalkedContour& contour : old_contours_) {
         const std::uint32_t position = contour.begin + 1;
         const Slot slot = order_[position];
@@ -121,7 +126,7 @@ void Walker::walk_old_starts() {
 }
 
 /// Contours that hold any slot of the last plane: parts that split off.
-void Walker::walk_old_runs() {
+void LinkGraph::walk_old_runs() {
     for (std::uint32_t position = 1; filled_ < slots_.live() && position <= ordered_; position = next_break(position) + 1) {
         const Slot slot = order_[position];
         if (position_[slot] == position && !walked(slot)) {
@@ -131,7 +136,7 @@ void Walker::walk_old_runs() {
 }
 
 /// Contours that begin at this plane, and all others that are left where links are followed.
-void Walker::walk_rest() {
+void LinkGraph::walk_rest() {
     for (const Slot slot : slots_.fresh()) {
         if (filled_ == slots_.live()) {
             return;
@@ -147,7 +152,7 @@ void Walker::walk_rest() {
     }
 }
 
-void Walker::walk_from(Slot start) {
+void LinkGraph::walk_from(Slot start) {
     const std::uint32_t begin = filled_;
     const bool closed = by_links_ ? follow_links(start) : follow_runs(start);
     add_contour(begin, closed, false);
@@ -155,7 +160,7 @@ void Walker::walk_from(Slot start) {
 }
 
 /// Appends the contour from `start` on, run by run; true if it closed.
-bool Walker::follow_runs(Slot start) {
+bool LinkGraph::follow_runs(Slot start) {
     Slot* const out = order_next_.data() + 1;
     std::uint32_t* const positions = position_.data();
     const Port* const ports = slots_.ports();
@@ -188,7 +193,7 @@ bool Walker::follow_runs(Slot start) {
 
 /// The same link by link: where runs are a few slots long this is the faster. Each link waits for the one before it, but the
 /// last plane's order says which slots will soon be needed.
-bool Walker::follow_links(Slot start) {
+bool LinkGraph::follow_links(Slot start) {
     constexpr std::size_t ahead = 12;
     constexpr std::uint32_t slots_between_stops = std::uint32_t{1} << 15;
     static_assert(ahead < run_padding);
@@ -217,12 +222,12 @@ bool Walker::follow_links(Slot start) {
     }
 }
 
-void Walker::add_contour(std::uint32_t begin, bool closed, bool is_mixed) {
+void LinkGraph::add_contour(std::uint32_t begin, bool closed, bool is_mixed) {
     contours_.push_back({begin, filled_ - begin, closed, is_mixed});
 }
 
-void Walker::renumber() {
-    assert(changes_ == 0);
+/// The slots become 0, 1, 2, ... in walking order. To be called before those beyond are freed.
+void LinkGraph::renumber_order() {
     std::fill_n(position_.begin(), slots_.slot_end(), no_position);
     for (Slot slot = 0; slot < ordered_; ++slot) {
         order_[slot + 1] = slot;

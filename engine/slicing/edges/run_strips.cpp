@@ -27,20 +27,29 @@ void make_room(Array<T>& array, std::size_t count) {
 
 }  // namespace
 
-void RunStrips::assign(std::span<const EdgeRun> runs, std::int32_t margin) {
+void RunStrips::assign(std::span<const EdgeRun> runs, std::int32_t margin, const Parallel* parallel) {
     runs_ = runs;
     margin_ = margin;
     firsts_.clear();
     if (runs.empty()) {
         return;
     }
-    order_.clear();
-    for (std::size_t r = 0; r < runs.size(); ++r) {
-        order_.push_back(key_of(r));
+    const bool alone = parallel == nullptr || runs.size() <= few_runs;
+    const auto list = [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t r = begin; r < end; ++r) {
+            order_[r] = key_of(r);
+        }
+    };
+    order_.resize(runs.size());
+    if (alone) {
+        list(0, runs.size(), 0);
+        nesting::sort_keys(order_, spare_, worker_);
+    } else {
+        parallel->run_ranges(runs.size(), runs_of_range, list);
+        sort_in_parallel(std::span(order_), nesting::before, *parallel);
     }
-    nesting::sort_keys(order_, spare_, worker_);
     choose_strips();
-    if (count() == 1) {
+    if (alone && count() == 1) {
         firsts_[1] = runs.size();
         make_entries(runs.size());
         worker_.in_stretches(0, runs.size(), run_work, [&](std::size_t begin, std::size_t end) {
@@ -50,34 +59,14 @@ void RunStrips::assign(std::span<const EdgeRun> runs, std::int32_t margin) {
         });
         return;
     }
+    const std::size_t ranges = alone ? 1 : std::clamp<std::size_t>(runs.size() / runs_of_range, 1, most_ranges);
     const auto for_each_entry = [&](const auto& work) {
-        worker_.in_stretches(0, runs.size(), run_work,
-                             [&](std::size_t begin, std::size_t end) { each_entry(begin, end, cursors_.data(), work); });
-    };
-    cursors_.assign(count(), 0);
-    for_each_entry([](std::size_t, std::uint32_t) {});
-    make_entries(count_to_cursors(1));
-    for_each_entry([&](std::size_t at, std::uint32_t run) { write_entry(at, run); });
-}
-
-void RunStrips::assign(std::span<const EdgeRun> runs, std::int32_t margin, const Parallel& parallel) {
-    if (runs.size() <= few_runs) {
-        assign(runs, margin);
-        return;
-    }
-    runs_ = runs;
-    margin_ = margin;
-    order_.resize(runs.size());
-    parallel.run_ranges(runs.size(), runs_of_range, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t r = begin; r < end; ++r) {
-            order_[r] = key_of(r);
+        if (alone) {
+            worker_.in_stretches(0, runs.size(), run_work,
+                                 [&](std::size_t begin, std::size_t end) { each_entry(begin, end, cursors_.data(), work); });
+            return;
         }
-    });
-    sort_in_parallel(std::span(order_), nesting::before, parallel);
-    choose_strips();
-    const std::size_t ranges = std::clamp<std::size_t>(runs.size() / runs_of_range, 1, most_ranges);
-    const auto for_each_entry = [&](const auto& work) {
-        parallel.run(ranges, [&](std::size_t range, int) {
+        parallel->run(ranges, [&](std::size_t range, int) {
             each_entry(runs.size() * range / ranges, runs.size() * (range + 1) / ranges, cursors_.data() + range * count(),
                        work);
         });

@@ -31,11 +31,12 @@ class RunStrips {
 public:
     explicit RunStrips(Worker& worker) noexcept : worker_(worker) {}
 
-    /// On one thread. O(r) for many runs. `margin` is below grid_limit. Throws
-    /// std::bad_alloc.
-    void assign(std::span<const EdgeRun> runs, std::int32_t margin);
-    /// In a few calls of run(). The strips do not depend on the number of threads.
-    void assign(std::span<const EdgeRun> runs, std::int32_t margin, const Parallel& parallel);
+    /// O(r) for many runs. `margin` is below grid_limit. `parallel`: a few calls of run() for many runs, which give the same
+    /// strips on any number of threads; null: on this thread. Throws std::bad_alloc.
+    void assign(std::span<const EdgeRun> runs, std::int32_t margin, const Parallel* parallel = nullptr);
+    void assign(std::span<const EdgeRun> runs, std::int32_t margin, const Parallel& parallel) {
+        assign(runs, margin, &parallel);
+    }
 
     std::int32_t margin() const noexcept { return margin_; }
     std::size_t count() const noexcept { return firsts_.empty() ? 0 : firsts_.size() - 1; }

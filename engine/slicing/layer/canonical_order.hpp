@@ -5,7 +5,10 @@
 //     result        c2 [ c3 ] | c0 [ c1 ]      outers with their holes
 #pragma once
 
+#include <cassert>
+#include <compare>
 #include <cstdint>
+#include <numeric>
 #include <span>
 
 #include "base/vector.hpp"
@@ -21,18 +24,91 @@ public:
 
     /// Sorts by the start point, then by its edge, then by content, origins last. Contours equal in all of that are
     /// interchangeable. O(q log q). Throws std::bad_alloc.
-    void sort_by_start(std::span<const Path> contours);
+    void sort_by_start(std::span<const Path> contours) {
+        by_start_.clear();
+        for (std::uint32_t i = 0; i < contours.size(); ++i) {
+            const NestItem& item = contours[i].item;
+            worker_.spend(item_work);
+            by_start_.push_back({nesting::key_of(item.points[item.start]), i});
+        }
+        nesting::sort_keys(by_start_, spare_keys_, worker_);
+        nesting::sort_equal_keys(by_start_, [contours](const nesting::SortKey& key_a, const nesting::SortKey& key_b) {
+            const Path& a = contours[key_a.index];
+            const Path& b = contours[key_b.index];
+            return a.start_key != b.start_key ? a.start_key < b.start_key : holds_less(a, b);
+        });
+    }
+
     /// The path that comes `item`-th by start.
     std::uint32_t path_of(std::size_t item) const noexcept { return by_start_[item].index; }
     std::size_t size() const noexcept { return by_start_.size(); }
 
     /// Finds the place in the result of each item; `items` are by start and nested. O(q). Throws std::bad_alloc.
-    void put_holes_after_outers(std::span<const NestItem> items);
+    /// A hole's leader is the nearest outer around it, any other item its own. The outer starts before the hole, or at the
+    /// same point where they touch there. Groups are counted, then filled: leaders first, holes by start.
+    void put_holes_after_outers(std::span<const NestItem> items) {
+        const std::size_t count = items.size();
+        group_size_.assign(count, 0);
+        leader_of_.resize(count);
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const NestItem& item = items[i];
+            worker_.spend(item_work);
+            assert((item.role != Role::hole || item.parent >= 0) && "a hole lies in something");
+            const auto around = static_cast<std::uint32_t>(item.parent);
+            assert(item.role != Role::hole || around < i || items[around].role == Role::outer);
+            leader_of_[i] = item.role != Role::hole ? i : (around < i ? leader_of_[around] : around);
+            ++group_size_[leader_of_[i]];
+        }
+        next_place_.resize(count);
+        std::exclusive_scan(group_size_.begin(), group_size_.end(), next_place_.begin(), 0U);
+        place_of_.resize(count);
+        item_at_.resize(count);
+        for (const bool holes : {false, true}) {
+            worker_.spend(count);
+            for (std::uint32_t i = 0; i < count; ++i) {
+                if ((items[i].role == Role::hole) == holes) {
+                    place_of_[i] = next_place_[leader_of_[i]]++;
+                    item_at_[place_of_[i]] = i;
+                }
+            }
+        }
+    }
+
     std::uint32_t place_of(std::size_t item) const noexcept { return place_of_[item]; }
     /// The items in the order of the result.
     std::span<const std::uint32_t> items() const noexcept { return item_at_; }
 
 private:
+    static constexpr std::size_t item_work = 8;  ///< as StopPace counts it
+
+    /// By part, triangle and edges of each contour edge. Contours of as many points.
+    static bool comes_from_less(const NestItem& a, const NestItem& b) {
+        for (std::uint32_t i = 0; i < a.count; ++i) {
+            const PointOrigin& from_a = a.origins[(a.start + i) % a.count];
+            const PointOrigin& from_b = b.origins[(b.start + i) % b.count];
+            if (from_a != from_b) {
+                return from_a.part != from_b.part ? from_a.part < from_b.part : from_a < from_b;
+            }
+        }
+        return false;
+    }
+
+    /// Decides between contours that start on the same edge.
+    static bool holds_less(const Path& path_a, const Path& path_b) {
+        const NestItem& a = path_a.item;
+        const NestItem& b = path_b.item;
+        if (a.closed != b.closed) {
+            return a.closed;
+        }
+        if (a.count != b.count || path_a.segments != path_b.segments) {
+            return a.count != b.count ? a.count < b.count : path_a.segments < path_b.segments;
+        }
+        if (const std::strong_ordering by_points = compare_points(a, b); std::is_neq(by_points)) {
+            return std::is_lt(by_points);
+        }
+        return a.flags != b.flags || a.origins == nullptr ? a.flags < b.flags : comes_from_less(a, b);
+    }
+
     Worker& worker_;
     Vector<nesting::SortKey> by_start_{worker_.memory()}, spare_keys_{worker_.memory()};
     Vector<std::uint32_t> leader_of_{

@@ -5,6 +5,7 @@
 //     rings             p7 p2 p9 p4 | p1 p5 p3 | ...          points; a contour's start is its smallest
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 
@@ -14,9 +15,15 @@
 #include "slicing/contours/kernels.hpp"
 #include "slicing/contours/link_graph.hpp"
 #include "slicing/contours/slot_table.hpp"
+#include "slicing/grid/origins.hpp"
 #include "slicing/nesting/path.hpp"
 
 namespace lamella {
+
+/// NestItem::flags of a walked contour.
+inline std::uint16_t flags_of(const WalkedContour& walked) noexcept {
+    return walked.mixed ? orientation_mixed : 0;
+}
 
 /// One per thread; scratch is kept. Contours point into it until the next call.
 class RingReader {
@@ -25,16 +32,87 @@ public:
 
     /// The contours of `graph`, in walking order; points[slot] is where the slot's edge pierces the plane, origins[slot]
     /// where its segments come from, unless `origins` is null. O(q) for q points. Throws std::bad_alloc.
-    void read(const LinkGraph& graph, const Point* points, const SlotOrigins* origins, Vector<Path>& contours);
+    void read(const LinkGraph& graph, const Point* points, const SlotOrigins* origins, Vector<Path>& contours) {
+        const std::size_t room = graph.order().size() + padded_count;
+        if (rings_.size() < room) {
+            grow_exactly(rings_, room + room / 32, worker_);
+        }
+        if (origins != nullptr) {
+            grow_exactly(origins_, rings_.size(), worker_);
+        }
+        contours.clear();
+        reserve_more(contours, graph.contours().size());
+        Point* ring = rings_.data();
+        for (const WalkedContour& walked : graph.contours()) {
+            PointOrigin* const own = origins == nullptr ? nullptr : origins_.data() + (ring - rings_.data());
+            if (own != nullptr) {
+                read_origins(graph, walked, origins, own);
+            }
+            contours.push_back(walked.closed ? read_closed(graph, walked, points, ring, own)
+                                             : read_open(graph, walked, points, ring, own));
+            ring += walked.count;
+            worker_.spend(ring_work + walked.count);
+        }
+    }
 
 private:
+    // Work as StopPace counts it.
+    static constexpr std::size_t ring_work = 16;
+    static constexpr std::size_t point_work = 4;
+
     Path read_closed(const LinkGraph& graph, const WalkedContour& walked, const Point* points, Point* ring,
-                     PointOrigin* origins);
-    RingFacts trace(const Point* points, std::span<const Slot> slots, Point* ring);
+                     PointOrigin* origins) {
+        const auto slots = graph.order().subspan(walked.begin, walked.count);
+        const RingFacts facts = trace(points, slots, ring);
+        Path contour = closed_path(
+            ring, walked.count, facts, [&](std::uint32_t i) { return to_key(graph.edge(slots[i])); }, origins);
+        contour.item.flags = flags_of(walked);
+        return contour;
+    }
+
+    /// By the kernel, which nothing interrupts, unless the contour is so long that its points, read as the walk met them,
+    /// take long.
+    RingFacts trace(const Point* points, std::span<const Slot> slots, Point* ring) {
+        constexpr std::size_t most_at_once = std::size_t{1} << 20;
+        if (slots.size() <= most_at_once) {
+            return kernels_.trace(points, slots.data(), slots.size(), ring);
+        }
+        worker_.in_stretches(0, slots.size(), point_work, [&](std::size_t begin, std::size_t end) {
+            std::transform(slots.data() + begin, slots.data() + end, ring + begin,
+                           [points](Slot slot) { return points[slot]; });
+        });
+        return examine_ring(ring, slots.size(), [this] { worker_.ask(); });
+    }
+
     static Path read_open(const LinkGraph& graph, const WalkedContour& walked, const Point* points, Point* ring,
-                          PointOrigin* origins);
+                          PointOrigin* origins) {
+        const auto slots = graph.order().subspan(walked.begin, walked.count);
+        std::transform(slots.begin(), slots.end(), ring, [points](Slot slot) { return points[slot]; });
+        Path contour = open_path({ring, walked.count}, origins);
+        contour.start_key = to_key(graph.edge(slots[0]));
+        contour.segments = walked.count - 1;
+        contour.item.flags = flags_of(walked);
+        return contour;
+    }
+
+    /// Where facets agree, a slot is left by its source port.
     static void read_origins(const LinkGraph& graph, const WalkedContour& walked, const SlotOrigins* by_slot,
-                             PointOrigin* origins);
+                             PointOrigin* origins) {
+        const auto slots = graph.order().subspan(walked.begin, walked.count);
+        const std::uint32_t segments = walked.closed ? walked.count : walked.count - 1;
+        for (std::uint32_t i = 0; i < segments; ++i) {
+            if (!walked.mixed) {
+                origins[i] = by_slot[slots[i]].by_port[source_port];
+                continue;
+            }
+            const PortRef port = graph.port_towards(slots[i], slots[i + 1 < walked.count ? i + 1 : 0]);
+            const PointOrigin& origin = by_slot[slots[i]].by_port[port & 1];
+            origins[i] = graph.runs_from(port) ? origin : turned(origin);
+        }
+        if (!walked.closed) {
+            origins[segments] = end_of(origins[segments - 1]);
+        }
+    }
 
     Worker& worker_;
     const Kernels& kernels_ = best_of(kernel_forms());
@@ -44,7 +122,19 @@ private:
 
 /// The same for closed contours whose points lie in walking order in `rings` already. key_at(i) is the edge that rings[i]
 /// lies on; `origins` are those of `rings`, or null.
-void read_traced(Point* rings, PointOrigin* origins, std::span<const WalkedContour> walked, KeyAt key_at,
-                 const Parallel& parallel, Vector<Path>& contours);
+inline void read_traced(Point* rings, PointOrigin* origins, std::span<const WalkedContour> walked, KeyAt key_at,
+                        const Parallel& parallel, Vector<Path>& contours) {
+    contours.resize(walked.size());
+    parallel.run_ranges(walked.size(), 64, [&](std::size_t first, std::size_t last, int) {
+        for (std::size_t c = first; c < last; ++c) {
+            const auto [begin, count, closed, mixed] = walked[c];
+            const RingFacts facts = examine_ring(rings + begin, count, [&parallel] { parallel.stop_if_asked(); });
+            contours[c] = closed_path(
+                rings + begin, count, facts, [&key_at, from = begin](std::uint32_t i) { return key_at(from + i); },
+                origins == nullptr ? nullptr : origins + begin);
+            contours[c].item.flags = flags_of(walked[c]);
+        }
+    });
+}
 
 }  // namespace lamella

@@ -164,7 +164,7 @@ MeshEstimate estimate_mesh(const std::string& path, std::uint64_t file_bytes) {
     return {triangles, process_bytes + triangles * cost.memory_bytes};
 }
 
-void Admission::add(std::size_t item, const MeshEstimate& estimate, std::optional<int> threads) {
+void Admission::add(std::size_t item, const MeshEstimate& estimate, int threads) {
     if (entries_.size() <= item) {
         entries_.resize(item + 1);
     }
@@ -198,8 +198,8 @@ bool Admission::fits(const Entry& entry, double need) const {
 
 /// All that are left where only few such meshes are left or fit into memory at once; else one for a small mesh.
 int Admission::threads_for(const Entry& entry, double need) const {
-    if (entry.asked && *entry.asked > 0) {
-        return *entry.asked;
+    if (entry.asked > 0) {
+        return entry.asked;
     }
     const int left = jobs_ - used_threads_;
     if (entry.alone || need > memory_) {

@@ -39,7 +39,8 @@ class Admission {
 public:
     Admission(int jobs, std::uint64_t memory_bytes) : jobs_(jobs), memory_(static_cast<double>(memory_bytes)) {}
 
-    void add(std::size_t item, const MeshEstimate& estimate, std::optional<int> threads);
+    /// `threads`: asked for; 0: as many as serve.
+    void add(std::size_t item, const MeshEstimate& estimate, int threads);
     /// All that were added, the largest first.
     void sort();
     /// Once more, after all others; `alone`: with nothing beside it.
@@ -56,7 +57,7 @@ public:
 private:
     struct Entry {
         MeshEstimate estimate;
-        std::optional<int> asked;
+        int asked = 0;
         bool alone = false;
         int threads = 0;   ///< while it runs
         double bytes = 0;  ///< while it runs

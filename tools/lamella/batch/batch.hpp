@@ -14,6 +14,7 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include "files/streams.hpp"
 #include "lamella/context.hpp"
@@ -22,6 +23,8 @@
 #include "terminal/stages.hpp"
 
 namespace lamella::cli::batch {
+
+using Json = nlohmann::ordered_json;
 
 /// Values by the option's name with its dashes, "--layer-height"; a flag has the value "true".
 using OptionValues = std::map<std::string, std::vector<std::string>>;
@@ -72,16 +75,6 @@ std::vector<MeshSource> read_manifest(const std::string& path, const SliceOption
 /// a manifest. A mesh need not exist: that is for its item to say.
 std::vector<MeshSource> list_sources(const std::vector<std::string>& given, const SliceOptionNames& names);
 
-/// A file that decides what comes out, as it was found: with its time, or with its content by --hash.
-struct InputFact {
-    std::string path;
-    std::uint64_t bytes = 0;
-    std::int64_t modified_ns = 0;  ///< since 1970; 0 with a hash
-    std::string sha256;            ///< empty without --hash
-
-    bool operator==(const InputFact&) const = default;
-};
-
 /// One mesh of a batch: what is sliced, how, and into which files.
 struct Item {
     std::string mesh;
@@ -93,7 +86,7 @@ struct Item {
     std::vector<std::string> option_files{};  ///< that the options name: images, planes, transforms
     int threads = 0;                          ///< asked for; 0: as the batch has it
     std::string place{};                      ///< FILE:LINE of a manifest, else empty
-    std::vector<InputFact> inputs{};          ///< the mesh, then option_files; found when the item's turn comes
+    Json inputs = Json::array();              ///< fact_of() the mesh, then option_files; found when the item's turn comes
 
     const std::string& key() const { return files.front(); }
     /// With the report.
@@ -110,32 +103,27 @@ std::vector<Item> plan_items(const std::vector<MeshSource>& sources, const Optio
 /// 'out/{stem}.svg', "." of '{stem}.svg'.
 std::string fixed_folder(const std::string& pattern);
 
-struct OutputFact {
-    std::string path;
-    std::optional<std::uint64_t> bytes{};  ///< none: it was not written
-
-    bool operator==(const OutputFact&) const = default;
-};
-
-/// The outcome of an item.
+/// The outcome of an item: a line of results.jsonl, in which names are text_of_name().
 struct ResultLine {
+    /// Throws Json::exception of what is no such line.
+    explicit ResultLine(Json line);
+
+    Json json;
     std::string mesh;
-    std::string failure;  ///< why it failed; empty: done
-    std::vector<std::string> options;
-    std::vector<InputFact> inputs;
-    std::vector<OutputFact> outputs;  ///< of a failed item without sizes; the first one names the item
-    std::optional<SliceFacts> facts{};
+    std::string failure;               ///< why it failed; empty: done
+    std::vector<std::string> outputs;  ///< the first one names the item
 
     bool done() const noexcept { return failure.empty(); }
-    const std::string& key() const { return outputs.front().path; }
+    const std::string& key() const { return outputs.front(); }
 };
 
-/// A file by its time, or by its content. A folder, such as a DICOM series, by the bytes in its files, and the latest time.
-/// A file that cannot be read has no bytes and no time: the item then says why. Throws Failure where `stop` ends it.
-InputFact fact_of(const std::string& path, bool hash, const Callback<bool()>& stop);
+/// `failure`: why it failed, else empty. `facts` are further members.
+ResultLine result_of(const Item& item, const std::string& failure, const Json& facts);
 
-/// The outputs of an item with their sizes; an output that is not there has none.
-std::vector<OutputFact> outputs_of(const Item& item);
+/// A file that decides what comes out, as it was found, with its bytes: by its time, in ns since 1970, or by its content. A
+/// folder, such as a DICOM series, by the bytes in its files, and the latest time. A file that cannot be read has no bytes
+/// and no time: the item then says why. Throws Failure where `stop` ends it.
+Json fact_of(const std::string& path, bool hash, const Callback<bool()>& stop);
 
 /// Done: the line says so, of the same mesh, options and inputs, and every output is there in the size that it says, or is
 /// not there if it says so (slice within --memory leaves out a table).
@@ -207,14 +195,9 @@ struct BatchArguments {
     std::vector<std::string> names_without_memory{};  ///< options that a mesh larger than all of it cannot have
 };
 
-struct BatchOutcome {
-    std::string summary;  ///< for people
-    std::size_t failed = 0;
-};
-
-/// Slices what is not done of `items`, those of this shard. `arguments` say how many jobs and how much memory. Throws
-/// Failure where results cannot be kept.
-BatchOutcome run_batch(std::vector<Item> items, const LedgerName& name, const BatchArguments& arguments,
-                       Interrupt& interrupt);
+/// Slices what is not done of `items`, those of this shard, and prints a summary. `arguments` say how many jobs and how much
+/// memory. Returns how many failed. Throws Failure where results cannot be kept.
+std::size_t run_batch(std::vector<Item> items, const LedgerName& name, const BatchArguments& arguments,
+                      Interrupt& interrupt);
 
 }  // namespace lamella::cli::batch

@@ -93,7 +93,7 @@ Failure failed_items(std::size_t failed, std::size_t items) {
 /// Throws Failure where every mesh would fail.
 void require_image(const ImageArguments& image) {
     if (!image.like.empty()) {
-        (void)read_image_of(image);
+        (void)done_or_thrown(read_image_geometry(image.like));
     }
     if (!image.spacing.empty()) {
         for (const double side : parse_triple(image.spacing, "--spacing")) {
@@ -119,10 +119,8 @@ void slice_meshes(const CLI::App& command, BatchArguments& arguments, Interrupt&
     std::size_t count = 0;
     std::erase_if(items, [&](const Item&) { return count++ % std::max(name.shards, 1U) != name.shard; });
     count = items.size();
-    const BatchOutcome outcome = run_batch(std::move(items), name, arguments, interrupt);
-    print(outcome.summary);
-    if (outcome.failed > 0) {
-        throw failed_items(outcome.failed, count);
+    if (const std::size_t failed = run_batch(std::move(items), name, arguments, interrupt); failed > 0) {
+        throw failed_items(failed, count);
     }
 }
 

@@ -92,10 +92,10 @@ void remove_leftovers(const std::vector<std::string>& targets, std::chrono::mill
 }
 
 struct BatchCounts {
-    std::size_t items = 0;      ///< of the batch
-    std::size_t unchanged = 0;  ///< done before
-    std::size_t done = 0;       ///< now
-    std::size_t failed = 0;
+    std::size_t items = 0;             ///< of the batch
+    std::size_t unchanged = 0;         ///< done before
+    std::size_t done = 0;              ///< now
+    std::size_t failed = 0;            ///< now
     std::size_t of_older_version = 0;  ///< done before, by a version of lamella with other defaults
     double triangles = 0;              ///< of those done
     double cost = 0;                   ///< of those that ended, as estimated
@@ -148,7 +148,7 @@ public:
           output_inodes_(items_.size()),
           pool_(options.timeout_s) {}
 
-    BatchOutcome run() {
+    std::size_t run() {
         clean(std::chrono::milliseconds(2000));
         choose_items();
         start_what_fits();
@@ -170,7 +170,8 @@ public:
         clean(std::chrono::milliseconds(0));
         ledger_.finish(items_);
         interrupt_.end_deferring();
-        return {summary(), failed_.size()};
+        print(summary());
+        return failed_.size();
     }
 
 private:
@@ -190,7 +191,7 @@ private:
                 ++counts_.unchanged;
                 continue;
             }
-            admission_.add(i, estimate_mesh(items_[i].mesh, items_[i].inputs.front().bytes), items_[i].threads);
+            admission_.add(i, estimate_mesh(items_[i].mesh, bytes_of(i)), items_[i].threads);
             counts_.all_cost += cost_of(i);
             stop_if_asked();
         }
@@ -200,7 +201,7 @@ private:
     bool is_unchanged(std::size_t i) {
         Item& item = items_[i];
         const ResultLine* const line = ledger_.find(item.key());
-        const bool by_content = line != nullptr && !line->inputs.empty() && !line->inputs.front().sha256.empty();
+        const bool by_content = line != nullptr && line->json.at("inputs").at(0).contains("sha256");
         item.inputs.push_back(fact_of(item.mesh, options_.hash || by_content, stop_));
         for (const std::string& path : item.option_files) {
             item.inputs.push_back(fact_of(path, options_.hash || by_content, stop_));
@@ -271,28 +272,25 @@ private:
             }
             return fail(end.item, reason_of(end.failure, item.mesh));
         }
-        ledger_.append({item.mesh, "", item.words, item.inputs, outputs_of(item), end.facts});
+        ledger_.append(result_of(item, "", end.facts));
         ++counts_.done;
         counts_.cost += cost_of(end.item);
-        counts_.triangles += end.facts ? static_cast<double>(end.facts->triangles) : 0;
+        counts_.triangles += end.facts.value("triangles", 0.0);
     }
 
     void fail(std::size_t i, const std::string& reason) {
         const Item& item = items_[i];
         remove_new_outputs(i);
-        ResultLine line{item.mesh, reason, item.words, item.inputs, {}, std::nullopt};
-        for (const std::string& file : item.files) {
-            line.outputs.push_back({file, std::nullopt});
-        }
         bar_.wipe();
         complain(item.mesh + ": " + reason);
-        ledger_.append(line);
+        ledger_.append(result_of(item, reason, Json::object()));
         ++counts_.failed;
         counts_.cost += cost_of(i);
         failed_.emplace(i, reason);
     }
 
-    double cost_of(std::size_t i) const { return process_bytes + static_cast<double>(items_[i].inputs.front().bytes); }
+    std::uint64_t bytes_of(std::size_t i) const { return items_[i].inputs.at(0).at("bytes").get<std::uint64_t>(); }
+    double cost_of(std::size_t i) const { return process_bytes + static_cast<double>(bytes_of(i)); }
 
     /// None of several outputs of a mesh that failed stays; those of an earlier batch do.
     void remove_new_outputs(std::size_t i) const {
@@ -371,8 +369,7 @@ private:
 
 }  // namespace
 
-BatchOutcome run_batch(std::vector<Item> items, const LedgerName& name, const BatchArguments& options,
-                       Interrupt& interrupt) {
+std::size_t run_batch(std::vector<Item> items, const LedgerName& name, const BatchArguments& options, Interrupt& interrupt) {
     return BatchRun(std::move(items), name, options, interrupt).run();
 }
 

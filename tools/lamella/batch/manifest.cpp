@@ -16,8 +16,6 @@ namespace lamella::cli::batch {
 
 namespace {
 
-using Json = nlohmann::json;
-
 /// True if its value is one number of mm.
 bool takes_length(const CLI::Option& option) {
     return option.get_type_name().starts_with("MM");
@@ -226,7 +224,7 @@ private:
     }
 
     void read_object(std::string_view text, std::size_t line) {
-        const Json object = Json::parse(text, nullptr, false);
+        const nlohmann::json object = nlohmann::json::parse(text, nullptr, false);
         if (!object.is_object()) {
             throw at(line, "not a JSON object");
         }
@@ -244,14 +242,14 @@ private:
     }
 
     /// A list is repeated where the option may be, else joined by commas.
-    std::vector<std::string> values_of(const std::string& name, const std::string& key, const Json& value,
+    std::vector<std::string> values_of(const std::string& name, const std::string& key, const nlohmann::json& value,
                                        std::size_t line) const {
         if (!value.is_array()) {
             return {scalar(key, value, line)};
         }
         std::vector<std::string> values;
         std::string joined;
-        for (const Json& each : value) {
+        for (const nlohmann::json& each : value) {
             values.push_back(scalar(key, each, line));
             joined += (joined.empty() ? "" : ",") + values.back();
         }
@@ -263,7 +261,7 @@ private:
                    : std::vector<std::string>{joined};
     }
 
-    std::string scalar(const std::string& key, const Json& value, std::size_t line) const {
+    std::string scalar(const std::string& key, const nlohmann::json& value, std::size_t line) const {
         if (value.is_string()) {
             return name_of_text(value.get<std::string>());
         }

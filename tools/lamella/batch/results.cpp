@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -17,8 +16,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <nlohmann/json.hpp>
-
 #include "lamella/io/name_text.hpp"
 #include "lamella/medical/record.hpp"
 #include "terminal/console.hpp"
@@ -28,93 +25,32 @@ namespace lamella::cli::batch {
 
 namespace {
 
-using OrderedJson = nlohmann::ordered_json;
-
-std::string name_in(const OrderedJson& json) {
-    return name_of_text(json.get<std::string>());
-}
-
-template <class T, class Make>
-OrderedJson array_of(const std::vector<T>& all, Make make) {
-    OrderedJson array = OrderedJson::array();
-    for (const T& each : all) {
-        array.push_back(make(each));
+Json as_text(const std::vector<std::string>& names) {
+    Json array = Json::array();
+    for (const std::string& name : names) {
+        array.push_back(text_of_name(name));
     }
     return array;
 }
 
-std::string line_of(const ResultLine& result) {
-    OrderedJson json = {{"mesh", text_of_name(result.mesh)}, {"status", result.done() ? "done" : "failed"}};
-    if (!result.done()) {
-        json["reason"] = printable(result.failure);
+/// The outputs of an item; `sizes`: with their bytes, which an output that is not there lacks.
+Json outputs_of(const Item& item, bool sizes) {
+    Json outputs = Json::array();
+    for (const std::string& path : item.files) {
+        std::error_code unknown;
+        const std::uintmax_t bytes = std::filesystem::file_size(path, unknown);
+        outputs.push_back({{"path", text_of_name(path)}});
+        if (sizes && !unknown) {
+            outputs.back()["bytes"] = bytes;
+        }
     }
-    json["options"] = array_of(result.options, text_of_name);
-    json["inputs"] = array_of(result.inputs, [](const InputFact& input) {
-        OrderedJson one = {{"path", text_of_name(input.path)}, {"bytes", input.bytes}};
-        input.sha256.empty() ? one["modified_ns"] = input.modified_ns : one["sha256"] = input.sha256;
-        return one;
-    });
-    json["outputs"] = array_of(result.outputs, [](const OutputFact& output) {
-        OrderedJson one = {{"path", text_of_name(output.path)}};
-        if (output.bytes) {
-            one["bytes"] = *output.bytes;
-        }
-        return one;
-    });
-    if (result.facts) {
-        add_facts(json, *result.facts);
-    }
-    return json.dump() + "\n";
-}
-
-/// None where the text is no such line, as one that was torn by a crash.
-std::optional<ResultLine> parse_line(std::string_view text) {
-    try {
-        const OrderedJson json = OrderedJson::parse(text);
-        ResultLine line;
-        line.mesh = name_in(json.at("mesh"));
-        if (json.at("status").get<std::string>() != "done") {
-            line.failure = json.at("reason").get<std::string>();
-        }
-        for (const OrderedJson& word : json.at("options")) {
-            line.options.push_back(name_in(word));
-        }
-        for (const OrderedJson& input : json.at("inputs")) {
-            line.inputs.push_back({name_in(input.at("path")), input.at("bytes").get<std::uint64_t>(),
-                                   input.value("modified_ns", std::int64_t{0}), input.value("sha256", std::string())});
-        }
-        for (const OrderedJson& output : json.at("outputs")) {
-            line.outputs.push_back({name_in(output.at("path"))});
-            if (output.contains("bytes")) {
-                line.outputs.back().bytes = output.at("bytes").get<std::uint64_t>();
-            }
-        }
-        if (json.contains("triangles")) {
-            line.facts = facts_of(json);
-        }
-        return line.outputs.empty() ? std::nullopt : std::optional(std::move(line));
-    } catch (const nlohmann::json::exception&) {
-        return std::nullopt;
-    }
+    return outputs;
 }
 
 using ResultLines = std::unordered_map<std::string, ResultLine>;
 
 std::int64_t modified_ns(const struct stat& file) {
     return std::int64_t{file.st_mtim.tv_sec} * 1'000'000'000 + file.st_mtim.tv_nsec;
-}
-
-InputFact fact_of_folder(const std::string& path) {
-    InputFact fact{path, 0, 0, ""};
-    std::error_code problem;
-    for (const std::filesystem::directory_entry& entry : entries_of(path, problem)) {
-        struct stat file {};
-        if (::stat(entry.path().c_str(), &file) == 0 && S_ISREG(file.st_mode)) {
-            fact.bytes += static_cast<std::uint64_t>(file.st_size);
-            fact.modified_ns = std::max(fact.modified_ns, modified_ns(file));
-        }
-    }
-    return fact;
 }
 
 /// 0 when all is on disk, else an error number.
@@ -152,12 +88,13 @@ std::size_t add_results(const std::string& path, ResultLines& lines) {
     const std::size_t bytes = text.size() - whole.back().size();
     whole.pop_back();
     for (std::size_t i = 0; i < whole.size(); ++i) {
-        std::optional<ResultLine> result = parse_line(whole[i]);
-        if (!result) {
+        try {
+            ResultLine result(Json::parse(whole[i]));
+            std::string key = result.key();
+            lines.insert_or_assign(std::move(key), std::move(result));
+        } catch (const Json::exception&) {
             throw Failure(bad_input, path + ":" + std::to_string(i + 1) + ": no line of lamella batch");
         }
-        std::string key = result->key();
-        lines.insert_or_assign(std::move(key), *std::move(result));
     }
     return bytes;
 }
@@ -174,7 +111,7 @@ std::string ordered_text(const ResultLines& lines) {
     });
     std::string text;
     for (const ResultLine* line : order) {
-        text += line_of(*line);
+        text += line->json.dump() + "\n";
     }
     return text;
 }
@@ -203,9 +140,9 @@ void write_durably(const std::string& path, const std::string& text) {
 void drop_overwritten(ResultLines& lines, const std::unordered_set<std::string>& written,
                       const std::unordered_set<std::string>& kept) {
     std::erase_if(lines, [&](const auto& line) {
-        const std::vector<OutputFact>& outputs = line.second.outputs;
-        return !kept.contains(line.first) && std::any_of(outputs.begin(), outputs.end(), [&](const OutputFact& output) {
-            return written.contains(output.path);
+        const std::vector<std::string>& outputs = line.second.outputs;
+        return !kept.contains(line.first) && std::any_of(outputs.begin(), outputs.end(), [&](const std::string& output) {
+            return written.contains(output);
         });
     });
 }
@@ -261,51 +198,81 @@ void require_all(const std::vector<LedgerName>& shards) {
 
 }  // namespace
 
-InputFact fact_of(const std::string& path, bool hash, const Callback<bool()>& stop) {
-    struct stat file {};
-    if (::stat(path.c_str(), &file) != 0) {
-        return {path, 0, 0, ""};
+ResultLine::ResultLine(Json line) : json(std::move(line)) {
+    const auto name_in = [](const Json& text) { return name_of_text(text.get<std::string>()); };
+    mesh = name_in(json.at("mesh"));
+    if (json.at("status").get<std::string>() != "done") {
+        failure = json.at("reason").get<std::string>();
     }
-    if (S_ISDIR(file.st_mode)) {
-        return fact_of_folder(path);
+    (void)json.at("options").get<std::vector<std::string>>();
+    for (const Json& input : json.at("inputs")) {
+        (void)input.at("bytes").get<std::uint64_t>();
     }
-    InputFact fact{path, static_cast<std::uint64_t>(file.st_size), 0, ""};
-    if (!hash || !S_ISREG(file.st_mode)) {
-        fact.modified_ns = modified_ns(file);
-        return fact;
+    (void)json.at("inputs").at(0);
+    (void)json.at("outputs").at(0);
+    for (const Json& output : json.at("outputs")) {
+        outputs.push_back(name_in(output.at("path")));
     }
-    Result<FileSeal> seal = seal_file(path, {.stop = stop});
-    if (!seal && seal.error().code == ErrorCode::cancelled) {
-        throw failure_of(seal.error());
-    }
-    if (seal) {
-        fact.bytes = seal->bytes;
-        fact.sha256 = std::move(seal->sha256);
-    }
-    return fact;
 }
 
-std::vector<OutputFact> outputs_of(const Item& item) {
-    std::vector<OutputFact> outputs;
-    for (const std::string& path : item.files) {
-        std::error_code unknown;
-        const std::uintmax_t bytes = std::filesystem::file_size(path, unknown);
-        outputs.push_back({path, unknown ? std::nullopt : std::optional<std::uint64_t>(bytes)});
+ResultLine result_of(const Item& item, const std::string& failure, const Json& facts) {
+    const bool done = failure.empty();
+    Json json = {{"mesh", text_of_name(item.mesh)}, {"status", done ? "done" : "failed"}};
+    if (!done) {
+        json["reason"] = printable(failure);
     }
-    return outputs;
+    json["options"] = as_text(item.words);
+    json["inputs"] = item.inputs;
+    json["outputs"] = outputs_of(item, done);
+    json.update(facts);
+    return ResultLine(std::move(json));
+}
+
+Json fact_of(const std::string& path, bool hash, const Callback<bool()>& stop) {
+    struct stat file {};
+    std::uint64_t bytes = 0;
+    std::int64_t modified = 0;
+    const auto add = [&] {
+        bytes += static_cast<std::uint64_t>(file.st_size);
+        modified = std::max(modified, modified_ns(file));
+    };
+    const bool found = ::stat(path.c_str(), &file) == 0;
+    if (found && S_ISDIR(file.st_mode)) {
+        std::error_code problem;
+        for (const std::filesystem::directory_entry& entry : entries_of(path, problem)) {
+            if (::stat(entry.path().c_str(), &file) == 0 && S_ISREG(file.st_mode)) {
+                add();
+            }
+        }
+    } else if (found && hash && S_ISREG(file.st_mode)) {
+        const Result<FileSeal> seal = seal_file(path, {.stop = stop});
+        if (!seal && seal.error().code == ErrorCode::cancelled) {
+            throw failure_of(seal.error());
+        }
+        if (seal) {
+            return {{"path", text_of_name(path)}, {"bytes", seal->bytes}, {"sha256", seal->sha256}};
+        }
+        bytes = static_cast<std::uint64_t>(file.st_size);
+    } else if (found) {
+        add();
+    }
+    return {{"path", text_of_name(path)}, {"bytes", bytes}, {"modified_ns", modified}};
 }
 
 bool is_done(const Item& item, const ResultLine& line) {
     std::error_code unknown;
-    return line.done() && line.mesh == item.mesh && line.options == item.words && line.inputs == item.inputs &&
-           line.outputs == outputs_of(item) && line.outputs.front().bytes.has_value() &&
+    const Json& outputs = line.json.at("outputs");
+    return line.done() && line.mesh == item.mesh && line.json.at("options") == as_text(item.words) &&
+           line.json.at("inputs") == item.inputs && outputs == outputs_of(item, true) && outputs[0].contains("bytes") &&
            (item.report.empty() || std::filesystem::exists(item.report, unknown));
 }
 
 bool is_of_older_version(const ResultLine& line) {
     return std::any_of(changed_defaults.begin(), changed_defaults.end(), [&](const ChangedDefault& changed) {
-        return std::none_of(line.options.begin(), line.options.end(),
-                            [&](const std::string& word) { return word.starts_with(std::string(changed.name) + "="); });
+        const Json& words = line.json.at("options");
+        return std::none_of(words.begin(), words.end(), [&](const Json& word) {
+            return word.get<std::string>().starts_with(std::string(changed.name) + "=");
+        });
     });
 }
 
@@ -320,14 +287,10 @@ std::string LedgerName::path_of_whole() const {
 
 std::optional<LedgerName> parse_shard(const std::string& text, const std::string& between) {
     const std::size_t middle = std::min(text.find(between), text.size());
-    const auto parse = [](std::string_view digits, std::uint32_t& value) {
-        const auto [stop, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-        return problem == std::errc() && stop == digits.data() + digits.size();
-    };
     LedgerName name;
     const std::string_view all(text);
-    return middle < text.size() && parse(all.substr(0, middle), name.shard) &&
-                   parse(all.substr(middle + between.size()), name.shards) && name.shard < name.shards
+    return middle < text.size() && parse_integer(all.substr(0, middle), name.shard) &&
+                   parse_integer(all.substr(middle + between.size()), name.shards) && name.shard < name.shards
                ? std::optional(name)
                : std::nullopt;
 }
@@ -350,7 +313,7 @@ const ResultLine* Ledger::find(const std::string& key) const {
 }
 
 void Ledger::append(const ResultLine& result) {
-    const std::string line = line_of(result);
+    const std::string line = result.json.dump() + "\n";
     if (const int error_number = write_to_disk(file_, line); error_number != 0) {
         (void)!::ftruncate(file_.number(), static_cast<off_t>(bytes_));
         throw unwritable(path_, error_number);
@@ -386,9 +349,7 @@ MergedResults merge_shards(const std::vector<std::string>& sources) {
         if (!line.done()) {
             merged.failures.push_back(line.mesh + ": " + line.failure);
         }
-        for (const OutputFact& output : line.outputs) {
-            written.insert(output.path);
-        }
+        written.insert(line.outputs.begin(), line.outputs.end());
     }
     std::sort(merged.failures.begin(), merged.failures.end());
     std::error_code unknown;

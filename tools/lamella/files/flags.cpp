@@ -1,7 +1,6 @@
 #include "files/flags.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -126,8 +125,7 @@ FillFrom parse_fill_from(const std::string& text, const std::string& flag) {
     const std::size_t colon = std::min(text.find(':'), text.size());
     const auto* const rule = std::find(rules.begin(), rules.end(), text.substr(std::min(colon + 1, text.size())));
     FillFrom from;
-    const auto [stop, error] = std::from_chars(text.data(), text.data() + colon, from.first_layer);
-    if (stop != text.data() + colon || error != std::errc() || rule == rules.end()) {
+    if (!parse_integer(text.substr(0, colon), from.first_layer) || rule == rules.end()) {
         throw CLI::ValidationError(flag, "'" + text + "' is not LAYER:RULE, such as 12:non-zero");
     }
     from.rule = static_cast<FillRule>(rule - rules.begin());
@@ -190,10 +188,7 @@ CLI::Option* add_parsed(CLI::App& command, const std::string& flag, const std::s
 
 CLI::Option* add_choice(CLI::App& command, const std::string& flag, std::span<const std::string_view> words,
                         const std::string& help, std::function<void(std::size_t)> take) {
-    std::string names;
-    for (const std::string_view word : words) {
-        names.append(names.empty() ? "" : "|").append(word);
-    }
+    const std::string names = joined(words, "|");
     const auto store = [names, words, take = std::move(take)](const std::string& text) {
         const auto found = std::find(words.begin(), words.end(), text);
         if (found == words.end()) {

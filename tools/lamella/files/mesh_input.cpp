@@ -16,15 +16,6 @@ namespace lamella::cli {
 
 namespace {
 
-/// "STL, OBJ, ...": what can be read.
-std::string mesh_formats() {
-    std::string names;
-    for (const std::string_view name : format_names()) {
-        names += (names.empty() ? "" : ", ") + std::string(name);
-    }
-    return names + "; gzip of any";
-}
-
 /// Made before it is needed: a handler may neither allocate nor format.
 std::string& bus_error_line() {
     static std::string line;
@@ -51,9 +42,9 @@ void explain_bus_errors(const std::string& name) {
 
 Result<MeshFile> read_standard_input(const ReadOptions& options, const Context& context) {
     const Stopwatch watch;
-    const SpooledInput input;
+    const Descriptor input = spooled_input();
     const double spool_ms = watch.ms();
-    Result<MeshFile> mesh = read_mesh(input.path(), options, context);
+    Result<MeshFile> mesh = read_mesh("/dev/fd/" + std::to_string(input.number()), options, context);
     if (mesh) {
         mesh->read_ms += spool_ms;
     }
@@ -125,7 +116,7 @@ std::optional<std::string> doubt_of_unit(const MeasuredMesh& mesh) {
 }  // namespace
 
 std::string mesh_help(const std::string& what) {
-    return what + ": " + mesh_formats();
+    return what + ": " + joined(format_names()) + "; gzip of any";
 }
 
 void declare_reading(CLI::App& command, MeshArguments& arguments) {

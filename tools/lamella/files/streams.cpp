@@ -111,13 +111,15 @@ std::string temporary_folder() {
     return unknown ? "/tmp" : folder.string();
 }
 
-SpooledInput::SpooledInput() : file_(open_unnamed()) {
+Descriptor spooled_input() {
+    Descriptor file = open_unnamed();
     std::vector<char> buffer(std::size_t{1} << 20);
     while (const std::size_t count = read_some(buffer)) {
-        if (const int error_number = write_all(file_, {buffer.data(), count}); error_number != 0) {
+        if (const int error_number = write_all(file, {buffer.data(), count}); error_number != 0) {
             throw no_spool(error_number);
         }
     }
+    return file;
 }
 
 Failure unwritable(const std::string& path, int error_number) {

@@ -51,17 +51,9 @@ void write_text(const std::string& path, const std::string& text);
 /// $TMPDIR, else /tmp.
 std::string temporary_folder();
 
-/// All of standard input in a file that has no name, so that any of its bytes can be read in any order.
-class SpooledInput {
-public:
-    /// Reads until the end. The file is made in the temporary folder. Throws Failure.
-    SpooledInput();
-
-    std::string path() const { return "/dev/fd/" + std::to_string(file_.number()); }  ///< while this lives
-
-private:
-    Descriptor file_;
-};
+/// All of standard input in a file that has no name, so that any of its bytes can be read in any order. The file is made in
+/// the temporary folder. Throws Failure.
+Descriptor spooled_input();
 
 /// "cannot write 'PATH': REASON"
 Failure unwritable(const std::string& path, int error_number);

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstdlib>
+#include <functional>
+#include <iterator>
 #include <system_error>
 
 #include "files/flags.hpp"
@@ -36,12 +37,10 @@ constexpr std::array<NamedFormat, 10> formats = {{
     {"h5", ".h5", OutputFormat::hdf5},
 }};
 
-std::string joined(std::string_view NamedFormat::*member) {
-    std::string all;
-    for (const NamedFormat& format : formats) {
-        all.append(all.empty() ? "" : ", ").append(format.*member);
-    }
-    return all;
+std::string all_formats(std::string_view NamedFormat::*member) {
+    std::vector<std::string_view> all;
+    std::transform(formats.begin(), formats.end(), std::back_inserter(all), std::mem_fn(member));
+    return joined(all);
 }
 
 const NamedFormat* format_by_end(const std::string& path) {
@@ -61,13 +60,8 @@ PlannedOutput by_name(const std::string& path) {
     if (const NamedFormat* format = format_by_end(path)) {
         return {path, format->format};
     }
-    const std::string own = lower_case(std::filesystem::path(path).extension().string());
-    std::error_code unknown;
-    if (own.empty() || is_standard(path) || std::filesystem::is_other(path, unknown)) {
-        return {path, OutputFormat::svg};
-    }
-    throw Failure(bad_usage, "--output: '" + path + "': no format that is written ends in " + own + "; there is " +
-                                 joined(&NamedFormat::end));
+    require_extension(path, "--output", all_formats(&NamedFormat::end));
+    return {path, OutputFormat::svg};
 }
 
 std::vector<const NamedFormat*> parse_formats(const std::string& to) {
@@ -76,7 +70,8 @@ std::vector<const NamedFormat*> parse_formats(const std::string& to) {
         const std::string name = lower_case(std::string(word));
         const auto* const format =
             std::find_if(formats.begin(), formats.end(), [&](const NamedFormat& known) { return known.name == name; });
-        refuse_if(format == formats.end(), bad_usage, "--to: '" + name + "' is not one of " + joined(&NamedFormat::name));
+        refuse_if(format == formats.end(), bad_usage,
+                  "--to: '" + name + "' is not one of " + all_formats(&NamedFormat::name));
         refuse_if(std::find(found.begin(), found.end(), format) != found.end(), bad_usage,
                   "--to: '" + name + "' stands there twice");
         found.push_back(format);
@@ -146,10 +141,10 @@ std::string range_text(double from, double to) {
 void declare_outputs(CLI::App& command, OutputArguments& arguments) {
     static constexpr std::array<std::string_view, 2> holes = {"keyhole", "xor"};
     add_text(command, "-o,--output", arguments.outputs, "FILE|-",
-             "File to write, by the end of its name: " + joined(&NamedFormat::end) +
+             "File to write, by the end of its name: " + all_formats(&NamedFormat::end) +
                  "; repeatable; - for SVG on standard output");
     add_text(command, "--to", arguments.to, "FORMAT,...",
-             "Write these formats, each as --output with the end of its name exchanged: " + joined(&NamedFormat::name));
+             "Write these formats, each as --output with the end of its name exchanged: " + all_formats(&NamedFormat::name));
     command.add_flag("--coverage", arguments.coverage, "Masks hold the share of each voxel's area that is inside");
     add(command, "--picture-layer", arguments.picture_layer, "N",
         "PNG shows this layer, counted from 0, not a contact sheet")
@@ -215,11 +210,9 @@ std::optional<std::int64_t> source_date() {
     if (text == nullptr || *text == '\0') {
         return std::nullopt;
     }
-    const std::string_view all(text);
     std::int64_t seconds = 0;
-    const auto [stop, problem] = std::from_chars(all.data(), all.data() + all.size(), seconds);
-    refuse_if(problem != std::errc() || stop != all.data() + all.size() || seconds < 0 || seconds > end_of_9999, bad_usage,
-              "SOURCE_DATE_EPOCH: '" + std::string(all) + "' is not a number of seconds since 1970, before the year 10000");
+    refuse_if(!parse_integer(std::string_view(text), seconds) || seconds < 0 || seconds > end_of_9999, bad_usage,
+              "SOURCE_DATE_EPOCH: '" + std::string(text) + "' is not a number of seconds since 1970, before the year 10000");
     return seconds;
 }
 
@@ -280,10 +273,6 @@ std::vector<std::filesystem::path> files_of(const std::vector<PlannedOutput>& ou
         all.insert(all.end(), files.begin(), files.end());
     }
     return all;
-}
-
-ImageGeometry read_image_of(const ImageArguments& arguments) {
-    return done_or_thrown(read_image_geometry(arguments.like));
 }
 
 PatientFrame patient_frame_of(const MeshFile& mesh, const ImageArguments& arguments, const std::string& name) {

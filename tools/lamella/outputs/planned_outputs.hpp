@@ -98,9 +98,6 @@ std::vector<std::filesystem::path> files_of(const std::vector<PlannedOutput>& ou
 /// The environment's SOURCE_DATE_EPOCH, seconds since 1970, if it is there. Throws Failure (bad_usage).
 std::optional<std::int64_t> source_date();
 
-/// The geometry of --like. Throws Failure.
-ImageGeometry read_image_of(const ImageArguments& arguments);
-
 /// The patient frame of a mesh: what its file states, else --frame. Throws Failure where neither says it.
 PatientFrame patient_frame_of(const MeshFile& mesh, const ImageArguments& arguments, const std::string& name);
 

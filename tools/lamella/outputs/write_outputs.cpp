@@ -199,7 +199,7 @@ void tell_names_apart(OutputJob& job, const Note& note) {
 void require_closed(const OutputJob& job) {
     for (const SlicedPart& part : job.parts) {
         if (part.open.layers > 0) {
-            throw Failure(bad_input, part.name + ": --strict: " + describe_open(part.open));
+            throw Failure(bad_input, part.name + ": --strict: " + describe(part.open, "--stitch "));
         }
     }
 }
@@ -286,10 +286,6 @@ void write_record_beside(const PlannedOutput& output, Record record, const Conte
 
 OpenLayers open_layers_of(const SliceResult& result, const Context& context) {
     return *done_or_thrown(audit(result, MeshView{}, {.volume = false, .ledger = false, .crossings = false}, context)).open;
-}
-
-std::string describe_open(const OpenLayers& open) {
-    return describe(open, "--stitch ");
 }
 
 WrittenOutputs write_outputs(OutputJob& job, const Context& context, const Note& note) {

@@ -81,9 +81,6 @@ struct WrittenOutputs {
 /// Throws Failure.
 OpenLayers open_layers_of(const SliceResult& result, const Context& context);
 
-/// See describe(): with the option that closes them.
-std::string describe_open(const OpenLayers& open);
-
 /// Writes all outputs that can be written; `note` takes warnings. Parts whose names repeat are told apart by a number.
 /// Throws Failure where none can be written, and of a stop.
 WrittenOutputs write_outputs(OutputJob& job, const Context& context, const std::function<void(const std::string&)>& note);

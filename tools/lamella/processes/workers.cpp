@@ -133,40 +133,16 @@ std::uint64_t kills_without_memory() {
     return system_number("/proc/vmstat", "oom_kill").value_or(0);
 }
 
-/// The facts that a process passed on which printed `text`; none if it did not.
-std::optional<SliceFacts> facts_at_end_of(std::string_view text) {
+/// The facts that a process passed on which printed `text`; empty if it did not.
+nlohmann::ordered_json facts_at_end_of(std::string_view text) {
     const std::size_t before = text.rfind("\n{");
     std::string_view line = text.substr(before == std::string_view::npos ? 0 : before + 1);
     line = line.substr(0, line.find('\n'));
-    try {
-        return facts_of(nlohmann::ordered_json::parse(line));
-    } catch (const nlohmann::json::exception&) {
-        return std::nullopt;
-    }
+    nlohmann::ordered_json facts = nlohmann::ordered_json::parse(line, nullptr, false);
+    return facts.is_object() ? facts : nlohmann::ordered_json::object();
 }
 
 }  // namespace
-
-void add_facts(nlohmann::ordered_json& json, const SliceFacts& facts) {
-    json["triangles"] = facts.triangles;
-    json["layers"] = facts.layers;
-    json["contours"] = facts.contours;
-    json["open_contours"] = facts.open_contours;
-    json["stitch_mm"] = facts.stitch_mm;
-    json["warnings"] = nlohmann::ordered_json::array();
-    for (const std::string& warning : facts.warnings) {
-        json["warnings"].push_back(printable(warning));
-    }
-}
-
-SliceFacts facts_of(const nlohmann::ordered_json& json) {
-    return {json.at("triangles").get<std::uint64_t>(),
-            json.at("layers").get<std::uint64_t>(),
-            json.at("contours").get<std::uint64_t>(),
-            json.at("open_contours").get<std::uint64_t>(),
-            json.value("stitch_mm", 0.0),
-            json.at("warnings").get<std::vector<std::string>>()};
-}
 
 void declare_worker(CLI::App& command) {
     command.add_flag_callback("--worker", end_with_starter)->group("");
@@ -174,8 +150,12 @@ void declare_worker(CLI::App& command) {
 
 void pass_on(const CLI::App& command, const SliceFacts& facts) {
     if (command.count("--worker") > 0) {
-        nlohmann::ordered_json json = nlohmann::ordered_json::object();
-        add_facts(json, facts);
+        nlohmann::ordered_json json = {{"triangles", facts.triangles}, {"layers", facts.layers},
+                                       {"contours", facts.contours},   {"open_contours", facts.open_contours},
+                                       {"stitch_mm", facts.stitch_mm}, {"warnings", nlohmann::ordered_json::array()}};
+        for (const std::string& warning : facts.warnings) {
+            json["warnings"].push_back(printable(warning));
+        }
         print(json.dump() + "\n");
     }
 }

@@ -11,14 +11,13 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include <sys/types.h>
 
 #include <CLI/CLI.hpp>
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 
 #include "files/streams.hpp"
 
@@ -32,19 +31,13 @@ struct SliceFacts {
     std::uint64_t open_contours = 0;
     double stitch_mm = 0;  ///< the length that --stitch came to
     std::vector<std::string> warnings;
-
-    bool operator==(const SliceFacts&) const = default;
 };
-
-/// As members of a JSON object, and back; the latter throws nlohmann::json::exception.
-void add_facts(nlohmann::ordered_json& json, const SliceFacts& facts);
-SliceFacts facts_of(const nlohmann::ordered_json& json);
 
 /// Declares --worker, which help does not show. Where it is given, this process ends when its standard input does, and the
 /// system chooses it first when memory runs out.
 void declare_worker(CLI::App& command);
 
-/// Where --worker was given, prints the facts: the last line on standard output.
+/// Where --worker was given, prints the facts as a JSON object: the last line on standard output.
 void pass_on(const CLI::App& command, const SliceFacts& facts);
 
 /// One run of the tool.
@@ -57,11 +50,11 @@ struct ToolCall {
 /// How the work on an item ended.
 struct WorkerEnd {
     std::size_t item = 0;
-    std::string failure{};       ///< empty: it succeeded
-    bool may_retry = false;      ///< the mesh need not be what is wrong
-    bool lacked_memory = false;  ///< or was killed, which may mean so
-    std::optional<SliceFacts> facts{};
-    std::uint64_t peak_bytes = 0;  ///< of memory; 0: not known
+    std::string failure{};                                            ///< empty: it succeeded
+    bool may_retry = false;                                           ///< the mesh need not be what is wrong
+    bool lacked_memory = false;                                       ///< or was killed, which may mean so
+    nlohmann::ordered_json facts = nlohmann::ordered_json::object();  ///< that the process passed on
+    std::uint64_t peak_bytes = 0;                                     ///< of memory; 0: not known
 };
 
 /// Each process has a pipe as its standard input that ends with this process, and it with that. It is in a process group of

@@ -121,11 +121,6 @@ void cut_at(SliceOptions& options, std::vector<double> heights) {
     options.planes.datum = Datum::mesh_min;
 }
 
-void cut_at(SliceOptions& options, std::vector<double> heights, const Transform& transform) {
-    cut_at(options, std::move(heights));
-    options.frame.transform = transform;
-}
-
 std::optional<double> least_plane_distance(const SliceOptions& options) {
     if (!options.heights_mm) {
         return options.layer_height_mm;

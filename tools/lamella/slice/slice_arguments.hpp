@@ -40,9 +40,8 @@ struct SliceArguments : MeshArguments {
 /// when the command line is parsed, which throws CLI::ParseError or Failure.
 void declare(CLI::App& command, SliceArguments& arguments);
 
-/// Sets the heights of the planes, and the matrix to their space, whatever the flags say of them.
+/// Sets the heights of the planes, whatever the flags say of them.
 void cut_at(SliceOptions& options, std::vector<double> heights);
-void cut_at(SliceOptions& options, std::vector<double> heights, const Transform& transform);
 
 /// The least distance between two planes at different heights, if there are two.
 std::optional<double> least_plane_distance(const SliceOptions& options);

@@ -225,7 +225,8 @@ private:
         part.frame = mesh.patient_frame == PatientFrame::unstated ? arguments_.image.frame : mesh.patient_frame;
         if (job_.image) {
             part.frame = patient_frame_of(mesh, arguments_.image, arguments_.name());
-            cut_at(options, job_.image->slice_heights_mm(job_.subslices), job_.image->slicing_frame(part.frame));
+            cut_at(options, job_.image->slice_heights_mm(job_.subslices));
+            options.frame.transform = job_.image->slicing_frame(part.frame);
         }
         return options;
     }

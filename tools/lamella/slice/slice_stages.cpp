@@ -58,13 +58,6 @@ std::vector<std::string> doubts_of(const SliceInfo& info, const SliceArguments& 
     return doubts_of_scale(arguments, mesh, measured);
 }
 
-/// std::visit() could throw.
-template <class Stream, class Use>
-auto of_its_kind(Stream& stream, Use use) noexcept {
-    auto* const svg = std::get_if<SvgStream>(&stream);
-    return svg != nullptr ? use(*svg) : use(*std::get_if<LayerTableStream>(&stream));
-}
-
 template <class T>
 void copy_to(Array<T>& array, const std::vector<T>& from) {
     array.resize_discarding(from.size());
@@ -112,14 +105,15 @@ void mend(MeshToSlice& mesh, const SliceArguments& arguments, Stages& stages, To
 
 ImageGeometry image_for(const std::vector<MeshToSlice>& meshes, const SliceArguments& arguments) {
     if (!arguments.image.like.empty()) {
-        return read_image_of(arguments.image);
+        return done_or_thrown(read_image_geometry(arguments.image.like));
     }
     const std::vector<double> spacing = parse_triple(arguments.image.spacing, "--spacing");
     Box all;
     for (std::size_t i = 0; i < meshes.size(); ++i) {
         SliceOptions options = arguments.options;
         const PatientFrame frame = patient_frame_of(meshes[i].about(), arguments.image, arguments.meshes[i]);
-        cut_at(options, {}, ImageGeometry{}.slicing_frame(frame));
+        cut_at(options, {});
+        options.frame.transform = ImageGeometry{}.slicing_frame(frame);
         const Box box = done_or_thrown(Slicer().outline(meshes[i].source(), options)).box;
         for (std::size_t axis = 0; axis < 3; ++axis) {
             all.min_mm[axis] = i == 0 ? box.min_mm[axis] : std::min(all.min_mm[axis], box.min_mm[axis]);
@@ -134,7 +128,8 @@ std::vector<std::string> warnings_of(const SlicedPart& part, const SliceArgument
     const SliceInfo& info = part.result.info;
     std::vector<std::string> warnings;
     if (part.open.layers > 0 && !arguments.outputs.strict) {  // which says the same
-        warnings.push_back(arguments.name() + (arguments.split ? ", " + part.name : "") + ": " + describe_open(part.open));
+        warnings.push_back(arguments.name() + (arguments.split ? ", " + part.name : "") + ": " +
+                           describe(part.open, "--stitch "));
     }
     if (info.segments == 0) {
         warnings.push_back(why_nothing_is_cut(info.box));
@@ -196,25 +191,20 @@ void StreamedOutputs::begin(const SliceInfo& info, bool hash) noexcept {
         hash_.emplace(info.layers);
     }
     try {
-        for (const PlannedOutput& output : outputs_) {
-            Result<Stream> stream = open(output, info);
-            if (!stream) {
-                begun_ = stream.error();
-                return;
+        const auto add = [this](auto begun, auto& streams) {
+            if (begun) {
+                streams.push_back(std::move(begun).value());
+            } else {
+                begun_ = begun.error();
             }
-            streams_.push_back(std::move(stream).value());
+        };
+        for (auto output = outputs_.begin(); begun_ && output != outputs_.end(); ++output) {
+            output->format == OutputFormat::svg ? add(SvgStream::begin(info, output_path(output->path)), svgs_)
+                                                : add(LayerTableStream::begin(mesh_name_, output->path, image_), tables_);
         }
     } catch (...) {
         out_of_memory_ = true;
     }
-}
-
-Result<StreamedOutputs::Stream> StreamedOutputs::open(const PlannedOutput& output, const SliceInfo& info) const {
-    const auto as_stream = [](auto begun) -> Result<Stream> {
-        return begun ? Result<Stream>(Stream(std::move(begun).value())) : begun.error();
-    };
-    return output.format == OutputFormat::svg ? as_stream(SvgStream::begin(info, output_path(output.path)))
-                                              : as_stream(LayerTableStream::begin(mesh_name_, output.path, image_));
 }
 
 void StreamedOutputs::take(const LayerView& view, const Context& context) noexcept {
@@ -230,27 +220,20 @@ void StreamedOutputs::take(const LayerView& view, const Context& context) noexce
     } catch (...) {
         out_of_memory_ = true;
     }
-    for (Stream& stream : streams_) {
-        of_its_kind(stream, [&](auto& own) { own.add(view); });
-    }
+    for_each([&](auto& stream) { stream.add(view); });
 }
 
-bool StreamedOutputs::has_failed(const Stream& stream) noexcept {
-    return of_its_kind(stream, [](const auto& own) { return own.failed(); });
-}
-
-bool StreamedOutputs::failed() const noexcept {
-    return !begun_ || std::any_of(streams_.begin(), streams_.end(), has_failed);
+bool StreamedOutputs::failed() noexcept {
+    bool any = !begun_;
+    for_each([&](const auto& stream) { any = any || stream.failed(); });
+    return any;
 }
 
 void StreamedOutputs::finish() {
     Status status = begun_;
     // Streams that failed come first: they ended the slicing, and the others lack layers.
-    std::stable_partition(streams_.begin(), streams_.end(), has_failed);
-    for (Stream& stream : streams_) {
-        if (status) {
-            status = of_its_kind(stream, [](auto& own) { return own.finish(); });
-        }
+    for (const bool failed : {true, false}) {
+        for_each([&](auto& stream) { status = status && stream.failed() == failed ? stream.finish() : status; });
     }
     done_or_thrown(status);
 }

@@ -2,13 +2,13 @@
 // while it is sliced; and the summary for people, with the members that the tool adds to the report.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
 #include "lamella/io/mesh_stream.hpp"
@@ -91,18 +91,21 @@ public:
     void finish();
 
 private:
-    using Stream = std::variant<SvgStream, LayerTableStream>;
-
-    static bool has_failed(const Stream& stream) noexcept;
-    Result<Stream> open(const PlannedOutput& output, const SliceInfo& info) const;
+    /// Calls `use` for each stream.
+    template <class Use>
+    void for_each(Use use) {
+        std::for_each(svgs_.begin(), svgs_.end(), use);
+        std::for_each(tables_.begin(), tables_.end(), use);
+    }
     void begin(const SliceInfo& info, bool hash) noexcept;
     void take(const LayerView& view, const Context& context) noexcept;
-    bool failed() const noexcept;
+    bool failed() noexcept;
 
     std::vector<PlannedOutput> outputs_;
     std::string mesh_name_;
     const ImageGeometry* image_;
-    std::vector<Stream> streams_;
+    std::vector<SvgStream> svgs_;
+    std::vector<LayerTableStream> tables_;
     Status begun_;
     std::optional<LayerHash> hash_;
     std::vector<Layer> layers_;

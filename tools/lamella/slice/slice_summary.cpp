@@ -117,7 +117,7 @@ std::string contour_counts(const SliceInfo& info) {
 }
 
 std::string open_line(const OpenLayers& open) {
-    return open.layers > 0 ? "open      " + describe_open(open) + "\n" : std::string();
+    return open.layers > 0 ? "open      " + describe(open, "--stitch ") + "\n" : std::string();
 }
 
 std::string volume_line(const VolumeCertificate& volume) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -46,11 +45,6 @@ std::string rounded(double value, int decimals) {
     std::array<char, 400> text{};  // The largest double has 309 digits before the point.
     (void)std::snprintf(text.data(), text.size(), "%.*f", decimals, value);
     return text.data();
-}
-
-std::string exact_text(double value) {
-    std::array<char, 32> text{};  // The longest shortest form has 24 characters.
-    return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
 }
 
 std::string measure_text(double value) {

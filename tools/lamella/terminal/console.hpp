@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/words.hpp"
 #include "lamella/error.hpp"
 #include "lamella/io/name_text.hpp"
 
@@ -97,6 +98,16 @@ std::string grouped(std::uint64_t count);
 /// "1 triangle", "1,234 triangles"; `plural` where an s does not make it.
 std::string counted(std::uint64_t count, std::string_view noun, std::string_view plural = {});
 
+/// Words with the separator between them.
+template <class Words>
+std::string joined(const Words& words, std::string_view separator = ", ") {
+    std::string all;
+    for (const std::string_view word : words) {
+        all.append(all.empty() ? "" : separator).append(word);
+    }
+    return all;
+}
+
 /// The text, or nothing.
 inline std::string when(bool so, std::string text) {
     return so ? std::move(text) : std::string();
@@ -104,9 +115,6 @@ inline std::string when(bool so, std::string text) {
 
 /// With so many decimals.
 std::string rounded(double value, int decimals);
-
-/// Shortest decimal text that reads back as the same number.
-std::string exact_text(double value);
 
 /// For people, with at least six digits.
 std::string measure_text(double value);

@@ -81,15 +81,6 @@ bool has_decimal_commas(const WordList& list, const std::string& path) {
     return true;
 }
 
-void add_number(std::string_view text, std::size_t line, const std::string& path, NumberFile& into) {
-    const std::optional<double> value = parse_number(text);
-    if (!value) {
-        throw Failure(bad_input, path + ":" + std::to_string(line) + ": " + quoted(text) + " is not a number");
-    }
-    into.values.push_back(*value);
-    into.lines.push_back(line);
-}
-
 }  // namespace
 
 std::optional<double> parse_number(std::string_view text) noexcept {
@@ -118,18 +109,14 @@ std::optional<double> parse_unit(std::string_view text) noexcept {
 
 std::optional<std::vector<double>> parse_list(std::string_view text) {
     std::vector<double> values;
-    while (true) {
-        const std::size_t comma = text.find(',');
-        const std::optional<double> value = parse_number(trimmed(text.substr(0, comma)));
+    for (const std::string_view piece : split(text, ',')) {
+        const std::optional<double> value = parse_number(trimmed(piece));
         if (!value) {
             return std::nullopt;
         }
         values.push_back(*value);
-        if (comma == std::string_view::npos) {
-            return values;
-        }
-        text.remove_prefix(comma + 1);
     }
+    return values;
 }
 
 std::vector<double> parse_triple(std::string_view text, const std::string& option) {
@@ -161,8 +148,7 @@ std::uint64_t parse_bytes(const std::string& text, const std::string& option) {
 
 bool parse_layers(std::string_view text, std::uint64_t& first, std::uint64_t& end) {
     const auto part = [](std::string_view digits, std::uint64_t& value) {
-        const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-        return digits.empty() || (stop == digits.data() + digits.size() && error == std::errc());
+        return digits.empty() || parse_integer(digits, value);
     };
     const std::size_t colon = text.find(':');
     return colon != std::string_view::npos && part(text.substr(0, colon), first) && part(text.substr(colon + 1), end) &&
@@ -214,17 +200,23 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
 }
 
 NumberFile read_numbers(const std::string& path) {
-    const std::string text = read_text(path);
-    const WordList list = words_of(text);
+    const std::string whole = read_text(path);
+    const WordList list = words_of(whole);
     const bool decimal = has_decimal_commas(list, path);
     NumberFile numbers;
     for (const Word& word : list.words) {
-        for (std::size_t begin = 0; begin < word.text.size();) {
-            const std::size_t end = decimal ? word.text.size() : std::min(word.text.find(',', begin), word.text.size());
-            if (end > begin) {
-                add_number(with_point(word.text.substr(begin, end - begin)), word.line, path, numbers);
+        for (const std::string_view piece : split(word.text, decimal ? ' ' : ',')) {
+            if (piece.empty()) {
+                continue;
             }
-            begin = end + 1;
+            const std::string text = with_point(piece);
+            const std::optional<double> value = parse_number(text);
+            if (!value) {
+                throw Failure(bad_input, path + ":" + std::to_string(word.line) + ": " + quoted(std::string_view(text)) +
+                                             " is not a number");
+            }
+            numbers.values.push_back(*value);
+            numbers.lines.push_back(word.line);
         }
     }
     return numbers;

@@ -1,17 +1,27 @@
 // Numbers and small text files as people write them: on the command line, in manifests, heights, matrices.
 #pragma once
 
+#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 namespace lamella::cli {
 
 /// All of `text` as one finite number; a leading + is allowed.
 std::optional<double> parse_number(std::string_view text) noexcept;
+
+/// True if all of `text` is one integer, which `value` is then.
+template <class Integer>
+bool parse_integer(std::string_view text, Integer& value) {
+    const char* const end = text.data() + text.size();
+    const auto [stop, problem] = std::from_chars(text.data(), end, value);
+    return problem == std::errc() && stop == end;
+}
 
 /// "1,2.5,3" (spaces around numbers allowed), or nothing if any part is not a number.
 std::optional<std::vector<double>> parse_list(std::string_view text);

@@ -55,22 +55,20 @@ private:
 /// While it lives, the bar shows one stage of a command.
 class Stage {
 public:
-    Stage(ProgressBar& bar, std::string_view what) : show_{bar, what} { bar.show(what, 0); }
-    ~Stage() { show_.bar.wipe(); }
+    Stage(ProgressBar& bar, std::string_view what) : bar_(bar), what_(what) { bar.show(what, 0); }
+    ~Stage() { bar_.wipe(); }
     Stage(const Stage&) = delete;
     Stage& operator=(const Stage&) = delete;
 
     /// For the library's call; empty where no bar is shown.
-    Callback<void(double)> progress() noexcept { return show_.bar.shown() ? show_ : Callback<void(double)>(); }
+    Callback<void(double)> progress() noexcept {
+        return bar_.shown() ? Callback<void(double)>(*this) : Callback<void(double)>();
+    }
+    void operator()(double fraction) const noexcept { bar_.show(what_, fraction); }
 
 private:
-    struct Show {
-        ProgressBar& bar;
-        std::string_view what;
-        void operator()(double fraction) const noexcept { bar.show(what, fraction); }
-    };
-
-    Show show_;
+    ProgressBar& bar_;
+    std::string_view what_;
 };
 
 class Stages {

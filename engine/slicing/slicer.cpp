@@ -130,6 +130,10 @@ void slice_for(AnyTarget& target, const Source& from, const SliceCall& call, Sli
 Result<SliceInfo> slice_tuned(Slicer& slicer, const Destination& to, const Source& from, const SliceOptions& options,
                               const Tuning& tuning, const Context& context) noexcept {
     return guarded(context, [&]() -> Result<SliceInfo> {
+        if (to.result() != nullptr && &options == &to.result()->info.options) {
+            const SliceOptions own = options;  // before the result is filled anew
+            return slice_tuned(slicer, to, from, own, tuning, context);
+        }
         SliceResult none(context.memory);  // of sinks and arrays, which take the layers
         SliceResult& result = to.result() != nullptr ? *to.result() : none;
         move_to(context.memory, result);
@@ -155,7 +159,9 @@ Result<SliceResult> Slicer::slice(const Source& from, const SliceOptions& option
 Result<SliceInfo> Slicer::outline(const Source& from, const SliceOptions& options, const Context& context) noexcept {
     return guarded(context, [&]() -> Result<SliceInfo> {
         const Tuning tuning;
-        const SliceCall call{options, tuning, context, SlicerImpl::of(*this, context)};
+        Context quiet = context;
+        quiet.progress = {};
+        const SliceCall call{options, tuning, quiet, SlicerImpl::of(*this, context)};
         check(from, call);
         SliceInfo info;
         if (from.other() != nullptr) {

@@ -1,7 +1,9 @@
 #include "slicing/source_impl.hpp"
 
 #include <new>
+#include <string>
 
+#include "base/guard.hpp"
 #include "base/vector.hpp"
 
 namespace lamella {
@@ -22,7 +24,8 @@ void copy_to(Array<T>& to, const Vector<T>& from) {
 /// Layers come in ascending order, and count contours and points from their own first.
 class Collecting {
 public:
-    explicit Collecting(const Memory* memory) : layers_(memory), contours_(memory), points_(memory), stitches_(memory) {}
+    Collecting(const Memory* memory, std::uint64_t limit)
+        : limit_(limit), layers_(memory), contours_(memory), points_(memory), stitches_(memory) {}
 
     void take(const LayerView& view) noexcept {
         try {
@@ -31,7 +34,16 @@ public:
             is_full_ = true;
         }
     }
-    bool is_full() const noexcept { return is_full_; }
+    /// Throws where some layer did not fit.
+    void check() const {
+        if (is_too_large_) {
+            throw Refused{{ErrorCode::result_too_large,
+                           "the result exceeds the memory limit of " + std::to_string(limit_) + " bytes"}};
+        }
+        if (is_full_) {
+            throw std::bad_alloc();
+        }
+    }
 
     void move_to(SliceResult& result) const {
         copy_to(result.layers, layers_);
@@ -54,29 +66,35 @@ private:
             contour.parent += contour.parent < 0 ? 0 : static_cast<std::int64_t>(layer.first_contour - view.first_contour);
             contours_.push_back(contour);
         }
+        const std::uint64_t bytes = (layers_.size() + 1) * sizeof(Layer) + contours_.size() * sizeof(Contour) +
+                                    (points_.size() + view.points.size()) * sizeof(Point);
+        is_full_ = is_too_large_ = bytes > limit_;
+        if (is_full_) {
+            return;
+        }
         append(points_, view.points);
         append(stitches_, view.stitches);
         layers_.push_back(layer);
     }
 
+    std::uint64_t limit_;
     Vector<Layer> layers_;
     Vector<Contour> contours_;
     Vector<Point> points_;
     Vector<Stitch> stitches_;
     bool is_full_ = false;
+    bool is_too_large_ = false;
 };
 
 }  // namespace
 
 void collect_layers(const detail::SourceImpl& source, const SliceCall& call, SliceResult& result) {
-    Collecting collecting(call.context.memory);
+    Collecting collecting(call.context.memory, call.memory_limit());
     auto take = [&](const LayerView& layer) noexcept { collecting.take(layer); };
     const LayerSink sink{.take = take};
     SinkTarget target(sink);
     source.slice(target, call, result.info);
-    if (collecting.is_full()) {
-        throw std::bad_alloc();
-    }
+    collecting.check();
     collecting.move_to(result);
 }
 

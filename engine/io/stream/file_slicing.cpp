@@ -291,6 +291,7 @@ private:
         const bool some = span.end > span.begin;
         set_layers(options_, some ? first + span.begin : 0, some ? first + span.end : all_layers);
         Context context = parallel_.within(call_.context);
+        context.stop = call_.context.stop;  // asked after each layer, too, whatever the time
         context.threads = span.threads;
         if (span.triangles > most_cut_) {  // arrays that grow would be held twice
             scratch_.reset();

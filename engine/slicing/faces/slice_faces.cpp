@@ -282,7 +282,9 @@ void check_faces(const Source& from, const SliceOptions& options) {
     if (options.origins) {
         refuse("the pieces of a face are united: their contours have no origins");
     }
-    if (!options.region.keeps_contours()) {
+    const RegionRules& rules = options.region;
+    const bool positive = rules.fill_rule == FillRule::positive && rules.fill_from.empty();  // as a result of faces says
+    if (!rules.keeps_contours() && !positive) {
         refuse("the pieces of a slab are united by a fill rule of their own; none can be asked for");
     }
 }

@@ -55,7 +55,7 @@ public:
 
     void run(FunctionRef<void(double)> reach) {
         cut_tasks();
-        const bool origins = !parts_[0].origins.empty();
+        const bool origins = merged_.info.options.origins;  // of some part: one that no plane meets has none
         const std::size_t lead = united_ ? tasks_.size() : 2 * static_cast<std::size_t>(parallel_.threads());
         placement_.begin(tasks_, lead, origins, merged_, parallel_.stop());
         parallel_.run(tasks_.size(), [&](std::size_t task, int worker) {

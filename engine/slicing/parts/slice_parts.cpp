@@ -61,7 +61,17 @@ public:
 
     void outline(SliceInfo& info) {
         choose_frame();
-        begin_info(call_.options, frame_.bounds, frame_.unit, info);
+        const Bounds box = frame_.bounds;
+        count_all(box, info);
+        if (info.degenerate == info.triangles) {
+            frame_.bounds = {};
+            count_all(box, info);
+        }
+    }
+
+private:
+    void count_all(const Bounds& box, SliceInfo& info) {
+        begin_info(call_.options, box, frame_.unit, info);
         for (std::size_t p = 0; p < parts_.size(); ++p) {
             SliceInfo own;
             with_part(p, {}, call_.context.memory_limit_bytes,
@@ -70,7 +80,6 @@ public:
         }
     }
 
-private:
     /// The progress when all parts are sliced.
     double sliced_share() const noexcept { return united_ ? 0.5 : 0.95; }
 

@@ -131,7 +131,8 @@ Result<SliceInfo> slice_tuned(Slicer& slicer, const Destination& to, const Sourc
                               const Tuning& tuning, const Context& context) noexcept {
     return guarded(context, [&]() -> Result<SliceInfo> {
         if (to.result() != nullptr && &options == &to.result()->info.options) {
-            const SliceOptions own = options;  // before the result is filled anew
+            // NOLINTNEXTLINE(performance-unnecessary-copy-initialization): the result is filled anew
+            const SliceOptions own = options;
             return slice_tuned(slicer, to, from, own, tuning, context);
         }
         SliceResult none(context.memory);  // of sinks and arrays, which take the layers

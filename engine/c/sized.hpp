@@ -27,6 +27,7 @@ inline constexpr std::size_t largest_struct = 4096;
 /// A struct's number for lamella_init_sized(), its name there, and where its last field ends.
 template <class T>
 struct Sized;
+// NOLINTBEGIN(bugprone-sizeof-expression): the last field may be a pointer
 #define LAMELLA_SIZED(T, KIND, last)                                            \
     template <>                                                                 \
     struct Sized<T> {                                                           \
@@ -49,6 +50,7 @@ LAMELLA_SIZED(lamella_destination, LAMELLA_DESTINATION, arrays);
 LAMELLA_SIZED(lamella_check_result, LAMELLA_CHECK_RESULT, faults);
 LAMELLA_SIZED(lamella_audit_result, LAMELLA_AUDIT_RESULT, reserved);
 #undef LAMELLA_SIZED
+// NOLINTEND(bugprone-sizeof-expression)
 
 template <class T>
 constexpr void check_sized() {

@@ -18,6 +18,7 @@
 #include "lamella/context.hpp"
 #include "lamella/grid.hpp"
 #include "mesh/near_vertices.hpp"
+#include "slicing/grid/bounds.hpp"
 #include "slicing/grid/placed_reader.hpp"
 
 namespace lamella {
@@ -218,8 +219,8 @@ WeldedMesh weld_corners(const MeshView& mesh, double tolerance, const Parallel& 
 
 Result<WeldedMesh> weld_or_throw(const MeshView& mesh, double tolerance_mm, const Context& context) {
     constexpr double smallest = 1e-9;  // so that the cells of all coordinates have 64-bit numbers
-    if (!(mesh.mm_per_unit > 0) || !std::isfinite(mesh.mm_per_unit)) {
-        return Error{ErrorCode::invalid_argument, "the mesh's unit must be a positive number of mm"};
+    if (const Status status = check_mesh(mesh); !status) {
+        return status.error();
     }
     const double tolerance = tolerance_mm / mesh.mm_per_unit;
     if (!(tolerance == 0 || tolerance >= smallest) || !std::isfinite(tolerance)) {

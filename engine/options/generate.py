@@ -3,6 +3,8 @@
 
     engine/options/generate.py           writes them
     engine/options/generate.py --check   compares; exit status 1 and a line a file where one is not what would be written
+
+What the option does is then written in engine/slicing; C, Python, the tool, archives and records pass it on.
 """
 
 import pathlib
@@ -16,6 +18,24 @@ ROOT = HERE.parents[1]
 WIDTH = 125
 GROUPS = {"planes": "PlaneOptions", "frame": "Frame", "region": "RegionRules", "": "SliceOptions"}
 ENUMS = {"side": "PlaneSide", "content": "LayerContent"}
+
+
+FIELDS = {"name", "group", "type", "default", "least", "above", "needs", "special", "special_text", "user_default", "since",
+          "python", "tool", "why", "text", "more", "help"}  # fmt: skip
+
+
+def check(options):
+    """Refuses descriptions of which something would be lost in silence."""
+    names = [fields.get("name", "") for fields in options]
+    for fields, name in zip(options, names):
+        problems = [f"no field '{field}'" for field in ("name", "type", "text") if field not in fields]
+        problems += [f"no field is called '{field}'" for field in fields if field not in FIELDS]
+        problems += [] if re.fullmatch("[a-z][a-z0-9_]*", name) else ["a name is lower_case"]
+        problems += ["it is described twice"] if names.count(name) > 1 else []
+        problems += [] if fields.get("group", "") in GROUPS else [f"no group is called '{fields['group']}'"]
+        problems += [] if fields.get("needs", name) in names else [f"no option is called '{fields['needs']}', which it needs"]
+        if problems:
+            raise SystemExit(f"options.toml: {name or fields}: {problems[0]}")
 
 
 class Option:
@@ -244,7 +264,11 @@ def replaced(text, path, name, lines):
 
 
 def main():
-    options = [Option(fields) for fields in tomllib.loads((HERE / "options.toml").read_text())["option"]]
+    if sys.argv[1:] not in ([], ["--check"]):
+        raise SystemExit(__doc__.strip())
+    described = tomllib.loads((HERE / "options.toml").read_text())["option"]
+    check(described)
+    options = [Option(fields) for fields in described]
     texts = {}
     for path, name, lines in pieces(options):
         texts[path] = replaced(texts.get(path) or (ROOT / path).read_text(), path, name, lines)
@@ -254,6 +278,7 @@ def main():
             print(f"{path}: not what engine/options/generate.py writes")
         else:
             (ROOT / path).write_text(texts[path])
+            print(f"{path}: written")
     return 1 if stale and sys.argv[1:] == ["--check"] else 0
 
 

@@ -13,6 +13,7 @@
 //       for each band             result     points to their place
 //     LayerTarget::finish       result     contours and layers to their place, or what the output is
 #include "slicing/slice_layers.hpp"
+#include "options/option_words.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -22,6 +23,7 @@
 #include "base/clock.hpp"
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
+#include "options/option_words.hpp"
 #include "slicing/sweep/band_sweep.hpp"
 #include "slicing/sweep/wide_plane.hpp"
 
@@ -145,7 +147,22 @@ private:
 
 }  // namespace
 
+namespace {
+
+template <class Choice>
+void check_choice(Choice choice) {
+    if (static_cast<std::size_t>(choice) >= detail::words_of(choice).size()) {
+        throw Refused{{ErrorCode::invalid_argument, "an option is none of its choices"}};
+    }
+}
+
+}  // namespace
+
 void check_options(const SliceOptions& options, const Tuning& tuning) {
+    check_choice(options.content);
+    check_choice(options.stitch_direction);
+    check_choice(options.planes.datum);
+    check_choice(options.planes.side);
     if (tuning.band_planes < 0) {
         throw Refused{{ErrorCode::invalid_argument, "the number of planes in a band must not be negative"}};
     }

@@ -90,7 +90,8 @@ void copy_to(Array<T>& to, const Vector<T>& from) {
 /// Layers come in ascending order, and count contours and points from their own first.
 class Collecting {
 public:
-    explicit Collecting(const Memory* memory) : layers_(memory), contours_(memory), points_(memory), stitches_(memory) {}
+    Collecting(const Memory* memory, std::uint64_t limit)
+        : limit_(limit), layers_(memory), contours_(memory), points_(memory), stitches_(memory) {}
 
     void take(const LayerView& view) noexcept {
         try {
@@ -99,7 +100,16 @@ public:
             is_full_ = true;
         }
     }
-    bool is_full() const noexcept { return is_full_; }
+    /// Throws where some layer did not fit.
+    void check() const {
+        if (is_too_large_) {
+            throw Refused{{ErrorCode::result_too_large,
+                           "the result exceeds the memory limit of " + std::to_string(limit_) + " bytes"}};
+        }
+        if (is_full_) {
+            throw std::bad_alloc();
+        }
+    }
 
     void move_to(SliceResult& result) const {
         copy_to(result.layers, layers_);
@@ -122,28 +132,34 @@ private:
             contour.parent += contour.parent < 0 ? 0 : static_cast<std::int64_t>(layer.first_contour - view.first_contour);
             contours_.push_back(contour);
         }
+        const std::uint64_t bytes = (layers_.size() + 1) * sizeof(Layer) + contours_.size() * sizeof(Contour) +
+                                    (points_.size() + view.points.size()) * sizeof(Point);
+        is_full_ = is_too_large_ = bytes > limit_;
+        if (is_full_) {
+            return;
+        }
         append(points_, view.points);
         append(stitches_, view.stitches);
         layers_.push_back(layer);
     }
 
+    std::uint64_t limit_;
     Vector<Layer> layers_;
     Vector<Contour> contours_;
     Vector<Point> points_;
     Vector<Stitch> stitches_;
     bool is_full_ = false;
+    bool is_too_large_ = false;
 };
 
 /// All of `result`, from layers that the source hands over one by one.
 void collect_layers(const SourceImpl& source, const SliceCall& call, SliceResult& result) {
-    Collecting collecting(call.context.memory);
+    Collecting collecting(call.context.memory, call.memory_limit());
     auto take = [&](const LayerView& layer) noexcept { collecting.take(layer); };
     const LayerSink sink{.take = take};
     SinkTarget target(sink);
     source.slice(target, call, result.info);
-    if (collecting.is_full()) {
-        throw std::bad_alloc();
-    }
+    collecting.check();
     collecting.move_to(result);
 }
 
@@ -204,6 +220,11 @@ void slice_for(AnyTarget& target, const Source& from, const SliceCall& call, Sli
 Result<SliceInfo> slice_tuned(Slicer& slicer, const Destination& to, const Source& from, const SliceOptions& options,
                               const Tuning& tuning, const Context& context) noexcept {
     return guarded(context, [&]() -> Result<SliceInfo> {
+        if (to.result() != nullptr && &options == &to.result()->info.options) {
+            // NOLINTNEXTLINE(performance-unnecessary-copy-initialization): the result is filled anew
+            const SliceOptions own = options;
+            return slice_tuned(slicer, to, from, own, tuning, context);
+        }
         SliceResult none(context.memory);  // of sinks and arrays, which take the layers
         SliceResult& result = to.result() != nullptr ? *to.result() : none;
         move_to(context.memory, result);
@@ -229,7 +250,9 @@ Result<SliceResult> Slicer::slice(const Source& from, const SliceOptions& option
 Result<SliceInfo> Slicer::outline(const Source& from, const SliceOptions& options, const Context& context) noexcept {
     return guarded(context, [&]() -> Result<SliceInfo> {
         const Tuning tuning;
-        const SliceCall call{options, tuning, context, SlicerImpl::of(*this, context)};
+        Context quiet = context;
+        quiet.progress = {};
+        const SliceCall call{options, tuning, quiet, SlicerImpl::of(*this, context)};
         check(from, call);
         SliceInfo info;
         if (from.other() != nullptr) {

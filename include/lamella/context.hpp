@@ -46,12 +46,13 @@ public:
     constexpr Callback() noexcept = default;
     /// For other languages: `call(object, ...)`.
     constexpr Callback(void* object, R (*call)(void*, A...) noexcept) noexcept : object_(object), call_(call) {}
+    // NOLINTBEGIN(google-explicit-constructor): converted where it is passed
     template <class F>
-    requires(!std::same_as<std::remove_cv_t<F>, Callback>) &&
-        std::is_nothrow_invocable_r_v<R, F&, A...> Callback(
-            F& function) noexcept  // NOLINT(google-explicit-constructor): converted where it is passed
+    requires(!std::same_as<std::remove_cv_t<F>, Callback>) && std::is_nothrow_invocable_r_v<R, F&, A...> Callback(
+                                                                  F& function) noexcept
         : object_(const_cast<void*>(static_cast<const void*>(&function))),
     call_([](void* object, A... a) noexcept -> R { return (*static_cast<F*>(object))(std::forward<A>(a)...); }) {}
+    // NOLINTEND(google-explicit-constructor)
 
     explicit operator bool() const noexcept { return call_ != nullptr; }
     friend bool operator==(const Callback&, const Callback&) = default;

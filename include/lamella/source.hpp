@@ -66,18 +66,20 @@ struct Part;
 /// What is cut, as a parameter only: it views what it is made of, which must outlive the call.
 class Source {
 public:
-    Source(const MeshView& mesh) noexcept : mesh_(mesh) {}                      // NOLINT(google-explicit-constructor)
-    Source(const PreparedMesh& mesh) noexcept : prepared_(mesh.impl_.get()) {}  // NOLINT(google-explicit-constructor)
-    Source(const detail::SourceImpl& other) noexcept : other_(&other) {}        // NOLINT(google-explicit-constructor)
+    // NOLINTBEGIN(google-explicit-constructor): made where a source is passed
+    Source(const MeshView& mesh) noexcept : mesh_(mesh) {}
+    Source(const PreparedMesh& mesh) noexcept : prepared_(mesh.impl_.get()) {}
+    Source(const detail::SourceImpl& other) noexcept : other_(&other) {}
     template <class Parts>
     requires std::convertible_to<const Parts&, std::span<const Part>> Source(const Parts& parts)
-    noexcept : Source(std::span<const Part>(parts), 0) {}  // NOLINT(google-explicit-constructor)
+    noexcept : Source(std::span<const Part>(parts), 0) {}
     /// Of MeshFile, WeldedMesh, MeshStream, or a host's own class.
     template <class Mesh>
     requires requires(const Mesh& mesh) {
         { mesh.view() } -> std::convertible_to<Source>;
     }
-    Source(const Mesh& mesh) noexcept : Source(mesh.view()) {}  // NOLINT(google-explicit-constructor)
+    Source(const Mesh& mesh) noexcept : Source(mesh.view()) {}
+    // NOLINTEND(google-explicit-constructor)
 
     // What it was made of, for the library: the first of these that is not null, else the mesh.
     const detail::PreparedImpl* prepared() const noexcept { return prepared_; }

@@ -6,7 +6,7 @@ namespace lamella::check_test {
 
 MeshCheck findings_of(const Soup& soup, const CheckOptions& options) {
     const MeshView view = MeshView::soup(std::span<const double>(soup));
-    const MeshCheck one = value_of(check(view, options, {.threads = 1}));
+    MeshCheck one = value_of(check(view, options, {.threads = 1}));
     const MeshCheck three = value_of(check(view, options, {.threads = 3}));
     CHECK(make_check_json(one, {}, 1000).value() == make_check_json(three, {}, 1000).value());
     return one;

@@ -179,6 +179,18 @@ TEST_CASE("what is wrong with a part is said of that part", "[engine][parts]") {
     CHECK_THAT(failure_of(Parts{part_of(bad)}, closing).message, Catch::StartsWith("the closing radius"));
 }
 
+TEST_CASE("parts have origins, though no plane meets the first", "[engine][parts][origins]") {
+    const shapes::Soup low = shapes::box({0, 0, 0}, {1, 1, 1});
+    const shapes::Soup high = shapes::box({0, 0, 5}, {1, 1, 7});
+    const Parts parts = {part_of(low), part_of(high)};
+    SliceOptions options;
+    options.heights_mm = std::vector<double>{6};
+    options.origins = true;
+    const SliceResult result = sliced(parts, options);
+    REQUIRE(result.origins.size() == result.points.size());
+    CHECK(result.origins[0].part == 1);
+}
+
 TEST_CASE("the memory limit is for all parts", "[engine][parts][errors]") {
     const shapes::Soup soup = shapes::box({0, 0, 0}, {4, 4, 100});
     const std::uint64_t contents = 10'000 * (8 * sizeof(lamella::Point) + sizeof(Contour));

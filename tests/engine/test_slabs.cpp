@@ -263,6 +263,32 @@ TEST_CASE("one of very many layers is what its two planes alone give", "[engine]
     }
 }
 
+TEST_CASE("a range of layers has the pieces that it has in the whole", "[engine][slabs]") {
+    const auto hash_of_layer = [](const lamella::LayerView& layer) {
+        lamella::LayerHash hash(1);
+        hash.add(layer);
+        return hash.value();
+    };
+    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 3);
+    const Slabs whole = slabs_of(ball, uniform(1.5));
+    const auto layers = static_cast<std::uint64_t>(whole.top.layers.size());
+    for (std::uint64_t first = 0; first < layers; ++first) {
+        SliceOptions options = uniform(1.5);
+        options.planes.first_layer = first;
+        options.planes.end_layer = first + 2;
+        const Slabs some = slabs_of(ball, options);
+        CHECK(some.top.info.first_layer == first);
+        CHECK(some.top.info.planned_layers == layers);
+        REQUIRE(some.top.size() == std::min<std::uint64_t>(2, layers - first));
+        for (std::size_t i = 0; i < some.top.size(); ++i) {
+            CHECK(hash_of_layer(some.top[i]) == hash_of_layer(whole.top[first + i]));
+            CHECK(hash_of_layer(some.bottom[i]) == hash_of_layer(whole.bottom[first + i]));
+            CHECK(some.top[i].segments == whole.top[first + i].segments);
+            CHECK(some.top[i].top_mm == whole.top[first + i].top_mm);
+        }
+    }
+}
+
 TEST_CASE("rules of regions follow the union", "[engine][slabs][regions]") {
     const shapes::Soup parts = shapes::joined({shapes::box({0, 0, 0}, {4, 4, 4}), shapes::box({5, 0, 0}, {8, 4, 4})});
     SliceOptions options = upward(at_heights({2}));

@@ -86,6 +86,29 @@ TEST_CASE("a transform that flattens every mesh is refused, whatever the call", 
     CHECK_FALSE(options.frame.transform.is_singular());
 }
 
+TEST_CASE("types that numbers of a mesh cannot have are refused, whatever the call", "[engine][unit][errors]") {
+    const shapes::Soup soup = shapes::box({0, 0, 0}, {1, 1, 1});
+    lamella::MeshView mesh = view_of(soup);
+    mesh.vertex_type = GENERATE(lamella::Number::u32, lamella::Number::u64);
+    CHECK(code_of(slice(mesh)) == ErrorCode::invalid_argument);
+    CHECK(code_of(check(mesh)) == ErrorCode::invalid_argument);
+    CHECK(code_of(weld(mesh)) == ErrorCode::invalid_argument);
+    CHECK(code_of(prepare(mesh)) == ErrorCode::invalid_argument);
+}
+
+TEST_CASE("a result is filled anew by the options that it states", "[engine]") {
+    const shapes::Soup soup = shapes::box({0, 0, 0}, {1, 1, 4});
+    lamella::SliceOptions options;
+    options.heights_mm = std::vector<double>{1, 2, 3};
+    lamella::Slicer slicer;
+    lamella::SliceResult result;
+    REQUIRE(slicer.slice_to(result, view_of(soup), options).ok());
+    const std::uint64_t hash = result.hash();
+    REQUIRE(slicer.slice_to(result, view_of(soup), result.info.options).ok());
+    CHECK(result.layers.size() == 3);
+    CHECK(result.hash() == hash);
+}
+
 TEST_CASE("a mesh of which every triangle collapses is empty", "[engine][unit]") {
     const shapes::Soup speck = shapes::box({5, 5, 5}, {5 + 1e-9, 5 + 1e-9, 5 + 1e-9});
     const std::string reason = "each of 12 triangles has two equal corners on the grid of 9.5367431640625e-07 mm";

@@ -17,6 +17,11 @@ namespace lamella {
 
 namespace {
 
+/// The type and unit of its coordinates, which are not in memory.
+MeshView numbers_of(const MeshFile& facts) noexcept {
+    return {.vertex_type = facts.vertex_type, .mm_per_unit = facts.mm_per_unit};
+}
+
 constexpr double measured = 0.3;  ///< shares of the progress
 constexpr double scanned = 0.6;
 
@@ -38,7 +43,7 @@ public:
           call_(call),
           info_(info),
           options_(call.options),
-          placing_(placing_of(file.facts().view(), call.options.frame)),
+          placing_(placing_of(numbers_of(file.facts()), call.options.frame)),
           parallel_(call.context),
           model_(stream.memory_bytes != 0 ? stream.memory_bytes : call.kept.usual_limit, parallel_.threads(), file),
           planes_(nullptr),
@@ -86,7 +91,7 @@ private:
         FileBox box = measure_file(file_, resident_.span(), placing_, asked_mm, model_.chunk_triangles(), parallel_);
         chunks_ = std::move(box.chunks);
         try {
-            frame_ = choose_frame(box.bounds, placed_number(file_.facts().view(), placing_), call_.options.frame,
+            frame_ = choose_frame(box.bounds, placed_number(numbers_of(file_.facts()), placing_), call_.options.frame,
                                   call_.options.region);
         } catch (const Refused& refused) {
             if (refused.error.code == ErrorCode::bad_coordinate) {
@@ -291,6 +296,7 @@ private:
         const bool some = span.end > span.begin;
         set_layers(options_, some ? first + span.begin : 0, some ? first + span.end : all_layers);
         Context context = parallel_.within(call_.context);
+        context.stop = call_.context.stop;  // asked after each layer, too, whatever the time
         context.threads = span.threads;
         if (span.triangles > most_cut_) {  // arrays that grow would be held twice
             scratch_.reset();

@@ -179,6 +179,7 @@ bool IndexedSource::mark_used() {
 }
 
 Bounds IndexedSource::measure(double asked_mm) {
+    require(check_mesh(mesh_));
     require(check_transform(placing_.transform));
     const Vertices placed(vertices(), placing_, parallel_);
     buckets_.used.set_size(0);

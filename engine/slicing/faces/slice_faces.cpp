@@ -89,16 +89,18 @@ public:
         frame_ = choose_frame(mesh_, options.frame, options.allow_empty, rules_, parallel_);
         begin_info(options, frame_.bounds, frame_.unit, info);
         info.options.region = rules_;
-        build_planes(call_, frame_, planes_);
+        plan_layers();
         PieceCounts counts = count_pieces();
         if (counts.degenerate == mesh_.triangle_count) {
             if (!options.allow_empty) {
                 throw Refused{all_collapsed(mesh_.triangle_count, frame_.unit.mm)};
             }
             frame_.bounds = {};  // the box of nothing chooses no planes
-            build_planes(call_, frame_, planes_);
+            plan_layers();
         }
         describe_plan(planes_, call_.tuning.random_heights.has_value(), info);
+        info.layers = layers_.size();
+        info.first_layer = layers_.first;
         info.triangles = mesh_.triangle_count;
         info.degenerate = counts.degenerate;
         info.crossed = counts.faces;
@@ -108,12 +110,20 @@ public:
     }
 
 private:
+    /// All planes of the plan, since a piece lies between two of them, and the layers that are asked for.
+    void plan_layers() {
+        const PlaneOptions& asked = call_.options.planes;
+        planes_.build(call_.options, call_.tuning.random_heights, frame_, call_.memory_limit());
+        layers_ = planes_.range_of(asked.first_layer, asked.end_layer);
+    }
     void check_size(std::uint64_t pieces) const;
     template <class Reader, class Use>
     std::uint64_t for_each_face(const Reader& read, std::size_t begin, std::size_t end, Use use) const;
     PieceCounts count_pieces() const;
-    std::size_t tasks() const noexcept { return std::clamp<std::size_t>(planes_.size(), 1, most_tasks); }
-    std::size_t task_of(PlaneIndex layer) const noexcept { return part_of_number(layer, planes_.size(), tasks()); }
+    std::size_t tasks() const noexcept { return std::clamp<std::size_t>(layers_.size(), 1, most_tasks); }
+    std::size_t task_of(PlaneIndex layer) const noexcept {
+        return part_of_number(layer - layers_.first, layers_.size(), tasks());
+    }
     Distributed<FacePiece> share_pieces() const;
     void build_layers(Distributed<FacePiece>& pieces, SliceResult& result);
     void build_task(const Band& layers, std::span<FacePiece> pieces, FaceWorker& worker, BandOutput& output,
@@ -128,6 +138,7 @@ private:
     bool mirrored_;
     Parallel parallel_;
     PlaneSet planes_;
+    PlaneRange layers_{};
     RegionRules rules_;
     SharedFrame frame_{};
     std::vector<Band> tasks_;
@@ -136,16 +147,17 @@ private:
 
 void FaceSlicing::check_size(std::uint64_t pieces) const {
     const std::uint64_t limit = call_.memory_limit();
-    const std::uint64_t bytes = planes_.size() * sizeof(Layer) + planes_.plane_of_listed().size() * sizeof(std::uint64_t) +
+    const std::uint64_t bytes = layers_.size() * sizeof(Layer) + planes_.plane_of_listed().size() * sizeof(std::uint64_t) +
                                 pieces * sizeof(FacePiece);
     if (bytes > limit) {
-        throw Refused{{ErrorCode::result_too_large, counted(planes_.size(), "layer") + " with " + counted(pieces, "piece") +
+        throw Refused{{ErrorCode::result_too_large, counted(layers_.size(), "layer") + " with " + counted(pieces, "piece") +
                                                         " of faces need " + std::to_string(bytes) +
                                                         " bytes, more than the memory limit of " + std::to_string(limit)}};
     }
 }
 
-/// Calls use(t, slabs) for each of the faces [begin, end) that look the way asked for. Returns how many are degenerate.
+/// Calls use(t, layers) for each of the faces [begin, end) that look the way asked for and project to some. Returns how many
+/// are degenerate.
 template <class Reader, class Use>
 std::uint64_t FaceSlicing::for_each_face(const Reader& read, std::size_t begin, std::size_t end, Use use) const {
     std::uint64_t degenerate = 0;
@@ -156,7 +168,11 @@ std::uint64_t FaceSlicing::for_each_face(const Reader& read, std::size_t begin, 
         const GridTriangle face = read(t);
         degenerate += is_degenerate(face) ? 1 : 0;
         if (sense_of(face, mirrored_) == sense_) {
-            use(t, slabs_of(face, sense_, planes_));
+            const SlabRange all = slabs_of(face, sense_, planes_);
+            const SlabRange asked{std::max(all.first, layers_.first), std::min(all.last, layers_.end)};
+            if (asked.first < asked.last) {
+                use(t, asked);
+            }
         }
     }
     return degenerate;
@@ -168,7 +184,7 @@ PieceCounts FaceSlicing::count_pieces() const {
         parallel_.run_ranges(mesh_.triangle_count, faces_a_range, [&](std::size_t begin, std::size_t end, int worker) {
             PieceCounts own;
             own.degenerate = for_each_face(read, begin, end, [&](std::size_t, SlabRange slabs) {
-                own.faces += slabs.first < slabs.last ? 1 : 0;
+                ++own.faces;
                 own.pieces += slabs.last - slabs.first;
             });
             counts[static_cast<std::size_t>(worker)].add(own);
@@ -195,10 +211,10 @@ Distributed<FacePiece> FaceSlicing::share_pieces() const {
 void FaceSlicing::build_layers(Distributed<FacePiece>& pieces, SliceResult& result) {
     std::vector<std::unique_ptr<FaceWorker>> workers(static_cast<std::size_t>(parallel_.threads()));
     for (std::size_t task = 0; task < tasks(); ++task) {
-        const auto first_of = [&](std::size_t t) { return (t * planes_.size() + tasks() - 1) / tasks(); };
+        const auto first_of = [&](std::size_t t) { return (t * layers_.size() + tasks() - 1) / tasks(); };
         tasks_.push_back({static_cast<PlaneIndex>(first_of(task)), static_cast<PlaneIndex>(first_of(task + 1)), 0});
     }
-    result.layers.resize_discarding(planes_.size());
+    result.layers.resize_discarding(layers_.size());
     placement_.begin(tasks_, tasks(), false, result, parallel_.stop());
     parallel_.run(tasks(), [&](std::size_t task, int number) {
         auto& worker = workers[static_cast<std::size_t>(number)];
@@ -217,11 +233,12 @@ void FaceSlicing::build_task(const Band& layers, std::span<FacePiece> pieces, Fa
     if (layers.last - layers.first > 1) {
         std::sort(pieces.begin(), pieces.end(), [](const FacePiece& a, const FacePiece& b) { return a.layer < b.layer; });
     }
-    for (PlaneIndex layer = layers.first; layer < layers.last; ++layer) {
+    for (PlaneIndex number = layers.first; number < layers.last; ++number) {
+        const PlaneIndex layer = layers_.first + number;
         const auto past = std::find_if(pieces.begin(), pieces.end(), [&](const FacePiece& p) { return p.layer != layer; });
         const auto count = static_cast<std::size_t>(past - pieces.begin());
         build_layer(pieces.first(count), worker, output);
-        described[layer] = describe_layer(planes_, layer, count);
+        described[number] = describe_layer(planes_, layer, count);
         pieces = pieces.subspan(count);
     }
 }
@@ -265,7 +282,9 @@ void check_faces(const Source& from, const SliceOptions& options) {
     if (options.origins) {
         refuse("the pieces of a face are united: their contours have no origins");
     }
-    if (!options.region.keeps_contours()) {
+    const RegionRules& rules = options.region;
+    const bool positive = rules.fill_rule == FillRule::positive && rules.fill_from.empty();  // as a result of faces says
+    if (!rules.keeps_contours() && !positive) {
         refuse("the pieces of a slab are united by a fill rule of their own; none can be asked for");
     }
 }

@@ -130,8 +130,8 @@ Result<Bounds> measure_bounds(const MeshView& mesh, const Placing& placing, doub
     if (mesh.triangle_count >= std::numeric_limits<std::uint32_t>::max()) {
         return Error{ErrorCode::invalid_argument, "the mesh has more than 2^32 - 2 triangles"};
     }
-    if (!(mesh.mm_per_unit > 0) || !std::isfinite(mesh.mm_per_unit)) {
-        return Error{ErrorCode::invalid_argument, "mm_per_unit must be finite and above 0"};
+    if (const Status status = check_mesh(mesh); !status) {
+        return status.error();
     }
     if (const Status status = check_transform(placing.transform); !status) {
         return status.error();
@@ -162,6 +162,19 @@ Result<Bounds> measure_bounds(const MeshView& mesh, const Placing& placing, doub
         return first_bad_coordinate(mesh, placing);
     }
     return all.box;
+}
+
+Status check_mesh(const MeshView& mesh) {
+    if (mesh.vertex_type > Number::i64) {
+        return Error{ErrorCode::invalid_argument, "vertices are of f32, f64, i32 or i64"};
+    }
+    if (mesh.indices != nullptr && mesh.index_type != Number::u32 && mesh.index_type != Number::u64) {
+        return Error{ErrorCode::invalid_argument, "indices are of u32 or u64"};
+    }
+    if (!(mesh.mm_per_unit > 0) || !std::isfinite(mesh.mm_per_unit)) {
+        return Error{ErrorCode::invalid_argument, "mm_per_unit must be finite and above 0"};
+    }
+    return {};
 }
 
 Status check_transform(const Transform& transform) {

@@ -80,6 +80,9 @@ inline std::size_t block_count(std::size_t triangles) noexcept {
 Result<Bounds> measure_bounds(const MeshView& mesh, const Placing& placing, double unit_mm, const Parallel& parallel,
                               BlockTable& table);
 
+/// Error: invalid_argument, where types of numbers or the unit make no sense.
+Status check_mesh(const MeshView& mesh);
+
 /// Error: invalid_argument, where the transform flattens every mesh. What is not finite is for measure_bounds() to name.
 Status check_transform(const Transform& transform);
 

@@ -261,6 +261,7 @@ void SinkTarget::finish(const SweepInput& input) {
 /// Layers count from their own first, as those that are swept do.
 void SinkTarget::take_whole(SliceResult& whole, const Parallel& parallel) {
     announce(whole.info);
+    parallel.ask_host();
     for (std::size_t i = 0; i < whole.size(); ++i) {
         LayerView view = whole[i];
         for (Contour& contour : whole.contours.span().subspan(view.first_contour, view.contour_count)) {

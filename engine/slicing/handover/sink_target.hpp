@@ -102,6 +102,7 @@ public:
     }
     BandTarget& begin(const SweepInput& input) override {
         announce(input.result.info);
+        input.parallel.ask_host();
         return bands_.emplace(sink_, input);
     }
     void finish(const SweepInput& input) override;

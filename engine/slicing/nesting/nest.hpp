@@ -116,6 +116,7 @@ private:
     double aspect_of(std::span<const NestItem> items);
     void take_all_for_containers();
     void sort_containers(std::span<const NestItem> items);
+    void fetch_ahead(std::span<const NestItem> items, std::size_t place) const;
     void take_in(const NestItem& contour, std::uint32_t ring);
     void adopt(std::uint32_t ring, std::uint32_t child);
     void assign_roles(std::span<NestItem> items);

@@ -75,7 +75,7 @@ public:
     /// `reach` is told the share of layers that are done. Throws std::bad_alloc, Stopped.
     void run(FunctionRef<void(double)> reach) {
         cut_tasks();
-        const bool origins = !parts_[0].origins.empty();
+        const bool origins = merged_.info.options.origins;  // of some part: one that no plane meets has none
         const std::size_t lead = united_ ? tasks_.size() : 2 * static_cast<std::size_t>(parallel_.threads());
         placement_.begin(tasks_, lead, origins, merged_, parallel_.stop());
         parallel_.run(tasks_.size(), [&](std::size_t task, int worker) {
@@ -263,7 +263,17 @@ public:
 
     void outline(SliceInfo& info) {
         choose_frame();
-        begin_info(call_.options, frame_.bounds, frame_.unit, info);
+        const Bounds box = frame_.bounds;
+        count_all(box, info);
+        if (info.degenerate == info.triangles) {
+            frame_.bounds = {};
+            count_all(box, info);
+        }
+    }
+
+private:
+    void count_all(const Bounds& box, SliceInfo& info) {
+        begin_info(call_.options, box, frame_.unit, info);
         for (std::size_t p = 0; p < parts_.size(); ++p) {
             SliceInfo own;
             with_part(p, {}, call_.context.memory_limit_bytes,
@@ -272,7 +282,6 @@ public:
         }
     }
 
-private:
     /// The progress when all parts are sliced.
     double sliced_share() const noexcept { return united_ ? 0.5 : 0.95; }
 

@@ -65,16 +65,22 @@ void PlaneSet::build(const SliceOptions& options, const std::optional<RandomHeig
     planned_ = count_;
 }
 
-void PlaneSet::keep(std::uint64_t first_layer, std::uint64_t end_layer) {
-    if (count_ == 0 || (first_layer == 0 && end_layer == all_layers)) {
-        return;
+PlaneRange PlaneSet::range_of(std::uint64_t first_layer, std::uint64_t end_layer) const {
+    if (count_ == 0) {
+        return {0, 0};
     }
     if (first_layer >= std::min<std::uint64_t>(end_layer, count_)) {
         throw Refused{{ErrorCode::bad_planes, "layers " + std::to_string(first_layer) + ":" + std::to_string(end_layer) +
                                                   " are none of the " + counted(count_, "layer") + " of the plan"}};
     }
-    const auto first = static_cast<PlaneIndex>(first_layer);
-    const auto end = static_cast<PlaneIndex>(std::min<std::uint64_t>(end_layer, count_));
+    return {static_cast<PlaneIndex>(first_layer), static_cast<PlaneIndex>(std::min<std::uint64_t>(end_layer, count_))};
+}
+
+void PlaneSet::keep(std::uint64_t first_layer, std::uint64_t end_layer) {
+    const auto [first, end] = range_of(first_layer, end_layer);
+    if (end - first == count_) {
+        return;
+    }
     std::copy(padded_.data() + 1 + first, padded_.data() + 1 + end, padded_.data() + 1);
     first_kept_ += first;
     count_ = end - first;

@@ -43,6 +43,14 @@ struct HeightTable {
     int shift = 0;
 };
 
+/// The planes [first, end).
+struct PlaneRange {
+    PlaneIndex first;
+    PlaneIndex end;
+
+    PlaneIndex size() const noexcept { return end - first; }
+};
+
 /// k planes, ascending. Immutable once made, shared by all threads.
 class PlaneSet {
 public:
@@ -82,9 +90,10 @@ public:
     /// result_too_large (k layers alone exceed the limit).
     void build(const SliceOptions& options, const std::optional<RandomHeights>& random, const SharedFrame& frame,
                std::uint64_t memory_limit);
-    /// Drops all planes but [first, end), which keep their heights, bottoms and tops. O(k). Refused: bad_planes (there are
-    /// planes, but none of these).
+    /// Drops all planes but those of range_of(), which keep their heights, bottoms and tops. O(k).
     void keep(std::uint64_t first, std::uint64_t end);
+    /// Those of the layers [first, end) that there are. Refused: bad_planes (there are planes, but none of these).
+    PlaneRange range_of(std::uint64_t first, std::uint64_t end) const;
     /// The plane that is now plane 0, and how many there were before.
     PlaneIndex first_kept() const noexcept { return first_kept_; }
     PlaneIndex planned() const noexcept { return planned_; }

@@ -106,8 +106,8 @@ ParsedOptions parsed(const OptionValues& values) {
     std::vector<std::string> typed = {"mesh"};  // the last word comes first
     for (const auto& [name, all] : values) {
         const bool flag = is_flag(*app.get_option(name));
-        for (auto value = all.rbegin(); value != all.rend(); ++value) {
-            typed.push_back(flag ? name : std::string(name).append("=").append(*value));
+        for (const std::string& value : std::vector<std::string>(all.rbegin(), all.rend())) {
+            typed.push_back(flag ? name : std::string(name).append("=").append(value));
             if (name == "--map" || name == "--band" || name == "--form") {
                 options.plain.push_back(typed.back());
             }

@@ -159,7 +159,7 @@ std::vector<LedgerName> shards_of(const std::vector<std::string>& sources) {
         if (shard) {
             const std::string folder = path.parent_path().string();
             shard->folder = folder.empty() ? "." : folder;
-            shards.push_back(*std::move(shard));
+            shards.push_back(*shard);
         }
         return shard.has_value();
     };

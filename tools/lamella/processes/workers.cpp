@@ -60,6 +60,7 @@ pid_t spawn(const ToolCall& call, int input, int output) {
     std::vector<std::string> words = {"lamella", call.command, "--worker"};
     words.insert(words.end(), call.words.begin(), call.words.end());
     std::vector<char*> pointers;
+    pointers.reserve(words.size() + 1);
     for (std::string& word : words) {
         pointers.push_back(word.data());
     }

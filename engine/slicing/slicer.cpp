@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <new>
 #include <optional>
+#include <string>
 #include <utility>
 #include <variant>
 

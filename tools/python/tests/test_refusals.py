@@ -34,6 +34,7 @@ OPTIONS = [
     ({"grid": "fine"}, "grid must be a number or 'finest', not 'fine'"),
     ({"stitch": -1}, "stitch must be at least 0, and is -1"),
     ({"layer_height": 0}, "layer_height must be more than 0, and is 0"),
+    ({"layer_height": 10**400}, "layer_height must be a number that 64 bits hold"),
     ({"layer_height": "0.2"}, "layer_height must be a number, not '0.2'"),
     ({"layer_height": 0.2, "heights": [1]}, "heights and layer_height exclude each other"),
     ({"first_height": 0.2, "heights": [1]}, "heights and first_height exclude each other"),
@@ -79,6 +80,7 @@ MESHES = [
 # Other calls, of a cube.
 CALLS = [
     (lambda cube: lamella.slice_parts([cube, cube], transforms=[None]), InvalidArgumentError, "2 meshes and 1 transforms"),
+    (lambda cube: lamella.slice_parts(5), InvalidArgumentError, "meshes must be a sequence of them, not 5"),
     (lambda cube: lamella.slice_parts([]), InvalidArgumentError, ""),
     (lambda cube: lamella.slice_parts([cube, cube]).certificate, InvalidArgumentError, "one mesh, and there are 2"),
     (lambda cube: lamella.stream(*cube, chunk=0), InvalidArgumentError, "at least one layer"),
@@ -86,6 +88,10 @@ CALLS = [
     (lambda cube: lamella.section(cube, [0, 0], [0, 0, 1]), InvalidArgumentError, "origin must be three"),
     (lambda cube: lamella.prepare(*cube).slice(layer_heigth=1), InvalidArgumentError, "'layer_heigth'; is it 'layer_height'"),
     (lambda cube: lamella.prepare(*cube).slice(grid=1), InvalidArgumentError, "grid is for prepare"),
+    (lambda cube: lamella.prepare(*cube, closing=1), InvalidArgumentError, "closing is an option of slice.. that this call"),
+    (lambda cube: lamella.check(*cube, layer_height=1), InvalidArgumentError, "layer_height is an option of slice.. that this"),
+    (lambda cube: lamella.check(*cube, gird=1), InvalidArgumentError, "no option 'gird'; is it 'grid'"),
+    (lambda cube: lamella.region_of([LOW], stitch=1), InvalidArgumentError, "stitch is an option of slice.. that this call"),
     (lambda cube: lamella.slice(*cube, layer_height=1e-9), lamella.PlanesError, "under two grid units"),
     (lambda cube: lamella.slice(*cube, layer_height=0.01, memory_limit=1000), lamella.ResultTooLargeError, ""),
     (lambda cube: lamella.slice(cube[0], np.empty((0, 3), dtype=int)), lamella.EmptyMeshError, ""),

@@ -10,12 +10,10 @@ import numpy.typing as npt
 
 from . import _native
 from ._mesh import MeshLike, as_view
-from ._options import number, slice_options, whole_number
+from ._options import FrameKeywords, number, slice_options, whole_number
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
-
-    from ._options import FrameKeywords
 
 
 @dataclass(frozen=True)
@@ -106,6 +104,6 @@ def check(
     """
     view = as_view(mesh, faces, unit=options.pop("unit", None))
     limits = number("tolerance", tolerance), number("sliver_ratio", sliver_ratio), whole_number("most_places", most_places)
-    found: Dict[str, Any] = view.run(_native.check, slice_options(options), *limits)
+    found: Dict[str, Any] = view.run(_native.check, slice_options(options, FrameKeywords), *limits)
     found["findings"] = {kind: _finding(*fault) for kind, fault in found["findings"].items()}
     return Check(**found)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -218,6 +218,8 @@ def as_view(mesh: MeshLike, faces: Optional[npt.ArrayLike], *, unit: Union[None,
 
 def as_views(meshes: Sequence[Any], transforms: Optional[Sequence[Any]], *, unit: Union[None, str, float]) -> View:
     """Several of them, each with a transform of its own."""
+    if not isinstance(meshes, Iterable):
+        refuse(f"meshes must be a sequence of them, not {meshes!r}")
     arrays = [_arrays_of(mesh, None, unit) for mesh in meshes]
     moves = [None] * len(arrays) if transforms is None else list(transforms)
     if len(moves) != len(arrays):

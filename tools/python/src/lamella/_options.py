@@ -45,6 +45,10 @@ class RuleKeywords(CallKeywords, LayerOptions, RegionOptions, total=False):
     memory_limit: int
 
 
+class RegionKeywords(CallKeywords, RegionOptions, total=False):
+    """Those of `region_of`."""
+
+
 class SectionKeywords(RuleKeywords, FrameOptions, total=False):
     """Those of `section`, which places the planes itself."""
 
@@ -55,7 +59,11 @@ class LayerKeywords(RuleKeywords, UniformOptions, total=False):
     """Those of a prepared mesh, which has its place."""
 
 
-class SliceKeywords(LayerKeywords, HeightOptions, PlaceKeywords, total=False):
+class PreparedKeywords(LayerKeywords, HeightOptions, total=False):
+    """Those, and its heights."""
+
+
+class SliceKeywords(PreparedKeywords, PlaceKeywords, total=False):
     """All of them."""
 
 
@@ -75,6 +83,8 @@ def number(name: str, value: Any) -> float:
         return float(value)
     except (TypeError, ValueError):
         refuse(f"{name} must be a number, not {value!r}")
+    except OverflowError:
+        refuse(f"{name} must be a number that 64 bits hold, and is beyond")
 
 
 def whole_number(name: str, value: Any) -> int:
@@ -219,12 +229,18 @@ def _checked(given: Mapping[str, Any]) -> Dict[str, Any]:
 _DEFAULTS = _checked({name: option.default for name, option in OPTIONS.items() if option.default is not None})
 
 
-def slice_options(keywords: Mapping[str, Any], *, prepared: bool = False) -> _native.Options:
-    """The engine's options. None stands for an option that is not given."""
+def slice_options(keywords: Mapping[str, Any], allowed: Any = SliceKeywords) -> _native.Options:
+    """The engine's options, of those that a call allows. None stands for an option that is not given."""
     given = {name: value for name, value in keywords.items() if value is not None}
+    known = sorted(allowed.__annotations__)
     for name in given:
-        if prepared and name in OF_PREPARED:
-            refuse(f"{name} is for prepare(), which has put the mesh on its grid")
+        if name not in known:
+            if allowed is PreparedKeywords and name in OF_PREPARED:
+                refuse(f"{name} is for prepare(), which has put the mesh on its grid")
+            if name in SliceKeywords.__annotations__:
+                refuse(f"{name} is an option of slice() that this call does not use; allowed: {', '.join(known)}")
+            near = difflib.get_close_matches(name, known, n=1)
+            refuse(f"there is no option {name!r}; " + (f"is it {near[0]!r}?" if near else f"allowed: {', '.join(known)}"))
         if "heights" in given and name in UniformOptions.__annotations__:
             refuse(f"heights and {name} exclude each other")
     normal = given.pop("normal", None)
@@ -235,10 +251,6 @@ def slice_options(keywords: Mapping[str, Any], *, prepared: bool = False) -> _na
     if threads > 4096:
         refuse(f"threads must be at most 4096, and are {threads}")
     memory_limit = whole_number("memory_limit", given.pop("memory_limit", 0))
-    for name in given.keys() - OPTIONS.keys():
-        known = sorted({*OPTIONS, *SliceKeywords.__annotations__})
-        near = difflib.get_close_matches(name, known, n=1)
-        refuse(f"there is no option {name!r}; " + (f"is it {near[0]!r}?" if near else f"allowed: {', '.join(known)}"))
     fields = {**_DEFAULTS, **_checked(given)}
     if fields["content"] != 0 and "fill_rule" not in given:
         del fields["fill_rule"]  # what faces project is united by a rule of its own

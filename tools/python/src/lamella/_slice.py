@@ -13,15 +13,14 @@ from ._layer import Layer
 from ._mesh import MeshLike, View, as_view, as_views, oriented
 from ._option_table import UniformOptions
 from ._options import (  # fmt: skip
-    OF_PREPARED, documented, number, plane_frame, progress_report, refuse, slice_options, truth, whole_array, whole_number,
+    OF_PREPARED, FrameKeywords, PreparedKeywords, RegionKeywords, documented, number, plane_frame, progress_report, refuse, slice_options, truth, whole_array, whole_number,
 )
 from ._result import Result, finish, warn_of_open
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from ._option_table import RegionOptions
-    from ._options import FrameKeywords, LayerKeywords, SectionKeywords, SliceKeywords
+    from ._options import LayerKeywords, SectionKeywords, SliceKeywords
 
 
 @documented
@@ -114,7 +113,7 @@ class Prepared:
         **options
             As for `lamella.slice`, without those that `prepare` takes.
         """
-        native = slice_options({"heights": heights, **options}, prepared=True)
+        native = slice_options({"heights": heights, **options}, PreparedKeywords)
         return finish(self._view.run(_native.slice_prepared, native, self._native), self._view)
 
     def __reduce__(self) -> NoReturn:
@@ -141,7 +140,7 @@ def prepare(mesh: MeshLike, faces: Optional[npt.ArrayLike] = None, **options: Un
     [253.125, 28.125]
     """
     view = as_view(mesh, faces, unit=options.pop("unit", None))
-    return Prepared(view.run(_native.prepare, slice_options(options)), view)
+    return Prepared(view.run(_native.prepare, slice_options(options, FrameKeywords)), view)
 
 
 def slice_parts(
@@ -284,7 +283,7 @@ def _chunks(view: View, chunk: int, keywords: Dict[str, Any], report: Optional[C
             assert report is not None
             report((done + fraction * size) / count)
 
-        options = slice_options({**keywords, "layers": (begin, end), "progress": None if report is None else told}, prepared=True)
+        options = slice_options({**keywords, "layers": (begin, end), "progress": None if report is None else told}, PreparedKeywords)
         layers = view.run(_native.slice_prepared, options, prepared)
         found.add(layers.open_layers())
         yield Result(layers, None)
@@ -327,7 +326,7 @@ def assemble(segments: npt.ArrayLike, keys: Optional[npt.ArrayLike] = None, *, g
     return Result(_native.assemble(_on_grid(rows, "segments", step), keys, step), None)[0]
 
 
-def region_of(contours: Sequence[npt.ArrayLike], *, grid: float = 2.0**-20, **rules: Unpack[RegionOptions]) -> Layer:
+def region_of(contours: Sequence[npt.ArrayLike], *, grid: float = 2.0**-20, **rules: Unpack[RegionKeywords]) -> Layer:
     """Make the region that closed contours of any program bound, with outers and holes, by the rules of `slice`.
 
     Parameters
@@ -353,7 +352,7 @@ def region_of(contours: Sequence[npt.ArrayLike], *, grid: float = 2.0**-20, **ru
         if points.ndim != 2 or points.shape[1] != 2:
             refuse(f"{name} must have shape (n, 2), and has {points.shape}")
         paths.append(_on_grid(points, name, step))
-    return Result(_native.region_of(paths, slice_options(rules), step), None)[0]
+    return Result(_native.region_of(paths, slice_options(rules, RegionKeywords), step), None)[0]
 
 
 def _step(grid: Any) -> float:

@@ -4,7 +4,7 @@ import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints, vtkSMPTools, vtkVersion
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPlane, vtkPolyData
-from vtkmodules.vtkFiltersCore import vtkAppendPolyData, vtkCleanPolyData, vtkCutter, vtkPlaneCutter, vtkStripper
+from vtkmodules.vtkFiltersCore import vtkCutter, vtkStripper
 
 VERSION = vtkVersion.GetVTKVersion()
 LONGEST_POLYLINE = 100000  # VTK accepts no longer ones
@@ -26,29 +26,18 @@ def poly_data(vertices, faces):
     return mesh
 
 
-def _horizontal():
-    plane = vtkPlane()
-    plane.SetNormal(0, 0, 1)
-    return plane
-
-
-def _stripper():
-    stripper = vtkStripper()
-    stripper.SetMaximumLength(LONGEST_POLYLINE)
-    stripper.JoinContiguousSegmentsOn()
-    return stripper
-
-
 class Cutter:
     """vtkCutter, by one plane or by several in one pass."""
-
-    name = "vtkCutter"
 
     def __init__(self, mesh):
         self._cutter = vtkCutter()
         self._cutter.SetInputData(mesh)
-        self._cutter.SetCutFunction(_horizontal())
-        self._stripper = _stripper()
+        horizontal = vtkPlane()
+        horizontal.SetNormal(0, 0, 1)
+        self._cutter.SetCutFunction(horizontal)
+        self._stripper = vtkStripper()
+        self._stripper.SetMaximumLength(LONGEST_POLYLINE)
+        self._stripper.JoinContiguousSegmentsOn()
         self._stripper.SetInputConnection(self._cutter.GetOutputPort())
 
     def cut(self, heights):
@@ -56,39 +45,6 @@ class Cutter:
         for i, height in enumerate(heights):
             self._cutter.SetValue(i, height)
         self._cutter.Modified()  # else the same heights would not be cut again
-        self._stripper.Update()
-        return self._stripper.GetOutput()
-
-
-class PlaneCutter:
-    """vtkPlaneCutter, VTK's faster filter, by one plane. Each of its threads gives lines whose points are not merged."""
-
-    name = "vtkPlaneCutter"
-
-    def __init__(self, mesh):
-        self._plane = _horizontal()
-        self._cutter = vtkPlaneCutter()
-        self._cutter.SetInputData(mesh)
-        self._cutter.SetPlane(self._plane)
-        self._cutter.ComputeNormalsOff()
-        self._cutter.InterpolateAttributesOff()
-        self._append = vtkAppendPolyData()
-        self._clean = vtkCleanPolyData()
-        self._clean.SetInputConnection(self._append.GetOutputPort())
-        self._clean.ToleranceIsAbsoluteOn()
-        self._clean.SetAbsoluteTolerance(0)
-        self._stripper = _stripper()
-        self._stripper.SetInputConnection(self._clean.GetOutputPort())
-
-    def cut(self, heights):
-        (height,) = heights
-        self._plane.SetOrigin(0, 0, height)
-        self._cutter.Modified()
-        self._cutter.Update()
-        pieces = self._cutter.GetOutputDataObject(0)
-        self._append.RemoveAllInputs()
-        for i in range(pieces.GetNumberOfPartitions()):
-            self._append.AddInputData(pieces.GetPartition(i))
         self._stripper.Update()
         return self._stripper.GetOutput()
 

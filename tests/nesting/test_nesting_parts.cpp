@@ -220,10 +220,11 @@ TEST_CASE("all forms of the edge test agree", "[nesting]") {
     }
 }
 
-TEST_CASE("sifting finds the edges that reach a point", "[nesting]") {
+TEST_CASE("all forms of sifting find the same edges", "[nesting]") {
     using lamella::nesting::QuerySteps;
     using lamella::nesting::Reaches;
     std::mt19937 random(10);
+    const auto forms = lamella::supported(lamella::nesting::sift_edges_forms());
     for (int round = 0; round < 4000; ++round) {
         constexpr std::int32_t far = lamella::grid_limit;
         const bool wide = round % 2 == 0;
@@ -254,12 +255,14 @@ TEST_CASE("sifting finds the edges that reach a point", "[nesting]") {
                 expected.push_back({edge, ends[first], ends[last + 1]});
             }
         }
-        CAPTURE(round);
-        Reaches reaches;
-        const std::size_t found = lamella::nesting::sift_edges(steps, points.data(), count, reaches);
-        REQUIRE(found == expected.size());
-        for (std::size_t i = 0; i < found; ++i) {
-            REQUIRE(std::array{reaches.edge[i], reaches.begin[i], reaches.end[i]} == expected[i]);
+        for (std::size_t form = 0; form < forms.size(); ++form) {
+            CAPTURE(round, form);
+            Reaches reaches;
+            const std::size_t found = forms[form].kernel(steps, points.data(), count, reaches);
+            REQUIRE(found == expected.size());
+            for (std::size_t i = 0; i < found; ++i) {
+                REQUIRE(std::array{reaches.edge[i], reaches.begin[i], reaches.end[i]} == expected[i]);
+            }
         }
     }
 }

@@ -137,18 +137,25 @@ TEST_CASE("picture: a sheet shows evenly spaced layers at one scale, fewer than 
     CHECK(contact_sheet({{&few, "box"}}, {.layers = 12}).widest_row() > 3 * 300);
 }
 
-TEST_CASE("picture: up is up, and mirrored where asked", "[medical]") {
+TEST_CASE("picture: up is up, mirrored where asked, and slices of an image are seen as radiologists see them", "[medical]") {
     // A long bar along x, and a short one above its left end.
     const SliceResult result = sliced(joined({box({0, 0, 0}, {40, 10, 2}), box({0, 12, 0}, {10, 30, 2})}), uniform(1));
-    for (const auto& [leftward, downward, quarter] : {std::tuple{false, false, 1}, {true, false, 0}, {false, true, 3}}) {
-        const Picture picture =
-            layer_picture({{&result, ""}}, 0, {.width = 400, .height = 400, .x_leftward = leftward, .y_downward = downward});
+    std::array<ImageGeometry, 3> images;
+    images[1].axes = {{{-1, 0, 0}, {0, -1, 0}, {0, 0, 1}}};
+    images[2].axes = {{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}};  // coronal
+    for (const auto& [options, empty_quarter] : {std::pair{PictureOptions{}, 1},
+                                                 {PictureOptions{.x_leftward = true}, 0},
+                                                 {PictureOptions{.y_downward = true}, 3},
+                                                 {PictureOptions{.image = &images[0]}, 3},
+                                                 {PictureOptions{.image = &images[1]}, 0},
+                                                 {PictureOptions{.image = &images[2]}, 1}}) {
+        const Picture picture = layer_picture({{&result, ""}}, 0, options);
         const std::size_t x = picture.width / 2;
         const std::size_t y = heading / 2 + picture.height / 2;
         const std::array<double, 4> quarters = {
             picture.filled(0, x, heading, y), picture.filled(x, picture.width, heading, y),
             picture.filled(0, x, y, picture.height), picture.filled(x, picture.width, y, picture.height)};
-        CHECK(std::min_element(quarters.begin(), quarters.end()) - quarters.begin() == quarter);
+        CHECK(std::min_element(quarters.begin(), quarters.end()) - quarters.begin() == empty_quarter);
     }
 }
 

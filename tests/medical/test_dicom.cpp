@@ -4,17 +4,12 @@
 #include <string>
 #include <vector>
 
-#include <catch2/catch.hpp>
-
-#include "engine/slicing.hpp"
 #include "input/files.hpp"
-#include "lamella/medical.hpp"
 #include "medical/dicom_file.hpp"
-#include "temp_folder.hpp"
+#include "medical/support.hpp"
 
-using namespace lamella;
+using namespace medical;
 using namespace dicom_file;
-using Catch::Contains;
 
 namespace {
 
@@ -33,17 +28,6 @@ std::string refusal(const TempFolder& folder) {
     const Error error = error_of(read_image_geometry(folder.path()));
     CHECK(error.code == ErrorCode::malformed_mesh);
     return error.message;
-}
-
-/// Why two slices of which the second is changed are refused.
-template <class Change>
-std::string refusal_of_second(const Change& change) {
-    const TempFolder folder;
-    folder.write("a.dcm", at_height(0, 0).bytes());
-    CtSlice slice = at_height(3, 1);
-    change(slice);
-    folder.write("b.dcm", slice.bytes());
-    return refusal(folder);
 }
 
 }  // namespace
@@ -138,28 +122,36 @@ TEST_CASE("dicom: folders that are no one image are refused by name", "[medical]
                                   element(Syntax::explicit_little, 0x30060002, "SH", "RT"));
         CHECK_THAT(refusal(folder), Contains("none of which is an image"));
     }
-    const auto has = [](const std::string& text, const std::string& part) { CHECK_THAT(text, Contains(part)); };
-    has(refusal_of_second([](CtSlice& s) { s.series = "1.2.4", s.description = "Neck\nlow"; }),
-        "2 DICOM series in the folder, and one is taken: 1.2.3 'Thorax' (1 slice); 1.2.4 'Neck low' (1 slice)");
-    has(refusal_of_second([](CtSlice& s) { s.frames = "12"; }), "b.dcm: a DICOM file of several frames (12)");
-    has(refusal_of_second([](CtSlice& s) { s.position = "-10\\-20\\0"; }), "b.dcm: lies at the same place as");
-    has(refusal_of_second([](CtSlice& s) { s.position = "-10\\-19\\3"; }), "b.dcm: sheared, as by a tilted gantry");
-    has(refusal_of_second([](CtSlice& s) { s.position = ""; }),
-        "b.dcm: its header states no ImagePositionPatient (0020,0032)");
-    has(refusal_of_second([](CtSlice& s) { s.orientation = ""; }), "no ImageOrientationPatient (0020,0037)");
-    has(refusal_of_second([](CtSlice& s) { s.spacing = ""; }), "no PixelSpacing (0028,0030)");
-    has(refusal_of_second([](CtSlice& s) { s.series = ""; }), "no SeriesInstanceUID (0020,000e)");
-    has(refusal_of_second([](CtSlice& s) { s.spacing = "1"; }), "not 2 numbers");
-    has(refusal_of_second([](CtSlice& s) { s.spacing = "0\\1"; }), "not above 0");
-    has(refusal_of_second([](CtSlice& s) { s.position = "1\\2\\nan"; }), "not 3 numbers");
-    has(refusal_of_second([](CtSlice& s) { s.position = "1\\2\\1e300"; }), "farther than");
-    has(refusal_of_second([](CtSlice& s) { s.orientation = "1\\0\\0\\0\\2\\0"; }), "no unit vectors");
-    has(refusal_of_second([](CtSlice& s) { s.orientation = "0\\1\\0\\1\\0\\0"; }),
-        "b.dcm: other ImageOrientationPatient than");
-    has(refusal_of_second([](CtSlice& s) { s.columns = 5; }), "other Rows and Columns than");
-    has(refusal_of_second([](CtSlice& s) { s.frame_of_reference = "1.2.3.8"; }), "other FrameOfReferenceUID than");
+    using Change = void (*)(CtSlice&);
+    for (const auto& [change, complaint] : std::vector<std::pair<Change, const char*>>{
+             {[](CtSlice& s) { s.series = "1.2.4", s.description = "Neck\nlow"; },
+              "2 DICOM series in the folder, and one is taken: 1.2.3 'Thorax' (1 slice); 1.2.4 'Neck low' (1 slice)"},
+             {[](CtSlice& s) { s.frames = "12"; }, "b.dcm: a DICOM file of several frames (12)"},
+             {[](CtSlice& s) { s.position = "-10\\-20\\0"; }, "b.dcm: lies at the same place as"},
+             {[](CtSlice& s) { s.position = "-10\\-19\\3"; }, "b.dcm: sheared, as by a tilted gantry"},
+             {[](CtSlice& s) { s.position = ""; }, "b.dcm: its header states no ImagePositionPatient (0020,0032)"},
+             {[](CtSlice& s) { s.orientation = ""; }, "no ImageOrientationPatient (0020,0037)"},
+             {[](CtSlice& s) { s.spacing = ""; }, "no PixelSpacing (0028,0030)"},
+             {[](CtSlice& s) { s.series = ""; }, "no SeriesInstanceUID (0020,000e)"},
+             {[](CtSlice& s) { s.spacing = "1"; }, "not 2 numbers"},
+             {[](CtSlice& s) { s.spacing = "0\\1"; }, "not above 0"},
+             {[](CtSlice& s) { s.position = "1\\2\\nan"; }, "not 3 numbers"},
+             {[](CtSlice& s) { s.position = "1\\2\\1e300"; }, "farther than"},
+             {[](CtSlice& s) { s.orientation = "1\\0\\0\\0\\2\\0"; }, "no unit vectors"},
+             {[](CtSlice& s) { s.orientation = "1\\0\\0\\1\\0\\0"; }, "other ImageOrientationPatient than"},
+             {[](CtSlice& s) { s.orientation = "0\\1\\0\\1\\0\\0"; }, "b.dcm: other ImageOrientationPatient than"},
+             {[](CtSlice& s) { s.columns = 5; }, "other Rows and Columns than"},
+             {[](CtSlice& s) { s.frame_of_reference = "1.2.3.8"; }, "other FrameOfReferenceUID than"}}) {
+        const TempFolder folder;
+        folder.write("a.dcm", at_height(0, 0).bytes());
+        CtSlice slice = at_height(3, 1);
+        change(slice);
+        folder.write("b.dcm", slice.bytes());
+        CHECK_THAT(refusal(folder), Contains(complaint));
+    }
     const TempFolder folder;
-    has(read_image_geometry(folder.write("a.dcm", at_height(0, 0).bytes())).error().message, "name the folder");
+    CHECK_THAT(error_of(read_image_geometry(folder.write("a.dcm", at_height(0, 0).bytes()))).message,
+               Contains("name the folder"));
     CtSlice parallel = at_height(0, 0);
     parallel.orientation = "1\\0\\0\\1\\0\\0";
     folder.write("a.dcm", parallel.bytes());

@@ -6,16 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include <catch2/catch.hpp>
+#include "medical/support.hpp"
 
-#include "engine/slicing.hpp"
-#include "lamella/lamella.hpp"
-#include "lamella/medical.hpp"
-#include "temp_folder.hpp"
-
-using namespace lamella;
-using namespace shapes;
-using Catch::Contains;
+using namespace medical;
 
 namespace {
 
@@ -35,7 +28,7 @@ ImageGeometry oblique(bool left_handed) {
 std::string image_file(const ImageGeometry& image, const std::string& name) {
     SliceOptions options;
     options.heights_mm = image.slice_heights_mm();
-    const SliceResult result = value_of(slice(MeshView::soup(floats(box({0, 0, 0}, {1, 1, 1}))), options));
+    const SliceResult result = sliced(box({0, 0, 0}, {1, 1, 1}), options);
     const MaskPart part{&result, "a"};
     const TempFolder folder;
     REQUIRE(write_mask({&part, 1}, image, folder / name).ok());
@@ -112,12 +105,19 @@ TEST_CASE("geometry: an image around a box is centred on it", "[medical]") {
     }
 }
 
-TEST_CASE("geometry: units that NRRD states become mm, others are refused by name", "[medical]") {
+TEST_CASE("geometry: units that a header states become mm, others are refused by name", "[medical]") {
     const TempFolder folder;
-    const std::string whole = image_file(oblique(false), "a.nrrd");
-    const auto read_with = [&](const std::string& field) {
-        std::string text = whole;
+    const std::string nrrd = image_file(oblique(false), "a.nrrd");
+    const auto with_field = [&](const std::string& field) {
+        std::string text = nrrd;
         return read_image_geometry(folder.write("a.nrrd", text.insert(text.find("sizes:"), field + "\n")));
+    };
+    const auto require_unit = [](const Result<ImageGeometry>& read, double mm) {
+        const ImageGeometry image = value_of(read);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            CHECK(image.spacing_mm[axis] == Approx(mm * oblique(false).spacing_mm[axis]));
+            CHECK(image.origin_mm[axis] == Approx(mm * oblique(false).origin_mm[axis]));
+        }
     };
     using Units = std::vector<std::string>;
     for (const auto& [mm, units] : {std::pair{1.0, Units{"", "mm", "Millimetres"}},
@@ -129,31 +129,23 @@ TEST_CASE("geometry: units that NRRD states become mm, others are refused by nam
         for (const std::string& unit : units) {
             INFO(unit);
             const std::string quoted = "\"" + unit + "\" ";
-            const ImageGeometry image = value_of(read_with("space units: " + quoted + quoted + quoted));
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                CHECK(image.spacing_mm[axis] == Approx(mm * oblique(false).spacing_mm[axis]));
-                CHECK(image.origin_mm[axis] == Approx(mm * oblique(false).origin_mm[axis]));
-            }
+            require_unit(with_field("space units: " + quoted + quoted + quoted), mm);
         }
     }
-    CHECK_THAT(read_with("space units: \"mm\" \"parsec\" \"mm\"").error().message, Contains("unit \"parsec\" is not known"));
-    CHECK_THAT(read_with("space units: \"mm\" \"mm\"").error().message, Contains("2, not one for each"));
-    CHECK_THAT(read_with("units: \"um\" \"um\" \"um\"").error().message, Contains("state 'space units'"));
-}
+    CHECK_THAT(error_of(with_field("space units: \"mm\" \"parsec\" \"mm\"")).message,
+               Contains("unit \"parsec\" is not known"));
+    CHECK_THAT(error_of(with_field("space units: \"mm\" \"mm\"")).message, Contains("2, not one for each"));
+    CHECK_THAT(error_of(with_field("units: \"um\" \"um\" \"um\"")).message, Contains("state 'space units'"));
 
-TEST_CASE("geometry: units that NIfTI states become mm, others are refused by number", "[medical]") {
-    const TempFolder folder;
-    std::string bytes = image_file(oblique(false), "a.nii");
-    const auto read_with = [&](int code) {
-        bytes[123] = static_cast<char>(code);
-        return read_image_geometry(folder.write("a.nii", bytes));
+    std::string nifti = image_file(oblique(false), "a.nii");
+    const auto with_code = [&](int code) {
+        nifti[123] = static_cast<char>(code);
+        return read_image_geometry(folder.write("a.nii", nifti));
     };
     for (const auto& [code, mm] : {std::pair{0, 1.0}, {1, 1000.0}, {2, 1.0}, {3, 0.001}, {2 | 8, 1.0}}) {
-        const ImageGeometry image = value_of(read_with(code));
-        CHECK(image.spacing_mm[2] == Approx(2 * mm));
-        CHECK(image.origin_mm[2] == Approx(30 * mm));
+        require_unit(with_code(code), mm);
     }
-    CHECK_THAT(read_with(5).error().message, Contains("unit of length 5"));
+    CHECK_THAT(error_of(with_code(5)).message, Contains("unit of length 5"));
 }
 
 TEST_CASE("geometry: what is written is read back", "[medical]") {
@@ -200,18 +192,17 @@ TEST_CASE("geometry: no damaged header crashes or hangs the reader", "[medical]"
 TEST_CASE("geometry: images that say too little or too much are refused by name", "[medical]") {
     const TempFolder folder;
     const std::string whole = image_file(oblique(false), "a.nrrd");
-    const auto refusal = [&](const std::string& from, const std::string& to) {
+    for (const auto& [field, value, complaint] :
+         std::vector<std::array<std::string, 3>>{{"space: ", "scanner-xyz", "'scanner-xyz'"},
+                                                 {"space directions: ", "(1,0,0) (0.5,1,0) (0,0,1)", "sheared"},
+                                                 {"space directions: ", "(1,0,0) (0,1,0)", "do not say"},
+                                                 {"sizes: ", "5 6 0", "0 voxels along k"},
+                                                 {"space origin: ", "(1,2)", "do not say"}}) {
         std::string text = whole;
-        const std::size_t at = text.find(from);
-        REQUIRE(at != std::string::npos);
-        text.replace(at, text.find('\n', at) - at, to);
-        return error_of(read_image_geometry(folder.write("a.nrrd", text))).message;
-    };
-    CHECK_THAT(refusal("space: ", "space: scanner-xyz"), Contains("'scanner-xyz'"));
-    CHECK_THAT(refusal("space directions: ", "space directions: (1,0,0) (0.5,1,0) (0,0,1)"), Contains("sheared"));
-    CHECK_THAT(refusal("space directions: ", "space directions: (1,0,0) (0,1,0)"), Contains("do not say"));
-    CHECK_THAT(refusal("sizes: ", "sizes: 5 6 0"), Contains("0 voxels along k"));
-    CHECK_THAT(refusal("space origin: ", "space origin: (1,2)"), Contains("do not say"));
+        const std::size_t at = text.find(field) + field.size();
+        text.replace(at, text.find('\n', at) - at, value);
+        CHECK_THAT(error_of(read_image_geometry(folder.write("a.nrrd", text))).message, Contains(complaint));
+    }
     std::string nifti = image_file(oblique(false), "a.nii");
     nifti[252] = nifti[254] = 0;
     CHECK_THAT(read_image_geometry(folder.write("n.nii", nifti)).error().message, Contains("sform"));

@@ -5,27 +5,13 @@
 #include <string>
 #include <vector>
 
-#include <catch2/catch.hpp>
+#include "medical/support.hpp"
 
-#include "engine/slicing.hpp"
-#include "lamella/lamella.hpp"
-#include "lamella/medical.hpp"
-#include "temp_folder.hpp"
-
-using namespace lamella;
-using namespace shapes;
-using Catch::Contains;
+using namespace medical;
 
 namespace {
 
 constexpr std::size_t nifti_header_bytes = 352;
-
-SliceResult cut(const Soup& soup, const ImageGeometry& image, int subslices = 1) {
-    SliceOptions options;
-    options.heights_mm = image.slice_heights_mm(subslices);
-    options.frame.transform = image.slicing_frame(PatientFrame::lps);
-    return sliced(MeshView::soup(floats(soup)), options);
-}
 
 /// The voxels of a mask of one byte each.
 std::string voxels_of(const std::vector<MaskPart>& parts, const ImageGeometry& image, const MaskOptions& options = {}) {
@@ -76,14 +62,6 @@ std::string expected_voxels(const SliceResult& result, const ImageGeometry& imag
     return voxels;
 }
 
-ImageGeometry image_of(std::array<std::uint64_t, 3> size, std::array<double, 3> spacing, std::array<double, 3> origin) {
-    ImageGeometry image;
-    image.size = size;
-    image.spacing_mm = spacing;
-    image.origin_mm = origin;
-    return image;
-}
-
 }  // namespace
 
 TEST_CASE("mask: centres on left and bottom edges are inside, on right and top edges outside", "[medical]") {
@@ -102,20 +80,17 @@ TEST_CASE("mask: centres on left and bottom edges are inside, on right and top e
 
 TEST_CASE("mask: equals a test of every centre", "[medical]") {
     const ImageGeometry image = image_of({37, 29, 11}, {0.7, 0.9, 1.3}, {-12, -11, -6});
-    std::vector<Soup> soups = {octasphere({0, 0, 0}, 9, 3),
-                               joined({octasphere({0, 0, 0}, 9, 3), flipped(octasphere({1, 1, 0}, 5, 3))}),
+    std::vector<Soup> soups = {joined({octasphere({0, 0, 0}, 9, 3), flipped(octasphere({1, 1, 0}, 5, 3))}),
                                joined({octasphere({-3, 0, 0}, 6, 2), octasphere({3, 1, 0}, 7, 2)})};
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
         soups.push_back(moved(scaled(random_tetrahedra(seed, 12, 40), {0.5, 0.5, 0.4}), {-10, -10, -7}));
     }
-    std::uint64_t in = 0;
     for (const Soup& soup : soups) {
         const SliceResult result = cut(soup, image);
         const std::string expected = expected_voxels(result, image);
         CHECK(voxels_of({{&result, "a"}}, image) == expected);
-        in += static_cast<std::uint64_t>(std::count(expected.begin(), expected.end(), '\1'));
+        CHECK(std::count(expected.begin(), expected.end(), '\1') > 100);
     }
-    CHECK(in > 1000);
 }
 
 TEST_CASE("mask: bytes do not depend on threads", "[medical][threads]") {
@@ -161,8 +136,7 @@ TEST_CASE("mask: shares sum to the volume, and say what the image cuts off", "[m
 
 TEST_CASE("mask: what is open is summed up for each mesh, and shares are those of areas that are known", "[medical]") {
     const ImageGeometry image = image_of({6, 20, 20}, {1, 1, 1}, {0.5, 0.5, 0.5});
-    Soup open = box({0, 0, 10}, {12, 20, 20});
-    open.resize(open.size() - 18);  // without its last side
+    const Soup open = open_box({0, 0, 10}, {12, 20, 20});
     const SliceResult half = cut(joined({box({0, 0, 0}, {12, 20, 10}), open}), image);
     const SliceResult none = cut(open, image);
     const MaskPart parts[] = {{&half, "half"}, {&none, "none"}};
@@ -215,43 +189,35 @@ TEST_CASE("mask: more than 255 meshes take two bytes", "[medical]") {
 }
 
 TEST_CASE("mask: what cannot be written is refused, and leaves nothing", "[medical]") {
-    const ImageGeometry image = image_of({4, 4, 4}, {1, 1, 1}, {0, 0, 0});
-    const SliceResult result = cut(box({0, 0, 0}, {3, 3, 3}), image);
-    const MaskPart part{&result, "a"};
+    const ImageGeometry image = image_of({4, 4, 6}, {1, 1, 1}, {0, 0, 0});
+    const Soup body = box({0, 0, -1}, {3, 3, 4.5});
+    const SliceResult whole = cut(body, image);
     const TempFolder folder;
-    const auto refusal = [&](ImageGeometry other, const char* name) {
-        const Error error = error_of(write_mask({&part, 1}, other, folder / name));
+    const auto refusal = [&](const SliceResult& result, const ImageGeometry& at, const char* name) {
+        const MaskPart part{&result, "a"};
+        const Error error = error_of(write_mask({&part, 1}, at, folder / name));
         CHECK(error.code == ErrorCode::invalid_argument);
+        CHECK(folder.names().empty());
         return error.message;
     };
-    CHECK_THAT(refusal(image, "a.png"), Contains("ends in .nii"));
-    CHECK_THAT(refusal(image_of({4, 4, 5}, {1, 1, 1}, {0, 0, 0}), "a.nii"), Contains("was not cut"));
-    CHECK_THAT(refusal(image_of({40000, 4, 4}, {1, 1, 1}, {0, 0, 0}), "a.nii"), Contains("32,767"));
-    CHECK_THAT(refusal(image_of({10000, 10000, 10000}, {1, 1, 1}, {0, 0, 0}), "a.nrrd"), Contains("2^38"));
-    CHECK(folder.names().empty());
-}
-
-TEST_CASE("mask: slices that were left out are refused", "[medical]") {
-    const ImageGeometry image = image_of({8, 8, 6}, {1, 1, 1}, {0, 0, 0});
-    SliceOptions options;
-    options.heights_mm = image.slice_heights_mm();
-    options.frame.transform = image.slicing_frame(PatientFrame::lps);
-    for (const auto& [first, end] : {std::pair{0, 3}, {2, 5}, {3, 6}}) {
-        options.planes.first_layer = static_cast<std::uint64_t>(first);
-        options.planes.end_layer = static_cast<std::uint64_t>(end);
-        const SliceResult some = sliced(MeshView::soup(floats(box({2, 3, -1}, {5, 7, 4.5}))), options);
-        const MaskPart part{&some, "some"};
-        const TempFolder folder;
-        CHECK(error_of(write_mask({&part, 1}, image, folder / "mask.nii")).message ==
-              "'some' was not cut at the slices of the image");
-        CHECK(folder.names().empty());
+    const auto sized = [](std::uint64_t i, std::uint64_t j, std::uint64_t k) {
+        return image_of({i, j, k}, {1, 1, 1}, {0, 0, 0});
+    };
+    CHECK_THAT(refusal(whole, image, "a.png"), Contains("ends in .nii"));
+    CHECK_THAT(refusal(whole, sized(40000, 4, 4), "a.nii"), Contains("32,767"));
+    CHECK_THAT(refusal(whole, sized(10000, 10000, 10000), "a.nrrd"), Contains("2^38"));
+    CHECK(refusal(whole, sized(4, 4, 5), "a.nii") == "'a' was not cut at the slices of the image");
+    // Slices that were left out.
+    SliceOptions options = at_slices(image);
+    for (const auto& [first, end] : {std::pair{0U, 3U}, {2U, 5U}, {3U, 6U}}) {
+        options.planes.first_layer = first;
+        options.planes.end_layer = end;
+        CHECK(refusal(sliced(body, options), image, "a.nii") == "'a' was not cut at the slices of the image");
     }
 }
 
 TEST_CASE("mask: area and perimeter of slices tell of thin walls", "[medical]") {
-    ImageGeometry image;
-    image.size = {12, 12, 4};
-    image.origin_mm = {-1, -1, -0.5};
+    const ImageGeometry image = image_of({12, 12, 4}, {1, 1, 1}, {-1, -1, -0.5});
     const SliceResult plate = cut(box({0, 0, 0}, {10, 0.25, 3}), image);
     const SliceResult cube = cut(box({0, 0, 0}, {1.5, 1.5, 3}), image);
     const TempFolder folder;

@@ -6,25 +6,20 @@
 #include <vector>
 
 #include <png.h>
-#include <catch2/catch.hpp>
 
-#include "engine/slicing.hpp"
-#include "lamella/lamella.hpp"
-#include "lamella/medical.hpp"
-#include "temp_folder.hpp"
+#include "medical/support.hpp"
 
-using namespace lamella;
-using namespace shapes;
+using namespace medical;
 
 namespace {
 
 using Pixel = std::array<int, 3>;
 
-constexpr Pixel page_colour{0xff, 0xff, 0xff};
 constexpr Pixel cell_colour{0xf1, 0xf3, 0xf5};
 constexpr Pixel text_colour{0x2b, 0x30, 0x36};
 constexpr Pixel first_colour{0x1f, 0x6f, 0xb4};
 constexpr Pixel line_colour{0xd8, 0x1b, 0x1b};
+constexpr std::size_t heading = 40;
 
 struct Picture {
     std::size_t width = 0;
@@ -37,10 +32,8 @@ struct Picture {
     }
     std::size_t count(const Pixel& wanted) const {
         std::size_t found = 0;
-        for (std::size_t y = 0; y < height; ++y) {
-            for (std::size_t x = 0; x < width; ++x) {
-                found += at(x, y) == wanted ? 1 : 0;
-            }
+        for (std::size_t i = 0; i < width * height; ++i) {
+            found += at(i % width, i / width) == wanted ? 1U : 0U;
         }
         return found;
     }
@@ -57,6 +50,14 @@ struct Picture {
         }
         return sum;
     }
+    double filled() const { return filled(0, width, 0, height); }
+    double widest_row() const {
+        double widest = 0;
+        for (std::size_t y = 0; y < height; ++y) {
+            widest = std::max(widest, filled(0, width, y, y + 1));
+        }
+        return widest;
+    }
 };
 
 Picture read_png(const std::filesystem::path& path) {
@@ -67,10 +68,6 @@ Picture read_png(const std::filesystem::path& path) {
     Picture picture{image.width, image.height, std::vector<unsigned char>(PNG_IMAGE_SIZE(image))};
     REQUIRE(png_image_finish_read(&image, nullptr, picture.bytes.data(), 0, nullptr) != 0);
     return picture;
-}
-
-SliceResult cut_layers(const Soup& soup, double layer_height_mm = 1) {
-    return sliced(MeshView::soup(floats(soup)), uniform(layer_height_mm));
 }
 
 Picture layer_picture(const std::vector<PicturePart>& parts, std::uint64_t layer, const PictureOptions& options = {}) {
@@ -85,159 +82,125 @@ Picture contact_sheet(const std::vector<PicturePart>& parts, const PictureOption
     return read_png(folder / "a.png");
 }
 
-/// Pixels per mm, by the width of a solid that is as wide as the picture's box.
-double widest_run(const Picture& picture) {
-    double widest = 0;
-    for (std::size_t y = 0; y < picture.height; ++y) {
-        widest = std::max(widest, picture.filled(0, picture.width, y, y + 1));
-    }
-    return widest;
-}
-
-Soup pierced_box() {
-    return joined({box({0, 0, 0}, {30, 20, 5}), flipped(box({4, 5, -1}, {11, 13, 6}))});
-}
-
 }  // namespace
 
 TEST_CASE("picture: filled pixels add up to the area of the layer", "[medical]") {
-    for (const Soup& soup : {pierced_box(), octasphere({3, 4, 5}, 9, 4), moved(octasphere({0, 0, 0}, 9, 2), {-900, 900, 0}),
-                             joined({octasphere({0, 0, 0}, 5, 3), octasphere({20, 3, 0}, 5, 3)})}) {
-        const SliceResult result = cut_layers(soup, 1.7);
-        const std::uint64_t layer = result.layers.size() / 2;
-        for (const PictureOptions& options : {PictureOptions{}, PictureOptions{.x_leftward = true},
-                                              PictureOptions{.width = 300, .height = 900, .y_downward = true}}) {
-            const Picture picture = layer_picture({{&result, "a"}}, layer, options);
-            CHECK(picture.width <= static_cast<std::size_t>(options.width));
-            CHECK(picture.height <= static_cast<std::size_t>(options.height));
-            const double filled = picture.filled(0, picture.width, 0, picture.height);
-            const double mm = result.info.box.max_mm[0] - result.info.box.min_mm[0];
-            // The widest row of a sphere's layer is less than the mesh; its scale follows from the area of the cell instead.
-            const double scale = std::sqrt(filled / result[layer].area_mm2());
-            CHECK(scale * mm <= static_cast<double>(options.width));
-            CHECK(widest_run(picture) <= scale * mm * 1.001);
-        }
-    }
     // A box fills its row: the scale is known, and the area follows.
-    const SliceResult result = cut_layers(pierced_box());
-    const Picture picture = layer_picture({{&result, "a"}}, 2);
-    const double scale = widest_run(picture) / 30;
-    CHECK(scale > 40);
-    const double filled = picture.filled(0, picture.width, 0, picture.height);
-    CHECK(filled / (scale * scale) == Approx(30 * 20 - 7 * 8).epsilon(2e-3));
+    const Soup pierced_box = joined({box({0, 0, 0}, {30, 20, 5}), flipped(box({4, 5, -1}, {11, 13, 6}))});
+    const SliceResult result = sliced(pierced_box, uniform(1));
+    for (const PictureOptions& options : {PictureOptions{}, PictureOptions{.x_leftward = true},
+                                          PictureOptions{.width = 900, .height = 300, .y_downward = true}}) {
+        const Picture picture = layer_picture({{&result, "a"}}, 2, options);
+        CHECK(picture.width <= static_cast<std::size_t>(options.width));
+        CHECK(picture.height <= static_cast<std::size_t>(options.height));
+        const double scale = picture.widest_row() / 30;
+        CHECK(scale > 10);
+        CHECK(picture.filled() / (scale * scale) == Approx(30 * 20 - 7 * 8).epsilon(5e-3));
+    }
+    // Far from the origin, shells that overlap: by the scale that a box beside them shows.
+    const Soup far = joined({octasphere({0, 0, 0}, 5, 3), octasphere({4, 3, 0}, 5, 3), box({-10, 20, -5}, {20, 21, 5})});
+    const SliceResult united = sliced(moved(far, {-900, 900, 0}), uniform(1.7));
+    SliceOptions by_rule = uniform(1.7);
+    by_rule.region.fill_rule = FillRule::non_zero;
+    const Picture picture = layer_picture({{&united, "a"}}, 3);
+    const double scale = picture.widest_row() / 30;
+    CHECK(picture.filled() / (scale * scale) == Approx(sliced(far, by_rule)[3].area_mm2()).epsilon(5e-3));
 }
 
 TEST_CASE("picture: bytes do not depend on threads", "[medical][threads]") {
-    const SliceResult a = cut_layers(octasphere({0, 0, 0}, 9, 4), 0.3);
-    const SliceResult b = cut_layers(octasphere({4, 1, 0}, 6, 4), 0.4);
+    const SliceResult a = sliced(octasphere({0, 0, 0}, 9, 4), uniform(0.3));
+    const SliceResult b = sliced(octasphere({4, 1, 0}, 6, 4), uniform(0.4));
+    const std::vector<PicturePart> parts = {{&a, "a"}, {&b, "b"}};
+    const PictureOptions options{.width = 1500, .height = 1500};
     const TempFolder folder;
-    std::string sheet;
-    std::string layer;
+    std::string before;
     for (const int threads : {1, 2, 7}) {
-        const std::vector<PicturePart> parts = {{&a, "a"}, {&b, "b"}};
-        const PictureOptions options{.width = 1500, .height = 1500};
         require_ok(write_contact_sheet(parts, folder / "s.png", options, {.threads = threads}));
         require_ok(write_layer_picture(parts, 30, folder / "l.png", options, {.threads = threads}));
-        CHECK((sheet.empty() || bytes_of(folder / "s.png") == sheet));
-        CHECK((layer.empty() || bytes_of(folder / "l.png") == layer));
-        sheet = bytes_of(folder / "s.png");
-        layer = bytes_of(folder / "l.png");
+        const std::string bytes = bytes_of(folder / "s.png") + bytes_of(folder / "l.png");
+        CHECK((before.empty() || bytes == before));
+        CHECK(bytes.find("tIME") == std::string::npos);
+        before = bytes;
     }
-    CHECK(sheet.find("tIME") == std::string::npos);
     CHECK(folder.names() == std::vector<std::string>{"l.png", "s.png"});
 }
 
-TEST_CASE("picture: a sheet shows evenly spaced layers, each at one scale", "[medical]") {
-    const SliceResult result = cut_layers(box({0, 0, 0}, {10, 10, 100}));
-    REQUIRE(result.layers.size() == 100);
+TEST_CASE("picture: a sheet shows evenly spaced layers at one scale, fewer than asked for each once", "[medical]") {
+    const SliceResult result = sliced(box({0, 0, 0}, {10, 10, 100}), uniform(1));
     const Picture picture = contact_sheet({{&result, "box"}}, {.width = 900, .height = 700, .layers = 12});
-    // Squares of equal size: as many as layers.
-    const double one = widest_run(contact_sheet({{&result, "box"}}, {.width = 900, .height = 700, .layers = 1}));
-    CHECK(one > 500);
-    const double row = widest_run(picture);
-    const double filled = picture.filled(0, picture.width, 0, picture.height);
-    double side = 0;
-    for (const double columns : {3, 4, 5, 6}) {
-        if (std::abs(filled - 12 * (row / columns) * (row / columns)) < 0.01 * filled) {
-            side = row / columns;
-        }
-    }
+    // Twelve squares of equal size, four in a row.
+    const double side = picture.widest_row() / 4;
     CHECK(side > 100);
-    // Fewer layers than asked for: each once.
-    const SliceResult few = cut_layers(box({0, 0, 0}, {10, 10, 3}));
-    const Picture three = contact_sheet({{&few, "box"}}, {.layers = 12});
-    CHECK(three.filled(0, three.width, 0, three.height) > 0);
-    CHECK(widest_run(three) > 3 * 300);
+    CHECK(picture.filled() == Approx(12 * side * side).epsilon(0.01));
+    CHECK(contact_sheet({{&result, "box"}}, {.width = 900, .height = 700, .layers = 1}).widest_row() > 500);
+    const SliceResult few = sliced(box({0, 0, 0}, {10, 10, 3}), uniform(1));
+    CHECK(contact_sheet({{&few, "box"}}, {.layers = 12}).widest_row() > 3 * 300);
 }
 
-TEST_CASE("picture: up is up, and mirrored where asked", "[medical]") {
+TEST_CASE("picture: up is up, mirrored where asked, and slices of an image are seen as radiologists see them", "[medical]") {
     // A long bar along x, and a short one above its left end.
-    const SliceResult result = cut_layers(joined({box({0, 0, 0}, {40, 10, 2}), box({0, 12, 0}, {10, 30, 2})}));
-    const auto quarters = [&](bool leftward, bool downward) {
-        const Picture picture =
-            layer_picture({{&result, ""}}, 0, {.width = 400, .height = 400, .x_leftward = leftward, .y_downward = downward});
+    const SliceResult result = sliced(joined({box({0, 0, 0}, {40, 10, 2}), box({0, 12, 0}, {10, 30, 2})}), uniform(1));
+    std::array<ImageGeometry, 3> images;
+    images[1].axes = {{{-1, 0, 0}, {0, -1, 0}, {0, 0, 1}}};
+    images[2].axes = {{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}};  // coronal
+    for (const auto& [options, empty_quarter] : {std::pair{PictureOptions{}, 1},
+                                                 {PictureOptions{.x_leftward = true}, 0},
+                                                 {PictureOptions{.y_downward = true}, 3},
+                                                 {PictureOptions{.image = &images[0]}, 3},
+                                                 {PictureOptions{.image = &images[1]}, 0},
+                                                 {PictureOptions{.image = &images[2]}, 1}}) {
+        const Picture picture = layer_picture({{&result, ""}}, 0, options);
         const std::size_t x = picture.width / 2;
-        const std::size_t y = picture.height / 2;
-        // Upper left, upper right.
-        return std::array<bool, 2>{
-            picture.filled(0, x, 0, y) > picture.filled(0, x, y, picture.height) * 0.2 && picture.filled(0, x, 0, y) > 100,
-            picture.filled(x, picture.width, 0, y) > 100};
-    };
-    CHECK(quarters(false, false) == std::array<bool, 2>{true, false});
-    CHECK(quarters(true, false) == std::array<bool, 2>{false, true});
-    CHECK(quarters(false, true)[1]);
-    const Picture mirrored = layer_picture({{&result, ""}}, 0, {.width = 400, .height = 400, .x_leftward = true});
-    const Picture plain = layer_picture({{&result, ""}}, 0, {.width = 400, .height = 400});
-    CHECK(mirrored.filled(0, 400, 0, mirrored.height) == Approx(plain.filled(0, 400, 0, plain.height)).epsilon(0.001));
+        const std::size_t y = heading / 2 + picture.height / 2;
+        const std::array<double, 4> quarters = {
+            picture.filled(0, x, heading, y), picture.filled(x, picture.width, heading, y),
+            picture.filled(0, x, y, picture.height), picture.filled(x, picture.width, y, picture.height)};
+        CHECK(std::min_element(quarters.begin(), quarters.end()) - quarters.begin() == empty_quarter);
+    }
 }
 
 TEST_CASE("picture: open polylines are lines, not areas", "[medical]") {
-    Soup open = box({0, 0, 0}, {30, 30, 10});
-    open.resize(open.size() - 18);  // without its left side
-    const SliceResult result = cut_layers(open);
+    const SliceResult result = sliced(open_box({0, 0, 0}, {30, 30, 10}), uniform(1));
     REQUIRE(result.info.open_contours > 0);
     const Picture picture = layer_picture({{&result, "a"}}, 4);
     CHECK(picture.count(first_colour) < 300);  // the square of the heading only
     // Three sides of 30 mm, about three pixels wide.
-    const double red = static_cast<double>(picture.count(line_colour));
+    const auto red = static_cast<double>(picture.count(line_colour));
     CHECK(red > 3 * 800);
     CHECK(red < 3 * 1200 * 5);
 }
 
 TEST_CASE("picture: empty layers and empty results are drawn empty", "[medical]") {
-    const SliceResult result = cut_layers(joined({box({0, 0, 0}, {5, 5, 2}), box({10, 10, 8}, {15, 15, 10})}));
-    const Picture picture = layer_picture({{&result, ""}}, 5);
-    CHECK(picture.filled(0, picture.width, 40, picture.height) == 0);
-    CHECK(picture.count(text_colour) > 100);
-    const SliceResult nothing;
-    const TempFolder folder;
-    require_ok(write_contact_sheet(std::vector<PicturePart>{{&nothing, "nothing"}}, folder / "a.png"));
-    CHECK(read_png(folder / "a.png").count(text_colour) > 100);
-    CHECK(write_layer_picture(std::vector<PicturePart>{{&nothing, "nothing"}}, 0, folder / "b.png").error().code ==
-          ErrorCode::invalid_argument);
+    const SliceResult result = sliced(joined({box({0, 0, 0}, {5, 5, 2}), box({10, 10, 8}, {15, 15, 10})}), uniform(1));
     SliceOptions one_plane;
     one_plane.heights_mm = std::vector<double>{50};
-    const SliceResult above = value_of(slice(MeshView::soup(floats(box({0, 0, 0}, {5, 5, 2}))), one_plane));
-    require_ok(write_contact_sheet(std::vector<PicturePart>{{&above, "above"}}, folder / "c.png"));
+    const SliceResult above = sliced(box({0, 0, 0}, {5, 5, 2}), one_plane);
+    const SliceResult nothing;
+    for (const Picture& picture :
+         {layer_picture({{&result, ""}}, 5), contact_sheet({{&nothing, "nothing"}}), contact_sheet({{&above, "above"}})}) {
+        CHECK(picture.filled(0, picture.width, heading, picture.height) == 0);
+        CHECK(picture.count(text_colour) > 100);
+    }
 }
 
 TEST_CASE("picture: parts of different planes are shown at their heights", "[medical]") {
-    const SliceResult a = cut_layers(box({0, 0, 0}, {10, 10, 4}), 1);
-    const SliceResult b = cut_layers(box({20, 0, 3}, {30, 10, 9}), 0.7);
+    const SliceResult a = sliced(box({0, 0, 0}, {10, 10, 4}), uniform(1));
+    const SliceResult b = sliced(box({20, 0, 3}, {30, 10, 9}), uniform(0.7));
     // At 0.5 mm only the first is met, at 3.5 mm both.
     const Picture low = layer_picture({{&a, ""}, {&b, ""}}, 0);
     const Picture both = layer_picture({{&a, ""}, {&b, ""}}, 3);
-    std::size_t new_pixels = 0;
-    for (std::size_t y = 40; y < both.height; ++y) {
-        for (std::size_t x = both.width / 2; x < both.width; ++x) {
-            new_pixels += both.at(x, y) != low.at(x, y) ? 1 : 0;
-        }
+    double new_pixels = 0;
+    for (std::size_t i = both.width * heading; i < both.width * both.height; ++i) {
+        const std::size_t x = i % both.width;
+        new_pixels += x >= both.width / 2 && both.at(x, i / both.width) != low.at(x, i / both.width) ? 1 : 0;
     }
-    CHECK(static_cast<double>(new_pixels) == Approx(low.filled(0, low.width, 40, low.height)).epsilon(0.05));
+    CHECK(new_pixels == Approx(low.filled(0, low.width, heading, low.height)).epsilon(0.05));
 }
 
 TEST_CASE("picture: what cannot be drawn is refused, and nothing is left behind", "[medical]") {
-    const SliceResult result = cut_layers(box({0, 0, 0}, {10, 10, 4}));
+    const SliceResult result = sliced(box({0, 0, 0}, {10, 10, 4}), uniform(1));
+    const SliceResult many = sliced(box({0, 0, 0}, {10, 10, 300}), uniform(0.1));
+    const SliceResult nothing;
     const std::vector<PicturePart> parts = {{&result, "a"}};
     const TempFolder folder;
     const auto refused = [&](const std::vector<PicturePart>& what, const PictureOptions& options,
@@ -253,25 +216,24 @@ TEST_CASE("picture: what cannot be drawn is refused, and nothing is left behind"
     CHECK(refused(parts, {}, {.threads = -1}) == ErrorCode::invalid_argument);
     CHECK(refused({}, {}) == ErrorCode::invalid_argument);
     CHECK(refused({{nullptr, "none"}}, {}) == ErrorCode::invalid_argument);
-    const SliceResult many = cut_layers(box({0, 0, 0}, {10, 10, 300}), 0.1);
     CHECK(refused({{&many, "many"}}, {.width = 300, .height = 300, .layers = 3000}) == ErrorCode::invalid_argument);
-    CHECK(write_layer_picture(parts, 4, folder / "a.png").error().code == ErrorCode::invalid_argument);
-    CHECK(write_layer_picture(parts, 1ULL << 63, folder / "a.png").error().code == ErrorCode::invalid_argument);
-    const auto stop = []() noexcept { return true; };
-    CHECK(refused(parts, {}, {.stop = stop}) == ErrorCode::cancelled);
-    CHECK(write_contact_sheet(parts, folder / "none" / "a.png").error().code == ErrorCode::unwritable_file);
+    for (const std::uint64_t layer : {std::uint64_t{4}, std::uint64_t{1} << 63}) {
+        CHECK(error_of(write_layer_picture(parts, layer, folder / "a.png")).code == ErrorCode::invalid_argument);
+    }
+    CHECK(error_of(write_layer_picture(std::vector<PicturePart>{{&nothing, ""}}, 0, folder / "a.png")).code ==
+          ErrorCode::invalid_argument);
+    CHECK(refused(parts, {}, {.stop = always}) == ErrorCode::cancelled);
+    CHECK(error_of(write_contact_sheet(parts, folder / "none" / "a.png")).code == ErrorCode::unwritable_file);
     CHECK(folder.names().empty());
 }
 
 TEST_CASE("picture: names of any bytes and any number of parts", "[medical]") {
-    const SliceResult result = cut_layers(box({0, 0, 0}, {10, 10, 4}));
+    const SliceResult result = sliced(box({0, 0, 0}, {10, 10, 4}), uniform(1));
     std::vector<PicturePart> parts;
     parts.reserve(300);
     for (int i = 0; i < 300; ++i) {
         parts.push_back({&result, std::string(static_cast<std::size_t>(i * 40), static_cast<char>(i))});
     }
-    const Picture picture = contact_sheet(parts, {.width = 800, .height = 300});
-    CHECK(picture.width <= 800);
-    const Picture narrow = contact_sheet(parts, {.width = 64, .height = 64, .layers = 1});
-    CHECK(narrow.count(page_colour) > 0);
+    CHECK(contact_sheet(parts, {.width = 800, .height = 300}).width <= 800);
+    CHECK(contact_sheet(parts, {.width = 64, .height = 64, .layers = 1}).width <= 64);
 }

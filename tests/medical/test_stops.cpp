@@ -5,16 +5,11 @@
 #include <string>
 #include <vector>
 
-#include <catch2/catch.hpp>
-
-#include "engine/slicing.hpp"
-#include "lamella/lamella.hpp"
-#include "lamella/medical.hpp"
-#include "temp_folder.hpp"
+#include "medical/support.hpp"
 
 namespace stops {
 
-using namespace lamella;
+using namespace medical;
 
 /// A host that is asked whether to stop, and counts how often.
 struct Host {
@@ -34,16 +29,8 @@ std::string outcome_of(const Outcome& outcome) {
 
 TEST_CASE("medical calls end when asked to, and ask by time") {
     const TempFolder folder;
-    ImageGeometry image;
-    image.size = {32, 32, 2000};
-    image.spacing_mm = {1, 1, 0.01};
-    image.origin_mm = {-16, -16, -10};
-    SliceOptions options;
-    options.heights_mm = image.slice_heights_mm();
-    options.frame.transform = image.slicing_frame(PatientFrame::lps);
-    const auto ball = shapes::floats(shapes::octasphere({0, 0, 0}, 9, 3));
-    const SliceResult sliced = value_of(slice(MeshView::soup(ball), options));
-    const SliceResult& result = sliced;
+    const ImageGeometry image = image_of({32, 32, 2000}, {1, 1, 0.01}, {-16, -16, -10});
+    const SliceResult result = cut(octasphere({0, 0, 0}, 9, 3), image);
     const std::vector<TablePart> table = {{.result = &result, .name = "a"}};
     const std::vector<MaskPart> organ = {{.result = &result, .name = "a"}};
     const std::vector<Roi> roi = {{.result = &result, .name = "a"}};

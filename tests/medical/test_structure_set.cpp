@@ -8,20 +8,12 @@
 #include <string>
 #include <vector>
 
-#include <catch2/catch.hpp>
-
-#include "engine/slicing.hpp"
-#include "lamella/lamella.hpp"
-#include "lamella/medical.hpp"
 #include "medical/dicom/data_set.hpp"
 #include "medical/dicom/identity.hpp"
 #include "medical/dicom/keyhole.hpp"
-#include "medical/dicom_file.hpp"
-#include "temp_folder.hpp"
+#include "medical/support.hpp"
 
-using namespace lamella;
-using namespace shapes;
-using Catch::Contains;
+using namespace medical;
 
 namespace {
 
@@ -66,10 +58,10 @@ bool cross_within(const RingPoint& a, const RingPoint& b, const RingPoint& c, co
     return side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0;
 }
 
-std::vector<RingPoint> checked_ring(Keyhole& keyhole, const std::vector<Polygon>& polygons) {
+void check_ring(const std::vector<Polygon>& polygons) {
+    Keyhole keyhole;
     const std::vector<std::span<const Point>> contours(polygons.begin(), polygons.end());
-    const std::span<const RingPoint> joined = keyhole.join(contours);
-    std::vector<RingPoint> ring(joined.begin(), joined.end());
+    const std::span<const RingPoint> ring = keyhole.join(contours);
     double expected = 0;
     for (const Polygon& polygon : polygons) {
         expected += twice_area(std::span<const Point>(polygon));
@@ -78,80 +70,62 @@ std::vector<RingPoint> checked_ring(Keyhole& keyhole, const std::vector<Polygon>
             REQUIRE(std::find(ring.begin(), ring.end(), there) != ring.end());
         }
     }
-    REQUIRE(twice_area(std::span<const RingPoint>(ring)) == Approx(expected).margin(1e-6));
+    REQUIRE(twice_area(ring) == Approx(expected).margin(1e-6));
     for (std::size_t i = 0; i < ring.size(); ++i) {
         for (std::size_t j = 0; j < i; ++j) {
             REQUIRE_FALSE(cross_within(ring[i], ring[(i + 1) % ring.size()], ring[j], ring[(j + 1) % ring.size()]));
         }
     }
-    return ring;
 }
 
 /// Slices at 0, 2, 4 ... around the origin.
 ImageGeometry slices(std::uint64_t count) {
-    ImageGeometry image;
-    image.size = {100, 100, count};
-    image.spacing_mm = {1, 1, 2};
-    image.origin_mm = {-50, -50, -static_cast<double>(count)};
-    return image;
-}
-
-SliceResult cut(const MeshView& mesh, const ImageGeometry& image) {
-    SliceOptions options;
-    options.heights_mm = image.slice_heights_mm();
-    options.frame.transform = image.slicing_frame(PatientFrame::lps);
-    return sliced(mesh, options);
+    return image_of({100, 100, count}, {1, 1, 2}, {-50, -50, -static_cast<double>(count)});
 }
 
 }  // namespace
 
 TEST_CASE("keyhole: a ring has the region's area and crosses itself nowhere", "[medical]") {
-    Keyhole keyhole;
+    const Polygon around = rectangle(0, 0, 100, 100, false);
     // Two holes at one height, one that hangs on a corner, one between.
-    (void)checked_ring(keyhole, {rectangle(0, 0, 100, 100, false), rectangle(20, 20, 10, 10, true),
-                                 rectangle(50, 20, 10, 10, true), rectangle(70, 30, 10, 10, true), diamond(40, 50, 5)});
+    check_ring({around, rectangle(20, 20, 10, 10, true), rectangle(50, 20, 10, 10, true), rectangle(70, 30, 10, 10, true),
+                diamond(40, 50, 5)});
     // A bridge to a vertex that two contours share, and holes that touch.
-    (void)checked_ring(keyhole,
-                       {rectangle(0, 0, 100, 100, false), diamond(20, 50, 10), diamond(40, 50, 10), diamond(60, 50, 10)});
+    check_ring({around, diamond(20, 50, 10), diamond(40, 50, 10), diamond(60, 50, 10)});
     // A hole that touches the outer contour by its leftmost point.
-    (void)checked_ring(keyhole, {rectangle(0, 0, 100, 100, false), diamond(10, 50, 10)});
-    CHECK(checked_ring(keyhole, {rectangle(0, 0, 10, 10, false)}).size() == 4);
+    check_ring({around, diamond(10, 50, 10)});
+    const std::int32_t far = grid_limit - 2;
+    check_ring({from_start({{-far, -far}, {far, -far}, {far, far}, {-far + 1, far}}),
+                rectangle(far - 9, far - 7, 5, 3, true), rectangle(-far + 9, 3, 5, 3, true)});
 }
 
 TEST_CASE("keyhole: random holes at equal heights, near and touching", "[medical]") {
     std::mt19937 random(7);
-    Keyhole keyhole;
+    const auto pick = [&](int count) { return static_cast<std::int32_t>(random() % static_cast<unsigned>(count)); };
     for (int round = 0; round < 200; ++round) {
         const int cells = 2 + round % 6;
         const int pitch = 12;
         std::vector<Polygon> polygons = {rectangle(0, 0, cells * pitch, cells * pitch, false)};
-        for (int row = 0; row < cells; ++row) {
-            for (int column = 0; column < cells; ++column) {
-                const auto pick = [&](int count) {
-                    return static_cast<std::int32_t>(random() % static_cast<unsigned>(count));
-                };
-                if (pick(4) == 0) {
-                    continue;
-                }
-                const int x = column * pitch;
-                const int y = row * pitch;
-                // Diamonds of the whole cell touch their neighbours.
-                polygons.push_back(pick(2) == 0
-                                       ? diamond(x + 6, y + 6, 2 + pick(5))
-                                       : rectangle(x + 1 + pick(3), y + 1 + pick(3), 2 + pick(6), 2 + pick(6), true));
+        for (int cell = 0; cell < cells * cells; ++cell) {
+            const int x = cell % cells * pitch;
+            const int y = cell / cells * pitch;
+            switch (pick(4)) {
+                case 0:
+                    break;
+                case 1:
+                    polygons.push_back(rectangle(x + 1 + pick(3), y + 1 + pick(3), 2 + pick(6), 2 + pick(6), true));
+                    break;
+                default:  // diamonds of the whole cell touch their neighbours
+                    polygons.push_back(diamond(x + 6, y + 6, 2 + pick(5)));
             }
         }
         std::shuffle(polygons.begin() + 1, polygons.end(), random);
-        const std::vector<RingPoint> ring = checked_ring(keyhole, polygons);
-        CHECK(ring.size() >= 4 * polygons.size());
+        check_ring(polygons);
     }
 }
 
-TEST_CASE("keyhole: numbers at the grid's limits, and thousands of holes", "[medical]") {
+TEST_CASE("keyhole: thousands of holes", "[medical]") {
     Keyhole keyhole;
-    const std::int32_t far = grid_limit - 2;
-    (void)checked_ring(keyhole, {from_start({{-far, -far}, {far, -far}, {far, far}, {-far + 1, far}}),
-                                 rectangle(far - 9, far - 7, 5, 3, true), rectangle(-far + 9, 3, 5, 3, true)});
     std::vector<Polygon> polygons = {rectangle(0, 0, 4000, 4000, false)};
     for (int i = 0; i < 10000; ++i) {
         polygons.push_back(rectangle(40 * (i % 100) + 10, 40 * (i / 100) + 10 + i % 7, 12, 12, true));
@@ -168,12 +142,14 @@ TEST_CASE("structure set: decimals have at most 16 characters and no idle zeros"
         put_decimal(out, value, decimals);
         return out;
     };
-    CHECK(text(1.5, 7) == "1.5");
-    CHECK(text(-0.00000001, 7) == "0");
-    CHECK(text(-123.45678912, 7) == "-123.4567891");
-    CHECK(text(100, 7) == "100");
-    CHECK(text(1000, 0) == "1000");
-    CHECK(text(-123456789.123456, 7) == "-123456789.12346");
+    for (const auto& [value, decimals, expected] : {std::tuple{1.5, 7, "1.5"},
+                                                    {-0.00000001, 7, "0"},
+                                                    {-123.45678912, 7, "-123.4567891"},
+                                                    {100.0, 7, "100"},
+                                                    {1000.0, 0, "1000"},
+                                                    {-123456789.123456, 7, "-123456789.12346"}}) {
+        CHECK(text(value, decimals) == expected);
+    }
     std::mt19937_64 random(3);
     for (int i = 0; i < 20000; ++i) {
         const double value = std::ldexp(static_cast<double>(static_cast<std::int64_t>(random())), -63 + i % 31);
@@ -187,9 +163,7 @@ TEST_CASE("structure set: UIDs are those of their content", "[medical]") {
     std::array<unsigned char, 32> content{};
     const std::string uid = uid_of(content, "instance");
     CHECK(uid.starts_with("2.25."));
-    CHECK(uid.size() <= 44);
-    CHECK(uid.size() >= 38);
-    CHECK(uid == uid_of(content, "instance"));
+    CHECK((uid.size() >= 38 && uid.size() <= 44));
     CHECK(uid != uid_of(content, "series"));
     content[31] = 1;
     CHECK(uid != uid_of(content, "instance"));
@@ -197,8 +171,7 @@ TEST_CASE("structure set: UIDs are those of their content", "[medical]") {
 
 TEST_CASE("structure set: bytes depend on content, not on threads; dates are asked for", "[medical]") {
     const ImageGeometry image = slices(20);
-    const std::vector<float> mesh = floats(box({-10, -12, -15}, {11, 9, 14}));
-    const SliceResult result = cut(MeshView::soup(mesh), image);
+    const SliceResult result = cut(box({-10, -12, -15}, {11, 9, 14}), image);
     const TempFolder folder;
     const auto written = [&](const std::string& name, StructureSetOptions options, int threads = 1) {
         options.without_ct = true;
@@ -227,8 +200,7 @@ TEST_CASE("structure set: bytes depend on content, not on threads; dates are ask
 
 TEST_CASE("structure set: what cannot be one is refused, and nothing is written", "[medical]") {
     const ImageGeometry image = slices(20);
-    const std::vector<float> mesh = floats(box({-10, -12, -15}, {11, 9, 14}));
-    const SliceResult result = cut(MeshView::soup(mesh), image);
+    const SliceResult result = cut(box({-10, -12, -15}, {11, 9, 14}), image);
     const TempFolder folder;
     const auto refusal = [&](const SliceResult* of, const ImageGeometry& on, StructureSetOptions options) {
         const Roi roi{.result = of, .name = "liver"};
@@ -243,7 +215,7 @@ TEST_CASE("structure set: what cannot be one is refused, and nothing is written"
     CHECK_THAT(refusal(nullptr, image, without_ct), Contains("not cut at the slices"));
     ImageGeometry elsewhere = image;
     elsewhere.origin_mm[2] = 500;
-    const SliceResult nothing = cut(MeshView::soup(mesh), elsewhere);
+    const SliceResult nothing = cut(box({-10, -12, -15}, {11, 9, 14}), elsewhere);
     CHECK_THAT(refusal(&nothing, elsewhere, without_ct), Contains("no closed contour on any slice"));
     ImageGeometry ct = image;
     ct.series.emplace();

@@ -25,11 +25,8 @@ constexpr std::string_view deflated_little_endian = "1.2.840.10008.1.2.1.99";
 /// Longer ones are no texts or numbers that are used.
 constexpr std::uint32_t longest_value = 4096;
 
-// clang-format off
 /// Types whose length takes four bytes, after two that mean nothing.
-constexpr std::array<std::string_view, 13> long_types = {
-    "OB", "OD", "OF", "OL", "OV", "OW", "SQ", "SV", "UC", "UN", "UR", "UT", "UV"};
-// clang-format on
+constexpr std::string_view long_types = "OB OD OF OL OV OW SQ SV UC UN UR UT UV";
 
 std::string first_bytes(const std::filesystem::path& path, std::size_t size) {
     const InputFile file = require(InputFile::open(path));
@@ -71,6 +68,14 @@ struct Encoding {
     bool is_big_endian = false;
 };
 
+/// An element up to its value.
+struct Element {
+    dicom::Tag tag = 0;
+    std::uint32_t length = 0;
+    std::size_t value = 0;    ///< where it begins
+    bool is_unknown = false;  ///< of type UN: within, all is implicit and little-endian
+};
+
 /// The elements of a data set, one after the other.
 class Elements {
 public:
@@ -78,48 +83,39 @@ public:
     Elements(std::string_view bytes, Encoding encoding, std::size_t file_offset, DicomHeader& header)
         : bytes_(bytes), encoding_(encoding), file_offset_(file_offset), header_(header) {}
 
-    /// Up to `last`: whether one follows that lies beyond. Throws Refused where there is no element. Without recursion:
-    /// sequences may be nested as deeply as a file is long.
-    bool collect(dicom::Tag last) {
+    /// Up to `last`: where one follows that lies beyond; nothing where the bytes end before. Throws Refused where there is
+    /// no element. Without recursion: sequences may be nested as deeply as a file is long.
+    std::optional<std::size_t> collect(dicom::Tag last) const {
         std::size_t open = 0;           // sequences and items without an end so far
         std::size_t implicit_from = 0;  // how many were open where what is unknown began
-        while (bytes_.size() - at_ >= 4) {
-            if (open == 0 && tag_at(at_, encoding_.is_big_endian) > last) {
-                return true;
+        for (std::size_t at = 0; bytes_.size() - at >= 4;) {
+            if (open == 0 && tag_at(at, encoding_.is_big_endian) > last) {
+                return at;
             }
-            Element element;
-            if (!read_head(implicit_from != 0 ? Encoding{} : encoding_, element)) {
-                return false;
+            const std::optional<Element> element = element_at(at, implicit_from != 0 ? Encoding{} : encoding_);
+            if (!element) {
+                break;
             }
-            if (open > 0 && (element.tag == dicom::item_end || element.tag == dicom::sequence_end)) {
+            at = element->value;
+            if (open > 0 && (element->tag == dicom::item_end || element->tag == dicom::sequence_end)) {
                 --open;
                 implicit_from = open < implicit_from ? 0 : implicit_from;
-            } else if (element.length == undefined_length) {
+            } else if (element->length == undefined_length) {
                 ++open;
-                implicit_from = implicit_from == 0 && element.unknown ? open : implicit_from;
+                implicit_from = implicit_from == 0 && element->is_unknown ? open : implicit_from;
+            } else if (element->length > bytes_.size() - at) {
+                break;
             } else {
-                const std::size_t begin = at_;
-                if (!skip_bytes(element.length)) {
-                    return false;
+                if (open == 0 && element->length <= longest_value) {
+                    keep(*element);
                 }
-                if (open == 0 && element.length <= longest_value) {
-                    keep(element, begin);
-                }
+                at += element->length;
             }
         }
-        return false;
+        return std::nullopt;
     }
 
-    /// Where the next element begins.
-    std::size_t position() const noexcept { return at_; }
-
 private:
-    struct Element {
-        dicom::Tag tag = 0;
-        std::uint32_t length = 0;
-        bool unknown = false;  ///< of type UN: within, all is implicit and little-endian
-    };
-
     std::uint32_t number(std::size_t at, std::size_t bytes, bool big_endian) const noexcept {
         std::uint32_t value = 0;
         for (std::size_t i = 0; i < bytes; ++i) {
@@ -132,64 +128,54 @@ private:
         return number(at, 2, big_endian) << 16 | number(at + 2, 2, big_endian);
     }
 
-    bool skip_bytes(std::size_t count) noexcept {
-        if (count > bytes_.size() - at_) {
-            return false;
-        }
-        at_ += count;
-        return true;
-    }
-
-    void keep(const Element& element, std::size_t begin) {
+    void keep(const Element& element) const {
         if (element.tag != dicom::rows && element.tag != dicom::columns) {
-            header_.set(element.tag, std::string(bytes_.substr(begin, element.length)));
+            header_.set(element.tag, std::string(bytes_.substr(element.value, element.length)));
         } else if (element.length == 2 || element.length == 4) {
-            header_.set(element.tag, std::to_string(number(begin, element.length, encoding_.is_big_endian)));
+            header_.set(element.tag, std::to_string(number(element.value, element.length, encoding_.is_big_endian)));
         }
     }
 
-    /// Up to the value. False where the bytes end within it.
-    bool read_head(Encoding encoding, Element& element) {
-        const std::size_t begin = at_;
-        if (!skip_bytes(8)) {
-            return false;
+    /// Nothing where the bytes end before its value.
+    std::optional<Element> element_at(std::size_t at, Encoding encoding) const {
+        const bool big = encoding.is_big_endian;
+        if (bytes_.size() - at < 8) {
+            return std::nullopt;
         }
-        element = {tag_at(begin, encoding.is_big_endian), 0, false};
+        Element element{tag_at(at, big), number(at + 4, 4, big), at + 8, false};
         if (!encoding.is_explicit || element.tag >> 16 == 0xfffe) {
-            element.length = number(begin + 4, 4, encoding.is_big_endian);
-            return true;
+            return element;
         }
-        const std::string_view type = bytes_.substr(begin + 4, 2);
+        const std::string_view type = bytes_.substr(at + 4, 2);
         if (!std::all_of(type.begin(), type.end(), [](char c) { return c >= 'A' && c <= 'Z'; })) {
-            header_.refuse("no DICOM element at byte " + std::to_string(file_offset_ + begin));
+            header_.refuse("no DICOM element at byte " + std::to_string(file_offset_ + at));
         }
-        if (std::find(long_types.begin(), long_types.end(), type) == long_types.end()) {
-            element.length = number(begin + 6, 2, encoding.is_big_endian);
-            return true;
+        if (long_types.find(type) == std::string_view::npos) {
+            element.length = number(at + 6, 2, big);
+            return element;
         }
-        element.unknown = type == "UN";
-        if (!skip_bytes(4)) {
-            return false;
+        if (bytes_.size() - at < 12) {
+            return std::nullopt;
         }
-        element.length = number(begin + 8, 4, encoding.is_big_endian);
-        return true;
+        return Element{element.tag, number(at + 8, 4, big), at + 12, type == "UN"};
     }
 
     std::string_view bytes_;
     Encoding encoding_;
     std::size_t file_offset_;
     DicomHeader& header_;
-    std::size_t at_ = 0;
 };
 
 /// Returns whether `bytes` reach beyond the header. Throws Refused.
 bool parse(std::string_view bytes, DicomHeader& header) {
-    Elements meta(bytes.substr(preamble_bytes), {.is_explicit = true}, preamble_bytes, header);
-    if (!meta.collect(dicom::last_of_file_meta)) {
+    const std::optional<std::size_t> meta_bytes =
+        Elements(bytes.substr(preamble_bytes), {.is_explicit = true}, preamble_bytes, header)
+            .collect(dicom::last_of_file_meta);
+    if (!meta_bytes) {
         return false;
     }
     const std::string syntax = header.text(dicom::transfer_syntax_uid);
-    const std::size_t begin = preamble_bytes + meta.position();
+    const std::size_t begin = preamble_bytes + *meta_bytes;
     std::string_view data = bytes.substr(begin);
     std::string text;
     if (syntax == deflated_little_endian) {

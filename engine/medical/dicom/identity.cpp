@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstddef>
+#include <cstdio>
 #include <ctime>
 
 #include "base/guard.hpp"
@@ -21,65 +22,62 @@ constexpr const char* utf_8 = "ISO_IR 192";
 /// Values as bytes that do not depend on the platform but for points, the bulk, which are little-endian on all that count.
 class ContentHash {
 public:
-    void add(std::uint64_t value) noexcept {
+    template <class... Values>
+    void add(const Values&... values) noexcept {
+        (add_one(values), ...);
+    }
+    Sha256::Digest digest() noexcept { return hash_.digest(); }
+
+private:
+    void add_one(std::uint64_t value) noexcept {
         std::array<unsigned char, 8> bytes{};
         for (std::size_t i = 0; i < bytes.size(); ++i) {
             bytes[i] = static_cast<unsigned char>(value >> 8 * i & 0xff);
         }
         hash_.add(bytes.data(), bytes.size());
     }
-    void add(double value) noexcept { add(std::bit_cast<std::uint64_t>(value)); }
-    void add(std::string_view text) noexcept {
-        add(std::uint64_t{text.size()});
+    void add_one(double value) noexcept { add_one(std::bit_cast<std::uint64_t>(value)); }
+    void add_one(std::string_view text) noexcept {
+        add_one(std::uint64_t{text.size()});
         hash_.add(text.data(), text.size());
     }
-    void add(std::span<const Point> points) noexcept {
+    void add_one(const std::string& text) noexcept { add_one(std::string_view(text)); }
+    void add_one(std::span<const Point> points) noexcept {
         static_assert(sizeof(Point) == 8, "nothing lies between its members");
-        add(std::uint64_t{points.size()});
+        add_one(std::uint64_t{points.size()});
         hash_.add(points.data(), points.size_bytes());
     }
-    Sha256::Digest digest() noexcept { return hash_.digest(); }
 
-private:
     Sha256 hash_;
 };
 
 void add_image(ContentHash& hash, const ImageGeometry& image) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        hash.add(image.size[axis]);
-        hash.add(image.spacing_mm[axis]);
-        hash.add(image.origin_mm[axis]);
-        for (const double part : image.axes[axis]) {
-            hash.add(part);
-        }
+        const auto& [x, y, z] = image.axes[axis];
+        hash.add(image.size[axis], image.spacing_mm[axis], image.origin_mm[axis], x, y, z);
     }
     for (const double height : image.slice_heights_mm()) {
         hash.add(height);
     }
-}
-
-void add_series(ContentHash& hash, const DicomSeries& series) {
-    for (const dicom::SeriesText& text : dicom::series_texts) {
-        hash.add(std::string_view(series.*text.text));
-    }
-    for (const DicomSeries::Instance& slice : series.slices) {
-        hash.add(std::string_view(slice.sop_class_uid));
-        hash.add(std::string_view(slice.sop_instance_uid));
+    hash.add(std::uint64_t{image.series.has_value()});
+    if (image.series) {
+        for (const dicom::SeriesText& text : dicom::series_texts) {
+            hash.add(*image.series.*text.text);
+        }
+        for (const DicomSeries::Instance& slice : image.series->slices) {
+            hash.add(slice.sop_class_uid, slice.sop_instance_uid);
+        }
     }
 }
 
 void add_roi(ContentHash& hash, const Roi& roi) {
-    hash.add(std::string_view(roi.name));
-    for (const std::uint8_t part : roi.colour) {
-        hash.add(std::uint64_t{part});
-    }
-    hash.add(roi.result->info.grid_mm);
+    const auto [red, green, blue] = roi.colour;
+    hash.add(roi.name, std::uint64_t{red}, std::uint64_t{green}, std::uint64_t{blue}, roi.result->info.grid_mm);
     for (const std::uint64_t index : roi.result->info.layer_of) {
         const Layer& layer = roi.result->layers[index];
         hash.add(layer.contour_count);
         for (const Contour& contour : roi.result->contours_of(layer)) {
-            hash.add(static_cast<std::uint64_t>(contour.role));
-            hash.add(roi.result->points_of(contour));
+            hash.add(static_cast<std::uint64_t>(contour.role), roi.result->points_of(contour));
         }
     }
 }
@@ -88,16 +86,10 @@ void add_roi(ContentHash& hash, const Roi& roi) {
 Sha256::Digest content_of(std::span<const Roi> rois, const ImageGeometry& image, const StructureSetOptions& options,
                           const Context& context) {
     ContentHash hash;
-    hash.add(std::string_view(version));
-    hash.add(static_cast<std::uint64_t>(options.holes));
-    hash.add(std::string_view(options.label));
-    hash.add(std::uint64_t{options.seconds_since_1970.has_value()});
-    hash.add(static_cast<std::uint64_t>(options.seconds_since_1970.value_or(0)));
+    hash.add(std::string_view(version), static_cast<std::uint64_t>(options.holes), options.label,
+             std::uint64_t{options.seconds_since_1970.has_value()},
+             static_cast<std::uint64_t>(options.seconds_since_1970.value_or(0)));
     add_image(hash, image);
-    hash.add(std::uint64_t{image.series.has_value()});
-    if (image.series) {
-        add_series(hash, *image.series);
-    }
     const PacedStop stop(context.stop);
     for (const Roi& roi : rois) {
         stop.stop_if_asked();
@@ -155,12 +147,10 @@ void set_date(std::int64_t seconds_since_1970, StructureSetIdentity& identity) {
     if (::gmtime_r(&seconds, &utc) == nullptr || utc.tm_year < -1900 || utc.tm_year > 9999 - 1900) {
         throw Refused{{ErrorCode::invalid_argument, "the time of the structure set lies beyond the year 9999"}};
     }
-    std::array<char, 32> text{};
-    (void)std::strftime(text.data(), text.size(), "%Y%m%d", &utc);
-    // The C library does not pad years below 1000.
+    std::array<char, 64> text{};
+    (void)std::snprintf(text.data(), text.size(), "%04d%02d%02d", utc.tm_year + 1900, utc.tm_mon + 1, utc.tm_mday);
     identity.date = text.data();
-    identity.date.insert(0, 8 - std::min<std::size_t>(8, identity.date.size()), '0');
-    (void)std::strftime(text.data(), text.size(), "%H%M%S", &utc);
+    (void)std::snprintf(text.data(), text.size(), "%02d%02d%02d", utc.tm_hour, utc.tm_min, utc.tm_sec);
     identity.time = text.data();
 }
 

@@ -43,17 +43,15 @@ std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder)
         }
     }
     if (problem) {
-        throw Refused{{ErrorCode::unreadable_file, "cannot read '" + folder.string() + "': " + problem.message()}};
+        refuse_unreadable(folder.string(), problem.value());
     }
     std::sort(files.begin(), files.end());
     return files;
 }
 
-using SeriesByUid = std::map<std::string, std::vector<DicomHeader>>;
-
-/// The images in a folder.
-SeriesByUid images_in(const std::filesystem::path& folder) {
-    SeriesByUid series;
+/// The images of the one series in a folder.
+std::vector<DicomHeader> images_in(const std::filesystem::path& folder) {
+    std::map<std::string, std::vector<DicomHeader>> series;
     bool any = false;
     for (const std::filesystem::path& file : files_in(folder)) {
         std::optional<DicomHeader> header = read_dicom_header(file);
@@ -63,31 +61,27 @@ SeriesByUid images_in(const std::filesystem::path& folder) {
             series[uid].push_back(*std::move(header));
         }
     }
+    if (series.size() == 1) {
+        return std::move(series.begin()->second);
+    }
     if (series.empty()) {
         refuse_image(folder.string(),
                      any ? "a folder with DICOM files, none of which is an image" : "a folder without DICOM files");
     }
-    return series;
-}
-
-void require_one(const std::filesystem::path& folder, const SeriesByUid& series) {
-    if (series.size() == 1) {
-        return;
-    }
-    constexpr std::size_t most_listed = 20;
     std::string list;
     std::size_t listed = 0;
     for (const auto& [uid, images] : series) {
+        constexpr std::size_t most_listed = 20;
         if (++listed > most_listed) {
+            list += "; ...";
             break;
         }
         const std::string description = one_line(images.front().text(dicom::series_description));
         list.append(listed == 1 ? " " : "; ").append(one_line(uid));
         list.append(description.empty() ? "" : " '" + description + "'");
-        list.append(" (").append(std::to_string(images.size())).append(images.size() == 1 ? " slice)" : " slices)");
+        list.append(" (").append(counted(images.size(), "slice")).append(")");
     }
-    refuse_image(folder.string(), std::to_string(series.size()) + " DICOM series in the folder, and one is taken:" + list +
-                                      (series.size() > most_listed ? "; ..." : ""));
+    refuse_image(folder.string(), std::to_string(series.size()) + " DICOM series in the folder, and one is taken:" + list);
 }
 
 Direction unit_vector(const DicomHeader& header, const std::vector<double>& numbers, std::size_t at) {
@@ -133,24 +127,21 @@ Slice slice_of(const DicomHeader& header) {
     return slice;
 }
 
-double largest_difference(const Direction& a, const Direction& b) {
-    return std::max({std::abs(a[0] - b[0]), std::abs(a[1] - b[1]), std::abs(a[2] - b[2])});
+bool same(const Direction& a, const Direction& b) {
+    return std::equal(a.begin(), a.end(), b.begin(),
+                      [](double one, double other) { return std::abs(one - other) <= same_direction; });
 }
 
 void require_alike(const Slice& slice, const Slice& first) {
-    const char* what = nullptr;
-    if (slice.size != first.size) {
-        what = "Rows and Columns";
-    } else if (slice.spacing_mm != first.spacing_mm) {
-        what = "PixelSpacing";
-    } else if (largest_difference(slice.along_i, first.along_i) > same_direction ||
-               largest_difference(slice.along_j, first.along_j) > same_direction) {
-        what = "ImageOrientationPatient";
-    } else if (slice.header->text(dicom::frame_of_reference_uid) != first.header->text(dicom::frame_of_reference_uid)) {
-        what = "FrameOfReferenceUID";
-    }
-    if (what != nullptr) {
-        slice.header->refuse(std::string("other ") + what + " than " + first.header->file() +
+    const auto frame = [](const Slice& of) { return of.header->text(dicom::frame_of_reference_uid); };
+    const char* const other = slice.size != first.size               ? "Rows and Columns"
+                              : slice.spacing_mm != first.spacing_mm ? "PixelSpacing"
+                              : !same(slice.along_i, first.along_i) || !same(slice.along_j, first.along_j)
+                                  ? "ImageOrientationPatient"
+                              : frame(slice) != frame(first) ? "FrameOfReferenceUID"
+                                                             : nullptr;
+    if (other != nullptr) {
+        slice.header->refuse(std::string("other ") + other + " than " + first.header->file() +
                              ", which is of the same series");
     }
 }
@@ -189,14 +180,6 @@ void require_stacked(const std::vector<Slice>& slices) {
     }
 }
 
-/// The mean distance of slices; of a single one, its thickness.
-double mean_distance(const std::vector<Slice>& slices) {
-    if (slices.size() > 1) {
-        return (slices.back().height - slices.front().height) / static_cast<double>(slices.size() - 1);
-    }
-    return slices.front().header->required_numbers(dicom::slice_thickness, "SliceThickness", 1)[0];
-}
-
 DicomSeries series_of(const std::vector<Slice>& slices) {
     const DicomHeader& header = *slices.front().header;
     DicomSeries series;
@@ -213,12 +196,13 @@ DicomSeries series_of(const std::vector<Slice>& slices) {
 }  // namespace
 
 ImageGeometry read_dicom_folder(const std::filesystem::path& folder) {
-    const SeriesByUid all = images_in(folder);
-    require_one(folder, all);
-    const std::vector<Slice> slices = sorted_slices(all.begin()->second);
+    const std::vector<DicomHeader> images = images_in(folder);
+    const std::vector<Slice> slices = sorted_slices(images);
     require_stacked(slices);
     const Slice& first = slices.front();
-    const double distance = mean_distance(slices);
+    const double distance = slices.size() > 1
+                                ? (slices.back().height - first.height) / static_cast<double>(slices.size() - 1)
+                                : first.header->required_numbers(dicom::slice_thickness, "SliceThickness", 1)[0];
     const Direction normal = cross(first.along_i, first.along_j);
     ImageGeometry image = upright(first.header->file(), {first.size[0], first.size[1], slices.size()},
                                   {scaled(first.along_i, first.spacing_mm[0]), scaled(first.along_j, first.spacing_mm[1]),

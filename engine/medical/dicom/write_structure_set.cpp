@@ -117,41 +117,35 @@ public:
           // So many that a number lies nearer to its point of the grid than to any other.
           decimals_(std::clamp(static_cast<int>(std::ceil(-std::log10(roi.result->info.grid_mm / 4))), 0, 14)) {}
 
-    /// Puts the items of slice k, which lies at `height_mm`; counts. Throws Refused (invalid_argument) where a contour is
-    /// too long for its element.
-    void put(std::uint64_t slice, double height_mm, DataSet& out, StructureSetSummary& counts) {
+    /// Puts the items of slice k, which lies at `height_mm`, and adds them to counts(). Throws Refused (invalid_argument)
+    /// where a contour is too long for its element.
+    void put(std::uint64_t slice, double height_mm, DataSet& out) {
         const LayerView layer = (*roi_.result)[roi_.result->info.layer_of[slice]];
-        const Slice to{slice, height_mm, out, counts};
         for (const Contour& contour : layer.contours) {
-            counts.open_contours += contour.role == Role::open ? 1 : 0;
+            counts_.open_contours += contour.role == Role::open ? 1 : 0;
         }
         for (const Island island : layer.islands()) {
             const Contour* const around = layer.parent_of(*island.outer);
-            counts.nested_contours += around != nullptr && around->role == Role::outer ? 1 : 0;
-            counts.holes += island.holes.size();
+            counts_.nested_contours += around != nullptr && around->role == Role::outer ? 1 : 0;
+            counts_.holes += island.holes.size();
             points_.assign(1, layer.points_of(*island.outer));
             for (const Contour& hole : island.holes) {
                 points_.push_back(layer.points_of(hole));
             }
             if (holes_ == HoleForm::keyhole) {
-                put_item(to, keyhole_.join(points_));
+                put_item(slice, height_mm, keyhole_.join(points_), out);
                 continue;
             }
             for (const std::span<const Point>& contour : points_) {
-                put_item(to, keyhole_.join({&contour, 1}));
+                put_item(slice, height_mm, keyhole_.join({&contour, 1}), out);
             }
         }
     }
 
-private:
-    struct Slice {
-        std::uint64_t index;
-        double height_mm;
-        DataSet& out;
-        StructureSetSummary& counts;
-    };
+    const StructureSetSummary& counts() const noexcept { return counts_; }
 
-    void put_item(const Slice& slice, std::span<const RingPoint> ring) {
+private:
+    void put_item(std::uint64_t slice, double height_mm, std::span<const RingPoint> ring, DataSet& out) {
         constexpr std::size_t most_bytes = 0xfffffff0;
         constexpr std::size_t most_bytes_a_point = 3 * 17;
         if (ring.size() > most_bytes / most_bytes_a_point) {
@@ -160,20 +154,19 @@ private:
         }
         data_.clear();
         for (const RingPoint& point : ring) {
-            write_point(point, slice.height_mm);
+            write_point(point, height_mm);
         }
         data_.pop_back();
-        DataSet& out = slice.out;
         out.put_item([&] {
             if (image_.series) {
-                put_images(out, std::span(image_.series->slices).subspan(slice.index, 1));
+                put_images(out, std::span(image_.series->slices).subspan(slice, 1));
             }
             out.put(dicom::contour_geometric_type, exclusive_or_ ? "CLOSEDPLANAR_XOR" : "CLOSED_PLANAR");
             out.put_number(dicom::number_of_contour_points, ring.size());
             out.put(dicom::contour_data, data_);
         });
-        ++slice.counts.contours;
-        slice.counts.points += ring.size();
+        ++counts_.contours;
+        counts_.points += ring.size();
     }
 
     void write_point(const RingPoint& point, double height_mm) {
@@ -190,6 +183,7 @@ private:
     bool exclusive_or_;
     std::array<Direction, 3> axes_;  ///< of x, y and z of the slicing, in the patient
     int decimals_;
+    StructureSetSummary counts_;
     std::string data_;  ///< of a contour
     Keyhole keyhole_;
     std::vector<std::span<const Point>> points_;  ///< of a region
@@ -210,17 +204,17 @@ void write_contours(const Roi& roi, const ImageGeometry& image, HoleForm holes, 
     const std::size_t at_once = most_slices_a_task * static_cast<std::size_t>(parallel.threads());
     std::vector<ContourItems> workers(static_cast<std::size_t>(parallel.threads()), {image, roi, holes});
     std::vector<DataSet> data(at_once);
-    std::vector<StructureSetSummary> counts(at_once);
     for (std::size_t first = 0; first < heights.size() && !file.failed(); first += at_once) {
         const std::size_t count = std::min(at_once, heights.size() - first);
         parallel.run(count, [&](std::size_t i, int worker) {
-            counts[i] = {};
-            workers[static_cast<std::size_t>(worker)].put(first + i, heights[first + i], data[i], counts[i]);
+            workers[static_cast<std::size_t>(worker)].put(first + i, heights[first + i], data[i]);
         });
         for (std::size_t i = 0; i < count; ++i) {
             flush(data[i], file);
-            add(total, counts[i]);
         }
+    }
+    for (const ContourItems& worker : workers) {
+        add(total, worker.counts());
     }
 }
 

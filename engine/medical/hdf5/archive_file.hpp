@@ -25,24 +25,12 @@ namespace lamella {
 
 inline constexpr std::string_view archive_format = "lamella archive";
 inline constexpr std::uint64_t archive_version = 3;
-inline constexpr std::uint64_t rows_at_once_bytes = std::uint64_t{1} << 20;  ///< of a column
 
-/// A column and where its rows lie in the file, one after the other.
-struct PlacedColumn {
-    const Column* column = nullptr;
-    std::uint64_t rows = 0;
-    std::uint64_t offset = 0;
-
-    std::uint64_t bytes() const noexcept { return rows * column->row_bytes; }
-};
-
-using AttributeValue = std::variant<std::string, std::vector<double>, std::vector<std::uint64_t>>;
-
-/// An attribute of a group: numbers or a word. Attributes are all of an archive but its columns.
+/// An attribute of a group. Attributes are all of an archive but its columns.
 struct ArchiveAttribute {
     std::string group;  ///< path, "/" first
     std::string name;
-    AttributeValue value;
+    std::variant<std::string, std::vector<double>, std::vector<std::uint64_t>> value;
     friend bool operator==(const ArchiveAttribute&, const ArchiveAttribute&) = default;
 
     std::string place() const { return (group == "/" ? "" : group) + "/" + name; }
@@ -51,33 +39,11 @@ struct ArchiveAttribute {
 /// An attribute of more numbers does not lie in the header of its group.
 inline constexpr std::uint64_t most_uneven_slices = 8000;
 
-/// Those that are the same in all parts of a slicing.
-std::vector<ArchiveAttribute> attributes_of(const SliceInfo& slice, const ArchiveInfo& info);
+/// The last ones, in which the parts of a slicing differ: hash and first layer.
+inline constexpr std::size_t attributes_of_part = 2;
 
-/// Sets what attributes_of() takes from the attributes of an open archive, and checks each; heights and changes of the fill
-/// rule stand in columns. Throws Refused, with file and place, where one is missing or not as it should be.
-void read_attributes(const InputFile& file, hid_t tree, SliceInfo& slice, ArchiveInfo& info);
-
-/// A whole number of the root. Throws Refused.
-std::uint64_t whole_of_root(const InputFile& file, hid_t tree, const std::string& name);
-
-/// Throws Refused: the file is not what it should be at `place`, a path within it.
-[[noreturn]] void refuse_place(const InputFile& file, const std::string& place, const std::string& why);
-
-/// The contents of attributes.
-struct ArchiveHead {
-    std::vector<ArchiveAttribute> attributes;
-    std::uint64_t hash = 0;  ///< SliceResult::hash()
-    std::uint64_t first_layer = 0;
-};
-
-/// `fill`: puts rows of a column from the one of that number on, wherever they come from. `begun`: the progress so far.
-/// Throws Refused, Stopped, std::bad_alloc.
-Status write_columns(const KindRows& rows, FunctionRef<void(const Column&, std::uint64_t, std::span<std::byte>)> fill,
-                     const ArchiveHead& head, const std::filesystem::path& path, const Parallel& parallel, double begun = 0);
-
-/// The last line of an archive with such a CRC-32.
-std::string closing_line(std::uint32_t crc);
+/// `hash`: SliceResult::hash() of the layers.
+std::vector<ArchiveAttribute> attributes_of(SliceInfo slice, ArchiveInfo info, std::uint64_t hash);
 
 /// The contents of a file.
 struct ReadTree {
@@ -87,6 +53,25 @@ struct ReadTree {
     std::vector<PlacedColumn> columns{};  ///< those that are there, each within the file, and not more bytes than it has
     KindRows rows{};
 };
+
+/// Sets what attributes_of() takes from the attributes of an open archive, and checks each; heights and changes of the fill
+/// rule stand in columns. Throws Refused, with file and place, where one is missing or not as it should be.
+void read_attributes(const InputFile& file, hid_t root, ReadTree& tree);
+
+/// Throws Refused: the file is not what it should be at `place`, a path within it.
+[[noreturn]] void refuse_place(const InputFile& file, const std::string& place, const std::string& why);
+
+/// Takes rows of a column, one piece after the other.
+using RowSink = FunctionRef<void(std::span<const std::byte>)>;
+
+/// `give_rows` puts all rows of a column into the sink. `begun`: the progress so far. Throws Refused, Stopped,
+/// std::bad_alloc.
+Status write_columns(const KindRows& rows, FunctionRef<void(const Column&, RowSink)> give_rows,
+                     const std::vector<ArchiveAttribute>& attributes, const std::filesystem::path& path,
+                     const Parallel& parallel, double begun = 0);
+
+/// The last line of an archive with such a CRC-32.
+std::string closing_line(std::uint32_t crc);
 
 /// Runs of Parallel that reading takes, for the progress.
 inline constexpr std::size_t tree_runs = 1;

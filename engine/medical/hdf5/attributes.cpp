@@ -2,8 +2,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
-#include <string_view>
 #include <type_traits>
 #include <utility>
 
@@ -18,97 +18,51 @@ namespace lamella {
 namespace {
 
 constexpr std::array<std::string_view, 3> frames = {"", "LPS", "RAS"};
+constexpr std::array<std::string_view, 1> formats = {archive_format};
 constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
-constexpr std::size_t longest_text = 65536;
 
-/// Reads `attribute`, whose value has the type and the number of values that are wanted. Throws Refused.
-void read_attribute(const InputFile& file, hid_t tree, ArchiveAttribute& attribute) {
-    const auto require = [&](bool holds, const char* why) {
-        if (!holds) {
-            refuse_place(file, attribute.place(), why);
-        }
-    };
-    const hid_t id = H5Aopen_by_name(tree, attribute.group.c_str(), attribute.name.c_str(), H5P_DEFAULT, H5P_DEFAULT);
-    require(id >= 0, "missing");
-    const Handle open(id, H5Aclose);
-    const Handle space(H5Aget_space(id), H5Sclose);
-    const Handle type(H5Aget_type(id), H5Tclose);
-    const auto read = [&](std::size_t count, bool is_type, void* to) {
-        require(H5Sget_simple_extent_npoints(space.id()) == static_cast<hssize_t>(count),
-                "not as many values as it should have");
-        require(is_type, "not of the type that it should have");
-        require(H5Aread(id, type.id(), to) >= 0, "cannot be read");
-    };
-    if (auto* const text = std::get_if<std::string>(&attribute.value)) {
-        const std::size_t size = H5Tget_size(type.id());
-        const bool is_text = H5Tget_class(type.id()) == H5T_STRING && H5Tis_variable_str(type.id()) == 0;
-        text->resize(std::min(size, longest_text));
-        read(1, is_text && size > 0 && size <= longest_text, text->data());
-        text->resize(std::min(text->find('\0'), text->size()));
-    } else if (auto* const doubles = std::get_if<std::vector<double>>(&attribute.value)) {
-        read(doubles->size(), H5Tequal(type.id(), hdf5_type<double>()) > 0, doubles->data());
-    } else {
-        auto& wholes = std::get<std::vector<std::uint64_t>>(attribute.value);
-        read(wholes.size(), H5Tequal(type.id(), hdf5_type<std::uint64_t>()) > 0, wholes.data());
-    }
-}
-
-/// Visits each attribute: writes down what is const, and reads and checks all else.
+/// Visits each attribute: lists its value, or sets it by that of an open archive and checks it.
 class AttributeVisitor {
 public:
     AttributeVisitor() = default;
-    AttributeVisitor(const InputFile& file, hid_t tree) : file_(&file), tree_(tree) {}
+    AttributeVisitor(const InputFile& file, hid_t root) : file_(&file), root_(root) {}
 
     std::vector<ArchiveAttribute> take() && { return std::move(attributes_); }
 
     void begin(const char* group) { group_ = group; }
 
-    template <class Text>
-    void text(const char* name, Text& value) {
-        set(value, exchanged(name, std::string(value)));
-    }
-    /// As text_of_name(), since any bytes are a name.
-    template <class Text>
-    void file_name(const char* name, Text& value) {
-        set(value, name_of_text(exchanged(name, text_of_name(value))));
-    }
+    void text(const char* name, std::string& value) { exchange(name, value); }
 
-    template <class Doubles>
-    void numbers(const char* name, Doubles&& doubles) {
-        const std::span values(doubles);
-        const std::vector<double> found = exchanged(name, std::vector<double>(values.begin(), values.end()));
+    void numbers(const char* name, std::span<double> values) {
+        std::vector<double> found(values.begin(), values.end());
+        exchange(name, found);
         require(std::all_of(found.begin(), found.end(), [](double value) { return std::isfinite(value); }), name);
-        for (std::size_t i = 0; i < values.size(); ++i) {
-            set(values[i], found[i]);
-        }
+        std::copy(found.begin(), found.end(), values.begin());
     }
-    template <class Double>
-    void number(const char* name, Double& value) {
-        numbers(name, std::span(&value, 1));
-    }
+    void number(const char* name, double& value) { numbers(name, {&value, 1}); }
 
     template <class Whole>
     void whole(const char* name, Whole& value, std::uint64_t least, std::uint64_t largest) {
-        const std::uint64_t found = exchanged(name, std::vector{static_cast<std::uint64_t>(value)}).front();
-        require(found >= least && found <= largest, name);
-        set(value, found);
+        std::vector<std::uint64_t> found = {static_cast<std::uint64_t>(value)};
+        exchange(name, found);
+        require(found[0] >= least && found[0] <= largest, name);
+        value = static_cast<Whole>(found[0]);
     }
 
     template <class Enum>
     void choice(const char* name, Enum& value, std::span<const std::string_view> words) {
-        const std::string found = exchanged(name, std::string(words[static_cast<std::size_t>(value)]));
-        const auto place = std::find(words.begin(), words.end(), found);
+        std::string word(words[static_cast<std::size_t>(value)]);
+        exchange(name, word);
+        const auto place = std::find(words.begin(), words.end(), word);
         require(place != words.end(), name);
-        set(value, place - words.begin());
+        value = static_cast<Enum>(place - words.begin());
     }
 
     /// Returns whether there is a value: in a file, by the name of one of its members.
-    template <class Optional>
-    bool optional(const char* name, Optional& value) {
-        if constexpr (!std::is_const_v<Optional>) {
-            if (H5Aexists_by_name(tree_, group_, name, H5P_DEFAULT) > 0) {
-                value.emplace();
-            }
+    template <class Value>
+    bool optional(const char* name, std::optional<Value>& value) {
+        if (file_ != nullptr && H5Aexists_by_name(root_, group_, name, H5P_DEFAULT) > 0) {
+            value.emplace();
         }
         return value.has_value();
     }
@@ -117,73 +71,86 @@ public:
     /// parts of a slicing differ: the root and the rows say it.
     template <class Option>
     void option(const char* name, Option& value) {
-        using T = std::remove_const_t<Option>;
-        if constexpr (std::is_same_v<T, double>) {
+        if constexpr (std::is_same_v<Option, double>) {
             number(name, value);
-        } else if constexpr (std::is_same_v<T, bool>) {
+        } else if constexpr (std::is_same_v<Option, bool>) {
             whole(name, value, 0, 1);
-        } else if constexpr (std::is_enum_v<T>) {
+        } else if constexpr (std::is_enum_v<Option>) {
             choice(name, value, detail::words_of(value));
-        } else if constexpr (std::is_same_v<T, Transform>) {
+        } else if constexpr (std::is_same_v<Option, Transform>) {
             numbers(name, value.m);
-        } else if constexpr (std::is_same_v<T, std::optional<double>>) {
+        } else if constexpr (std::is_same_v<Option, std::optional<double>>) {
             if (optional(name, value)) {
                 number(name, *value);
             }
-        } else if constexpr (std::is_same_v<T, std::optional<std::vector<double>>>) {
+        } else if constexpr (std::is_same_v<Option, std::optional<std::vector<double>>>) {
             heights(value);
         } else {
-            static_assert(std::is_same_v<T, std::uint64_t> || std::is_same_v<T, std::vector<FillFrom>>);
+            static_assert(std::is_same_v<Option, std::uint64_t> || std::is_same_v<Option, std::vector<FillFrom>>);
         }
     }
 
-    /// For values that were read.
-    void require(bool holds, const char* name) const {
+    /// Throws Refused if a value that was read does not hold.
+    void require(bool holds, const char* name, const char* why = "out of its range") const {
         if (file_ != nullptr && !holds) {
-            refuse_place(*file_, ArchiveAttribute{group_, name, {}}.place(), "out of its range");
+            refuse_place(*file_, ArchiveAttribute{group_, name, {}}.place(), why);
         }
     }
 
 private:
     /// A column. Where it has no rows, a list of heights may still be given.
-    template <class Heights>
-    void heights(Heights& value) {
-        std::uint64_t given = value.has_value() ? 1 : 0;
+    void heights(std::optional<std::vector<double>>& value) {
+        bool given = value.has_value();
         whole("at_heights", given, 0, 1);
-        if constexpr (!std::is_const_v<Heights>) {
-            value = given != 0 ? Heights(std::in_place) : std::nullopt;
+        if (given && !value) {
+            value.emplace();
         }
     }
 
-    /// What is found in the file, or else `value`, which is written down.
+    /// Lists `value`, or sets it by an attribute of its type and number of values.
     template <class Value>
-    Value exchanged(const char* name, Value value) {
-        ArchiveAttribute attribute{group_, name, std::move(value)};
-        if (file_ != nullptr) {
-            read_attribute(*file_, tree_, attribute);
-            return std::get<Value>(std::move(attribute.value));
+    void exchange(const char* name, Value& value) {
+        if (file_ == nullptr) {
+            attributes_.push_back({group_, name, value});
+            return;
         }
-        attributes_.push_back(attribute);
-        return std::get<Value>(std::move(attribute.value));
+        const hid_t id = H5Aopen_by_name(root_, group_, name, H5P_DEFAULT, H5P_DEFAULT);
+        require(id >= 0, name, "missing");
+        const Handle open(id, H5Aclose);
+        const Handle space(H5Aget_space(id), H5Sclose);
+        const Handle type(H5Aget_type(id), H5Tclose);
+        std::size_t count = 1;
+        bool is_type = false;
+        if constexpr (std::is_same_v<Value, std::string>) {
+            constexpr std::size_t longest_text = 65536;
+            const std::size_t size = H5Tget_size(type.id());
+            is_type = H5Tget_class(type.id()) == H5T_STRING && H5Tis_variable_str(type.id()) == 0 && size > 0 &&
+                      size <= longest_text;
+            value.resize(std::min(size, longest_text));
+        } else {
+            count = value.size();
+            is_type = H5Tequal(type.id(), hdf5_type<typename Value::value_type>()) > 0;
+        }
+        require(H5Sget_simple_extent_npoints(space.id()) == static_cast<hssize_t>(count), name,
+                "not as many values as it should have");
+        require(is_type, name, "not of the type that it should have");
+        require(H5Aread(id, type.id(), value.data()) >= 0, name, "cannot be read");
+        if constexpr (std::is_same_v<Value, std::string>) {
+            value.resize(std::min(value.find('\0'), value.size()));
+        }
     }
 
-    template <class To, class From>
-    static void set(To& to, From&& from) {
-        if constexpr (!std::is_const_v<To>) {
-            to = static_cast<To>(std::forward<From>(from));
-        }
-    }
-
-    const InputFile* file_ = nullptr;  ///< to be read; none to write attributes down
-    hid_t tree_ = -1;
+    const InputFile* file_ = nullptr;  ///< to be read; none to list attributes
+    hid_t root_ = -1;
     const char* group_ = "/";
     std::vector<ArchiveAttribute> attributes_;
 };
 
-template <class Slice, class Info>
-void visit_mesh(AttributeVisitor& visitor, Slice& slice, Info& info) {
+void visit_mesh(AttributeVisitor& visitor, SliceInfo& slice, ArchiveInfo& info) {
     visitor.begin("/mesh");
-    visitor.file_name("name", info.name);
+    std::string name = text_of_name(info.name);  // since any bytes are a name
+    visitor.text("name", name);
+    info.name = name_of_text(name);
     visitor.text("sha256", info.mesh_sha256);
     visitor.choice("patient_frame", info.frame, frames);
     visitor.whole("triangles", slice.triangles, 0, most);
@@ -197,20 +164,18 @@ void visit_mesh(AttributeVisitor& visitor, Slice& slice, Info& info) {
     }
 }
 
-template <class Options>
-void visit_options(AttributeVisitor& visitor, Options& options) {
+void visit_options(AttributeVisitor& visitor, SliceOptions& options) {
     visitor.begin("/options");
 #define OPTION(kind, name, path, ...) visitor.option(#name, options.path);
 #include "options/options.inc"
 }
 
-template <class Info>
-void visit_image(AttributeVisitor& visitor, Info& info) {
+void visit_image(AttributeVisitor& visitor, ArchiveInfo& info) {
     visitor.begin("/image");
     if (!visitor.optional("origin_mm", info.geometry)) {
         return;
     }
-    auto& image = *info.geometry;
+    ImageGeometry& image = *info.geometry;
     static constexpr std::array<const char*, 3> size_names = {"size_i", "size_j", "size_k"};
     static constexpr std::array<const char*, 3> axis_names = {"axis_i", "axis_j", "axis_k"};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -226,15 +191,12 @@ void visit_image(AttributeVisitor& visitor, Info& info) {
     visitor.whole("uneven_slices", uneven, 0, most_uneven_slices);
     if (uneven > 0) {
         visitor.require(uneven == image.size[2], "uneven_slices");
-        if constexpr (!std::is_const_v<Info>) {
-            image.uneven_slices_mm.resize(uneven);
-        }
+        image.uneven_slices_mm.resize(uneven);
         visitor.numbers("uneven_slices_mm", image.uneven_slices_mm);
     }
 }
 
-template <class Slice, class Info>
-void visit(AttributeVisitor& visitor, Slice& slice, Info& info) {
+void visit(AttributeVisitor& visitor, SliceInfo& slice, ArchiveInfo& info, std::uint64_t& hash) {
     visitor.begin("/");
     visitor.number("grid_mm", slice.grid_mm);
     visitor.require(slice.grid_mm > 0, "grid_mm");
@@ -244,25 +206,25 @@ void visit(AttributeVisitor& visitor, Slice& slice, Info& info) {
     visit_image(visitor, info);
     visitor.begin("/");
     visitor.whole("planned_layers", slice.planned_layers, 0, most);  // last: where options differ, that is what is said
+    std::size_t format = 0;
+    std::uint64_t version = archive_version;
+    visitor.choice("format", format, formats);
+    visitor.whole("format_version", version, archive_version, archive_version);
+    visitor.whole("result_hash", hash, 0, most);
+    visitor.whole("first_layer", slice.first_layer, 0, most);
 }
 
 }  // namespace
 
-std::vector<ArchiveAttribute> attributes_of(const SliceInfo& slice, const ArchiveInfo& info) {
-    AttributeVisitor writer;
-    visit(writer, slice, info);
-    return std::move(writer).take();
+std::vector<ArchiveAttribute> attributes_of(SliceInfo slice, ArchiveInfo info, std::uint64_t hash) {
+    AttributeVisitor lister;
+    visit(lister, slice, info, hash);
+    return std::move(lister).take();
 }
 
-void read_attributes(const InputFile& file, hid_t tree, SliceInfo& slice, ArchiveInfo& info) {
-    AttributeVisitor reader(file, tree);
-    visit(reader, slice, info);
-}
-
-std::uint64_t whole_of_root(const InputFile& file, hid_t tree, const std::string& name) {
-    ArchiveAttribute attribute{"/", name, std::vector<std::uint64_t>(1)};
-    read_attribute(file, tree, attribute);
-    return std::get<std::vector<std::uint64_t>>(attribute.value).front();
+void read_attributes(const InputFile& file, hid_t root, ReadTree& tree) {
+    AttributeVisitor reader(file, root);
+    visit(reader, tree.result.info, tree.info, tree.hash);
 }
 
 void refuse_place(const InputFile& file, const std::string& place, const std::string& why) {

@@ -176,6 +176,15 @@ std::span<const Column> all_columns() noexcept {
     return columns;
 }
 
+std::vector<RowRange> ranges_of(std::uint64_t rows, const Column& column) {
+    const std::uint64_t at_once = (std::uint64_t{1} << 20) / column.row_bytes;
+    std::vector<RowRange> ranges;
+    for (std::uint64_t first = 0; first < rows; first += at_once) {
+        ranges.push_back({first, static_cast<std::size_t>(std::min(at_once, rows - first))});
+    }
+    return ranges;
+}
+
 KindRows rows_of(const SliceResult& result) noexcept {
     const SliceOptions& options = result.info.options;
     KindRows rows;

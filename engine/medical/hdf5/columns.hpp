@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include <hdf5.h>
 
@@ -48,6 +49,22 @@ struct Column {
 
 /// Those of one kind stand side by side.
 std::span<const Column> all_columns() noexcept;
+
+/// A column and where its rows lie in the file, one after the other.
+struct PlacedColumn {
+    const Column* column = nullptr;
+    std::uint64_t rows = 0;
+    std::uint64_t offset = 0;
+
+    std::uint64_t bytes() const noexcept { return rows * column->row_bytes; }
+};
+
+/// Rows of a column that are worked on at once: about a MiB.
+struct RowRange {
+    std::uint64_t first = 0;
+    std::size_t count = 0;
+};
+std::vector<RowRange> ranges_of(std::uint64_t rows, const Column& column);
 
 KindRows rows_of(const SliceResult& result) noexcept;
 

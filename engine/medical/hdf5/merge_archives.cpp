@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "base/guard.hpp"
-#include "base/words.hpp"
 #include "lamella/medical/archive.hpp"
 #include "medical/hdf5/archive_file.hpp"
 
@@ -24,190 +23,148 @@ std::string layers_between(std::uint64_t first, std::uint64_t end) {
                             : "layers " + std::to_string(first) + " to " + std::to_string(end - 1);
 }
 
-/// An archive of some layers of a plan.
+/// An archive of some layers of a plan. Its file is opened for each piece of rows: a thousand parts may be more than a
+/// process may have open.
 struct ArchivePart {
     std::filesystem::path path;
     std::vector<PlacedColumn> columns;
     KindRows rows{};
+    std::vector<ArchiveAttribute> attributes;
     std::uint64_t first_layer = 0;
+    std::uint64_t planned_layers = 0;
 
     std::uint64_t end() const noexcept { return first_layer + rows[ColumnKind::layer]; }
+    std::string name() const { return "'" + printable(path.string()) + "'"; }
 };
 
-std::string quoted(const ArchivePart& part) {
-    return "'" + printable(part.path.string()) + "'";
+[[noreturn]] void refuse_other(const ArchivePart& part, const ArchivePart& first, const std::string& place) {
+    refuse(part.name() + " and " + first.name() + " are not of one slicing: they differ in " + place);
 }
 
-/// Parts of one slicing, by their layers, whose columns follow one another as those of one archive. Files are opened for
-/// each piece of rows: a thousand parts may be more than a process may have open.
-class Parts {
-public:
-    Parts(std::span<const std::filesystem::path> paths, const Parallel& parallel) {
-        if (paths.empty()) {
-            refuse("no archives to join");
-        }
-        for (const std::filesystem::path& path : paths) {
-            add(path, parallel);
-        }
-        std::stable_sort(parts_.begin(), parts_.end(), [](const ArchivePart& a, const ArchivePart& b) {
-            return std::pair(a.first_layer, a.end()) < std::pair(b.first_layer, b.end());
-        });
-        require_whole();
+void require_same_attributes(const ArchivePart& part, const ArchivePart& first) {
+    const auto own_end = part.attributes.end() - attributes_of_part;
+    const auto first_end = first.attributes.end() - attributes_of_part;
+    const auto [own, other] = std::mismatch(part.attributes.begin(), own_end, first.attributes.begin(), first_end);
+    if (own != own_end || other != first_end) {
+        refuse_other(part, first, (own != own_end ? *own : *other).place());
     }
+}
 
-    std::uint64_t layers() const noexcept { return all_layers_; }
-
-    /// Reads and checks all rows; the hash of the whole. What is known of the first part goes to `slice` and `info`.
-    std::uint64_t read(const Parallel& parallel, const Memory* memory, SliceInfo& slice, ArchiveInfo& info) const {
-        LayerHash hash(all_layers_);
-        SliceResult first;  // without its layers
-        for (const ArchivePart& part : parts_) {
-            ReadTree loaded = load_archive(part.path, parallel, memory);
-            for (const LayerView layer : loaded.result) {
-                hash.add(layer);
-            }
-            if (&part == &parts_.front()) {
-                first.info = std::move(loaded.result.info);
-                info = std::move(loaded.info);
-            } else {
-                require_same_rows(first, loaded.result, part);
-            }
-        }
-        slice = std::move(first.info);
-        return hash.value();
+void require_whole(const std::vector<ArchivePart>& parts) {
+    const ArchivePart& first = parts.front();
+    const ArchivePart& last = parts.back();
+    if (first.first_layer > 0) {
+        refuse(layers_between(0, first.first_layer) + " are missing before " + first.name());
     }
-
-    KindRows rows() const {
-        KindRows sums;
-        for (const Column& column : all_columns()) {
-            sums[column.kind] = 0;
-            for (std::size_t part = 0; part < parts_.size(); ++part) {
-                sums[column.kind] += own_rows(column.kind, part);
-            }
+    for (std::size_t i = 1; i < parts.size(); ++i) {
+        const ArchivePart& before = parts[i - 1];
+        const ArchivePart& part = parts[i];
+        if (part.first_layer > before.end()) {
+            refuse(layers_between(before.end(), part.first_layer) + " lie in neither " + before.name() + " nor " +
+                   part.name());
         }
-        return sums;
-    }
-
-    void fill(const Column& column, std::uint64_t first, std::span<std::byte> to) const {
-        for (std::size_t part = 0; part < parts_.size() && !to.empty(); ++part) {
-            const std::uint64_t rows = own_rows(column.kind, part);
-            if (first >= rows) {
-                first -= rows;
-                continue;
-            }
-            const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(rows - first, to.size() / column.row_bytes));
-            copy_rows(part, column, first, to.first(count * column.row_bytes));
-            to = to.subspan(count * column.row_bytes);
-            first = 0;
+        if (part.first_layer < before.end()) {
+            refuse(before.name() + " and " + part.name() + " both hold " +
+                   layers_between(part.first_layer, std::min(part.end(), before.end())));
         }
     }
-
-private:
-    /// Heights and fill rules, which are the same in all parts.
-    static bool is_of_options(ColumnKind kind) noexcept {
-        return kind == ColumnKind::height || kind == ColumnKind::fill_change;
+    if (last.end() < last.planned_layers) {
+        refuse(layers_between(last.end(), last.planned_layers) + " are missing after " + last.name());
     }
+}
 
-    static std::vector<std::byte> rows_in(const SliceResult& result, const Column& column) {
-        std::vector<std::byte> rows(rows_of(result)[column.kind] * column.row_bytes);
-        column.get(result, 0, rows);
-        return rows;
+/// All of one slicing, by their layers.
+std::vector<ArchivePart> open_parts(std::span<const std::filesystem::path> paths, const Parallel& parallel) {
+    if (paths.empty()) {
+        refuse("no archives to join");
     }
-
-    /// Those of options are those of the first; the last row of an end stands in the last part.
-    std::uint64_t own_rows(ColumnKind kind, std::size_t part) const noexcept {
-        if (part > 0 && is_of_options(kind)) {
-            return 0;
-        }
-        const bool has_end = kind == ColumnKind::layer_end || kind == ColumnKind::contour_end;
-        return parts_[part].rows[kind] - (has_end && part + 1 < parts_.size() ? 1 : 0);
-    }
-
-    void copy_rows(std::size_t part, const Column& column, std::uint64_t first, std::span<std::byte> to) const {
-        const InputFile file = require(InputFile::open(parts_[part].path));
-        const auto placed = std::find_if(parts_[part].columns.begin(), parts_[part].columns.end(),
-                                         [&](const PlacedColumn& one) { return one.column == &column; });
-        require(file.read_at(placed->offset + first * column.row_bytes, to));
-        std::uint64_t rows_before = 0;
-        for (std::size_t before = 0; column.names && before < part; ++before) {
-            rows_before += parts_[before].rows[*column.names];
-        }
-        if (rows_before != 0) {
-            shift(to, rows_before);
-        }
-    }
-
-    /// Indices count from the first part on; -1 names none.
-    static void shift(std::span<std::byte> rows, std::uint64_t by) {
-        for (std::size_t at = 0; at < rows.size(); at += sizeof by) {
-            std::uint64_t index = 0;
-            std::memcpy(&index, rows.data() + at, sizeof index);
-            if (index != ~std::uint64_t{0}) {
-                index += by;
-                std::memcpy(rows.data() + at, &index, sizeof index);
-            }
-        }
-    }
-
-    void add(const std::filesystem::path& path, const Parallel& parallel) {
+    std::vector<ArchivePart> parts;
+    parts.reserve(paths.size());
+    for (const std::filesystem::path& path : paths) {
         ReadTree tree = read_tree(require(InputFile::open(path)), path, parallel);
-        ArchivePart part{path, std::move(tree.columns), tree.rows, tree.result.info.first_layer};
-        std::vector<ArchiveAttribute> attributes = attributes_of(tree.result.info, tree.info);
-        if (parts_.empty()) {
-            attributes_ = std::move(attributes);
-            all_layers_ = tree.result.info.planned_layers;
-        } else {
-            require_same_attributes(attributes, part);
+        const SliceInfo& info = tree.result.info;
+        parts.push_back({path, std::move(tree.columns), tree.rows, attributes_of(info, tree.info, tree.hash),
+                         info.first_layer, info.planned_layers});
+        require_same_attributes(parts.back(), parts.front());
+    }
+    std::stable_sort(parts.begin(), parts.end(), [](const ArchivePart& a, const ArchivePart& b) {
+        return std::pair(a.first_layer, a.end()) < std::pair(b.first_layer, b.end());
+    });
+    require_whole(parts);
+    return parts;
+}
+
+/// Heights and fill rules, which are the same in all parts.
+bool is_of_options(const Column& column) noexcept {
+    return column.kind == ColumnKind::height || column.kind == ColumnKind::fill_change;
+}
+
+std::vector<std::byte> rows_in(const SliceResult& result, const Column& column) {
+    std::vector<std::byte> rows(rows_of(result)[column.kind] * column.row_bytes);
+    column.get(result, 0, rows);
+    return rows;
+}
+
+/// The attributes and hash of the whole: reads and checks all rows of all parts.
+ReadTree read_parts(const std::vector<ArchivePart>& parts, const Parallel& parallel, const Memory* memory) {
+    LayerHash hash(parts.front().planned_layers);
+    ReadTree whole;
+    for (const ArchivePart& part : parts) {
+        ReadTree loaded = load_archive(part.path, parallel, memory);
+        for (const LayerView layer : loaded.result) {
+            hash.add(layer);
         }
-        parts_.push_back(std::move(part));
-    }
-
-    [[noreturn]] void refuse_other(const ArchivePart& part, const std::string& what) const {
-        refuse(quoted(part) + " and " + quoted(parts_.front()) + " are not of one slicing: they differ in " + what);
-    }
-
-    void require_same_attributes(const std::vector<ArchiveAttribute>& attributes, const ArchivePart& part) const {
-        const auto [own, other] =
-            std::mismatch(attributes.begin(), attributes.end(), attributes_.begin(), attributes_.end());
-        if (own != attributes.end() || other != attributes_.end()) {
-            refuse_other(part, (own != attributes.end() ? *own : *other).place());
+        if (&part == &parts.front()) {
+            whole.result.info = std::move(loaded.result.info);
+            whole.info = std::move(loaded.info);
+            continue;
         }
-    }
-
-    /// Options that stand in columns.
-    void require_same_rows(const SliceResult& first, const SliceResult& own, const ArchivePart& part) const {
         for (const Column& column : all_columns()) {
-            if (is_of_options(column.kind) && rows_in(first, column) != rows_in(own, column)) {
-                refuse_other(part, column.path);
+            if (is_of_options(column) && rows_in(whole.result, column) != rows_in(loaded.result, column)) {
+                refuse_other(part, parts.front(), column.path);
             }
         }
     }
+    whole.hash = hash.value();
+    return whole;
+}
 
-    void require_whole() const {
-        if (parts_.front().first_layer > 0) {
-            refuse(layers_between(0, parts_.front().first_layer) + " are missing before " + quoted(parts_.front()));
-        }
-        for (std::size_t i = 1; i < parts_.size(); ++i) {
-            const ArchivePart& before = parts_[i - 1];
-            const ArchivePart& part = parts_[i];
-            if (part.first_layer > before.end()) {
-                refuse(layers_between(before.end(), part.first_layer) + " lie in neither " + quoted(before) + " nor " +
-                       quoted(part));
-            }
-            if (part.first_layer < before.end()) {
-                refuse(quoted(before) + " and " + quoted(part) + " both hold " +
-                       layers_between(part.first_layer, std::min(part.end(), before.end())));
-            }
-        }
-        if (parts_.back().end() < all_layers_) {
-            refuse(layers_between(parts_.back().end(), all_layers_) + " are missing after " + quoted(parts_.back()));
-        }
+/// How many rows of a column come from a part: those of options are those of the first; the last row of an end stands in
+/// the last part.
+std::uint64_t rows_from(const std::vector<ArchivePart>& parts, const ArchivePart& part, const Column& column) {
+    if (is_of_options(column) && &part != &parts.front()) {
+        return 0;
     }
+    const bool has_end = column.kind == ColumnKind::layer_end || column.kind == ColumnKind::contour_end;
+    return part.rows[column.kind] - (has_end && &part != &parts.back() ? 1 : 0);
+}
 
-    std::vector<ArchivePart> parts_;
-    std::vector<ArchiveAttribute> attributes_;
-    std::uint64_t all_layers_ = 0;
-};
+/// Indices count from the first part on; -1 names none.
+void shift(std::span<std::byte> rows, std::uint64_t by) {
+    for (std::size_t at = 0; by != 0 && at < rows.size(); at += sizeof by) {
+        std::uint64_t index = 0;
+        std::memcpy(&index, rows.data() + at, sizeof index);
+        index += index == ~std::uint64_t{0} ? 0 : by;
+        std::memcpy(rows.data() + at, &index, sizeof index);
+    }
+}
+
+void give_rows(const std::vector<ArchivePart>& parts, const Column& column, const RowSink& take) {
+    std::uint64_t rows_before = 0;  // that its indices count
+    std::vector<std::byte> rows;
+    for (const ArchivePart& part : parts) {
+        for (const RowRange& range : ranges_of(rows_from(parts, part, column), column)) {
+            const InputFile file = require(InputFile::open(part.path));
+            const auto placed = std::find_if(part.columns.begin(), part.columns.end(),
+                                             [&](const PlacedColumn& one) { return one.column == &column; });
+            rows.resize(range.count * column.row_bytes);
+            require(file.read_at(placed->offset + range.first * column.row_bytes, rows));
+            shift(rows, rows_before);
+            take(rows);
+        }
+        rows_before += column.names ? part.rows[*column.names] : 0;
+    }
+}
 
 }  // namespace
 
@@ -216,19 +173,20 @@ Result<MergedArchive> merge_archives(std::span<const std::filesystem::path> part
     return guarded(context, [&]() -> Result<MergedArchive> {
         const Parallel parallel(context);
         parallel.begin_stage(read_share, (tree_runs + load_runs) * parts.size());
-        const Parts all(parts, parallel);
-        SliceInfo slice;
-        MergedArchive merged;
-        merged.layers = all.layers();
-        merged.hash = all.read(parallel, context.memory, slice, merged.info);
-        merged.grid_mm = slice.grid_mm;
-        merged.fill_rule = slice.options.region.fill_rule;
-        const auto fill = [&](const Column& column, std::uint64_t first, std::span<std::byte> to) {
-            all.fill(column, first, to);
-        };
-        require(write_columns(all.rows(), fill, {attributes_of(slice, merged.info), merged.hash, 0}, path, parallel,
-                              read_share));
-        return merged;
+        const std::vector<ArchivePart> all = open_parts(parts, parallel);
+        ReadTree whole = read_parts(all, parallel, context.memory);
+        const SliceInfo& slice = whole.result.info;
+        KindRows rows;
+        for (const Column& column : all_columns()) {
+            rows[column.kind] = 0;
+            for (const ArchivePart& part : all) {
+                rows[column.kind] += rows_from(all, part, column);
+            }
+        }
+        const auto give = [&](const Column& column, const RowSink& take) { give_rows(all, column, take); };
+        require(write_columns(rows, give, attributes_of(slice, whole.info, whole.hash), path, parallel, read_share));
+        return MergedArchive{all.front().planned_layers, whole.hash, slice.grid_mm, slice.options.region.fill_rule,
+                             std::move(whole.info)};
     });
 }
 

@@ -1,12 +1,14 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include <zlib.h>
 
 #include "base/guard.hpp"
 #include "base/numbers.hpp"
+#include "io/text/text.hpp"
 #include "lamella/medical/archive.hpp"
 #include "medical/hdf5/archive_file.hpp"
 #include "medical/hdf5/handles.hpp"
@@ -31,7 +33,7 @@ std::string text_at(const InputFile& file, std::uint64_t offset, std::size_t byt
 }
 
 std::uint32_t checksum_of(const InputFile& file, std::uint64_t bytes, const Parallel& parallel) {
-    constexpr std::uint64_t at_once = rows_at_once_bytes;
+    constexpr std::uint64_t at_once = std::uint64_t{1} << 20;
     std::vector<uLong> sums(static_cast<std::size_t>((bytes + at_once - 1) / at_once));
     const auto piece_bytes = [&](std::size_t i) { return std::min(at_once, bytes - i * at_once); };
     parallel.run(sums.size(), [&](std::size_t i, int) {
@@ -71,66 +73,43 @@ void require_undamaged(const InputFile& file, const Parallel& parallel) {
     }
 }
 
-/// Soft links could run in a ring, and external ones lead elsewhere.
-void require_hard_link(const InputFile& file, hid_t tree, const std::string& path) {
-    H5L_info_t link{};
-    if (!path.empty() && (H5Lget_info(tree, path.c_str(), &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD)) {
-        refuse_place(file, path, "not a plain link");
-    }
-}
-
-PlacedColumn open_column(const InputFile& file, hid_t tree, const Column& column) {
-    const hid_t id = H5Dopen2(tree, column.path, H5P_DEFAULT);
+/// Nothing where no such dataset can be opened. Data that are not in one piece of this file have no offset.
+std::optional<PlacedColumn> find_column(const InputFile& file, hid_t root, const Column& column) {
+    const hid_t id = H5Dopen2(root, column.path, H5P_DEFAULT);
     if (id < 0) {
-        refuse_place(file, column.path, "cannot be opened");
+        return std::nullopt;
     }
     const Handle dataset(id, H5Dclose);
     const Handle type(H5Dget_type(id), H5Tclose);
     const Handle space(H5Dget_space(id), H5Sclose);
-    const Handle creation(H5Dget_create_plist(id), H5Pclose);
     std::array<hsize_t, 2> extents = {0, 1};
     const int dimensions = column.width == 1 ? 1 : 2;
     if (H5Tequal(type.id(), column.type()) <= 0 || H5Sget_simple_extent_ndims(space.id()) != dimensions ||
         H5Sget_simple_extent_dims(space.id(), extents.data(), nullptr) != dimensions || extents[1] != column.width) {
         refuse_place(file, column.path, "not of the type and shape that it should have");
     }
-    if (H5Pget_layout(creation.id()) != H5D_CONTIGUOUS || H5Pget_external_count(creation.id()) != 0) {
-        refuse_place(file, column.path, "not in one piece, as lamella writes it");
-    }
     const PlacedColumn placed{&column, extents[0], extents[0] == 0 ? 0 : H5Dget_offset(id)};
     if (placed.rows > file.size() / column.row_bytes || placed.offset > file.size() - placed.bytes()) {
-        refuse_place(file, column.path, "reaches beyond the end of the file");
+        refuse_place(file, column.path, "not in one piece within the file");
     }
     return placed;
 }
 
-/// The rows of a column; none where it is left out.
-std::uint64_t find_column(const InputFile& file, hid_t tree, const Column& column, std::vector<PlacedColumn>& found) {
-    const std::string path = column.path;
-    const std::string group = path.substr(0, path.rfind('/'));
-    const auto exists = [&](const std::string& link) { return H5Lexists(tree, link.c_str(), H5P_DEFAULT) > 0; };
-    if ((group.empty() || exists(group)) && exists(path)) {
-        require_hard_link(file, tree, group);
-        require_hard_link(file, tree, path);
-        found.push_back(open_column(file, tree, column));
-        return found.back().rows;
-    }
-    if (!column.is_optional()) {
-        refuse_place(file, path, "missing");
-    }
-    return 0;
-}
-
-void find_columns(const InputFile& file, hid_t tree, ReadTree& found) {
+void find_columns(const InputFile& file, hid_t root, ReadTree& tree) {
     std::uint64_t bytes = 0;
     const Column* before = nullptr;
     for (const Column& column : all_columns()) {
-        const std::uint64_t rows = find_column(file, tree, column, found.columns);
-        if (before != nullptr && before->kind == column.kind && found.rows[column.kind] != rows) {
+        const std::optional<PlacedColumn> placed = find_column(file, root, column);
+        const std::uint64_t rows = placed ? placed->rows : 0;
+        const bool is_alike = before == nullptr || before->kind != column.kind || tree.rows[column.kind] == rows;
+        if ((!placed && !column.is_optional()) || !is_alike) {
             refuse_place(file, column.path, "missing, or not as long as the columns that belong to it");
         }
-        found.rows[column.kind] = rows;
-        bytes += rows * column.row_bytes;
+        if (placed) {
+            tree.columns.push_back(*placed);
+            bytes += placed->bytes();
+        }
+        tree.rows[column.kind] = rows;
         before = &column;
     }
     if (bytes > file.size()) {  // memory is taken for all of them
@@ -139,6 +118,12 @@ void find_columns(const InputFile& file, hid_t tree, ReadTree& found) {
 }
 
 // --- the rows
+
+void require_row(const InputFile& file, bool holds, const char* path, std::uint64_t row, const char* why) {
+    if (!holds) {
+        refuse_place(file, path, "row " + std::to_string(row) + " " + why);
+    }
+}
 
 /// Arrays of the right sizes, their contents unspecified.
 void make_room(const InputFile& file, ReadTree& tree) {
@@ -164,52 +149,26 @@ void make_room(const InputFile& file, ReadTree& tree) {
     }
 }
 
-/// Rows of one column that a thread reads at once.
-struct Block {
-    const PlacedColumn* placed = nullptr;
-    std::uint64_t first = 0;
-    std::uint64_t rows = 0;
-    std::uint64_t good_rows = 0;  ///< before one that is out of its range
-};
-
-/// Column by column, from the first row on; those that follow from others are left out.
-std::vector<Block> blocks_of(const std::vector<PlacedColumn>& columns) {
-    std::vector<Block> blocks;
-    for (const PlacedColumn& placed : columns) {
-        const std::uint64_t at_once = rows_at_once_bytes / placed.column->row_bytes;
-        for (std::uint64_t first = 0; placed.column->set != nullptr && first < placed.rows; first += at_once) {
-            blocks.push_back({&placed, first, std::min(at_once, placed.rows - first), 0});
-        }
-    }
-    return blocks;
-}
-
 void load_rows(const InputFile& file, ReadTree& tree, const Parallel& parallel) {
     make_room(file, tree);
-    std::vector<Block> blocks = blocks_of(tree.columns);
-    parallel.run(blocks.size(), [&](std::size_t i, int) {
-        Block& block = blocks[i];
-        const Column& column = *block.placed->column;
-        std::vector<std::byte> rows(block.rows * column.row_bytes);
-        require(file.read_at(block.placed->offset + block.first * column.row_bytes, rows));
-        block.good_rows = column.set(tree.result, block.first, rows);
-    });
-    for (const Block& block : blocks) {
-        if (block.good_rows < block.rows) {
-            refuse_place(file, block.placed->column->path,
-                         "row " + std::to_string(block.first + block.good_rows) + " is out of its range");
+    std::vector<std::pair<const PlacedColumn*, RowRange>> pieces;  // of columns that do not follow from others
+    for (const PlacedColumn& placed : tree.columns) {
+        for (const RowRange& range : ranges_of(placed.column->set != nullptr ? placed.rows : 0, *placed.column)) {
+            pieces.emplace_back(&placed, range);
         }
     }
+    parse_pieces<Refused>(pieces.size(), parallel, [&](std::size_t i, int) {
+        const auto& [placed, range] = pieces[i];
+        const Column& column = *placed->column;
+        std::vector<std::byte> rows(range.count * column.row_bytes);
+        require(file.read_at(placed->offset + range.first * column.row_bytes, rows));
+        const std::uint64_t good_rows = column.set(tree.result, range.first, rows);
+        require_row(file, good_rows == range.count, column.path, range.first + good_rows, "is out of its range");
+    });
     require(file.unchanged());
 }
 
 // --- what no single row shows
-
-void require_row(const InputFile& file, bool holds, const char* path, std::uint64_t row, const char* why) {
-    if (!holds) {
-        refuse_place(file, path, "row " + std::to_string(row) + " " + why);
-    }
-}
 
 /// Sets how many of `end` follow from each row's first one to the next row's.
 template <class T, class Count>
@@ -310,9 +269,7 @@ ReadTree read_tree(const InputFile& file, const std::filesystem::path& path, con
     }
     const Handle open(id, H5Fclose);
     ReadTree tree{.result = SliceResult(memory)};
-    read_attributes(file, id, tree.result.info, tree.info);
-    tree.hash = whole_of_root(file, id, "result_hash");
-    tree.result.info.first_layer = whole_of_root(file, id, "first_layer");
+    read_attributes(file, id, tree);
     find_columns(file, id, tree);
     return tree;
 }

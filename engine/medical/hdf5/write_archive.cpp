@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <numeric>
 #include <span>
 #include <utility>
 
@@ -139,18 +140,14 @@ void make_column(hid_t file, PlacedColumn& placed) {
     }
 }
 
-void write_tree(const std::string& path, const ArchiveHead& head, std::vector<PlacedColumn>& columns) {
+void write_tree(const std::string& path, const std::vector<ArchiveAttribute>& attributes,
+                std::vector<PlacedColumn>& columns) {
     const QuietErrors quiet;
     const Handle access = plain_file_access();
     // The oldest form that has no times of its own.
     checked(H5Pset_libver_bounds(access.id(), H5F_LIBVER_V18, H5F_LIBVER_V18));
     const Handle creation = creation_of(H5P_FILE_CREATE);
     const Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), H5Fclose);
-    std::vector<ArchiveAttribute> attributes = head.attributes;
-    attributes.insert(attributes.end(), {{"/", "format", std::string(archive_format)},
-                                         {"/", "format_version", std::vector{archive_version}},
-                                         {"/", "result_hash", std::vector{head.hash}},
-                                         {"/", "first_layer", std::vector{head.first_layer}}});
     for (const ArchiveAttribute& attribute : attributes) {
         const Handle group = group_at(file.id(), attribute.group);
         std::visit([&](const auto& value) { put(group.id(), attribute.name, value); }, attribute.value);
@@ -164,18 +161,13 @@ void write_tree(const std::string& path, const ArchiveHead& head, std::vector<Pl
 }
 
 /// A file that HDF5 has made: all of an archive but the rows, and the last line. Sets the places of columns.
-InputFile make_tree(const ArchiveHead& head, std::vector<PlacedColumn>& columns) {
+InputFile make_tree(const std::vector<ArchiveAttribute>& attributes, std::vector<PlacedColumn>& columns) {
     const TemporaryFile file;
-    std::uint64_t bytes = 0;
-    for (const PlacedColumn& column : columns) {
-        bytes += column.bytes();
-    }
-    file.require_room(bytes);
-    write_tree(file.path(), head, columns);
+    file.require_room(std::accumulate(columns.begin(), columns.end(), std::uint64_t{0},
+                                      [](std::uint64_t sum, const PlacedColumn& column) { return sum + column.bytes(); }));
+    write_tree(file.path(), attributes, columns);
     return require(InputFile::open(file.path()));
 }
-
-using FillRows = FunctionRef<void(const Column&, std::uint64_t, std::span<std::byte>)>;
 
 /// Appends pieces of the tree and rows of columns in the order of the file, and sums them up.
 class ArchiveWriter {
@@ -185,15 +177,24 @@ public:
         : file_(file), tree_(tree), parallel_(parallel), begun_(begun) {}
 
     /// From where the file ends so far to `end`.
-    void write_tree(std::uint64_t end) {
-        write(end, 1, [&](std::uint64_t at, std::span<std::byte> to) { require(tree_.read_at(at, to)); });
+    void append_tree(std::uint64_t end) {
+        std::vector<std::byte> piece;
+        while (at_ < end) {
+            piece.resize(static_cast<std::size_t>(std::min(std::uint64_t{OutputFile::buffer_bytes}, end - at_)));
+            require(tree_.read_at(at_, piece));
+            append(piece);
+        }
     }
 
-    void write_rows(const FillRows& fill, const PlacedColumn& column) {
-        const std::size_t row_bytes = column.column->row_bytes;
-        write(column.offset + column.bytes(), row_bytes, [&](std::uint64_t at, std::span<std::byte> to) {
-            fill(*column.column, (at - column.offset) / row_bytes, to);
-        });
+    void append(std::span<const std::byte> bytes) {
+        parallel_.stop_if_asked();
+        file_.append({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+        if (file_.failed()) {
+            require(file_.commit());
+        }
+        crc_ = ::crc32_z(crc_, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+        at_ += bytes.size();
+        parallel_.reach(begun_ + (1 - begun_) * static_cast<double>(at_) / static_cast<double>(tree_.size()));
     }
 
     Status finish() {
@@ -202,22 +203,6 @@ public:
     }
 
 private:
-    /// By pieces of whole items, which `fill` gives: their place in the file, and where they go.
-    template <class Fill>
-    void write(std::uint64_t end, std::size_t item_bytes, Fill fill) {
-        const std::uint64_t most = rows_at_once_bytes / item_bytes * item_bytes;
-        while (at_ < end && !file_.failed()) {
-            parallel_.stop_if_asked();
-            const auto count = static_cast<std::size_t>(std::min(most, end - at_));
-            char* const room = file_.room(count);
-            fill(at_, {reinterpret_cast<std::byte*>(room), count});
-            crc_ = ::crc32_z(crc_, reinterpret_cast<const unsigned char*>(room), count);
-            file_.advance(room + count);
-            at_ += count;
-            parallel_.reach(begun_ + (1 - begun_) * static_cast<double>(at_) / static_cast<double>(tree_.size()));
-        }
-    }
-
     OutputFile& file_;
     const InputFile& tree_;
     const Parallel& parallel_;
@@ -235,7 +220,8 @@ std::string closing_line(std::uint32_t crc) {
            ", CRC-32 of all before: " + digits.data() + "\n";
 }
 
-Status write_columns(const KindRows& rows, FillRows fill, const ArchiveHead& head, const std::filesystem::path& path,
+Status write_columns(const KindRows& rows, FunctionRef<void(const Column&, RowSink)> give_rows,
+                     const std::vector<ArchiveAttribute>& attributes, const std::filesystem::path& path,
                      const Parallel& parallel, double begun) {
     OutputFile file = require(OutputFile::create(path));  // first: what cannot be written is refused at once
     std::vector<PlacedColumn> columns;
@@ -244,17 +230,17 @@ Status write_columns(const KindRows& rows, FillRows fill, const ArchiveHead& hea
             columns.push_back({&column, rows[column.kind], 0});
         }
     }
-    const InputFile tree = make_tree(head, columns);
+    const InputFile tree = make_tree(attributes, columns);
     std::erase_if(columns, [](const PlacedColumn& column) { return column.rows == 0; });
     std::sort(columns.begin(), columns.end(),
               [](const PlacedColumn& a, const PlacedColumn& b) { return a.offset < b.offset; });
     parallel.begin_stage(1);
     ArchiveWriter writer(file, tree, parallel, begun);
     for (const PlacedColumn& column : columns) {
-        writer.write_tree(column.offset);
-        writer.write_rows(fill, column);
+        writer.append_tree(column.offset);
+        give_rows(*column.column, [&](std::span<const std::byte> piece) { writer.append(piece); });
     }
-    writer.write_tree(tree.size());
+    writer.append_tree(tree.size());
     Status written = writer.finish();
     if (written) {
         parallel.finish();
@@ -271,11 +257,16 @@ Status write_archive(const SliceResult& result, const ArchiveInfo& info, const s
     return guarded(context, [&]() -> Status {
         const Parallel parallel(context);
         require_possible(result, info, path);
-        const auto fill = [&](const Column& column, std::uint64_t first, std::span<std::byte> to) {
-            column.get(result, first, to);
+        const KindRows rows = rows_of(result);
+        const auto give_rows = [&](const Column& column, const RowSink& take) {
+            std::vector<std::byte> piece;
+            for (const RowRange& range : ranges_of(rows[column.kind], column)) {
+                piece.resize(range.count * column.row_bytes);
+                column.get(result, range.first, piece);
+                take(piece);
+            }
         };
-        return write_columns(rows_of(result), fill,
-                             {attributes_of(result.info, info), result.hash(), result.info.first_layer}, path, parallel);
+        return write_columns(rows, give_rows, attributes_of(result.info, info, result.hash()), path, parallel);
     });
 }
 

@@ -52,7 +52,7 @@ public:
         CoverageSheet sheet;
         std::vector<double> shares;
         SolidContours solid;
-        std::vector<std::uint8_t> overlapped;  ///< of the voxels of a row: counted as lying in several parts
+        std::vector<std::uint8_t> overlapped;  ///< of the voxels of a slice: counted as lying in several parts
         std::vector<std::uint16_t> wide;       ///< labels of a slice, before they become bytes
     };
 
@@ -74,79 +74,12 @@ public:
     }
 
 private:
-    /// Voxels [first, last) of a row. `overlapped`: of each voxel of the row, whether it was counted as such.
-    template <class Label>
-    static void fill_span(Label* row, std::size_t first, std::size_t last, std::uint32_t part,
-                          std::vector<std::uint8_t>& overlapped, MaskCounts& counts) {
-        for (std::size_t i = first; part > 0 && i < last; ++i) {
-            if (row[i] != 0) {
-                --counts.voxels[row[i] - 1U];
-                counts.overlapped += overlapped[i] != 0 ? 0U : 1U;
-                overlapped[i] = 1;
-            }
-        }
-        std::fill(row + first, row + last, static_cast<Label>(part + 1));
-        counts.voxels[part] += last - first;
-    }
-
     /// The shorter side of a rectangle with that area and perimeter: the thickness of a long wall. Where the shape is
     /// rounder than a square, the side of a square.
     static double width_of(double area, double perimeter) noexcept {
         const double half = perimeter / 4;
         const double square = half * half - area;
         return square > 0 ? half - std::sqrt(square) : std::sqrt(area);
-    }
-
-    /// Twice the area of a polygon.
-    static double twice_area(const std::vector<PointMm>& polygon) {
-        double sum = 0;
-        for (std::size_t i = 0; i < polygon.size(); ++i) {
-            const PointMm& a = polygon[i];
-            const PointMm& b = polygon[(i + 1) % polygon.size()];
-            sum += a.x * b.y - b.x * a.y;
-        }
-        return sum;
-    }
-
-    /// Keeps what of a polygon lies on one side of a line x = limit or y = limit (Sutherland and Hodgman): its area is
-    /// right, whatever its form.
-    static std::vector<PointMm> clipped(const std::vector<PointMm>& polygon, bool along_y, double limit, double side) {
-        const auto beyond = [&](const PointMm& at) { return side * ((along_y ? at.y : at.x) - limit); };
-        std::vector<PointMm> kept;
-        for (std::size_t i = 0; i < polygon.size(); ++i) {
-            const PointMm& a = polygon[i];
-            const PointMm& b = polygon[(i + 1) % polygon.size()];
-            const double from = beyond(a);
-            const double to = beyond(b);
-            if (from <= 0) {
-                kept.push_back(a);
-            }
-            if ((from < 0 && to > 0) || (from > 0 && to < 0)) {
-                const double t = from / (from - to);
-                kept.push_back({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)});
-            }
-        }
-        return kept;
-    }
-
-    /// The area of the part of a polygon that lies within a rectangle; positive for counter-clockwise polygons.
-    static double area_within(std::vector<PointMm> polygon, PointMm min, PointMm max) {
-        polygon = clipped(clipped(polygon, false, min.x, -1), false, max.x, 1);
-        polygon = clipped(clipped(polygon, true, min.y, -1), true, max.y, 1);
-        return 0.5 * twice_area(polygon);
-    }
-
-    /// Calls use(part, crossings) for each part that crosses a row.
-    template <class Use>
-    static void for_each_part(std::span<const Crossing> crossings, const Use& use) {
-        while (!crossings.empty()) {
-            const std::uint32_t part = crossings.front().part();
-            const auto end = std::find_if(crossings.begin(), crossings.end(),
-                                          [part](const Crossing& crossing) { return crossing.part() != part; });
-            const auto count = static_cast<std::size_t>(end - crossings.begin());
-            use(part, crossings.first(count));
-            crossings = crossings.subspan(count);
-        }
     }
 
     std::uint64_t layer(std::uint64_t slice, int subslice, std::size_t part) const {
@@ -186,38 +119,58 @@ private:
                max.y * scale[1] > static_cast<double>(image_.size[1]) - 1 + side;
     }
 
+    /// The area of the part of a contour that lies within the image, mm2: x over each edge's height, both clamped to the
+    /// sides of the image.
     double area_inside(std::size_t part, const Contour& contour) const {
         const SliceResult& result = *parts_[part].result;
-        std::vector<PointMm> polygon;
-        for (const Point& point : result.points_of(contour)) {
-            polygon.push_back(result.to_mm(point));
-        }
         const PointMm half{0.5 * image_.spacing_mm[0], 0.5 * image_.spacing_mm[1]};
-        return area_within(std::move(polygon), {-half.x, -half.y},
-                           {static_cast<double>(image_.size[0]) * image_.spacing_mm[0] - half.x,
-                            static_cast<double>(image_.size[1]) * image_.spacing_mm[1] - half.y});
+        const double right = static_cast<double>(image_.size[0]) * image_.spacing_mm[0] - half.x;
+        const double top = static_cast<double>(image_.size[1]) * image_.spacing_mm[1] - half.y;
+        double sum = 0;
+        PointMm from = result.to_mm(result.points_of(contour).back());
+        for (const Point& point : result.points_of(contour)) {
+            const PointMm to = result.to_mm(point);
+            const double low = std::clamp(from.y, -half.y, top);
+            const double high = std::clamp(to.y, -half.y, top);
+            if (low != high) {
+                const double slope = (to.x - from.x) / (to.y - from.y);
+                sum += (high - low) *
+                       mean_clamped(from.x + (low - from.y) * slope, from.x + (high - from.y) * slope, -half.x, right);
+            }
+            from = to;
+        }
+        return sum;
+    }
+
+    /// The mean of what lies evenly between a and b, each clamped.
+    static double mean_clamped(double a, double b, double least, double largest) noexcept {
+        const double from = std::clamp(a, least, largest);
+        const double to = std::clamp(b, least, largest);
+        const bool is_one_line = from == to || (from == a && to == b);
+        return is_one_line ? 0.5 * (from + to) : (to * (b - 0.5 * to) - from * (a - 0.5 * from)) / (b - a);
     }
 
     template <class Label>
     void draw_spans(std::uint64_t slice, Label* to, Scratch& scratch, MaskCounts& counts) const {
-        RowCrossings& crossings = scratch.crossings;
-        crossings.restart(0, image_.size[1]);
+        const std::size_t width = image_.size[0];
+        scratch.overlapped.assign(parts_.size() > 1 ? width * image_.size[1] : 0, 0);
         for (std::size_t i = 0; i < parts_.size(); ++i) {
             const SliceResult& result = *parts_[i].result;
+            scratch.crossings.restart(image_.size[1]);
             for (const Contour& contour : result.contours_of(result.layers[layer(slice, 0, i)])) {
                 if (contour.role != Role::open) {
-                    crossings.add(result.points_of(contour), columns_[i], rows_[i], static_cast<std::uint32_t>(i));
+                    scratch.crossings.add(result.points_of(contour), columns_[i], rows_[i]);
                 }
             }
-        }
-        crossings.sort();
-        for (std::size_t row = 0; row < image_.size[1]; ++row) {
-            Label* const voxels = to + row * image_.size[0];
-            scratch.overlapped.assign(parts_.size() > 1 ? image_.size[0] : 0, 0);
-            for_each_part(crossings.of_row(row), [&](std::uint32_t part, std::span<const Crossing> of_part) {
-                for_each_span(of_part, image_.size[0], [&](std::size_t first, std::size_t last) {
-                    fill_span(voxels, first, last, part, scratch.overlapped, counts);
-                });
+            scratch.crossings.for_each_span(width, [&](std::size_t row, std::size_t first, std::size_t last) {
+                for (std::size_t at = row * width + first; i > 0 && at < row * width + last; ++at) {
+                    if (to[at] != 0) {
+                        --counts.voxels[to[at] - 1U];
+                        counts.overlapped += std::exchange(scratch.overlapped[at], 1) != 0 ? 0U : 1U;
+                    }
+                }
+                std::fill(to + row * width + first, to + row * width + last, static_cast<Label>(i + 1));
+                counts.voxels[i] += last - first;
             });
         }
     }
@@ -231,12 +184,14 @@ private:
     void draw_shares(std::uint64_t slice, unsigned char* to, Scratch& scratch, MaskCounts& counts) const {
         const SliceResult& result = *parts_[0].result;
         const std::size_t width = image_.size[0];
-        const double scale[2] = {result.info.grid_mm / image_.spacing_mm[0], result.info.grid_mm / image_.spacing_mm[1]};
+        const PointMm scale{result.info.grid_mm / image_.spacing_mm[0], result.info.grid_mm / image_.spacing_mm[1]};
+        // A voxel reaches half its side around its centre.
+        const auto place = [&](const Point& point) { return PointMm{point.x * scale.x + 0.5, point.y * scale.y + 0.5}; };
         scratch.shares.assign(width * image_.size[1], 0);
         for (int subslice = 0; subslice < options_.subslices; ++subslice) {
             scratch.sheet.restart(width, 0, image_.size[1]);
             for (const std::span<const Point> contour : scratch.solid.of(result, layer(slice, subslice, 0))) {
-                scratch.sheet.add(contour, scale);
+                scratch.sheet.add(contour, place);
             }
             for (std::size_t row = 0; row < image_.size[1]; ++row) {
                 scratch.sheet.take_row(row, std::span(scratch.shares).subspan(row * width, width));

@@ -1,5 +1,7 @@
 #include "lamella/medical/mask.hpp"
 
+#include <zlib.h>
+
 #include "base/parallel.hpp"
 #include "io/write/output_file.hpp"
 #include "lamella/io/text_file.hpp"
@@ -15,35 +17,29 @@ namespace {
 constexpr std::size_t block_bytes = std::size_t{1} << 20;
 constexpr std::size_t blocks_a_thread = 2;
 
-/// Some slices: compressed, or its bytes as they are.
+/// Some slices, and their bytes as they are written where they are compressed.
 struct Block {
-    GzipPiece piece;
+    std::vector<unsigned char> raw;
+    std::vector<unsigned char> compressed;
+    unsigned long crc = 0;  ///< of `raw`
     std::optional<MaskCounts> counts;
 };
 
-/// Memory of one thread.
-struct Scratch {
-    SliceRaster::Scratch raster;
-    std::vector<unsigned char> slice;
-};
-
-/// Writes blocks of slices, in their order.
+/// Writes blocks of slices, in their order, each made on any thread.
 class MaskWriter {
 public:
     MaskWriter(const SliceRaster& raster, const ImageGeometry& image, const MaskLayout& layout, OutputFile& file)
-        : raster_(raster),
-          image_(image),
-          layout_(layout),
-          header_(mask_header(layout, image)),
-          file_(file),
-          total_(layout.names.size()) {}
+        : raster_(raster), image_(image), layout_(layout), file_(file), total_(layout.names.size()) {
+        (header_is_compressed() ? compressed_header_ : plain_header_) = mask_header(layout, image);
+    }
 
     MaskCounts write(const Parallel& parallel) {
-        begin();
+        file_.append(plain_header_);
+        file_.append(layout_.compressed ? gzip_begin : std::string_view());
         const std::uint64_t slices_a_block = std::max<std::uint64_t>(1, block_bytes / raster_.slice_bytes());
         const std::uint64_t blocks = (image_.size[2] + slices_a_block - 1) / slices_a_block;
         const std::size_t at_once = blocks_a_thread * static_cast<std::size_t>(parallel.threads());
-        std::vector<Scratch> scratch(static_cast<std::size_t>(parallel.threads()));
+        std::vector<SliceRaster::Scratch> scratch(static_cast<std::size_t>(parallel.threads()));
         std::vector<Block> made(at_once);
         for (std::uint64_t first = 0; first < blocks && !file_.failed(); first += at_once) {
             const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(at_once, blocks - first));
@@ -63,56 +59,38 @@ public:
     }
 
 private:
-    /// The header of compressed NIfTI is within the member, that of NRRD before it.
+    /// The header of compressed NIfTI is within the gzip member, that of NRRD before it.
     bool header_is_compressed() const noexcept { return layout_.compressed && layout_.form == MaskForm::nifti; }
 
-    void begin() {
-        if (!header_is_compressed()) {
-            file_.append(header_);
-        }
-        if (layout_.compressed) {
-            file_.append(gzip_begin);
-        }
-    }
-
-    void make(std::uint64_t begin, std::uint64_t end, Block& block, Scratch& scratch) const {
+    /// Memory of earlier blocks serves again: fresh memory would take longer than drawing.
+    void make(std::uint64_t begin, std::uint64_t end, Block& block, SliceRaster::Scratch& scratch) const {
         block.counts.emplace(layout_.names.size());
-        if (layout_.compressed) {
-            compress(begin, end, block, scratch);
-            return;
-        }
-        block.piece.bytes.resize((end - begin) * raster_.slice_bytes());
-        unsigned char* to = block.piece.bytes.data();
+        const std::size_t header_bytes = begin == 0 ? compressed_header_.size() : 0;
+        block.raw.resize(header_bytes + (end - begin) * raster_.slice_bytes());
+        std::copy_n(compressed_header_.begin(), header_bytes, block.raw.begin());
+        unsigned char* to = block.raw.data() + header_bytes;
         for (std::uint64_t slice = begin; slice < end; ++slice, to += raster_.slice_bytes()) {
-            raster_.draw(slice, to, scratch.raster, *block.counts);
+            raster_.draw(slice, to, scratch, *block.counts);
         }
-    }
-
-    /// Slice by slice, since fresh memory for a block would take longer than drawing it.
-    void compress(std::uint64_t begin, std::uint64_t end, Block& block, Scratch& scratch) const {
-        GzipPieceMaker maker;
-        if (begin == 0 && header_is_compressed()) {
-            maker.append({reinterpret_cast<const unsigned char*>(header_.data()), header_.size()});
+        if (layout_.compressed) {
+            block.compressed = gzip_piece(block.raw, end == image_.size[2]);
+            block.crc = ::crc32_z(0, block.raw.data(), block.raw.size());
         }
-        scratch.slice.resize(raster_.slice_bytes());
-        for (std::uint64_t slice = begin; slice < end; ++slice) {
-            raster_.draw(slice, scratch.slice.data(), scratch.raster, *block.counts);
-            maker.append(scratch.slice);
-        }
-        block.piece = maker.finish(end == image_.size[2]);
     }
 
     void append(const Block& block) {
-        file_.append({reinterpret_cast<const char*>(block.piece.bytes.data()), block.piece.bytes.size()});
-        crc_ = ::crc32_combine(crc_, block.piece.crc, static_cast<z_off_t>(block.piece.length));
-        length_ += block.piece.length;
+        const std::vector<unsigned char>& bytes = layout_.compressed ? block.compressed : block.raw;
+        file_.append({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+        crc_ = ::crc32_combine(crc_, block.crc, static_cast<z_off_t>(block.raw.size()));
+        length_ += block.raw.size();
         total_.add(*block.counts);
     }
 
     const SliceRaster& raster_;
     const ImageGeometry& image_;
     const MaskLayout& layout_;
-    const std::string header_;
+    std::string plain_header_;
+    std::string compressed_header_;
     OutputFile& file_;
     unsigned long crc_ = 0;  ///< of what was compressed so far
     std::uint64_t length_ = 0;

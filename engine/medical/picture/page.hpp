@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/guard.hpp"
+#include "base/words.hpp"
 #include "lamella/medical/picture.hpp"
 #include "medical/picture/canvas.hpp"
 
@@ -59,128 +60,103 @@ public:
     /// Throws Refused where the cells would be too small.
     Page(const BoxMm& box, std::size_t cells, int label_width, const PictureOptions& options) {
         unit_ = std::max(1, std::min(options.width, options.height) / 600);
+        gap_ = 4 * unit_;
+        heading_height_ = text_height(unit_) + 2 * gap_;
+        const int label_height = text_height(unit_) + gap_;
+        const auto count = static_cast<int>(cells);
         int rows = 1;
-        for (int columns = 1; columns <= static_cast<int>(cells); ++columns) {
-            const int rows_then =
-                static_cast<int>((cells + static_cast<std::size_t>(columns) - 1) / static_cast<std::size_t>(columns));
-            const double scale = scale_with(box, columns, rows_then, options);
+        int most_width = 0;
+        int most_height = 0;
+        for (int columns = 1; columns <= count; ++columns) {
+            const int rows_then = (count + columns - 1) / columns;
+            const int width = (options.width - gap_ * (columns + 1)) / columns;
+            const int height = (options.height - heading_height_ - gap_ * rows_then) / rows_then;
+            const double scale =
+                std::min((width - 2 * gap_) / box.width(), (height - label_height - 2 * gap_) / box.height());
             if (columns == 1 || scale > pixels_per_mm_) {
                 pixels_per_mm_ = scale;
                 columns_ = columns;
                 rows = rows_then;
+                most_width = width;
+                most_height = height;
             }
         }
-        const double larger = pixels_per_mm_ * std::max(box.width(), box.height());
-        if (!(larger >= least_area_pixels)) {
+        constexpr int least_pixels = 16;  // the narrowest that still shows something
+        if (!(pixels_per_mm_ * std::max(box.width(), box.height()) >= least_pixels)) {
             throw Refused{{ErrorCode::invalid_argument, "a picture of " + std::to_string(options.width) + " x " +
                                                             std::to_string(options.height) + " pixels has no room for " +
-                                                            std::to_string(cells) + (cells == 1 ? " layer" : " layers")}};
+                                                            counted(cells, "layer")}};
         }
-        const auto around = [&](double mm) { return static_cast<int>(std::ceil(mm * pixels_per_mm_)) + 2 * gap(); };
-        const int most_width = (options.width - gap() * (columns_ + 1)) / columns_;
-        cell_width_ = std::min(most_width, std::max(around(box.width()), label_width * unit_ + 2 * gap()));
-        const int most_height = (options.height - heading_height() - gap() * rows) / rows;
-        cell_height_ = std::min(most_height, around(box.height()) + label_height());
+        const auto around = [&](double mm) { return static_cast<int>(std::ceil(mm * pixels_per_mm_)) + 2 * gap_; };
+        cell_width_ = std::min(most_width, std::max(around(box.width()), label_width * unit_ + 2 * gap_));
+        cell_height_ = std::min(most_height, around(box.height()) + label_height);
         // A few narrow cells leave room for the names.
-        width_ = std::max(gap() + columns_ * (cell_width_ + gap()), std::min(options.width, 200 * unit_));
-        height_ = heading_height() + rows * (cell_height_ + gap());
+        width_ = std::max(gap_ + columns_ * (cell_width_ + gap_), std::min(options.width, 200 * unit_));
+        height_ = heading_height_ + rows * (cell_height_ + gap_);
     }
 
     int unit() const noexcept { return unit_; }  ///< pixels of a dot of the font
     int width() const noexcept { return width_; }
     int height() const noexcept { return height_; }
     double pixels_per_mm() const noexcept { return pixels_per_mm_; }
-    /// The part of a cell that the layer is drawn into.
-    Rectangle area(std::size_t i) const noexcept {
-        const Rectangle whole = cell(i);
-        return {whole.x + 1, whole.y + label_height(), whole.width - 2, whole.height - label_height() - 1};
+
+    /// Draws a cell and its label. Returns the part of it that the layer is drawn into.
+    Rectangle draw_cell(Canvas& canvas, std::size_t i, const std::string& label) const {
+        const int column = static_cast<int>(i) % columns_;
+        const int row = static_cast<int>(i) / columns_;
+        const int x = gap_ + column * (cell_width_ + gap_);
+        const int y = heading_height_ + row * (cell_height_ + gap_);
+        canvas.fill({x, y, cell_width_, cell_height_}, colours::cell);
+        canvas.write(x + gap_, y + gap_, label, unit_, colours::text);
+        const int label_height = gap_ + text_height(unit_);
+        return {x + 1, y + label_height, cell_width_ - 2, cell_height_ - label_height - 1};
     }
 
     /// One line: a coloured square and the name of each part as far as they go, how many layers have open polylines
     /// if any, and a bar of a round length.
-    void draw_heading(Canvas& canvas, const std::vector<std::string>& names, std::uint64_t open_layers) const {
-        const int end = draw_scale(canvas) - gap();
+    void draw_heading(Canvas& canvas, std::span<const PicturePart> parts, std::uint64_t open_layers) const {
+        const int end = draw_scale(canvas) - gap_;
         const int square = text_height(unit_);
-        int x = gap();
+        int x = gap_;
         // Returns whether there was room.
         const auto entry = [&](std::string_view name, Colour colour, int mark_height, int left_over) {
-            const int width = square + 2 * unit_ + text_width(name, unit_) + 2 * gap();
+            const int width = square + 2 * unit_ + text_width(name, unit_) + 2 * gap_;
             if (x + width + left_over > end) {
                 return false;
             }
-            canvas.fill({x, gap() + (square - mark_height) / 2, square, mark_height}, colour);
-            canvas.write(x + square + 2 * unit_, gap(), name, unit_, colours::text);
+            canvas.fill({x, gap_ + (square - mark_height) / 2, square, mark_height}, colour);
+            canvas.write(x + square + 2 * unit_, gap_, name, unit_, colours::text);
             x += width;
             return true;
         };
         if (open_layers > 0) {
-            entry("open in " + std::to_string(open_layers) + (open_layers == 1 ? " layer" : " layers"), colours::open,
-                  2 * unit_, 0);
+            entry("open in " + counted(open_layers, "layer"), colours::open, 2 * unit_, 0);
         }
-        for (std::size_t i = 0; i < names.size(); ++i) {
-            const std::string rest = "+" + std::to_string(names.size() - i);
-            const int left_over = i + 1 < names.size() ? text_width(rest, unit_) : 0;
-            if (!entry(names[i], colour_of_part(i), square, left_over)) {
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            const std::string rest = "+" + std::to_string(parts.size() - i);
+            const int left_over = i + 1 < parts.size() ? text_width(rest, unit_) : 0;
+            if (!entry(parts[i].name, colour_of_part(i), square, left_over)) {
                 if (x + text_width(rest, unit_) <= end) {
-                    canvas.write(x, gap(), rest, unit_, colours::text);
+                    canvas.write(x, gap_, rest, unit_, colours::text);
                 }
                 return;
             }
         }
     }
 
-    /// A cell without its layer.
-    void draw_cell(Canvas& canvas, std::size_t i, const std::string& label) const {
-        const Rectangle whole = cell(i);
-        canvas.fill(whole, colours::cell);
-        canvas.write(whole.x + gap(), whole.y + gap(), label, unit_, colours::text);
-    }
-
 private:
-    /// The narrowest area that still shows something.
-    static constexpr int least_area_pixels = 16;
-
-    /// The largest of 1, 2, 5, 10, 20, ... that is at most `limit`; `decimals` are those that it takes.
-    static double round_length(double limit, int& decimals) noexcept {
-        double step = 1;
-        decimals = 0;
-        for (; step > limit && decimals < 9; ++decimals) {
-            step /= 10;
-        }
-        while (step * 10 <= limit && step < 1e9) {
-            step *= 10;
-        }
-        return step * 5 <= limit ? step * 5 : step * 2 <= limit ? step * 2 : step;
-    }
-
-    Rectangle cell(std::size_t i) const noexcept {
-        const int column = static_cast<int>(i % static_cast<std::size_t>(columns_));
-        const int row = static_cast<int>(i / static_cast<std::size_t>(columns_));
-        return {gap() + column * (cell_width_ + gap()), heading_height() + row * (cell_height_ + gap()), cell_width_,
-                cell_height_};
-    }
-
-    int gap() const noexcept { return 4 * unit_; }
-    int heading_height() const noexcept { return text_height(unit_) + 2 * gap(); }
-    int label_height() const noexcept { return text_height(unit_) + gap(); }
-    double scale_with(const BoxMm& box, int columns, int rows, const PictureOptions& options) const noexcept {
-        const double width = (static_cast<double>(options.width) - gap() * (columns + 1.0)) / columns - 2 * gap();
-        const double height =
-            (static_cast<double>(options.height) - heading_height() - gap() * static_cast<double>(rows)) / rows -
-            label_height() - 2 * gap();
-        return std::min(width / box.width(), height / box.height());
-    }
-
-    /// Returns where it begins.
+    /// A bar of 1, 2, 5, 10, 20, ... mm, as long as there is room. Returns where it begins.
     int draw_scale(Canvas& canvas) const {
-        int decimals = 0;
-        const double length_mm = round_length(std::min(0.5 * cell_width_, 0.25 * width_) / pixels_per_mm_, decimals);
-        const std::string text = decimal_text(length_mm, decimals) + " mm";
+        const double most_mm = std::min(0.5 * cell_width_, 0.25 * width_) / pixels_per_mm_;
+        const double exponent = std::floor(std::log10(most_mm));
+        const double step = std::pow(10, exponent);
+        const double length_mm = step * (5 * step <= most_mm ? 5 : 2 * step <= most_mm ? 2 : 1);
+        const std::string text = decimal_text(length_mm, static_cast<int>(std::clamp(-exponent, 0.0, 9.0))) + " mm";
         const int length = std::max(1, static_cast<int>(std::lround(length_mm * pixels_per_mm_)));
-        const int right = width_ - gap() - text_width(text, unit_);
+        const int right = width_ - gap_ - text_width(text, unit_);
         const int left = right - 2 * unit_ - length;
-        const int middle = gap() + text_height(unit_) / 2;
-        canvas.write(right, gap(), text, unit_, colours::text);
+        const int middle = gap_ + text_height(unit_) / 2;
+        canvas.write(right, gap_, text, unit_, colours::text);
         canvas.fill({left, middle - unit_ / 2, length, unit_}, colours::text);
         for (const int end : {left, left + length - unit_}) {
             canvas.fill({end, middle - 2 * unit_, unit_, 4 * unit_}, colours::text);
@@ -189,6 +165,8 @@ private:
     }
 
     int unit_ = 1;
+    int gap_ = 0;
+    int heading_height_ = 0;
     int columns_ = 1;
     int cell_width_ = 0;
     int cell_height_ = 0;

@@ -17,8 +17,7 @@ namespace lamella {
 /// Signed-area accumulation, as in R. Levien's font-rs and in FreeType's smooth rasteriser: an edge changes the coverage of
 /// the voxels that it passes, and of all to their right by its height.
 ///
-/// A sheet of voxels in the order of rows: voxel (i, j) reaches half a voxel around (i, j). Sums are in double precision, in
-/// the order of add(): the same contours in the same order give the same bits.
+/// Sums are in double precision, in the order of add(): the same contours in the same order give the same bits.
 class CoverageSheet {
 public:
     /// Zero everywhere; about rows [begin, end) of `width` voxels. Throws std::bad_alloc.
@@ -31,21 +30,25 @@ public:
         touched_.assign(rows_, {untouched, 0});
     }
 
-    /// A closed contour; counter-clockwise it adds, clockwise it takes away. `voxels_per_unit`: along x and y.
-    void add(std::span<const Point> contour, const double (&voxels_per_unit)[2]) {
-        if (contour.empty()) {
+    /// A closed contour; counter-clockwise it adds, clockwise it takes away. `place` gives where a point lies, in voxels
+    /// from the lower left corner of the first; `sign` is -1 where that turns the contour round.
+    template <class Points, class Place>
+    void add(const Points& contour, const Place& place, double sign = 1) {
+        if (std::empty(contour)) {
             return;
         }
-        const auto place = [&](const Point& point) {
-            return At{point.x * voxels_per_unit[0] + 0.5, point.y * voxels_per_unit[1] + 0.5 - static_cast<double>(begin_)};
+        const auto within = [&](const auto& point) {
+            PointMm at = place(point);
+            at.y -= static_cast<double>(begin_);
+            return at;
         };
-        At from = place(contour.back());
-        for (const Point& point : contour) {
-            const At to = place(point);
+        PointMm from = within(contour[std::size(contour) - 1]);
+        for (const auto& point : contour) {
+            const PointMm to = within(point);
             if (from.y < to.y) {
-                add_edge(from, to, -1);
+                add_edge(from, to, -sign);
             } else if (to.y < from.y) {
-                add_edge(to, from, 1);
+                add_edge(to, from, sign);
             }
             from = to;
         }
@@ -74,16 +77,12 @@ public:
 private:
     static constexpr std::size_t untouched = std::numeric_limits<std::size_t>::max();
 
-    struct At {
-        double x = 0;  ///< in voxels, from the left side of the first
-        double y = 0;  ///< from the lower side of the range's first row
-    };
     /// Columns of a row that were touched: [first, last].
     struct Touched {
         std::size_t first;
         std::size_t last;
     };
-    void add_edge(At low, At high, double sign) noexcept {
+    void add_edge(PointMm low, PointMm high, double sign) noexcept {
         const auto rows = static_cast<double>(rows_);
         if (high.y <= 0 || low.y >= rows) {
             return;

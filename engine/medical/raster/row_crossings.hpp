@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <numeric>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "lamella/grid.hpp"
@@ -56,34 +57,19 @@ private:
     double voxels_per_unit_;
 };
 
-/// A contour of `part` passes a row: from voxel `column` on, centres lie to its right. Ordered by part, then by column.
-class Crossing {
-public:
-    Crossing() = default;
-    Crossing(std::uint32_t part, std::size_t column, bool upward) noexcept
-        : key_(std::uint64_t{part} << 32 | static_cast<std::uint64_t>(column) << 1 | static_cast<std::uint64_t>(upward)) {}
-    std::uint32_t part() const noexcept { return static_cast<std::uint32_t>(key_ >> 32); }
-    std::size_t column() const noexcept { return static_cast<std::uint32_t>(key_) >> 1; }
-    int winding() const noexcept { return (key_ & 1) != 0 ? 1 : -1; }
-    friend auto operator<=>(const Crossing&, const Crossing&) = default;
-
-private:
-    std::uint64_t key_ = 0;
-};
-
-/// The crossings of a range of rows. An edge crosses the rows whose centres lie at its lower end or above, and below its
-/// upper end; it lies to the left of the centres at its place or to the right: so left and bottom edges are inside.
+/// Where contours cross the rows of an image. An edge crosses the rows whose centres lie at its lower end or above, and
+/// below its upper end; it lies to the left of the centres at its place or to the right: so left and bottom edges are
+/// inside.
 class RowCrossings {
 public:
-    /// Forgets all; from here on about rows [begin, end).
-    void restart(std::size_t begin, std::size_t end) {
-        begin_ = begin;
-        end_ = end;
+    /// Forgets all.
+    void restart(std::size_t rows) {
         found_.clear();
+        first_.assign(rows + 2, 0);
     }
 
     /// A closed contour of any orientation. Preconditions: its points are within grid_limit.
-    void add(std::span<const Point> contour, const Centres& columns, const Centres& rows, std::uint32_t part) {
+    void add(std::span<const Point> contour, const Centres& columns, const Centres& rows) {
         if (contour.empty()) {
             return;
         }
@@ -93,9 +79,9 @@ public:
             if (!rows.begins(from_row, to.y)) {
                 const std::size_t to_row = rows.first_from(to.y);
                 if (from_row < to_row) {
-                    add_edge(from, to, from_row, to_row, true, columns, rows, part);
+                    add_edge(from, to, from_row, to_row, upward, columns, rows);
                 } else {
-                    add_edge(to, from, to_row, from_row, false, columns, rows, part);
+                    add_edge(to, from, to_row, from_row, 0, columns, rows);
                 }
                 from_row = to_row;
             }
@@ -103,39 +89,40 @@ public:
         }
     }
 
-    /// After the last add(): brings the crossings in the order of rows.
-    void sort() {
-        const std::size_t rows = end_ - begin_;
-        first_.assign(rows + 2, 0);
-        for (const Found& found : found_) {
-            ++first_[found.row + 2];
-        }
-        for (std::size_t row = 2; row < rows + 2; ++row) {
-            first_[row] += first_[row - 1];
-        }
-        sorted_.resize(found_.size());
-        for (const Found& found : found_) {
-            sorted_[first_[found.row + 1]++] = found.crossing;
-        }
-        for (std::size_t row = 0; row < rows; ++row) {
-            const auto begin = sorted_.begin() + static_cast<std::ptrdiff_t>(first_[row]);
-            const auto end = sorted_.begin() + static_cast<std::ptrdiff_t>(first_[row + 1]);
-            if (end - begin == 2) {
-                if (begin[1] < begin[0]) {
-                    std::swap(begin[0], begin[1]);
+    /// After the last add(): calls span(row, begin, end) for the voxels of each row, `width` long, whose winding number is
+    /// not 0.
+    template <class Span>
+    void for_each_span(std::size_t width, Span&& span) {
+        sort_by_rows();
+        for (std::size_t row = 0; row + 2 < first_.size(); ++row) {
+            const auto row_begin = sorted_.begin() + static_cast<std::ptrdiff_t>(first_[row]);
+            const auto row_end = sorted_.begin() + static_cast<std::ptrdiff_t>(first_[row + 1]);
+            std::sort(row_begin, row_end);
+            int winding = 0;
+            std::size_t begin = 0;
+            for (auto crossing = row_begin; crossing != row_end; ++crossing) {
+                const std::size_t column = *crossing >> 1;
+                begin = winding == 0 ? column : begin;
+                winding += (*crossing & upward) != 0 ? 1 : -1;
+                if (winding == 0 && column > begin) {
+                    span(row, begin, column);
                 }
-            } else {
-                std::sort(begin, end);
+            }
+            if (winding != 0) {
+                span(row, begin, width);
             }
         }
     }
 
-    /// Those of the i-th row of the range, sorted.
-    std::span<const Crossing> of_row(std::size_t i) const noexcept {
-        return std::span(sorted_).subspan(first_[i], first_[i + 1] - first_[i]);
-    }
-
 private:
+    static constexpr std::uint32_t upward = 1;
+
+    /// From voxel `column` on, centres lie to the right of a contour. Ordered by column.
+    struct Crossing {
+        std::uint32_t row = 0;
+        std::uint32_t column_and_way = 0;  ///< 2 column, and `upward` where the contour runs so
+    };
+
     /// The quotient rounded up. |numerator| <= 2^62, 0 < denominator <= 2^31, and the quotient fits 32 bits: the quotient of
     /// doubles, which takes a third of the time of the integers', is at most one off.
     static std::int64_t ceiling(std::int64_t numerator, std::int64_t denominator) noexcept {
@@ -146,47 +133,30 @@ private:
         return quotient;
     }
 
-    struct Found {
-        Crossing crossing;
-        std::uint32_t row = 0;
-    };
-    void add_edge(Point low, Point high, std::size_t first_row, std::size_t end_row, bool upward, const Centres& columns,
-                  const Centres& rows, std::uint32_t part) {
+    void add_edge(Point low, Point high, std::size_t first_row, std::size_t end_row, std::uint32_t way,
+                  const Centres& columns, const Centres& rows) {
         const std::int64_t run = std::int64_t{high.x} - low.x;
         const std::int64_t rise = std::int64_t{high.y} - low.y;
-        const std::size_t end = std::min(end_row, end_);
-        for (std::size_t row = std::max(first_row, begin_); row < end; ++row) {
+        for (std::size_t row = first_row; row < end_row; ++row) {
             const std::size_t column = columns.first_from(low.x + ceiling((rows[row] - low.y) * run, rise));
             if (column < columns.size()) {
-                found_.push_back({Crossing(part, column, upward), static_cast<std::uint32_t>(row - begin_)});
+                found_.push_back({static_cast<std::uint32_t>(row), static_cast<std::uint32_t>(column) << 1 | way});
+                ++first_[row + 2];
             }
         }
     }
 
-    std::size_t begin_ = 0;
-    std::size_t end_ = 0;
-    std::vector<Found> found_;
-    std::vector<std::size_t> first_;  ///< of each row, in sorted_
-    std::vector<Crossing> sorted_;
-};
+    void sort_by_rows() {
+        std::partial_sum(first_.begin(), first_.end(), first_.begin());
+        sorted_.resize(found_.size());
+        for (const Crossing& crossing : found_) {
+            sorted_[first_[crossing.row + 1]++] = crossing.column_and_way;
+        }
+    }
 
-/// Calls span(begin, end) for the voxels of a row whose winding number is not 0. `crossings`: of one part, sorted.
-template <class Span>
-void for_each_span(std::span<const Crossing> crossings, std::size_t width, Span&& span) {
-    int winding = 0;
-    std::size_t begin = 0;
-    for (const Crossing& crossing : crossings) {
-        if (winding == 0) {
-            begin = crossing.column();
-        }
-        winding += crossing.winding();
-        if (winding == 0 && crossing.column() > begin) {
-            span(begin, crossing.column());
-        }
-    }
-    if (winding != 0) {
-        span(begin, width);
-    }
-}
+    std::vector<Crossing> found_;
+    std::vector<std::size_t> first_;  ///< of each row, in sorted_; two places after it until they are sorted
+    std::vector<std::uint32_t> sorted_;
+};
 
 }  // namespace lamella

@@ -60,40 +60,32 @@ std::string json_line(const char* kind, const std::vector<Cell>& cells) {
 }
 
 using Place = std::array<double, 3>;
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+constexpr Place nowhere = {unknown, unknown, unknown};
 
-/// Measures of a layer's closed contours; empty where there are none. Where one is open, the solid is not known.
+/// Measures of a layer's contours. Where one is open, the solid is not known.
 struct Measures {
-    std::uint64_t holes = 0;
-    std::uint64_t open = 0;
-    std::uint64_t flat = 0;
+    std::array<std::uint64_t, 4> by_role{};
     double perimeter_mm = 0;
-    std::optional<Place> centroid;
-    std::optional<std::array<Place, 2>> box_mm;  ///< least and largest coordinates
+    Place centroid = nowhere;
+    Place low = nowhere;  ///< least and largest coordinates
+    Place high = nowhere;
 };
 
 /// The sum of moments of a contour about one of its points, so that nothing cancels: six times the area times the centroid.
 void add_moments(std::span<const Point> points, Point about, std::array<double, 3>& sums) {
+    const auto from_there = [&](const Point& point) {
+        return PointMm{static_cast<double>(std::int64_t{point.x} - about.x),
+                       static_cast<double>(std::int64_t{point.y} - about.y)};
+    };
+    PointMm a = from_there(points.front());
     for (std::size_t i = 0; i < points.size(); ++i) {
-        const Point& p = points[i];
-        const Point& q = points[i + 1 < points.size() ? i + 1 : 0];
-        const double ax = static_cast<double>(std::int64_t{p.x} - about.x);
-        const double ay = static_cast<double>(std::int64_t{p.y} - about.y);
-        const double bx = static_cast<double>(std::int64_t{q.x} - about.x);
-        const double by = static_cast<double>(std::int64_t{q.y} - about.y);
-        const double area = ax * by - bx * ay;
+        const PointMm b = from_there(points[i + 1 < points.size() ? i + 1 : 0]);
+        const double area = a.x * b.y - a.y * b.x;
         sums[0] += area;
-        sums[1] += area * (ax + bx);
-        sums[2] += area * (ay + by);
-    }
-}
-
-void widen(std::optional<std::array<Place, 2>>& box, const Place& at) {
-    if (!box) {
-        box = {at, at};
-    }
-    for (std::size_t axis = 0; axis < at.size(); ++axis) {
-        (*box)[0][axis] = std::min((*box)[0][axis], at[axis]);
-        (*box)[1][axis] = std::max((*box)[1][axis], at[axis]);
+        sums[1] += area * (a.x + b.x);
+        sums[2] += area * (a.y + b.y);
+        a = b;
     }
 }
 
@@ -108,11 +100,13 @@ Measures measure(const LayerView& view, const ImageGeometry* image) {
     std::array<double, 3> sums{};
     for (const Contour& contour : view.contours) {
         const std::span<const Point> points = view.points_of(contour);
-        found.holes += contour.role == Role::hole ? 1 : 0;
-        found.open += contour.role == Role::open ? 1 : 0;
-        found.flat += contour.role == Role::flat ? 1 : 0;
+        ++found.by_role[static_cast<std::size_t>(contour.role)];
         for (const Point& point : points) {
-            widen(found.box_mm, placed(view.to_mm(point)));
+            const Place at = placed(view.to_mm(point));
+            for (std::size_t axis = 0; axis < 3; ++axis) {  // of a number and NaN, these give the number
+                found.low[axis] = std::fmin(found.low[axis], at[axis]);
+                found.high[axis] = std::fmax(found.high[axis], at[axis]);
+            }
         }
         if (contour.role == Role::outer || contour.role == Role::hole) {
             about = about.value_or(points.front());
@@ -120,23 +114,13 @@ Measures measure(const LayerView& view, const ImageGeometry* image) {
             found.perimeter_mm += perimeter_of(points) * view.grid_mm;
         }
     }
-    if (found.open > 0) {
-        found.perimeter_mm = std::numeric_limits<double>::quiet_NaN();
+    if (found.by_role[static_cast<std::size_t>(Role::open)] > 0) {
+        found.perimeter_mm = unknown;
     } else if (about && sums[0] != 0) {
         found.centroid = placed(
             {(about->x + sums[1] / (3 * sums[0])) * view.grid_mm, (about->y + sums[2] / (3 * sums[0])) * view.grid_mm});
     }
     return found;
-}
-
-/// Three coordinates in the patient, else two in the layer.
-void add_place(std::vector<Cell>& cells, const std::string& what, const std::optional<Place>& at,
-               const ImageGeometry* image) {
-    static constexpr std::array<char, 3> axes = {'x', 'y', 'z'};
-    for (std::size_t axis = 0; axis < (image != nullptr ? 3 : 2); ++axis) {
-        cells.push_back(number(what + "_" + axes[axis] + (image != nullptr ? "_lps_mm" : "_mm"),
-                               at ? (*at)[axis] : std::numeric_limits<double>::quiet_NaN()));
-    }
 }
 
 void add_heights(std::vector<Cell>& cells, const LayerView& layer, const ImageGeometry* image) {
@@ -158,14 +142,19 @@ void add_heights(std::vector<Cell>& cells, const LayerView& layer, const ImageGe
 /// With `image`, heights and places are the patient's, and the names say so.
 std::vector<Cell> cells_of(const std::string& mesh, const LayerView& layer, const ImageGeometry* image) {
     const Measures found = measure(layer, image);
+    const auto role = [&](Role role) { return found.by_role[static_cast<std::size_t>(role)]; };
     std::vector<Cell> cells = {text("mesh", text_of_name(mesh)), count("layer", layer.index)};
     add_heights(cells, layer, image);
     cells.insert(cells.end(), {number("area_mm2", layer.area_mm2()), number("perimeter_mm", found.perimeter_mm),
-                               count("contours", layer.contour_count), count("holes", found.holes),
-                               count("open", found.open), count("flat", found.flat)});
-    add_place(cells, "centroid", found.centroid, image);
-    add_place(cells, "min", found.box_mm ? std::optional(found.box_mm->front()) : std::nullopt, image);
-    add_place(cells, "max", found.box_mm ? std::optional(found.box_mm->back()) : std::nullopt, image);
+                               count("contours", layer.contour_count), count("holes", role(Role::hole)),
+                               count("open", role(Role::open)), count("flat", role(Role::flat))});
+    // Three coordinates in the patient, else two in the layer.
+    for (const auto& [what, place] : {std::pair{"centroid", found.centroid}, {"min", found.low}, {"max", found.high}}) {
+        for (std::size_t axis = 0; axis < (image != nullptr ? 3 : 2); ++axis) {
+            const std::string name = std::string(what) + "_" + "xyz"[axis];
+            cells.push_back(number(name + (image != nullptr ? "_lps_mm" : "_mm"), place[axis]));
+        }
+    }
     return cells;
 }
 
@@ -236,7 +225,7 @@ Result<MeshFacts> measure_facts(const MeshView& mesh, const SliceResult& result,
         const Audit answers = require(audit(result, mesh, {.open = false, .ledger = false, .crossings = false}, context));
         MeshFacts facts;
         facts.triangles = found.triangles;
-        facts.volume_mm3 = found.closed ? found.volume_mm3 : std::numeric_limits<double>::quiet_NaN();
+        facts.volume_mm3 = found.closed ? found.volume_mm3 : unknown;
         facts.surface_mm2 = found.area_mm2;
         facts.certificate = words_for(*answers.volume);
         return facts;

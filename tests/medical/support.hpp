@@ -1,0 +1,52 @@
+// What the tests of medical files share.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include <catch2/catch.hpp>
+
+#include "engine/slicing.hpp"
+#include "lamella/lamella.hpp"
+#include "lamella/medical.hpp"
+#include "temp_folder.hpp"
+
+namespace medical {
+
+using namespace lamella;
+using namespace shapes;
+using Catch::Contains;
+
+/// Upright in LPS.
+inline ImageGeometry image_of(std::array<std::uint64_t, 3> size, std::array<double, 3> spacing,
+                              std::array<double, 3> origin) {
+    ImageGeometry image;
+    image.size = size;
+    image.spacing_mm = spacing;
+    image.origin_mm = origin;
+    return image;
+}
+
+/// Options to cut a mesh at the slices of an image.
+inline SliceOptions at_slices(const ImageGeometry& image, int subslices = 1) {
+    SliceOptions options;
+    options.heights_mm = image.slice_heights_mm(subslices);
+    options.frame.transform = image.slicing_frame(PatientFrame::lps);
+    return options;
+}
+
+inline SliceResult cut(const Soup& soup, const ImageGeometry& image, int subslices = 1) {
+    return sliced(soup, at_slices(image, subslices));
+}
+
+/// A box without its last side.
+inline Soup open_box(Xyz low, Xyz high) {
+    Soup open = box(low, high);
+    open.resize(open.size() - 18);
+    return open;
+}
+
+/// A host that wants every call to end.
+inline constexpr auto always = []() noexcept { return true; };
+
+}  // namespace medical

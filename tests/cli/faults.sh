@@ -81,7 +81,7 @@ test_full_disk() {
 
 # start_tool ARGUMENT...: starts the command line tool beside this script; its process is `tool`.
 start_tool() {
-    set -m
+    set -m  # A background job ignores SIGINT unless job control gives it its own process group.
     "$lamella" "$@" > .stdout 2> .stderr &
     set +m
     tool=$!
@@ -89,31 +89,62 @@ start_tool() {
     while [[ "$(cat "/proc/$tool/comm")" == bash ]]; do :; done
 }
 
-# signalled SIGNAL SECONDS: slicing ends with the signal, whatever it is doing, and keeps the old output. Finishing before
-# the signal is not a failure.
-signalled() {
-    local tool status
-    echo precious > out.svg
-    start_tool slice ball.stl --layer-height 0.002 -o out.svg
-    sleep "$2"
-    kill -s "$1" "$tool" 2> /dev/null
+# ended_by SIGNAL SECONDS ARGUMENT...: the command ends with the signal at most half a second after it, which leaves room for
+# freeing memory and for a busy machine. Finishing before the signal is not a failure. Before the tool can handle signals,
+# there is nothing to print.
+ended_by() {
+    local signal=$1 delay=$2 tool status begin
+    shift 2
+    start_tool "$@"
+    sleep "$delay"
+    kill -s "$signal" "$tool" 2> /dev/null
+    begin=$(now_us)
     wait "$tool" 2> /dev/null
     status=$?
-    ((status != 0)) || return 0
-    ((status == 128 + $(kill -l "$1"))) || fail "$1 after $2 s: exit status $status"
-    # Before the tool can handle signals, there is nothing to print or to clean up.
-    [[ ! -s .stderr || $(cat .stderr) == "lamella: interrupted" ]] || fail "$1 after $2 s: not one line"
-    [[ $(cat out.svg) == precious ]] || fail "$1 after $2 s: the old file is gone"
-    expect_files ball.stl out.svg
+    (($(now_us) - begin < 500000)) || fail "$*: went on for over half a second"
+    ((status == 0 || status == 128 + $(kill -l "$signal"))) || fail "$*: exit status $status"
+    [[ ! -s .stderr || $(tail -c 21 .stderr) == "lamella: interrupted" || $status == 0 ]] || fail "$*: another message"
 }
 
+# Slicing ends with a signal, whatever it is doing, and keeps the old output.
 test_signals() {
     sphere ball.stl 100000
     local signal delay
     for signal in INT TERM; do
         for delay in 0.001 0.01 0.03 0.1 0.2 0.4; do
-            signalled "$signal" "$delay"
+            echo precious > out.svg
+            ended_by "$signal" "$delay" slice ball.stl --layer-height 0.002 -o out.svg
+            [[ $(cat out.svg) == precious || ! -s .stderr ]] || fail "$signal after $delay s: the old file is gone"
+            expect_files ball.stl out.svg
         done
+    done
+}
+
+# interrupted SIGNAL OUTPUT ARGUMENT...: sends the signal when the temporary file appears. Sometimes the tool finishes
+# earlier; then the test is repeated.
+interrupted() {
+    local signal=$1 output=$2 attempt status tool
+    shift 2
+    for attempt in 1 2 3 4 5; do
+        start_tool "$@" -o "$output"
+        until compgen -G ".$output.*" > /dev/null || ! kill -0 "$tool" 2> /dev/null; do :; done
+        kill -s "$signal" "$tool" 2> /dev/null
+        wait "$tool" 2> /dev/null
+        status=$?
+        ((status == 0)) || break
+        rm "$output"
+    done
+    ((status == 128 + $(kill -l "$signal"))) || fail "$1, $signal: exit status $status"
+    [[ $(cat .stderr) == "lamella: interrupted" ]] || fail "$1, $signal: not one line"
+    expect_files ball.stl
+}
+
+test_interrupt() {
+    sphere ball.stl 20000
+    local signal
+    for signal in INT TERM; do
+        interrupted "$signal" out.svg slice ball.stl --layer-height 0.002
+        interrupted "$signal" made.stl make bone --triangles 1000000
     done
 }
 
@@ -182,22 +213,6 @@ test_shrinking_map() {
     one_line 3 "$status" "ball.stl: shrank while it was read" "attempt $attempt"
     [[ ! -s .stdout ]] || fail "wrote to stdout"
     expect_files ball.stl out.svg
-}
-
-# ended_by SIGNAL SECONDS ARGUMENT...: the command ends with the signal at most half a second after it, which leaves room for
-# freeing memory and for a busy machine. Finishing before the signal is not a failure.
-ended_by() {
-    local signal=$1 delay=$2 tool status begin
-    shift 2
-    start_tool "$@"
-    sleep "$delay"
-    kill -s "$signal" "$tool" 2> /dev/null
-    begin=$(now_us)
-    wait "$tool" 2> /dev/null
-    status=$?
-    (($(now_us) - begin < 500000)) || fail "$*: went on for over half a second"
-    ((status == 0 || status == 128 + $(kill -l "$signal"))) || fail "$*: exit status $status"
-    [[ ! -s .stderr || $(tail -c 21 .stderr) == "lamella: interrupted" || $status == 0 ]] || fail "$*: another message"
 }
 
 # stop_at_random COUNT CALL ARGUMENT...: ends the command COUNT times by `CALL INT SECONDS ARGUMENT...`, at random moments of

@@ -14,7 +14,7 @@
 #include "lamella/io/mesh_writer.hpp"
 #include "lamella/medical.hpp"
 #include "outputs/write_outputs.hpp"
-#include "processes/workers.hpp"
+#include "processes/process.hpp"
 #include "terminal/stages.hpp"
 
 namespace lamella::cli {

@@ -2,7 +2,6 @@
 // options of its record, the same.
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstddef>
 #include <filesystem>
 #include <memory>
@@ -22,7 +21,7 @@
 #include "lamella/medical/record.hpp"
 #include "lamella/version.hpp"
 #include "outputs/write_outputs.hpp"
-#include "processes/workers.hpp"
+#include "processes/process.hpp"
 #include "slice/slice_arguments.hpp"
 #include "terminal/console.hpp"
 
@@ -196,18 +195,6 @@ std::vector<std::string> remaking_words(const Record& record, const std::vector<
     return words;
 }
 
-void run(const ToolCall& call, const Context& context) {
-    constexpr std::chrono::milliseconds between_looks{100};
-    WorkerPool pool(0);
-    pool.start(0, call);
-    while (pool.running() > 0) {
-        refuse_if(context.stop(), bad_input, "cancelled");
-        for (const WorkerEnd& end : pool.wait(between_looks)) {
-            refuse_if(!end.failure.empty(), bad_input, end.failure);
-        }
-    }
-}
-
 bool same_bytes(const fs::path& a, const fs::path& b, const Context& context) {
     const Result<FileSeal> one = seal_file(a, context);
     const Result<FileSeal> other = seal_file(b, context);
@@ -265,7 +252,9 @@ std::vector<std::string> differences_from_remade(const Record& recorded, const f
         // No other thread looks at the environment, which the process that is started inherits.
         record.source_date_epoch.empty() ? ::unsetenv("SOURCE_DATE_EPOCH")
                                          : ::setenv("SOURCE_DATE_EPOCH", record.source_date_epoch.c_str(), 1);
-        run({record.command, words, workshop.inputs().string()}, context);
+        const ProcessEnd end =
+            run_process({record.command, words, workshop.inputs().string()}, 0, [&] { return context.stop(); });
+        refuse_if(!end.failure.empty(), bad_input, context.stop() ? "cancelled" : end.failure);
         std::vector<std::string> found;
         compare_records(record, done_or_thrown(read_record(made.string() + ".lamella.json")), found);
         compare_files(workshop.outputs(), output, record.output.path, context, found);

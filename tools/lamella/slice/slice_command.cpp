@@ -9,13 +9,15 @@
 #include <utility>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "commands.hpp"
 #include "files/streams.hpp"
 #include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
 #include "options/asked.hpp"
 #include "outputs/write_outputs.hpp"
-#include "processes/workers.hpp"
+#include "processes/process.hpp"
 #include "slice/slice_stages.hpp"
 #include "terminal/stages.hpp"
 
@@ -61,18 +63,24 @@ public:
         }
     }
 
-    /// For a batch: of one file.
-    SliceFacts facts() const {
-        SliceFacts facts{.warnings = run_.warnings};
+    /// Counts and warnings, for a batch: of one file.
+    nlohmann::ordered_json facts() const {
+        SliceInfo sum;
+        double stitch_mm = 0;
         for (const SlicedPart& part : job_.parts) {
             const SliceInfo& info = part.result.info;
-            facts.layers = info.layers;  // the same of all
-            facts.triangles += info.triangles;
-            facts.contours += info.contours;
-            facts.open_contours += info.open_contours;
-            facts.stitch_mm = std::max(facts.stitch_mm, part.reach_mm());
+            sum.layers = info.layers;  // the same of all
+            sum.triangles += info.triangles;
+            sum.contours += info.contours;
+            sum.open_contours += info.open_contours;
+            stitch_mm = std::max(stitch_mm, part.reach_mm());
         }
-        return facts;
+        nlohmann::ordered_json warnings = nlohmann::ordered_json::array();
+        for (const std::string& warning : run_.warnings) {
+            warnings.push_back(printable(warning));
+        }
+        return {{"triangles", sum.triangles},         {"layers", sum.layers},   {"contours", sum.contours},
+                {"open_contours", sum.open_contours}, {"stitch_mm", stitch_mm}, {"warnings", warnings}};
     }
 
 private:
@@ -377,7 +385,9 @@ void add_slice_command(CLI::App& app, Interrupt& interrupt) {
     command->callback([command, arguments, &interrupt] {
         SliceCommand slicing(*command, *arguments, interrupt);
         slicing.run();
-        pass_on(*command, slicing.facts());
+        if (command->count("--worker") > 0) {
+            print(slicing.facts().dump() + "\n");
+        }
     });
 }
 

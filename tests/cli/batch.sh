@@ -259,7 +259,7 @@ test_batch_memory() {
     expect 0 slice in/large.stl --spacing 2,2,2 --frame lps -o large.nrrd
     cmp large.nrrd masks/large.nrrd || fail "a mesh larger than the memory has another mask"
     expect_counts 5 "5: 4 done, 0 unchanged, 1 failed" batch in -o 'welded/{stem}.svg' --weld 0.001 --memory 64M
-    grep -q "^failed    in/large.stl: needs about .* MB of memory, more than --memory has, as --weld needs the whole mesh" .stdout ||
+    grep -q "^failed    in/large.stl: needs about .* MB of memory, more than --memory has for all: --weld excludes --memory" .stdout ||
         fail "no reason"
 }
 

@@ -191,7 +191,6 @@ struct BatchArguments {
     bool force = false;
     bool hash = false;
     bool merge = false;
-    std::vector<std::string> names_without_memory{};  ///< options that a mesh larger than all of it cannot have
 };
 
 /// Slices what is not done of `items`, those of this shard, and prints a summary. `arguments` say how many jobs and how much

@@ -107,10 +107,6 @@ void slice_meshes(const CLI::App& command, BatchArguments& arguments, Interrupt&
     const std::vector<std::string>& sources = arguments.slice.meshes;
     arguments.jobs = arguments.jobs > 0 ? arguments.jobs : usable_threads();
     arguments.memory_bytes = arguments.memory_bytes > 0 ? arguments.memory_bytes : usable_memory();
-    arguments.names_without_memory = {"--report"};
-    for (const CLI::Option* const excluded : names.option("--memory").get_excludes()) {
-        arguments.names_without_memory.push_back(excluded->get_name());
-    }
     const ResultsName name = results_name_of(arguments);
     require_image(arguments.slice.image);
     std::vector<std::string> own_files = {name.path(), name.path_of_whole()};

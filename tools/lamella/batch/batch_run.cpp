@@ -29,12 +29,6 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds between_lines{30};  ///< of a status without a terminal
 constexpr std::size_t most_listed = 20;            ///< of meshes that failed
 
-/// Without the mesh's name, which stands beside it.
-std::string reason_of(const std::string& failure, const std::string& mesh) {
-    const std::string before = printable(mesh) + ": ";
-    return failure.starts_with(before) ? failure.substr(before.size()) : failure;
-}
-
 /// Of each file, 0 where there is none.
 std::vector<std::uint64_t> inodes_of(const std::vector<std::string>& paths) {
     std::vector<std::uint64_t> inodes;
@@ -251,10 +245,6 @@ private:
             at->threads = threads_for(*at);
             Job job = std::move(*at);
             at = waiting_.erase(at);
-            if (const std::string reason = why_not_in_memory(job); !reason.empty()) {
-                fail(job, reason);
-                continue;
-            }
             start(std::move(job));
         }
     }
@@ -289,20 +279,7 @@ private:
         return std::exchange(ended_, {});
     }
 
-    /// Slice cuts a mesh larger than all of the memory in ranges, unless some option needs the whole mesh.
-    std::string why_not_in_memory(const Job& job) const {
-        const Item& item = items_[job.item];
-        for (const std::string& name : options_.names_without_memory) {
-            const auto is_given = [&](const std::string& word) { return word == name || word.starts_with(name + "="); };
-            if (is_too_large(job) && (std::any_of(item.words.begin(), item.words.end(), is_given) ||
-                                      std::any_of(item.writes.begin(), item.writes.end(), is_given))) {
-                return "needs about " + file_size_text(static_cast<std::uint64_t>(need_of(job))) +
-                       " of memory, more than --memory has, as " + name + " needs the whole mesh";
-            }
-        }
-        return {};
-    }
-
+    /// Slice cuts a mesh larger than all of the memory in ranges, and refuses where something needs the whole mesh.
     std::vector<std::string> words_of(const Job& job) const {
         const Item& item = items_[job.item];
         std::vector<std::string> words = item.words;
@@ -327,8 +304,16 @@ private:
             job.alone = end.lacked_memory;
             waiting_.push_back(std::move(job));
         } else {
-            fail(job, reason_of(end.failure, items_[job.item].mesh));
+            fail(job, reason_of(end.failure, job));
         }
+    }
+
+    /// Without the mesh's name, which stands beside it.
+    std::string reason_of(const std::string& failure, const Job& job) const {
+        const std::string before = printable(items_[job.item].mesh) + ": ";
+        const std::string need = file_size_text(static_cast<std::uint64_t>(need_of(job)));
+        return when(is_too_large(job), "needs about " + need + " of memory, more than --memory has for all: ") +
+               failure.substr(failure.starts_with(before) ? before.size() : 0);
     }
 
     void learn(const Job& job, std::uint64_t peak_bytes) {

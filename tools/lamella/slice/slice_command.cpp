@@ -92,35 +92,25 @@ private:
         if (arguments_.in_ranges() && std::any_of(arguments_.meshes.begin(), arguments_.meshes.end(), is_standard)) {
             throw Failure(bad_usage, "--memory: standard input cannot be read twice; write it to a file first");
         }
-        NamedInputs inputs;
         for (const RecordedOption& option : job_.options) {
             if (option.names_file()) {
-                inputs.emplace_back(*option.value, "the file of " + option.name);
+                file_plan_.reads(*option.value, "the file of " + option.name);
             }
         }
         for (const std::string& mesh : arguments_.meshes) {
-            inputs.emplace_back(mesh, "the mesh");
+            file_plan_.reads(mesh, "the mesh");
         }
-        job_.outputs = plan_outputs(arguments_.outputs, arguments_.mesh_count(), arguments_.image, inputs);
-        require_report_possible(inputs);
-        files_ = files_of(job_.outputs, arguments_.mesh_count() > 1);
-        files_.emplace_back(arguments_.report);
-        stages_.interrupt().tidy(files_);
-    }
-
-    void require_report_possible(const NamedInputs& inputs) const {
-        const std::string& report = arguments_.report;
-        if (report.empty()) {
-            return;
+        job_.outputs = plan_outputs(arguments_.outputs, arguments_.mesh_count(), arguments_.image, file_plan_);
+        std::vector<std::filesystem::path> files = files_of(job_.outputs, arguments_.mesh_count() > 1);
+        if (const std::string& report = arguments_.report; !report.empty()) {
+            refuse_if(!are_all_layers(arguments_.options), bad_usage,
+                      "--report: not with --layers, as it judges the whole mesh");
+            refuse_if(arguments_.mesh_count() > 1, bad_usage, "--report: one mesh a report, not several");
+            require_writable(report);
+            file_plan_.writes(report, "--report", "--report");
+            files.emplace_back(report);
         }
-        refuse_if(!are_all_layers(arguments_.options), bad_usage,
-                  "--report: not with --layers, as it judges the whole mesh");
-        refuse_if(arguments_.mesh_count() > 1, bad_usage, "--report: one mesh a report, not several");
-        require_writable(report);
-        require_no_input(report, inputs, "--report");
-        for (const std::filesystem::path& output : files_of(job_.outputs, false)) {
-            require_different_output(report, output.string(), "--report", "--output");
-        }
+        stages_.interrupt().tidy(std::move(files));
     }
 
     /// The meshes, where all of them are needed before the first one is sliced.
@@ -138,7 +128,7 @@ private:
         job_.subslices = arguments_.image.subslices;
         note_all(job_.image->warnings);
         require_image_serves(*job_.image, job_.outputs, arguments_.outputs);
-        require_series_kept(*job_.image, files_);
+        add_series(*job_.image, file_plan_);
         return meshes;
     }
 
@@ -367,7 +357,7 @@ private:
     SliceArguments arguments_;
     Stages stages_;
     OutputJob job_;
-    std::vector<std::filesystem::path> files_;  ///< that the outputs come to be, and the report
+    FilePlan file_plan_;
     std::optional<StreamedOutputs> streamed_;
     std::optional<Failure> failure_;              ///< of an output, beside others that were written
     std::optional<std::vector<double>> heights_;  ///< of the file whose objects are being sliced

@@ -58,6 +58,15 @@ expect_failure() {
     expect_message "lamella $*" "$text"
 }
 
+# fails_into STATUS TEXT ARGUMENT...: the same with the caller's standard output.
+fails_into() {
+    local status=$1 text=$2 got=0
+    shift 2
+    "$lamella" "$@" 2> .stderr || got=$?
+    ((got == status)) || fail "lamella $*: exit status $got, not $status"
+    expect_message "lamella $*" "$text"
+}
+
 # expect_message CALL TEXT: requires that stderr is one line of the tool that contains the text. Starts no process: hundreds
 # of checks come here.
 expect_message() {
@@ -102,18 +111,42 @@ expect_members() {
     done
 }
 
-sphere() { expect 0 make sphere --triangles "${2:-1000}" --height 20 -o "$1"; }
+# settled: the files that are here and what is in them.
+settled() { find . ! -name '.std*' ! -name .actual -printf '%P %l\n' -type f -exec md5sum {} + 2> /dev/null | sort; }
 
-source "$here/input.sh"
-source "$here/output.sh"
-source "$here/slicing.sh"
-source "$here/commands.sh"
-source "$here/scale.sh"
-source "$here/faults.sh"
-source "$here/streams.sh"
-source "$here/medical.sh"
-source "$here/verify.sh"
-source "$here/batch.sh"
-source "$here/ranges.sh"
-"test_$topic"
+# transcript NAME: runs transcripts/NAME.txt and requires that it is what comes out. A line "% WORDS" makes files, a line
+# "$ WORDS" runs the tool. What it prints follows, but for times and memory, with "! " before each message and the exit status
+# before that. Those of `refusals` change no file. TRANSCRIBE=1 writes the file anew.
+transcript() {
+    local file=$here/transcripts/$1.txt line before="" status
+    while IFS= read -r line; do
+        case "$line" in
+            '% '*)
+                [[ -z $before || $before == "$(settled)" ]] || fail "before $line: a refused command changed files"
+                eval "${line#% }"
+                before="" ;;
+            '$'*)
+                if [[ -z $before && $1 == refusals ]]; then before=$(settled); fi
+                eval "set -- $1 ${line#$}"
+                "$lamella" "${@:2}" > .stdout 2> .stderr < /dev/null
+                status=$? ;;
+            '#'* | '') ;;
+            *) continue ;;
+        esac
+        printf '%s\n' "$line"
+        if [[ $line == '$'* ]]; then
+            grep -avE '^(time|memory) ' .stdout | sed 's/^$/(blank)/'
+            sed -e "s|$folder|FOLDER|; s/^lamella: /${status#0}! /; t; s/^/${status#0}? /" .stderr
+            [[ $status == 0 || -s .stderr ]] || echo "$status!"
+        fi
+    done < "$file" > .actual
+    [[ -z $before || $before == "$(settled)" ]] || fail "a refused command changed files"
+    [[ -z ${TRANSCRIBE:-} ]] || cp .actual "$file"
+    diff "$file" .actual >&2 || fail "another transcript of $1"
+}
+
+hash_of() { sed -n 's/^hash *//p' .stdout; }
+
+for part in fixtures commands output faults medical ranges verify batch; do source "$here/$part.sh"; done
+if [[ -e $here/transcripts/$topic.txt ]]; then transcript "$topic"; else "test_$topic"; fi
 echo "passed"

@@ -184,8 +184,6 @@ test_verify_nonsense() {
     verdict 3 "cannot read" out/m.csv
     verdict 3 "cannot read" none.csv
     verdict 3 "no records in the folder" in
-    expect_failure 2 "required" verify
-    expect_failure 2 "excludes" verify --inputs --mesh in/a.stl out
 }
 
 test_verify_options() {

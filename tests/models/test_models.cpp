@@ -171,11 +171,4 @@ TEST_CASE("the random order is a permutation of the ascending order, by seed", "
     CHECK(make_soup(recipe) == shuffled);
 }
 
-TEST_CASE("shapes have names", "[models]") {
-    CHECK(shape_from_name("bone") == Shape::bone);
-    CHECK(shape_from_name("prism") == Shape::prism);
-    CHECK_FALSE(shape_from_name("Bone").has_value());
-    CHECK_FALSE(shape_from_name("").has_value());
-}
-
 }  // namespace lamella::models::test

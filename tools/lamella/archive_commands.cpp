@@ -14,7 +14,7 @@
 #include "lamella/io/mesh_writer.hpp"
 #include "lamella/medical.hpp"
 #include "outputs/write_outputs.hpp"
-#include "processes/workers.hpp"
+#include "processes/process.hpp"
 #include "terminal/stages.hpp"
 
 namespace lamella::cli {
@@ -25,17 +25,6 @@ struct MergeArguments : MeshArguments {
     std::vector<std::string> parts;
     std::string output;
 };
-
-void require_possible(const MergeArguments& arguments, const PlannedOutput& output) {
-    refuse_if(!has_archives(), bad_usage, "--output: '" + output.path + "': this build has no HDF5");
-    require_extension(output.path, "--output", ".h5");
-    for (const std::string& file : output.files(false)) {
-        require_writable(file);
-        for (const std::string& part : arguments.parts) {
-            require_different(file, part, "--output", "one of the parts");
-        }
-    }
-}
 
 void record(const MergedArchive& merged, const MergeArguments& arguments, const PlannedOutput& output,
             const Context& context) {
@@ -53,7 +42,16 @@ void record(const MergedArchive& merged, const MergeArguments& arguments, const 
 
 void merge_parts(const MergeArguments& arguments, Interrupt& interrupt) {
     const PlannedOutput output{arguments.output, OutputFormat::hdf5};
-    require_possible(arguments, output);
+    refuse_if(!has_archives(), bad_usage, "--output: '" + output.path + "': this build has no HDF5");
+    require_extension(output.path, "--output", ".h5");
+    FilePlan plan;
+    for (const std::string& part : arguments.parts) {
+        plan.reads(part, "one of the parts");
+    }
+    for (const std::string& file : output.files(false)) {
+        require_writable(file);
+        plan.writes(file, "--output", "another output");
+    }
     interrupt.tidy({output.path, output.record_path()});
     Stages stages(arguments.progress, arguments.threads, interrupt);
     const std::vector<std::filesystem::path> parts(arguments.parts.begin(), arguments.parts.end());
@@ -118,15 +116,14 @@ private:
     }
 
     void plan() {
-        NamedInputs inputs = {{arguments_.image.like, "the file of --like"}};
+        file_plan_.reads(arguments_.image.like, "the file of --like");
         for (const std::string& archive : arguments_.archives) {
-            inputs.emplace_back(archive, "the archive");
+            file_plan_.reads(archive, "the archive");
         }
         const std::size_t meshes = arguments_.archives.size();
         // The archives say whether there is an image, and how many planes a slice has.
-        job_.outputs = plan_outputs(arguments_.outputs, meshes, {.in_archives = true}, inputs);
-        files_ = files_of(job_.outputs, meshes > 1);
-        stages_.interrupt().tidy(files_);
+        job_.outputs = plan_outputs(arguments_.outputs, meshes, {.in_archives = true}, file_plan_);
+        stages_.interrupt().tidy(files_of(job_.outputs, meshes > 1));
     }
 
     void read(const std::string& path) {
@@ -164,7 +161,7 @@ private:
         }
         refuse_if(!job_.image || !same_voxels(image, *job_.image), bad_input,
                   arguments_.archives.front() + ": not cut at the slices of " + arguments_.image.like);
-        require_series_kept(image, files_);
+        add_series(image, file_plan_);
         job_.image = std::move(image);
         job_.inputs.push_back(
             found(arguments_.image.like, [&](const Context& context) { return seal_file(arguments_.image.like, context); }));
@@ -207,7 +204,7 @@ private:
     const ConvertArguments& arguments_;
     Stages stages_;
     OutputJob job_;
-    std::vector<std::filesystem::path> files_;  ///< that the outputs come to be
+    FilePlan file_plan_;
 };
 
 /// The mesh of `inputs`, which must be one, as binary STL or PLY: a file that can be sliced within a budget of memory. Warns
@@ -216,7 +213,9 @@ void convert_mesh(const std::vector<std::string>& inputs, const std::string& out
                   Interrupt& interrupt) {
     refuse_if(inputs.size() != 1, bad_usage, "--output: '" + output + "' takes one mesh");
     require_writable(output);
-    require_different(output, inputs.front(), "--output", "the mesh");
+    FilePlan plan;
+    plan.reads(inputs.front(), "the mesh");
+    plan.writes(output, "--output", "the output");
     interrupt.tidy({output});
     MeshArguments arguments = reading;
     arguments.mesh = inputs.front();

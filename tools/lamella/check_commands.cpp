@@ -251,18 +251,17 @@ public:
 private:
     void require_outputs() const {
         const std::vector<ListedMesh> meshes = arguments_.meshes();
-        if (!arguments_.report.empty()) {
-            require_writable(arguments_.report);
-            require_different_output(arguments_.report, arguments_.marks, "--report", "--marks");
-        }
-        if (!arguments_.marks.empty()) {
-            refuse_if(meshes.size() > 1, bad_usage,
-                      "--marks: the marks are of one mesh, and " + grouped(meshes.size()) + " are given");
-            require_writable(arguments_.marks);
-        }
+        FilePlan plan;
         for (const ListedMesh& mesh : meshes) {
-            require_different(arguments_.report, mesh.path, "--report", "the mesh");
-            require_different(arguments_.marks, mesh.path, "--marks", "the mesh");
+            plan.reads(mesh.path, "the mesh");
+        }
+        refuse_if(!arguments_.marks.empty() && meshes.size() > 1, bad_usage,
+                  "--marks: the marks are of one mesh, and " + grouped(meshes.size()) + " are given");
+        for (const auto& [option, path] : {std::pair{"--marks", arguments_.marks}, {"--report", arguments_.report}}) {
+            if (!path.empty()) {
+                require_writable(path);
+                plan.writes(path, option, option);
+            }
         }
         require_extension(arguments_.marks, "--marks", ".ply");
     }

@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 
 #include "commands.hpp"
+#include "files/flags.hpp"
 #include "lamella/version.hpp"
 #include "terminal/stages.hpp"
 
@@ -24,10 +25,14 @@ std::string usage_line(const CLI::App& app, const CLI::ParseError& error) {
     for (const CLI::App* chosen : app.get_subcommands()) {
         command += " " + chosen->get_name();
     }
-    const std::vector<std::string> unknown = app.remaining();
+    const std::vector<std::string> unknown = app.remaining(true);
+    const std::string first = unknown.empty() ? "" : unknown.front();
+    const std::string_view today = name_of_today(first.substr(0, first.find('=')));
     const bool no_command = app.get_subcommands().empty() && !unknown.empty();
-    return (no_command ? "'" + unknown.front() + "' is not a command" : std::string(error.what())) + " (see " + command +
-           " --help)";
+    return (no_command       ? "'" + first + "' is not a command"
+            : !today.empty() ? first + ": is called " + std::string(today) + " now"
+                             : std::string(error.what())) +
+           " (see " + command + " --help)";
 }
 
 /// The words after the program's name, last one first as CLI11 takes them. To CLI11 "[a,b]" is a list of a and b where

@@ -50,7 +50,8 @@ void add_make_command(CLI::App& app, Interrupt& interrupt) {
     add(*command, "--layer-height", recipe.layer_height_mm, "MM", "Layer height that --segments counts at (0.032)")
         ->needs("--segments");
     add_choice(*command, "--order", orders, "Order of the triangles in the file (z)", recipe.order);
-    add(*command, "--seed", recipe.seed, "N", "Seed of the shape and of the random order (1)");
+    add_count(*command, "--seed", "Seed of the shape and of the random order (1)",
+              [&recipe](std::uint64_t seed) { recipe.seed = seed; });
     add_text(*command, "-o,--output", arguments->output, "FILE.stl|-", "Binary STL file to write; - for standard output")
         ->required();
     command->callback([arguments, &interrupt] { run(*arguments, interrupt); });

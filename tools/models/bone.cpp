@@ -96,13 +96,13 @@ public:
     }
 
     // Sets values[i] to the field at node i of the row.
-    void row(double y, double z, const RowSpan& span, double* values) const {
-        std::fill(values + span.first, values + span.last, 0.0);
+    void row(double y, double z, double* values) const {
+        std::fill(values, values + nx_, 0.0);
         for (std::size_t n = 0; n < waves_.size(); ++n) {
             const SinCos phase = sincos_turns(waves_[n].y * y + waves_[n].z * z + waves_[n].phase);
             const double* c = cos_.data() + n * nx_;
             const double* s = sin_.data() + n * nx_;
-            for (std::uint32_t i = span.first; i < span.last; ++i) {
+            for (std::size_t i = 0; i < nx_; ++i) {
                 values[i] += phase.cos * c[i] - phase.sin * s[i];
             }
         }
@@ -138,16 +138,18 @@ public:
         relief_values_.resize(lattice.nx);
     }
 
-    RowSpan fill_row(std::uint32_t k, std::uint32_t j, double* row) override {
+    bool fill_row(std::uint32_t k, std::uint32_t j, double* row) override {
         const double z = lattice_.z(k);
         const double y = lattice_.y(j);
         const std::array<RowQuadric, part_count> parts = parts_at(y, z);
-        const RowSpan span = reach(parts);
-        outside(parts, span, row);
-        relief_.row(y, z, span, relief_values_.data());
-        pores_.row(y, z, span, pore_values_.data());
-        hollow(y, z, span, row);
-        return span;
+        if (std::none_of(parts.begin(), parts.end(), [&](const RowQuadric& part) { return part.c + margin_ > 0; })) {
+            return false;
+        }
+        outside(parts, row);
+        relief_.row(y, z, relief_values_.data());
+        pores_.row(y, z, pore_values_.data());
+        hollow(y, z, row);
+        return true;
     }
 
 private:
@@ -179,24 +181,9 @@ private:
         return parts;
     }
 
-    // The nodes of a row, except those far outside every part.
-    RowSpan reach(const std::array<RowQuadric, part_count>& parts) const noexcept {
-        double low = half_width;
-        double high = -half_width;
-        for (const RowQuadric& part : parts) {
-            const double square = part.c + margin_;
-            if (square > 0) {
-                const double half = std::sqrt(square);
-                low = std::min(low, (-part.b - half) / part.a);
-                high = std::max(high, (-part.b + half) / part.a);
-            }
-        }
-        return span_between(lattice_, low, high);
-    }
-
     // The approximate depth below the smooth outer surface.
-    void outside(const std::array<RowQuadric, part_count>& parts, const RowSpan& span, double* values) const noexcept {
-        for (std::uint32_t i = span.first; i < span.last; ++i) {
+    void outside(const std::array<RowQuadric, part_count>& parts, double* values) const noexcept {
+        for (std::uint32_t i = 1; i + 1 < lattice_.nx; ++i) {
             const double x = lattice_.x(i);
             double joined = -1;
             for (const RowQuadric& part : parts) {
@@ -209,7 +196,7 @@ private:
     }
 
     // Roughens the outer surface and removes the pores between the trabeculae and the medullary cavity.
-    void hollow(double y, double z, const RowSpan& span, double* values) const noexcept {
+    void hollow(double y, double z, double* values) const noexcept {
         constexpr double half_length = 0.30;
         constexpr double cavity_radius = 0.022;
         constexpr double density = -0.35;  // level of the random field: about two thirds stay solid
@@ -217,7 +204,7 @@ private:
         const double dy = y - 0.022 * (1 - 4 * (z - 0.5) * (z - 0.5));
         const double cavity = cavity_radius / 2 * (1 - along * along * along * along) - dy * dy / (2 * cavity_radius);
         const double strut = pore_size_ / tau;
-        for (std::uint32_t i = span.first; i < span.last; ++i) {
+        for (std::uint32_t i = 1; i + 1 < lattice_.nx; ++i) {
             const double x = lattice_.x(i);
             const double depth = values[i] + relief_height * relief_values_[i];
             const double marrow = x * x / (2 * cavity_radius) - cavity;

@@ -23,42 +23,26 @@ public:
 
     // With q the squared distance from the centre and rho the distance from the axis, the solid is where (q + ring^2 -
     // tube^2)^2 <= 4 ring^2 rho^2.
-    RowSpan fill_row(std::uint32_t k, std::uint32_t j, double* row) override {
+    bool fill_row(std::uint32_t k, std::uint32_t j, double* row) override {
         const double z = lattice_.z(k) - 0.5;
         const double y = lattice_.y(j);
         const double along_base = y * turn_.sin * lean_sin_ + z * lean_cos_;
         const double along_slope = turn_.cos * lean_sin_;
-        const RowSpan span = near(y, z, along_base, along_slope);
-        for (std::uint32_t i = span.first; i < span.last; ++i) {
+        const double reach = ring_ + tube_ + 2 * lattice_.longest_step();
+        if (reach * reach <= y * y + z * z) {
+            return false;
+        }
+        for (std::uint32_t i = 1; i + 1 < lattice_.nx; ++i) {
             const double x = lattice_.x(i);
             const double along = along_base + along_slope * x;
             const double q = x * x + y * y + z * z;
             const double sum = q + ring_ * ring_ - tube_ * tube_;
             row[i] = 4 * ring_ * ring_ * (q - along * along) - sum * sum;
         }
-        return span;
+        return true;
     }
 
 private:
-    // The nodes within the ball and the slab that enclose the torus.
-    RowSpan near(double y, double z, double along_base, double along_slope) const noexcept {
-        const double margin = 2 * lattice_.longest_step();
-        const double reach = ring_ + tube_ + margin;
-        const double square = reach * reach - y * y - z * z;
-        if (square <= 0) {
-            return {};
-        }
-        double high = std::sqrt(square);
-        double low = -high;
-        if (std::abs(along_slope) > 1e-3) {
-            const double middle = -along_base / along_slope;
-            const double half = (tube_ + margin) / std::abs(along_slope);
-            low = std::max(low, middle - half);
-            high = std::min(high, middle + half);
-        }
-        return span_between(lattice_, low, high);
-    }
-
     static constexpr double lean_sin_ = 0.8;
     static constexpr double lean_cos_ = 0.6;
     // Makes the height 1: 2 (ring * sin + tube) = 1.
@@ -99,19 +83,17 @@ public:
         }
     }
 
-    RowSpan fill_row(std::uint32_t k, std::uint32_t j, double* row) override {
+    bool fill_row(std::uint32_t k, std::uint32_t j, double* row) override {
         const double z = lattice_.z(k) - 0.5;
         const double y = lattice_.y(j);
         const double reach = radius_ + 2 * lattice_.longest_step();
-        const double square = reach * reach - y * y - z * z;
-        if (square <= 0) {
-            return {};
+        if (reach * reach <= y * y + z * z) {
+            return false;
         }
-        const RowSpan span = span_between(lattice_, -std::sqrt(square), std::sqrt(square));
         const SinCos b = y_[j];
         const SinCos c = sincos_turns(z * periods_ + shift_[2]);
         const double slope = tau * periods_;  // scales the sheet's field to about a distance
-        for (std::uint32_t i = span.first; i < span.last; ++i) {
+        for (std::uint32_t i = 1; i + 1 < lattice_.nx; ++i) {
             const double x = lattice_.x(i);
             const double sheet = x_[i].sin * b.cos + b.sin * c.cos + c.sin * x_[i].cos;
             const double in_sheet = (thickness_ - std::abs(sheet)) / slope;
@@ -119,7 +101,7 @@ public:
             const double near = std::max(rounding_ - std::abs(in_sheet - in_ball), 0.0);
             row[i] = std::min(in_sheet, in_ball) - near * near / (4 * rounding_);
         }
-        return span;
+        return true;
     }
 
 private:

@@ -30,15 +30,6 @@ struct Lattice {
     double longest_step() const noexcept { return dx > dz ? dx : dz; }
 };
 
-/// Nodes [first, last) of a row along x.
-struct RowSpan {
-    std::uint32_t first = 0;
-    std::uint32_t last = 0;
-};
-
-/// The nodes with low <= x <= high and one more on each side, except those on the lattice's border.
-RowSpan span_between(const Lattice& lattice, double low, double high) noexcept;
-
 /// A solid: the points where the field is not negative. It lies within |x| < half_x, |y| < half_y, 0 <= z <= 1.
 class Field {
 public:
@@ -53,9 +44,9 @@ public:
     /// Makes the tables that fill_row() needs for this lattice.
     virtual void prepare(const Lattice& lattice) = 0;
 
-    /// Writes the values of row j of plane k near the solid, and returns the span written. All other nodes count as far
-    /// outside. A node next to an inside node counts as near.
-    virtual RowSpan fill_row(std::uint32_t k, std::uint32_t j, double* row) = 0;
+    /// Writes the values at the inner nodes of row j of plane k, 0 < i < nx - 1. False, and none is written, where all of
+    /// them are outside and next to none that is inside.
+    virtual bool fill_row(std::uint32_t k, std::uint32_t j, double* row) = 0;
 };
 
 /// Torus, gyroid or bone. Leaves out detail too fine for the recipe's number of triangles.

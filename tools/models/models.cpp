@@ -33,15 +33,6 @@ float centre(float a, float b, float c) noexcept {
 
 }  // namespace
 
-std::optional<Shape> shape_from_name(std::string_view name) noexcept {
-    for (std::size_t i = 0; i < shape_names.size(); ++i) {
-        if (shape_names[i] == name) {
-            return static_cast<Shape>(i);
-        }
-    }
-    return std::nullopt;
-}
-
 Emitter::Emitter(const Consumer& consume, std::uint64_t candidates, std::uint64_t splits)
     : consume_(consume), candidates_(candidates), splits_(splits), due_(candidates - candidates / 4) {
     assert(splits <= candidates);

@@ -28,8 +28,6 @@ enum class Shape : std::uint8_t {
 /// Names of shapes, by Shape.
 inline constexpr std::array<std::string_view, 5> shape_names{"sphere", "torus", "gyroid", "bone", "prism"};
 
-std::optional<Shape> shape_from_name(std::string_view name) noexcept;
-
 enum class Order : std::uint8_t {
     z,       ///< ascending by the lowest vertex
     random,  ///< a permutation of the ascending order, by seed

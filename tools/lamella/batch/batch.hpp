@@ -18,7 +18,6 @@
 
 #include "files/streams.hpp"
 #include "lamella/context.hpp"
-#include "processes/workers.hpp"
 #include "slice/slice_arguments.hpp"
 #include "terminal/stages.hpp"
 
@@ -66,8 +65,8 @@ bool is_named_as_manifest(const std::string& path);
 ///
 /// The names may be separated by semicolons or tabs; then so is the rest, and one number may have a decimal comma: 0,5. An
 /// empty cell or null leaves the option as the command line has it. Paths are relative to the current folder, as on the
-/// command line. Throws Failure naming the file and the line: of what cannot be read, and of names that are no option of
-/// slice.
+/// command line. Throws Failure (bad_input) naming the file and the line: of what cannot be read, and of names that are no
+/// option of slice.
 std::vector<MeshSource> read_manifest(const std::string& path, const SliceOptionNames& names);
 
 /// The meshes of SOURCE..., files, folders, globs and manifests, in the order of the sources; a folder's in the order of
@@ -95,7 +94,8 @@ struct Item {
 
 /// `common` are the options of all, of which those of a manifest take the place. Throws Failure: options that slice would
 /// refuse, an unknown word in a name, two items with one output, an output that is a mesh of the batch, a file that options
-/// name, or one of `own_files`: results and manifests.
+/// name, or one of `own_files`: results and manifests. Where the item stands in a manifest, that is what is wrong
+/// (bad_input).
 std::vector<Item> plan_items(const std::vector<MeshSource>& sources, const OptionValues& common,
                              const std::vector<std::string>& own_files);
 
@@ -103,52 +103,51 @@ std::vector<Item> plan_items(const std::vector<MeshSource>& sources, const Optio
 /// 'out/{stem}.svg', "." of '{stem}.svg'.
 std::string fixed_folder(const std::string& pattern);
 
+/// A file that decides what comes out, as it was found, with its bytes: by its time, in ns since 1970, or by its content. A
+/// folder, such as a DICOM series, by the bytes in its files, and the latest time. A file that cannot be read has no bytes
+/// and no time: the item then says why. Throws Failure where `stop` ends it.
+Json fact_of(const std::string& path, bool hash, const Callback<bool()>& stop);
+
 /// The outcome of an item: a line of results.jsonl, in which names are text_of_name().
 struct ResultLine {
     /// Throws Json::exception of what is no such line.
     explicit ResultLine(Json line);
+    /// `reason`: why it failed, else empty. `facts` are further members.
+    ResultLine(const Item& item, const std::string& reason, const Json& facts);
 
     Json json;
     std::string mesh;
     std::string failure;               ///< why it failed; empty: done
     std::vector<std::string> outputs;  ///< the first one names the item
 
-    bool done() const noexcept { return failure.empty(); }
     const std::string& key() const { return outputs.front(); }
+    /// Done: of the same mesh, options and inputs, and every output is there in the size that the line says, or is not there
+    /// if it says so (slice within --memory leaves out a table).
+    bool is_of(const Item& item) const;
+    /// True if it does not state what every line of this version does: see changed_defaults.
+    bool is_of_older_version() const;
 };
 
-/// `failure`: why it failed, else empty. `facts` are further members.
-ResultLine result_of(const Item& item, const std::string& failure, const Json& facts);
+/// By key.
+using ResultLines = std::unordered_map<std::string, ResultLine>;
 
-/// A file that decides what comes out, as it was found, with its bytes: by its time, in ns since 1970, or by its content. A
-/// folder, such as a DICOM series, by the bytes in its files, and the latest time. A file that cannot be read has no bytes
-/// and no time: the item then says why. Throws Failure where `stop` ends it.
-Json fact_of(const std::string& path, bool hash, const Callback<bool()>& stop);
-
-/// Done: the line says so, of the same mesh, options and inputs, and every output is there in the size that it says, or is
-/// not there if it says so (slice within --memory leaves out a table).
-bool is_done(const Item& item, const ResultLine& line);
-
-/// True if the line does not state what every line of this version does: see changed_defaults.
-bool is_of_older_version(const ResultLine& line);
-
-struct LedgerName {
+struct ResultsName {
     std::string folder;
     std::uint32_t shard = 0;
     std::uint32_t shards = 0;  ///< 0: the batch is not divided
 
     std::string path() const;
-    std::string path_of_whole() const;
+    std::string path_of_whole() const { return ResultsName{folder}.path(); }
 };
 
 /// The shard that `text` names as I `between` N where 0 <= I < N, as 0/4; its folder is left empty.
-std::optional<LedgerName> parse_shard(const std::string& text, const std::string& between);
+std::optional<ResultsName> parse_shard(std::string_view text, std::string_view between);
 
-class Ledger {
+class ResultsFile {
 public:
     /// Opens or makes the file, and its folder, and locks it. Throws Failure (bad_input, bad_output), also where
     /// another batch holds the lock.
-    explicit Ledger(const LedgerName& name);
+    explicit ResultsFile(const ResultsName& name);
 
     /// The line of an item, if there is one. A shard also knows those of the whole.
     const ResultLine* find(const std::string& key) const;
@@ -166,8 +165,8 @@ private:
     std::string path_;
     bool shard_;
     Descriptor file_;
-    std::uint64_t bytes_ = 0;                            ///< of whole lines
-    std::unordered_map<std::string, ResultLine> lines_;  ///< by output
+    std::uint64_t bytes_ = 0;  ///< of whole lines
+    ResultLines lines_;
 };
 
 struct MergedResults {
@@ -192,12 +191,11 @@ struct BatchArguments {
     bool force = false;
     bool hash = false;
     bool merge = false;
-    std::vector<std::string> names_without_memory{};  ///< options that a mesh larger than all of it cannot have
 };
 
 /// Slices what is not done of `items`, those of this shard, and prints a summary. `arguments` say how many jobs and how much
 /// memory. Returns how many failed. Throws Failure where results cannot be kept.
-std::size_t run_batch(std::vector<Item> items, const LedgerName& name, const BatchArguments& arguments,
+std::size_t run_batch(std::vector<Item> items, const ResultsName& name, const BatchArguments& arguments,
                       Interrupt& interrupt);
 
 }  // namespace lamella::cli::batch

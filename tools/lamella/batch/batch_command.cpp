@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "batch/admission.hpp"
 #include "batch/batch.hpp"
+#include "batch/machine.hpp"
 #include "commands.hpp"
 #include "outputs/planned_outputs.hpp"
 #include "slice/slice_arguments.hpp"
@@ -67,16 +67,16 @@ void declare_own_options(CLI::App& command, BatchArguments& arguments) {
                   [](CLI::Option* own) { own->group(own_group); });
 }
 
-LedgerName ledger_name_of(const BatchArguments& arguments) {
+ResultsName results_name_of(const BatchArguments& arguments) {
     constexpr std::uint32_t most_shards = 100'000;
     const std::vector<std::string>& outputs = arguments.slice.outputs.outputs;
     refuse_if(arguments.results.empty() && outputs.empty(), bad_usage,
               "--results: give it a folder for results.jsonl, such as --results out, as no --output on the command "
               "line names one");
-    LedgerName name;
+    ResultsName name;
     name.folder = arguments.results.empty() ? fixed_folder(outputs.front()) : arguments.results;
     if (!arguments.shard.empty()) {
-        const std::optional<LedgerName> shard = parse_shard(arguments.shard, "/");
+        const std::optional<ResultsName> shard = parse_shard(arguments.shard, "/");
         if (!shard || shard->shards > most_shards) {
             throw Failure(bad_usage, "--shard: '" + arguments.shard + "' is not I/N with 0 <= I < N, such as 0/4");
         }
@@ -107,11 +107,7 @@ void slice_meshes(const CLI::App& command, BatchArguments& arguments, Interrupt&
     const std::vector<std::string>& sources = arguments.slice.meshes;
     arguments.jobs = arguments.jobs > 0 ? arguments.jobs : usable_threads();
     arguments.memory_bytes = arguments.memory_bytes > 0 ? arguments.memory_bytes : usable_memory();
-    arguments.names_without_memory = {"--report"};
-    for (const CLI::Option* const excluded : names.option("--memory").get_excludes()) {
-        arguments.names_without_memory.push_back(excluded->get_name());
-    }
-    const LedgerName name = ledger_name_of(arguments);
+    const ResultsName name = results_name_of(arguments);
     require_image(arguments.slice.image);
     std::vector<std::string> own_files = {name.path(), name.path_of_whole()};
     std::copy_if(sources.begin(), sources.end(), std::back_inserter(own_files), is_named_as_manifest);

@@ -1,10 +1,11 @@
-#include "batch/batch.hpp"
-
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <condition_variable>
+#include <exception>
 #include <filesystem>
 #include <map>
-#include <optional>
+#include <mutex>
 #include <regex>
 #include <set>
 #include <system_error>
@@ -14,9 +15,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "batch/admission.hpp"
+#include "batch/batch.hpp"
+#include "batch/machine.hpp"
 #include "files/mesh_input.hpp"
-#include "processes/workers.hpp"
+#include "processes/process.hpp"
 #include "terminal/console.hpp"
 
 namespace lamella::cli::batch {
@@ -25,16 +27,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds between_lines{30};  ///< of a status without a terminal
+constexpr std::size_t most_listed = 20;            ///< of meshes that failed
 
-/// Without the mesh's name, which stands beside it.
-std::string reason_of(const std::string& failure, const std::string& mesh) {
-    const std::string before = printable(mesh) + ": ";
-    return failure.starts_with(before) ? failure.substr(before.size()) : failure;
-}
-
-/// 0 where there is no such file.
+/// Of each file, 0 where there is none.
 std::vector<std::uint64_t> inodes_of(const std::vector<std::string>& paths) {
     std::vector<std::uint64_t> inodes;
+    inodes.reserve(paths.size());
     for (const std::string& path : paths) {
         struct stat file {};
         inodes.push_back(::stat(path.c_str(), &file) == 0 ? file.st_ino : 0);
@@ -42,29 +40,18 @@ std::vector<std::uint64_t> inodes_of(const std::vector<std::string>& paths) {
     return inodes;
 }
 
-void make_folder_of(const std::string& path) {
-    const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-    std::error_code problem;
-    if (!folder.empty()) {
-        std::filesystem::create_directories(folder, problem);  // That it failed shows when slice writes there.
-    }
-}
-
 /// True if another process of this number runs this program.
 bool runs_here(const std::string& process) {
-    if (process == std::to_string(::getpid())) {
-        return false;
-    }
     std::error_code unknown;
     const std::filesystem::path own = std::filesystem::read_symlink("/proc/self/exe", unknown);
     const std::filesystem::path other = std::filesystem::read_symlink("/proc/" + process + "/exe", unknown);
-    return !unknown && own == other;
+    return !unknown && own == other && process != std::to_string(::getpid());
 }
 
 /// Removes the files aside that killed processes left beside a target, unless a process of that number runs this program on
-/// this machine after `patience`: one that is being killed is still listed for a moment. Nothing else is touched. The caller
-/// holds the lock by which only one batch works on the targets.
-void remove_leftovers(const std::vector<std::string>& targets, std::chrono::milliseconds patience) {
+/// this machine after two seconds: one that is being killed is still listed for a moment. Nothing else is touched. The
+/// caller holds the lock by which only one batch works on the targets.
+void remove_leftovers(const std::vector<std::string>& targets) {
     constexpr std::size_t longest_stem = 180;  // of a target in the name of its file aside: io/write/output_file.cpp
     static const std::regex aside(R"(\.([^]+)\.([0-9]+)-[0-9]+\.part)");  // ".NAME.PID-TIME.part", as named there
     std::map<std::filesystem::path, std::set<std::string>> names;
@@ -72,7 +59,7 @@ void remove_leftovers(const std::vector<std::string>& targets, std::chrono::mill
         const std::filesystem::path path(target);
         names[path.has_parent_path() ? path.parent_path() : "."].insert(path.filename().string().substr(0, longest_stem));
     }
-    const auto until = Clock::now() + patience;
+    const auto until = Clock::now() + std::chrono::seconds(2);
     for (const auto& [folder, wanted] : names) {
         std::error_code ignored;
         for (const std::filesystem::directory_entry& entry : entries_of(folder, ignored)) {
@@ -91,21 +78,6 @@ void remove_leftovers(const std::vector<std::string>& targets, std::chrono::mill
     }
 }
 
-struct BatchCounts {
-    std::size_t items = 0;             ///< of the batch
-    std::size_t unchanged = 0;         ///< done before
-    std::size_t done = 0;              ///< now
-    std::size_t failed = 0;            ///< now
-    std::size_t of_older_version = 0;  ///< done before, by a version of lamella with other defaults
-    double triangles = 0;              ///< of those done
-    double cost = 0;                   ///< of those that ended, as estimated
-    double all_cost = 0;               ///< of those to do
-
-    std::size_t ended() const noexcept { return unchanged + done + failed; }
-};
-
-constexpr std::size_t most_listed = 20;  ///< of meshes that failed
-
 /// "35 s", "12 min", "3.4 h"
 std::string duration_text(double seconds) {
     constexpr double minute = 60;
@@ -117,90 +89,96 @@ std::string duration_text(double seconds) {
 }
 
 /// "1.2 M triangles/s"
-std::string rate_text(double triangles_per_s) {
-    constexpr double million = 1e6;
-    return triangles_per_s >= million ? rounded(triangles_per_s / million, 1) + " M triangles/s"
-                                      : rounded(triangles_per_s / 1e3, 1) + " k triangles/s";
+std::string rate_text(double triangles, double seconds) {
+    const double thousands = triangles / std::max(seconds, 1e-3) / 1e3;
+    return rounded(thousands < 1e3 ? thousands : thousands / 1e3, 1) + (thousands < 1e3 ? " k" : " M") + " triangles/s";
 }
 
-/// How far it is after so many seconds, on one line.
-std::string batch_status(const BatchCounts& counts, double seconds) {
-    std::string text = grouped(counts.ended()) + " of " + counted(counts.items, "mesh", "meshes");
-    text += when(counts.triangles > 0, ", " + rate_text(counts.triangles / std::max(seconds, 1e-3)));
-    if (counts.cost > 0 && counts.all_cost > counts.cost) {
-        text += ", " + duration_text(seconds * (counts.all_cost / counts.cost - 1)) + " left";
-    }
-    return counts.failed == 0 ? text : text + ", " + grouped(counts.failed) + " failed";
-}
+/// An item that is to be sliced.
+struct Job {
+    std::size_t item = 0;
+    double file_bytes = 0;
+    double memory = 0;  ///< as estimated
+    int attempts = 0;
+    bool alone = false;                          ///< with nothing beside it, as it lacked memory
+    std::vector<std::uint64_t> output_inodes{};  ///< of its outputs, when it began
+    int threads = 0;                             ///< while it runs, as what follows
+    double held_memory = 0;
+    std::jthread thread{};
+};
+
+using Ended = std::vector<std::pair<std::size_t, ProcessEnd>>;  ///< by item
 
 class BatchRun {
 public:
-    BatchRun(std::vector<Item> items, const LedgerName& name, const BatchArguments& options, Interrupt& interrupt)
+    BatchRun(std::vector<Item> items, const ResultsName& name, const BatchArguments& options, Interrupt& interrupt)
         : items_(std::move(items)),
           options_(options),
           interrupt_(interrupt),
           stop_(interrupt.defer()),
-          ledger_(name),
-          admission_(options.jobs, options.memory_bytes),
+          results_(name),
           bar_(options.slice.progress),
-          next_status_(Clock::now() + (bar_.shown() ? Clock::duration(0) : between_lines)),
-          attempts_(items_.size()),
-          output_inodes_(items_.size()),
-          pool_(options.timeout_s) {}
+          next_status_(Clock::now() + (bar_.shown() ? Clock::duration(0) : between_lines)) {}
+    ~BatchRun() { over_ = true; }  // The threads wait for their processes, which that ends.
+    BatchRun(const BatchRun&) = delete;
+    BatchRun& operator=(const BatchRun&) = delete;
 
     std::size_t run() {
-        clean(std::chrono::milliseconds(2000));
+        clean();
         choose_items();
         start_what_fits();
-        while (pool_.running() > 0) {
-            const std::vector<WorkerEnd> ended = pool_.wait(std::chrono::milliseconds(100));
+        while (!running_.empty()) {
+            const Ended ended = wait();
             stop_if_asked();
-            for (const WorkerEnd& end : ended) {
-                admission_.ended(end.item, end.peak_bytes);
+            std::vector<Job> jobs;
+            jobs.reserve(ended.size());
+            for (const auto& [item, end] : ended) {
+                jobs.push_back(std::move(running_.extract(item).mapped()));
+                learn(jobs.back(), end.peak_bytes);
             }
             start_what_fits();  // before the disk is waited for
-            for (const WorkerEnd& end : ended) {
-                take(end);
+            for (std::size_t i = 0; i < jobs.size(); ++i) {
+                take(std::move(jobs[i]), ended[i].second);
             }
             show_status();
             start_what_fits();  // what is tried again
         }
         stop_if_asked();
         bar_.wipe();
-        clean(std::chrono::milliseconds(0));
-        ledger_.finish(items_);
+        clean();
+        results_.finish(items_);
         interrupt_.end_deferring();
         print(summary());
         return failed_.size();
     }
 
 private:
-    void clean(std::chrono::milliseconds patience) const {
-        std::vector<std::string> targets = {ledger_.path()};
+    void clean() const {
+        std::vector<std::string> targets = {results_.path()};
         for (const Item& item : items_) {
             const std::vector<std::string> files = item.all_files();
             targets.insert(targets.end(), files.begin(), files.end());
         }
-        remove_leftovers(targets, patience);
+        remove_leftovers(targets);
     }
 
     void choose_items() {
-        counts_.items = items_.size();
         for (std::size_t i = 0; i < items_.size(); ++i) {
-            if (is_unchanged(i)) {
-                ++counts_.unchanged;
+            if (is_unchanged(items_[i])) {
+                ++unchanged_;
                 continue;
             }
-            admission_.add(i, estimate_mesh(items_[i].mesh, bytes_of(i)), items_[i].threads);
-            counts_.all_cost += cost_of(i);
+            const auto bytes = items_[i].inputs.at(0).at("bytes").get<std::uint64_t>();
+            waiting_.push_back(
+                {.item = i, .file_bytes = static_cast<double>(bytes), .memory = estimate_memory(items_[i].mesh, bytes)});
+            all_cost_ += cost_of(waiting_.back());
             stop_if_asked();
         }
-        admission_.sort();
+        std::stable_sort(waiting_.begin(), waiting_.end(), [](const Job& a, const Job& b) { return a.memory > b.memory; });
     }
 
-    bool is_unchanged(std::size_t i) {
-        Item& item = items_[i];
-        const ResultLine* const line = ledger_.find(item.key());
+    bool is_unchanged(Item& item) {
+        const ResultLine* const line = results_.find(item.key());
         const bool by_content = line != nullptr && line->json.at("inputs").at(0).contains("sha256");
         item.inputs.push_back(fact_of(item.mesh, options_.hash || by_content, stop_));
         for (const std::string& path : item.option_files) {
@@ -209,167 +187,239 @@ private:
         if (options_.force || line == nullptr) {
             return false;
         }
-        counts_.of_older_version += line->done() && is_of_older_version(*line) ? 1 : 0;
-        return is_done(item, *line);
+        of_older_version_ += line->failure.empty() && line->is_of_older_version() ? 1 : 0;
+        return line->is_of(item);
     }
 
+    /// Memory: the estimate, times how far the worst mesh so far went beyond its own.
+    double need_of(const Job& job) const { return process_bytes + (job.memory - process_bytes) * factor_; }
+    bool is_too_large(const Job& job) const { return need_of(job) > static_cast<double>(options_.memory_bytes); }
+    bool is_alone(const Job& job) const { return job.alone || is_too_large(job); }
+
+    double held_memory() const {
+        double sum = 0;
+        for (const auto& [item, job] : running_) {
+            sum += job.held_memory;
+        }
+        return sum;
+    }
+
+    int free_threads() const {
+        int free = options_.jobs;
+        for (const auto& [item, job] : running_) {
+            free -= job.threads;
+        }
+        return free;
+    }
+
+    bool fits(const Job& job) const {
+        if (running_.empty()) {
+            return true;
+        }
+        return !is_alone(running_.begin()->second) && !job.alone && free_threads() > 0 &&
+               held_memory() + need_of(job) <= static_cast<double>(options_.memory_bytes);
+    }
+
+    /// All that are left where only few such meshes are left or fit into memory at once; else one or two for a small mesh.
+    int threads_for(const Job& job) const {
+        constexpr double small = 450e6;  // bytes: below, a second thread earns less than another mesh would
+        if (items_[job.item].threads > 0) {
+            return items_[job.item].threads;
+        }
+        if (is_alone(job)) {
+            return options_.jobs;
+        }
+        const double at_once = std::min(static_cast<double>(options_.memory_bytes) / need_of(job),
+                                        static_cast<double>(running_.size() + waiting_.size()));
+        const int share = options_.jobs / static_cast<int>(std::clamp<double>(at_once, 1, options_.jobs));
+        return std::clamp(job.memory < small ? std::min(share, 2) : share, 1, std::max(1, free_threads()));
+    }
+
+    /// The largest first.
     void start_what_fits() {
-        while (const std::optional<Admitted> admitted = admission_.next()) {
-            start(*admitted);
-        }
-    }
-
-    void start(const Admitted& admitted) {
-        const std::size_t i = admitted.item;
-        const Item& item = items_[i];
-        if (const std::string reason = why_not_in_memory(i); !reason.empty()) {
-            admission_.ended(i, 0);
-            return fail(i, reason);
-        }
-        for (const std::string& file : item.all_files()) {
-            make_folder_of(file);
-        }
-        output_inodes_[i] = inodes_of(item.files);
-        ++attempts_[i];
-        pool_.start(i, {"slice", words_of(item, admitted)});
-    }
-
-    /// Slice cuts a mesh larger than all of the memory in ranges, unless some option needs the whole mesh.
-    std::string why_not_in_memory(std::size_t i) const {
-        if (!admission_.is_too_large(i)) {
-            return {};
-        }
-        const Item& item = items_[i];
-        for (const std::string& name : options_.names_without_memory) {
-            const auto is_given = [&](const std::string& word) { return word == name || word.starts_with(name + "="); };
-            if (std::any_of(item.words.begin(), item.words.end(), is_given) ||
-                (name == "--report" && !item.report.empty())) {
-                return "needs about " + file_size_text(static_cast<std::uint64_t>(admission_.need_of(i))) +
-                       " of memory, more than --memory has, as " + name + " needs the whole mesh";
+        for (auto at = waiting_.begin(); at != waiting_.end();) {
+            if (!fits(*at)) {
+                ++at;
+                continue;
             }
+            at->threads = threads_for(*at);
+            Job job = std::move(*at);
+            at = waiting_.erase(at);
+            start(std::move(job));
         }
-        return {};
     }
 
-    std::vector<std::string> words_of(const Item& item, const Admitted& admitted) const {
+    void start(Job job) {
+        const Item& item = items_[job.item];
+        for (const std::string& file : item.all_files()) {
+            std::error_code problem;  // shows when slice writes there
+            std::filesystem::create_directories(std::filesystem::path(file).parent_path(), problem);
+        }
+        job.output_inodes = inodes_of(item.files);
+        job.held_memory = need_of(job);
+        ++job.attempts;
+        job.thread = std::jthread([this, i = job.item, call = ToolCall{"slice", words_of(job)}] {
+            ProcessEnd end;
+            try {
+                end = run_process(call, options_.timeout_s, [this] { return over_ || stop_(); });
+            } catch (const std::exception& problem) {
+                end.failure = problem.what();
+            }
+            const std::lock_guard lock(mutex_);
+            ended_.emplace_back(i, std::move(end));
+            some_ended_.notify_one();
+        });
+        running_.emplace(job.item, std::move(job));
+    }
+
+    /// The items whose processes have ended, after a tenth of a second at most.
+    Ended wait() {
+        std::unique_lock lock(mutex_);
+        some_ended_.wait_for(lock, std::chrono::milliseconds(100), [this] { return !ended_.empty(); });
+        return std::exchange(ended_, {});
+    }
+
+    /// Slice cuts a mesh larger than all of the memory in ranges, and refuses where something needs the whole mesh.
+    std::vector<std::string> words_of(const Job& job) const {
+        const Item& item = items_[job.item];
         std::vector<std::string> words = item.words;
-        if (admission_.is_too_large(admitted.item)) {
+        if (is_too_large(job)) {
             words.push_back("--memory=" + std::to_string(options_.memory_bytes));
         } else {
             words.insert(words.end(), item.plain.begin(), item.plain.end());
         }
         words.insert(words.end(), item.writes.begin(), item.writes.end());
-        words.insert(words.end(), {"--threads=" + std::to_string(admitted.threads), "--progress=never", "--", item.mesh});
+        words.insert(words.end(), {"--threads=" + std::to_string(job.threads), "--progress=never", "--", item.mesh});
         return words;
     }
 
-    void take(const WorkerEnd& end) {
-        const Item& item = items_[end.item];
-        if (!end.failure.empty()) {
-            if (end.may_retry && attempts_[end.item] <= options_.retries) {
-                remove_new_outputs(end.item);
-                return admission_.add_again(end.item, end.lacked_memory);
-            }
-            return fail(end.item, reason_of(end.failure, item.mesh));
+    void take(Job job, const ProcessEnd& end) {
+        if (end.failure.empty()) {
+            results_.append(ResultLine(items_[job.item], "", end.facts));
+            ++done_;
+            cost_ += cost_of(job);
+            triangles_ += end.facts.value("triangles", 0.0);
+        } else if (end.may_retry && job.attempts <= options_.retries) {
+            remove_new_outputs(job);
+            job.alone = end.lacked_memory;
+            waiting_.push_back(std::move(job));
+        } else {
+            fail(job, reason_of(end.failure, job));
         }
-        ledger_.append(result_of(item, "", end.facts));
-        ++counts_.done;
-        counts_.cost += cost_of(end.item);
-        counts_.triangles += end.facts.value("triangles", 0.0);
     }
 
-    void fail(std::size_t i, const std::string& reason) {
-        const Item& item = items_[i];
-        remove_new_outputs(i);
+    /// Without the mesh's name, which stands beside it.
+    std::string reason_of(const std::string& failure, const Job& job) const {
+        const std::string before = printable(items_[job.item].mesh) + ": ";
+        const std::string need = file_size_text(static_cast<std::uint64_t>(need_of(job)));
+        return when(is_too_large(job), "needs about " + need + " of memory, more than --memory has for all: ") +
+               failure.substr(failure.starts_with(before) ? before.size() : 0);
+    }
+
+    void learn(const Job& job, std::uint64_t peak_bytes) {
+        constexpr double worth_learning = 64e6;
+        constexpr double most = 8;
+        const double over = static_cast<double>(peak_bytes) - process_bytes;
+        if (over > worth_learning && !job.alone) {
+            factor_ = std::clamp(over / std::max(worth_learning / most, job.memory - process_bytes), factor_, most);
+        }
+    }
+
+    void fail(const Job& job, const std::string& reason) {
+        const Item& item = items_[job.item];
+        remove_new_outputs(job);
         bar_.wipe();
         complain(item.mesh + ": " + reason);
-        ledger_.append(result_of(item, reason, Json::object()));
-        ++counts_.failed;
-        counts_.cost += cost_of(i);
-        failed_.emplace(i, reason);
+        results_.append(ResultLine(item, reason, Json::object()));
+        cost_ += cost_of(job);
+        failed_.emplace(job.item, reason);
     }
 
-    std::uint64_t bytes_of(std::size_t i) const { return items_[i].inputs.at(0).at("bytes").get<std::uint64_t>(); }
-    double cost_of(std::size_t i) const { return process_bytes + static_cast<double>(bytes_of(i)); }
+    static double cost_of(const Job& job) { return process_bytes + job.file_bytes; }
 
     /// None of several outputs of a mesh that failed stays; those of an earlier batch do.
-    void remove_new_outputs(std::size_t i) const {
-        const std::vector<std::string>& files = items_[i].files;
+    void remove_new_outputs(const Job& job) const {
+        const std::vector<std::string>& files = items_[job.item].files;
         const std::vector<std::uint64_t> inodes = inodes_of(files);
-        for (std::size_t f = 0; f < output_inodes_[i].size(); ++f) {
-            if (inodes[f] != 0 && inodes[f] != output_inodes_[i][f]) {
+        for (std::size_t f = 0; f < job.output_inodes.size(); ++f) {
+            if (inodes[f] != 0 && inodes[f] != job.output_inodes[f]) {
                 std::error_code ignored;
                 std::filesystem::remove(files[f], ignored);
             }
         }
     }
 
-    /// On a terminal by the bar, else by a line from time to time.
+    /// How far it is: on a terminal by the bar, else by a line from time to time.
     void show_status() {
         const Clock::time_point now = Clock::now();
         if (now < next_status_ || options_.slice.progress == ProgressBar::When::never) {
             return;
         }
-        const std::string status = batch_status(counts_, watch_.ms() / 1000);
+        const double seconds = watch_.ms() / 1000;
+        std::string status =
+            grouped(unchanged_ + done_ + failed_.size()) + " of " + counted(items_.size(), "mesh", "meshes");
+        status += when(triangles_ > 0, ", " + rate_text(triangles_, seconds));
+        status += when(cost_ > 0 && all_cost_ > cost_, ", " + duration_text(seconds * (all_cost_ / cost_ - 1)) + " left");
+        status += when(!failed_.empty(), ", " + grouped(failed_.size()) + " failed");
         if (bar_.shown()) {
             next_status_ = now + std::chrono::milliseconds(200);
-            bar_.show(status, counts_.all_cost > 0 ? counts_.cost / counts_.all_cost : 0);
+            bar_.show(status, all_cost_ > 0 ? cost_ / all_cost_ : 0);
         } else {
             next_status_ = now + between_lines;
             complain(status);
         }
     }
 
-    /// The pool ends its processes as this ends.
-    void stop_if_asked() const {
-        if (stop_()) {
-            throw Failure(bad_input, "cancelled");
-        }
-    }
+    void stop_if_asked() const { refuse_if(stop_(), bad_input, "cancelled"); }
 
     /// Some lines for people, each a keyword and what there is to say.
     std::string summary() const {
         const double seconds = watch_.ms() / 1000;
-        std::string text = "meshes    " + grouped(counts_.items) + ": " + grouped(counts_.done) + " done, " +
-                           grouped(counts_.unchanged) + " unchanged, " + grouped(failed_.size()) + " failed\n";
-        text += when(counts_.triangles > 0, "sliced    " + grouped(static_cast<std::uint64_t>(counts_.triangles)) +
-                                                " triangles in " + duration_text(seconds) + ", " +
-                                                rate_text(counts_.triangles / std::max(seconds, 1e-3)) + "\n");
-        text +=
-            when(counts_.of_older_version > 0, "again     " + counted(counts_.of_older_version, "mesh", "meshes") +
-                                                   " that an older version of lamella sliced, whose defaults were others\n");
-        text += "results   " + printable(ledger_.path()) + "\n";
+        std::string text = "meshes    " + grouped(items_.size()) + ": " + grouped(done_) + " done, " + grouped(unchanged_) +
+                           " unchanged, " + grouped(failed_.size()) + " failed\n";
+        text += when(triangles_ > 0, "sliced    " + grouped(static_cast<std::uint64_t>(triangles_)) + " triangles in " +
+                                         duration_text(seconds) + ", " + rate_text(triangles_, seconds) + "\n");
+        text += when(of_older_version_ > 0, "again     " + counted(of_older_version_, "mesh", "meshes") +
+                                                " that an older version of lamella sliced, whose defaults were others\n");
+        text += "results   " + printable(results_.path()) + "\n";
         std::size_t listed = 0;
         for (const auto& [item, reason] : failed_) {
             text +=
                 when(listed++ < most_listed, "failed    " + printable(items_[item].mesh) + ": " + printable(reason) + "\n");
         }
-        if (failed_.size() > most_listed) {
-            text += "          and " + grouped(failed_.size() - most_listed) + " more, which " + printable(ledger_.path()) +
-                    " names\n";
-        }
-        return failed_.empty() ? text : text + "retry     the same command again slices those that failed, and no other\n";
+        text += when(listed > most_listed, "          and " + grouped(listed - most_listed) + " more, which " +
+                                               printable(results_.path()) + " names\n");
+        return text + when(listed > 0, "retry     the same command again slices those that failed, and no other\n");
     }
 
     std::vector<Item> items_;
     const BatchArguments& options_;
     Interrupt& interrupt_;
     Callback<bool()> stop_;
-    Ledger ledger_;
-    Admission admission_;
+    ResultsFile results_;
     ProgressBar bar_;
     Stopwatch watch_;
     Clock::time_point next_status_;
-    BatchCounts counts_;
-    std::vector<int> attempts_;                              ///< by item
-    std::vector<std::vector<std::uint64_t>> output_inodes_;  ///< by item: of its outputs, when it began
-    std::map<std::size_t, std::string> failed_;              ///< by item: why
-    WorkerPool pool_;  ///< the last member: its processes end before what they are recorded in
+    std::size_t unchanged_ = 0;                  ///< done before
+    std::size_t done_ = 0;                       ///< now
+    std::size_t of_older_version_ = 0;           ///< done before, by a version of lamella with other defaults
+    double triangles_ = 0;                       ///< of those done
+    double cost_ = 0;                            ///< of those that ended, as estimated
+    double all_cost_ = 0;                        ///< of those to do
+    double factor_ = 1;                          ///< see need_of()
+    std::map<std::size_t, std::string> failed_;  ///< by item: why
+    std::vector<Job> waiting_;
+    std::atomic<bool> over_ = false;
+    std::mutex mutex_;  ///< of what ended
+    std::condition_variable some_ended_;
+    Ended ended_;
+    std::map<std::size_t, Job> running_;  ///< by item; the last member: its threads use the others
 };
 
 }  // namespace
 
-std::size_t run_batch(std::vector<Item> items, const LedgerName& name, const BatchArguments& options, Interrupt& interrupt) {
+std::size_t run_batch(std::vector<Item> items, const ResultsName& name, const BatchArguments& options,
+                      Interrupt& interrupt) {
     return BatchRun(std::move(items), name, options, interrupt).run();
 }
 

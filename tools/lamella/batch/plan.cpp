@@ -1,15 +1,14 @@
-#include "batch/batch.hpp"
-
 #include <algorithm>
 #include <filesystem>
 #include <memory>
-#include <new>
 #include <system_error>
 #include <unordered_map>
 #include <utility>
 
 #include <glob.h>
 
+#include "batch/batch.hpp"
+#include "files/mesh_input.hpp"
 #include "files/streams.hpp"
 #include "outputs/write_outputs.hpp"
 #include "terminal/console.hpp"
@@ -20,8 +19,7 @@ namespace {
 
 /// Not for items: the batch has its own, or gives them to its processes.
 bool is_for_batch(const std::string& name) {
-    static const std::vector<std::string> kept = {"mesh", "--help", "--progress", "--memory", "--hash"};
-    return std::find(kept.begin(), kept.end(), name) != kept.end();
+    return name == "mesh" || name == "--help" || name == "--progress" || name == "--memory" || name == "--hash";
 }
 
 /// The path itself, unless it is a pattern and no file.
@@ -33,58 +31,29 @@ std::vector<std::string> expanded(const std::string& path) {
     glob_t found{};
     const std::unique_ptr<glob_t, void (*)(glob_t*)> owner(&found, &::globfree);
     const int status = ::glob(path.c_str(), GLOB_ERR, nullptr, &found);
-    if (status == GLOB_NOSPACE) {
-        throw std::bad_alloc();
-    }
     refuse_if(status != 0, bad_input, path + (status == GLOB_NOMATCH ? ": no file has such a name" : ": cannot be listed"));
     return {found.gl_pathv, found.gl_pathv + found.gl_pathc};
 }
 
-void add_sources(const std::string& path, const SliceOptionNames& names, std::vector<MeshSource>& sources) {
-    std::error_code unknown;
-    if (std::filesystem::is_directory(path, unknown)) {
-        for (const ListedMesh& mesh : meshes_below(path)) {
-            refuse_if(!mesh.problem.empty(), bad_input, mesh.path + ": " + mesh.problem);
-            sources.push_back({mesh.path, mesh.folder, {}, ""});
-        }
-    } else if (is_named_as_manifest(path)) {
-        const std::vector<MeshSource> rows = read_manifest(path, names);
-        sources.insert(sources.end(), rows.begin(), rows.end());
-    } else {
-        sources.push_back({path, "", {}, ""});
-    }
-}
-
-/// Text for the word in braces. For the mesh a/b/liver.stl.gz found below the SOURCE a: {stem} is liver, {name}
-/// liver.stl.gz, {parent} b, {dir} b, the folder below SOURCE.
-std::string word_for(const std::string& word, const MeshSource& mesh, const std::string& option) {
-    const std::filesystem::path path(mesh.path);
-    if (word == "stem") {
-        return mesh_name_of(mesh.path);
-    }
-    if (word == "name") {
-        return path.filename().string();
-    }
-    if (word == "parent" || word == "dir") {
-        const std::string folder = word == "dir" ? mesh.folder : path.parent_path().filename().string();
-        return folder.empty() ? "." : folder;
-    }
-    throw Failure(bad_usage, option + ": '{" + word + "}' is not one of {stem}, {name}, {parent}, {dir}");
-}
-
-/// The name of an output that has places for that of the mesh: 'out/{parent}/{stem}.nii.gz'.
+/// The name of an output that has places for that of the mesh: 'out/{parent}/{stem}.nii.gz'. For the mesh
+/// a/b/liver.stl.gz found below the SOURCE a: {stem} is liver, {name} liver.stl.gz, {parent} b, {dir} b, the folder below
+/// SOURCE.
 std::string expand_pattern(const std::string& pattern, const MeshSource& mesh, const std::string& option) {
-    if (pattern.empty()) {
-        return {};
-    }
+    const std::filesystem::path path(mesh.path);
+    const std::map<std::string, std::string> words = {{"stem", mesh_name_of(mesh.path)},
+                                                      {"name", path.filename().string()},
+                                                      {"parent", path.parent_path().filename().string()},
+                                                      {"dir", mesh.folder}};
     std::string text;
     std::size_t at = 0;
     for (std::size_t open = pattern.find('{'); open != std::string::npos; open = pattern.find('{', at)) {
         const std::size_t close = pattern.find('}', open);
-        if (close == std::string::npos) {
-            throw Failure(bad_usage, std::string(option).append(": '").append(pattern).append("': a { is not closed"));
-        }
-        text += pattern.substr(at, open - at) + word_for(pattern.substr(open + 1, close - open - 1), mesh, option);
+        refuse_if(close == std::string::npos, bad_usage, option + ": '" + pattern + "': a { is not closed");
+        const auto word = words.find(pattern.substr(open + 1, close - open - 1));
+        refuse_if(
+            word == words.end(), bad_usage,
+            option + ": '" + pattern.substr(open, close + 1 - open) + "' is not one of {stem}, {name}, {parent}, {dir}");
+        text += pattern.substr(at, open - at) + (word->second.empty() ? "." : word->second);
         at = close + 1;
     }
     return std::filesystem::path(text + pattern.substr(at)).lexically_normal().string();
@@ -93,23 +62,23 @@ std::string expand_pattern(const std::string& pattern, const MeshSource& mesh, c
 /// An item's options as slice takes them. Items of a SOURCE that is no manifest have them alike.
 struct ParsedOptions {
     SliceArguments arguments;
-    std::vector<std::string> words;  ///< as Item::words, and what follows
-    std::vector<std::string> plain;
-    std::vector<std::string> files;
+    Item item;  ///< what follows from them for every mesh
 };
 
 /// Throws Failure (bad_usage) if slice would refuse these options.
 ParsedOptions parsed(const OptionValues& values) {
     ParsedOptions options;
+    const SliceArguments& arguments = options.arguments;
+    Item& item = options.item;
     CLI::App app;
     declare(app, options.arguments);
     std::vector<std::string> typed = {"mesh"};  // the last word comes first
     for (const auto& [name, all] : values) {
         const bool flag = is_flag(*app.get_option(name));
-        for (const std::string& value : std::vector<std::string>(all.rbegin(), all.rend())) {
-            typed.push_back(flag ? name : std::string(name).append("=").append(value));
+        for (auto value = all.rbegin(); value != all.rend(); ++value) {
+            typed.push_back(flag ? name : std::string(name).append("=").append(*value));
             if (name == "--map" || name == "--band" || name == "--form") {
-                options.plain.push_back(typed.back());
+                item.plain.push_back(typed.back());
             }
         }
     }
@@ -119,50 +88,46 @@ ParsedOptions parsed(const OptionValues& values) {
         throw Failure(bad_usage, error.what());
     }
     for (const RecordedOption& option : recorded_options(app)) {
-        options.words.push_back(option.name + (option.value ? "=" + *option.value : ""));
+        item.words.push_back(option.name + (option.value ? "=" + *option.value : ""));
         if (option.names_file()) {
-            options.files.push_back(*option.value);
+            item.option_files.push_back(*option.value);
         }
     }
-    const SliceArguments& arguments = options.arguments;
-    if (arguments.outputs.outputs.empty()) {
-        throw Failure(bad_usage, "--output: none is given, such as -o 'out/{stem}.nii.gz'");
-    }
+    item.threads = arguments.threads;
+    refuse_if(arguments.outputs.outputs.empty(), bad_usage, "--output: none is given, such as -o 'out/{stem}.nii.gz'");
     require_together(planned_outputs(arguments.outputs), arguments.outputs, arguments.mesh_count(), arguments.image);
     return options;
 }
 
 Item planned_item(const MeshSource& source, const ParsedOptions& options) {
     const SliceArguments& arguments = options.arguments;
-    Item item{.mesh = source.path,
-              .words = options.words,
-              .plain = options.plain,
-              .report = expand_pattern(arguments.report, source, "--report"),
-              .option_files = options.files,
-              .threads = arguments.threads,
-              .place = source.place};
-    OutputArguments outputs;
-    outputs.to = arguments.outputs.to;
+    Item item = options.item;
+    item.mesh = source.path;
+    item.place = source.place;
+    OutputArguments outputs{.outputs = {}, .to = arguments.outputs.to};
     for (const std::string& pattern : arguments.outputs.outputs) {
         outputs.outputs.push_back(expand_pattern(pattern, source, "--output"));
         item.writes.push_back("--output=" + outputs.outputs.back());
     }
-    for (const PlannedOutput& output : planned_outputs(outputs)) {
-        refuse_if(is_standard(output.path) || is_standard(item.report), bad_usage, "'-': a batch writes files");
-        const std::vector<std::string> files = output.files(arguments.split);
-        item.files.insert(item.files.end(), files.begin(), files.end());
-    }
     if (!outputs.to.empty()) {
         item.writes.push_back("--to=" + outputs.to);
     }
-    if (!item.report.empty()) {
+    if (!arguments.report.empty()) {
+        item.report = expand_pattern(arguments.report, source, "--report");
         item.writes.push_back("--report=" + item.report);
     }
+    const std::vector<PlannedOutput> planned = planned_outputs(outputs);
+    for (const std::filesystem::path& file : files_of(planned, arguments.split)) {
+        item.files.push_back(file.string());
+    }
+    refuse_if(is_standard(item.report) || std::any_of(outputs.outputs.begin(), outputs.outputs.end(), is_standard),
+              bad_usage, "'-': a batch writes files");
     return item;
 }
 
-std::string before(const std::string& place) {
-    return place.empty() ? "" : place + ": ";
+/// What is wrong with a row of a manifest is wrong with a file.
+Failure failure_at(const std::string& place, ExitStatus status, const std::string& what) {
+    return place.empty() ? Failure(status, what) : Failure(bad_input, place + ": " + what);
 }
 
 /// In all of the batch no file is written twice, and none is an input.
@@ -172,24 +137,23 @@ void require_distinct(const std::vector<Item>& items, const std::vector<std::str
         for (const std::string& file : item.all_files()) {
             const auto [at, added] = writers.emplace(place_of(file), &item);
             if (!added) {
-                throw Failure(bad_usage, before(item.place) + "'" + at->second->mesh + "' and '" + item.mesh +
-                                             "' both write '" + file + "'; {parent} or {dir} in --output tells them apart");
+                throw failure_at(item.place, bad_usage,
+                                 "'" + at->second->mesh + "' and '" + item.mesh + "' both write '" + file +
+                                     "'; {parent} or {dir} in --output tells them apart");
             }
         }
     }
-    const auto require_unwritten = [&writers](const std::string& file, const std::string& what) {
-        if (const auto written = writers.find(place_of(file)); written != writers.end()) {
-            throw Failure(bad_usage, before(written->second->place) + "--output: '" + file + "' is " + what);
+    const auto require_unwritten = [&writers](const std::vector<std::string>& files, const std::string& what) {
+        for (const std::string& file : files) {
+            if (const auto written = writers.find(place_of(file)); written != writers.end()) {
+                throw failure_at(written->second->place, bad_usage, "--output: '" + file + "' is " + what);
+            }
         }
     };
-    for (const std::string& file : own_files) {
-        require_unwritten(file, "a file of the batch itself");
-    }
+    require_unwritten(own_files, "a file of the batch itself");
     for (const Item& item : items) {
-        require_unwritten(item.mesh, "a mesh of the batch itself");
-        for (const std::string& file : item.option_files) {
-            require_unwritten(file, "a file that an option of the batch names");
-        }
+        require_unwritten({item.mesh}, "a mesh of the batch itself");
+        require_unwritten(item.option_files, "a file that an option of the batch names");
     }
 }
 
@@ -225,11 +189,17 @@ std::vector<std::string> Item::all_files() const {
 std::vector<MeshSource> list_sources(const std::vector<std::string>& given, const SliceOptionNames& names) {
     std::vector<MeshSource> sources;
     for (const std::string& each : given) {
-        if (is_standard(each)) {
-            throw Failure(bad_usage, "'-' is one mesh, which lamella slice takes; a batch takes files");
-        }
+        refuse_if(is_standard(each), bad_usage, "'-' is one mesh, which lamella slice takes; a batch takes files");
         for (const std::string& path : expanded(each)) {
-            add_sources(path, names, sources);
+            if (is_named_as_manifest(path) && !is_folder(path)) {
+                const std::vector<MeshSource> rows = read_manifest(path, names);
+                sources.insert(sources.end(), rows.begin(), rows.end());
+                continue;
+            }
+            for (const ListedMesh& mesh : meshes_at(path)) {
+                refuse_if(!mesh.problem.empty(), bad_input, mesh.path + ": " + mesh.problem);
+                sources.push_back({mesh.path, mesh.folder, {}, ""});
+            }
         }
     }
     return sources;
@@ -238,6 +208,7 @@ std::vector<MeshSource> list_sources(const std::vector<std::string>& given, cons
 std::vector<Item> plan_items(const std::vector<MeshSource>& sources, const OptionValues& common,
                              const std::vector<std::string>& own_files) {
     std::vector<Item> items;
+    items.reserve(sources.size());
     std::optional<ParsedOptions> of_all;
     for (const MeshSource& source : sources) {
         try {
@@ -252,7 +223,7 @@ std::vector<Item> plan_items(const std::vector<MeshSource>& sources, const Optio
             }
             items.push_back(planned_item(source, parsed(values)));
         } catch (const Failure& failure) {
-            throw Failure(failure.status(), before(source.place) + failure.what());
+            throw failure_at(source.place, failure.status(), failure.what());
         }
     }
     require_distinct(items, own_files);

@@ -1,9 +1,6 @@
-#include "batch/batch.hpp"
-
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <string_view>
 #include <system_error>
@@ -16,6 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "batch/batch.hpp"
 #include "lamella/io/name_text.hpp"
 #include "lamella/medical/record.hpp"
 #include "terminal/console.hpp"
@@ -24,6 +22,8 @@
 namespace lamella::cli::batch {
 
 namespace {
+
+using Names = std::unordered_set<std::string>;
 
 Json as_text(const std::vector<std::string>& names) {
     Json array = Json::array();
@@ -47,21 +47,10 @@ Json outputs_of(const Item& item, bool sizes) {
     return outputs;
 }
 
-using ResultLines = std::unordered_map<std::string, ResultLine>;
-
-std::int64_t modified_ns(const struct stat& file) {
-    return std::int64_t{file.st_mtim.tv_sec} * 1'000'000'000 + file.st_mtim.tv_nsec;
-}
-
 /// 0 when all is on disk, else an error number.
 int write_to_disk(const Descriptor& file, std::string_view text) noexcept {
     const int error_number = write_all(file, text);
     return error_number == 0 && ::fsync(file.number()) != 0 ? errno : error_number;
-}
-
-void sync_folder(const std::string& folder) noexcept {
-    const Descriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-    (void)::fsync(opened.number());  // Some file systems have none for folders.
 }
 
 Descriptor open_locked(const std::string& path) {
@@ -80,10 +69,7 @@ Descriptor open_locked(const std::string& path) {
 /// Adds all lines of a file but one that is torn; returns the bytes of those. Throws Failure (bad_input) if it cannot be
 /// read, or holds another line.
 std::size_t add_results(const std::string& path, ResultLines& lines) {
-    std::ifstream file(path, std::ios::binary);
-    const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-    refuse_if(!file.is_open() || file.bad(), bad_input,
-              "cannot read '" + path + "': " + std::generic_category().message(errno));
+    const std::string text = read_bytes(path);
     std::vector<std::string_view> whole = split(text, '\n');
     const std::size_t bytes = text.size() - whole.back().size();
     whole.pop_back();
@@ -99,8 +85,8 @@ std::size_t add_results(const std::string& path, ResultLines& lines) {
     return bytes;
 }
 
-/// By mesh, then by output.
-std::string ordered_text(const ResultLines& lines) {
+/// Writes the lines, by mesh, then by output, aside, waits for the disk, renames. Throws Failure (bad_output).
+void write_durably(const std::string& path, const ResultLines& lines) {
     std::vector<const ResultLine*> order;
     order.reserve(lines.size());
     for (const auto& [key, line] : lines) {
@@ -113,19 +99,11 @@ std::string ordered_text(const ResultLines& lines) {
     for (const ResultLine* line : order) {
         text += line->json.dump() + "\n";
     }
-    return text;
-}
-
-/// Writes aside, waits for the disk, renames. Throws Failure (bad_output).
-void write_durably(const std::string& path, const std::string& text) {
-    const std::filesystem::path target(path);
-    const std::string folder = target.has_parent_path() ? target.parent_path().string() : ".";
-    const std::string aside = folder + "/." + target.filename().string() + "." + std::to_string(::getpid()) + "-0.part";
+    const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+    const std::string name = std::filesystem::path(path).filename().string();
+    const std::string aside = (folder / ("." + name + "." + std::to_string(::getpid()) + "-0.part")).string();
     const Descriptor file(::open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
-    if (file.number() < 0) {
-        throw unwritable(path, errno);
-    }
-    int error_number = write_to_disk(file, text);
+    int error_number = file.number() < 0 ? errno : write_to_disk(file, text);
     if (error_number == 0 && ::rename(aside.c_str(), path.c_str()) != 0) {
         error_number = errno;
     }
@@ -133,12 +111,12 @@ void write_durably(const std::string& path, const std::string& text) {
         ::unlink(aside.c_str());
         throw unwritable(path, error_number);
     }
-    sync_folder(folder);
+    const Descriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    (void)::fsync(opened.number());  // Some file systems have none for folders.
 }
 
 /// Drops the lines of which another item of this batch writes an output.
-void drop_overwritten(ResultLines& lines, const std::unordered_set<std::string>& written,
-                      const std::unordered_set<std::string>& kept) {
+void drop_overwritten(ResultLines& lines, const Names& written, const Names& kept) {
     std::erase_if(lines, [&](const auto& line) {
         const std::vector<std::string>& outputs = line.second.outputs;
         return !kept.contains(line.first) && std::any_of(outputs.begin(), outputs.end(), [&](const std::string& output) {
@@ -147,53 +125,55 @@ void drop_overwritten(ResultLines& lines, const std::unordered_set<std::string>&
     });
 }
 
-/// In their order.
-std::vector<LedgerName> shards_of(const std::vector<std::string>& sources) {
-    std::vector<LedgerName> shards;
-    const auto add = [&shards](const std::filesystem::path& path) {
-        std::string name = path.filename().string();
-        std::optional<LedgerName> shard;
-        if (name.starts_with("results.") && name.ends_with(".jsonl") && name.size() > 14) {
-            shard = parse_shard(name.substr(8, name.size() - 14), "-of-");
-        }
-        if (shard) {
-            const std::string folder = path.parent_path().string();
-            shard->folder = folder.empty() ? "." : folder;
-            shards.push_back(*shard);
-        }
-        return shard.has_value();
-    };
+/// The shard whose results have this name.
+std::optional<ResultsName> shard_at(const std::filesystem::path& path) {
+    constexpr std::string_view begin = "results.";
+    constexpr std::string_view end = ".jsonl";
+    const std::string name = path.filename().string();
+    if (!name.starts_with(begin) || !name.ends_with(end) || name.size() < begin.size() + end.size()) {
+        return std::nullopt;
+    }
+    std::optional<ResultsName> shard =
+        parse_shard(std::string_view(name).substr(begin.size(), name.size() - begin.size() - end.size()), "-of-");
+    if (shard) {
+        shard->folder = path.parent_path().empty() ? "." : path.parent_path().string();
+    }
+    return shard;
+}
+
+/// All shards of one batch, in their order.
+std::vector<ResultsName> shards_of(const std::vector<std::string>& sources) {
+    std::vector<ResultsName> shards;
     for (const std::string& source : sources) {
         std::error_code problem;
         if (!std::filesystem::is_directory(source, problem)) {
-            refuse_if(!add(source), bad_usage, source + ": is not named results.I-of-N.jsonl");
+            const std::optional<ResultsName> shard = shard_at(source);
+            refuse_if(!shard, bad_usage, source + ": is not named results.I-of-N.jsonl");
+            shards.push_back(*shard);
             continue;
         }
         const std::size_t before = shards.size();
         for (const std::filesystem::directory_entry& entry : entries_of(source, problem)) {
-            add(entry.path());
+            if (const std::optional<ResultsName> shard = shard_at(entry.path())) {
+                shards.push_back(*shard);
+            }
         }
         refuse_if(problem || shards.size() == before, bad_input,
                   source + (problem ? ": cannot be listed: " + problem.message() : ": no results.I-of-N.jsonl of shards"));
     }
-    std::sort(shards.begin(), shards.end(), [](const LedgerName& a, const LedgerName& b) { return a.shard < b.shard; });
-    return shards;
-}
-
-/// One batch, and all of it.
-void require_all(const std::vector<LedgerName>& shards) {
-    const LedgerName& first = shards.front();
+    std::sort(shards.begin(), shards.end(), [](const ResultsName& a, const ResultsName& b) { return a.shard < b.shard; });
+    const ResultsName& first = shards.front();
     std::uint32_t missing = 0;
-    for (std::size_t i = 0; i < shards.size(); ++i) {
-        refuse_if(shards[i].shards != first.shards || shards[i].folder != first.folder, bad_input,
-                  "'" + first.path() + "' and '" + shards[i].path() + "' are of different batches");
-        refuse_if(i > 0 && shards[i].shard == shards[i - 1].shard, bad_usage, "'" + shards[i].path() + "' is given twice");
-        missing += shards[i].shard == missing ? 1 : 0;
+    for (const ResultsName& shard : shards) {
+        refuse_if(shard.shards != first.shards || shard.folder != first.folder, bad_input,
+                  "'" + first.path() + "' and '" + shard.path() + "' are of different batches");
+        refuse_if(shard.shard + 1 == missing, bad_usage, "'" + shard.path() + "' is given twice");
+        missing += shard.shard == missing ? 1 : 0;
     }
-    if (missing < first.shards) {
-        throw Failure(bad_input, "'" + LedgerName{first.folder, missing, first.shards}.path() + "' is missing: shard " +
-                                     std::to_string(missing) + "/" + std::to_string(first.shards) + " has not ended");
-    }
+    refuse_if(missing < first.shards, bad_input,
+              "'" + ResultsName{first.folder, missing, first.shards}.path() + "' is missing: shard " +
+                  std::to_string(missing) + "/" + std::to_string(first.shards) + " has not ended");
+    return shards;
 }
 
 }  // namespace
@@ -215,104 +195,94 @@ ResultLine::ResultLine(Json line) : json(std::move(line)) {
     }
 }
 
-ResultLine result_of(const Item& item, const std::string& failure, const Json& facts) {
-    const bool done = failure.empty();
-    Json json = {{"mesh", text_of_name(item.mesh)}, {"status", done ? "done" : "failed"}};
-    if (!done) {
-        json["reason"] = printable(failure);
+ResultLine::ResultLine(const Item& item, const std::string& reason, const Json& facts)
+    : mesh(item.mesh), failure(printable(reason)), outputs(item.files) {
+    json = {{"mesh", text_of_name(mesh)}, {"status", failure.empty() ? "done" : "failed"}};
+    if (!failure.empty()) {
+        json["reason"] = failure;
     }
     json["options"] = as_text(item.words);
     json["inputs"] = item.inputs;
-    json["outputs"] = outputs_of(item, done);
+    json["outputs"] = outputs_of(item, failure.empty());
     json.update(facts);
-    return ResultLine(std::move(json));
 }
 
-Json fact_of(const std::string& path, bool hash, const Callback<bool()>& stop) {
-    struct stat file {};
-    std::uint64_t bytes = 0;
-    std::int64_t modified = 0;
-    const auto add = [&] {
-        bytes += static_cast<std::uint64_t>(file.st_size);
-        modified = std::max(modified, modified_ns(file));
-    };
-    const bool found = ::stat(path.c_str(), &file) == 0;
-    if (found && S_ISDIR(file.st_mode)) {
-        std::error_code problem;
-        for (const std::filesystem::directory_entry& entry : entries_of(path, problem)) {
-            if (::stat(entry.path().c_str(), &file) == 0 && S_ISREG(file.st_mode)) {
-                add();
-            }
-        }
-    } else if (found && hash && S_ISREG(file.st_mode)) {
-        const Result<FileSeal> seal = seal_file(path, {.stop = stop});
-        if (!seal && seal.error().code == ErrorCode::cancelled) {
-            throw failure_of(seal.error());
-        }
-        if (seal) {
-            return {{"path", text_of_name(path)}, {"bytes", seal->bytes}, {"sha256", seal->sha256}};
-        }
-        bytes = static_cast<std::uint64_t>(file.st_size);
-    } else if (found) {
-        add();
-    }
-    return {{"path", text_of_name(path)}, {"bytes", bytes}, {"modified_ns", modified}};
-}
-
-bool is_done(const Item& item, const ResultLine& line) {
+bool ResultLine::is_of(const Item& item) const {
     std::error_code unknown;
-    const Json& outputs = line.json.at("outputs");
-    return line.done() && line.mesh == item.mesh && line.json.at("options") == as_text(item.words) &&
-           line.json.at("inputs") == item.inputs && outputs == outputs_of(item, true) && outputs[0].contains("bytes") &&
+    const Json& found = json.at("outputs");
+    return failure.empty() && mesh == item.mesh && json.at("options") == as_text(item.words) &&
+           json.at("inputs") == item.inputs && found == outputs_of(item, true) && found[0].contains("bytes") &&
            (item.report.empty() || std::filesystem::exists(item.report, unknown));
 }
 
-bool is_of_older_version(const ResultLine& line) {
+bool ResultLine::is_of_older_version() const {
     return std::any_of(changed_defaults.begin(), changed_defaults.end(), [&](const ChangedDefault& changed) {
-        const Json& words = line.json.at("options");
+        const Json& words = json.at("options");
         return std::none_of(words.begin(), words.end(), [&](const Json& word) {
             return word.get<std::string>().starts_with(std::string(changed.name) + "=");
         });
     });
 }
 
-std::string LedgerName::path() const {
-    const std::string name = "results." + std::to_string(shard) + "-of-" + std::to_string(shards) + ".jsonl";
-    return shards == 0 ? path_of_whole() : (std::filesystem::path(folder) / name).string();
+Json fact_of(const std::string& path, bool hash, const Callback<bool()>& stop) {
+    std::uint64_t bytes = 0;
+    std::int64_t modified = 0;
+    const auto add = [&](const std::filesystem::path& file) {
+        struct stat found {};
+        if (::stat(file.c_str(), &found) == 0 && S_ISREG(found.st_mode)) {
+            bytes += static_cast<std::uint64_t>(found.st_size);
+            modified = std::max(modified, std::int64_t{found.st_mtim.tv_sec} * 1'000'000'000 + found.st_mtim.tv_nsec);
+        }
+    };
+    std::error_code problem;
+    if (hash && std::filesystem::is_regular_file(path, problem)) {
+        const Result<FileSeal> seal = seal_file(path, {.stop = stop});
+        if (seal) {
+            return {{"path", text_of_name(path)}, {"bytes", seal->bytes}, {"sha256", seal->sha256}};
+        }
+        refuse_if(seal.error().code == ErrorCode::cancelled, bad_input, seal.error().message);
+    }
+    if (std::filesystem::is_directory(path, problem)) {
+        for (const std::filesystem::directory_entry& entry : entries_of(path, problem)) {
+            add(entry.path());
+        }
+    } else {
+        add(path);
+    }
+    return {{"path", text_of_name(path)}, {"bytes", bytes}, {"modified_ns", modified}};
 }
 
-std::string LedgerName::path_of_whole() const {
-    return (std::filesystem::path(folder) / "results.jsonl").string();
+std::string ResultsName::path() const {
+    const std::string of_shard = "." + std::to_string(shard) + "-of-" + std::to_string(shards);
+    return (std::filesystem::path(folder) / ("results" + when(shards > 0, of_shard) + ".jsonl")).string();
 }
 
-std::optional<LedgerName> parse_shard(const std::string& text, const std::string& between) {
-    const std::size_t middle = std::min(text.find(between), text.size());
-    LedgerName name;
-    const std::string_view all(text);
-    return middle < text.size() && parse_integer(all.substr(0, middle), name.shard) &&
-                   parse_integer(all.substr(middle + between.size()), name.shards) && name.shard < name.shards
+std::optional<ResultsName> parse_shard(std::string_view text, std::string_view between) {
+    const std::size_t middle = text.find(between);
+    ResultsName name;
+    return middle != std::string_view::npos && parse_integer(text.substr(0, middle), name.shard) &&
+                   parse_integer(text.substr(middle + between.size()), name.shards) && name.shard < name.shards
                ? std::optional(name)
                : std::nullopt;
 }
 
-Ledger::Ledger(const LedgerName& name) : path_(name.path()), shard_(name.shards > 0), file_(open_locked(path_)) {
+ResultsFile::ResultsFile(const ResultsName& name) : path_(name.path()), shard_(name.shards > 0), file_(open_locked(path_)) {
     std::error_code unknown;
     if (shard_ && std::filesystem::exists(name.path_of_whole(), unknown)) {
         (void)add_results(name.path_of_whole(), lines_);
     }
     bytes_ = add_results(path_, lines_);
-    if (std::filesystem::file_size(path_, unknown) != bytes_ &&
-        ::ftruncate(file_.number(), static_cast<off_t>(bytes_)) != 0) {
+    if (::ftruncate(file_.number(), static_cast<off_t>(bytes_)) != 0) {  // a torn line
         throw unwritable(path_, errno);
     }
 }
 
-const ResultLine* Ledger::find(const std::string& key) const {
+const ResultLine* ResultsFile::find(const std::string& key) const {
     const auto found = lines_.find(key);
     return found == lines_.end() ? nullptr : &found->second;
 }
 
-void Ledger::append(const ResultLine& result) {
+void ResultsFile::append(const ResultLine& result) {
     const std::string line = result.json.dump() + "\n";
     if (const int error_number = write_to_disk(file_, line); error_number != 0) {
         (void)!::ftruncate(file_.number(), static_cast<off_t>(bytes_));
@@ -322,9 +292,9 @@ void Ledger::append(const ResultLine& result) {
     lines_.insert_or_assign(result.key(), result);
 }
 
-void Ledger::finish(const std::vector<Item>& items) {
-    std::unordered_set<std::string> keys;
-    std::unordered_set<std::string> written;
+void ResultsFile::finish(const std::vector<Item>& items) {
+    Names keys;
+    Names written;
     for (const Item& item : items) {
         keys.insert(item.key());
         written.insert(item.files.begin(), item.files.end());
@@ -333,20 +303,19 @@ void Ledger::finish(const std::vector<Item>& items) {
         std::erase_if(lines_, [&](const auto& line) { return !keys.contains(line.first); });
     }
     drop_overwritten(lines_, written, keys);
-    write_durably(path_, ordered_text(lines_));
+    write_durably(path_, lines_);
 }
 
 MergedResults merge_shards(const std::vector<std::string>& sources) {
-    const std::vector<LedgerName> shards = shards_of(sources);
-    require_all(shards);
+    const std::vector<ResultsName> shards = shards_of(sources);
     ResultLines lines;
-    for (const LedgerName& shard : shards) {
+    for (const ResultsName& shard : shards) {
         (void)add_results(shard.path(), lines);
     }
     MergedResults merged{.path = shards.front().path_of_whole(), .items = lines.size(), .failures = {}};
-    std::unordered_set<std::string> written;
+    Names written;
     for (const auto& [key, line] : lines) {
-        if (!line.done()) {
+        if (!line.failure.empty()) {
             merged.failures.push_back(line.mesh + ": " + line.failure);
         }
         written.insert(line.outputs.begin(), line.outputs.end());
@@ -359,7 +328,7 @@ MergedResults merge_shards(const std::vector<std::string>& sources) {
         drop_overwritten(earlier, written, {});
         lines.merge(earlier);
     }
-    write_durably(merged.path, ordered_text(lines));
+    write_durably(merged.path, lines);
     return merged;
 }
 

@@ -186,6 +186,16 @@ CLI::Option* add_parsed(CLI::App& command, const std::string& flag, const std::s
     return command.add_option_function<std::string>(flag, store, help)->type_name(type);
 }
 
+CLI::Option* add_count(CLI::App& command, const std::string& flag, const std::string& help,
+                       std::function<void(std::uint64_t)> take) {
+    return add_parsed(command, flag, "N", help, [take = std::move(take)](const std::string& text) {
+        std::uint64_t count = 0;
+        const bool counts = parse_integer(std::string_view(text), count);
+        take(count);
+        return counts ? "" : "'" + text + "' is not a whole number that is at least 0";
+    });
+}
+
 CLI::Option* add_choice(CLI::App& command, const std::string& flag, std::span<const std::string_view> words,
                         const std::string& help, std::function<void(std::size_t)> take) {
     const std::string names = joined(words, "|");
@@ -237,6 +247,13 @@ void put_in_words_of_today(std::vector<std::string>& words) {
             words[i + 1] = older->value.empty() ? words[i + 1] : std::string(older->value_now);
         }
     }
+}
+
+std::string_view name_of_today(std::string_view flag) {
+    const auto* const older = std::find_if(older_words.begin(), older_words.end(), [&](const OlderWord& word) {
+        return word.name == flag && word.name != word.name_now;
+    });
+    return older == older_words.end() ? std::string_view() : older->name_now;
 }
 
 bool is_file_of(std::string_view flag, const std::string& value) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <string>
@@ -40,6 +41,10 @@ std::string lower_case(std::string word);
 CLI::Option* add_parsed(CLI::App& command, const std::string& flag, const std::string& type, const std::string& help,
                         std::function<std::string(const std::string&)> take);
 
+/// An option that takes a whole number from 0 on.
+CLI::Option* add_count(CLI::App& command, const std::string& flag, const std::string& help,
+                       std::function<void(std::uint64_t)> take);
+
 /// An option that takes one of some words, in any case; `take` stores its index.
 CLI::Option* add_choice(CLI::App& command, const std::string& flag, std::span<const std::string_view> words,
                         const std::string& help, std::function<void(std::size_t)> take);
@@ -69,6 +74,9 @@ extern const std::array<ChangedDefault, 2> changed_defaults;
 
 /// Renames the options, and values, of slice that an earlier version recorded by other names.
 void put_in_words_of_today(std::vector<std::string>& words);
+
+/// The name of a flag of slice that an earlier version called so; empty if none did.
+std::string_view name_of_today(std::string_view flag);
 
 /// True if the value of that flag is the path of a file with the option's value.
 bool is_file_of(std::string_view flag, const std::string& value);

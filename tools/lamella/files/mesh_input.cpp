@@ -51,11 +51,6 @@ Result<MeshFile> read_standard_input(const ReadOptions& options, const Context& 
     return mesh;
 }
 
-bool is_folder(const std::string& path) {
-    std::error_code unknown;
-    return !is_standard(path) && std::filesystem::is_directory(path, unknown);
-}
-
 void add_meshes(const std::filesystem::path& folder, const std::filesystem::path& below, std::vector<ListedMesh>& meshes) {
     std::error_code problem;
     const std::vector<std::filesystem::directory_entry> entries = entries_of(folder, problem);
@@ -228,11 +223,19 @@ std::vector<std::filesystem::directory_entry> entries_of(const std::filesystem::
     return entries;
 }
 
-std::vector<ListedMesh> meshes_below(const std::string& folder) {
+bool is_folder(const std::string& path) {
+    std::error_code unknown;
+    return !is_standard(path) && std::filesystem::is_directory(path, unknown);
+}
+
+std::vector<ListedMesh> meshes_at(const std::string& path) {
     std::vector<ListedMesh> meshes;
-    add_meshes(folder, "", meshes);
+    if (!is_folder(path)) {
+        return {{path, "", ""}};
+    }
+    add_meshes(path, "", meshes);
     if (meshes.empty()) {
-        meshes.push_back({folder, "", "is a folder in which no file is named as a mesh"});
+        meshes.push_back({path, "", "is a folder in which no file is named as a mesh"});
     }
     return meshes;
 }
@@ -253,7 +256,7 @@ std::vector<ListedMesh> MeshList::meshes() const {
               "mesh: '-' is given twice, and standard input can be read once");
     std::vector<ListedMesh> all;
     for (const std::string& path : given) {
-        const std::vector<ListedMesh> found = is_folder(path) ? meshes_below(path) : std::vector<ListedMesh>{{path, "", ""}};
+        const std::vector<ListedMesh> found = meshes_at(path);
         all.insert(all.end(), found.begin(), found.end());
     }
     return all;

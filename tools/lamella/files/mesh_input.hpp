@@ -78,9 +78,13 @@ struct ListedMesh {
     std::string problem;  ///< why there is nothing to read, if so
 };
 
-/// The files named as meshes in a folder and in those below it, by name. Left out are hidden ones, and links to folders,
-/// which may lead back to one above them. A folder that cannot be listed, or without any mesh, stands there as a problem.
-std::vector<ListedMesh> meshes_below(const std::string& folder);
+/// False of standard input.
+bool is_folder(const std::string& path);
+
+/// The path itself, or where it is a folder the files named as meshes in it and in those below it, by name. Left out are
+/// hidden ones, and links to folders, which may lead back to one above them. A folder that cannot be listed, or without any
+/// mesh, stands there as a problem.
+std::vector<ListedMesh> meshes_at(const std::string& path);
 
 /// The meshes of info and check, which work on one after the other.
 struct MeshList {

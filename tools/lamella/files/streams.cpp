@@ -167,19 +167,38 @@ std::string place_of(const std::string& path) {
     return (unknown ? std::filesystem::path(path).lexically_normal() : place).string();
 }
 
-void require_different(const std::string& path, const std::string& other, const std::string& name,
-                       const std::string& other_name) {
+void FilePlan::require_different(const File& output, const File& other) {
     std::error_code unknown;
-    refuse_if(!is_standard(path) && !is_standard(other) &&
-                  (place_of(path) == place_of(other) || std::filesystem::equivalent(path, other, unknown)),
-              bad_usage, name + ": '" + path + "' is " + other_name + " itself");
+    const bool streams = is_standard(output.path) || is_standard(other.path);
+    refuse_if(is_standard(output.path) && is_standard(other.path) && !other.option.empty(), bad_usage,
+              output.option + ": '-' is " + other.what + " too, and standard output takes one of them");
+    refuse_if(!streams && (output.place == other.place || std::filesystem::equivalent(output.path, other.path, unknown)),
+              bad_usage, output.option + ": '" + output.path + "' is " + other.what + " itself");
 }
 
-void require_different_output(const std::string& path, const std::string& other, const std::string& name,
-                              const std::string& other_name) {
-    refuse_if(is_standard(path) && is_standard(other), bad_usage,
-              name + ": '-' is " + other_name + " too, and standard output takes one of them");
-    require_different(path, other, name, other_name);
+void FilePlan::reads(const std::string& path, const std::string& what) {
+    if (!path.empty()) {
+        const File input{path, place_of(path), "", what};
+        for (const File& other : files_) {
+            if (!other.option.empty()) {
+                require_different(other, input);
+            }
+        }
+        files_.push_back(input);
+    }
+}
+
+void FilePlan::require_free(const std::string& path, const std::string& option) const {
+    for (const File& other : files_) {
+        require_different({path, place_of(path), option, ""}, other);
+    }
+}
+
+void FilePlan::writes(const std::string& path, const std::string& option, const std::string& what) {
+    if (!path.empty()) {
+        require_free(path, option);
+        files_.push_back({path, place_of(path), option, what});
+    }
 }
 
 }  // namespace lamella::cli

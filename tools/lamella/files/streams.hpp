@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "terminal/console.hpp"
 
@@ -68,11 +69,26 @@ void require_extension(const std::string& path, const std::string& option, const
 /// Where a file lies or would lie, whatever links and spellings its path has.
 std::string place_of(const std::string& path);
 
-/// Throws Failure (bad_usage) if both name the same file, whether it exists or not. An input and an output may both be
-/// -, which are different streams: `require_different_output` is for two outputs.
-void require_different(const std::string& path, const std::string& other, const std::string& name,
-                       const std::string& other_name);
-void require_different_output(const std::string& path, const std::string& other, const std::string& name,
-                              const std::string& other_name);
+/// The files of a command, of which no output replaces an input or another output, by whatever path or link, and whether it
+/// exists or not. An input and an output may both be -, which are different streams. Empty paths stand for no file.
+class FilePlan {
+public:
+    /// `what`: as messages call it, "the mesh". Throws Failure (bad_usage).
+    void reads(const std::string& path, const std::string& what);
+    /// The same of a file that `option` names.
+    void writes(const std::string& path, const std::string& option, const std::string& what);
+    /// Throws Failure (bad_usage) where `path` could not be added.
+    void require_free(const std::string& path, const std::string& option) const;
+
+private:
+    struct File {
+        std::string path;
+        std::string place;
+        std::string option;  ///< empty: an input
+        std::string what;
+    };
+    static void require_different(const File& output, const File& other);
+    std::vector<File> files_;
+};
 
 }  // namespace lamella::cli

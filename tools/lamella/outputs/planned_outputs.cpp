@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <functional>
 #include <iterator>
+#include <set>
 #include <system_error>
 
 #include "files/flags.hpp"
@@ -43,6 +44,7 @@ std::string all_formats(std::string_view NamedFormat::*member) {
     return joined(all);
 }
 
+/// Null where the name ends as none does.
 const NamedFormat* format_by_end(const std::string& path) {
     const std::string name = lower_case(path);
     const auto* const found =
@@ -56,85 +58,8 @@ std::string without_format_end(const std::string& path) {
     return format == nullptr ? path : path.substr(0, path.size() - format->end.size());
 }
 
-PlannedOutput by_name(const std::string& path) {
-    if (const NamedFormat* format = format_by_end(path)) {
-        return {path, format->format};
-    }
-    require_extension(path, "--output", all_formats(&NamedFormat::end));
-    return {path, OutputFormat::svg};
-}
-
-std::vector<const NamedFormat*> parse_formats(const std::string& to) {
-    std::vector<const NamedFormat*> found;
-    for (const std::string_view word : split(to, ',')) {
-        const std::string name = lower_case(std::string(word));
-        const auto* const format =
-            std::find_if(formats.begin(), formats.end(), [&](const NamedFormat& known) { return known.name == name; });
-        refuse_if(format == formats.end(), bad_usage,
-                  "--to: '" + name + "' is not one of " + all_formats(&NamedFormat::name));
-        refuse_if(std::find(found.begin(), found.end(), format) != found.end(), bad_usage,
-                  "--to: '" + name + "' stands there twice");
-        found.push_back(format);
-    }
-    return found;
-}
-
+constexpr const char* labels_end = ".labels.csv";
 constexpr std::int64_t end_of_9999 = 253'402'300'799;  ///< DICOM writes four digits
-
-const PlannedOutput* first_of(const std::vector<PlannedOutput>& outputs, OutputFormat format) {
-    const auto found =
-        std::find_if(outputs.begin(), outputs.end(), [&](const PlannedOutput& output) { return output.format == format; });
-    return found == outputs.end() ? nullptr : &*found;
-}
-
-void require_picture_possible(const PlannedOutput* picture, const OutputArguments& arguments) {
-    refuse_if(arguments.picture_layer && picture == nullptr, bad_usage, "--picture-layer: no output is a PNG");
-    if (picture != nullptr && !can_write_pictures()) {
-        throw Failure(bad_usage, "cannot write '" + picture->path + "': this build of lamella is without PNG (libpng-dev)");
-    }
-}
-
-void require_structures_possible(const PlannedOutput* set, const OutputArguments& arguments, const ImageArguments& image) {
-    refuse_if(set == nullptr && (arguments.without_ct || arguments.holes), bad_usage,
-              "--holes and --without-ct: no output is a structure set");
-    if (set == nullptr) {
-        return;
-    }
-    refuse_if(
-        !image.given(), bad_usage,
-        "--output: '" + set->path + "' needs --like FOLDER, the CT" + (arguments.without_ct ? ", or --spacing X,Y,Z" : ""));
-    refuse_if(image.subslices > 1, bad_usage,
-              "--subslices: the contours of '" + set->path + "' lie on the slices themselves");
-    (void)source_date();
-}
-
-void require_no_file_shared(const PlannedOutput& output, const PlannedOutput& other, bool several_meshes) {
-    if (output.is_mask() && other.is_mask()) {  // of one name they share a table of labels, which is the same
-        return require_different_output(output.path, other.path, "--output", "another output");
-    }
-    for (const std::string& file : output.files(several_meshes)) {
-        for (const std::string& others : other.files(several_meshes)) {
-            require_different_output(file, others, "--output", "another output");
-        }
-    }
-}
-
-/// The box of all voxels, in the frame of slicing.
-Box box_of(const ImageGeometry& image) {
-    const std::vector<double> heights = image.slice_heights_mm();
-    const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
-    Box box;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double half = image.spacing_mm[axis] / 2;
-        box.min_mm[axis] = (axis == 2 ? *low : 0) - half;
-        box.max_mm[axis] = (axis == 2 ? *high : static_cast<double>(image.size[axis] - 1) * image.spacing_mm[axis]) + half;
-    }
-    return box;
-}
-
-std::string range_text(double from, double to) {
-    return rounded(from, 3) + " to " + rounded(to, 3) + " mm";
-}
 
 }  // namespace
 
@@ -146,9 +71,8 @@ void declare_outputs(CLI::App& command, OutputArguments& arguments) {
     add_text(command, "--to", arguments.to, "FORMAT,...",
              "Write these formats, each as --output with the end of its name exchanged: " + all_formats(&NamedFormat::name));
     command.add_flag("--coverage", arguments.coverage, "Masks hold the share of each voxel's area that is inside");
-    add(command, "--picture-layer", arguments.picture_layer, "N",
-        "PNG shows this layer, counted from 0, not a contact sheet")
-        ->check(CLI::Validator(CLI::NonNegativeNumber).description(""));
+    add_count(command, "--picture-layer", "PNG shows this layer, counted from 0, not a contact sheet",
+              [&arguments](std::uint64_t layer) { arguments.picture_layer = layer; });
     add_choice(command, "--holes", holes,
                "Holes in a structure set: joined to their contour, or contours that exclude one another (keyhole)",
                [&arguments](std::size_t i) { arguments.holes = static_cast<HoleForm>(i); });
@@ -180,7 +104,7 @@ std::vector<std::string> PlannedOutput::files(bool several_meshes) const {
         all.push_back(without_format_end(path) + ".meshes.csv");
     }
     if (is_mask() && several_meshes) {
-        all.push_back(without_format_end(path) + ".labels.csv");
+        all.push_back(without_format_end(path) + labels_end);
     }
     if (has_record()) {
         all.push_back(record_path());
@@ -193,16 +117,30 @@ std::vector<PlannedOutput> planned_outputs(const OutputArguments& arguments) {
     std::vector<PlannedOutput> planned;
     if (arguments.to.empty()) {
         for (const std::string& path : outputs) {
-            planned.push_back(by_name(path));
+            const NamedFormat* const format = format_by_end(path);
+            if (format == nullptr) {
+                require_extension(path, "--output", all_formats(&NamedFormat::end));
+            }
+            planned.push_back({path, format == nullptr ? OutputFormat::svg : format->format});
         }
         return planned;
     }
     refuse_if(outputs.size() != 1 || is_standard(outputs.front()), bad_usage,
               "--to: needs one --output, a file, whose name the formats share");
-    for (const NamedFormat* format : parse_formats(arguments.to)) {
+    for (const std::string_view word : split(arguments.to, ',')) {
+        const std::string name = lower_case(std::string(word));
+        const auto* const format =
+            std::find_if(formats.begin(), formats.end(), [&](const NamedFormat& known) { return known.name == name; });
+        refuse_if(format == formats.end(), bad_usage,
+                  "--to: '" + name + "' is not one of " + all_formats(&NamedFormat::name));
+        refuse_if(has_format(planned, format->format), bad_usage, "--to: '" + name + "' stands there twice");
         planned.push_back({without_format_end(outputs.front()) + std::string(format->end), format->format});
     }
     return planned;
+}
+
+bool has_format(const std::vector<PlannedOutput>& outputs, OutputFormat format) {
+    return std::any_of(outputs.begin(), outputs.end(), [&](const PlannedOutput& output) { return output.format == format; });
 }
 
 std::optional<std::int64_t> source_date() {
@@ -216,32 +154,29 @@ std::optional<std::int64_t> source_date() {
     return seconds;
 }
 
-void require_no_input(const std::string& file, const NamedInputs& inputs, const std::string& option) {
-    for (const auto& [path, what] : inputs) {
-        if (!path.empty()) {
-            require_different(file, path, option, what);
-        }
-    }
-}
-
 void require_together(const std::vector<PlannedOutput>& outputs, const OutputArguments& arguments, std::size_t meshes,
                       const ImageArguments& image) {
-    require_picture_possible(first_of(outputs, OutputFormat::png), arguments);
-    if (const PlannedOutput* const archive = first_of(outputs, OutputFormat::hdf5); archive && !has_archives()) {
-        throw Failure(bad_usage, "--output: '" + archive->path + "': this build has no HDF5");
-    }
-    require_structures_possible(first_of(outputs, OutputFormat::structure_set), arguments, image);
     bool mask = false;
     for (const PlannedOutput& output : outputs) {
+        const auto refuse = [&](bool wrong, const std::string& what) {
+            refuse_if(wrong, bad_usage, "--output: '" + output.path + "'" + what);
+        };
+        const bool set = output.format == OutputFormat::structure_set;
         mask = mask || output.is_mask();
-        refuse_if(output.one_mesh() && meshes > 1, bad_usage, "--output: '" + output.path + "' takes one mesh, not several");
-        refuse_if(output.is_mask() && !image.given(), bad_usage,
-                  "--output: '" + output.path + "' needs --like IMAGE or --spacing X,Y,Z");
-        for (const PlannedOutput& other : outputs) {
-            if (&other < &output) {
-                require_no_file_shared(output, other, meshes > 1);
-            }
-        }
+        refuse(output.format == OutputFormat::png && !can_write_pictures(), ": this build is without PNG (libpng-dev)");
+        refuse(output.format == OutputFormat::hdf5 && !has_archives(), ": this build has no HDF5");
+        refuse(set && !image.given(), " needs --like FOLDER, the CT" + when(arguments.without_ct, ", or --spacing X,Y,Z"));
+        refuse(set && image.subslices > 1, ": its contours lie on the slices themselves, not with --subslices");
+        refuse(output.one_mesh() && meshes > 1, " takes one mesh, not several");
+        refuse(output.is_mask() && !image.given(), " needs --like IMAGE or --spacing X,Y,Z");
+    }
+    refuse_if(arguments.picture_layer && !has_format(outputs, OutputFormat::png), bad_usage,
+              "--picture-layer: no output is a PNG");
+    const bool any_set = has_format(outputs, OutputFormat::structure_set);
+    refuse_if(!any_set && (arguments.without_ct || arguments.holes), bad_usage,
+              "--holes and --without-ct: no output is a structure set");
+    if (any_set) {
+        (void)source_date();
     }
     refuse_if((arguments.coverage || image.subslices > 1) && mask && meshes > 1, bad_usage,
               "--coverage and --subslices: one mesh a mask, not several");
@@ -250,18 +185,21 @@ void require_together(const std::vector<PlannedOutput>& outputs, const OutputArg
 }
 
 std::vector<PlannedOutput> plan_outputs(const OutputArguments& arguments, std::size_t meshes, const ImageArguments& image,
-                                        const NamedInputs& inputs) {
+                                        FilePlan& files) {
     for (const std::string& output : arguments.outputs) {  // as they were typed, before what their ends say
         require_writable(output);
-        require_no_input(output, inputs, "--output");
+        files.require_free(output, "--output");
     }
     std::vector<PlannedOutput> outputs = planned_outputs(arguments);
     require_together(outputs, arguments, meshes, image);
+    std::set<std::string> tables;  // of labels: masks of one name share one
     for (const PlannedOutput& output : outputs) {
         require_writable(output.path);
-    }
-    for (const std::filesystem::path& file : files_of(outputs, meshes > 1)) {
-        require_no_input(file.string(), inputs, "--output");
+        for (const std::string& file : output.files(meshes > 1)) {
+            if (!file.ends_with(labels_end) || tables.insert(file).second) {
+                files.writes(file, "--output", "another output");
+            }
+        }
     }
     return outputs;
 }
@@ -279,9 +217,8 @@ PatientFrame patient_frame_of(const MeshFile& mesh, const ImageArguments& argume
     if (mesh.patient_frame != PatientFrame::unstated) {
         return mesh.patient_frame;
     }
-    if (arguments.frame == PatientFrame::unstated) {
-        throw Failure(bad_usage, name + ": states no patient frame; --frame lps or --frame ras says it");
-    }
+    refuse_if(arguments.frame == PatientFrame::unstated, bad_usage,
+              name + ": states no patient frame; --frame lps or --frame ras says it");
     return arguments.frame;
 }
 
@@ -297,26 +234,25 @@ void require_image_serves(const ImageGeometry& image, const std::vector<PlannedO
     }
 }
 
-void require_series_kept(const ImageGeometry& image, const std::vector<std::filesystem::path>& outputs) {
-    for (const std::filesystem::path& output : outputs) {
-        std::error_code unknown;
-        if (image.series && std::filesystem::exists(output, unknown)) {
-            for (const DicomSeries::Instance& slice : image.series->slices) {
-                require_different(output.string(), slice.file, "--output", "a slice of --like");
-            }
-        }
+void add_series(const ImageGeometry& image, FilePlan& files) {
+    for (const DicomSeries::Instance& slice : image.series ? image.series->slices : std::vector<DicomSeries::Instance>()) {
+        files.reads(slice.file, "a slice of --like");
     }
 }
 
 void require_overlap(const ImageGeometry& image, const std::string& name, const Box& mesh) {
-    const Box box = box_of(image);
     static constexpr std::array<const char*, 3> names = {"its rows", "its columns", "its slices' normal"};
+    const auto range_text = [](double from, double to) { return rounded(from, 3) + " to " + rounded(to, 3) + " mm"; };
+    const std::vector<double> heights = image.slice_heights_mm();
+    const auto [lowest, highest] = std::minmax_element(heights.begin(), heights.end());
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        if (mesh.max_mm[axis] < box.min_mm[axis] || mesh.min_mm[axis] > box.max_mm[axis]) {
-            throw Failure(bad_input, name + ": lies outside of the image: along " + names[axis] + " the mesh reaches from " +
-                                         range_text(mesh.min_mm[axis], mesh.max_mm[axis]) + ", the image from " +
-                                         range_text(box.min_mm[axis], box.max_mm[axis]) + "; is the patient frame right?");
-        }
+        const double side = image.spacing_mm[axis];
+        const double low = (axis == 2 ? *lowest : 0) - side / 2;
+        const double high = (axis == 2 ? *highest : static_cast<double>(image.size[axis] - 1) * side) + side / 2;
+        refuse_if(mesh.max_mm[axis] < low || mesh.min_mm[axis] > high, bad_input,
+                  name + ": lies outside of the image: along " + names[axis] + " the mesh reaches from " +
+                      range_text(mesh.min_mm[axis], mesh.max_mm[axis]) + ", the image from " + range_text(low, high) +
+                      "; is the patient frame right?");
     }
 }
 

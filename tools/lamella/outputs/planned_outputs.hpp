@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
+#include "files/streams.hpp"
 #include "lamella/medical/geometry.hpp"
 #include "lamella/medical/structure_set.hpp"
 
@@ -77,20 +77,16 @@ struct PlannedOutput {
 /// (bad_usage).
 std::vector<PlannedOutput> planned_outputs(const OutputArguments& arguments);
 
-/// Files that are read, each with what messages call it.
-using NamedInputs = std::vector<std::pair<std::string, std::string>>;
-
-/// Throws Failure (bad_usage) where `file`, which `option` names, is one of the inputs.
-void require_no_input(const std::string& file, const NamedInputs& inputs, const std::string& option);
+bool has_format(const std::vector<PlannedOutput>& outputs, OutputFormat format);
 
 /// Throws Failure (bad_usage) where options and formats do not go together, wherever the files may lie.
 void require_together(const std::vector<PlannedOutput>& outputs, const OutputArguments& arguments, std::size_t meshes,
                       const ImageArguments& image);
 
 /// The outputs that are asked for, if any. Throws Failure (bad_usage, bad_output) where they do not go together, plainly
-/// cannot be written, or would overwrite an input.
+/// cannot be written, or would overwrite an input. Adds them to `files`.
 std::vector<PlannedOutput> plan_outputs(const OutputArguments& arguments, std::size_t meshes, const ImageArguments& image,
-                                        const NamedInputs& inputs);
+                                        FilePlan& files);
 
 /// All files that come of them.
 std::vector<std::filesystem::path> files_of(const std::vector<PlannedOutput>& outputs, bool several_meshes);
@@ -101,8 +97,8 @@ std::optional<std::int64_t> source_date();
 /// The patient frame of a mesh: what its file states, else --frame. Throws Failure where neither says it.
 PatientFrame patient_frame_of(const MeshFile& mesh, const ImageArguments& arguments, const std::string& name);
 
-/// Throws Failure (bad_usage) where one of the outputs would replace a slice of the image's series.
-void require_series_kept(const ImageGeometry& image, const std::vector<std::filesystem::path>& outputs);
+/// The slices of the image's series are read. Throws Failure (bad_usage) where an output would replace one.
+void add_series(const ImageGeometry& image, FilePlan& files);
 
 /// Throws Failure (bad_input).
 void require_image_serves(const ImageGeometry& image, const std::vector<PlannedOutput>& outputs,

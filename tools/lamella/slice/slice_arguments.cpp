@@ -55,11 +55,8 @@ void declare_experiments(CLI::App& command, SliceArguments& arguments) {
     add_parsed(command, "--random-heights", "MIN:MAX", "Random steps between MIN and MAX mm", random)
         ->check(given)
         ->group(experiments);
-    command
-        .add_option_function<std::uint64_t>(
-            "--seed", [random_heights](std::uint64_t seed) { random_heights().seed = seed; },
-            "Seed of the random heights (1)")
-        ->type_name("N")
+    add_count(command, "--seed", "Seed of the random heights (1)",
+              [random_heights](std::uint64_t seed) { random_heights().seed = seed; })
         ->needs("--random-heights")
         ->group(experiments);
     add(command, "--band", tuning.band_planes, "N", "Planes swept as one task (0: chosen by the work)")

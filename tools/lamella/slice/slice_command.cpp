@@ -9,13 +9,15 @@
 #include <utility>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "commands.hpp"
 #include "files/streams.hpp"
 #include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
 #include "options/asked.hpp"
 #include "outputs/write_outputs.hpp"
-#include "processes/workers.hpp"
+#include "processes/process.hpp"
 #include "slice/slice_stages.hpp"
 #include "terminal/stages.hpp"
 
@@ -61,18 +63,24 @@ public:
         }
     }
 
-    /// For a batch: of one file.
-    SliceFacts facts() const {
-        SliceFacts facts{.warnings = run_.warnings};
+    /// Counts and warnings, for a batch: of one file.
+    nlohmann::ordered_json facts() const {
+        SliceInfo sum;
+        double stitch_mm = 0;
         for (const SlicedPart& part : job_.parts) {
             const SliceInfo& info = part.result.info;
-            facts.layers = info.layers;  // the same of all
-            facts.triangles += info.triangles;
-            facts.contours += info.contours;
-            facts.open_contours += info.open_contours;
-            facts.stitch_mm = std::max(facts.stitch_mm, part.reach_mm());
+            sum.layers = info.layers;  // the same of all
+            sum.triangles += info.triangles;
+            sum.contours += info.contours;
+            sum.open_contours += info.open_contours;
+            stitch_mm = std::max(stitch_mm, part.reach_mm());
         }
-        return facts;
+        nlohmann::ordered_json warnings = nlohmann::ordered_json::array();
+        for (const std::string& warning : run_.warnings) {
+            warnings.push_back(printable(warning));
+        }
+        return {{"triangles", sum.triangles},         {"layers", sum.layers},   {"contours", sum.contours},
+                {"open_contours", sum.open_contours}, {"stitch_mm", stitch_mm}, {"warnings", warnings}};
     }
 
 private:
@@ -84,35 +92,25 @@ private:
         if (arguments_.in_ranges() && std::any_of(arguments_.meshes.begin(), arguments_.meshes.end(), is_standard)) {
             throw Failure(bad_usage, "--memory: standard input cannot be read twice; write it to a file first");
         }
-        NamedInputs inputs;
         for (const RecordedOption& option : job_.options) {
             if (option.names_file()) {
-                inputs.emplace_back(*option.value, "the file of " + option.name);
+                file_plan_.reads(*option.value, "the file of " + option.name);
             }
         }
         for (const std::string& mesh : arguments_.meshes) {
-            inputs.emplace_back(mesh, "the mesh");
+            file_plan_.reads(mesh, "the mesh");
         }
-        job_.outputs = plan_outputs(arguments_.outputs, arguments_.mesh_count(), arguments_.image, inputs);
-        require_report_possible(inputs);
-        files_ = files_of(job_.outputs, arguments_.mesh_count() > 1);
-        files_.emplace_back(arguments_.report);
-        stages_.interrupt().tidy(files_);
-    }
-
-    void require_report_possible(const NamedInputs& inputs) const {
-        const std::string& report = arguments_.report;
-        if (report.empty()) {
-            return;
+        job_.outputs = plan_outputs(arguments_.outputs, arguments_.mesh_count(), arguments_.image, file_plan_);
+        std::vector<std::filesystem::path> files = files_of(job_.outputs, arguments_.mesh_count() > 1);
+        if (const std::string& report = arguments_.report; !report.empty()) {
+            refuse_if(!are_all_layers(arguments_.options), bad_usage,
+                      "--report: not with --layers, as it judges the whole mesh");
+            refuse_if(arguments_.mesh_count() > 1, bad_usage, "--report: one mesh a report, not several");
+            require_writable(report);
+            file_plan_.writes(report, "--report", "--report");
+            files.emplace_back(report);
         }
-        refuse_if(!are_all_layers(arguments_.options), bad_usage,
-                  "--report: not with --layers, as it judges the whole mesh");
-        refuse_if(arguments_.mesh_count() > 1, bad_usage, "--report: one mesh a report, not several");
-        require_writable(report);
-        require_no_input(report, inputs, "--report");
-        for (const std::filesystem::path& output : files_of(job_.outputs, false)) {
-            require_different_output(report, output.string(), "--report", "--output");
-        }
+        stages_.interrupt().tidy(std::move(files));
     }
 
     /// The meshes, where all of them are needed before the first one is sliced.
@@ -130,7 +128,7 @@ private:
         job_.subslices = arguments_.image.subslices;
         note_all(job_.image->warnings);
         require_image_serves(*job_.image, job_.outputs, arguments_.outputs);
-        require_series_kept(*job_.image, files_);
+        add_series(*job_.image, file_plan_);
         return meshes;
     }
 
@@ -359,7 +357,7 @@ private:
     SliceArguments arguments_;
     Stages stages_;
     OutputJob job_;
-    std::vector<std::filesystem::path> files_;  ///< that the outputs come to be, and the report
+    FilePlan file_plan_;
     std::optional<StreamedOutputs> streamed_;
     std::optional<Failure> failure_;              ///< of an output, beside others that were written
     std::optional<std::vector<double>> heights_;  ///< of the file whose objects are being sliced
@@ -377,7 +375,9 @@ void add_slice_command(CLI::App& app, Interrupt& interrupt) {
     command->callback([command, arguments, &interrupt] {
         SliceCommand slicing(*command, *arguments, interrupt);
         slicing.run();
-        pass_on(*command, slicing.facts());
+        if (command->count("--worker") > 0) {
+            print(slicing.facts().dump() + "\n");
+        }
     });
 }
 

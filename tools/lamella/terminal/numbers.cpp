@@ -168,25 +168,26 @@ std::string with_point(std::string_view text) {
     return number;
 }
 
-std::string read_text(const std::string& path) {
-    constexpr std::size_t most_bytes = std::size_t{1} << 30;
+std::string read_bytes(const std::string& path, std::size_t most_bytes) {
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
     std::string text;
     std::vector<char> piece(std::size_t{1} << 16);
     std::size_t count = 0;
     while (file && (count = std::fread(piece.data(), 1, piece.size(), file.get())) > 0) {
         text.append(piece.data(), count);
-        refuse_if(text.size() > most_bytes, bad_input, path + ": larger than 1 GiB, too large for such a file");
+        refuse_if(text.size() > most_bytes, bad_input, path + ": too large for such a file");
     }
     refuse_if(!file || std::ferror(file.get()) != 0, bad_input,
               "cannot read '" + path + "': " + std::generic_category().message(errno));
+    return text;
+}
+
+std::string read_text(const std::string& path) {
+    std::string text = read_bytes(path, std::size_t{1} << 30);
     const std::string_view start = std::string_view(text).substr(0, 2);
     refuse_if(start == "\xff\xfe" || start == "\xfe\xff" || start.find('\0') != std::string_view::npos, bad_input,
               path + ": is text in UTF-16: save it as UTF-8");
-    if (text.starts_with("\xef\xbb\xbf")) {
-        text.erase(0, 3);
-    }
-    return text;
+    return text.starts_with("\xef\xbb\xbf") ? text.substr(3) : text;
 }
 
 std::vector<std::string_view> split(std::string_view text, char separator) {

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -39,8 +40,11 @@ std::uint64_t parse_bytes(const std::string& text, const std::string& option);
 /// "A:B", "A:" or ":B": layers from A up to, but not with, B. False where it is none of these; what is not given stays.
 bool parse_layers(std::string_view text, std::uint64_t& first, std::uint64_t& end);
 
-/// All of the file, but for a byte-order mark. Throws Failure (bad_input) of one that cannot be read, is larger than 1 GiB
-/// or is in UTF-16.
+/// All of the file. Throws Failure (bad_input) of one that cannot be read, or is larger than `most_bytes`.
+std::string read_bytes(const std::string& path, std::size_t most_bytes = std::numeric_limits<std::size_t>::max());
+
+/// All of a file that people write, but for a byte-order mark. Throws Failure (bad_input) also of one larger than 1 GiB, and
+/// of UTF-16.
 std::string read_text(const std::string& path);
 
 /// The pieces between separators, of which one more than of these: text that ends with one has an empty last piece.

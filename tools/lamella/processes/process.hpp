@@ -1,0 +1,40 @@
+// This program started once more for one mesh: whatever becomes of that process ends only that mesh.
+//
+//     const ProcessEnd end = run_process({"slice", {"a.stl", "-o", "a.svg"}}, 0, stop);
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+namespace lamella::cli {
+
+/// Declares --worker PID, which help does not show: PID is the process that started this one, which ends with it, and which
+/// the system spares when memory runs out.
+void declare_worker(CLI::App& command);
+
+/// One run of the tool.
+struct ToolCall {
+    std::string command;
+    std::vector<std::string> words;
+    std::string folder{};  ///< that it works in; empty: that of this process
+};
+
+struct ProcessEnd {
+    std::string failure{};                                            ///< empty: it succeeded
+    bool may_retry = false;                                           ///< the mesh need not be what is wrong
+    bool lacked_memory = false;                                       ///< or was killed, which may mean so
+    nlohmann::ordered_json facts = nlohmann::ordered_json::object();  ///< the line of JSON that the process printed
+    std::uint64_t peak_bytes = 0;                                     ///< of memory; 0: unknown
+};
+
+/// Starts the process and waits for its end. Where `stop` says so, or after `timeout_s` (0: never), it is asked to end,
+/// which removes what it has half written, and is killed if it does not. It has a process group of its own: Ctrl-C reaches
+/// the calling process alone. Throws Failure (bad_input) where the system refuses another process.
+ProcessEnd run_process(const ToolCall& call, double timeout_s, const std::function<bool()>& stop);
+
+}  // namespace lamella::cli

@@ -2,74 +2,41 @@
 #include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
-#include <cmath>
+#include <iterator>
 #include <limits>
 #include <memory>
-#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "adapter.hpp"
+#include "engine/shapes.hpp"
 
 namespace {
 
 const host::ThrowOnCancel go_on = [] {};
 
-void add_triangle(host::Mesh& mesh, std::int32_t a, std::int32_t b, std::int32_t c) {
-    mesh.triangles.push_back({{a, b, c}, 7});
-}
-
-struct Corner {
-    float x, y, z;
-};
-
-// Twelve triangles, counter-clockwise as seen from outside.
-void add_box(host::Mesh& mesh, Corner low, Corner high, bool inverted = false) {
-    const auto first = static_cast<std::int32_t>(mesh.vertices.size());
-    for (int corner = 0; corner < 8; ++corner) {
-        mesh.vertices.push_back({(corner & 1) != 0 ? high.x : low.x, (corner & 2) != 0 ? high.y : low.y,
-                                 (corner & 4) != 0 ? high.z : low.z, 0xffffffff});
-    }
-    constexpr std::int32_t faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                                           {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-    for (const auto& face : faces) {
-        add_triangle(mesh, first + face[0], first + face[inverted ? 2 : 1], first + face[inverted ? 1 : 2]);
-    }
-}
-
-host::Mesh box(Corner low, Corner high) {
+host::Mesh mesh_of(const shapes::Soup& soup) {
+    const shapes::Indexed shared = shapes::indexed(soup);
     host::Mesh mesh;
-    add_box(mesh, low, high);
+    for (std::size_t i = 0; i < shared.xyz.size(); i += 3) {
+        const auto at = [&](std::size_t axis) { return static_cast<float>(shared.xyz[i + axis]); };
+        mesh.vertices.push_back({at(0), at(1), at(2), 0xffffffff});
+    }
+    for (std::size_t i = 0; i < shared.indices.size(); i += 3) {
+        const auto corner = [&](std::size_t k) { return static_cast<std::int32_t>(shared.indices[i + k]); };
+        mesh.triangles.push_back({{corner(0), corner(1), corner(2)}, 7});
+    }
     return mesh;
+}
+
+host::Mesh box(shapes::Xyz low, shapes::Xyz high) {
+    return mesh_of(shapes::box(low, high));
 }
 
 host::Mesh box_with_hole() {
-    host::Mesh mesh = box({0, 0, 0}, {40, 40, 10});
-    add_box(mesh, {10, 10, 2}, {20, 20, 8}, true);
-    return mesh;
-}
-
-host::Mesh sphere(int rings, float radius) {
-    host::Mesh mesh;
-    const int around = 2 * rings;
-    for (int ring = 0; ring <= rings; ++ring) {
-        for (int at = 0; at < around; ++at) {
-            const float polar = std::numbers::pi_v<float> * static_cast<float>(ring) / static_cast<float>(rings);
-            const float turn = std::numbers::pi_v<float> * static_cast<float>(at) / static_cast<float>(rings);
-            mesh.vertices.push_back({radius * std::sin(polar) * std::cos(turn), radius * std::sin(polar) * std::sin(turn),
-                                     -radius * std::cos(polar), 0});
-        }
-    }
-    for (int ring = 0; ring < rings; ++ring) {
-        for (int at = 0; at < around; ++at) {
-            const int a = ring * around + at;
-            const int b = ring * around + (at + 1) % around;
-            add_triangle(mesh, a, b, b + around);
-            add_triangle(mesh, a, b + around, a + around);
-        }
-    }
-    return mesh;
+    return mesh_of(
+        shapes::joined({shapes::box({0, 0, 0}, {40, 40, 10}), shapes::flipped(shapes::box({10, 10, 2}, {20, 20, 8}))}));
 }
 
 std::vector<host::Layer> slice(const host::Mesh& mesh, const std::vector<double>& heights_mm,
@@ -99,25 +66,32 @@ double area_mm2(const host::Layer& layer) {
     return sum;
 }
 
-std::vector<host::Polygon> polygons_of(const host::Layer& layer) {
-    std::vector<host::Polygon> all;
+using Points = std::vector<std::pair<std::int64_t, std::int64_t>>;
+
+/// To be compared.
+Points points_of(const host::Polygon& polygon) {
+    Points points;
+    for (const host::Point& point : polygon) {
+        points.emplace_back(point.x, point.y);
+    }
+    return points;
+}
+
+std::vector<Points> polygons_of(const host::Layer& layer) {
+    std::vector<Points> all;
     for (const host::Island& island : layer.islands) {
-        all.push_back(island.outer);
-        all.insert(all.end(), island.holes.begin(), island.holes.end());
+        all.push_back(points_of(island.outer));
+        std::transform(island.holes.begin(), island.holes.end(), std::back_inserter(all), points_of);
     }
     return all;
 }
 
-bool same(const host::Polygon& a, const host::Polygon& b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                      [](host::Point p, host::Point q) { return p.x == q.x && p.y == q.y; });
-}
-
-bool same(const host::Layer& a, const host::Layer& b) {
-    const std::vector<host::Polygon> of_a = polygons_of(a);
-    const std::vector<host::Polygon> of_b = polygons_of(b);
-    return std::equal(of_a.begin(), of_a.end(), of_b.begin(), of_b.end(),
-                      [](const host::Polygon& p, const host::Polygon& q) { return same(p, q); });
+std::vector<std::vector<Points>> polygons_of(const std::vector<host::Layer>& layers) {
+    std::vector<std::vector<Points>> all;
+    for (const host::Layer& layer : layers) {
+        all.push_back(polygons_of(layer));
+    }
+    return all;
 }
 
 std::vector<float> soup_of(const host::Mesh& mesh) {
@@ -145,12 +119,15 @@ lamella::SliceResult slice_by_library(const host::Mesh& mesh, double height_mm, 
     return std::move(*sliced);
 }
 
-host::Polygon points_of(const lamella::SliceResult& result, std::size_t contour) {
-    host::Polygon points;
-    for (const lamella::Point point : result.points_of(result.contours[contour])) {
-        points.push_back({point.x, point.y});
+std::vector<Points> polygons_of(const lamella::SliceResult& result) {
+    std::vector<Points> all;
+    for (const lamella::Contour& contour : result.contours) {
+        Points& points = all.emplace_back();
+        for (const lamella::Point point : result.points_of(contour)) {
+            points.emplace_back(point.x, point.y);
+        }
     }
-    return points;
+    return all;
 }
 
 std::vector<double> every(double step_mm, std::size_t count) {
@@ -173,27 +150,20 @@ TEST_CASE("the adapter gives the layers of slice(), in the order of the heights"
         CAPTURE(at);
         CHECK(area_mm2(layers[at]) == Approx(areas[at]).margin(1e-4));
         CHECK(layers[at].warnings.empty());
-        const lamella::SliceResult expected = slice_by_library(mesh, heights[at]);
-        const std::vector<host::Polygon> polygons = polygons_of(layers[at]);
-        REQUIRE(polygons.size() == expected.contours.size());
-        for (std::size_t contour = 0; contour < polygons.size(); ++contour) {
-            CHECK(polygons[contour].size() == 4);
-            CHECK(same(polygons[contour], points_of(expected, contour)));
-        }
+        CHECK(polygons_of(layers[at]) == polygons_of(slice_by_library(mesh, heights[at])));
     }
     REQUIRE(layers[0].islands.size() == 1);
     REQUIRE(layers[0].islands[0].holes.size() == 1);
     CHECK(area_mm2(layers[0].islands[0].holes[0]) == Approx(-100));
-    CHECK(same(layers[0], layers[2]));
+    CHECK(polygons_of(layers[0]) == polygons_of(layers[2]));
 }
 
 TEST_CASE("points are those of slice(), to the nanometre") {
-    const host::Mesh mesh = sphere(20, 17.3F);
-    const std::vector<host::Layer> layers = slice(mesh, {3.3});
-    REQUIRE(layers[0].islands.size() == 1);
-    const host::Polygon& points = layers[0].islands[0].outer;
-    CHECK(same(points, points_of(slice_by_library(mesh, 3.3), 0)));
-    CHECK(std::any_of(points.begin(), points.end(), [](host::Point point) { return point.x % 2 != 0; }));
+    const host::Mesh mesh = mesh_of(shapes::octasphere({0, 0, 0}, 17.3, 4));
+    const std::vector<Points> polygons = polygons_of(slice(mesh, {3.3})[0]);
+    REQUIRE(polygons.size() == 1);
+    CHECK(polygons == polygons_of(slice_by_library(mesh, 3.3)));
+    CHECK(std::any_of(polygons[0].begin(), polygons[0].end(), [](const auto& point) { return point.first % 2 != 0; }));
 }
 
 TEST_CASE("a face on a plane is met where the host's floats put it") {
@@ -223,13 +193,9 @@ TEST_CASE("a mirrored part stays solid") {
 }
 
 TEST_CASE("gaps are closed against the facets' orientation too, and are warnings of their layer") {
-    host::Mesh mesh = box({0, 0, 0}, {40, 40, 10});
     // In the place of the side y = 0 a wall that is inverted and ends 0.5 and 0.3 mm before the corners.
-    mesh.triangles.erase(mesh.triangles.begin() + 4, mesh.triangles.begin() + 6);
-    const auto first = static_cast<std::int32_t>(mesh.vertices.size());
-    mesh.vertices.insert(mesh.vertices.end(), {{0.5F, 0, 0, 0}, {39.7F, 0, 0, 0}, {0.5F, 0, 10, 0}, {39.7F, 0, 10, 0}});
-    add_triangle(mesh, first, first + 2, first + 1);
-    add_triangle(mesh, first + 1, first + 2, first + 3);
+    const shapes::Soup open = shapes::without(shapes::box({0, 0, 0}, {40, 40, 10}), 4, 2);
+    const host::Mesh mesh = mesh_of(shapes::joined({open, shapes::wall({39.7, 0}, {0.5, 0})}));
     const std::vector<host::Layer> layers = slice(mesh, {5, 20, 3});
     for (const std::size_t at : {std::size_t{0}, std::size_t{2}}) {
         CAPTURE(at);
@@ -254,15 +220,15 @@ TEST_CASE("an empty mesh has an empty layer for each height") {
 }
 
 TEST_CASE("bodies are united or cancel out by the fill rule, and narrow gaps are closed") {
-    host::Mesh overlapping = box({0, 0, 0}, {10, 10, 10});
-    add_box(overlapping, {5, 0, 0}, {15, 10, 10});
+    const host::Mesh overlapping =
+        mesh_of(shapes::joined({shapes::box({0, 0, 0}, {10, 10, 10}), shapes::box({5, 0, 0}, {15, 10, 10})}));
     host::Settings settings;
     CHECK(area_mm2(slice(overlapping, {5}, settings)[0]) == Approx(150));
     settings.even_odd = true;
     CHECK(area_mm2(slice(overlapping, {5}, settings)[0]) == Approx(100));
 
-    host::Mesh apart = box({0, 0, 0}, {10, 10, 10});
-    add_box(apart, {10.05F, 0, 0}, {20, 10, 10});
+    const host::Mesh apart =
+        mesh_of(shapes::joined({shapes::box({0, 0, 0}, {10, 10, 10}), shapes::box({10.05, 0, 0}, {20, 10, 10})}));
     settings = {};
     CHECK(slice(apart, {5}, settings)[0].islands.size() == 1);
     settings.closing_mm = 0;
@@ -282,7 +248,7 @@ TEST_CASE("what the host's cancel function throws arrives, and the slicer can be
     struct Cancelled {
         std::shared_ptr<int> token;
     };
-    const host::Mesh mesh = sphere(200, 20);
+    const host::Mesh mesh = mesh_of(shapes::octasphere({0, 0, 0}, 20, 6));
     const std::vector<double> heights = every(0.01, 2000);
     std::atomic<int> calls = 0;
     lamella::Slicer slicer;
@@ -313,8 +279,7 @@ TEST_CASE("what the host's cancel function throws arrives, and the slicer can be
 
     CHECK(slicer.bytes() > 0);
     const std::vector<host::Layer> again = host::slice(mesh, heights, {}, go_on, slicer);
-    CHECK(std::equal(whole.begin(), whole.end(), again.begin(), again.end(),
-                     [](const host::Layer& a, const host::Layer& b) { return same(a, b); }));
+    CHECK((polygons_of(whole) == polygons_of(again)));
 }
 
 TEST_CASE("an unusable mesh is the host's error, with the library's line") {

@@ -127,6 +127,14 @@ inline std::string replaced(std::string text, const std::string& what, const std
     return text;
 }
 
+inline std::string repeated(const std::string& text, std::size_t count) {
+    std::string all;
+    for (std::size_t i = 0; i < count; ++i) {
+        all += text;
+    }
+    return all;
+}
+
 /// Of ASCII letters.
 inline std::string upper(std::string text) {
     std::transform(text.begin(), text.end(), text.begin(),

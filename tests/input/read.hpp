@@ -5,6 +5,7 @@
 #include <array>
 #include <cstring>
 #include <optional>
+#include <regex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +21,10 @@ namespace lamella::input_test {
 /// For the files of all tests of the readers: a file of the same name replaces the one before it.
 inline const TempFolder dir;
 
+using Texts = std::vector<std::string>;
+/// Nine coordinates each.
+using Triangles = std::vector<std::array<double, 9>>;
+
 /// Calls look(answer) with what reading a file gives: read and mapped, by 1 and 3 threads.
 template <class Look>
 void read_every_way(const std::filesystem::path& path, const Look& look) {
@@ -30,85 +35,99 @@ void read_every_way(const std::filesystem::path& path, const Look& look) {
     }
 }
 
-/// What look(mesh) makes of a file that must be readable: the same, however it is read.
-template <class Look>
-auto same_every_way(const std::filesystem::path& path, const Look& look) {
-    std::optional<decltype(look(std::declval<const MeshFile&>()))> first;
-    read_every_way(path, [&](const Result<MeshFile>& mesh) {
-        INFO((mesh ? "" : mesh.error().message));
-        REQUIRE(mesh.ok());
-        auto found = look(mesh.value());
-        if (!first) {
-            first = found;
-        }
-        CHECK((found == *first));
-    });
-    return *std::move(first);
-}
-
 /// A file that must be readable.
 inline MeshFile read_one(const std::filesystem::path& path) {
     return value_of(read_mesh(path));
 }
 
-using Texts = std::vector<std::string>;
-
-/// Warnings after the name of the file with which each begins.
-inline Texts warnings_of(const std::filesystem::path& path) {
-    Texts warnings = same_every_way(path, [](const MeshFile& mesh) { return mesh.warnings; });
-    for (std::string& warning : warnings) {
-        REQUIRE(warning.find(path.string() + ": ") == 0);
-        warning.erase(0, path.string().size() + 2);
-    }
-    return warnings;
-}
-
-/// The hash of a file's slices.
-inline std::uint64_t hash_of(const std::filesystem::path& path) {
-    return sliced(read_one(path), uniform(0.7)).hash();
-}
-
-/// A corner of a triangle, of soup or indices, of floats or doubles; in the file's unit.
-inline std::array<double, 3> corner_of(const MeshView& view, std::size_t triangle, std::size_t corner) {
-    const bool soup = view.indices == nullptr;
-    const std::uint64_t vertex = soup ? triangle : view.vertex_of(triangle, corner);
-    REQUIRE((soup || vertex < view.vertex_count));
-    const std::size_t bytes = 3 * size_of(view.vertex_type);
-    const std::byte* const at = view.vertex_at(vertex) + (soup ? corner * bytes : 0);
-    if (std::array<double, 3> doubles{}; view.vertex_type == Number::f64) {
-        std::memcpy(doubles.data(), at, bytes);
-        return doubles;
-    }
-    std::array<float, 3> floats{};
-    std::memcpy(floats.data(), at, bytes);
-    return {floats[0], floats[1], floats[2]};
-}
-
-/// Nine coordinates a triangle.
-template <class Value = double>
-std::vector<std::array<Value, 9>> triangles_of(const MeshFile& mesh) {
+/// The triangles of soup or of indices, of floats or doubles, in mm.
+inline Triangles triangles_of(const MeshFile& mesh) {
     const MeshView view = mesh.view();
-    std::vector<std::array<Value, 9>> triangles(view.triangle_count);
-    for (std::size_t i = 0; i < 3 * triangles.size(); ++i) {
-        const std::array<double, 3> corner = corner_of(view, i / 3, i % 3);
-        std::transform(corner.begin(), corner.end(), triangles[i / 3].begin() + 3 * (i % 3),
-                       [](double coordinate) { return static_cast<Value>(coordinate); });
+    const bool soup = view.indices == nullptr;
+    const std::size_t bytes = size_of(view.vertex_type);
+    Triangles triangles(view.triangle_count);
+    for (std::size_t i = 0; i < 9 * triangles.size(); ++i) {
+        const std::uint64_t vertex = soup ? i / 9 : view.vertex_of(i / 9, i % 9 / 3);
+        if (!soup && vertex >= view.vertex_count) {
+            FAIL("triangle " << i / 9 << " has a vertex beyond the last");
+        }
+        const std::byte* const at = view.vertex_at(vertex) + bytes * (soup ? i % 9 : i % 3);
+        double& coordinate = triangles[i / 9][i % 9];
+        if (view.vertex_type == Number::f64) {
+            std::memcpy(&coordinate, at, bytes);
+        } else {
+            float value = 0;
+            std::memcpy(&value, at, bytes);
+            coordinate = value;
+        }
+        coordinate *= mesh.mm_per_unit;
     }
     return triangles;
 }
 
-/// The same of a file.
-template <class Value = double>
-std::vector<std::array<Value, 9>> read_triangles(const std::filesystem::path& path) {
-    return same_every_way(path, [](const MeshFile& mesh) { return triangles_of<Value>(mesh); });
+/// A readable file's triangles and warnings, the latter without the name of the file with which each begins.
+struct Contents {
+    Triangles triangles;
+    Texts warnings;
+    MeshFile mesh;
+};
+
+/// The same however the file is read.
+inline Contents read(const std::filesystem::path& path) {
+    Contents first;
+    read_every_way(path, [&](Result<MeshFile> mesh) {
+        INFO((mesh ? "" : mesh.error().message));
+        REQUIRE(mesh.ok());
+        CHECK(mesh->file_bytes == std::filesystem::file_size(path));
+        Contents found{triangles_of(*mesh), mesh->warnings, std::move(*mesh)};
+        if (first.triangles.empty()) {
+            first = std::move(found);
+        } else {
+            CHECK((found.triangles == first.triangles));
+            CHECK(found.warnings == first.warnings);
+        }
+    });
+    for (std::string& warning : first.warnings) {
+        REQUIRE(warning.find(path.string() + ": ") == 0);
+        warning.erase(0, path.string().size() + 2);
+    }
+    return first;
 }
 
-/// The facets of a file that must be readable.
-inline std::vector<Facet> read_facets(const std::filesystem::path& path) {
-    return same_every_way(path, [&path](const MeshFile& mesh) {
-        CHECK(mesh.file_bytes == std::filesystem::file_size(path));
-        return triangles_of<float>(mesh);
-    });
+inline Triangles read_triangles(const std::filesystem::path& path) {
+    return read(path).triangles;
+}
+
+inline Texts warnings_of(const std::filesystem::path& path) {
+    return read(path).warnings;
+}
+
+inline Triangles triangles_of(const std::vector<Facet>& facets) {
+    Triangles triangles(facets.size());
+    for (std::size_t i = 0; i < facets.size(); ++i) {
+        std::copy(facets[i].begin(), facets[i].end(), triangles[i].begin());
+    }
+    return triangles;
+}
+
+/// Where a message says "line L, byte B: ", B is the error's, and L the line of that byte: LF, CR and CRLF end lines.
+inline void check_place(const Error& error, const std::filesystem::path& path) {
+    std::smatch place;
+    if (!std::regex_search(error.message, place, std::regex(": (?:line (\\d+), )?byte (\\d+): "))) {
+        return;
+    }
+    CHECK(std::to_string(error.byte_offset) == place[2]);
+    if (place[1].matched) {
+        const std::string before = ::bytes_of(path).substr(0, static_cast<std::size_t>(error.byte_offset));
+        const auto ends = [&](const std::string& end) {
+            std::size_t count = 0;
+            for (std::size_t at = before.find(end); at != std::string::npos; at = before.find(end, at + 1)) {
+                ++count;
+            }
+            return count;
+        };
+        CHECK(std::to_string(1 + ends("\n") + ends("\r") - ends("\r\n")) == place[1]);
+    }
 }
 
 /// The error of a file that must be refused: the same read and mapped, one line that names the file.
@@ -125,23 +144,44 @@ inline Error read_error(const std::filesystem::path& path) {
     });
     INFO(first.message);
     CHECK(first.message.find('\n') == std::string::npos);
+    CHECK(first.message.size() < 400 + path.string().size());
     CHECK(first.message.find(path.string()) == 0);
+    check_place(first, path);
     return first;
 }
 
+/// The message holds the texts, which " ... " parts, in this order.
+inline void check_says(const std::string& message, const std::string& says) {
+    CAPTURE(message);
+    std::size_t found = 0;
+    for (std::size_t at = 0; at < says.size();) {
+        const std::size_t end = std::min(says.find(" ... ", at), says.size());
+        const std::string part = says.substr(at, end - at);
+        CAPTURE(part);
+        found = message.find(part, found);
+        REQUIRE(found != std::string::npos);
+        at = end + 5;
+    }
+}
+
 /// A file must be refused with an error that says so.
-inline Error refuses(const std::filesystem::path& path, const std::string& says, const std::string& says_too = "") {
-    CAPTURE(says, says_too);
+inline Error refuses(const std::filesystem::path& path, const std::string& says,
+                     ErrorCode code = ErrorCode::malformed_mesh) {
     const Error error = read_error(path);
-    CHECK_THAT(error.message, Catch::Contains(says) && Catch::Contains(says_too));
+    CHECK(error.code == code);
+    check_says(error.message, says);
     return error;
 }
 
-/// The message of a file that must be refused because reading it takes more than `limit` bytes.
-inline std::string message_beyond(std::uint64_t limit, const std::filesystem::path& path) {
-    const Error error = error_of(read_mesh(path, {.memory_limit_bytes = limit}));
-    CHECK(error.code == ErrorCode::out_of_memory);
-    return error.message;
+/// A text in a good file, what makes the file malformed in its place, and what the error says.
+using Malformed = std::array<std::string, 3>;
+
+inline void refuses_each(const std::string& name, const std::string& good, const std::vector<Malformed>& cases) {
+    for (const auto& [what, by, says] : cases) {
+        CAPTURE(what, by);
+        REQUIRE(good.find(what) != std::string::npos);
+        refuses(dir.write(name, replaced(good, what, by)), says);
+    }
 }
 
 /// A file of only the first bytes of `whole`, [first, end) of them in turn, must be refused: as malformed, or as empty where
@@ -157,33 +197,6 @@ inline void refuses_cuts(const std::string& name, const std::string& whole, std:
     }
 }
 
-/// A polygon of 30,000 random corners of three, whose first is `first`: it crosses itself too often to be cut.
-inline std::string entangled_corners(std::uint32_t first) {
-    std::string text;
-    for (std::uint32_t i = 0, random = 1; i < 30'000; ++i) {
-        random = random * 1'664'525 + 1'013'904'223;
-        text += " " + std::to_string((random >> 16) % 3 + first);
-    }
-    return text;
-}
-
-/// A replacement that makes a good file malformed, and what the error must say of it.
-struct Malformed {
-    std::string what;
-    std::string by;
-    std::string says;
-    std::string says_too{};
-};
-
-inline void refuses_each(const std::string& name, const std::string& good, const std::vector<Malformed>& cases) {
-    for (const Malformed& one : cases) {
-        CAPTURE(one.what, one.by);
-        REQUIRE(good.find(one.what) != std::string::npos);
-        const auto path = dir.write(name, replaced(good, one.what, one.by));
-        CHECK(refuses(path, one.says, one.says_too).code == ErrorCode::malformed_mesh);
-    }
-}
-
 /// "NAME ROLE FIRST COUNT; ..."
 inline std::string parts_of(const MeshFile& file) {
     std::string text;
@@ -194,50 +207,22 @@ inline std::string parts_of(const MeshFile& file) {
     return text;
 }
 
-// --- Corners in mm
-
-/// Three corners in mm.
-using Corners = std::array<std::array<double, 3>, 3>;
-
-inline std::vector<Corners> corners_of(const MeshFile& mesh) {
-    const MeshView view = mesh.view();
-    std::vector<Corners> triangles(view.triangle_count);
-    for (std::size_t i = 0; i < 3 * triangles.size(); ++i) {
-        std::array<double, 3>& corner = triangles[i / 3][i % 3] = corner_of(view, i / 3, i % 3);
-        for (double& coordinate : corner) {
-            coordinate *= mesh.mm_per_unit;
-        }
-    }
-    return triangles;
-}
-
-/// A file that must be readable, and the same read and mapped, by 1 and 3 threads.
-inline MeshFile read_indexed(const std::filesystem::path& path) {
-    same_every_way(path, [](const MeshFile& mesh) {
-        REQUIRE(mesh.view().indices != nullptr);
-        return std::pair(corners_of(mesh), mesh.warnings);
-    });
-    return read_one(path);
-}
-
-/// Six times the volume, signed: positive where triangles are seen counter-clockwise from outside.
-inline double six_volumes(const std::vector<Corners>& triangles) {
+/// The volume, positive where triangles are seen counter-clockwise from outside.
+inline double volume_of(const Triangles& triangles) {
     double sum = 0;
-    for (const auto& [a, b, c] : triangles) {
-        sum += a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+    for (const auto& t : triangles) {
+        sum += t[0] * (t[4] * t[8] - t[5] * t[7]) - t[1] * (t[3] * t[8] - t[5] * t[6]) + t[2] * (t[3] * t[7] - t[4] * t[6]);
     }
-    return sum;
+    return sum / 6;
 }
 
 /// The lowest and the highest corner of the box around the triangles.
-inline std::array<std::array<double, 3>, 2> box_of(const std::vector<Corners>& triangles) {
-    std::array<std::array<double, 3>, 2> box = {triangles.at(0)[0], triangles.at(0)[0]};
-    for (const Corners& corners : triangles) {
-        for (const auto& corner : corners) {
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                box[0][axis] = std::min(box[0][axis], corner[axis]);
-                box[1][axis] = std::max(box[1][axis], corner[axis]);
-            }
+inline Box box_of(const Triangles& triangles) {
+    Box box{{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+    for (const auto& triangle : triangles) {
+        for (std::size_t i = 0; i < 9; ++i) {
+            box.min_mm[i % 3] = std::min(box.min_mm[i % 3], triangle[i]);
+            box.max_mm[i % 3] = std::max(box.max_mm[i % 3], triangle[i]);
         }
     }
     return box;

@@ -11,7 +11,10 @@
 
 #include <catch2/catch.hpp>
 
+#include "engine/shapes.hpp"
 #include "engine/slicing.hpp"
+#include "input/ply_writer.hpp"
+#include "input/read.hpp"
 #include "lamella/io.hpp"
 
 namespace lamella::input_test {
@@ -27,6 +30,28 @@ inline constexpr std::uint64_t parts_of_need[] = {1, 2, 10, 50};
 inline constexpr double budget_heights_mm[] = {0.05, 1.0};
 inline constexpr std::uint64_t budget_triangles = 400'000;
 #endif
+
+using ply_test::PlyVariant;
+
+inline constexpr std::string_view little = "binary_little_endian";
+inline constexpr std::string_view big = "binary_big_endian";
+
+inline std::string ply_of(const shapes::Soup& soup, const PlyVariant& form) {
+    return ply_test::ply(form, shapes::indexed(soup));
+}
+
+inline std::string stl_of(const shapes::Soup& soup) {
+    const std::vector<float> numbers = shapes::floats(soup);
+    std::vector<Facet> facets(numbers.size() / 9);
+    std::memcpy(facets.data(), numbers.data(), numbers.size() * sizeof(float));
+    return binary_stl(facets);
+}
+
+inline std::filesystem::path made(models::Shape shape, models::Order order, std::uint64_t triangles) {
+    std::filesystem::path path = dir / "mesh.stl";
+    REQUIRE(models::write_stl({.shape = shape, .triangles = triangles, .order = order}, path).ok());
+    return path;
+}
 
 inline auto counts_of(const SliceInfo& info) {
     return std::tuple(info.triangles, info.degenerate, info.crossed, info.layers, info.segments, info.contours, info.points,

@@ -111,15 +111,6 @@ TEST_CASE("vertices are compared on the grid and degenerate triangles left out",
     CHECK(counts.closed);
 }
 
-TEST_CASE("many partitions and chunks give the counts of a sphere", "[input]") {
-    const MeshCheck counts = counted(shapes::octasphere({1, 2, 3}, 10, GENERATE(5, 7)));
-    CHECK(counts.triangles >= 8192);
-    CHECK(2 * counts.edges == 3 * counts.triangles);
-    CHECK(counts.shell_count == 1);
-    CHECK(counts.closed);
-    CHECK(counts.volume_mm3 == Approx(4000 * M_PI / 3).epsilon(1e-2));
-}
-
 TEST_CASE("beyond 1,024 mm the unit doubles", "[input]") {
     CHECK(counted(cube({0, 0, 0}, 1024)).grid_mm == default_grid_mm);
     CHECK(counted(cube({0, 0, 0}, 1025)).grid_mm == 2 * default_grid_mm);

@@ -1,11 +1,8 @@
 // A file sliced in ranges within a budget of memory gives what slice() gives of the whole mesh.
 #include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "engine/counting_memory.hpp"
@@ -21,102 +18,93 @@ using Catch::Contains;
 
 namespace {
 
-std::string stl_of(const std::vector<float>& soup) {
-    std::vector<Facet> facets(soup.size() / 9);
-    std::memcpy(facets.data(), soup.data(), soup.size() * sizeof(float));
-    return binary_stl(facets);
+shapes::Soup soup_of(models::Shape shape, models::Order order, std::uint64_t triangles) {
+    const std::vector<float> soup = models::make_soup({.shape = shape, .triangles = triangles, .order = order});
+    return {soup.begin(), soup.end()};
 }
 
-std::filesystem::path made(models::Shape shape, models::Order order, std::uint64_t triangles) {
-    std::filesystem::path path = dir / "mesh.stl";
-    REQUIRE(models::write_stl({.shape = shape, .triangles = triangles, .order = order}, path).ok());
-    return path;
+/// Open, degenerate, flat and tall facets, with points and needles.
+shapes::Soup every_kind() {
+    shapes::Soup soup = shapes::joined({shapes::octasphere({0, 0, 10}, 10, 5), shapes::box({20, 0, 0}, {30, 10, 40}),
+                                        shapes::box({20, 20, 5}, {30, 30, 10}), shapes::random_soup(3, 400, 40),
+                                        shapes::random_tetrahedra(5, 200, 20)});
+    for (int i = 0; i < 100; ++i) {
+        const double at = i / 4.0;
+        soup = shapes::joined({std::move(soup), shapes::triangle({at, at, at}, {at, at, at}, {at, at + 1, 30})});
+    }
+    soup.resize(soup.size() - 9 * 7);
+    return shapes::shuffled(soup, 11);
+}
+
+struct Case {
+    const char* name;
+    shapes::Soup soup;
+    SliceOptions options;
+    Tuning tuning{};
+};
+
+std::vector<Case> cases() {
+    using enum models::Shape;
+    using enum models::Order;
+    const shapes::Soup tilted = soup_of(torus, random, 100'000);
+    const shapes::Soup kinds = every_kind();
+    const Transform turn = Transform::from_normal(1, 2, 3);
+    const std::vector<double> heights{-30, 90, 20.5, 20.5, 1e7, 3, 77.125, 1.5, 60, 60.1, 60.2, 140};
+    const PlaneOptions on_faces{.first_height_mm = 0.25};
+    return {
+        {"in the order of height", soup_of(bone, z, 150'000), uniform(0.5)},
+        {"in any order", soup_of(gyroid, random, 150'000), uniform(0.4)},
+        {"facets as tall as the part", soup_of(prism, random, 20'000), uniform(1)},
+        {"listed heights, some of them twice and some beyond the mesh", tilted, {.heights_mm = heights}},
+        {"random heights", tilted, {}, {.random_heights = RandomHeights{0.05, 3, 7}}},
+        {"another datum, side and grid",
+         tilted,
+         {.layer_height_mm = 0.7, .planes = {.datum = Datum::zero, .side = PlaneSide::above}, .frame = {.grid_mm = 0.001}}},
+        {"a transform, another grid", tilted, {.layer_height_mm = 0.7, .frame = {.transform = turn, .grid_mm = 0.001}}},
+        {"rules by layer", tilted, {.region = {.fill_from = {{20, FillRule::non_zero}, {70, FillRule::even_odd}}}}},
+        {"some layers", tilted, {.layer_height_mm = 0.3, .planes = {.first_layer = 100, .end_layer = 333}}},
+        {"facets of every kind", kinds, {.layer_height_mm = 0.25, .planes = on_faces}},
+        {"gaps closed",
+         kinds,
+         {.layer_height_mm = 0.25, .stitch_mm = 0.5, .stitch_direction = StitchDirection::any, .planes = on_faces}},
+        {"facets of every kind, on the side above",
+         kinds,
+         {.layer_height_mm = 0.25, .planes = {.first_height_mm = 0.25, .side = PlaneSide::above}}},
+    };
 }
 
 }  // namespace
 
-TEST_CASE("a file in the order of height is cut as it is read", "[slice_file][threads]") {
-    const auto path = made(models::Shape::bone, models::Order::z, 300'000);
-    require_same_at_all_budgets(path, uniform(0.5));
-    const Ranges ranges = in_ranges(path, {.memory_bytes = 4'000'000}, uniform(0.2), {.threads = 2});
-    CHECK(ranges.spent.ranges > 4);
-    CHECK(ranges.spent.spilled_bytes == 0);
+TEST_CASE("a file gives the same layers in ranges, in every format and form", "[slice_file][threads]") {
+    const PlyVariant forms[] = {{.encoding = little},
+                                {.encoding = big, .coordinate = "double", .index = "uint"},
+                                {.encoding = little, .coordinate = "double", .extra_numbers = true},
+                                {.encoding = big, .index = "uint", .extra_numbers = true}};
+    std::size_t number = 0;
+    for (const Case& one : cases()) {
+        INFO(one.name);
+        require_same_at_all_budgets(dir.write("mesh.stl", stl_of(one.soup)), one.options, one.tuning);
+        const std::string ply = ply_of(one.soup, forms[number++ % std::size(forms)]);
+        require_same_at_all_budgets(dir.write("mesh.ply", ply), one.options, one.tuning);
+    }
 }
 
-TEST_CASE("a file in any order is spilled", "[slice_file][threads]") {
-    const auto path = made(models::Shape::gyroid, models::Order::random, 300'000);
-    require_same_at_all_budgets(path, uniform(0.4));
-    const Ranges ranges = in_ranges(path, {.memory_bytes = 3'000'000}, uniform(0.2));
-    CHECK(ranges.spent.ranges > 4);
-    CHECK(ranges.spent.spilled_bytes > 44 * ranges.result.info.crossed / 2);
-}
-
-TEST_CASE("facets as tall as the part need a budget that holds them", "[slice_file]") {
-    const auto path = made(models::Shape::prism, models::Order::random, 20'000);
-    require_same_at_all_budgets(path, uniform(1));
-}
-
-TEST_CASE("all kinds of planes and rules give the same layers in ranges", "[slice_file]") {
-    const auto path = made(models::Shape::torus, models::Order::random, 100'000);
-    SliceOptions options;
-    Tuning tuning;
-    SECTION("listed heights, some of them twice and some beyond the mesh") {
-        options.heights_mm = std::vector<double>{-30, 90, 20.5, 20.5, 1e7, 3, 77.125, 1.5, 60, 60.1, 60.2, 140};
-    }
-    SECTION("random heights") {
-        tuning.random_heights = {.min_step_mm = 0.05, .max_step_mm = 3, .seed = 7};
-    }
-    SECTION("another datum, side and grid") {
-        options = uniform(0.7);
-        options.planes.side = PlaneSide::above;
-        options.planes.datum = Datum::zero;
-        options.frame.grid_mm = 0.001;
-    }
-    SECTION("a transform") {
-        options = uniform(0.7);
-        options.frame.transform = Transform::from_normal(1, 2, 3);
-    }
-    SECTION("rules by layer") {
-        options = uniform(1);
-        options.region.fill_from = {{20, FillRule::non_zero}, {70, FillRule::even_odd}};
-    }
-    SECTION("some layers") {
-        options = uniform(0.3);
-        options.planes.first_layer = 100;
-        options.planes.end_layer = 333;
-    }
-    require_same_at_all_budgets(path, options, tuning);
-}
-
-TEST_CASE("open, degenerate, flat and tall facets give the same layers in ranges", "[slice_file]") {
-    shapes::Soup soup = shapes::joined({shapes::octasphere({0, 0, 10}, 10, 5), shapes::box({20, 0, 0}, {30, 10, 40}),
-                                        shapes::box({20, 20, 5}, {30, 30, 10}), shapes::random_soup(3, 400, 40),
-                                        shapes::random_tetrahedra(5, 200, 20)});
-    for (int i = 0; i < 100; ++i) {  // points and needles
-        const double at = i / 4.0;
-        soup = shapes::joined({std::move(soup), shapes::triangle({at, at, at}, {at, at, at}, {at, at + 1, 30})});
-    }
-    soup.resize(soup.size() - 9 * 7);  // open
-    const auto path = dir.write("mesh.stl", stl_of(shapes::floats(shapes::shuffled(soup, 11))));
-    SliceOptions options = uniform(0.25);  // planes at whole numbers too, where faces lie
-    options.layer_height_mm = 0.25;
-    options.planes.first_height_mm = 0.25;
-    SECTION("as cut") {}
-    SECTION("gaps closed") {
-        options.stitch_mm = 0.5;
-        options.stitch_direction = StitchDirection::any;
-    }
-    SECTION("on the side above") {
-        options.planes.side = PlaneSide::above;
-    }
-    require_same_at_all_budgets(path, options);
+TEST_CASE("a file in the order of height is cut as it is read, one in any order is spilled", "[slice_file][threads]") {
+    const auto sorted = made(models::Shape::bone, models::Order::z, 300'000);
+    const Ranges cut = in_ranges(sorted, {.memory_bytes = 4'000'000}, uniform(0.2), {.threads = 2});
+    CHECK(cut.spent.ranges > 4);
+    CHECK(cut.spent.spilled_bytes == 0);
+    const auto shuffled = made(models::Shape::gyroid, models::Order::random, 300'000);
+    const Ranges spilled = in_ranges(shuffled, {.memory_bytes = 3'000'000}, uniform(0.2));
+    CHECK(spilled.spent.ranges > 4);
+    CHECK(spilled.spent.spilled_bytes > 44 * spilled.result.info.crossed / 2);
 }
 
 TEST_CASE("a file written layer by layer is the file of the whole", "[slice_file][write]") {
     const TempFolder folder;
     const shapes::Soup soup = shapes::joined(
         {shapes::octasphere({0, 0, 10}, 10, 5), shapes::box({20, 0, 0}, {30, 10, 40}), shapes::random_soup(3, 400, 40)});
-    const auto path = folder.write("mesh.stl", stl_of(shapes::floats(soup)));
+    const auto path = folder.write("mesh.stl", stl_of(soup));
     SliceOptions options = uniform(0.25);
     options.planes.first_layer = 3;
     options.planes.end_layer = 150;
@@ -184,73 +172,20 @@ TEST_CASE("the engine holds no more than the budget", "[slice_file]") {
     }
 }
 
-TEST_CASE("what cannot be sliced in ranges is refused by name", "[slice_file]") {
-    const std::vector<float> soup = shapes::floats(shapes::box({0, 0, 0}, {5, 5, 5}));
-    const std::string stl = stl_of(soup);
-    const std::string at = (dir.path() / "a").string();
-    CHECK(refusal_of(dir.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\n")) ==
-          at + ".obj: is a text OBJ file: only binary STL and PLY can be sliced within a budget of memory; "
-               "'lamella convert MESH -o MESH.ply' makes the latter of it");
-    CHECK_THAT(refusal_of(dir.write("a.stl", "solid a\nfacet normal 0 0 1\nouter loop\n")), Contains("is a text STL file"));
-    CHECK_THAT(refusal_of(dir.write("a.stl.gz", "\x1f\x8b\x08")), Contains("gunzip"));
-    CHECK_THAT(refusal_of(dir.write("a.stl", stl.substr(0, 300))), Contains("truncated"));
-    CHECK_THAT(refusal_of(dir.write("a.stl", "")), Contains("is empty"));
-    CHECK_THAT(refusal_of(dir / "none.stl"), Contains("cannot be opened"));
-    const auto with = [&](const SliceOptions& options) { return refusal_of(dir.write("a.stl", stl), {}, options); };
-    CHECK_THAT(with({.origins = true}), Contains("origins"));
-    CHECK_THAT(with({.content = LayerContent::upward_faces}), Contains("faces"));
-    CHECK_THAT(with({.planes = {.first_layer = 70, .end_layer = 80}}), Contains("none of the 25 layers"));
-    std::vector<float> bad = soup;
-    bad[9 * 7 + 4] = std::nanf("");
-    CHECK(refusal_of(dir.write("a.stl", stl_of(bad))) == at + ".stl: triangle 7, vertex 1, y is not finite");
-    const StreamOptions nowhere{.memory_bytes = 1, .temporary_folder = dir / "none"};
-    CHECK_THAT(refusal_of(dir.write("a.stl", stl), nowhere), Contains("temporary file in"));
-}
-
-TEST_CASE("a mesh that collapses, or that no plane meets, is sliced as in memory", "[slice_file]") {
-    const auto dots = shapes::floats(shapes::triangle({1, 1, 1}, {1, 1, 1}, {2, 2, 9}));
-    const auto path = dir.write("a.stl", stl_of(dots));
-    CHECK_THAT(refusal_of(path), Contains("the triangle has two equal corners"));
-    SliceOptions options{.allow_empty = true};
-    CHECK(in_ranges(path, {}, options).result.layers.empty());
-    options.heights_mm = std::vector<double>{1, 2, 3};
-    CHECK(in_ranges(path, {}, options).result.layers.size() == 3);
-    const auto box = dir.write("b.stl", stl_of(shapes::floats(shapes::box({0, 0, 0}, {5, 5, 5}))));
-    options = uniform(500);
-    options.planes.first_height_mm = 100;
-    CHECK(in_ranges(box, {}, options).result.layers.empty());
-}
-
-TEST_CASE("a file in ranges can be stopped and reports its progress", "[slice_file]") {
-    const auto path = made(models::Shape::sphere, models::Order::random, 100'000);
-    const StreamOptions stream{.memory_bytes = 2'000'000};
-    double last = -1;
-    bool rises = true;
-    auto show = [&](double fraction) noexcept {
-        rises = rises && fraction >= last;
-        last = fraction;
-    };
-    in_ranges(path, stream, {}, {.progress = show});
-    CHECK(rises);
-    CHECK(last == 1);
-    auto stop = []() noexcept { return true; };
-    CHECK(refusal_of(path, stream, {}, {.stop = stop}) == "cancelled");
-}
-
-TEST_CASE("a file is sliced to a result, to arrays and by two slicers at once", "[slice_file][threads]") {
-    const auto path = made(models::Shape::bone, models::Order::random, 20'000);
-    const MeshStream file = value_of(open_mesh(path, {.memory_bytes = 1'000'000}));
-    const SliceResult whole = sliced(file, uniform(0.5));
-    std::vector<Point> points(whole.points.size());
-    std::vector<Contour> contours(whole.contours.size());
-    std::vector<Layer> layers(whole.layers.size());
-    sliced_to(HostArrays{.points = points.data(), .point_capacity = points.size(), .contours = contours, .layers = layers},
-              file, uniform(0.5));
-    CHECK(std::equal(points.begin(), points.end(), whole.points.begin()));
-    std::uint64_t hashes[2] = {};
-    std::thread other([&] { hashes[0] = slice(file, uniform(0.5)).value().hash(); });
-    hashes[1] = slice(file, uniform(0.5)).value().hash();
-    other.join();
-    CHECK(hashes[0] == whole.hash());
-    CHECK(hashes[1] == whole.hash());
+TEST_CASE("vertices count against the budget", "[slice_file]") {
+    const auto order = GENERATE(models::Order::z, models::Order::random);
+    const auto* const number = GENERATE("float", "double");
+    const auto soup = soup_of(models::Shape::bone, order, 100'000);
+    const auto path = dir.write("mesh.ply", ply_of(soup, {.encoding = little, .coordinate = number}));
+    for (const double height : budget_heights_mm) {
+        for (const int threads : {1, 2}) {
+            CountingMemory memory;
+            const SliceOptions options = uniform(height);
+            const StreamOptions stream{.memory_bytes = least_budget(path, options, {.threads = threads})};
+            INFO(stream.memory_bytes << " bytes, " << threads << " threads");
+            CHECK(refusal_of(path, stream, options, {.threads = threads, .memory = &memory}).empty());
+            CHECK(memory.peak() <= stream.memory_bytes);
+        }
+    }
+    CHECK_THAT(refusal_of(path, {.memory_bytes = 10'000}), Contains("vertices stay in memory, which takes at least"));
 }

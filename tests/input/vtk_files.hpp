@@ -19,6 +19,14 @@ struct PolyData {
     std::vector<std::array<double, 3>> points;
     Cells polygons;
     Cells strips;
+
+    std::vector<double> coordinates() const {
+        std::vector<double> numbers;
+        for (const auto& point : points) {
+            numbers.insert(numbers.end(), point.begin(), point.end());
+        }
+        return numbers;
+    }
 };
 
 /// From 0 to `edge` mm, six quads.
@@ -65,12 +73,12 @@ inline PolyData sheet(std::uint32_t side) {
 }
 
 /// What must be read: convex polygons as fans, strips with every other triangle the other way round.
-inline std::vector<Facet> triangles_of(const PolyData& data) {
-    std::vector<Facet> facets;
+inline Triangles triangles_of(const PolyData& data) {
+    Triangles triangles;
     const auto add = [&](std::array<std::uint32_t, 3> corners) {
-        Facet& facet = facets.emplace_back();
+        auto& triangle = triangles.emplace_back();
         for (std::size_t i = 0; i < 9; ++i) {
-            facet[i] = static_cast<float>(data.points[corners[i / 3]][i % 3]);
+            triangle[i] = data.points[corners[i / 3]][i % 3];
         }
     };
     for (const auto& cell : data.polygons) {
@@ -83,12 +91,7 @@ inline std::vector<Facet> triangles_of(const PolyData& data) {
             add(i % 2 == 0 ? std::array{cell[i - 2], cell[i - 1], cell[i]} : std::array{cell[i - 1], cell[i - 2], cell[i]});
         }
     }
-    return facets;
-}
-
-/// The triangles of a file that must be readable.
-inline std::vector<Facet> read_triangles(const std::filesystem::path& path) {
-    return input_test::read_triangles<float>(path);
+    return triangles;
 }
 
 /// Numbers as text or bytes, under one of VTK's names of types.
@@ -101,6 +104,53 @@ struct Encoding {
     std::string as(const std::string& type, Number value) const {
         return as_type(type, value,
                        [this](auto number) { return text ? std::to_string(number) + " " : bytes_of(number, big_endian); });
+    }
+};
+
+/// Writes legacy files.
+struct Legacy {
+    bool text = true;
+    int version = 3;
+    std::string points = "float";
+    std::string integers = "vtktypeint64";  ///< of offsets and connectivity, from version 5 on
+    std::string extra{};                    ///< between points and cells
+
+    Encoding encoding() const { return {text, true}; }
+    std::string array(const std::string& type, const std::vector<double>& values) const {
+        std::string bytes;
+        for (const double value : values) {
+            bytes += encoding().as(type, value);
+        }
+        return bytes + "\n";
+    }
+    std::string header() const {
+        return "# vtk DataFile Version " + std::to_string(version) + (version == 5 ? ".1" : ".0") + "\na title\n" +
+               (text ? "ASCII" : "BINARY") + "\nDATASET POLYDATA\n";
+    }
+    std::string cells(const std::string& name, const Cells& cells) const {
+        if (cells.empty()) {
+            return "";
+        }
+        std::vector<double> counted;
+        std::vector<double> offsets{0};
+        std::vector<double> corners;
+        for (const auto& cell : cells) {
+            counted.push_back(static_cast<double>(cell.size()));
+            counted.insert(counted.end(), cell.begin(), cell.end());
+            corners.insert(corners.end(), cell.begin(), cell.end());
+            offsets.push_back(static_cast<double>(corners.size()));
+        }
+        if (version < 5) {
+            return name + " " + std::to_string(cells.size()) + " " + std::to_string(counted.size()) + "\n" +
+                   array("int", counted);
+        }
+        return name + " " + std::to_string(offsets.size()) + " " + std::to_string(corners.size()) + "\nOFFSETS " + integers +
+               "\n" + array(integers, offsets) + "CONNECTIVITY " + integers + "\n" + array(integers, corners);
+    }
+    std::string operator()(const PolyData& data) const {
+        return header() + "POINTS " + std::to_string(data.points.size()) + " " + points + "\n" +
+               array(points, data.coordinates()) + extra + cells("POLYGONS", data.polygons) +
+               cells("TRIANGLE_STRIPS", data.strips);
     }
 };
 

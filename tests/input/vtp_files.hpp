@@ -99,16 +99,12 @@ struct Xml {
     }
 
     std::string piece(const PolyData& data) {
-        std::vector<double> coordinates;
-        for (const auto& point : data.points) {
-            coordinates.insert(coordinates.end(), point.begin(), point.end());
-        }
         std::string xml = "<Piece NumberOfPoints=\"" + std::to_string(data.points.size()) + "\" NumberOfStrips=\"" +
                           std::to_string(data.strips.size()) + "\" NumberOfPolys=\"" + std::to_string(data.polygons.size()) +
                           "\">\n";
         // One by one: each array is appended as it is made.
         xml += "<PointData>" + array("Points", "Float32", {1, 2, 3, 4}) + "</PointData>\n";
-        xml += "<Points>" + array("Points", points, coordinates) + "</Points>\n";
+        xml += "<Points>" + array("Points", points, data.coordinates()) + "</Points>\n";
         xml += "<Verts>" + array("connectivity", "Int64", {}) + "</Verts>\n";
         xml += cells("Strips", data.strips);
         xml += cells("Polys", data.polygons);

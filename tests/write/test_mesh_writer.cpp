@@ -10,7 +10,7 @@
 #include "temp_folder.hpp"
 
 using namespace lamella;
-using input_test::corners_of;
+using input_test::triangles_of;
 
 namespace {
 
@@ -36,7 +36,7 @@ TEST_CASE("a mesh written as PLY keeps its vertices, indices and doubles", "[wri
     CHECK(back.vertex_type == Number::f64);
     CHECK(back.vertex_count == 4);
     CHECK(std::equal(back.indices.begin(), back.indices.end(), mesh.indices.begin(), mesh.indices.end()));
-    CHECK(corners_of(back) == corners_of(mesh));
+    CHECK(triangles_of(back) == triangles_of(mesh));
 }
 
 TEST_CASE("a mesh written as STL is one of floats, and says whether that rounded it", "[write][mesh_writer]") {
@@ -45,13 +45,13 @@ TEST_CASE("a mesh written as STL is one of floats, and says whether that rounded
         const MeshFile mesh = read_back(folder.write("a.off", off_of(number)));
         const WrittenMesh written = value_of(write_mesh(mesh, folder / "b.stl"));
         CHECK(written.rounded == rounded);
-        std::vector<input_test::Corners> expected = corners_of(mesh);
-        for (input_test::Corners& corners : expected) {
-            for (auto& corner : corners) {
-                corner[0] = static_cast<double>(static_cast<float>(corner[0]));
+        input_test::Triangles expected = triangles_of(mesh);
+        for (auto& triangle : expected) {
+            for (double& coordinate : triangle) {
+                coordinate = static_cast<double>(static_cast<float>(coordinate));
             }
         }
-        CHECK(corners_of(read_back(folder / "b.stl")) == expected);
+        CHECK(triangles_of(read_back(folder / "b.stl")) == expected);
     }
 }
 
@@ -63,7 +63,7 @@ TEST_CASE("soup written as PLY has three vertices a triangle", "[write][mesh_wri
     REQUIRE(write_mesh(soup, folder / "b.ply").ok());
     const MeshFile back = read_back(folder / "b.ply");
     CHECK(back.vertex_count == 12);
-    CHECK(corners_of(back) == corners_of(soup));
+    CHECK(triangles_of(back) == triangles_of(soup));
 }
 
 TEST_CASE("a written mesh states the patient frame of the one read", "[write][mesh_writer]") {

@@ -17,7 +17,7 @@ struct LayerSpan {
     std::uint64_t triangles = 0;  ///< that planes of the range cut
 };
 
-/// Measured: see tests/input/test_slice_file.cpp and test_slice_ply.cpp, which holds the engine's memory against it.
+/// Measured: see tests/input/test_slice_file.cpp, which holds the engine's memory against it.
 class MemoryModel {
 public:
     MemoryModel(std::uint64_t budget, int threads, const TriangleFile& file)

@@ -1,10 +1,11 @@
 // Handles, structs and calls of lamella.h for its tests.
 #pragma once
 
-#include <catch2/catch.hpp>
-
+#include <cstring>
 #include <memory>
 #include <vector>
+
+#include <catch2/catch.hpp>
 
 #include "lamella/lamella.h"
 
@@ -53,15 +54,6 @@ inline lamella_source source_of(const lamella_mesh& mesh) {
     return source;
 }
 
-/// A sink that calls `take(layer)`.
-template <class Take>
-lamella_sink sink_to(Take& take) {
-    auto sink = fresh<lamella_sink>(LAMELLA_SINK);
-    sink.take = [](void* self, const lamella_layer_view* layer) { (*static_cast<Take*>(self))(*layer); };
-    sink.object = &take;
-    return sink;
-}
-
 inline lamella_destination into(lamella_result** result, const lamella_sink* sink, const lamella_arrays* arrays) {
     auto to = fresh<lamella_destination>(LAMELLA_DESTINATION);
     to.result = result;
@@ -70,20 +62,19 @@ inline lamella_destination into(lamella_result** result, const lamella_sink* sin
     return to;
 }
 
-inline ResultHandle sliced(const lamella_mesh& mesh, const lamella_options& options) {
-    lamella_result* result = nullptr;
-    auto error = fresh<lamella_error>(LAMELLA_ERROR);
-    INFO(error.message);
-    REQUIRE(lamella_slice(nullptr, &mesh, &options, &result, &error) == LAMELLA_OK);
-    return ResultHandle(result);
-}
-
-inline ResultHandle sliced_from(const lamella_source& from, const lamella_options& options,
-                                const lamella_context* context = nullptr) {
+inline ResultHandle sliced(const lamella_source& from, const lamella_options& options,
+                           const lamella_context* context = nullptr) {
     lamella_result* result = nullptr;
     const lamella_destination to = into(&result, nullptr, nullptr);
     REQUIRE(lamella_slice_to(nullptr, &to, &from, &options, context, nullptr, nullptr) == LAMELLA_OK);
     return ResultHandle(result);
+}
+inline ResultHandle sliced(const lamella_mesh& mesh, const lamella_options& options) {
+    return sliced(source_of(mesh), options);
+}
+
+inline std::uint64_t hash_of(const lamella_mesh& mesh, const lamella_options& options) {
+    return lamella_result_hash(sliced(mesh, options).get());
 }
 
 inline lamella_view view_of(const ResultHandle& result) {
@@ -95,5 +86,31 @@ inline lamella_view view_of(const ResultHandle& result) {
 /// A tetrahedron of 9 mm.
 inline const std::vector<float> tetrahedron = {0, 0, 0, 0, 9, 0, 9, 0, 0, 0, 0, 0, 9, 0, 0, 0, 0, 9,
                                                0, 0, 0, 0, 0, 9, 0, 9, 0, 9, 0, 0, 0, 9, 0, 0, 0, 9};
+
+/// A sink that puts the layers together that it is given.
+struct Collected {
+    std::vector<lamella_point> points;
+    std::vector<lamella_point_origin> origins;
+    std::vector<std::uint64_t> order;
+
+    lamella_sink sink() {
+        auto sink = fresh<lamella_sink>(LAMELLA_SINK);
+        sink.object = this;
+        sink.take = [](void* object, const lamella_layer_view* layer) {
+            auto& self = *static_cast<Collected*>(object);
+            self.order.push_back(layer->index);
+            self.points.insert(self.points.end(), layer->points, layer->points + layer->point_count);
+            if (layer->origins != nullptr) {
+                self.origins.insert(self.origins.end(), layer->origins, layer->origins + layer->point_count);
+            }
+        };
+        return sink;
+    }
+};
+
+template <class T>
+bool same_bytes(const std::vector<T>& got, const T* expected, std::uint64_t count) {
+    return got.size() >= count && std::memcmp(got.data(), expected, count * sizeof(T)) == 0;
+}
 
 }  // namespace c_calls

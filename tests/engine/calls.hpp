@@ -36,22 +36,22 @@ public:
 
     std::vector<ContextCall> all() {
         using namespace lamella;
-        const auto slices_to = [this](const Destination& to, const Source& from) {
-            return [this, to, from](const Context& c) {
-                Slicer slicer;
-                return code_of(slicer.slice_to(to, from, options_, c));
-            };
+        const auto slices_of = [this](const Source& from) {
+            return [this, from](const Context& c) { return code_of(slice(from, options_, c)); };
+        };
+        const auto slices_to = [this](const Destination& to) {
+            return [this, to](const Context& c) { return code_of(Slicer().slice_to(to, mesh_, options_, c)); };
         };
         const auto audits_of = [this](bool AuditOptions::*question) {
             return [this, question](const Context& c) { return code_of(audits::asked(question, result_, mesh_, c)); };
         };
         return {
-            {"slice", slices_to(target_, mesh_)},
-            {"slice of a prepared mesh", slices_to(target_, prepared_)},
-            {"slice of parts", slices_to(target_, parts_)},
-            {"slice to a sink in plane order", slices_to(ascending_, mesh_)},
-            {"slice to a sink in any order", slices_to(any_order_, mesh_)},
-            {"slice to arrays", slices_to(host_->arrays, mesh_)},
+            {"slice", slices_of(mesh_)},
+            {"slice of a prepared mesh", slices_of(prepared_)},
+            {"slice of parts", slices_of(parts_)},
+            {"slice to a sink in plane order", slices_to(ascending_)},
+            {"slice to a sink in any order", slices_to(any_order_)},
+            {"slice to arrays", slices_to(host_->arrays)},
             {"slice of upward faces",
              [this](const Context& c) {
                  SliceOptions options = options_;
@@ -85,7 +85,6 @@ private:
     lamella::PreparedMesh prepared_;
     std::vector<lamella::Part> parts_;
     std::optional<GuardedArrays> host_;
-    lamella::SliceResult target_;
     Nothing nothing_;
     lamella::LayerSink ascending_{.take = nothing_};
     lamella::LayerSink any_order_{.take = nothing_, .order = lamella::SinkOrder::any};

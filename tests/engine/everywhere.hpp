@@ -2,10 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstring>
-#include <map>
-#include <mutex>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -14,69 +13,46 @@
 #include "engine/same_result.hpp"
 #include "engine/slicing.hpp"
 
-/// A sink that keeps what it gets.
-class CollectedLayers {
+/// A sink that compares each layer that it gets with that of a result.
+class ComparedLayers {
 public:
-    void operator()(const lamella::LayerView& view) noexcept {
-        const std::lock_guard lock(mutex_);
-        ++calls_;
-        layers_[view.index] = {view,
-                               {view.contours.begin(), view.contours.end()},
-                               {view.points.begin(), view.points.end()},
-                               {view.origins.begin(), view.origins.end()},
-                               {view.stitches.begin(), view.stitches.end()},
-                               view.area_mm2()};
+    explicit ComparedLayers(const lamella::SliceResult& expected) : expected_(expected), taken_(expected.size()) {}
+
+    void operator()(const lamella::LayerView& found) noexcept {
+        const bool known = found.index < expected_.size();
+        if (!known || !is_same(found, expected_[found.index])) {
+            same_ = false;
+        }
+        taken_[known ? found.index : 0].fetch_add(1);
     }
 
     /// Requires each layer once. `info` is what the slice returned.
-    lamella::SliceResult result(const lamella::SliceInfo& info) const {
-        REQUIRE(calls_ == info.layers);
-        REQUIRE(layers_.size() == info.layers);
-        std::vector<lamella::Layer> layers;
-        std::vector<lamella::Contour> contours;
-        std::vector<lamella::Point> points;
-        std::vector<lamella::PointOrigin> origins;
-        std::vector<lamella::Stitch> stitches;
-        for (const auto& [index, own] : layers_) {
-            REQUIRE(own.layer.first_contour == 0);
-            layers.push_back(own.layer);
-            layers.back().first_contour = contours.size();
-            for (lamella::Contour contour : own.contours) {
-                contour.first_point += points.size();
-                contour.parent += contour.parent < 0 ? 0 : static_cast<std::int64_t>(layers.back().first_contour);
-                contours.push_back(contour);
-            }
-            points.insert(points.end(), own.points.begin(), own.points.end());
-            origins.insert(origins.end(), own.origins.begin(), own.origins.end());
-            stitches.insert(stitches.end(), own.stitches.begin(), own.stitches.end());
-        }
-        lamella::SliceResult result;
-        fill(result.layers, layers);
-        fill(result.contours, contours);
-        fill(result.points, points);
-        fill(result.origins, origins);
-        fill(result.stitches, stitches);
-        result.info = info;
-        for (const auto& [index, own] : layers_) {
-            const double area_mm2 = result[index].area_mm2();
-            REQUIRE(std::memcmp(&own.area_mm2, &area_mm2, sizeof area_mm2) == 0);
-        }
-        return result;
+    void require_all(const lamella::SliceInfo& info) const {
+        REQUIRE(same_);
+        REQUIRE(std::all_of(taken_.begin(), taken_.end(), [](const auto& times) { return times == 1; }));
+        require_same(info, expected_.info);
     }
 
 private:
-    struct Own {
-        lamella::Layer layer;
-        std::vector<lamella::Contour> contours;
-        std::vector<lamella::Point> points;
-        std::vector<lamella::PointOrigin> origins;
-        std::vector<lamella::Stitch> stitches;
-        double area_mm2 = 0;
-    };
+    static bool is_same(const lamella::LayerView& found, const lamella::LayerView& expected) {
+        const auto same_contour = [&](lamella::Contour own, const lamella::Contour& other) {
+            own.first_point += expected.first_point;
+            own.parent += own.parent < 0 ? 0 : static_cast<std::int64_t>(expected.first_contour);
+            return std::memcmp(&own, &other, sizeof own) == 0;
+        };
+        const double areas[] = {found.area_mm2(), expected.area_mm2()};
+        lamella::Layer layer = found;
+        layer.first_contour += expected.first_contour;  // in a sink 0
+        return facts_of(layer) == facts_of(expected) && same_bytes(found.points, expected.points) &&
+               std::equal(found.contours.begin(), found.contours.end(), expected.contours.begin(), expected.contours.end(),
+                          same_contour) &&
+               same_bytes(found.origins, expected.origins) && same_facts(found.stitches, expected.stitches) &&
+               std::memcmp(areas, areas + 1, sizeof *areas) == 0;
+    }
 
-    std::mutex mutex_;
-    std::size_t calls_ = 0;
-    std::map<std::uint64_t, Own> layers_;
+    const lamella::SliceResult& expected_;
+    std::atomic<bool> same_{true};
+    std::vector<std::atomic<int>> taken_;
 };
 
 struct ArraySizes {
@@ -127,7 +103,7 @@ public:
         bool stand = are_canaries(points_.data(), form_.offset);
         const std::size_t size = 2 * size_of(form_.type);
         for (std::uint64_t p = 0; p < arrays.point_capacity && stride_ > size; ++p) {
-            stand = stand && are_canaries(points_.data() + form_.offset + p * stride_ + size, stride_ - size);
+            stand = stand && are_canaries(first_point() + p * stride_ + size, stride_ - size);
         }
         for (const auto* bytes : {&points_, &contours_, &layers_, &stitches_, &origins_}) {
             stand = stand && (bytes->empty() || are_canaries(bytes->data() + bytes->size() - guard, guard));
@@ -145,7 +121,11 @@ public:
         if (!arrays.origins.empty()) {
             REQUIRE(same_bytes(first(arrays.origins, expected.origins), expected.origins.span()));
         }
-        REQUIRE(has_points_of(expected));
+        const std::span<const lamella::Point> points = expected.points;
+        REQUIRE((form_.type == lamella::Number::i32   ? has_points_as<std::int32_t>(points)
+                 : form_.type == lamella::Number::i64 ? has_points_as<std::int64_t>(points)
+                 : form_.type == lamella::Number::f32 ? has_points_as<float>(points)
+                                                      : has_points_as<double>(points)));
         REQUIRE(guards_stand());
     }
 
@@ -163,32 +143,18 @@ private:
         return room.first(expected.size());
     }
 
-    bool has_points_of(const lamella::SliceResult& result) const {
-        switch (form_.type) {
-            case lamella::Number::i32:
-                return has_points_as<std::int32_t>(result);
-            case lamella::Number::i64:
-                return has_points_as<std::int64_t>(result);
-            case lamella::Number::f32:
-                return has_points_as<float>(result);
-            default:
-                return has_points_as<double>(result);
-        }
-    }
     template <class T>
-    bool has_points_as(const lamella::SliceResult& result) const {
+    bool has_points_as(std::span<const lamella::Point> points) const {
         using Factor = std::conditional_t<std::is_integral_v<T>, std::int64_t, double>;
         const auto factor = static_cast<Factor>(form_.scale);
-        for (std::size_t p = 0; p < result.points.size(); ++p) {
+        const auto is_written = [&, at = first_point()](const lamella::Point& p) mutable {
             std::array<T, 2> xy;
-            std::memcpy(xy.data(), points_.data() + form_.offset + p * stride_, sizeof xy);
-            const auto [x, y] = result.points[p];
-            if (xy != std::array<T, 2>{static_cast<T>(x * factor), static_cast<T>(y * factor)}) {
-                return false;
-            }
-        }
-        return true;
+            std::memcpy(xy.data(), std::exchange(at, at + stride_), sizeof xy);
+            return xy == std::array<T, 2>{static_cast<T>(p.x * factor), static_cast<T>(p.y * factor)};
+        };
+        return std::all_of(points.begin(), points.end(), is_written);
     }
+    const std::byte* first_point() const { return points_.data() + form_.offset; }
 
     PointForm form_;
     std::size_t stride_;
@@ -234,8 +200,8 @@ inline void require_at_every_destination(const lamella::SliceResult& expected, c
     require_same(result, expected);
     for (const lamella::SinkOrder order : {lamella::SinkOrder::any, lamella::SinkOrder::ascending}) {
         INFO("to a sink, ascending " << (order == lamella::SinkOrder::ascending));
-        CollectedLayers collected;
-        require_same(collected.result(slice(lamella::LayerSink{.take = collected, .order = order})), expected);
+        ComparedLayers compared(expected);
+        compared.require_all(slice(lamella::LayerSink{.take = compared, .order = order}));
     }
     for (const lamella::Number type : {lamella::Number::i32, lamella::Number::f64}) {
         INFO("to arrays of type " << static_cast<int>(type));

@@ -25,13 +25,6 @@ inline lamella::MeshView view_of(const std::vector<float>& soup) {
     return lamella::MeshView::soup(std::span<const float>(soup));
 }
 
-/// Makes an array of these values.
-template <class T>
-void fill(lamella::Array<T>& array, const std::vector<T>& values) {
-    array.resize_discarding(values.size());
-    std::copy(values.begin(), values.end(), array.begin());
-}
-
 /// Planes at these heights: on the coarse grid the plane at h mm is at 2h - 1 units.
 lamella::SliceOptions at_heights(std::vector<double> heights_mm, double grid_mm = coarse_unit_mm);
 

@@ -5,18 +5,17 @@
 
 #include <catch2/catch.hpp>
 
-#include "engine/closing_shapes.hpp"
+#include "engine/polygons.hpp"
 #include "engine/region_checks.hpp"
-#include "engine/rounds.hpp"
-#include "engine/shapes.hpp"
 #include "engine/slicing.hpp"
 
 using lamella::FillRule;
 using lamella::SliceResult;
-using regions::Point;
+using polygons::box;
+using polygons::Point;
+using polygons::Ring;
+using polygons::Rings;
 using regions::RegionRules;
-using Ring = regions::Polygon;
-using Rings = regions::Polygons;
 
 namespace {
 
@@ -91,28 +90,17 @@ TEST_CASE("gaps under twice the radius are closed, others stay", "[closing]") {
     const int over = GENERATE(-2, -1, 0, 1, 2);
     CAPTURE(r, limit, over);
     const int gap = 2 * r + over;
-    const Rings pair = {shapes2d::box(0, 0, 100 * r, 50 * r), shapes2d::box(100 * r + gap, 0, 200 * r + gap, 50 * r)};
+    const Rings pair = {box(0, 0, 100 * r, 50 * r), box(100 * r + gap, 0, 200 * r + gap, 50 * r)};
     const SliceResult made = closed(pair, r, limit);
     // At twice the radius exactly the dilated ones have a line in common.
     CHECK(made.contours.size() == (over <= 0 ? 1 : 2));
-    const Rings slot = {shapes2d::box(0, 0, 100 * r, 100 * r),
-                        shapes2d::turned(shapes2d::box(20 * r, 20 * r, 80 * r, 20 * r + gap))};
+    const Rings slot = {box(0, 0, 100 * r, 100 * r), polygons::reversed(box(20 * r, 20 * r, 80 * r, 20 * r + gap))};
     CHECK(holes_in(closed(slot, r, limit)) == (over <= 0 ? 0 : 1));
-    const Rings rings = {shapes2d::box(0, 0, 100 * r, 100 * r),
-                         shapes2d::turned(shapes2d::box(10 * r, 10 * r, 90 * r, 90 * r)),
-                         shapes2d::box(10 * r + gap, 10 * r + gap, 90 * r - gap, 90 * r - gap)};
+    const Rings rings = {box(0, 0, 100 * r, 100 * r), polygons::reversed(box(10 * r, 10 * r, 90 * r, 90 * r)),
+                         box(10 * r + gap, 10 * r + gap, 90 * r - gap, 90 * r - gap)};
     const SliceResult ringed = closed(rings, r, limit);
     if (limit >= 3) {  // below, the cut corners of the inner one leave holes
         CHECK(ringed.contours.size() == (over <= 0 ? 1 : 3));
-    }
-}
-
-TEST_CASE("closing agrees with closing everything on generated layers", "[closing]") {
-    const double r = GENERATE(20'000.0, 51'380.0, 51'380.224, 400'000.0);
-    const double limit = GENERATE(1.0, 1.2, 3.0, 10.0);
-    for (const shapes2d::Named& one : shapes2d::layers_to_close(r)) {
-        CAPTURE(one.name, r, limit);
-        closed(one.rings, r, limit);
     }
 }
 
@@ -122,9 +110,16 @@ TEST_CASE("closing agrees with closing everything on random polygons", "[closing
     std::mt19937 random(seed);
     const double limit = std::array{1.0, 1.2, 3.0, 10.0}[random() % 4];
     const double r = std::array{2'000.0, 51'380.0, 300'000.0}[random() % 3];
-    closed({shapes2d::random_star(random, 40, 4'000'000)}, r, limit);
-    closed(shapes2d::random_boxes(random, 30, 40, static_cast<int>(r)), r, limit);
-    closed(shapes2d::random_lattice(random, 4, 8, 9, static_cast<int>(3 * r)), r, limit);
+    closed({polygons::star(random, 40, 400'000, 4'000'000)}, r, limit);
+    closed(polygons::lattice_boxes(random, 30, 40, static_cast<int>(r)), r, limit);
+    closed(polygons::lattice_points(random, 4, 8, 9, static_cast<int>(3 * r)), r, limit);
+    // Notches with edges shorter than the radius, beside one that comes near, and as a hole around a body.
+    const double size = r * std::pow(10, polygons::between(random, 0.3, 2));
+    const Ring slab = polygons::ragged(random, size);
+    closed({slab, polygons::round({0, polygons::rounded(-2.1 * size)}, size, 50)}, r, limit);
+    closed({box(-9 * int(size), -9 * int(size), 9 * int(size), 9 * int(size)), polygons::reversed(slab),
+            polygons::round({0, polygons::rounded(4 * size)}, size, 50)},
+           r, limit);
 }
 
 TEST_CASE("a notch beside a corner beyond the miter limit closes up to the cut corner", "[closing]") {
@@ -155,20 +150,20 @@ TEST_CASE("a wall that folding a notch would leave some units long does not turn
 }
 
 TEST_CASE("a contour with nothing near is the same contour after closing", "[closing]") {
-    const Rings far = {shapes2d::round(0, 0, 1'000'000, 40), shapes2d::turned(shapes2d::round(0, 0, 400'000, 30)),
-                       shapes2d::round(5'000'000, 0, 1'000'000, 40)};
+    const Rings far = {polygons::round({0, 0}, 1'000'000, 40), polygons::reversed(polygons::round({0, 0}, 400'000, 30)),
+                       polygons::round({5'000'000, 0}, 1'000'000, 40)};
     CHECK(regions::same(region_by(far, rules_by(radius)), region_by(far, rules_by(0))));
 }
 
 TEST_CASE("offsets of squares can be written down", "[closing]") {
-    const Ring square = shapes2d::box(0, 0, 1000, 1000);
+    const Ring square = box(0, 0, 1000, 1000);
     CHECK(text_of(region_by({square}, rules_by(0, 10))) == "outer -10,-10 1010,-10 1010,1010 -10,1010; ");
     CHECK(text_of(region_by({square}, rules_by(0, -10))) == "outer 10,10 990,10 990,990 10,990; ");
     CHECK(text_of(region_by({square}, rules_by(0, -499))) == "outer 499,499 501,499 501,501 499,501; ");
     for (const double all : {-500.0, -501.0, -2000.0}) {
         CHECK(region_by({square}, rules_by(0, all)).contours.empty());
     }
-    const Rings frame = {square, shapes2d::turned(shapes2d::box(400, 400, 600, 600))};
+    const Rings frame = {square, polygons::reversed(box(400, 400, 600, 600))};
     CHECK(text_of(region_by(frame, rules_by(0, 10))) ==
           "outer -10,-10 1010,-10 1010,1010 -10,1010; hole 410,410 410,590 590,590 590,410; ");
     CHECK(text_of(region_by(frame, rules_by(0, 100))) == "outer -100,-100 1100,-100 1100,1100 -100,1100; ");
@@ -177,9 +172,8 @@ TEST_CASE("offsets of squares can be written down", "[closing]") {
     CHECK(region_by(frame, rules_by(0, -200)).contours.empty());
     RegionRules merged = rules_by(0, 10);
     merged.drop_collinear = true;
-    CHECK(text_of(region_by({square, shapes2d::box(1015, 0, 2000, 1000)}, merged)) ==
-          "outer -10,-10 2010,-10 2010,1010 -10,1010; ");
-    CHECK(region_by({square, shapes2d::box(1021, 0, 2000, 1000)}, merged).contours.size() == 2);
+    CHECK(text_of(region_by({square, box(1015, 0, 2000, 1000)}, merged)) == "outer -10,-10 2010,-10 2010,1010 -10,1010; ");
+    CHECK(region_by({square, box(1021, 0, 2000, 1000)}, merged).contours.size() == 2);
     // Over the limit a corner is cut across its bisector, at the offset's distance.
     CHECK(region_by({square}, rules_by(0, 10, 1)).points.size() == 8);
 }
@@ -188,7 +182,7 @@ TEST_CASE("the offset of a convex polygon has the area by formula", "[closing]")
     const int corners = GENERATE(3, 4, 5, 8, 40);
     const double d = GENERATE(-100'000.0, -1'000.0, 1'000.0, 100'000.0, 3'000'000.0);
     CAPTURE(corners, d);
-    const Rings rings = {shapes2d::round(1'000, -2'000, 4'000'000, corners)};
+    const Rings rings = {polygons::round({1'000, -2'000}, 4'000'000, corners)};
     // Each edge adds a rectangle; all corners together add the polygon around a circle of radius d, with the same
     // directions.
     const double area = regions::area_of(region_by(rings, rules_by(0)));
@@ -205,9 +199,9 @@ TEST_CASE("exactly the contours that closing changes or joins are marked", "[clo
     CAPTURE(over);
     const bool near = over <= 0;
     // Two that come near each other, one far away, and one that comes near itself.
-    const Rings row = {shapes2d::box(0, 0, 1000, 1000),
-                       shapes2d::box(1000 + gap, 0, 3000, 1000),
-                       shapes2d::box(5000, 0, 6000, 1000),
+    const Rings row = {box(0, 0, 1000, 1000),
+                       box(1000 + gap, 0, 3000, 1000),
+                       box(5000, 0, 6000, 1000),
                        {{8000, 0},
                         {9000, 0},
                         {9000, 1000},
@@ -221,8 +215,8 @@ TEST_CASE("exactly the contours that closing changes or joins are marked", "[clo
 
 TEST_CASE("a body that closing swallows is marked though no dilated curves meet", "[closing]") {
     // The hole is 10 wide and the body in it 1: dilated by 4 they are 2 and 9 wide.
-    const Rings rings = {shapes2d::box(0, 0, 3000, 3000), shapes2d::turned(shapes2d::box(1000, 1000, 2000, 2000)),
-                         shapes2d::box(1450, 1450, 1550, 1550), shapes2d::box(9000, 0, 9900, 900)};
+    const Rings rings = {box(0, 0, 3000, 3000), polygons::reversed(box(1000, 1000, 2000, 2000)), box(1450, 1450, 1550, 1550),
+                         box(9000, 0, 9900, 900)};
     CHECK(marks_of(rings, 400) == std::vector<bool>{false, true, true, false});
     CHECK(marks_of(rings, 200) == std::vector<bool>{false, false, false, false});
     RegionRules rules = rules_by(400);
@@ -233,7 +227,7 @@ TEST_CASE("marked contours are those that closing changes, on random layers", "[
     const unsigned seed = GENERATE(range(1U, 1 + rounds(60)));
     CAPTURE(seed);
     std::mt19937 random(seed);
-    const Rings rings = regions::rings_of(region_by(shapes2d::random_boxes(random, 12, 40, 1000), rules_by(0)));
+    const Rings rings = regions::rings_of(region_by(polygons::lattice_boxes(random, 12, 40, 1000), rules_by(0)));
     const auto marks = marks_of(rings, 700);
     const Rings after = regions::rings_of(region_by(rings, rules_by(700)));
     REQUIRE(marks.size() == rings.size());
@@ -251,7 +245,7 @@ TEST_CASE("closing and offsets that lead beyond the grid are refused", "[closing
     RegionRules mark = rules_by(0);
     mark.flag_closing_mm = 10 * unit_mm;
     for (const RegionRules& rules : {rules_by(10), rules_by(0, 1), mark}) {
-        const auto made = regions::region({shapes2d::box(-end, -end, end, end)}, rules);
+        const auto made = regions::region({box(-end, -end, end, end)}, rules);
         REQUIRE(!made.ok());
         CHECK(made.error().code == lamella::ErrorCode::invalid_argument);
         CHECK_THAT(made.error().message, Catch::Contains("beyond the grid"));
@@ -272,12 +266,8 @@ TEST_CASE("closing and offsets that lead beyond the grid are refused", "[closing
 
 TEST_CASE("outermost and largest: what is left can be written down", "[closing]") {
     // A frame with a body in its hole, a body with a hole elsewhere, and a large one last.
-    const Rings rings = {shapes2d::box(0, 0, 1000, 1000),
-                         shapes2d::turned(shapes2d::box(100, 100, 900, 900)),
-                         shapes2d::box(400, 400, 600, 600),
-                         shapes2d::box(2000, 0, 2500, 500),
-                         shapes2d::turned(shapes2d::box(2100, 100, 2200, 200)),
-                         shapes2d::box(4000, 0, 5000, 800)};
+    const Rings rings = {box(0, 0, 1000, 1000),   polygons::reversed(box(100, 100, 900, 900)),   box(400, 400, 600, 600),
+                         box(2000, 0, 2500, 500), polygons::reversed(box(2100, 100, 2200, 200)), box(4000, 0, 5000, 800)};
     RegionRules rules = rules_by(0);
     rules.fill_rule = FillRule::outermost;
     CHECK(
@@ -319,7 +309,7 @@ TEST_CASE("a needle whose edges rounding lays on each other leaves nothing", "[c
 
 TEST_CASE("contours over the whole grid cross in the right places", "[closing]") {
     constexpr std::int32_t end = lamella::grid_limit;
-    const Ring square = shapes2d::box(-end, -end, end, end);
+    const Ring square = box(-end, -end, end, end);
     const Ring diamond = {{-end, 0}, {0, -end}, {end, 0}, {0, end}};
     const double whole = 4.0 * end * end;
     CHECK(regions::area_of(region_by({square}, rules_by(0))) == whole);
@@ -337,7 +327,7 @@ TEST_CASE("contours over the whole grid cross in the right places", "[closing]")
     CHECK(regions::area_of(region_by({bow}, positive)) == whole / 4);
     std::mt19937 random(3);
     for (int i = 0; i < 20; ++i) {
-        const Rings rings = shapes2d::random_lattice(random, 6, 12, 5, 1 << 29);
+        const Rings rings = polygons::lattice_points(random, 6, 12, 5, 1 << 29);
         region_by(rings, odd);
         region_by(rings, positive);
     }

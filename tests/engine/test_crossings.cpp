@@ -18,36 +18,15 @@ using Points = std::vector<Point>;
 
 namespace {
 
-struct Path {
-    Points points;
-    bool closed = true;
-};
-using Layer = std::vector<Path>;
+using Path = audits::MadeContour;
+using Layer = audits::MadeLayer;
 
-SliceResult result_of(const std::vector<Layer>& layers) {
-    std::vector<lamella::Layer> planes;
-    std::vector<lamella::Contour> contours;
-    Points points;
-    for (const Layer& layer : layers) {
-        lamella::Layer plane;
-        plane.plane = lamella::PlaneHeight(2 * static_cast<std::int32_t>(planes.size()) + 1);
-        plane.first_contour = contours.size();
-        plane.contour_count = layer.size();
-        planes.push_back(plane);
-        for (const Path& path : layer) {
-            lamella::Contour contour;
-            contour.first_point = points.size();
-            contour.point_count = static_cast<std::uint32_t>(path.points.size());
-            contour.role = path.closed ? Role::outer : Role::open;
-            contours.push_back(contour);
-            points.insert(points.end(), path.points.begin(), path.points.end());
-        }
-    }
-    SliceResult result;
-    fill(result.layers, planes);
-    fill(result.contours, contours);
-    fill(result.points, points);
-    return result;
+bool is_closed(const Path& path) {
+    return path.role != Role::open;
+}
+
+Path open_path(const Points& points) {
+    return {points, Role::open, 0};
 }
 
 Crossings found(const SliceResult& result, int threads = 1) {
@@ -55,7 +34,7 @@ Crossings found(const SliceResult& result, int threads = 1) {
 }
 
 std::uint64_t count_in(const Layer& layer) {
-    return found(result_of({layer})).count;
+    return found(audits::made_result({layer})).count;
 }
 
 Path square(std::int32_t x, std::int32_t y, std::int32_t side) {
@@ -114,10 +93,10 @@ std::uint64_t counted(const Layer& layer) {
         const std::size_t n = path.points.size();
         for (std::size_t i = 0; i < n; ++i) {
             const Point next = path.points[(i + 1) % n];
-            if (path.closed || i + 1 < n) {
+            if (is_closed(path) || i + 1 < n) {
                 edges.push_back({path.points[i], next});
             }
-            if (path.closed || (i > 0 && i + 1 < n)) {
+            if (is_closed(path) || (i > 0 && i + 1 < n)) {
                 corners.push_back({path.points[(i + n - 1) % n], path.points[i], next});
             }
         }
@@ -146,7 +125,7 @@ Layer random_layer(std::mt19937& random, int range) {
     const auto below = [&](int n) { return static_cast<std::int32_t>(random() % static_cast<unsigned>(n)); };
     Layer layer(static_cast<std::size_t>(1 + below(4)));
     for (Path& path : layer) {
-        path.closed = below(4) > 0;
+        path.role = below(4) > 0 ? Role::outer : Role::open;
         const int points = 2 + below(12);
         while (static_cast<int>(path.points.size()) < points) {
             const Point next{below(range), below(range)};
@@ -186,32 +165,17 @@ std::uint64_t fill_wide(Layer& layer, std::uint64_t most) {
 
 }  // namespace
 
-TEST_CASE("crossings: many random paths in one layer agree with a test of all pairs", "[engine][crossings]") {
-    std::mt19937 random(8);
-    for (int round = 0; round < 100; ++round) {
-        Layer layer;
-        std::uint64_t expected = 0;
-        for (std::size_t tile = 0; tile < 20; ++tile) {
-            const Layer part = random_layer(random, round % 2 == 0 ? 5 : 40);
-            expected += counted(part);
-            add_tile(layer, part, 31 * tile);
-        }
-        INFO("round " << round);
-        REQUIRE(count_in(layer) == expected);
-    }
-}
-
 TEST_CASE("crossings: all threads search one wide layer, with the same answer", "[engine][crossings][threads]") {
     Layer layer;
     const std::uint64_t expected = fill_wide(layer, 3000);
     REQUIRE(expected > 2000);
-    const SliceResult result = result_of({{square(0, 0, 10), square(5, 5, 10)}, layer});
+    const SliceResult result = audits::made_result({{square(0, 0, 10), square(5, 5, 10)}, layer});
     const Crossings one = found(result);
     CHECK(one.count == expected + 2);
     CHECK_FALSE(one.at_least);
     Layer crowded;
     fill_wide(crowded, 1'000'000);
-    const SliceResult too_many = result_of({crowded});
+    const SliceResult too_many = audits::made_result({crowded});
     const Crossings some = found(too_many);
     CHECK(some.at_least);
     CHECK(some.count == lamella::most_crossings_in_layer);
@@ -222,23 +186,23 @@ TEST_CASE("crossings: all threads search one wide layer, with the same answer", 
 }
 
 TEST_CASE("crossings: passing through a corner counts, touching it does not", "[engine][crossings]") {
-    const Path line{{{0, 0}, {10, 0}}, false};
-    const Path bent{{{0, 0}, {5, 0}, {10, 0}}, false};
-    CHECK(count_in({line, {{{5, 5}, {5, 0}, {5, -5}}, false}}) == 1);
-    CHECK(count_in({line, {{{5, 5}, {5, 0}, {6, 5}}, false}}) == 0);
-    CHECK(count_in({bent, {{{5, 5}, {5, 0}, {5, -5}}, false}}) == 1);
-    CHECK(count_in({bent, {{{5, 5}, {5, 0}, {6, 5}}, false}}) == 0);
-    CHECK(count_in({bent, {{{5, 5}, {5, -5}}, false}}) == 1);
-    CHECK(count_in({line, {{{5, 5}, {5, 0}}, false}}) == 0);                   // ends on the line
-    CHECK(count_in({line, {{{0, 5}, {0, -5}}, false}}) == 0);                  // the line ends on it
-    CHECK(count_in({line, {{{3, 5}, {3, 0}, {7, 0}, {7, -5}}, false}}) == 0);  // runs along the line
+    const Path line = open_path({{0, 0}, {10, 0}});
+    const Path bent = open_path({{0, 0}, {5, 0}, {10, 0}});
+    CHECK(count_in({line, open_path({{5, 5}, {5, 0}, {5, -5}})}) == 1);
+    CHECK(count_in({line, open_path({{5, 5}, {5, 0}, {6, 5}})}) == 0);
+    CHECK(count_in({bent, open_path({{5, 5}, {5, 0}, {5, -5}})}) == 1);
+    CHECK(count_in({bent, open_path({{5, 5}, {5, 0}, {6, 5}})}) == 0);
+    CHECK(count_in({bent, open_path({{5, 5}, {5, -5}})}) == 1);
+    CHECK(count_in({line, open_path({{5, 5}, {5, 0}})}) == 0);                   // ends on the line
+    CHECK(count_in({line, open_path({{0, 5}, {0, -5}})}) == 0);                  // the line ends on it
+    CHECK(count_in({line, open_path({{3, 5}, {3, 0}, {7, 0}, {7, -5}})}) == 0);  // runs along the line
 }
 
 TEST_CASE("crossings: the leftmost is reported first, with its contours", "[engine][crossings]") {
-    const SliceResult result = result_of({{square(0, 0, 10)},
-                                          {square(50, 0, 3), square(5, 5, 10), square(0, 0, 10), square(7, -2, 4)},
-                                          {},
-                                          {{{{0, 0}, {7, 7}, {7, 0}, {0, 7}}}}});
+    const SliceResult result = audits::made_result({{square(0, 0, 10)},
+                                                    {square(50, 0, 3), square(5, 5, 10), square(0, 0, 10), square(7, -2, 4)},
+                                                    {},
+                                                    {{{{0, 0}, {7, 7}, {7, 0}, {0, 7}}}}});
     const Crossings crossings = found(result);
     CHECK(crossings.count == 5);
     CHECK_FALSE(crossings.at_least);
@@ -263,8 +227,8 @@ TEST_CASE("crossings: random layers agree with a test of all pairs", "[engine][c
 
 TEST_CASE("crossings: they are exact up to the limits of the grid", "[engine][crossings]") {
     constexpr std::int32_t far = lamella::grid_limit;
-    CHECK(count_in({{{{-far, -far}, {far, far}}, false}, {{{-far, far}, {far, -far}}, false}}) == 1);
-    CHECK(count_in({{{{-far, -far}, {far, far - 1}}, false}, {{{-far, -far + 1}, {far, far}}, false}}) == 0);
+    CHECK(count_in({open_path({{-far, -far}, {far, far}}), open_path({{-far, far}, {far, -far}})}) == 1);
+    CHECK(count_in({open_path({{-far, -far}, {far, far - 1}}), open_path({{-far, -far + 1}, {far, far}})}) == 0);
     CHECK(count_in({square(-far, -far, far), square(-1, -1, far)}) == 2);
 }
 
@@ -280,7 +244,7 @@ TEST_CASE("crossings: a search that takes too long stops and reports a lower bou
     }
     comb.points.push_back({4 * teeth, -10});
     comb.points.push_back({-1, -10});
-    const Crossings crossings = found(result_of({{comb}}));
+    const Crossings crossings = found(audits::made_result({{comb}}));
     CHECK(crossings.at_least);
     REQUIRE(crossings.layers.size() == 1);
     CHECK(crossings.layers[0].at_least);
@@ -288,7 +252,7 @@ TEST_CASE("crossings: a search that takes too long stops and reports a lower bou
 }
 
 TEST_CASE("crossings: malformed results and options are errors", "[engine][crossings]") {
-    SliceResult result = result_of({{square(0, 0, 10)}});
+    SliceResult result = audits::made_result({{square(0, 0, 10)}});
     result.contours[0].point_count = 5;
     CHECK(code_of(audits::crossings_of(result)) == lamella::ErrorCode::invalid_argument);
     CHECK(found(SliceResult()).count == 0);

@@ -11,6 +11,7 @@
 #include "golden/shape_cases.hpp"
 
 using lamella::FillRule;
+using lamella::LayerContent;
 using lamella::SliceOptions;
 using lamella::SliceResult;
 using lamella::StitchDirection;
@@ -82,6 +83,10 @@ std::vector<Ask> all_asks() {
         for (const auto& [plan, options] : shape_cases::plans(mesh)) {
             asks.push_back({name + ", " + plan, mesh, options, false});
         }
+    }
+    for (const LayerContent content : {LayerContent::upward_faces, LayerContent::downward_faces}) {
+        asks.push_back({"faces", tangle_of_balls(), {.layer_height_mm = 0.3, .content = content}, false});
+        asks.push_back({"faces", torn_ball(60, true), {.layer_height_mm = 40, .content = content}, false});
     }
     const shapes::Soup ball = octasphere({0, 0, 0}, 5, 1);
     const shapes::Soup tangle = shapes::random_tetrahedra(3, 6, 4);

@@ -203,24 +203,6 @@ TEST_CASE("edge pairs: neighbouring runs that lead away from each other are not 
     }
 }
 
-TEST_CASE("edge pairs: a path may begin at any of its points", "[engine][pairs]") {
-    std::mt19937 random(24);
-    lamella::Worker worker;
-    lamella::EdgePairs search(worker);
-    for (int round = 0; round < 500; ++round) {
-        Layer layer = random_layer(random, {3, 80, 30, 4, false});
-        const Pairs pairs = found(search, layer, 1);
-        for (Path& path : layer) {
-            if (path.closed) {
-                const std::size_t by = random() % path.points.size();
-                std::rotate(path.points.begin(), path.points.begin() + static_cast<std::ptrdiff_t>(by), path.points.end());
-                path.start = (path.start + path.points.size() - by) % path.points.size();
-            }
-        }
-        REQUIRE(found(search, layer, 1) == pairs);
-    }
-}
-
 TEST_CASE("edge pairs: a search ends where it is told to, and at its limit", "[engine][pairs]") {
     Layer layer;
     for (std::int32_t i = 0; i < 100; ++i) {

@@ -1,6 +1,7 @@
 // Gaps in slices: closed by a length that is given or that the mesh gives, in either sense, and what is left open.
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,8 @@ using shapes::Soup;
 using shapes::wall;
 
 namespace {
+
+using Lines = std::vector<std::string>;
 
 SliceResult cut(const Soup& soup, double reach_mm, StitchDirection sense = StitchDirection::oriented) {
     SliceOptions options = at_heights({5});
@@ -55,26 +58,44 @@ SliceOptions by_mesh() {
 }  // namespace
 
 TEST_CASE("gaps up to the requested length are closed, and each is reported", "[engine][gaps]") {
-    const Soup soup = shapes::without(shapes::box({0, 0, 0}, {10, 10, 10}), 4, 2);
-    const SliceResult open = cut(soup, 0);
-    REQUIRE(open.contours.size() == 1);
-    CHECK(open.contours[0].role == Role::open);
-    CHECK(open.stitches.empty());
-    const SliceResult short_reach = cut(soup, 9.9);
-    CHECK(short_reach.hash() == open.hash());
-    CHECK(short_reach.stitches.empty());
-
-    const SliceResult closed = cut(soup, 10);
-    REQUIRE(closed.contours.size() == 1);
-    CHECK(closed.contours[0].role == Role::outer);
-    CHECK((closed.contours[0].flags & lamella::stitched) != 0);
-    CHECK(closed[0].area_mm2() == 100);
-    REQUIRE(closed.stitches.size() == 1);
-    CHECK(closed.stitches[0].layer == 0);
-    CHECK(length_mm(closed, closed.stitches[0]) == 10);
-    // The solid is on the left, so along the missing side the contour runs towards larger x.
-    CHECK(closed.stitches[0].from == lamella::Point{0, 0});
-    CHECK(closed.stitches[0].to == lamella::Point{20, 0});
+    constexpr auto oriented = StitchDirection::oriented;
+    constexpr auto any = StitchDirection::any;
+    const Soup open = shapes::without(shapes::box({0, 0, 0}, {10, 10, 10}), 4, 2);
+    const Soup alike = shapes::joined({wall({0, 0}, {20, 0}), wall({0, 10}, {20, 10})});  // run the same way
+    const Soup agreeing = shapes::joined({wall({0, 0}, {10, 0}), wall({14, 0}, {24, 0}), wall({24, 8}, {0, 8})});
+    const Lines left_open = {"open 0 x6 in -: 20,0 20,9 20,20 11,20 0,20 0,11 0,0"};
+    const Lines apart = {"open 0 x2 in -: 0,0 18,0 40,0", "open 0 x2 in -: 0,20 18,20 40,20"};
+    const Lines joined = {"outer + x6 in -: 0,0 9,0 20,0 28,0 37,0 48,0 48,16 26,16 0,16"};
+    struct Case {
+        Soup soup;
+        double reach_mm;
+        StitchDirection direction;
+        Lines contours;
+        std::string stitches;
+    };
+    const Case cases[] = {
+        {open, 0, oriented, left_open, ""},
+        {open, 9.9, oriented, left_open, ""},
+        // The solid is on the left, so along the missing side the contour runs towards larger x.
+        {open, 10, oriented, {"outer + x6 in -: 0,0 20,0 20,9 20,20 11,20 0,20 0,11"}, "0,0 20,0; "},
+        {alike, 10, oriented, apart, ""},
+        {alike, 9.9, any, apart, ""},
+        {alike, 10, any, {"outer + x4 in - mixed: 0,0 18,0 40,0 40,20 18,20 0,20"}, "0,0 0,20; 40,0 40,20; "},
+        {agreeing, 8, oriented, joined, "0,16 0,0; 20,0 28,0; 48,0 48,16; "},
+        {agreeing, 8, any, joined, "0,16 0,0; 20,0 28,0; 48,0 48,16; "},
+    };
+    for (const auto& [soup, reach_mm, direction, contours, stitches] : cases) {
+        INFO("case of " << reach_mm << " mm, any direction " << (direction == any));
+        const SliceResult result = cut(soup, reach_mm, direction);
+        CHECK(contours_at(result, 0) == contours);
+        std::ostringstream text;
+        for (const auto& [layer, from, to] : result.stitches) {
+            text << from.x << ',' << from.y << ' ' << to.x << ',' << to.y << "; ";
+        }
+        CHECK(text.str() == stitches);
+        CHECK(((result.contours[0].flags & lamella::stitched) != 0) == !stitches.empty());
+        CHECK(result.info.options.stitch_direction == direction);
+    }
 }
 
 TEST_CASE("a length of gaps that is none is refused", "[engine][gaps]") {
@@ -84,33 +105,6 @@ TEST_CASE("a length of gaps that is none is refused", "[engine][gaps]") {
         CHECK(failure_of(view_of(shapes::box({0, 0, 0}, {10, 10, 10})), options).code ==
               lamella::ErrorCode::invalid_argument);
     }
-}
-
-TEST_CASE("two walls that run the same way close in any sense only", "[engine][gaps]") {
-    const Soup soup = shapes::joined({wall({0, 0}, {20, 0}), wall({0, 10}, {20, 10})});
-    const SliceResult kept = cut(soup, 10, StitchDirection::oriented);
-    CHECK(kept.info.open_contours == 2);
-    CHECK(kept.stitches.empty());
-    const SliceResult any = cut(soup, 10, StitchDirection::any);
-    REQUIRE(any.contours.size() == 1);
-    CHECK(any.contours[0].role == Role::outer);
-    CHECK(any.contours[0].flags == (lamella::stitched | lamella::orientation_mixed));
-    CHECK(any.contours[0].segments == 4);
-    CHECK(any[0].area_mm2() == 200);
-    CHECK(any.info.options.stitch_direction == StitchDirection::any);
-    REQUIRE(any.stitches.size() == 2);
-    CHECK(any.stitches[0].from == Point{0, 0});
-    CHECK(any.stitches[0].to == Point{0, 20});
-    CHECK(any.stitches[1].from == Point{40, 0});
-    CHECK(any.stitches[1].to == Point{40, 20});
-    CHECK(cut(soup, 9.9, StitchDirection::any).stitches.empty());
-}
-
-TEST_CASE("walls that agree are joined alike in both senses", "[engine][gaps]") {
-    const Soup soup = shapes::joined({wall({0, 0}, {10, 0}), wall({14, 0}, {24, 0}), wall({24, 8}, {0, 8})});
-    const SliceResult any = cut(soup, 8, StitchDirection::any);
-    CHECK(any.hash() == cut(soup, 8, StitchDirection::oriented).hash());
-    CHECK(any.contours[0].flags == lamella::stitched);
 }
 
 TEST_CASE("the mesh's length is a hundredth of its box's diagonal, and closes a crack", "[engine][gaps]") {

@@ -1,6 +1,7 @@
 // The parts of repair: which ends of polylines are joined, compared with a sorted list of all pairs; what becomes of their
 // points; and joints that meet something, compared with a look at every edge.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <random>
@@ -13,7 +14,7 @@
 #include <catch2/catch.hpp>
 
 #include "engine/counting_memory.hpp"
-#include "lamella/result.hpp"
+#include "engine/slicing.hpp"
 #include "rings.hpp"
 #include "slicing/repair/gaps.hpp"
 #include "slicing/repair/polylines.hpp"
@@ -98,91 +99,31 @@ std::vector<PolylineEnds> random_polylines(std::mt19937& random, std::size_t cou
     return polylines;
 }
 
-struct Line {
-    std::vector<Point> points;
-    std::uint16_t flags = 0;
-};
-
-/// Three to six points each, all points apart from each other: no gap is as an edge.
-std::vector<Line> random_lines(std::mt19937& random, std::size_t count) {
-    std::set<Point> used;
-    std::vector<Line> lines(count);
-    for (Line& line : lines) {
-        const std::size_t points = 3 + random() % 4;
-        while (line.points.size() < points) {
-            const Point point{static_cast<std::int32_t>(random() % 40), static_cast<std::int32_t>(random() % 40)};
-            if (used.insert(point).second) {
-                line.points.push_back(point);
-            }
+/// Walls side by side and across one another, some of which lead on from each other. No two have an edge in common.
+shapes::Soup random_walls(std::mt19937& random) {
+    const auto draw = [&] { return std::array<double, 2>{double(random() % 4000), double(random() % 4000)}; };
+    shapes::Soup soup;
+    for (std::size_t lines = 1 + random() % 30; lines > 0; --lines) {
+        auto from = draw();
+        for (std::size_t walls = 1 + random() % 4; walls > 0; --walls) {
+            const auto to = draw();
+            shapes::append(soup, shapes::wall(from, to));
+            from = to;
         }
     }
-    return lines;
-}
-
-/// A joined polyline by content.
-struct Whole {
-    std::vector<Point> points;
-    std::uint32_t segments = 0;
-    unsigned flags = 0;
-    bool closed = false;
-    auto operator<=>(const Whole&) const = default;
-};
-
-struct Joined {
-    std::vector<Whole> wholes;
-    std::vector<std::pair<Point, Point>> gaps;
-    bool operator==(const Joined&) const = default;
-};
-
-Joined joined(const std::vector<Line>& lines, double reach, StitchDirection sense) {
-    std::vector<lamella::Path> polylines;
-    for (const Line& line : lines) {
-        lamella::Path& path = polylines.emplace_back(lamella::given_path(line.points, nullptr, false));
-        path.segments = static_cast<std::uint32_t>(line.points.size() - 1);
-        path.item.flags = line.flags;
-    }
-    lamella::Worker worker;
-    lamella::PolylineRepair repair(worker);
-    lamella::Vector<lamella::Stitch> gaps(nullptr);
-    Joined result;
-    if (repair.join(polylines, {}, {reach, reach, sense}, 0, gaps)) {
-        for (const lamella::Path& whole : repair.joined()) {
-            const lamella::NestItem& item = whole.item;
-            result.wholes.push_back({{item.points, item.points + item.count}, whole.segments, item.flags, item.closed});
-        }
-    }
-    for (const lamella::Stitch& gap : gaps) {
-        result.gaps.emplace_back(gap.from, gap.to);
-    }
-    return result;
+    return soup;
 }
 
 using Edges = std::multiset<std::pair<Point, Point>>;
 
-/// Directed edges from point to point; of those that close a ring too.
-Edges edges_of(const std::vector<Point>& points, bool closed) {
+/// Directed edges of a contour from point to point.
+Edges edges_of(const lamella::LayerView& layer, const lamella::Contour& contour) {
     Edges edges;
-    for (std::size_t i = 0; i + 1 < points.size() + (closed ? 1 : 0); ++i) {
-        edges.emplace(points[i], points[(i + 1) % points.size()]);
+    const auto points = layer.points_of(contour);
+    for (std::size_t i = contour.role == lamella::Role::open ? 1 : 0; i < points.size(); ++i) {
+        edges.emplace(points[i > 0 ? i - 1 : points.size() - 1], points[i]);
     }
     return edges;
-}
-
-bool has(const Edges& edges, Point a, Point b) {
-    return edges.count({a, b}) != 0;
-}
-
-/// How many edges of `lines` the whole holds, forwards and backwards.
-std::pair<std::uint32_t, std::uint32_t> senses_of(const Whole& whole, const std::vector<Line>& lines) {
-    const Edges edges = edges_of(whole.points, whole.closed);
-    std::pair<std::uint32_t, std::uint32_t> senses;
-    for (const Line& line : lines) {
-        for (const auto& [from, to] : edges_of(line.points, false)) {
-            senses.first += has(edges, from, to) ? 1 : 0;
-            senses.second += has(edges, to, from) ? 1 : 0;
-        }
-    }
-    return senses;
 }
 
 /// True where the edge meets the joint at a place that is no end of the joint, and does not run along it.
@@ -230,7 +171,10 @@ TEST_CASE("the joined pairs and their order are those of a list of all pairs", "
         const std::int32_t side = 1 << random() % 9;  // few positions: many equal points and equal distances
         const std::int32_t step = turn % 3 == 0 ? (1 << 30) / side : 1 + turn % 2;
         const std::size_t count = random() % (turn % 50 == 0 ? 200 : 40);
-        const auto polylines = random_polylines(random, count, turn % 3 == 1 ? 0 : -step * (side / 2), step, side);
+        auto polylines = random_polylines(random, count, turn % 3 == 1 ? 0 : -step * (side / 2), step, side);
+        for (PolylineEnds& polyline : polylines) {
+            polyline.last.x += turn % 11 == 0 && step < 3 ? 1 << 29 : 0;  // two distant clusters
+        }
         const double steps = std::uniform_real_distribution(0.0, side * 1.5)(random);
         const double reach = turn % 7 == 0 ? 1e300 : step * (turn % 7 == 1 ? std::floor(steps) : steps);
         for (const StitchDirection sense : {StitchDirection::oriented, StitchDirection::any}) {
@@ -243,21 +187,6 @@ TEST_CASE("the joined pairs and their order are those of a list of all pairs", "
     }
     CHECK(joined[0] > 40'000);
     CHECK(joined[1] > joined[0]);
-}
-
-TEST_CASE("ends in two distant clusters are joined as from a list of all pairs", "[engine][gaps]") {
-    std::mt19937 random(22);
-    lamella::Worker worker;
-    GapCloser closer(worker);
-    for (const std::int32_t apart : {3, 100, 1 << 29}) {
-        auto polylines = random_polylines(random, 300, 0, 1, 20);
-        for (PolylineEnds& polyline : polylines) {
-            polyline.last.x += apart;
-        }
-        for (const StitchDirection sense : {StitchDirection::oriented, StitchDirection::any}) {
-            CHECK(closed(closer, polylines, {1 << 30, 1 << 30, sense}) == greedy(polylines, {1 << 30, 1 << 30, sense}));
-        }
-    }
 }
 
 TEST_CASE("closing gaps takes memory in proportion to the ends, not to their pairs", "[engine][gaps]") {
@@ -278,46 +207,39 @@ TEST_CASE("joined in any sense: each segment is kept once, and most run as befor
     std::mt19937 random(31);
     std::size_t mixed = 0;
     for (int turn = 0; turn < 600; ++turn) {
-        const std::vector<Line> lines = random_lines(random, 1 + random() % 30);
-        const Joined result = joined(lines, static_cast<double>(random() % 20), StitchDirection::any);
-        if (result.gaps.empty()) {
-            continue;
+        const shapes::Soup walls = random_walls(random);
+        lamella::SliceOptions options = at_heights({5});
+        const lamella::SliceResult open = sliced(walls, options);
+        options.stitch_mm = 100 + static_cast<double>(random() % 2000);
+        options.stitch_direction = StitchDirection::any;
+        const lamella::SliceResult result = sliced(walls, options);  // of which the audit finds that no segment is lost
+        Edges before;
+        for (const lamella::Contour& contour : open.contours) {
+            before.merge(edges_of(open[0], contour));
         }
-        Edges all;
-        std::uint32_t kept = 0;
-        for (const Whole& whole : result.wholes) {
-            const auto [forwards, backwards] = senses_of(whole, lines);
+        std::size_t others = 0;
+        for (const lamella::Contour& contour : result.contours) {
+            std::size_t forwards = 0;
+            std::size_t backwards = 0;
+            for (const auto& [from, to] : edges_of(result[0], contour)) {
+                const bool kept = before.count({from, to}) != 0;
+                const bool turned = before.count({to, from}) != 0;
+                forwards += kept;
+                backwards += turned;
+                others += !kept && !turned;
+            }
+            if ((contour.flags & lamella::orientation_overruled) != 0 &&
+                (contour.orientation > 0) != (contour.role == lamella::Role::outer)) {
+                std::swap(forwards, backwards);  // turned round once more, as its role demands
+            }
             REQUIRE(forwards >= backwards);
-            REQUIRE(whole.segments == forwards + backwards);
-            REQUIRE(((whole.flags & lamella::orientation_mixed) != 0) == (backwards != 0));
-            mixed += backwards != 0 ? 1 : 0;
-            kept += whole.segments;
-            all.merge(edges_of(whole.points, whole.closed));
+            REQUIRE(contour.segments == forwards + backwards);
+            REQUIRE(((contour.flags & lamella::orientation_mixed) != 0) == (backwards != 0));
+            mixed += backwards != 0;
         }
-        std::uint32_t given = 0;
-        for (const Line& line : lines) {
-            given += static_cast<std::uint32_t>(line.points.size() - 1);
-        }
-        REQUIRE(kept == given);
-        REQUIRE(all.size() == given + result.gaps.size());
-        for (const auto& [from, to] : result.gaps) {
-            REQUIRE((has(all, from, to) || has(all, to, from)));
-        }
+        REQUIRE(others == result.stitches.size());
     }
     CHECK(mixed > 500);
-}
-
-TEST_CASE("joined in any sense: the order of the polylines does not matter", "[engine][gaps]") {
-    std::mt19937 random(32);
-    for (int turn = 0; turn < 300; ++turn) {
-        std::vector<Line> lines = random_lines(random, 1 + random() % 30);
-        const std::vector<Line> again(lines.begin(), lines.begin() + static_cast<std::ptrdiff_t>(lines.size() / 3));
-        lines.insert(lines.end(), again.begin(), again.end());
-        const auto reach = static_cast<double>(random() % 20);
-        const Joined result = joined(lines, reach, StitchDirection::any);
-        std::shuffle(lines.begin(), lines.end(), random);
-        REQUIRE(joined(lines, reach, StitchDirection::any) == result);
-    }
 }
 
 TEST_CASE("joints that meet something between their ends are those found edge by edge", "[engine][gaps]") {

@@ -46,10 +46,11 @@ struct Plan {
 
 std::vector<Plan> plans() {
     std::vector<Plan> all = {
-        {uniform(0.3)}, {{}}, {{}, {.random_heights = lamella::RandomHeights{0.1, 1}}}, {uniform(0.25)}};
+        {uniform(0.3)}, {{}}, {{}, {.random_heights = lamella::RandomHeights{0.1, 1}}}, {uniform(0.25)}, {uniform(1.5)}};
     all[1].options.heights_mm = {{-3, 9, 2, 1.5, 1.5, 11, 7.25, 3, 3.1, 3.2, 400, 5e8}};
     all[3].options.region.fill_from = {{3, FillRule::non_zero}, {9, FillRule::even_odd}};
     all[3].options.stitch_mm = 0.5;
+    all[4].options.content = lamella::LayerContent::upward_faces;
     return all;
 }
 
@@ -64,13 +65,14 @@ TEST_CASE("layers cut alone are those of the whole, of a mesh, a prepared mesh a
     for (auto [options, tuning] : plans()) {
         const SliceResult whole = sliced(soup, options, context, tuning);
         const std::size_t k = whole.layers.size();
+        const bool by_faces = options.content != lamella::LayerContent::section;  // of one mesh only
         REQUIRE(whole.info.planned_layers == k);
         REQUIRE(whole.info.first_layer == 0);
         for (std::size_t first = 0; first < k; first += 1 + k / 7) {
             for (const std::size_t count : {std::size_t{1}, std::size_t{2}, k / 3, k}) {
                 options.planes.first_layer = first;
                 options.planes.end_layer = first + count;
-                const SliceResult part = sliced(sources[(first + count) % 3], options, context, tuning);
+                const SliceResult part = sliced(sources[by_faces ? 0 : (first + count) % 3], options, context, tuning);
                 const std::size_t end = std::min(k, first + count);
                 INFO("layers " << first << " to " << end << " of " << k);
                 CHECK(part.info.first_layer == first);

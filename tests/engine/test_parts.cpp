@@ -1,9 +1,7 @@
 // Several meshes in one result.
 #include <algorithm>
-#include <atomic>
-#include <chrono>
 #include <cmath>
-#include <thread>
+#include <tuple>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -43,18 +41,32 @@ Names parts_in(const SliceResult& result, std::size_t layer) {
     return parts;
 }
 
-/// The layers' contours of one part, as lines; see contours_at().
-std::vector<std::string> lines_of_part(const SliceResult& result, std::size_t layer, std::uint32_t part) {
-    const std::vector<std::string> all = contours_at(result, layer);
-    const std::span<const Contour> contours = result.contours_of(result.layers[layer]);
-    std::vector<std::string> own;
-    for (std::size_t c = 0; c < all.size(); ++c) {
-        if (contours[c].part == part && contours[c].parent < 0) {
-            own.push_back(all[c]);
-        }
-    }
-    return own;
+SliceResult united(const Parts& parts, SliceOptions options, const lamella::Context& context = {}) {
+    options.unite_parts = true;
+    return sliced(parts, options, context);
 }
+
+std::uint64_t hash_without_parts(SliceResult result) {
+    for (Contour& contour : result.contours) {
+        contour.part = 0;
+    }
+    return result.hash();
+}
+
+/// Contours of a layer as "outer 1", "hole several", in the order of the result.
+std::vector<std::string> named_at(const SliceResult& result, std::size_t layer) {
+    std::vector<std::string> names;
+    for (const Contour& contour : result.contours_of(result.layers[layer])) {
+        const std::string role = contour.role == lamella::Role::outer  ? "outer "
+                                 : contour.role == lamella::Role::hole ? "hole "
+                                 : contour.role == lamella::Role::flat ? "flat "
+                                                                       : "open ";
+        names.push_back(role + (contour.part == lamella::several_parts ? "several" : std::to_string(contour.part)));
+    }
+    return names;
+}
+
+using Lines = std::vector<std::string>;
 
 }  // namespace
 
@@ -119,19 +131,6 @@ TEST_CASE("a part's placement is a transform of the mesh", "[engine][parts]") {
     }
 }
 
-TEST_CASE("a result of parts does not depend on threads", "[engine][parts][threads]") {
-    const shapes::Soup first = shapes::octasphere({0, 0, 0}, 10, 4);
-    const shapes::Soup second = shapes::random_tetrahedra(3, 40, 12);
-    const Parts parts = {part_of(first), part_of(second), part_of(first, moved_by(3, 1, 2.03))};
-    SliceOptions options = uniform(0.05);
-    options.region.fill_rule = GENERATE(FillRule::contours, FillRule::positive);
-    const SliceResult expected = sliced(parts, options, {.threads = 1});
-    for (const int threads : {2, 5}) {
-        CHECK(sliced(parts, options, {.threads = threads}).hash() == expected.hash());
-    }
-    CHECK(sliced(Parts{parts[2], parts[1], parts[0]}, options).hash() != expected.hash());
-}
-
 TEST_CASE("rules are done to each part by itself", "[engine][parts]") {
     // Two cubes that overlap are one region where they are one part, and two where they are two.
     const shapes::Soup left = shapes::box({0, 0, 0}, {10, 10, 10});
@@ -143,7 +142,7 @@ TEST_CASE("rules are done to each part by itself", "[engine][parts]") {
     CHECK(parts_in(joined, 0) == Names{0, 1});
     CHECK(joined[0].area_mm2() == 150 + 100);
     const SliceResult apart = sliced(Parts{part_of(left), part_of(right)}, options);
-    CHECK(lines_of_part(apart, 0, 1) == contours_at(sliced(right, options), 0));
+    CHECK(contours_at(apart, 0)[1] == contours_at(sliced(right, options), 0)[0]);
     CHECK(apart[0].area_mm2() == 200);
 }
 
@@ -163,20 +162,23 @@ TEST_CASE("what is wrong with a part is said of that part", "[engine][parts]") {
     const shapes::Soup good = shapes::box({0, 0, 0}, {4, 4, 4});
     shapes::Soup bad = good;
     bad[40] = std::nan("");
-    CHECK(failure_of(Parts{}, uniform(1)).code == ErrorCode::invalid_argument);
-    const lamella::Error coordinate = failure_of(Parts{part_of(good), part_of(bad)}, uniform(1));
-    CHECK(coordinate.code == ErrorCode::bad_coordinate);
-    CHECK_THAT(coordinate.message, Catch::StartsWith("part 1: triangle 4, "));
-    CHECK(coordinate.triangle == 4);
-    CHECK(failure_of(Parts{part_of(good), part_of({})}, uniform(1)).message == "part 1: the mesh has no triangles");
+    const shapes::Soup none;
     const shapes::Soup dust = shapes::box({0, 0, 0}, {1e-9, 1e-9, 1e-9});
-    const lamella::Error collapsed = failure_of(Parts{part_of(dust), part_of(good)}, uniform(1));
-    CHECK(collapsed.code == ErrorCode::empty_mesh);
-    CHECK_THAT(collapsed.message, Catch::StartsWith("part 0: each of 12 triangles has"));
-    CHECK(failure_of(Parts{part_of(good)}, uniform(-1)).message == "the layer height must be positive");
     SliceOptions closing = uniform(1);
     closing.region.closing_mm = -1;
-    CHECK_THAT(failure_of(Parts{part_of(bad)}, closing).message, Catch::StartsWith("the closing radius"));
+    const std::tuple<Parts, SliceOptions, ErrorCode, const char*> cases[] = {
+        {{}, uniform(1), ErrorCode::invalid_argument, ""},
+        {{part_of(good), part_of(bad)}, uniform(1), ErrorCode::bad_coordinate, "part 1: triangle 4, "},
+        {{part_of(good), part_of(none)}, uniform(1), ErrorCode::empty_mesh, "part 1: the mesh has no triangles"},
+        {{part_of(dust), part_of(good)}, uniform(1), ErrorCode::empty_mesh, "part 0: each of 12 triangles has"},
+        {{part_of(good)}, uniform(-1), ErrorCode::invalid_argument, "the layer height must be positive"},
+        {{part_of(bad)}, closing, ErrorCode::invalid_argument, "the closing radius"}};
+    for (const auto& [parts, options, code, message] : cases) {
+        const lamella::Error error = failure_of(parts, options);
+        CHECK(error.code == code);
+        CHECK_THAT(error.message, Catch::StartsWith(message));
+        CHECK((code != ErrorCode::bad_coordinate || error.triangle == 4));
+    }
 }
 
 TEST_CASE("parts have origins, though no plane meets the first", "[engine][parts][origins]") {
@@ -203,30 +205,6 @@ TEST_CASE("the memory limit is for all parts", "[engine][parts][errors]") {
     CHECK(sliced(Parts{part_of(soup)}, uniform(0.01), smaller).contours.size() == 10'000);
 }
 
-TEST_CASE("slicing parts shows its progress, and can be stopped", "[engine][parts][cancel]") {
-    const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 5);
-    const Parts parts = {part_of(soup), part_of(soup, moved_by(1, 1, 1))};
-    const auto slice_parts = [&](const lamella::Context& context) {
-        lamella::Slicer slicer;
-        SliceResult result;
-        return code_of(slice_tuned(slicer, result, parts, uniform(0.05), {.band_planes = 20}, context));
-    };
-    std::vector<double> seen;
-    const auto note = [&](double done) noexcept { seen.push_back(done); };
-    CHECK(slice_parts({.progress = note}) == std::nullopt);
-    CHECK(std::is_sorted(seen.begin(), seen.end()));
-    CHECK(seen.back() == 1);
-    CHECK(std::any_of(seen.begin(), seen.end(), [](double done) { return done > 0.2 && done < 0.4; }));
-    std::atomic<bool> stopped = false;
-    const auto stop = [&]() noexcept { return stopped.load(); };
-    const auto stop_late = [&](double done) noexcept {
-        if (done > 0.6 && !stopped.exchange(true)) {  // in the second part; the host is asked again after two milliseconds
-            std::this_thread::sleep_for(std::chrono::milliseconds(5));
-        }
-    };
-    CHECK(slice_parts({.stop = stop, .progress = stop_late}) == ErrorCode::cancelled);
-}
-
 TEST_CASE("a broken order of parts is found", "[engine][parts][validate]") {
     const shapes::Soup cube = shapes::box({0, 0, 0}, {10, 10, 10});
     const auto damaged = [&](void (*damage)(SliceResult&)) {
@@ -241,78 +219,48 @@ TEST_CASE("a broken order of parts is found", "[engine][parts][validate]") {
     CHECK_THAT(damaged([](SliceResult& r) { r.contours[2].parent = 0; }), Catch::Contains("the parent is of another part"));
 }
 
-namespace {
-
-SliceResult united(const Parts& parts, SliceOptions options, const lamella::Context& context = {}) {
-    options.unite_parts = true;
-    return sliced(parts, options, context);
-}
-
-std::uint64_t hash_without_parts(SliceResult result) {
-    for (Contour& contour : result.contours) {
-        contour.part = 0;
-    }
-    return result.hash();
-}
-
-/// Contours of a layer as "outer 1", "hole several", in the order of the result.
-std::vector<std::string> named_at(const SliceResult& result, std::size_t layer) {
-    std::vector<std::string> names;
-    for (const Contour& contour : result.contours_of(result.layers[layer])) {
-        const std::string role = contour.role == lamella::Role::outer  ? "outer "
-                                 : contour.role == lamella::Role::hole ? "hole "
-                                 : contour.role == lamella::Role::flat ? "flat "
-                                                                       : "open ";
-        names.push_back(role + (contour.part == lamella::several_parts ? "several" : std::to_string(contour.part)));
-    }
-    return names;
-}
-
-constexpr FillRule region_rules[] = {FillRule::even_odd, FillRule::non_zero, FillRule::positive};
-using Lines = std::vector<std::string>;
-
-}  // namespace
-
 TEST_CASE("united parts are the region of one mesh that has all of them", "[engine][parts][regions]") {
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 4);
     const shapes::Soup other = shapes::octasphere({3, 1, 2.03}, 9, 4);
     const shapes::Soup small = shapes::octasphere({-2, 0, 1.01}, 2, 3);
     const shapes::Soup inverted = shapes::flipped(shapes::octasphere({1, 12, 0.7}, 6, 3));
     SliceOptions options = uniform(0.1);
-    options.region.fill_rule = GENERATE(from_range(std::begin(region_rules), std::end(region_rules)));
+    options.region.fill_rule = GENERATE(FillRule::even_odd, FillRule::non_zero, FillRule::positive);
     const SliceResult whole = sliced(shapes::joined({ball, other, small, inverted}), options);
-    const SliceResult parts = united({part_of(ball), part_of(other), part_of(small), part_of(inverted)}, options);
+    const Parts given = {part_of(ball), part_of(other), part_of(small), part_of(inverted)};
+    const SliceResult parts = united(given, options);
     CHECK(parts.contours.size() == whole.contours.size());
     CHECK(parts.info.part_count == 4);
     CHECK(parts.info.holes == whole.info.holes);
     CHECK(parts.info.emptied_layers == whole.info.emptied_layers);
-    CHECK(united({part_of(ball), part_of(other), part_of(small), part_of(inverted)}, options, {.threads = 3}).hash() ==
-          parts.hash());
+    CHECK(united(given, options, {.threads = 3}).hash() == parts.hash());
+    options.unite_parts = false;
+    CHECK(sliced(given, options, {.threads = 1}).hash() == sliced(given, options, {.threads = 5}).hash());
     CHECK(hash_without_parts(united({part_of(inverted), part_of(small), part_of(other), part_of(ball)}, options)) ==
           whole.hash());
 }
 
 TEST_CASE("a contour of united parts names the part that all its edges come from", "[engine][parts][regions]") {
+    using shapes::box;
     SliceOptions options = at_heights({5});
     options.region.fill_rule = FillRule::non_zero;
-    // A U and a bar across it: the hole between them has edges of both.
-    const shapes::Soup u = shapes::joined(
-        {shapes::box({0, 0, 0}, {2, 10, 10}), shapes::box({1, 0, 0}, {9, 2, 10}), shapes::box({8, 0, 0}, {10, 10, 10})});
-    const shapes::Soup bar = shapes::box({-2, 6, 0}, {12, 8, 10});
-    CHECK(named_at(united({part_of(u), part_of(bar)}, options), 0) == Lines{"outer several", "hole several"});
-    // Joined by its own part alone, and a part that meets nothing.
-    const shapes::Soup apart = shapes::box({20, 0, 0}, {24, 4, 10});
-    CHECK(named_at(united({part_of(apart), part_of(u)}, options), 0) == Lines{"outer 1", "outer 0"});
-    // The hole of part 0 is its own, though part 1 makes its outer one larger.
-    const shapes::Soup tube =
-        shapes::joined({shapes::box({0, 0, 0}, {10, 10, 10}), shapes::flipped(shapes::box({3, 3, 0}, {7, 7, 10}))});
-    const shapes::Soup beside = shapes::box({9, 4, 0}, {15, 6, 10});
-    CHECK(named_at(united({part_of(tube), part_of(beside)}, options), 0) == Lines{"outer several", "hole 0"});
-    // Equal contours are of all their parts.
-    CHECK(named_at(united({part_of(apart), part_of(apart)}, options), 0) == Lines{"outer several"});
-    // Enclosed: only part 1 is seen.
-    const shapes::Soup inside = shapes::box({21, 1, 0}, {22, 2, 10});
-    CHECK(named_at(united({part_of(inside), part_of(apart)}, options), 0) == Lines{"outer 1"});
+    const shapes::Soup u =
+        shapes::joined({box({0, 0, 0}, {2, 10, 10}), box({1, 0, 0}, {9, 2, 10}), box({8, 0, 0}, {10, 10, 10})});
+    const shapes::Soup tube = shapes::joined({box({0, 0, 0}, {10, 10, 10}), shapes::flipped(box({3, 3, 0}, {7, 7, 10}))});
+    const shapes::Soup apart = box({20, 0, 0}, {24, 4, 10});
+    const std::tuple<shapes::Soup, shapes::Soup, Lines> cases[] = {
+        // A bar across a U: the hole between them has edges of both.
+        {u, box({-2, 6, 0}, {12, 8, 10}), {"outer several", "hole several"}},
+        // Joined by its own part alone, and a part that meets nothing.
+        {apart, u, {"outer 1", "outer 0"}},
+        // The hole of part 0 is its own, though part 1 makes its outer one larger.
+        {tube, box({9, 4, 0}, {15, 6, 10}), {"outer several", "hole 0"}},
+        // Equal contours are of all their parts; of an enclosed one none is seen.
+        {apart, apart, {"outer several"}},
+        {box({21, 1, 0}, {22, 2, 10}), apart, {"outer 1"}}};
+    for (const auto& [first, second, expected] : cases) {
+        CHECK(named_at(united({part_of(first), part_of(second)}, options), 0) == expected);
+    }
 }
 
 TEST_CASE("open polylines of united parts stay as they are", "[engine][parts][regions]") {

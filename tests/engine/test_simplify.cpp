@@ -1,223 +1,235 @@
-// Simplified contours keep what RegionRules::simplify_mm promises. Distances are compared exactly, and few steps are taken
-// where contours are made to need many.
+// Simplified contours keep what RegionRules::simplify_mm promises, by plain methods: how far they lie from what they
+// replace, whether edges meet that did not, what lies in what, and where edges come from. Few steps are taken where contours
+// are made to need many.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
-#include <numeric>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>
 
 #include "cpu_time.hpp"
-#include "engine/rounds.hpp"
-#include "engine/shapes.hpp"
-#include "engine/simplify_checks.hpp"
+#include "engine/polygons.hpp"
+#include "engine/region_checks.hpp"
 #include "engine/slicing.hpp"
 #include "slicing/simplify/chain.hpp"
 
-using namespace simplify_checks;
+using lamella::Contour;
+using lamella::FillRule;
+using lamella::LayerView;
+using lamella::PointOrigin;
+using lamella::Role;
+using lamella::SliceOptions;
+using lamella::SliceResult;
+using polygons::Point;
+using polygons::Ring;
+using polygons::Rings;
+using rings::Int128;
 
-TEST_CASE("a circle keeps about as many points as its tolerance needs", "[engine][simplify]") {
-    const Comparison sizes = simplify({circle(1e6, 5000)}, 1000);
-    const double needed = std::numbers::pi / std::acos(1 - 1000 / 1e6);  // of chords with a sagitta of the tolerance
-    CHECK(static_cast<double>(sizes.points_after) >= needed);
-    CHECK(static_cast<double>(sizes.points_after) <= 2 * needed);
-}
+namespace {
 
-TEST_CASE("rings closer than the tolerance neither meet nor change places", "[engine][simplify]") {
-    std::mt19937 random(5);
-    std::size_t before = 0;
-    std::size_t after = 0;
-    for (int turn = 0; turn < 60; ++turn) {
-        Rings rings;
-        const double apart = 50 + static_cast<double>(random() % 400);
-        for (int i = 0; i < 6; ++i) {
-            // The same wave with every seed, so that neighbours stay apart.
-            std::mt19937 wave(static_cast<unsigned>(turn));
-            rings.push_back(wavy_ring(wave, {3, 4}, 4000 + apart * i, 160, 900, apart / 3, i % 2 == 0));
+/// A contour before, and what is left of it: indices of its points, from the start on.
+struct Simplified {
+    std::span<const Point> points;
+    std::vector<std::size_t> left;
+    bool closed = true;
+
+    std::size_t edges() const { return left.size() - (closed ? 0 : 1); }
+    std::size_t end_of(std::size_t edge) const { return edge + 1 < left.size() ? left[edge + 1] : points.size(); }
+    bool is_line(std::size_t edge) const { return end_of(edge) - left[edge] > 1; }
+    std::pair<Point, Point> operator[](std::size_t edge) const {
+        return {points[left[edge]], points[end_of(edge) % points.size()]};
+    }
+};
+
+/// The same points in the same order, from the same start. A contour must pass each point once.
+Simplified match(std::span<const Point> before, std::span<const Point> after, bool closed) {
+    Simplified contour{before, {}, closed};
+    std::size_t next = 0;
+    for (const Point p : after) {
+        while (next < before.size() && before[next] != p) {
+            ++next;
         }
-        const Comparison sizes = simplify(rings, static_cast<double>(20 + random() % 1500));
-        before += sizes.points_before;
-        after += sizes.points_after;
+        REQUIRE(next < before.size());
+        contour.left.push_back(next++);
     }
-    CHECK(after < before / 2);
+    REQUIRE(contour.left.front() == 0);
+    REQUIRE((closed || contour.left.back() + 1 == before.size()));
+    CHECK((!closed || after.size() >= std::min<std::size_t>(3, before.size())));
+    return contour;
 }
 
-TEST_CASE("crowds of small contours keep apart under a tolerance larger than they are", "[engine][simplify]") {
-    std::mt19937 random(6);
-    for (int turn = 0; turn < 30; ++turn) {
-        Rings rings{wavy_ring(random, {0, 0}, 3000, 300, 200, 60, false)};
-        for (int i = 0; i < 80; ++i) {
-            const Point centre{static_cast<std::int32_t>(random() % 8000) - 4000,
-                               static_cast<std::int32_t>(random() % 8000) - 4000};
-            rings.push_back(wavy_ring(random, centre, 60, 12, 20, 10, i % 2 == 0));
-        }
-        RegionRules rules;
-        rules.fill_rule = turn % 3 == 0 ? FillRule::contours : (turn % 3 == 1 ? FillRule::non_zero : FillRule::even_odd);
-        simplify(rings, static_cast<double>(10 + random() % 3000), rules);
-    }
+Int128 dot(Point a, Point b, Point p) {
+    return (Int128{b.x} - a.x) * (Int128{p.x} - a.x) + (Int128{b.y} - a.y) * (Int128{p.y} - a.y);
 }
 
-TEST_CASE("contours that cross or touch keep their points where they do", "[engine][simplify]") {
-    std::mt19937 random(7);
-    int fewer = 0;
-    for (int turn = 0; turn < 40; ++turn) {
-        Rings rings;
-        for (int i = 0; i < 5; ++i) {
-            const Point centre{static_cast<std::int32_t>(random() % 40), static_cast<std::int32_t>(random() % 40)};
-            rings.push_back(wavy_ring(random, centre, 60, 90, 15, turn % 2 == 0 ? 30 : 3, false));
-        }
-        const Comparison sizes = simplify_as_given(rings, 1 + static_cast<std::int64_t>(random() % 12));
-        fewer += sizes.points_after < sizes.points_before;
-    }
-    CHECK(fewer > 20);
+/// Exact for short lines, whose squares long double holds; `slack` is for the rounding of others.
+bool is_within(Point p, std::pair<Point, Point> line, long double tolerance, long double slack = 1.0000001L) {
+    const auto [a, b] = line;
+    const Int128 along = dot(a, b, p);
+    const Int128 length2 = dot(a, b, b);
+    const bool beside = along > 0 && along < length2;
+    const Point end = along <= 0 ? a : b;
+    const auto distance = static_cast<long double>(beside ? rings::cross(a, b, p) : dot(end, p, p));
+    const long double most2 = tolerance * tolerance * slack;
+    return beside ? distance * distance <= most2 * static_cast<long double>(length2) : distance <= most2;
 }
 
-TEST_CASE("a hole in a bump of its outer stays within", "[engine][simplify]") {
-    // The line from (4000, 0) to (6000, 0) would pass below the hole and meet nothing.
-    const Ring outer = {{0, 0}, {4000, 0}, {4500, -500}, {5500, -500}, {6000, 0}, {10'000, 0}, {10'000, 9000}, {0, 9000}};
-    const Ring hole = {{4900, -300}, {4950, -200}, {5050, -300}};
-    CHECK(simplify({outer}, 600).points_after == 4);
-    const SliceResult both = region_by({outer, hole}, simplified_by(600));
-    REQUIRE(both.contours.size() == 2);
-    CHECK(both.contours[1].role == Role::hole);
-    simplify({outer, hole}, 600);
-}
-
-TEST_CASE("a crescent thinner than the tolerance keeps its orientation", "[engine][simplify]") {
-    Ring crescent;
-    for (int i = -50; i <= 50; ++i) {
-        crescent.push_back({i * 100, i * i * 2});
-    }
-    for (int i = 49; i > -50; --i) {
-        crescent.push_back({i * 100, i * i * 2 - (2500 - i * i) / 50 + 60});
-    }
-    for (const double tolerance : {10.0, 100.0, 1000.0, 1e5}) {
-        simplify({crescent}, tolerance);
-        std::reverse(crescent.begin(), crescent.end());
-        simplify({crescent}, tolerance);
-    }
-}
-
-TEST_CASE("a contour of two lobes keeps the sign of its area though the larger one shrinks", "[engine][simplify]") {
-    // Counter-clockwise around the left lobe, clockwise around the right one, which is smaller by less than the lines cut
-    // off.
-    Ring lobes;
-    for (int degrees = 10; degrees <= 350; ++degrees) {
-        const double angle = degrees * std::numbers::pi / 180;
-        lobes.push_back({static_cast<std::int32_t>(std::lround(1000 * std::cos(angle))) - 1000,
-                         static_cast<std::int32_t>(std::lround(1000 * std::sin(angle)))});
-    }
-    const std::size_t left = lobes.size();
-    std::int32_t width = 100;
-    do {
-        lobes.resize(left);
-        lobes.insert(lobes.end(), {{15, 174}, {width, 174}, {width, -174}, {15, -174}});
-        ++width;
-    } while (lamella::to_int128(lamella::closed_item(lobes).twice_area) > 1000);
-    REQUIRE(lamella::to_int128(lamella::closed_item(lobes).twice_area) > 0);
-    const Comparison sizes = simplify_as_given({lobes}, 10);
-    CHECK(sizes.points_after < sizes.points_before);
-}
-
-TEST_CASE("contours as wide as the grid are simplified exactly", "[engine][simplify]") {
-    constexpr std::int32_t far = lamella::grid_limit;
-    const Ring square = {{-far, -far}, {0, -far + 1000}, {far, -far}, {far - 1000, 0},
-                         {far, far},   {5, far - 1001},  {-far, far}};
-    CHECK(simplify({square}, 1000).points_after == 5);
-    CHECK(simplify({square}, 1001).points_after == 4);
-    CHECK(simplify({square}, 999).points_after == 7);
-}
-
-TEST_CASE("layers of solids and open polylines are simplified alike on any number of threads", "[engine][simplify]") {
-    for (const bool open : {false, true}) {
-        shapes::Soup soup = shapes::octasphere({0, 0, 0}, 20, 6);
-        soup.resize(open ? soup.size() / 9 * 7 / 10 * 9 : soup.size());
-        lamella::SliceOptions options;
-        options.layer_height_mm = 1.5;
-        const SliceResult before = sliced(soup, options, {.threads = 1});
-        options.region.simplify_mm = 0.05;
-        const SliceResult after = sliced(soup, options, {.threads = 1});
-        CHECK((before.info.open_contours > 0) == open);
-        CHECK(after.points.size() < before.points.size() / 2);
-        for (std::size_t l = 0; l < before.layers.size(); ++l) {
-            compare(before[l].contours, before.points.span(), after[l].contours, after.points.span(),
-                    std::floor(0.05 / before.info.grid_mm));
-        }
-        for (const int threads : {2, 3}) {
-            CHECK(sliced(soup, options, {.threads = threads}).hash() == after.hash());
+std::size_t points_beyond(const Simplified& contour, double tolerance) {
+    std::size_t beyond = 0;
+    for (std::size_t e = 0; e < contour.edges(); ++e) {
+        for (std::size_t i = contour.left[e] + 1; i < contour.end_of(e); ++i) {
+            beyond += !is_within(contour.points[i], contour[e], tolerance);
         }
     }
+    return beyond;
 }
 
-TEST_CASE("the distance of a chain is compared exactly", "[engine][simplify]") {
-    std::mt19937 random(8);
-    std::size_t within = 0;
-    for (unsigned turn = 0; turn < rounds(20'000); ++turn) {
-        const unsigned side_length = 1U << (2 + random() % 12);
-        std::vector<Point> chain(2 + random() % 6);
-        for (Point& p : chain) {
-            p = {static_cast<std::int32_t>(random() % side_length), static_cast<std::int32_t>(random() % side_length)};
-        }
-        const auto tolerance = static_cast<std::int64_t>(random() % side_length);
-        const std::size_t last = chain.size() - 1;
-        const Point a = chain[0];
-        const Point b = chain[last];
-        bool expected = a != b;
-        for (std::size_t i = 1; i < last && expected; ++i) {
-            const Wide length2 = dot(a, b, b);
-            const Wide along = dot(a, b, chain[i]);
-            const Wide area = rings::cross(a, b, chain[i]);
-            const Point end = along <= 0 ? a : b;
-            expected = along > 0 && along < length2 ? area * area <= Wide{tolerance} * tolerance * length2
-                                                    : dot(end, chain[i], chain[i]) <= Wide{tolerance} * tolerance;
-        }
-        if (last >= 2) {
-            const auto reach = lamella::measure_chain(chain.data(), 0, last, tolerance);
-            REQUIRE(reach.within == expected);
-            REQUIRE((reach.furthest > 0 && reach.furthest < last));
-            within += expected;
+/// True if two edges have a point in common other than a joint.
+bool meet(const Simplified& one, std::size_t e, const Simplified& other, std::size_t f) {
+    const auto [a, b] = one[e];
+    const auto [c, d] = other[f];
+    if (&one != &other) {
+        return rings::meet(a, b, c, d);
+    }
+    const std::size_t last = one.edges() - 1;
+    if (f == e + 1 || (one.closed && e == last && f == 0)) {
+        return rings::lies_on(a, b, d) || rings::lies_on(c, d, a);
+    }
+    if (e == f + 1 || (one.closed && f == last && e == 0)) {
+        return rings::lies_on(a, b, c) || rings::lies_on(c, d, b);
+    }
+    return e != f && rings::meet(a, b, c, d);
+}
+
+/// Pairs of edges that meet, one of them a line that replaces points.
+std::size_t meeting_lines(const std::vector<Simplified>& contours) {
+    std::size_t found = 0;
+    for (const Simplified& one : contours) {
+        for (std::size_t e = 0; e < one.edges(); ++e) {
+            for (const Simplified& other : contours) {
+                for (std::size_t f = 0; one.is_line(e) && f < other.edges(); ++f) {
+                    found += meet(one, e, other, f);
+                }
+            }
         }
     }
-    CHECK(within > rounds(20'000) / 10);
+    return found;
 }
 
-TEST_CASE("simplifying takes no square of time where each furthest point peels off one", "[engine][simplify]") {
-    constexpr int count = 300'000;
+/// Counts pairs of a closed contour and another one whose start is no longer on the same side of it.
+std::size_t starts_that_changed_sides(const std::vector<Simplified>& contours) {
+    std::size_t moved = 0;
+    for (const Simplified& around : contours) {
+        Ring left;
+        for (const std::size_t i : around.left) {
+            left.push_back(around.points[i]);
+        }
+        for (const Simplified& other : contours) {
+            const Point start = other.points.front();
+            moved +=
+                &other != &around && around.closed && rings::winding(around.points, start) != rings::winding(left, start);
+        }
+    }
+    return moved;
+}
+
+/// Lines that replace points come from no triangle, nor does the end of a polyline after one; all other edges keep their
+/// triangles.
+void check_origins(const Simplified& contour, std::span<const PointOrigin> before, std::span<const PointOrigin> after) {
+    for (std::size_t i = 0; i < after.size(); ++i) {
+        const std::size_t edge = std::min(i, contour.edges() - 1);
+        REQUIRE(after[i] == (contour.is_line(edge) ? PointOrigin() : before[contour.left[i]]));
+    }
+}
+
+/// Counts of what was compared.
+struct Comparison {
+    std::size_t points_before = 0;
+    std::size_t points_after = 0;
+    std::size_t lines = 0;
+    std::size_t recounted = 0;  ///< contours with other segments
+};
+
+/// Checks all promises of simplification, and adds to the counts.
+void compare(const LayerView& before, const LayerView& after, double tolerance, Comparison& found) {
+    REQUIRE(before.contours.size() == after.contours.size());
+    std::vector<Simplified> contours;
+    found.points_before += before.points.size();
+    found.points_after += after.points.size();
+    for (std::size_t c = 0; c < before.contours.size(); ++c) {
+        const Contour& old_one = before.contours[c];
+        const Contour& new_one = after.contours[c];
+        CHECK(old_one.role == new_one.role);
+        CHECK(old_one.orientation == new_one.orientation);
+        CHECK(old_one.flags == new_one.flags);
+        CHECK((old_one.twice_area.high < 0) == (new_one.twice_area.high < 0));
+        const Simplified& contour =
+            contours.emplace_back(match(before.points_of(old_one), after.points_of(new_one), old_one.role != Role::open));
+        CHECK(points_beyond(contour, tolerance) == 0);
+        for (std::size_t e = 0; e < contour.edges(); ++e) {
+            found.lines += contour.is_line(e);
+        }
+        if (!before.origins.empty()) {
+            check_origins(contour, before.origins_of(old_one), after.origins_of(new_one));
+        }
+        found.recounted += new_one.segments != old_one.segments;
+        CHECK((new_one.segments == old_one.segments || (contour.closed && new_one.segments == new_one.point_count)));
+    }
+    CHECK(meeting_lines(contours) == 0);
+    CHECK(starts_that_changed_sides(contours) == 0);
+}
+
+/// Without simplification where `units` is 0.
+SliceResult region_by(const Rings& rings, double units, FillRule rule = FillRule::contours) {
+    const double tolerance_mm = units == 0 ? 0 : (units + 0.5) * lamella::default_grid_mm;
+    return value_of(regions::region(rings, {.fill_rule = rule, .simplify_mm = tolerance_mm}));
+}
+
+/// Simplifies, compares with the plain region, and again from other starts and in another order of contours.
+Comparison simplify(const Rings& rings, double units, FillRule rule = FillRule::contours) {
+    const SliceResult after = region_by(rings, units, rule);
+    CHECK(regions::same(after, region_by(regions::shuffled(rings, 5), units, rule)));
+    Comparison found;
+    compare(region_by(rings, 0, rule)[0], after[0], units, found);
+    return found;
+}
+
+/// Around a centre, wavy and rough; passes each point once.
+Ring wavy(std::mt19937& random, Point centre, double radius, int count, double wave, double rough) {
+    const double turns = 3 + polygons::below(random, 9);
     Ring ring;
     for (int i = 0; i < count; ++i) {
-        ring.push_back({i, (i % 2 == 0 ? 1 : -1) * (count - i)});
+        const double angle = 2 * std::numbers::pi * i / count;
+        const double r = radius + wave * std::sin(turns * angle) + rough * polygons::between(random, -1, 1);
+        const Point p = polygons::at_angle(centre, r, angle);
+        if (std::find(ring.begin(), ring.end(), p) == ring.end()) {
+            ring.push_back(p);
+        }
     }
-    ring.push_back({count, -2 * count});
-    ring.push_back({-5, -2 * count});
-    const double before = cpu_ms();
-    const SliceResult made = region_by({ring}, simplified_by(1));
-    CHECK(made.points.size() > count / 2);
-    CHECK(cpu_ms() - before < 4000);
+    return ring;
 }
 
-/// How many points are left of each ring.
-std::vector<std::size_t> points_left(const Rings& rings, std::int64_t tolerance) {
-    std::vector<lamella::NestItem> items;
-    for (const Ring& ring : rings) {
-        items.push_back(lamella::closed_item(ring));
+/// Two balls that overlap, rough by up to 0.05 mm, and a third one that lacks its upper side.
+shapes::Soup rough_balls() {
+    shapes::Soup soup = shapes::joined({shapes::octasphere({0, 0, 0}, 10, 5), shapes::octasphere({6, 1, 1}, 8, 5)});
+    for (double& number : soup) {  // by the place, so that equal corners stay equal
+        number += 0.05 * std::sin(number * 7919);
     }
-    lamella::Worker worker;
-    lamella::Simplifier simplifier(worker);
-    simplifier.run(items, tolerance);
-    std::vector<std::size_t> points;
-    for (std::size_t i = 0; i < items.size(); ++i) {
-        points.push_back(items[i].count);
-        CHECK(simplifier.left_of(i).size() == items[i].count);
-    }
-    return points;
+    const shapes::Soup open = shapes::octasphere({20, 0, 0}, 5, 4);
+    shapes::append(soup, shapes::only(open, 0, open.size() / 9 * 7 / 10));
+    return soup;
 }
 
-std::size_t all_points_left(const Rings& rings, std::int64_t tolerance) {
-    const std::vector<std::size_t> points = points_left(rings, tolerance);
-    return std::accumulate(points.begin(), points.end(), std::size_t{0});
+SliceOptions simplified(double tolerance_mm, FillRule rule) {
+    SliceOptions options = uniform(1.4);
+    options.region.fill_rule = rule;
+    options.region.simplify_mm = tolerance_mm;
+    options.origins = true;
+    return options;
 }
 
 /// Teeth side by side below y = 0, and between each two of them a small contour.
@@ -231,14 +243,6 @@ Rings comb(int teeth) {
     return rings;
 }
 
-TEST_CASE("simplifying takes no square of time where many contours lie in the box of one line", "[engine][simplify]") {
-    CHECK(simplify_as_given(comb(30), 100).points_after < 250);
-    const Rings rings = comb(100'000);
-    const double before = cpu_ms();
-    CHECK(points_left(rings, 100)[0] < 50'000);
-    CHECK(cpu_ms() - before < 4000);
-}
-
 /// Needles across each other, as many one way as the other. The point in the middle of each one's tip could go.
 Rings crossing_needles(int count) {
     Rings rings;
@@ -249,11 +253,6 @@ Rings crossing_needles(int count) {
         rings.push_back({{at, -10}, {at + 10, -10}, {at + 10, length}, {at + 5, length - 1}, {at, length}});
     }
     return rings;
-}
-
-TEST_CASE("a layer in which far more edges cross than there are points stays whole", "[engine][simplify]") {
-    CHECK(all_points_left(crossing_needles(10), 3) == 80);
-    CHECK(all_points_left(crossing_needles(8000), 3) == 80'000);
 }
 
 /// Slanting teeth, so that the box of each holds the small contours between all others.
@@ -270,8 +269,235 @@ Rings slanting_comb(int teeth) {
     return rings;
 }
 
-TEST_CASE("a layer in which boxes of far more edges hold a contour than there are points stays whole",
+}  // namespace
+
+TEST_CASE("rings closer than the tolerance neither meet nor change places", "[engine][simplify]") {
+    std::mt19937 random(5);
+    for (unsigned turn = 0; turn < 60; ++turn) {
+        Rings rings;
+        const double apart = 50 + polygons::below(random, 400);
+        for (int i = 0; i < 6; ++i) {
+            std::mt19937 wave(turn);  // the same with every ring, so that neighbours stay apart
+            rings.push_back(wavy(wave, {3, 4}, 4000 + apart * i, 160, 900, apart / 3));
+            rings.back() = i % 2 == 0 ? polygons::reversed(rings.back()) : rings.back();
+        }
+        const Comparison sizes = simplify(rings, 20 + polygons::below(random, 1500));
+        CHECK(sizes.points_after < sizes.points_before);
+    }
+}
+
+TEST_CASE("crowds of small contours keep apart under a tolerance larger than they are", "[engine][simplify]") {
+    std::mt19937 random(6);
+    for (std::size_t turn = 0; turn < 30; ++turn) {
+        Rings rings{wavy(random, {0, 0}, 3000, 300, 200, 60)};
+        for (int i = 0; i < 80; ++i) {
+            const Point centre{polygons::below(random, 8000) - 4000, polygons::below(random, 8000) - 4000};
+            const Ring ring = wavy(random, centre, 60, 12, 20, 10);
+            rings.push_back(i % 2 == 0 ? polygons::reversed(ring) : ring);
+        }
+        const FillRule rule = std::array{FillRule::contours, FillRule::non_zero, FillRule::even_odd}[turn % 3];
+        simplify(rings, 10 + polygons::below(random, 3000), rule);
+    }
+}
+
+TEST_CASE("contours that cross or touch keep their points where they do", "[engine][simplify]") {
+    std::mt19937 random(7);
+    int fewer = 0;
+    for (int turn = 0; turn < 40; ++turn) {
+        Rings rings;
+        for (int i = 0; i < 5; ++i) {
+            const Point centre{polygons::below(random, 40), polygons::below(random, 40)};
+            rings.push_back(wavy(random, centre, 60, 90, 15, turn % 2 == 0 ? 30 : 3));
+        }
+        const Comparison sizes = simplify(rings, 1 + polygons::below(random, 12));
+        fewer += sizes.points_after < sizes.points_before;
+    }
+    CHECK(fewer > 20);
+}
+
+TEST_CASE("a hole in a bump of its outer stays within", "[engine][simplify]") {
+    // The line from (4000, 0) to (6000, 0) would pass below the hole and meet nothing.
+    const Ring outer = {{0, 0}, {4000, 0}, {4500, -500}, {5500, -500}, {6000, 0}, {10'000, 0}, {10'000, 9000}, {0, 9000}};
+    const Ring hole = {{4900, -300}, {4950, -200}, {5050, -300}};
+    CHECK(simplify({outer}, 600).points_after == 4);
+    CHECK(simplify({outer, hole}, 600).points_after > 7);
+}
+
+TEST_CASE("a crescent thinner than the tolerance keeps its orientation", "[engine][simplify]") {
+    Ring crescent;
+    for (int i = -50; i <= 50; ++i) {
+        crescent.push_back({i * 100, i * i * 2});
+    }
+    for (int i = 49; i > -50; --i) {
+        crescent.push_back({i * 100, i * i * 2 - (2500 - i * i) / 50 + 60});
+    }
+    for (const double tolerance : {10.0, 100.0, 1000.0, 1e5}) {
+        simplify({crescent}, tolerance);
+        simplify({polygons::reversed(crescent)}, tolerance);
+    }
+}
+
+TEST_CASE("a contour of two lobes keeps the sign of its area though the larger one shrinks", "[engine][simplify]") {
+    // Counter-clockwise around the left lobe, clockwise around the right one, which is smaller by less than the lines cut
+    // off.
+    Ring lobes;
+    for (int degrees = 10; degrees <= 350; ++degrees) {
+        lobes.push_back(polygons::at_angle({-1000, 0}, 1000, degrees * std::numbers::pi / 180));
+    }
+    const std::size_t left = lobes.size();
+    std::int32_t width = 100;
+    do {
+        lobes.resize(left);
+        lobes.insert(lobes.end(), {{15, 174}, {width, 174}, {width, -174}, {15, -174}});
+        ++width;
+    } while (rings::twice_area(lobes) > 1000);
+    REQUIRE(rings::twice_area(lobes) > 0);
+    const Comparison sizes = simplify({lobes}, 10);
+    CHECK(sizes.points_after < sizes.points_before);
+}
+
+TEST_CASE("contours as wide as the grid are simplified exactly, and a circle to about as many points as are needed",
           "[engine][simplify]") {
-    CHECK(all_points_left(slanting_comb(20), 2000) < 20 * 3 + 10);
-    CHECK(all_points_left(slanting_comb(30'000), 2'000'000) == 30'000 * 6 + 3);
+    const double needed = std::numbers::pi / std::acos(1 - 1000 / 1e6);  // of chords with a sagitta of the tolerance
+    const auto left = static_cast<double>(simplify({polygons::round({0, 0}, 1e6, 5000)}, 1000).points_after);
+    CHECK((left >= needed && left <= 2 * needed));
+    constexpr std::int32_t far = lamella::grid_limit;
+    const Ring square = {{-far, -far}, {0, -far + 1000}, {far, -far}, {far - 1000, 0},
+                         {far, far},   {5, far - 1001},  {-far, far}};
+    CHECK(simplify({square}, 1000).points_after == 5);
+    CHECK(simplify({square}, 1001).points_after == 4);
+    CHECK(simplify({square}, 999).points_after == 7);
+}
+
+TEST_CASE("slices are simplified as promised, and their edges keep their triangles, on any number of threads",
+          "[engine][simplify][origins]") {
+    const shapes::Soup inside_out = shapes::flipped(shapes::octasphere({0, 0, 0}, 10, 5));
+    for (const shapes::Soup& soup : {rough_balls(), inside_out}) {
+        for (const FillRule rule : {FillRule::contours, FillRule::non_zero, FillRule::even_odd}) {
+            const SliceResult plain = sliced(soup, simplified(0, rule));
+            CHECK((plain.info.open_contours > 0 || plain.info.overruled_contours > 0 || rule != FillRule::contours));
+            Comparison all;
+            for (const double tolerance : {0.001, 0.05, 0.5}) {
+                SliceOptions options = simplified(tolerance, rule);
+                const SliceResult result = sliced(soup, options);
+                require_ok(audits::structure_of(result, view_of(soup)));
+                for (std::size_t l = 0; l < plain.size(); ++l) {
+                    compare(plain[l], result[l], std::floor(tolerance / plain.info.grid_mm), all);
+                }
+                CHECK(result.points.size() < plain.points.size());
+                options.origins = false;
+                for (const int threads : {1, 2, 3}) {
+                    CHECK(sliced(soup, options, {.threads = threads}).hash() == result.hash());
+                }
+            }
+            CHECK(all.lines > 100);
+            CHECK((all.recounted > 10) == (soup != inside_out && rule != FillRule::contours));
+        }
+    }
+}
+
+TEST_CASE("parts are simplified each by itself, united ones as the region of all", "[engine][simplify][parts]") {
+    const shapes::Soup left = shapes::octasphere({0, 0, 0}, 10, 5);
+    const shapes::Soup right = shapes::octasphere({8, 1, 0.3}, 9, 5);
+    const std::vector<lamella::Part> parts = {{.mesh = view_of(left)}, {.mesh = view_of(right)}};
+    SliceOptions options = simplified(0.05, FillRule::non_zero);
+    options.frame.grid_mm = 0x1p-20;
+    options.heights_mm = std::vector<double>{-7.25, -3.5, 0.125, 4.75};
+
+    const SliceResult apart = sliced(parts, options);
+    CHECK(audits::structure_of(apart, parts).ok());
+    const SliceResult alone = sliced(right, options);
+    for (std::size_t l = 0; l < alone.size(); ++l) {
+        const Contour& own = apart[l].contours.back();
+        CHECK(own.part == 1);
+        const auto expected = alone.points_of(alone[l].contours[0]);
+        const auto found = apart.points_of(own);
+        CHECK(std::equal(found.begin(), found.end(), expected.begin(), expected.end()));
+    }
+
+    options.unite_parts = true;
+    const SliceResult united = sliced(parts, options);
+    CHECK(audits::structure_of(united, parts).ok());
+    options.unite_parts = false;
+    const SliceResult whole = sliced(shapes::joined({left, right}), options);
+    CHECK(std::equal(united.points.begin(), united.points.end(), whole.points.begin(), whole.points.end()));
+    options.region.simplify_mm = 0;
+    CHECK(sliced(shapes::joined({left, right}), options).points.size() > 2 * whole.points.size());
+}
+
+TEST_CASE("regions of random tetrahedra stay valid regions when simplified", "[engine][simplify][regions][random]") {
+    std::size_t fewer = 0;
+    for (std::uint64_t seed = 0; seed < rounds(120); ++seed) {
+        const shapes::Soup soup = shapes::random_tetrahedra(seed, 8 + static_cast<int>(seed % 25), 9);
+        SliceOptions options = at_heights({1.25, 2.75, 4.5, 6.25}, 1.0 / 64);
+        options.origins = true;
+        for (const FillRule rule : {FillRule::contours, FillRule::non_zero, FillRule::even_odd, FillRule::positive}) {
+            INFO("seed " << seed << ", " << lamella::name_of(rule));
+            options.region.fill_rule = rule;
+            options.region.simplify_mm = 0;
+            const SliceResult plain = sliced(soup, options);
+            options.region.simplify_mm = static_cast<double>(1 + seed % 40) / 32;
+            const SliceResult result = sliced(soup, options);
+            require_ok(audits::structure_of(result, view_of(soup)));
+            REQUIRE(value_of(audits::crossings_of(result)).count <= value_of(audits::crossings_of(plain)).count);
+            REQUIRE(result.contours.size() == plain.contours.size());
+            // Where contours cross, which of those around is the smallest may change.
+            for (std::size_t c = 0; c < plain.contours.size() && rule != FillRule::contours; ++c) {
+                REQUIRE(result.contours[c].parent == plain.contours[c].parent);
+                REQUIRE(result.contours[c].role == plain.contours[c].role);
+            }
+            fewer += result.points.size() < plain.points.size();
+        }
+    }
+    CHECK(fewer > rounds(120));
+}
+
+TEST_CASE("the distance of a chain is compared exactly", "[engine][simplify]") {
+    std::mt19937 random(8);
+    std::size_t within = 0;
+    for (unsigned turn = 0; turn < rounds(20'000); ++turn) {
+        const std::int32_t side = 1 << (2 + random() % 12);
+        std::vector<Point> chain(3 + random() % 5);
+        for (Point& p : chain) {
+            p = {polygons::below(random, side), polygons::below(random, side)};
+        }
+        const std::int64_t tolerance = polygons::below(random, side);
+        const std::size_t last = chain.size() - 1;
+        const std::pair line(chain[0], chain[last]);
+        const auto is_near = [&](Point p) { return is_within(p, line, static_cast<long double>(tolerance), 1); };
+        const bool expected = line.first != line.second && std::all_of(chain.begin() + 1, chain.end() - 1, is_near);
+        const auto reach = lamella::measure_chain(chain.data(), 0, last, tolerance);
+        REQUIRE(reach.within == expected);
+        REQUIRE((reach.furthest > 0 && reach.furthest < last));
+        within += expected;
+    }
+    CHECK(within > rounds(20'000) / 10);
+}
+
+TEST_CASE("simplifying takes no square of time where each furthest point peels off one", "[engine][simplify]") {
+    constexpr int count = 300'000;
+    Ring ring;
+    for (int i = 0; i < count; ++i) {
+        ring.push_back({i, (i % 2 == 0 ? 1 : -1) * (count - i)});
+    }
+    ring.push_back({count, -2 * count});
+    ring.push_back({-5, -2 * count});
+    const double before = cpu_ms();
+    CHECK(region_by({ring}, 1).points.size() > count / 2);
+    CHECK(cpu_ms() - before < 4000);
+}
+
+TEST_CASE("simplifying takes no square of time where many contours lie in the box of one line", "[engine][simplify]") {
+    CHECK(simplify(comb(30), 100).points_after < 250);
+    const double before = cpu_ms();
+    CHECK(region_by(comb(100'000), 100).contours[0].point_count < 50'000);
+    CHECK(cpu_ms() - before < 4000);
+}
+
+TEST_CASE("layers of which far more edges cross, or boxes hold a contour, than there are points stay whole",
+          "[engine][simplify]") {
+    CHECK(region_by(crossing_needles(10), 3).points.size() == 80);
+    CHECK(region_by(crossing_needles(4000), 3).points.size() == 40'000);
+    CHECK(region_by(slanting_comb(20), 2000).points.size() < 20 * 3 + 10);
+    CHECK(region_by(slanting_comb(10'000), 600'000).points.size() == 10'000 * 6 + 3);
 }

@@ -11,7 +11,6 @@
 
 #include "engine/counting_memory.hpp"
 #include "engine/everywhere.hpp"
-#include "slicing/handover/sink_target.hpp"
 
 using lamella::LayerSink;
 using lamella::LayerView;
@@ -33,62 +32,7 @@ struct OrderNote {
     }
 };
 
-/// All that SinkBands takes for granted, with bands of one wide layer after the other.
-struct ManyLayers {
-    ManyLayers(std::uint32_t layers, std::uint32_t band_layers, const lamella::Memory* memory)
-        : planes(memory), buckets(memory), scratch(memory), result(memory), bands(bands_of(layers, band_layers)) {
-        lamella::Array<lamella::Layer> heights;
-        heights.resize_discarding(layers);
-        for (std::uint32_t i = 0; i < layers; ++i) {
-            heights[i] = {.plane = lamella::PlaneHeight(static_cast<std::int32_t>(2 * i + 1))};
-        }
-        planes.build(heights);
-        buckets.segments.resize_discarding(layers);
-        std::fill(buckets.segments.begin(), buckets.segments.end(), layer_points);
-        buckets.segment_count = std::uint64_t{layers} * layer_points;
-    }
-
-    static std::vector<lamella::Band> bands_of(std::uint32_t layers, std::uint32_t band_layers) {
-        std::vector<lamella::Band> bands;
-        for (std::uint32_t first = 0; first < layers; first += band_layers) {
-            bands.push_back({first, std::min(first + band_layers, layers), std::uint64_t{band_layers} * layer_points});
-        }
-        return bands;
-    }
-
-    /// A layer of one contour.
-    static void build(lamella::BandOutput& output) {
-        std::fill_n(output.reserve_points(layer_points), layer_points, lamella::Point{1, 2});
-        lamella::Contour& contour = output.contours.emplace_back();
-        contour.first_point = output.point_count;
-        contour.point_count = layer_points;
-        output.point_count += layer_points;
-        output.layer_contours.push_back(1);
-        output.end_layer();
-    }
-
-    static constexpr std::uint32_t layer_points = 1 << 16;  // half a megabyte
-    lamella::PlaneSet planes;
-    lamella::Buckets buckets;
-    lamella::OutputScratch scratch;
-    lamella::SliceResult result;
-    std::vector<lamella::Band> bands;
-    lamella::Parallel parallel{{.threads = 2}};
-    lamella::SweepInput input{planes, buckets, bands, parallel, scratch, false, result};
-};
-
 }  // namespace
-
-TEST_CASE("an ascending sink is called by one thread at a time, in plane order", "[engine][sink][threads]") {
-    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 4);
-    for (const std::int64_t band : {0, 1, 3}) {
-        OrderNote note;
-        const lamella::SliceInfo info =
-            sliced_to(LayerSink{.take = note}, view_of(ball), uniform(0.02), {.threads = 4}, {.band_planes = band});
-        CHECK(note.in_order);
-        CHECK(note.next == info.layers);
-    }
-}
 
 TEST_CASE("a sink in any order needs no memory for the layers", "[engine][sink][memory][threads]") {
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 5);
@@ -113,69 +57,33 @@ TEST_CASE("a sink in any order needs no memory for the layers", "[engine][sink][
     CHECK(many < few + (many_bytes - few_bytes) / 4);
 }
 
-TEST_CASE("what is put aside for an ascending sink ends at its window", "[engine][sink][memory][threads]") {
-    constexpr std::uint32_t band_layers = 400;  // 200 MB
+TEST_CASE("what is put aside for an ascending sink ends at its window, and goes when the call ends",
+          "[engine][sink][memory][threads]") {
+    const shapes::Soup prism = shapes::prism(1 << 13, 400, 800);  // half a megabyte a layer
+    const bool ends = GENERATE(false, true);
     const CountingMemory memory;
-    ManyLayers given(2 * band_layers, band_layers, &memory);
     OrderNote note;
-    const LayerSink sink{.take = note};
-    lamella::SinkBands bands(sink, given.input);
-    lamella::BandOutput* const head = bands.acquire(0);
-    std::atomic<std::uint32_t> put_aside{0};
-    std::thread ahead([&] {
-        lamella::BandOutput* const output = bands.acquire(1);
-        for (std::uint32_t i = 0; i < band_layers; ++i) {
-            ManyLayers::build(*output);
-            ++put_aside;
+    std::atomic<bool> ended{false};
+    const auto take = [&](const LayerView& view) noexcept {
+        if (view.index == 0) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(400));  // the other thread puts aside what it may
+            ended = ends;
         }
-        bands.submit(1);
-    });
-    constexpr std::uint32_t in_window = 128;
-    while (put_aside < in_window / 2) {
-        std::this_thread::yield();
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(200));
-    CHECK(put_aside <= in_window);
-    CHECK(note.next == 0);
-    CHECK(memory.peak() < 80'000'000);
-    for (std::uint32_t i = 0; i < band_layers; ++i) {
-        ManyLayers::build(*head);
-    }
-    bands.submit(0);
-    ahead.join();
-    CHECK(note.next == 2 * band_layers);
+        note(view);
+    };
+    const auto stop = [&]() noexcept { return ended.load(); };
+    lamella::Slicer slicer;
+    const auto info = slice_tuned(slicer, LayerSink{.take = take}, view_of(prism), uniform(1), {.band_planes = 400},
+                                  {.threads = 2, .stop = stop, .memory = &memory});
+    CHECK(code_of(info) == (ends ? std::optional(lamella::ErrorCode::cancelled) : std::nullopt));
+    CHECK(note.next == (ends ? 1 : 800));
     CHECK(note.in_order);
-    CHECK(bands.totals().points == std::uint64_t{2} * band_layers * ManyLayers::layer_points);
-    CHECK(memory.peak() < 80'000'000);
+    CHECK(memory.peak() < 120'000'000);
 }
 
-TEST_CASE("a band that is put aside is dropped when another thread fails", "[engine][sink][threads]") {
-    constexpr std::uint32_t band_layers = 400;
-    ManyLayers given(2 * band_layers, band_layers, nullptr);
-    OrderNote note;
-    const LayerSink sink{.take = note};
-    lamella::SinkBands bands(sink, given.input);
-    REQUIRE(bands.acquire(0) != nullptr);
-    std::atomic<bool> dropped{false};
-    std::thread ahead([&] {
-        lamella::BandOutput* const output = bands.acquire(1);
-        try {
-            for (std::uint32_t i = 0; i < band_layers; ++i) {
-                ManyLayers::build(*output);
-            }
-        } catch (const lamella::BandDropped&) {
-            dropped = true;
-        }
-    });
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    bands.abort();
-    ahead.join();
-    CHECK(dropped);
-    CHECK(note.next == 0);
-    CHECK(bands.acquire(1) == nullptr);
-}
-
-TEST_CASE("a slow sink gets every layer in order", "[engine][sink][threads]") {
+TEST_CASE("a slow sink gets every layer, an ascending one in plane order by one thread at a time",
+          "[engine][sink][threads]") {
+    const std::int64_t band = GENERATE(0, 1, 5);
     // Hollow, so that contours have parents, and torn, so that there are stitches.
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 3);
     shapes::Soup hollow = shapes::joined({shapes::flipped(shapes::scaled(ball, {0.5, 0.5, 0.5})), ball});
@@ -185,7 +93,7 @@ TEST_CASE("a slow sink gets every layer in order", "[engine][sink][threads]") {
     const lamella::SliceResult expected = sliced(hollow, options);
     REQUIRE(expected.stitches.size() > 3);
     for (const SinkOrder order : orders) {
-        CollectedLayers collected;
+        ComparedLayers compared(expected);
         OrderNote note;
         const auto slow = [&](const LayerView& view) noexcept {
             if (view.index % 16 == 0) {
@@ -194,11 +102,11 @@ TEST_CASE("a slow sink gets every layer in order", "[engine][sink][threads]") {
             if (order == SinkOrder::ascending) {
                 note(view);
             }
-            collected(view);
+            compared(view);
         };
-        const lamella::SliceInfo info =
-            sliced_to(LayerSink{.take = slow, .order = order}, view_of(hollow), options, {.threads = 4}, {.band_planes = 5});
-        require_same(collected.result(info), expected);
+        const lamella::SliceInfo info = sliced_to(LayerSink{.take = slow, .order = order}, view_of(hollow), options,
+                                                  {.threads = 4}, {.band_planes = band});
+        compared.require_all(info);
         CHECK(note.in_order);
     }
 }

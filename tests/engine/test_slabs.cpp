@@ -11,9 +11,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "engine/counting_memory.hpp"
 #include "engine/slicing.hpp"
-#include "golden/shape_cases.hpp"
 #include "oracle/oracle.hpp"
 #include "rings.hpp"
 
@@ -46,10 +44,6 @@ Slabs slabs_of(const lamella::Source& mesh, SliceOptions options, const lamella:
 }
 Slabs slabs_of(const shapes::Soup& soup, const SliceOptions& options, const lamella::Context& context = {}) {
     return slabs_of(view_of(soup), options, context);
-}
-
-std::uint64_t hash_of(const Slabs& slabs) {
-    return slabs.top.hash() * 31 + slabs.bottom.hash();
 }
 
 /// Twice the net area of one layer, or of all, in square units.
@@ -226,21 +220,6 @@ TEST_CASE("the bands of a ball share their borders with slices, and their areas 
     }
 }
 
-TEST_CASE("slabs do not depend on threads or on the order of triangles", "[engine][slabs][determinism][threads]") {
-    for (const auto& [name, mesh] : shape_cases::meshes()) {
-        for (const double layer : {0.3, 40.0}) {
-            SliceOptions options = uniform(layer);
-            options.planes.first_height_mm = 0.01;
-            const std::uint64_t expected = hash_of(slabs_of(mesh, options, {.threads = 1}));
-            INFO(name);
-            for (const int threads : {2, 5}) {
-                CHECK(hash_of(slabs_of(mesh, options, {.threads = threads})) == expected);
-                CHECK(hash_of(slabs_of(shapes::shuffled(mesh, static_cast<std::uint64_t>(threads)), options)) == expected);
-            }
-        }
-    }
-}
-
 TEST_CASE("one of very many layers is what its two planes alone give", "[engine][slabs][threads]") {
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 5, 3);
     constexpr std::size_t planes = 9'001;
@@ -260,32 +239,6 @@ TEST_CASE("one of very many layers is what its two planes alone give", "[engine]
         CHECK(twice_area(low) == twice_area(below.bottom[1]));
         CHECK(low.segments == below.bottom.layers[1].segments);
         CHECK(low.segments > 0);
-    }
-}
-
-TEST_CASE("a range of layers has the pieces that it has in the whole", "[engine][slabs]") {
-    const auto hash_of_layer = [](const lamella::LayerView& layer) {
-        lamella::LayerHash hash(1);
-        hash.add(layer);
-        return hash.value();
-    };
-    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 3);
-    const Slabs whole = slabs_of(ball, uniform(1.5));
-    const auto layers = static_cast<std::uint64_t>(whole.top.layers.size());
-    for (std::uint64_t first = 0; first < layers; ++first) {
-        SliceOptions options = uniform(1.5);
-        options.planes.first_layer = first;
-        options.planes.end_layer = first + 2;
-        const Slabs some = slabs_of(ball, options);
-        CHECK(some.top.info.first_layer == first);
-        CHECK(some.top.info.planned_layers == layers);
-        REQUIRE(some.top.size() == std::min<std::uint64_t>(2, layers - first));
-        for (std::size_t i = 0; i < some.top.size(); ++i) {
-            CHECK(hash_of_layer(some.top[i]) == hash_of_layer(whole.top[first + i]));
-            CHECK(hash_of_layer(some.bottom[i]) == hash_of_layer(whole.bottom[first + i]));
-            CHECK(some.top[i].segments == whole.top[first + i].segments);
-            CHECK(some.top[i].top_mm == whole.top[first + i].top_mm);
-        }
     }
 }
 
@@ -332,19 +285,6 @@ TEST_CASE("slabs refuse what has no meaning for them", "[engine][slabs][errors]"
     options.region = {};
     options.origins = true;
     CHECK_THAT(failure_of(view_of(box), options).message, Catch::Contains("no origins"));
-}
-
-TEST_CASE("slabs take their memory from the host and hold no more than their result", "[engine][slabs]") {
-    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 5, 5);
-    CountingMemory memory;
-    {
-        const SliceResult top = sliced(ball, upward(at_heights({-2, 0, 1, 2}, 0)), {.memory = &memory});
-        CHECK(memory.held() == top.layers.capacity() * sizeof(lamella::Layer) +
-                                   top.contours.capacity() * sizeof(lamella::Contour) +
-                                   top.points.capacity() * sizeof(Point));
-        CHECK(memory.peak() > top.info.segments * 8);
-    }
-    CHECK(memory.held() == 0);
 }
 
 TEST_CASE("every place is covered as the faces above and below it say", "[engine][slabs][random]") {

@@ -62,6 +62,9 @@ void require_known_before(const lamella::SliceInfo& expected, const lamella::Sou
     const auto take = [&](const lamella::LayerView& /*layer*/) noexcept { ++layers; };
     sliced_to(lamella::LayerSink{.take = take, .begin = begin}, source, options);
     for (const lamella::SliceInfo& info : {value_of(lamella::Slicer().outline(source, options)), told}) {
+        const bool adds_points = options.region.fill_rule != FillRule::contours || options.content != LayerContent::section;
+        CHECK((adds_points || info.segments >= expected.contours));
+        CHECK((adds_points || (expected.open_contours > 0 ? 2 : 1) * info.segments >= expected.points));
         CHECK(info.layers == expected.layers);
         CHECK(info.first_layer == expected.first_layer);
         CHECK(info.planned_layers == expected.planned_layers);

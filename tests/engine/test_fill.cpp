@@ -1,0 +1,248 @@
+// Regions by each fill rule, compared with written-down answers, and with the winding numbers of random places.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "engine/polygons.hpp"
+#include "engine/slicing.hpp"
+#include "regions/region.hpp"
+
+using lamella::FillRule;
+using lamella::Role;
+using lamella::SliceResult;
+using polygons::Point;
+using polygons::reversed;
+using polygons::Ring;
+using polygons::Rings;
+
+namespace {
+
+constexpr FillRule all_rules[] = {FillRule::contours, FillRule::even_odd, FillRule::non_zero, FillRule::positive};
+
+/// What a rule leaves of a layer.
+struct Outcome {
+    std::int64_t outers = 0;
+    std::int64_t holes = 0;
+    double area_mm2 = 0;  ///< -1 where it is not known
+    friend bool operator==(const Outcome&, const Outcome&) = default;
+    friend std::ostream& operator<<(std::ostream& out, const Outcome& it) {
+        return out << '{' << it.outers << ", " << it.holes << ", " << it.area_mm2 << '}';
+    }
+};
+using Outcomes = std::vector<Outcome>;
+
+/// Slices at mid-height solids that extend from z = 0 to 10.
+SliceResult filled(const shapes::Soup& soup, FillRule rule) {
+    lamella::SliceOptions options = at_heights({5});
+    options.region.fill_rule = rule;
+    SliceResult result = sliced(soup, options);
+    CHECK(result.info.options.region.fill_rule == rule);
+    return result;
+}
+
+Outcome outcome_of(const SliceResult& result) {
+    const auto count = [&](Role role) {
+        return std::count_if(result.contours.begin(), result.contours.end(),
+                             [role](const lamella::Contour& contour) { return contour.role == role; });
+    };
+    const double area = result[0].area_mm2();
+    return {count(Role::outer), count(Role::hole), std::isnan(area) ? -1 : area};
+}
+
+/// A prism over a square; inside out where the size is negative.
+struct Square {
+    double x;
+    double y;
+    double size;
+};
+
+shapes::Soup solids(const std::vector<Square>& squares) {
+    shapes::Soup soup;
+    for (const auto& [x, y, size] : squares) {
+        const double side = std::abs(size);
+        const shapes::Soup prism = shapes::box({x, y, 0}, {x + side, y + side, 10});
+        shapes::append(soup, size < 0 ? shapes::flipped(prism) : prism);
+    }
+    return soup;
+}
+
+}  // namespace
+
+TEST_CASE("fill rules: all rules give one solid the region of `contours` to the byte", "[engine][fill]") {
+    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 4);
+    lamella::SliceOptions options = uniform(0.3);
+    const SliceResult walked = sliced(ball, options);
+    for (const FillRule rule : {FillRule::even_odd, FillRule::non_zero, FillRule::positive}) {
+        options.region.fill_rule = rule;
+        CHECK(sliced(ball, options).hash() == walked.hash());
+    }
+}
+
+TEST_CASE("fill rules: what becomes of solids that overlap, touch, lie in each other or are inverted", "[engine][fill]") {
+    struct Case {
+        const char* name;
+        std::vector<Square> squares;
+        Outcomes expected;       ///< by contours, even-odd, non-zero and positive
+        bool cancelled = false;  ///< by non-zero shells turned inwards take solid away
+    };
+    // Three shells around two overlapping squares. The overlap then has winding number 5. By even-odd it touches the solid
+    // around it in two points, and the hole between them passes both points twice. Three inverted shells more make the
+    // winding number around the pair zero, and a fourth makes it negative.
+    const std::vector<Square> shells = {{-30, -30, 80}, {-20, -20, 60}, {-10, -10, 40}};
+    const std::vector<Square> pair = {{0, 0, 10}, {5, 5, 10}};
+    const std::vector<Square> undone = {{-5, -5, -30}, {-4, -4, -28}, {-3, -3, -26}};
+    const auto within = [&](std::vector<Square> around, const std::vector<Square>& more) {
+        around.insert(around.begin(), shells.begin(), shells.end());
+        around.insert(around.end(), more.begin(), more.end());
+        return around;
+    };
+    std::vector<Square> below = undone;
+    below.push_back({-2, -2, -24});
+    const Case cases[] = {
+        {"one", {{0, 0, 10}}, Outcomes(4, {1, 0, 100})},
+        {"two that overlap", pair, {{2, 0, 200}, {2, 0, 150}, {1, 0, 175}, {1, 0, 175}}},
+        {"coplanar sides", {{0, 0, 10}, {5, 0, 10}}, {{2, 0, 200}, {2, 0, 100}, {1, 0, 150}, {1, 0, 150}}},
+        {"a common side", {{0, 0, 10}, {10, 0, 10}}, {{2, 0, 200}, {1, 0, 200}, {1, 0, 200}, {1, 0, 200}}},
+        {"an insert", {{0, 0, 30}, {10, 10, 10}}, {{2, 0, 1000}, {1, 1, 800}, {1, 0, 900}, {1, 0, 900}}},
+        {"a cavity", {{0, 0, 30}, {10, 10, -10}}, Outcomes(4, {1, 1, 800})},
+        {"exported twice", {{0, 0, 10}, {0, 0, 10}}, {{2, 0, 200}, {}, {1, 0, 100}, {1, 0, 100}}},
+        {"inverted", {{0, 0, -10}}, {{1, 0, 100}, {1, 0, 100}, {1, 0, 100}, {}}},
+        {"inverted across another", {{0, 0, 10}, {5, 5, -10}}, {{1, 1, 0}, {2, 0, 150}, {2, 0, 150}, {1, 0, 75}}, true},
+        {"inverted on another", {{0, 0, 10}, {0, 0, -10}}, {{2, 0, 200}, {}, {}, {}}, true},
+        {"inverted across one exported twice",
+         {{0, 0, 10}, {0, 0, 10}, {5, 5, -10}},
+         {{2, 1, 100}, {1, 0, 100}, {1, 0, 175}, {1, 0, 100}},
+         true},
+        {"exported twice and overlapping",
+         {{0, 0, 10}, {0, 0, 10}, {5, 5, 10}},
+         {{3, 0, 300}, {1, 0, 100}, {1, 0, 175}, {1, 0, 175}}},
+        {"a pocket at a face", {{0, 0, 10}, {0, 2, -4}}, {{2, 0, 116}, {1, 0, 84}, {1, 0, 84}, {1, 0, 84}}},
+        {"inverted apart", {{0, 0, 10}, {20, 0, -10}}, {{2, 0, 200}, {2, 0, 200}, {2, 0, 200}, {1, 0, 100}}},
+        {"inside out as a whole", {{0, 0, -10}, {5, 5, -10}}, {{1, 1, 0}, {2, 0, 150}, {1, 0, 175}, {}}},
+        {"shells around a pair", within({}, pair), {{5, 0, 11800}, {3, 2, 4250}, {1, 0, 6400}, {1, 0, 6400}}},
+        {"the pair where shells cancel",
+         within(undone, pair),
+         {{5, 3, 9440}, {5, 3, 3758}, {2, 1, 6400 - 26 * 26 + 175}, {2, 1, 6400 - 26 * 26 + 175}}},
+        {"the pair below zero",
+         within(below, pair),
+         {{5, 4, 9816}, {5, 4, 4034}, {3, 2, 6150}, {2, 1, 6400 - 26 * 26 + 25}}},
+    };
+    for (const Case& one : cases) {
+        for (std::size_t r = 0; r < 4; ++r) {
+            INFO(one.name << ", " << lamella::name_of(all_rules[r]));
+            const SliceResult result = filled(solids(one.squares), all_rules[r]);
+            CHECK(outcome_of(result) == one.expected[r]);
+            CHECK(result.info.cancelled_layers == (one.cancelled && all_rules[r] == FillRule::non_zero ? 1 : 0));
+        }
+    }
+    for (const FillRule rule : all_rules) {  // an internal wall stays an open polyline
+        CHECK(outcome_of(filled(shapes::joined({solids({{0, 0, 10}}), shapes::wall({2, 5}, {8, 5})}), rule)) ==
+              Outcome{1, 0, -1});
+    }
+}
+
+TEST_CASE("fill rules: touching boxes are united even if their walls are triangulated differently", "[engine][fill]") {
+    shapes::Soup soup;
+    for (int x = 0; x < 7; ++x) {
+        for (int y = 0; y < 7; ++y) {
+            shapes::append(soup, shapes::box({3.0 * x, 5.0 * y, 0}, {3.0 * x + 3, 5.0 * y + 5, 10}));
+        }
+    }
+    for (const FillRule rule : {FillRule::even_odd, FillRule::non_zero, FillRule::positive}) {
+        lamella::SliceOptions options = at_heights({4.3}, lamella::default_grid_mm);
+        options.region.fill_rule = rule;
+        options.region.drop_collinear = true;
+        const SliceResult result = sliced(soup, options);
+        REQUIRE(result.contours.size() == 1);
+        CHECK(result.contours[0].point_count == 4);
+        CHECK(result[0].area_mm2() == Approx(21.0 * 35));
+    }
+}
+
+TEST_CASE("fill rules: a body exported a thousand times is filled by its winding number", "[engine][fill]") {
+    for (const std::size_t times : {1000U, 1001U}) {
+        std::vector<Square> squares(times, {0, 0, 10});
+        squares.push_back({5, 5, 10});
+        const shapes::Soup soup = solids(squares);
+        CHECK(filled(soup, FillRule::even_odd)[0].area_mm2() == (times % 2 == 0 ? 100 : 150));
+        CHECK(filled(soup, FillRule::non_zero)[0].area_mm2() == 175);
+        CHECK(filled(soup, FillRule::positive)[0].area_mm2() == 175);
+    }
+}
+
+TEST_CASE("fill rules: bodies that touch the tip of a spike into their hole lie in the hole", "[engine][fill]") {
+    // The hole's boundary passes the tip, but begins elsewhere. A and B begin there, and the tip lies strictly within the
+    // outermost contour alone. From B the way past the left of the tip leads to A first.
+    //
+    //     +---------+
+    //     |   A  ---+
+    //     |   |/    |
+    //     |   <     |
+    //     |   |\    |
+    //     |   B  ---+
+    //     +---------+
+    const Ring around = polygons::box(-100, -100, 200, 200);
+    const Ring hole = {{0, 0}, {0, 100}, {100, 100}, {100, 60}, {50, 50}, {100, 40}, {100, 0}};
+    const Ring above = {{50, 50}, {70, 90}, {60, 90}};
+    const Ring below = {{50, 50}, {60, 20}, {70, 20}};
+    for (const Rings& contours : {Rings{around, hole, above}, {around, hole, below}, {around, hole, above, below}}) {
+        const SliceResult region = regions::region_of(contours, FillRule::non_zero);
+        CHECK(region.contours.size() == contours.size());
+        for (const lamella::Contour& contour : region.contours) {
+            const bool small = contour.point_count == 3;
+            CHECK(contour.parent == (small ? 1 : contour.role == Role::hole ? 0 : -1));
+            CHECK(contour.role == (contour.point_count == 7 ? Role::hole : Role::outer));
+        }
+    }
+}
+
+TEST_CASE("fill rules: region_of joins what is empty in a point, but not what is solid", "[engine][fill]") {
+    const auto square = [](std::int32_t low, std::int32_t high) { return polygons::box(low, low, high, high); };
+    // "outer 4 hole 8": the points of each contour.
+    const auto contours_of = [&](const Rings& contours) {
+        std::string text;
+        for (const lamella::Contour& contour : regions::region_of(contours, FillRule::non_zero).contours) {
+            text += (contour.role == Role::outer ? "outer " : "hole ") + std::to_string(contour.point_count) + " ";
+        }
+        return text;
+    };
+    CHECK(contours_of({square(0, 20), square(10, 30)}) == "outer 8 ");  // the example of layers.hpp, finer
+    CHECK(contours_of({square(0, 20), square(20, 40)}) == "outer 4 outer 4 ");
+    CHECK(contours_of({square(-20, 90), reversed(square(0, 20)), reversed(square(20, 40))}) == "outer 4 hole 8 ");
+    CHECK(contours_of({square(0, 90), {{0, 0}, {20, 40}, {40, 20}}}) == "outer 7 ");
+}
+
+TEST_CASE("fill rules fill places by their winding number, though contours cross themselves and share corners and lines",
+          "[engine][fill]") {
+    const unsigned seed = GENERATE(range(1U, 1 + rounds(400)));
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    constexpr std::int32_t step = 1 << 20;
+    Rings contours;
+    for (std::size_t count = 1 + random() % 4; count > 0; --count) {
+        contours.push_back(polygons::lattice_points(random, 1, 3 + random() % 8, 12, step)[0]);
+    }
+    for (const FillRule rule : {FillRule::even_odd, FillRule::non_zero, FillRule::positive}) {
+        const SliceResult region = regions::region_of(contours, rule);
+        REQUIRE(regions::broken_promise(region) == "");
+        for (int i = 0; i < 60; ++i) {
+            const Point near = contours[0][random() % contours[0].size()];
+            const double reach = step * std::pow(10, polygons::between(random, -2, 1));
+            const auto place = [&](std::int32_t from) { return from + polygons::between(random, -reach, reach); };
+            const rings::PlaceOf<double> at{place(near.x), place(near.y)};
+            const auto winding = [&](const Rings& rings) {
+                int sum = 0;
+                for (const Ring& ring : rings) {
+                    sum += rings::winding(ring, at).value_or(0);
+                }
+                return sum;
+            };
+            INFO(lamella::name_of(rule) << " at " << at.x << ", " << at.y);
+            REQUIRE((winding(regions::rings_of(region)) == 1) == regions::fills(rule, winding(contours)));
+        }
+    }
+}

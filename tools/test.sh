@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # tools/test.sh           builds the release and runs its tests
+# tools/test.sh --core    builds the engine and the readers alone, and runs the engine's own tests
 # tools/test.sh NAME...   builds the release and runs the tests whose names contain one of the words
 # tools/test.sh --all     also runs the thorough tests (exact judges, other readers, the Python package), checks format and
 #                         style, and runs the tests under sanitizers, with Clang and with libc++
@@ -149,6 +150,15 @@ check_threads() {
     summary build/tsan/tests.log
 }
 
+check_core() {
+    stage "build of the engine's own tests"
+    configure build/core -DCMAKE_BUILD_TYPE=Release -DLAMELLA_LARGE_UNITS=ON -DLAMELLA_BUILD_MEDICAL=OFF -DLAMELLA_BUILD_TOOLS=OFF \
+        -DLAMELLA_BUILD_BENCH=OFF -DLAMELLA_BUILD_PYTHON=OFF -DLAMELLA_THOROUGH_TESTS=OFF -DLAMELLA_TEST_ROOMS="engine|oracle"
+    build build/core lamella_tests
+    stage "the engine's own tests"
+    run_tests build/core
+}
+
 all=false
 if [[ "${1:-}" == --all ]]; then
     all=true
@@ -156,6 +166,11 @@ if [[ "${1:-}" == --all ]]; then
 fi
 
 stage "packages"
+if [[ "${1:-}" == --core ]]; then
+    install_missing "${build_packages[@]}"
+    check_core
+    exit
+fi
 install_missing "${build_packages[@]}" "${test_packages[@]}" "${python_packages[@]}"
 if $all; then
     install_missing "${check_packages[@]}" "${picture_packages[@]}" "${bench_packages[@]}" "${reader_packages[@]}"

@@ -13,8 +13,6 @@
 using lamella::BandOutput;
 using lamella::Point;
 
-namespace {}  // namespace
-
 TEST_CASE("bands with more or fewer points than segments are placed in order", "[engine][placement][threads]") {
     // Mostly as many points as segments; else one fewer (repeats) or a few more (open polylines, points of a fill rule).
     const auto seed = GENERATE(range(1U, 1 + rounds(399)));

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -66,7 +67,12 @@ TEST_CASE("what is put aside for an ascending sink ends at its window, and goes 
     std::atomic<bool> ended{false};
     const auto take = [&](const LayerView& view) noexcept {
         if (view.index == 0) {
-            std::this_thread::sleep_for(std::chrono::milliseconds(400));  // the other thread puts aside what it may
+            // The other thread puts aside what it may: until it has asked for no more memory for a second.
+            std::size_t before = 0;
+            for (int i = 0, quiet = 0; i < 100 && quiet < 10; ++i) {
+                quiet = memory.peak() == std::exchange(before, memory.peak()) ? quiet + 1 : 0;
+                std::this_thread::sleep_for(std::chrono::milliseconds(100));
+            }
             ended = ends;
         }
         note(view);

@@ -26,7 +26,7 @@ std::vector<double> vertex_heights(const std::vector<Number>& soup, double unit_
 }
 
 /// The first loss of a slice, in words, or empty. A layer must have as many segments as there are triangles with vertices
-/// on both sides of its plane. Flat contours must have no area, no parent and no children.
+/// on both sides of its plane.
 template <class Number>
 std::string lost_at_vertex_heights(const lamella::SliceResult& result, const std::vector<Number>& soup) {
     const auto on_grid = [&](Number mm) {
@@ -49,15 +49,6 @@ std::string lost_at_vertex_heights(const lamella::SliceResult& result, const std
         if (static_cast<std::int64_t>(result.layers[l].segments) != cut) {
             return "layer " + std::to_string(l) + " cuts " + std::to_string(cut) + " triangles but has " +
                    std::to_string(result.layers[l].segments) + " segments";
-        }
-    }
-    for (const lamella::Contour& contour : result.contours) {
-        const bool flat = contour.role == lamella::Role::flat;
-        const bool in_flat =
-            contour.parent >= 0 && result.contours[static_cast<std::size_t>(contour.parent)].role == lamella::Role::flat;
-        if (in_flat ||
-            (flat && (contour.parent >= 0 || contour.orientation != 0 || contour.twice_area != lamella::Integer128{}))) {
-            return "a flat contour takes part in nesting";
         }
     }
     return {};

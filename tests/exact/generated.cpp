@@ -53,8 +53,6 @@ const std::vector<Kind>& kinds() {
          [](std::uint64_t seed, bool large) { return exact::needles(seed, large ? 20 : 8, 0x1p-17); }, true},
         {"crossing hulls, some inside out", fine,
          [](std::uint64_t seed, bool large) { return exact::crossing_hulls(seed, large ? 30 : 8); }, true},
-        {"terraces", coarse_unit_mm,
-         [](std::uint64_t seed, bool large) { return exact::terraces(seed, large ? 40 : 10, 2 + seed % 4); }},
         {"cells that touch", coarse_unit_mm,
          [](std::uint64_t seed, bool large) { return exact::cells(seed, large ? 12 : 4); }},
     };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numbers>
 #include <random>
 #include <set>
@@ -59,23 +58,6 @@ Xyz random_direction(Random& random) {
     }
 }
 
-Soup height_field(int size, const std::function<double(int, int)>& height, double floor) {
-    const auto top = [&](int i, int j) { return Xyz{static_cast<double>(i), static_cast<double>(j), height(i, j)}; };
-    const auto base = [&](int i, int j) { return Xyz{static_cast<double>(i), static_cast<double>(j), floor}; };
-    Soup soup;
-    for (int i = 0; i < size; ++i) {
-        for (int j = 0; j < size; ++j) {
-            append(soup, quad(top(i, j), top(i + 1, j), top(i + 1, j + 1), top(i, j + 1)));
-            append(soup, quad(base(i, j), base(i, j + 1), base(i + 1, j + 1), base(i + 1, j)));
-        }
-        append(soup, quad(base(i, 0), base(i + 1, 0), top(i + 1, 0), top(i, 0)));
-        append(soup, quad(base(i + 1, size), base(i, size), top(i, size), top(i + 1, size)));
-        append(soup, quad(base(0, i + 1), base(0, i), top(0, i), top(0, i + 1)));
-        append(soup, quad(base(size, i), base(size, i + 1), top(size, i + 1), top(size, i)));
-    }
-    return soup;
-}
-
 void add_cell_side(Soup& soup, const int (&place)[3], std::size_t axis, bool upper) {
     Xyz corner{static_cast<double>(place[0]), static_cast<double>(place[1]), static_cast<double>(place[2])};
     corner[axis] += upper ? 1 : 0;
@@ -86,18 +68,6 @@ void add_cell_side(Soup& soup, const int (&place)[3], std::size_t axis, bool upp
     Xyz across = next;
     across[(axis + 2) % 3] += 1;
     append(soup, quad(corner, upper ? next : last, across, upper ? last : next));
-}
-
-/// One random number for each node of a square, by seed.
-std::vector<double> nodes(std::uint64_t seed, int size, std::uint64_t range) {
-    Random random(seed);
-    std::vector<double> values(static_cast<std::size_t>((size + 1) * (size + 1)));
-    std::generate(values.begin(), values.end(), [&] { return integer_to(random, range); });
-    return values;
-}
-
-std::size_t node(int size, int i, int j) {
-    return static_cast<std::size_t>(i * (size + 1) + j);
 }
 
 }  // namespace
@@ -181,14 +151,6 @@ Soup needles(std::uint64_t seed, int count, double width_mm) {
         }
     }
     return soup;
-}
-
-Soup terraces(std::uint64_t seed, int size, std::uint64_t steps) {
-    // Blocks of three by three nodes have equal heights, so that flat steps and walls alternate.
-    const int coarse = size / 3 + 1;
-    const std::vector<double> values = nodes(seed, coarse, steps);
-    return height_field(
-        size, [&](int i, int j) { return values[node(coarse, i / 3, j / 3)]; }, -1);
 }
 
 Soup cells(std::uint64_t seed, int size) {

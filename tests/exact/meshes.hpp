@@ -24,9 +24,6 @@ Soup shells(std::uint64_t seed, int count);
 /// Double pyramids, 100 mm by `width_mm`, that lean in random directions.
 Soup needles(std::uint64_t seed, int count, double width_mm);
 
-/// A slab whose top has flat steps, leaning walls between them, and pits.
-Soup terraces(std::uint64_t seed, int size, std::uint64_t steps);
-
 /// The surface of about half the cells of a cube: solids that touch along edges and at corners.
 Soup cells(std::uint64_t seed, int size);
 

@@ -59,28 +59,21 @@ std::uint64_t hash_of_numbers(const SliceResult& result) {
     return hash.reals(info.box.min_mm).reals(info.box.max_mm).value();
 }
 
-/// One way to come to the same result.
+/// Other ways to the result of one thread.
 struct Way {
     int threads;
     std::int64_t band_planes;
     ContourForm form;
 };
-constexpr Way one_thread = {1, 0, ContourForm::swept};
 constexpr Way other_ways[] = {{1, 1, ContourForm::swept},
                               {3, 3, ContourForm::swept},
                               {8, 0, ContourForm::swept},
                               {1, 0, ContourForm::assembled},
                               {3, 1, ContourForm::assembled}};
 
-SliceResult sliced_by(const Way& way, const MeshView& mesh, Options options) {
-    options.tuning.band_planes = way.band_planes;
-    options.tuning.form = way.form;
-    return sliced(mesh, options, {.threads = way.threads});
-}
-
-void add_result(Group& group, const std::string& name, const SliceResult& result) {
-    group.output(name, hash_of_shapes(result));
-    group.output(name + ", numbers", hash_of_numbers(result));
+void add_result(Hashes& hashes, const std::string& name, const SliceResult& result) {
+    add(hashes, name, hash_of_shapes(result));
+    add(hashes, name + ", numbers", hash_of_numbers(result));
 }
 
 }  // namespace
@@ -95,61 +88,6 @@ Hash& add_contours(Hash& hash, std::span<const lamella::Contour> contours, std::
         add_point(hash, point);
     }
     return hash;
-}
-
-Options uniform(double layer_mm) {
-    Options options;
-    options.layer_height_mm = layer_mm;
-    return options;
-}
-
-Options uniform_from(double first_mm, double layer_mm) {
-    Options options;
-    options.layer_height_mm = layer_mm;
-    options.planes = {.first_height_mm = first_mm, .datum = lamella::Datum::zero};
-    return options;
-}
-
-Options at_heights(std::vector<double> heights_mm) {
-    Options options;
-    options.heights_mm = std::move(heights_mm);
-    return options;
-}
-
-Options random_layers(double min_mm, double max_mm, std::uint64_t seed) {
-    Options options;
-    options.tuning.random_heights = lamella::RandomHeights{min_mm, max_mm, seed};
-    return options;
-}
-
-Options above(Options options) {
-    options.planes.side = lamella::PlaneSide::above;
-    return options;
-}
-
-Options filled(Rule rule, Options options) {
-    options.region.fill_rule = rule;
-    return options;
-}
-
-Options stitched(double reach_mm, Options options) {
-    options.stitch_mm = reach_mm;
-    return options;
-}
-
-Options on_grid(double grid_mm, Options options) {
-    options.frame.grid_mm = grid_mm;
-    return options;
-}
-
-Options turned(double x, double y, double z, Options options) {
-    options.frame.transform = lamella::Transform::from_normal(x, y, z);
-    return options;
-}
-
-Options mapped(Options options) {
-    options.frame.transform.m = {0, 0.5, 0, 3, 0, 0, -0.5, 1.25, 0.5, 0, 0, -40};
-    return options;
 }
 
 HeldMesh::HeldMesh(const Soup& soup, Form form) : form_(form) {
@@ -181,21 +119,17 @@ MeshView HeldMesh::view() const {
     }
 }
 
-SliceResult sliced(const MeshView& mesh, const Options& options, const lamella::Context& context) {
-    lamella::Slicer slicer;
-    SliceResult result;
-    answer(slice_tuned(slicer, result, mesh, options, options.tuning, context));
-    return result;
-}
-
-std::uint64_t add_slices(Group& group, const std::string& name, const MeshView& mesh, const Options& options) {
-    const SliceResult first = sliced_by(one_thread, mesh, options);
-    add_result(group, name, first);
+std::uint64_t add_slices(Hashes& hashes, const std::string& name, const MeshView& mesh, const Options& options,
+                         lamella::Tuning tuning) {
+    const SliceResult first = sliced(mesh, options, {.threads = 1}, tuning);
+    add_result(hashes, name, first);
     std::uint64_t bands = first.info.bands;
     for (const Way& way : other_ways) {
         INFO(name << ", threads " << way.threads << ", planes a band " << way.band_planes << ", assembled "
                   << (way.form == ContourForm::assembled));
-        const SliceResult result = sliced_by(way, mesh, options);
+        tuning.band_planes = way.band_planes;
+        tuning.form = way.form;
+        const SliceResult result = sliced(mesh, options, {.threads = way.threads}, tuning);
         CHECK(hash_of_shapes(result) == hash_of_shapes(first));
         CHECK(hash_of_numbers(result) == hash_of_numbers(first));
         if (way.band_planes == 0) {
@@ -203,21 +137,6 @@ std::uint64_t add_slices(Group& group, const std::string& name, const MeshView& 
         }
     }
     return bands;
-}
-
-void add_weld(Group& group, const std::string& name, const MeshView& mesh, double tolerance_mm) {
-    const lamella::WeldedMesh welded = answer(weld(mesh, tolerance_mm));
-    Hash hash;
-    hash.text({reinterpret_cast<const char*>(welded.coordinates.data()), welded.coordinates.size()});
-    for (const std::uint32_t index : welded.indices) {
-        hash.word(index);
-    }
-    hash.integer(static_cast<int>(welded.vertex_type))
-        .word(welded.vertex_count)
-        .word(welded.joined)
-        .real(welded.largest_move_mm);
-    group.output(name + ", welded", hash.value());
-    add_slices(group, name + ", slices", welded.view(), uniform(0.375));
 }
 
 }  // namespace golden

@@ -4,7 +4,6 @@
 #include <fstream>
 #include <iomanip>
 #include <sstream>
-#include <utility>
 
 #include <catch2/catch.hpp>
 
@@ -52,38 +51,33 @@ void write_lines(const Lines& lines) {
 
 }  // namespace
 
-Group::Group(std::string name) : name_(std::move(name)) {
-    for (const auto& [line, hash] : read_lines()) {
-        if (group_of(line) == name_) {
-            committed_[line] = hash;
-        }
-    }
+void add(Hashes& hashes, const std::string& name, std::uint64_t hash) {
+    INFO(name);
+    CHECK(hashes.emplace(name, hash).second);
 }
 
-void Group::output(const std::string& name, std::uint64_t hash) {
-    const std::string full_name = name_.empty() ? name : name_ + ": " + name;
-    INFO(full_name);
-    CHECK(group_of(full_name) == name_);
-    CHECK(produced_.emplace(full_name, hex(hash)).second);  // names are distinct
-    if (!is_updating()) {
-        const auto line = committed_.find(full_name);
-        CHECK((line == committed_.end() ? "nothing committed" : line->second) == hex(hash));
+void check_golden(const std::string& group, const Hashes& produced) {
+    Lines lines = read_lines();
+    Lines committed = lines;
+    std::erase_if(committed, [&](const auto& line) { return group_of(line.first) != group; });
+    Lines found;
+    for (const auto& [name, hash] : produced) {
+        found.emplace(group.empty() ? name : group + ": " + name, hex(hash));
     }
-}
-
-void Group::finish() {
     if (is_updating()) {
-        Lines lines = read_lines();
-        for (const auto& [name, hash] : committed_) {
-            lines.erase(name);
-        }
-        lines.insert(produced_.begin(), produced_.end());
+        std::erase_if(lines, [&](const auto& line) { return committed.count(line.first) == 1; });
+        lines.insert(found.begin(), found.end());
         write_lines(lines);
         return;
     }
-    for (const auto& [name, hash] : committed_) {
+    for (const auto& [name, hash] : found) {
+        INFO(name);
+        const auto line = committed.find(name);
+        CHECK((line == committed.end() ? "nothing committed" : line->second) == hash);
+    }
+    for (const auto& [name, hash] : committed) {
         INFO("committed, but no longer produced: " << name);
-        CHECK(produced_.count(name) == 1);
+        CHECK(found.count(name) == 1);
     }
 }
 

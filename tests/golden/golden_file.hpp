@@ -1,8 +1,7 @@
 // The committed hashes, hashes.txt: one line "HASH NAME" each. Names of a group begin with "GROUP: ".
 //
-// A test case owns one group. It hands every hash that it computed to output(), then calls finish(), which also fails if a
-// committed line was not produced. With LAMELLA_UPDATE_GOLDEN set in the environment the group's lines are rewritten
-// instead:
+// A test case owns one group: it computes all hashes, and check_golden() compares them with the group's lines. With
+// LAMELLA_UPDATE_GOLDEN set in the environment the lines are rewritten instead:
 //
 //     LAMELLA_UPDATE_GOLDEN=1 build/tests/lamella_tests "[golden]"      (one process: every group rewrites the file)
 //
@@ -61,21 +60,14 @@ inline std::uint64_t hash_of(std::string_view bytes) {
     return Hash().text(bytes).value();
 }
 
-class Group {
-public:
-    /// The lines whose names begin with "`name`: "; those without any such beginning if `name` is empty.
-    explicit Group(std::string name);
+/// By name within the group.
+using Hashes = std::map<std::string, std::uint64_t>;
 
-    void output(const std::string& name, std::uint64_t hash);
+/// Names are distinct.
+void add(Hashes& hashes, const std::string& name, std::uint64_t hash);
 
-    /// Checks that every committed line of the group was produced; updates the file if asked to.
-    void finish();
-
-private:
-    std::string name_;
-    std::map<std::string, std::string> committed_;  ///< of the group, by full name
-    std::map<std::string, std::string> produced_;
-};
+/// These must be the lines whose names begin with "`group`: ", or those without any such beginning if it is empty.
+void check_golden(const std::string& group, const Hashes& produced);
 
 /// Fails with "the input differs" unless the line "input: NAME" has this hash, or the file is being updated.
 bool same_input(const std::string& name, std::uint64_t hash);

@@ -18,6 +18,7 @@ using shapes::box;
 using shapes::flipped;
 using shapes::joined;
 using shapes::moved;
+using shapes::quad;
 using shapes::Xyz;
 
 using Cell = std::array<int, 3>;
@@ -76,8 +77,7 @@ struct Voxels {
             p[up ? i : 3 - i] = corner(node);
         }
         const std::size_t first = mixed(seed + 9, cell) & 1;  // which diagonal
-        append(soup, p[first], p[first + 1], p[first + 2]);
-        append(soup, p[first], p[first + 2], p[(first + 3) % 4]);
+        append(soup, quad(p[first], p[first + 1], p[first + 2], p[(first + 3) % 4]));
     }
 
     Soup surface() const {
@@ -232,8 +232,7 @@ Soup prism_over(const std::vector<std::array<int, 2>>& outline, int height, int 
     };
     Soup soup;
     for (std::size_t i = 0; i < outline.size(); ++i) {
-        append(soup, at(i, false), at(i + 1, false), at(i + 1, true));
-        append(soup, at(i, false), at(i + 1, true), at(i, true));
+        append(soup, quad(at(i, false), at(i + 1, false), at(i + 1, true), at(i, true)));
         if (i > 0 && i + 1 < outline.size()) {
             append(soup, at(0, false), at(i + 1, false), at(i, false));
             append(soup, at(0, true), at(i, true), at(i + 1, true));
@@ -292,10 +291,8 @@ Soup comb(int teeth) {
     for (std::size_t i = 0; i < outline.size(); ++i) {
         const auto& p = outline[i];
         const auto& q = outline[(i + 1) % outline.size()];
-        const Xyz a{p[0] / 64.0, p[1] / 64.0, 0};
-        const Xyz b{q[0] / 64.0, q[1] / 64.0, 0};
-        append(soup, a, b, {b[0], b[1], 1});
-        append(soup, a, {b[0], b[1], 1}, {a[0], a[1], 1});
+        const auto at = [](const auto& place, double z) { return Xyz{place[0] / 64.0, place[1] / 64.0, z}; };
+        append(soup, quad(at(p, 0), at(q, 0), at(q, 1), at(p, 1)));
     }
     return soup;
 }

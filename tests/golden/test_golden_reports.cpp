@@ -1,11 +1,159 @@
 // Judgements of a mesh or a result, files written of it, and contours from segments.
+#include <regex>
+
 #include <catch2/catch.hpp>
 
 #include "golden/calls.hpp"
+#include "temp_folder.hpp"
 
 namespace golden {
 
 namespace {
+
+using Segments = std::vector<lamella::Segment>;
+using lamella::MeshView;
+using lamella::SliceResult;
+
+std::uint64_t hash_of_ledger(const lamella::Ledger& ledger) {
+    Hash hash;
+    for (const std::uint64_t count :
+         {ledger.triangles, ledger.cut, ledger.between, ledger.degenerate, ledger.horizontal, ledger.shells.count,
+          ledger.shells.triangles, ledger.peaks.count, ledger.peaks.triangles, ledger.pits.count, ledger.pits.triangles}) {
+        hash.word(count);
+    }
+    hash.real(ledger.flat_up_mm2).real(ledger.flat_down_mm2);
+    for (const lamella::Slab& slab : ledger.slabs) {
+        hash.word(slab.layer).word(slab.triangles).real(slab.flat_up_mm2).real(slab.flat_down_mm2);
+        hash.word(slab.shells).word(slab.peaks).word(slab.pits);
+    }
+    for (const lamella::SurfacePiece& piece : ledger.pieces) {
+        hash.text(name_of(piece.kind)).word(piece.layer).reals(piece.at_mm).real(piece.height_mm).word(piece.triangles);
+    }
+    for (const std::uint64_t layer : ledger.gaps) {
+        hash.word(layer);
+    }
+    return hash.value();
+}
+
+std::uint64_t hash_of_volume(const lamella::VolumeCertificate& volume) {
+    Hash hash;
+    hash.text(name_of(volume.verdict)).real(volume.mesh_mm3).real(volume.slabs_mm3).reals(volume.slab_mm3);
+    hash.word(volume.worst_layer).real(volume.worst_difference_mm2).real(volume.worst_allowed_mm2);
+    return hash.value();
+}
+
+std::uint64_t hash_of_crossings(const lamella::Crossings& crossings) {
+    Hash hash;
+    hash.word(crossings.count).word(crossings.at_least ? 1 : 0);
+    for (const lamella::LayerCrossings& layer : crossings.layers) {
+        hash.word(layer.layer).word(layer.count).word(layer.at_least ? 1 : 0).integer(layer.first.x).integer(layer.first.y);
+        hash.word(layer.contours[0]).word(layer.contours[1]);
+    }
+    return hash.value();
+}
+
+std::uint64_t hash_of_counts(const lamella::MeshCheck& mesh) {
+    Hash hash;
+    hash.word(mesh.triangles).word(mesh.degenerate).reals(mesh.box.min_mm).reals(mesh.box.max_mm);
+    hash.real(mesh.volume_mm3).real(mesh.area_mm2).word(mesh.edges).word(mesh.boundary_edges).word(mesh.overfull_edges);
+    hash.word(mesh.mismatched_edges).word(mesh.shell_count).real(mesh.grid_mm).word(mesh.closed ? 1 : 0);
+    return hash.value();
+}
+
+/// Without the lines of what differs from run to run: "threads", "bands", and the object "ms".
+std::string without_times(const std::string& report) {
+    const std::regex passing("[^\n]*\"ms\": \\{[^}]*\\}[^\n]*\n|[^\n]*\"(threads|bands)\": [^\n]*\n");
+    return std::regex_replace(report, passing, "");
+}
+
+std::string bytes_written(const TempFolder& folder, const lamella::Status& written, const std::string& name) {
+    INFO((written ? std::string() : written.error().message));
+    REQUIRE(written.ok());
+    return bytes_of(folder / name);
+}
+
+/// Three hashes, the same on 1 and 3 threads.
+template <class HashesOn>
+void add_three(Hashes& hashes, const std::string& name, const std::array<const char*, 3>& what, const HashesOn& hashes_on) {
+    const std::array<std::uint64_t, 3> found = hashes_on(1);
+    CHECK(found == hashes_on(3));
+    for (std::size_t i = 0; i < 3; ++i) {
+        add(hashes, name + ", " + what[i], found[i]);
+    }
+}
+
+void add_audit(Hashes& hashes, const std::string& name, const MeshView& mesh, const Options& options) {
+    const SliceResult result = sliced(mesh, options);
+    add_three(hashes, name, {"ledger", "volume", "crossings"}, [&](int threads) {
+        const lamella::Audit found = value_of(audit(result, mesh, {}, {.threads = threads}));
+        return std::array{hash_of_ledger(*found.ledger), hash_of_volume(*found.volume), hash_of_crossings(*found.crossings)};
+    });
+}
+
+void add_written(Hashes& hashes, const std::string& name, const MeshView& mesh, const Options& options) {
+    const SliceResult result = sliced(mesh, options);
+    const lamella::Audit found = value_of(audit(result, mesh));
+    const lamella::WeldedMesh welded = value_of(weld(mesh, 0.03125));
+    const std::vector<std::string> warnings = {"one \"warning\""};
+    using lamella::ReportPlace;
+    const std::vector<lamella::ReportMember> members = {
+        {ReportPlace::after_mesh, "output", std::string_view("layers.svg")},
+        {ReportPlace::after_times, "peak_rss_bytes", std::uint64_t{0}},
+        {ReportPlace::at_end, "warnings", std::span<const std::string>(warnings)}};
+    lamella::ReportParts parts{.mesh_name = "mesh.stl", .audit = &found, .members = members};
+    const std::string report = value_of(make_report_json(result, parts));
+    CHECK(without_times(report).size() < report.size());
+    add(hashes, name + ", report", hash_of(without_times(report)));
+    const TempFolder folder;
+    add(hashes, name + ", SVG", hash_of(bytes_written(folder, write_svg(result, folder / "layers.svg"), "layers.svg")));
+    parts.welded = &welded;
+    add(hashes, name + ", report of welding", hash_of(without_times(value_of(make_report_json(result, parts)))));
+    add(hashes, name + ", SVG of welding",
+        hash_of(bytes_written(folder, write_svg(result, folder / "layers.svg", {.welded = &welded}), "layers.svg")));
+}
+
+/// The counts, the JSON and the PLY of faults.
+void add_check(Hashes& hashes, const std::string& name, const MeshView& mesh) {
+    add_three(hashes, name, {"inspected", "check", "marks"}, [&](int threads) {
+        const lamella::Context context{.threads = threads};
+        const lamella::MeshCheck found = value_of(check(mesh, {.tolerance_mm = 0.0625, .most_places = 40}, context));
+        const lamella::ReportMember no_warnings{.key = "warnings", .value = std::span<const std::string>()};
+        const lamella::ReportParts parts{.mesh_name = "mesh.stl", .members = {&no_warnings, 1}};
+        const TempFolder folder;
+        return std::array{hash_of_counts(value_of(check(mesh, {.counts_only = true}, context))),
+                          hash_of(value_of(make_check_json(found, parts, 30))),
+                          hash_of(bytes_written(folder, write_marks(found, folder / "marks.ply"), "marks.ply"))};
+    });
+}
+
+/// A segment between two keys; points are the keys' numbers by some rule of the caller.
+lamella::Segment segment(std::uint64_t from_key, std::uint64_t to_key, std::array<std::int32_t, 2> from,
+                         std::array<std::int32_t, 2> to, std::uint32_t from_rank = 0, std::uint32_t to_rank = 0) {
+    return {{from_key, 0, 0}, {to_key, 0, 0}, {from[0], from[1]}, {to[0], to[1]}, from_rank, to_rank};
+}
+
+void add_assembled(Hashes& hashes, const std::string& name, const Segments& segments) {
+    const SliceResult layer = value_of(assemble(segments));
+    Hash hash;
+    add_contours(hash, layer.contours.span(), layer.points.span());
+    add(hashes, name, hash.value());
+}
+
+/// "NAME, welded" and the slices of the outcome.
+void add_weld(Hashes& hashes, const std::string& name, const MeshView& mesh, double tolerance_mm) {
+    const lamella::WeldedMesh welded = value_of(weld(mesh, tolerance_mm));
+    Hash hash;
+    hash.text({reinterpret_cast<const char*>(welded.coordinates.data()), welded.coordinates.size()});
+    for (const std::uint32_t index : welded.indices) {
+        hash.word(index);
+    }
+    hash.integer(static_cast<int>(welded.vertex_type))
+        .word(welded.vertex_count)
+        .word(welded.joined)
+        .real(welded.largest_move_mm);
+    add(hashes, name + ", welded", hash.value());
+    add_slices(hashes, name + ", slices", welded.view(), uniform(0.375));
+}
 
 /// Calls look(name, mesh) for those of the named meshes that are the committed ones.
 template <class Look>
@@ -64,59 +212,61 @@ Segments random_segments(std::uint64_t seed, int count, int range) {
 }  // namespace
 
 TEST_CASE("welded meshes are those committed", "[golden]") {
-    Group group("weld");
+    Hashes hashes;
     each_mesh({"voxel body", "cracked body", "lattice triangles"}, [&](const std::string& name, const auto& mesh) {
-        add_weld(group, name + ", exact", mesh, 0);
-        add_weld(group, name + ", near", mesh, 0.078125);
-        add_weld(group, name + ", far", mesh, 1.25);
+        add_weld(hashes, name + ", exact", mesh, 0);
+        add_weld(hashes, name + ", near", mesh, 0.078125);
+        add_weld(hashes, name + ", far", mesh, 1.25);
     });
     each_mesh({"cracked body"}, [&](const std::string& name, const auto&) {
-        add_weld(group, name + ", doubles", HeldMesh(mesh(name)).view(), 0.078125);
-        add_weld(group, name + ", indexed", HeldMesh(mesh(name), Form::f64_indexed).view(), 0.078125);
+        add_weld(hashes, name + ", doubles", HeldMesh(mesh(name)).view(), 0.078125);
+        add_weld(hashes, name + ", indexed", HeldMesh(mesh(name), Form::f64_indexed).view(), 0.078125);
     });
-    group.finish();
+    check_golden("weld", hashes);
 }
 
 TEST_CASE("ledgers, certificates and crossings are those committed", "[golden]") {
-    Group group("audit");
+    Hashes hashes;
     each_mesh(all_kinds, [&](const std::string& name, const auto& mesh) {
-        add_audit(group, name, mesh, uniform(0.75));
-        add_audit(group, name + ", thick layers", mesh, above(uniform(2.5)));
-        add_audit(group, name + ", turned", mesh, turned(1, 2, 3, uniform(1.5)));
+        add_audit(hashes, name, mesh, uniform(0.75));
+        add_audit(hashes, name + ", thick layers", mesh, above(uniform(2.5)));
+        add_audit(hashes, name + ", turned", mesh, turned(1, 2, 3, uniform(1.5)));
     });
     each_mesh({"crossing bodies", "torn body"}, [&](const std::string& name, const auto& mesh) {
-        add_audit(group, name + ", non-zero", mesh, filled(Rule::non_zero, uniform(1.5)));
+        add_audit(hashes, name + ", non-zero", mesh, filled(Rule::non_zero, uniform(1.5)));
     });
-    group.finish();
+    check_golden("audit", hashes);
 }
 
 TEST_CASE("reports and SVG files are those committed", "[golden]") {
-    Group group("written");
-    each_mesh(all_kinds, [&](const std::string& name, const auto& mesh) { add_written(group, name, mesh, uniform(1.5)); });
+    Hashes hashes;
+    each_mesh(all_kinds, [&](const std::string& name, const auto& mesh) { add_written(hashes, name, mesh, uniform(1.5)); });
     each_mesh({"torn body", "tetrahedra"}, [&](const std::string& name, const auto& mesh) {
-        add_written(group, name + ", explicit", mesh, turned(1, 1, 1, at_heights({-4, 0, 1.5, 3, 10.1})));
-        add_written(group, name + ", gaps closed", mesh, filled(Rule::positive, stitched(1, uniform(1.5))));
-        add_written(group, name + ", coarse grid", mesh, on_grid(0x1p-4, uniform_from(0.25, 1.5)));
+        add_written(hashes, name + ", explicit", mesh, turned(1, 1, 1, at_heights({-4, 0, 1.5, 3, 10.1}, 0)));
+        add_written(hashes, name + ", gaps closed", mesh, filled(Rule::positive, stitched(1, uniform(1.5))));
+        add_written(
+            hashes, name + ", coarse grid", mesh,
+            on_grid(0x1p-4, {.layer_height_mm = 1.5, .planes = {.first_height_mm = 0.25, .datum = lamella::Datum::zero}}));
     });
-    group.finish();
+    check_golden("written", hashes);
 }
 
 TEST_CASE("diagnoses of meshes are those committed", "[golden]") {
-    Group group("check");
-    each_mesh(all_kinds, [&](const std::string& name, const auto& mesh) { add_check(group, name, mesh); });
-    group.finish();
+    Hashes hashes;
+    each_mesh(all_kinds, [&](const std::string& name, const auto& mesh) { add_check(hashes, name, mesh); });
+    check_golden("check", hashes);
 }
 
 TEST_CASE("contours from segments are those committed", "[golden]") {
-    Group group("assemble");
+    Hashes hashes;
     const std::pair<std::string, Segments> all[] = {{"nested squares", nested_squares()},
                                                     {"few segments on a fine lattice", random_segments(1, 400, 30)},
                                                     {"many segments on a coarse lattice", random_segments(2, 2000, 9)},
                                                     {"a bundle", random_segments(3, 300, 2)}};
     for (const auto& [name, segments] : all) {
-        add_assembled(group, name, segments);
+        add_assembled(hashes, name, segments);
     }
-    group.finish();
+    check_golden("assemble", hashes);
 }
 
 }  // namespace golden

@@ -130,7 +130,7 @@ private:
         }
     }
 
-    /// Of row `row`; the lengths of lists vary.
+    /// Further values of row `row`; the lengths of lists vary.
     void extra(PlyWriter& out, std::size_t row) const {
         if (extra_numbers) {
             out.number("double", -0.5).number("uchar", 200);

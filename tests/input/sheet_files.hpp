@@ -12,7 +12,7 @@
 
 namespace lamella::input_test {
 
-/// Of side * side quads, or twice as many triangles, which are their fans.
+/// A sheet of side * side quads, or of twice as many triangles, which are their fans.
 inline golden::Polygons sheet(std::uint32_t side, bool quads) {
     golden::Polygons mesh;
     for (std::uint32_t i = 0; i < (side + 1) * (side + 1); ++i) {

@@ -72,7 +72,7 @@ inline Ranges in_ranges(const std::filesystem::path& path, const StreamOptions& 
     return {std::move(result), file.spent()};
 }
 
-/// Of opening the file, or of slicing it; empty where it is sliced.
+/// The message of opening or slicing the file; empty where it is sliced.
 inline std::string refusal_of(const std::filesystem::path& path, const StreamOptions& stream = {},
                               const SliceOptions& options = {}, const Context& context = {}) {
     const Result<MeshStream> file = open_mesh(path, stream);
@@ -100,7 +100,7 @@ inline void require_same(const SliceResult& whole, const Ranges& ranges) {
                      [](const auto& a, const auto& b) { return a.layer == b.layer && a.from == b.from && a.to == b.to; }));
 }
 
-/// What the refusal of a byte names, or that of what vertices alone need.
+/// The budget that the refusal of a byte names, or that the vertices alone need.
 inline std::uint64_t least_budget(const std::filesystem::path& path, const SliceOptions& options, const Context& context,
                                   const Tuning& tuning = {}) {
     StreamOptions stream{.memory_bytes = 1};

@@ -1,4 +1,4 @@
-// 3MF: what is in a package is read, placed and oriented as the format has it.
+// 3MF packages are read, placed and oriented as the format has it.
 #include "lamella/io.hpp"
 #include "read.hpp"
 #include "zip.hpp"
@@ -176,7 +176,7 @@ TEST_CASE("3MF is read in UTF-16, and with a prefix on each name", "[input][3mf]
     CHECK(read_package(package(prefixed)).triangles.size() == 12);
 }
 
-// --- What slicers say of volumes, beside the model or within
+// --- Volumes as slicers mark them, beside the model or within
 
 /// Four triangles of PrusaSlicer's.
 std::string volume(int first, const std::string& type, const std::string& name = "") {

@@ -1,4 +1,5 @@
-// 3MF: what is damaged or made to harm is refused. How archives list parts with ZIP64 fields: tests/sloppy and the fuzzer.
+// 3MF packages that are damaged or made to harm are refused. How archives list parts with ZIP64 fields: tests/sloppy and the
+// fuzzer.
 #include "cpu_time.hpp"
 #include "engine/counting_memory.hpp"
 #include "read.hpp"

@@ -76,7 +76,7 @@ std::string changed(const std::string& good, const std::string& what, const std:
     return what[0] == '*' ? replaced(text, part, by) : text.replace(text.find(part), part.size(), by);
 }
 
-/// Of a 3MF package the text is the root part.
+/// The text is the root part of a 3MF package, and the whole of any other file.
 std::filesystem::path written(const std::string& name, const std::string& text) {
     return dir.write(name, name.ends_with(".3mf") ? package(text) : text);
 }

@@ -1,5 +1,9 @@
-// What read_mesh() does for every format: it tells them apart, and unpacks gzip.
+// read_mesh() for every format: formats are told apart, gzip is unpacked, units reach every call, changing files are errors.
+#include <chrono>
+
 #include "golden/mesh_files.hpp"
+#include "io/read/input_file.hpp"
+#include "lamella/io.hpp"
 #include "read.hpp"
 
 namespace lamella {
@@ -151,6 +155,86 @@ TEST_CASE("names that repeat or are cut are told apart", "[input]") {
     const std::vector<std::string> names = {"rib", "rib", "rib (2)", "rib", "\xC3\xA4\xC3\xA4\xC3\xA4", "\xC3\xA4\xC3\xA4"};
     CHECK(distinct_names(names) == Texts{"rib", "rib (2)", "rib (2) (2)", "rib (3)", names[4], names[5]});
     CHECK(distinct_names(std::vector<std::string>(3, "pelvis"), 5) == Texts{"pelvi", "p (2)", "p (3)"});
+}
+
+// --- A file that changes
+
+TEST_CASE("a file that shrinks while it is read is an error", "[input]") {
+    const auto path = dir.write("a.stl", std::string(1000, 'x'));
+    const InputFile file = value_of(InputFile::open(path));
+    std::filesystem::resize_file(path, 10);
+    std::vector<std::byte> bytes(file.size());
+    const Error error = error_of(file.read(bytes, Parallel({.threads = 2})));
+    CHECK(error.code == ErrorCode::unreadable_file);
+    CHECK_THAT(error.message, Catch::Contains("shrank"));
+}
+
+TEST_CASE("a file that changes after it was opened is an error", "[input]") {
+    const auto path = dir.write("a.stl", std::string(1000, 'x'));
+    const InputFile file = value_of(InputFile::open(path));
+    CHECK(file.unchanged().ok());
+    SECTION("grown") {
+        std::filesystem::resize_file(path, 2000);
+    }
+    SECTION("shrunk") {
+        std::filesystem::resize_file(path, 10);
+    }
+    SECTION("written") {
+        std::filesystem::last_write_time(path, std::filesystem::last_write_time(path) + std::chrono::seconds(1));
+    }
+    CHECK(code_of(file.unchanged()) == ErrorCode::unreadable_file);
+}
+
+// --- The unit of a file reaches every call that is made on it
+
+/// A tetrahedron of 2 x 2 x 2 units.
+constexpr std::string_view off = "OFF\n4 4 0\n0 0 0\n2 0 0\n0 2 0\n0 0 2\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
+constexpr double inch_mm = 25.4;
+
+MeshFile in_inches() {
+    return value_of(read_mesh(dir.write("inches.off", off), {.mm_per_unit = inch_mm}));
+}
+
+TEST_CASE("slicing a file in inches gives layers in mm, and its transform is in mm", "[input][unit]") {
+    const MeshFile file = in_inches();
+    SliceOptions options = uniform(1);
+    const SliceResult result = sliced(file, options);
+    CHECK(result.size() == 51);
+    CHECK(result.info.box.max_mm[2] == Approx(2 * inch_mm));
+    options.frame.transform.m = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 100};
+    const Box box = sliced(file, options).info.box;
+    CHECK(box.min_mm[2] == 100);
+    CHECK(box.max_mm[2] == Approx(100 + 2 * inch_mm));
+}
+
+TEST_CASE("checking and welding a file count in mm", "[input][unit]") {
+    const MeshFile file = in_inches();
+    const double side = 2 * inch_mm;
+    for (const bool counts_only : {false, true}) {
+        const auto found = value_of(check(file.view(), {.counts_only = counts_only}));
+        CHECK(found.volume_mm3 == Approx(side * side * side / 6));
+        CHECK(found.box.max_mm[0] == Approx(side));
+    }
+    const auto apart = value_of(weld(file.view(), side - 1));
+    CHECK(apart.joined == 0);
+    const auto welded = value_of(weld(file.view(), side + 1));
+    CHECK(welded.joined > 0);
+    CHECK(welded.mm_per_unit == inch_mm);
+    CHECK(welded.tolerance_mm == side + 1);
+    CHECK(sliced(apart, uniform(1)).hash() == sliced(file, uniform(1)).hash());
+}
+
+TEST_CASE("points and heights of a result are told in mm", "[input][unit]") {
+    const SliceResult result = sliced(in_inches(), uniform(1, 0x1p-10));
+    const LayerView layer = result[3];
+    CHECK(layer.cut_mm() == Approx(layer.plane_mm).margin(2 * 0x1p-10));
+    const Contour& contour = layer.contours[0];
+    const Point point = layer.points_of(contour)[1];
+    CHECK(layer.to_mm(point).x == point.x * 0x1p-10);
+    CHECK(layer.to_mm(point).y == point.y * 0x1p-10);
+    const double side = 2 * inch_mm - layer.plane_mm;
+    CHECK(layer.area_mm2(contour) == Approx(side * side / 2).epsilon(1e-3));
+    CHECK(layer.area_mm2() == layer.area_mm2(contour));
 }
 
 }  // namespace

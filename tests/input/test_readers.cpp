@@ -1,4 +1,4 @@
-// What must hold for every reader: the same triangles on any number of threads, the first of several errors, and no more
+// Every reader gives the same triangles on any number of threads, reports the first of several errors, and takes no more
 // memory than allowed.
 #include <string>
 

@@ -1,4 +1,4 @@
-// What cannot be sliced in ranges is refused; what can be stopped, watched and shared.
+// Slicing in ranges refuses files that cannot be read in pieces, can be stopped, and reports its progress.
 #include <cmath>
 #include <string>
 #include <thread>

@@ -72,7 +72,7 @@ inline PolyData sheet(std::uint32_t side) {
     return data;
 }
 
-/// What must be read: convex polygons as fans, strips with every other triangle the other way round.
+/// The triangles that must be read: convex polygons as fans, strips with every other triangle the other way round.
 inline Triangles triangles_of(const PolyData& data) {
     Triangles triangles;
     const auto add = [&](std::array<std::uint32_t, 3> corners) {

@@ -115,8 +115,8 @@ expect_members() {
 settled() { find . ! -name '.std*' ! -name .actual -printf '%P %l\n' -type f -exec md5sum {} + 2> /dev/null | sort; }
 
 # transcript NAME: runs transcripts/NAME.txt and requires that it is what comes out. A line "% WORDS" makes files, a line
-# "$ WORDS" runs the tool. What it prints follows, but for times and memory, with "! " before each message and the exit status
-# before that. Those of `refusals` change no file. TRANSCRIBE=1 writes the file anew.
+# "$ WORDS" runs the tool. What it prints follows, but for times, memory and sizes of gzip, with "! " before each message and
+# the exit status before that. Those of `refusals` change no file. LAMELLA_UPDATE_GOLDEN=1 writes the file anew.
 transcript() {
     local file=$here/transcripts/$1.txt line before="" status
     while IFS= read -r line; do
@@ -135,13 +135,13 @@ transcript() {
         esac
         printf '%s\n' "$line"
         if [[ $line == '$'* ]]; then
-            grep -avE '^(time|memory) ' .stdout | sed 's/^$/(blank)/'
+            grep -avE '^(time|memory) ' .stdout | sed -E 's/^$/(blank)/; s/, [0-9.,]+ (bytes|kB|MB) of gzip/, of gzip/'
             sed -e "s|$folder|FOLDER|; s/^lamella: /${status#0}! /; t; s/^/${status#0}? /" .stderr
             [[ $status == 0 || -s .stderr ]] || echo "$status!"
         fi
     done < "$file" > .actual
     [[ -z $before || $before == "$(settled)" ]] || fail "a refused command changed files"
-    [[ -z ${TRANSCRIBE:-} ]] || cp .actual "$file"
+    [[ -z ${LAMELLA_UPDATE_GOLDEN:-} ]] || cp .actual "$file"
     diff "$file" .actual >&2 || fail "another transcript of $1"
 }
 

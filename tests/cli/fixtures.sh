@@ -130,7 +130,7 @@ medical_files() {
 
 # Meshes in folders, for commands that take several.
 folders() {
-    mkdir -p many/below many/.hidden many/empty locked '[old]'
+    mkdir -p many/below many/.hidden many/empty '[old]'
     cp ball.stl many/c.stl
     cp ball.stl many/below/B.STL
     gzip -nc ball.stl > many/a.stl.gz

@@ -10,7 +10,8 @@
 #include <optional>
 #include <string_view>
 #include <system_error>
-#include <thread>
+
+#include <sched.h>
 
 #include "files/flags.hpp"
 #include "terminal/console.hpp"
@@ -105,8 +106,10 @@ std::string first_bytes(const std::string& path) {
 }  // namespace
 
 int usable_threads() {
-    const double granted = std::ceil(group_limit("", "cpu.max", threads_in));
-    return static_cast<int>(std::clamp<double>(std::thread::hardware_concurrency(), 1, std::max(1.0, granted)));
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    const int own = ::sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
+    return static_cast<int>(std::max(1.0, std::min<double>(own, std::ceil(group_limit("", "cpu.max", threads_in)))));
 }
 
 std::uint64_t usable_memory() {

@@ -99,7 +99,7 @@ void set_outcome(int status, std::string_view text, ProcessEnd& end) {
     constexpr std::string_view before = "lamella: ";
     std::string last;
     for (const std::string_view line : split(text, '\n')) {
-        if (nlohmann::ordered_json facts = nlohmann::ordered_json::parse(line, nullptr, false); facts.is_object()) {
+        if (Facts facts = Facts::parse(line, nullptr, false); facts.is_object()) {
             end.facts = std::move(facts);
         } else if (!line.empty() && !line.starts_with("lamella: warning: ")) {
             last = line.substr(line.starts_with(before) ? before.size() : 0);

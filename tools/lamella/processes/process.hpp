@@ -17,6 +17,9 @@ namespace lamella::cli {
 /// the system spares when memory runs out.
 void declare_worker(CLI::App& command);
 
+/// What a process that slices a mesh prints of it as its last line: counts and warnings.
+using Facts = nlohmann::ordered_json;
+
 /// One run of the tool.
 struct ToolCall {
     std::string command;
@@ -25,11 +28,11 @@ struct ToolCall {
 };
 
 struct ProcessEnd {
-    std::string failure{};                                            ///< empty: it succeeded
-    bool may_retry = false;                                           ///< the mesh need not be what is wrong
-    bool lacked_memory = false;                                       ///< or was killed, which may mean so
-    nlohmann::ordered_json facts = nlohmann::ordered_json::object();  ///< the line of JSON that the process printed
-    std::uint64_t peak_bytes = 0;                                     ///< of memory; 0: unknown
+    std::string failure{};          ///< empty: it succeeded
+    bool may_retry = false;         ///< the mesh need not be what is wrong
+    bool lacked_memory = false;     ///< or was killed, which may mean so
+    Facts facts = Facts::object();  ///< if the process printed any
+    std::uint64_t peak_bytes = 0;   ///< of memory; 0: unknown
 };
 
 /// Starts the process and waits for its end. Where `stop` says so, or after `timeout_s` (0: never), it is asked to end,

@@ -9,8 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "commands.hpp"
 #include "files/streams.hpp"
 #include "lamella/io.hpp"
@@ -64,7 +62,7 @@ public:
     }
 
     /// Counts and warnings, for a batch: of one file.
-    nlohmann::ordered_json facts() const {
+    Facts facts() const {
         SliceInfo sum;
         double stitch_mm = 0;
         for (const SlicedPart& part : job_.parts) {
@@ -75,7 +73,7 @@ public:
             sum.open_contours += info.open_contours;
             stitch_mm = std::max(stitch_mm, part.reach_mm());
         }
-        nlohmann::ordered_json warnings = nlohmann::ordered_json::array();
+        Facts warnings = Facts::array();
         for (const std::string& warning : run_.warnings) {
             warnings.push_back(printable(warning));
         }
@@ -101,6 +99,8 @@ private:
             file_plan_.reads(mesh, "the mesh");
         }
         job_.outputs = plan_outputs(arguments_.outputs, arguments_.mesh_count(), arguments_.image, file_plan_);
+        streams_ =
+            arguments_.in_ranges() && (job_.outputs.empty() || (arguments_.meshes.size() == 1 && can_stream(job_.outputs)));
         std::vector<std::filesystem::path> files = files_of(job_.outputs, arguments_.mesh_count() > 1);
         if (const std::string& report = arguments_.report; !report.empty()) {
             refuse_if(!are_all_layers(arguments_.options), bad_usage,
@@ -190,14 +190,13 @@ private:
         const SliceOptions options = options_for(mesh.about(), part);
         run_.ms["read"] = mesh.about().read_ms;
         run_.ms["parse"] = mesh.about().parse_ms;
-        begin_streaming(name);
         mend(mesh, arguments_, stages_, run_);
         Tuning tuning = arguments_.tuning;
         if (heights_) {
             tuning.random_heights.reset();
         }
         cut_mesh(mesh, options, tuning, part);
-        if (arguments_.hash && !streamed_) {
+        if (arguments_.hash && !streams_) {
             part.hash = part.result.hash();
         }
         examine(mesh, part);
@@ -229,19 +228,11 @@ private:
         return options;
     }
 
-    /// Within --memory, where all outputs take one layer after the other.
-    void begin_streaming(const std::string& name) {
-        const bool one_mesh = arguments_.meshes.size() == 1;
-        if (arguments_.in_ranges() && (job_.outputs.empty() || (one_mesh && StreamedOutputs::serve(job_.outputs)))) {
-            streamed_.emplace(job_.outputs, name, job_.image ? &*job_.image : nullptr);
-            job_.finish_streamed = [this] { streamed_->finish(); };
-        }
-    }
-
     void cut_mesh(const MeshToSlice& mesh, const SliceOptions& options, const Tuning& tuning, SlicedPart& part) {
         const Status cut = stages_.run("slicing", [&](const Context& context) -> Status {
-            if (streamed_) {
-                return streamed_->slice(part, mesh.source(), options, tuning, arguments_.hash, context);
+            if (streams_) {
+                job_.finish_streamed = slice_streamed(job_, part, mesh.source(), options, tuning, arguments_.hash, context);
+                return {};
             }
             Slicer slicer;
             const Result<SliceInfo> info = slice_tuned(slicer, part.result, mesh.source(), options, tuning, context);
@@ -271,7 +262,7 @@ private:
         if (job_.image) {
             require_overlap(*job_.image, part.name, part.result.info.box);
         }
-        if (!streamed_) {
+        if (!streams_) {
             part.open = open_layers_of(part.result, {.threads = arguments_.threads});
         }
         note_all(warnings_of(part, arguments_, mesh.about(), job_.image));
@@ -358,7 +349,7 @@ private:
     Stages stages_;
     OutputJob job_;
     FilePlan file_plan_;
-    std::optional<StreamedOutputs> streamed_;
+    bool streams_ = false;                        ///< within --memory, where all outputs take one layer after the other
     std::optional<Failure> failure_;              ///< of an output, beside others that were written
     std::optional<std::vector<double>> heights_;  ///< of the file whose objects are being sliced
     ToolRun run_;

@@ -1,12 +1,18 @@
 #include "slice/slice_stages.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
+#include <memory>
 #include <utility>
+#include <variant>
 
 #include "files/streams.hpp"
+#include "lamella/io/svg.hpp"
+#include "lamella/medical/table.hpp"
 #include "outputs/planned_outputs.hpp"
 #include "terminal/console.hpp"
 #include "terminal/numbers.hpp"
@@ -57,6 +63,50 @@ std::vector<std::string> doubts_of(const SliceInfo& info, const SliceArguments& 
     }
     return doubts_of_scale(arguments, mesh, measured);
 }
+
+/// Outputs that take one layer after the other.
+struct Streams {
+    std::vector<std::variant<SvgStream, LayerTableStream>> all;
+    Status begun;
+
+    template <class Use>
+    void for_each(Use use) {
+        for (auto& stream : all) {
+            std::visit(use, stream);
+        }
+    }
+
+    void begin(const OutputJob& job, const std::string& mesh_name, const SliceInfo& info) {
+        const ImageGeometry* const image = job.image ? &*job.image : nullptr;
+        const auto add = [this](auto stream) {
+            if (stream) {
+                all.emplace_back(std::move(stream).value());
+            } else {
+                begun = stream.error();
+            }
+        };
+        for (auto output = job.outputs.begin(); begun && output != job.outputs.end(); ++output) {
+            output->format == OutputFormat::svg ? add(SvgStream::begin(info, output_path(output->path)))
+                                                : add(LayerTableStream::begin(mesh_name, output->path, image));
+        }
+    }
+
+    bool failed() noexcept {
+        bool any = !begun;
+        for_each([&](const auto& stream) { any = any || stream.failed(); });
+        return any;
+    }
+
+    /// Puts the files in their places, or none where some failed before. Throws Failure.
+    void finish() {
+        Status status = begun;
+        // Streams that failed come first: they ended the slicing, and the others lack layers.
+        for (const bool failed : {true, false}) {
+            for_each([&](auto& stream) { status = status && stream.failed() == failed ? stream.finish() : status; });
+        }
+        done_or_thrown(status);
+    }
+};
 
 template <class T>
 void copy_to(Array<T>& array, const std::vector<T>& from) {
@@ -147,95 +197,65 @@ std::vector<std::string> warnings_of(const SlicedPart& part, const SliceArgument
     return warnings;
 }
 
-bool StreamedOutputs::serve(const std::vector<PlannedOutput>& outputs) {
+bool can_stream(const std::vector<PlannedOutput>& outputs) {
     return std::all_of(outputs.begin(), outputs.end(), [](const PlannedOutput& output) {
         return output.format == OutputFormat::svg || output.format == OutputFormat::csv ||
                output.format == OutputFormat::json_lines;
     });
 }
 
-Status StreamedOutputs::slice(SlicedPart& part, const Source& mesh, const SliceOptions& options, const Tuning& tuning,
-                              bool hash, Context context) {
+std::function<void()> slice_streamed(const OutputJob& job, SlicedPart& part, const Source& mesh, const SliceOptions& options,
+                                     const Tuning& tuning, bool hash, Context context) {
+    const auto streams = std::make_shared<Streams>();
     const Context asked{.stop = context.stop};
-    const auto stop = [&]() noexcept { return out_of_memory_ || failed() || (asked.stop && asked.stop()); };
-    hash = hash ||
-           std::any_of(outputs_.begin(), outputs_.end(), [](const PlannedOutput& output) { return output.has_record(); });
-    const auto begin_all = [&](const SliceInfo& info) noexcept { begin(info, hash); };
-    const auto take_layer = [&](const LayerView& view) noexcept { take(view, asked); };
-    context.stop = stop;
-    direction_ = options.stitch_direction;
-    Slicer slicer;
-    const LayerSink sink{.take = take_layer, .begin = begin_all};
-    const Result<SliceInfo> info = slice_tuned(slicer, sink, mesh, options, tuning, context);
-    if (out_of_memory_) {
-        return Error{ErrorCode::out_of_memory, "out of memory"};
-    }
-    if (failed()) {
-        finish();  // throws
-    }
-    if (!info) {
-        return info.error();
-    }
-    copy_to(part.result.layers, layers_);
-    copy_to(part.result.stitches, stitches_);
-    part.result.info = *info;
-    if (hash_) {
-        part.hash = hash_->value();
-    }
-    part.open = open_;
-    return {};
-}
-
-void StreamedOutputs::begin(const SliceInfo& info, bool hash) noexcept {
-    if (hash) {
-        hash_.emplace(info.layers);
-    }
-    try {
-        const auto add = [this](auto begun, auto& streams) {
-            if (begun) {
-                streams.push_back(std::move(begun).value());
-            } else {
-                begun_ = begun.error();
-            }
-        };
-        for (auto output = outputs_.begin(); begun_ && output != outputs_.end(); ++output) {
-            output->format == OutputFormat::svg ? add(SvgStream::begin(info, output_path(output->path)), svgs_)
-                                                : add(LayerTableStream::begin(mesh_name_, output->path, image_), tables_);
+    std::atomic<bool> out_of_memory = false;
+    std::optional<LayerHash> hashes;
+    std::vector<Layer> layers;
+    std::vector<Stitch> stitches;
+    const auto guard = [&](const auto& call) noexcept {
+        try {
+            call();
+        } catch (...) {
+            out_of_memory = true;
         }
-    } catch (...) {
-        out_of_memory_ = true;
+    };
+    const auto begin = [&](const SliceInfo& info) noexcept {
+        guard([&] {
+            if (hash || std::any_of(job.outputs.begin(), job.outputs.end(), std::mem_fn(&PlannedOutput::has_record))) {
+                hashes.emplace(info.layers);
+            }
+            streams->begin(job, part.name, info);
+        });
+    };
+    const auto take = [&](const LayerView& view) noexcept {
+        guard([&] {
+            if (hashes) {
+                hashes->add(view);
+            }
+            layers.push_back(view);
+            const Result<OpenLayers> open = find_open_layer(view, options.stitch_direction, asked);
+            out_of_memory = out_of_memory || (!open && open.error().code == ErrorCode::out_of_memory);
+            part.open.add(open ? *open : OpenLayers{});
+            stitches.insert(stitches.end(), view.stitches.begin(), view.stitches.end());
+            streams->for_each([&](auto& stream) { stream.add(view); });
+        });
+    };
+    const auto stop = [&]() noexcept { return out_of_memory || streams->failed() || (asked.stop && asked.stop()); };
+    context.stop = stop;
+    Slicer slicer;
+    const LayerSink sink{.take = take, .begin = begin};
+    const Result<SliceInfo> info = slice_tuned(slicer, sink, mesh, options, tuning, context);
+    refuse_if(out_of_memory, bad_input, "out of memory");
+    if (streams->failed()) {
+        streams->finish();  // throws
     }
-}
-
-void StreamedOutputs::take(const LayerView& view, const Context& context) noexcept {
-    if (hash_) {
-        hash_->add(view);
+    part.result.info = done_or_thrown(info);  // messages name the file
+    copy_to(part.result.layers, layers);
+    copy_to(part.result.stitches, stitches);
+    if (hashes) {
+        part.hash = hashes->value();
     }
-    try {
-        layers_.push_back(view);
-        const Result<OpenLayers> open = find_open_layer(view, direction_, context);
-        out_of_memory_ = out_of_memory_ || (!open && open.error().code == ErrorCode::out_of_memory);
-        open_.add(open ? *open : OpenLayers{});
-        stitches_.insert(stitches_.end(), view.stitches.begin(), view.stitches.end());
-    } catch (...) {
-        out_of_memory_ = true;
-    }
-    for_each([&](auto& stream) { stream.add(view); });
-}
-
-bool StreamedOutputs::failed() noexcept {
-    bool any = !begun_;
-    for_each([&](const auto& stream) { any = any || stream.failed(); });
-    return any;
-}
-
-void StreamedOutputs::finish() {
-    Status status = begun_;
-    // Streams that failed come first: they ended the slicing, and the others lack layers.
-    for (const bool failed : {true, false}) {
-        for_each([&](auto& stream) { status = status && stream.failed() == failed ? stream.finish() : status; });
-    }
-    done_or_thrown(status);
+    return [streams] { streams->finish(); };
 }
 
 }  // namespace lamella::cli

@@ -2,9 +2,8 @@
 // while it is sliced; and the summary for people, with the members that the tool adds to the report.
 #pragma once
 
-#include <algorithm>
-#include <atomic>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -13,9 +12,7 @@
 
 #include "lamella/io/mesh_stream.hpp"
 #include "lamella/io/report.hpp"
-#include "lamella/io/svg.hpp"
 #include "lamella/medical/geometry.hpp"
-#include "lamella/medical/table.hpp"
 #include "lamella/weld.hpp"
 #include "outputs/write_outputs.hpp"
 #include "slice/slice_arguments.hpp"
@@ -72,47 +69,13 @@ ImageGeometry image_for(const std::vector<MeshToSlice>& meshes, const SliceArgum
 std::vector<std::string> warnings_of(const SlicedPart& part, const SliceArguments& arguments, const MeshFile& mesh,
                                      const std::optional<ImageGeometry>& image);
 
-/// Outputs of a mesh larger than memory: each layer is cut, written, forgotten.
-class StreamedOutputs {
-public:
-    /// True if all of them are of formats that take one layer after the other: SVG and tables.
-    static bool serve(const std::vector<PlannedOutput>& outputs);
+/// True if all outputs are of formats that take one layer after the other: SVG and tables.
+bool can_stream(const std::vector<PlannedOutput>& outputs);
 
-    /// `mesh_name`: of the rows of tables. `image`: at whose slices the mesh is cut, or null; it must outlive this.
-    StreamedOutputs(std::vector<PlannedOutput> outputs, std::string mesh_name, const ImageGeometry* image)
-        : outputs_(std::move(outputs)), mesh_name_(std::move(mesh_name)), image_(image) {}
-
-    /// The part's result gets layers and stitches only; its open layers, and its hash where `hash` asks for it or an output
-    /// has a record, are found on the way. Errors: those of slicing. Throws Failure where an output cannot be written.
-    Status slice(SlicedPart& part, const Source& mesh, const SliceOptions& options, const Tuning& tuning, bool hash,
-                 Context context);
-
-    /// Puts the files in their places, or none where some failed before. Throws Failure.
-    void finish();
-
-private:
-    /// Calls `use` for each stream.
-    template <class Use>
-    void for_each(Use use) {
-        std::for_each(svgs_.begin(), svgs_.end(), use);
-        std::for_each(tables_.begin(), tables_.end(), use);
-    }
-    void begin(const SliceInfo& info, bool hash) noexcept;
-    void take(const LayerView& view, const Context& context) noexcept;
-    bool failed() noexcept;
-
-    std::vector<PlannedOutput> outputs_;
-    std::string mesh_name_;
-    const ImageGeometry* image_;
-    std::vector<SvgStream> svgs_;
-    std::vector<LayerTableStream> tables_;
-    Status begun_;
-    std::optional<LayerHash> hash_;
-    std::vector<Layer> layers_;
-    std::vector<Stitch> stitches_;
-    OpenLayers open_;
-    StitchDirection direction_ = StitchDirection::oriented;
-    std::atomic<bool> out_of_memory_ = false;
-};
+/// Slices a mesh larger than memory: each layer is cut, written, forgotten. The part's result gets layers and stitches only;
+/// its open layers, and its hash where `hash` asks for it or an output has a record, are found on the way. Returns what puts
+/// the files in their places. Throws Failure, also where an output cannot be written; none is in its place then.
+std::function<void()> slice_streamed(const OutputJob& job, SlicedPart& part, const Source& mesh, const SliceOptions& options,
+                                     const Tuning& tuning, bool hash, Context context);
 
 }  // namespace lamella::cli

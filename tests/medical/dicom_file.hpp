@@ -3,8 +3,12 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <map>
 #include <string>
 #include <string_view>
+#include <utility>
+
+#include "medical/dicom/tags.hpp"
 
 namespace dicom_file {
 
@@ -22,8 +26,10 @@ inline std::string tag(std::uint32_t value, bool big) {
     return number(value >> 16, 2, big) + number(value & 0xffff, 2, big);
 }
 
+/// `value` of type US: in decimals.
 inline std::string element(Syntax syntax, std::uint32_t at, std::string_view type, std::string value) {
     const bool big = syntax == Syntax::explicit_big;
+    value = type == "US" ? number(static_cast<std::uint32_t>(std::stoul(value)), 2, big) : value;
     value.resize((value.size() + 1) / 2 * 2, type == "UI" ? '\0' : ' ');
     const auto length = static_cast<std::uint32_t>(value.size());
     if (syntax == Syntax::implicit_little) {
@@ -55,44 +61,37 @@ inline std::string meta(const std::string& syntax_uid) {
 /// A slice of a CT; an empty text leaves its attribute out.
 struct CtSlice {
     Syntax syntax = Syntax::explicit_little;
-    std::string instance = "1.2.3.1";
-    std::string series = "1.2.3";
-    std::string description = "Thorax";
-    std::string position = "-10\\-20\\30";
-    std::string orientation = "1\\0\\0\\0\\1\\0";
-    std::string spacing = "2\\0.5";
-    std::string frames;
-    std::string thickness = "3";
-    std::string frame_of_reference = "1.2.3.9";
-    std::uint32_t rows = 4;
-    std::uint32_t columns = 6;
-    std::string extra;  ///< elements before group 0018
+    std::string extra{};  ///< elements before group 0018
+    std::map<std::uint32_t, std::pair<const char*, std::string>> elements = {
+        {lamella::dicom::sop_class_uid, {"UI", "1.2.840.10008.5.1.4.1.1.2"}},
+        {lamella::dicom::sop_instance_uid, {"UI", "1.2.3.1"}},
+        {lamella::dicom::modality, {"CS", "CT"}},
+        {lamella::dicom::series_description, {"LO", "Thorax"}},
+        {0x00100010, {"PN", "Doe^Jane"}},
+        {0x00100020, {"LO", "17"}},
+        {lamella::dicom::slice_thickness, {"DS", "3"}},
+        {lamella::dicom::study_instance_uid, {"UI", "1.2"}},
+        {lamella::dicom::series_instance_uid, {"UI", "1.2.3"}},
+        {lamella::dicom::image_position_patient, {"DS", "-10\\-20\\30"}},
+        {lamella::dicom::image_orientation_patient, {"DS", "1\\0\\0\\0\\1\\0"}},
+        {lamella::dicom::frame_of_reference_uid, {"UI", "1.2.3.9"}},
+        {lamella::dicom::number_of_frames, {"IS", ""}},
+        {lamella::dicom::rows, {"US", "4"}},
+        {lamella::dicom::columns, {"US", "6"}},
+        {lamella::dicom::pixel_spacing, {"DS", "2\\0.5"}},
+        {0x00280100, {"US", "16"}},
+        {0x7fe00010, {"OW", std::string(2 * 4 * 6, '\0')}},
+    };
+
+    std::string& operator[](std::uint32_t at) { return elements[at].second; }
 
     std::string data() const {
         std::string all;
-        const auto add = [&](std::uint32_t at, std::string_view type, const std::string& value) {
-            all += value.empty() ? std::string() : element(syntax, at, type, value);
-        };
-        const bool big = syntax == Syntax::explicit_big;
-        add(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.2");
-        add(0x00080018, "UI", instance);
-        add(0x00080060, "CS", "CT");
-        add(0x0008103e, "LO", description);
-        add(0x00100010, "PN", "Doe^Jane");
-        add(0x00100020, "LO", "17");
-        all += extra;
-        add(0x00180050, "DS", thickness);
-        add(0x0020000d, "UI", "1.2");
-        add(0x0020000e, "UI", series);
-        add(0x00200032, "DS", position);
-        add(0x00200037, "DS", orientation);
-        add(0x00200052, "UI", frame_of_reference);
-        add(0x00280008, "IS", frames);
-        add(0x00280010, "US", number(rows, 2, big));
-        add(0x00280011, "US", number(columns, 2, big));
-        add(0x00280030, "DS", spacing);
-        add(0x00280100, "US", number(16, 2, big));
-        return all + element(syntax, 0x7fe00010, "OW", std::string(static_cast<std::size_t>(2) * rows * columns, '\0'));
+        for (const auto& [at, value] : elements) {
+            all += at == lamella::dicom::slice_thickness ? extra : "";
+            all += value.second.empty() ? "" : element(syntax, at, value.first, value.second);
+        }
+        return all;
     }
 
     std::string bytes() const {
@@ -105,8 +104,8 @@ inline CtSlice at_height(double z, int index) {
     CtSlice slice;
     char text[64];
     (void)std::snprintf(text, sizeof text, "-10\\-20\\%.6g", z);
-    slice.position = text;
-    slice.instance = "1.2.3.1." + std::to_string(index);
+    slice[lamella::dicom::image_position_patient] = text;
+    slice[lamella::dicom::sop_instance_uid] = "1.2.3.1." + std::to_string(index);
     return slice;
 }
 

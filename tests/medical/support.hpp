@@ -1,8 +1,12 @@
 // What the tests of medical files share.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include <catch2/catch.hpp>
 
@@ -44,6 +48,28 @@ inline Soup open_box(Xyz low, Xyz high) {
     Soup open = box(low, high);
     open.resize(open.size() - 18);
     return open;
+}
+
+/// Damages a file byte by byte, and cuts it off: each is read as some image, or refused in one line. Returns how many were
+/// refused.
+template <class Read>
+int refused_of_damaged(const std::string& whole, std::size_t end, std::size_t step, const Read& read) {
+    int refused = 0;
+    for (std::size_t at = 0; at < std::min(whole.size(), end); at += step) {
+        std::vector<std::string> variants = {whole.substr(0, at), whole, whole};
+        variants[1][at] = static_cast<char>(variants[1][at] ^ 0xff);
+        variants[2][at] = static_cast<char>(variants[2][at] ^ 0x01);
+        for (const std::string& bytes : variants) {
+            const Result<ImageGeometry> image = read(bytes);
+            if (image) {
+                REQUIRE(std::isfinite(image->slicing_frame(PatientFrame::lps).m[3]));
+            } else {
+                ++refused;
+                REQUIRE(error_of(image).code == ErrorCode::malformed_mesh);
+            }
+        }
+    }
+    return refused;
 }
 
 /// A host that wants every call to end.

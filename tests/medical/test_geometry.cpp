@@ -14,10 +14,7 @@ namespace {
 
 /// An oblique image, left-handed where asked for.
 ImageGeometry oblique(bool left_handed) {
-    ImageGeometry image;
-    image.size = {5, 6, 7};
-    image.spacing_mm = {0.5, 0.75, 2};
-    image.origin_mm = {10, -20, 30};
+    ImageGeometry image = image_of({5, 6, 7}, {0.5, 0.75, 2}, {10, -20, 30});
     const double c = std::cos(0.3);
     const double s = std::sin(0.3);
     image.axes = {{{c, s, 0}, {-s, c, 0}, {0, 0, left_handed ? -1.0 : 1.0}}};
@@ -169,24 +166,10 @@ TEST_CASE("geometry: what is written is read back", "[medical]") {
 
 TEST_CASE("geometry: no damaged header crashes or hangs the reader", "[medical]") {
     const TempFolder folder;
-    int refused = 0;
     for (const char* name : {"a.nii", "a.nrrd"}) {
-        const std::string whole = image_file(oblique(false), name);
-        for (std::size_t at = 0; at < std::min<std::size_t>(whole.size(), 352); at += 3) {
-            std::string damaged = whole;
-            damaged[at] = static_cast<char>(damaged[at] ^ 0xff);
-            for (const std::string& bytes : {damaged, whole.substr(0, at)}) {
-                const Result<ImageGeometry> read = read_image_geometry(folder.write("b", bytes));
-                if (!read) {
-                    ++refused;
-                    CHECK(error_of(read).code == ErrorCode::malformed_mesh);
-                } else {
-                    CHECK(std::isfinite(read->slicing_frame(PatientFrame::lps).m[3]));
-                }
-            }
-        }
+        const auto read = [&](const std::string& bytes) { return read_image_geometry(folder.write("b", bytes)); };
+        CHECK(refused_of_damaged(image_file(oblique(false), name), 352, 3, read) > 50);
     }
-    CHECK(refused > 100);
 }
 
 TEST_CASE("geometry: images that say too little or too much are refused by name", "[medical]") {

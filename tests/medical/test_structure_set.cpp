@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "medical/dicom/data_set.hpp"
-#include "medical/dicom/identity.hpp"
 #include "medical/dicom/keyhole.hpp"
 #include "medical/support.hpp"
 

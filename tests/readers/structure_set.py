@@ -102,150 +102,140 @@ def even_odd(rings, at, along_i, along_j):
     return count % 2 == 1
 
 
-class Test:
-    def __init__(self, lamella, folder):
-        self.lamella, self.folder = lamella, folder
+def conforms(run, name):
+    if program := shutil.which("dciodvfy"):
+        said = subprocess.run([program, name], cwd=run.folder, capture_output=True, text=True)
+        # Debian's does not know that value of PS3.3, C.8.8.6.
+        unknown = "Unrecognized enumerated value <CLOSEDPLANAR_XOR>"
+        lines = (said.stdout + said.stderr).splitlines()
+        errors = [line for line in lines if line.startswith("Error") and unknown not in line]
+        assert not errors, errors
+    if program := shutil.which("dcmdump"):
+        subprocess.run([program, "-q", name], cwd=run.folder, check=True, stdout=subprocess.DEVNULL)
 
-    def run(self, *words, status=0, says=""):
-        done = subprocess.run([self.lamella, *words], cwd=self.folder, capture_output=True, text=True)
-        assert done.returncode == status, (words, done.returncode, done.stderr)
-        assert says in done.stderr, (says, done.stderr)
-        if status:
-            assert done.stderr.count("\n") == 1, done.stderr
-        return done.stderr
 
-    def conforms(self, name):
-        if program := shutil.which("dciodvfy"):
-            said = subprocess.run([program, name], cwd=self.folder, capture_output=True, text=True)
-            # Debian's does not know that value of PS3.3, C.8.8.6.
-            unknown = "Unrecognized enumerated value <CLOSEDPLANAR_XOR>"
-            lines = (said.stdout + said.stderr).splitlines()
-            errors = [line for line in lines if line.startswith("Error") and unknown not in line]
-            assert not errors, errors
-        if program := shutil.which("dcmdump"):
-            subprocess.run([program, "-q", name], cwd=self.folder, check=True, stdout=subprocess.DEVNULL)
+def slices(run, ct, along_i, along_j):
+    """Structure sets on a CT: places, images, areas."""
+    normal = numpy.cross(along_i, along_j)
+    instances = {}
+    for path in (run.folder / ct).iterdir():
+        data = pydicom.dcmread(path, stop_before_pixels=True)
+        instances[data.SOPInstanceUID] = numpy.array(data.ImagePositionPatient, float) @ normal
+    areas = []
+    for holes in ("xor", "keyhole"):
+        run("slice", "body.stl", "--like", ct, "--frame", "lps", "--holes", holes, "-o", "a.dcm", "--threads", "1")
+        run("slice", "body.stl", "--like", ct, "--frame", "lps", "--holes", holes, "-o", "b.dcm", "--threads", "2")
+        assert (run.folder / "a.dcm").read_bytes() == (run.folder / "b.dcm").read_bytes(), "bytes depend on threads"
+        run("slice", "body.stl", "--like", ct, "--frame", "lps", "-o", "body.h5")
+        run("convert", "body.h5", "--like", ct, "--holes", holes, "-o", "b.dcm")
+        assert (run.folder / "a.dcm").read_bytes() == (run.folder / "b.dcm").read_bytes(), "convert differs"
+        conforms(run, "a.dcm")
+        data, rois = contours_of(run.folder / "a.dcm")
+        assert data.PatientName == "Doe^Jane" and data.StudyInstanceUID == "1.2.826.0.1.3680043.8.498.7"
+        (contours,) = rois.values()
+        rings = {}
+        for points, kind, instance in contours:
+            assert kind == ("CLOSEDPLANAR_XOR" if holes == "xor" else "CLOSED_PLANAR"), kind
+            assert numpy.abs(points @ normal - instances[instance]).max() < 1e-6, "a contour beside its slice"
+            rings.setdefault(instance, []).append(points)
+        areas.append({i: sum(area(ring, along_i, along_j) for ring in all) for i, all in rings.items()})
+        # Every voxel's centre is inside the mesh if and only if it is inside the contours.
+        origin = numpy.array(pydicom.dcmread(next((run.folder / ct).iterdir())).ImagePositionPatient, float)
+        for instance, height in instances.items():
+            base = origin + (height - origin @ normal) * normal
+            for row in range(0, ROWS, 3):
+                for column in range(0, COLUMNS, 2):
+                    at = base + along_i * SPACING[0] * column + along_j * SPACING[1] * row
+                    assert even_odd(rings.get(instance, []), at, along_i, along_j) == inside(at), (holes, at)
+    assert areas[0].keys() == areas[1].keys()
+    assert all(abs(areas[0][i] - areas[1][i]) < 1e-4 for i in areas[0]), "keyholes have another area"
+    return {instances[i]: found for i, found in areas[0].items()}
 
-    def slices(self, ct, along_i, along_j, heights, tilt_free=True):
-        """Structure sets on a CT: places, images, areas."""
-        normal = numpy.cross(along_i, along_j)
-        instances = {}
-        for path in (self.folder / ct).iterdir():
-            data = pydicom.dcmread(path, stop_before_pixels=True)
-            instances[data.SOPInstanceUID] = numpy.array(data.ImagePositionPatient, float) @ normal
-        areas = []
-        for holes in ("xor", "keyhole"):
-            self.run("slice", "body.stl", "--like", ct, "--frame", "lps", "--holes", holes, "-o", "a.dcm", "--threads", "1")
-            self.run("slice", "body.stl", "--like", ct, "--frame", "lps", "--holes", holes, "-o", "b.dcm", "--threads", "2")
-            assert (self.folder / "a.dcm").read_bytes() == (self.folder / "b.dcm").read_bytes(), "bytes depend on threads"
-            self.run("slice", "body.stl", "--like", ct, "--frame", "lps", "-o", "body.h5")
-            self.run("convert", "body.h5", "--like", ct, "--holes", holes, "-o", "b.dcm")
-            assert (self.folder / "a.dcm").read_bytes() == (self.folder / "b.dcm").read_bytes(), "convert differs"
-            self.conforms("a.dcm")
-            data, rois = contours_of(self.folder / "a.dcm")
-            assert data.PatientName == "Doe^Jane" and data.StudyInstanceUID == "1.2.826.0.1.3680043.8.498.7"
-            (contours,) = rois.values()
-            rings = {}
-            for points, kind, instance in contours:
-                assert kind == ("CLOSEDPLANAR_XOR" if holes == "xor" else "CLOSED_PLANAR"), kind
-                assert numpy.abs(points @ normal - instances[instance]).max() < 1e-6, "a contour beside its slice"
-                rings.setdefault(instance, []).append(points)
-            areas.append({i: sum(area(ring, along_i, along_j) for ring in all) for i, all in rings.items()})
-            # Every voxel's centre is inside the mesh if and only if it is inside the contours.
-            origin = numpy.array(pydicom.dcmread(next((self.folder / ct).iterdir())).ImagePositionPatient, float)
-            for instance, height in instances.items():
-                base = origin + (height - origin @ normal) * normal
-                for row in range(0, ROWS, 3):
-                    for column in range(0, COLUMNS, 2):
-                        at = base + along_i * SPACING[0] * column + along_j * SPACING[1] * row
-                        assert even_odd(rings.get(instance, []), at, along_i, along_j) == inside(at), (holes, at)
-        assert areas[0].keys() == areas[1].keys()
-        assert all(abs(areas[0][i] - areas[1][i]) < 1e-4 for i in areas[0]), "keyholes have another area"
-        return {instances[i]: found for i, found in areas[0].items()}
 
-    def places_of_voxels(self, path):
-        """Centres of the voxels that are not 0, in LPS."""
-        image = nibabel.load(path)
-        centres = nibabel.affines.apply_affine(image.affine, numpy.argwhere(numpy.asarray(image.dataobj) != 0))
-        return centres * [-1, -1, 1]
+def places_of_voxels(path):
+    """Centres of the voxels that are not 0, in LPS."""
+    image = nibabel.load(path)
+    centres = nibabel.affines.apply_affine(image.affine, numpy.argwhere(numpy.asarray(image.dataobj) != 0))
+    return centres * [-1, -1, 1]
 
-    def masks(self, ct):
-        self.run("slice", "body.stl", "--like", ct, "--frame", "lps", "-o", "m.nii.gz")
-        mine = self.places_of_voxels(self.folder / "m.nii.gz")
-        assert all(inside(at) for at in mine) and len(mine) > 500
-        if program := shutil.which("plastimatch"):
-            command = [program, "convert", "--input", "a.dcm", "--referenced-ct", ct]
-            command += ["--output-prefix", f"of-{ct}", "--prefix-format", "nii.gz"]
-            subprocess.run(command, cwd=self.folder, check=True, stdout=subprocess.DEVNULL)
-            theirs = self.places_of_voxels(self.folder / f"of-{ct}" / "body.nii.gz")
-            assert all(inside(at) for at in theirs), "plastimatch has the contours elsewhere"
-            assert abs(len(theirs) - len(mine)) <= 0.05 * len(mine), (len(theirs), len(mine))
 
-    def refusals(self):
-        straight = (numpy.array([1.0, 0, 0]), numpy.array([0, 1.0, 0]), (-25, -25, 9))
-        even = [3 * k for k in range(9)]
-        write_ct(self.folder / "two", *straight, even)
-        for path in (self.folder / "two").iterdir():
-            path.rename(path.with_name("x" + path.name))
-        write_ct(self.folder / "two", *straight, even[:4], series="1.2.826.0.1.3680043.8.498.2")
-        write_ct(self.folder / "tilted", *straight, even, shift=(0, 0.4, 0))
-        write_ct(self.folder / "frames", *straight, even[:1], frames=5)
-        write_ct(self.folder / "uneven", *straight, [0, 3, 6, 7.5, 9, 14])
-        write_ct(self.folder / "far", straight[0], straight[1], (500, -25, 9), even)
-        (self.folder / "none").mkdir()
-        (self.folder / "none" / "empty.dcm").write_bytes(b"")
-        body = ("slice", "body.stl", "--frame", "lps", "-o", "r.dcm", "--like")
-        self.run(*body, "two", status=3, says="498.1 'series 1' (9 slices); 1.2.826.0.1.3680043.8.498.2 'series 2' (4 slices)")
-        self.run(*body, "tilted", status=3, says="tilted gantry")
-        self.run(*body, "frames", status=3, says="several frames (5)")
-        self.run(*body, "none", status=3, says="without DICOM")
-        self.run(*body, "far", status=3, says="lies outside of the image")
-        self.run("slice", "body.stl", "--frame", "lps", "-o", "r.nii", "--like", "far", status=3, says="lies outside of the image")
-        self.run("slice", "body.stl", "--frame", "lps", "-o", "r.nii", "--like", "uneven", status=3, says="not evenly spaced")
-        self.run("slice", "body.stl", "--frame", "lps", "--spacing", "1,1,2", "-o", "r.dcm", status=3, says="--without-ct")
-        self.run("slice", "body.stl", "-o", "r.dcm", status=2, says="needs --like")
-        self.run(*body, "uneven", "--subslices", "2", status=2, says="on the slices themselves")
-        self.run("slice", "body.stl", "-o", "r.csv", "--holes", "xor", status=2, says="no output is a structure set")
-        assert not list(self.folder.glob("r.*")), "something was written"
-        # A structure set may lie in the folder of the CT, and replaces none of its slices.
-        self.run("slice", "body.stl", "--frame", "lps", "--like", "axial", "-o", "body.h5")
-        for words in (("slice", "body.stl", "--frame", "lps"), ("convert", "body.h5")):
-            self.run(*words, "--like", "axial", "-o", "axial/3.dcm", status=2, says="'axial/3.dcm' is a slice of --like itself")
-        assert pydicom.dcmread(self.folder / "axial" / "3.dcm").Modality == "CT"
-        self.run("slice", "body.stl", "--frame", "lps", "--like", "axial", "-o", "axial/body.dcm")
-        self.run("slice", "body.stl", "--frame", "lps", "--like", "axial", "-o", "axial/body.dcm")
-        self.run("slice", "body.stl", "--frame", "lps", "--like", "uneven", "-o", "u.csv")
-        heights = [float(line.split(",")[2]) for line in (self.folder / "u.csv").read_text().splitlines()[1:]]
-        assert numpy.allclose(heights, [9, 12, 15, 16.5, 18, 23]), heights
+def masks(run, ct):
+    run("slice", "body.stl", "--like", ct, "--frame", "lps", "-o", "m.nii.gz")
+    mine = places_of_voxels(run.folder / "m.nii.gz")
+    assert all(inside(at) for at in mine) and len(mine) > 500
+    if program := shutil.which("plastimatch"):
+        command = [program, "convert", "--input", "a.dcm", "--referenced-ct", ct]
+        command += ["--output-prefix", f"of-{ct}", "--prefix-format", "nii.gz"]
+        subprocess.run(command, cwd=run.folder, check=True, stdout=subprocess.DEVNULL)
+        theirs = places_of_voxels(run.folder / f"of-{ct}" / "body.nii.gz")
+        assert all(inside(at) for at in theirs), "plastimatch has the contours elsewhere"
+        assert abs(len(theirs) - len(mine)) <= 0.05 * len(mine), (len(theirs), len(mine))
+
+
+def refusals(run):
+    straight = (numpy.array([1.0, 0, 0]), numpy.array([0, 1.0, 0]), (-25, -25, 9))
+    even = [3 * k for k in range(9)]
+    write_ct(run.folder / "two", *straight, even)
+    for path in (run.folder / "two").iterdir():
+        path.rename(path.with_name("x" + path.name))
+    write_ct(run.folder / "two", *straight, even[:4], series="1.2.826.0.1.3680043.8.498.2")
+    write_ct(run.folder / "tilted", *straight, even, shift=(0, 0.4, 0))
+    write_ct(run.folder / "frames", *straight, even[:1], frames=5)
+    write_ct(run.folder / "uneven", *straight, [0, 3, 6, 7.5, 9, 14])
+    write_ct(run.folder / "far", straight[0], straight[1], (500, -25, 9), even)
+    (run.folder / "none").mkdir()
+    (run.folder / "none" / "empty.dcm").write_bytes(b"")
+    body = ("slice", "body.stl", "--frame", "lps", "-o", "r.dcm", "--like")
+    run(*body, "two", status=3, says="498.1 'series 1' (9 slices); 1.2.826.0.1.3680043.8.498.2 'series 2' (4 slices)")
+    run(*body, "tilted", status=3, says="tilted gantry")
+    run(*body, "frames", status=3, says="several frames (5)")
+    run(*body, "none", status=3, says="without DICOM")
+    run(*body, "far", status=3, says="lies outside of the image")
+    run("slice", "body.stl", "--frame", "lps", "-o", "r.nii", "--like", "far", status=3, says="lies outside of the image")
+    run("slice", "body.stl", "--frame", "lps", "-o", "r.nii", "--like", "uneven", status=3, says="not evenly spaced")
+    run("slice", "body.stl", "--frame", "lps", "--spacing", "1,1,2", "-o", "r.dcm", status=3, says="--without-ct")
+    run("slice", "body.stl", "-o", "r.dcm", status=2, says="needs --like")
+    run(*body, "uneven", "--subslices", "2", status=2, says="on the slices themselves")
+    run("slice", "body.stl", "-o", "r.csv", "--holes", "xor", status=2, says="no output is a structure set")
+    assert not list(run.folder.glob("r.*")), "something was written"
+    # A structure set may lie in the folder of the CT, and replaces none of its slices.
+    run("slice", "body.stl", "--frame", "lps", "--like", "axial", "-o", "body.h5")
+    for words in (("slice", "body.stl", "--frame", "lps"), ("convert", "body.h5")):
+        run(*words, "--like", "axial", "-o", "axial/3.dcm", status=2, says="'axial/3.dcm' is a slice of --like itself")
+    assert pydicom.dcmread(run.folder / "axial" / "3.dcm").Modality == "CT"
+    run("slice", "body.stl", "--frame", "lps", "--like", "axial", "-o", "axial/body.dcm")
+    run("slice", "body.stl", "--frame", "lps", "--like", "axial", "-o", "axial/body.dcm")
+    run("slice", "body.stl", "--frame", "lps", "--like", "uneven", "-o", "u.csv")
+    heights = [float(line.split(",")[2]) for line in (run.folder / "u.csv").read_text().splitlines()[1:]]
+    assert numpy.allclose(heights, [9, 12, 15, 16.5, 18, 23]), heights
 
 
 def test_all(run):
-    numpy.random.seed(1)
     folder = run.folder
-    test = Test(run.lamella, folder)
     (folder / "body.stl").write_bytes(stl(HOLLOW))
     i, j, k = numpy.eye(3)
     even = [2.87 * n for n in range(10)]
     write_ct(folder / "axial", i, j, (-25.2, -25.3, 9.1), even)
-    for height, found in test.slices("axial", i, j, even).items():
+    for height, found in slices(run, "axial", i, j).items():
         assert abs(found - area_at(height)) < 1e-4, (height, found, area_at(height))
-    test.masks("axial")
+    masks(run, "axial")
     write_ct(folder / "uneven", i, j, (-25.2, -25.3, 9.1), [0, 2.8, 5.8, 7.5, 9, 14.1])
-    test.slices("uneven", i, j, None)
+    slices(run, "uneven", i, j)
     write_ct(folder / "feet", i, -j, (-25.2, 25.3, 35.1), even)  # the normal leads to the feet
-    test.slices("feet", i, -j, even)
-    test.masks("feet")
+    slices(run, "feet", i, -j)
+    masks(run, "feet")
     write_ct(folder / "sagittal", j, -k, (32.3, -28.4, 40.2), [4.1 * n for n in range(13)])
-    test.slices("sagittal", j, -k, None)
-    test.masks("sagittal")
+    slices(run, "sagittal", j, -k)
+    masks(run, "sagittal")
     turn = numpy.linalg.qr(numpy.array([[1.0, 0.2, 0.1], [-0.1, 1, 0.3], [0.2, -0.4, 1]]))[0]
     turn *= numpy.sign(numpy.diag(turn))
     a, b = turn[:, 0], turn[:, 1]
     write_ct(folder / "oblique", a, b, -25.3 * a - 25.4 * b + 3.3 * numpy.cross(a, b), [2.7 * n for n in range(14)])
-    test.slices("oblique", a, b, None)
-    test.masks("oblique")
-    test.refusals()
-    test.run("slice", "body.stl", "--frame", "lps", "--spacing", "1,1,2", "--without-ct", "-o", "w.dcm")
-    test.conforms("w.dcm")
+    slices(run, "oblique", a, b)
+    masks(run, "oblique")
+    refusals(run)
+    run("slice", "body.stl", "--frame", "lps", "--spacing", "1,1,2", "--without-ct", "-o", "w.dcm")
+    conforms(run, "w.dcm")
     data, _ = contours_of(folder / "w.dcm")
     assert data.StructureSetDate == "" and data.StudyInstanceUID.startswith("2.25.")
 

@@ -29,11 +29,12 @@ class Run:
         self.folder = folder
         self.lamella = str(pathlib.Path(sys.argv[1]).resolve())
 
-    def __call__(self, *words):
+    def __call__(self, *words, status=0, says=""):
         done = subprocess.run([self.lamella, *words], cwd=self.folder, check=False, capture_output=True, text=True)
-        if "without PNG" in done.stderr or "without DICOM" in done.stderr:
+        if "without PNG" in done.stderr:
             skip(done.stderr.strip())
-        assert done.returncode == 0, done.stdout + done.stderr
+        assert done.returncode == status and says in done.stderr, (words, done.returncode, done.stdout + done.stderr)
+        assert status == 0 or done.stderr.count("\n") == 1, done.stderr
 
 
 def main(test):

@@ -1,4 +1,4 @@
-#include "medical/dicom/identity.hpp"
+#include "medical/dicom/data_set.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -10,7 +10,6 @@
 #include "base/utf8.hpp"
 #include "lamella/io/mesh_file.hpp"
 #include "lamella/version.hpp"
-#include "medical/dicom/tags.hpp"
 #include "medical/provenance/sha256.hpp"
 
 namespace lamella {

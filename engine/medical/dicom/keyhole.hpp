@@ -61,96 +61,76 @@ private:
         return difference(from.x, at.x) * difference(to.y, at.y) > difference(from.y, at.y) * difference(to.x, at.x);
     }
 
-    /// The end of a bridge, B.
     struct Bridge {
         std::uint32_t hole = 0;
+        Point start;  ///< of the hole: M
         std::uint32_t contour = 0;
         std::uint32_t vertex = 0;  ///< where the edge begins that B lies on
-        bool at_vertex = false;
-        bool within = false;  ///< at a vertex: the bridge runs through the region there
+        bool within = false;       ///< at a vertex: the bridge runs through the region there
         // x of B: numerator / divisor
         std::int64_t numerator = 0;
         std::int64_t divisor = 0;  ///< 0: none was found yet
 
-        double x() const noexcept {
+        RingPoint end() const noexcept {
             const std::int64_t whole = numerator / divisor - (numerator % divisor < 0 ? 1 : 0);
-            return static_cast<double>(whole) +
-                   static_cast<double>(numerator - whole * divisor) / static_cast<double>(divisor);
+            return {
+                static_cast<double>(whole) + static_cast<double>(numerator - whole * divisor) / static_cast<double>(divisor),
+                static_cast<double>(start.y)};
         }
     };
 
+    /// By the heights of holes.
     void start_bridges() {
         bridges_.clear();
-        heights_.clear();
         for (std::uint32_t hole = 1; hole < contours_.size(); ++hole) {
-            Bridge bridge;
-            bridge.hole = hole;
-            bridges_.push_back(bridge);
+            bridges_.push_back({.hole = hole, .start = point(hole, 0)});
         }
         std::stable_sort(bridges_.begin(), bridges_.end(),
-                         [&](const Bridge& a, const Bridge& b) { return point(a.hole, 0).y < point(b.hole, 0).y; });
-        for (const Bridge& bridge : bridges_) {
-            heights_.push_back(point(bridge.hole, 0).y);
-        }
-    }
-
-    /// A contour begins at its smallest point. The outer one is farthest left.
-    bool begins_farther_left(std::uint32_t contour, std::uint32_t hole) const noexcept {
-        return contour == 0 || std::pair(point(contour, 0), contour) < std::pair(point(hole, 0), hole);
+                         [](const Bridge& a, const Bridge& b) { return a.start.y < b.start.y; });
     }
 
     /// Offers what the edges and vertices of a contour have at the heights of bridges.
     void find_ends(std::uint32_t contour) {
-        const std::span<const Point> points = contours_[contour];
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            const Point a = points[i];
+        const std::size_t size = contours_[contour].size();
+        for (std::uint32_t i = 0; i < size; ++i) {
+            const Point a = point(contour, i);
             const Point b = point(contour, i + 1);
-            const auto first = std::lower_bound(heights_.begin(), heights_.end(), std::min(a.y, b.y));
-            const auto last = std::upper_bound(first, heights_.end(), std::max(a.y, b.y));
-            for (auto height = first; height != last; ++height) {
-                Bridge end;
-                end.contour = contour;
-                end.vertex = static_cast<std::uint32_t>(i);
-                end.at_vertex = *height == a.y;
-                if (*height == b.y && !end.at_vertex) {
-                    continue;  // the next edge begins there
-                }
-                if (end.at_vertex) {
-                    end.numerator = a.x;
-                    end.divisor = 1;
-                    end.within = is_right_within(a, point(contour, i + points.size() - 1), b);
-                } else {
+            auto bridge = std::lower_bound(bridges_.begin(), bridges_.end(), std::min(a.y, b.y),
+                                           [](const Bridge& one, std::int32_t y) { return one.start.y < y; });
+            for (; bridge != bridges_.end() && bridge->start.y <= std::max(a.y, b.y); ++bridge) {
+                const std::int32_t y = bridge->start.y;
+                if (y == a.y) {
+                    offer(*bridge, contour, i, is_right_within(a, point(contour, i + size - 1), b), a.x, 1);
+                } else if (y != b.y) {  // there the next edge begins
                     const std::int64_t rise = std::int64_t{b.y} - a.y;
-                    end.divisor = std::abs(rise);
-                    const std::int64_t run = (std::int64_t{b.x} - a.x) * (std::int64_t{*height} - a.y) * (rise < 0 ? -1 : 1);
-                    end.numerator = a.x * end.divisor + run;
+                    const std::int64_t run = (std::int64_t{b.x} - a.x) * (std::int64_t{y} - a.y) * (rise < 0 ? -1 : 1);
+                    offer(*bridge, contour, i, false, a.x * std::abs(rise) + run, std::abs(rise));
                 }
-                offer(bridges_[static_cast<std::size_t>(height - heights_.begin())], end);
             }
         }
     }
 
-    /// Takes `end` where it is nearer.
-    void offer(Bridge& bridge, const Bridge& end) const {
-        const Point start = point(bridge.hole, 0);
-        if (!begins_farther_left(end.contour, bridge.hole) || end.numerator > start.x * end.divisor) {
+    /// Takes an end where it is nearer, and on a contour that begins farther left: contours begin at their smallest point,
+    /// and the outer one is farthest left.
+    void offer(Bridge& bridge, std::uint32_t contour, std::uint32_t vertex, bool within, std::int64_t numerator,
+               std::int64_t divisor) const {
+        const bool begins_farther_left =
+            contour == 0 || std::pair(point(contour, 0), contour) < std::pair(bridge.start, bridge.hole);
+        if (!begins_farther_left || numerator > bridge.start.x * divisor) {
             return;
         }
-        const Int128 here = Int128{end.numerator} * bridge.divisor;
-        const Int128 there = Int128{bridge.numerator} * end.divisor;
-        if (bridge.divisor != 0 && (here < there || (here == there && end.within <= bridge.within))) {
-            return;
+        const Int128 here = Int128{numerator} * bridge.divisor;
+        const Int128 there = Int128{bridge.numerator} * divisor;
+        if (bridge.divisor == 0 || here > there || (here == there && within && !bridge.within)) {
+            bridge = {bridge.hole, bridge.start, contour, vertex, within, numerator, divisor};
         }
-        const std::uint32_t hole = bridge.hole;
-        bridge = end;
-        bridge.hole = hole;
     }
 
     /// In the order in which a walk around their contours meets them.
     void sort_bridges() {
         std::erase_if(bridges_, [](const Bridge& bridge) { return bridge.divisor == 0; });
         const auto distance = [&](const Bridge& bridge) {
-            return std::abs(std::int64_t{point(bridge.hole, 0).y} - point(bridge.contour, bridge.vertex).y);
+            return std::abs(std::int64_t{bridge.start.y} - point(bridge.contour, bridge.vertex).y);
         };
         std::sort(bridges_.begin(), bridges_.end(), [&](const Bridge& a, const Bridge& b) {
             return std::tuple(a.contour, a.vertex, distance(a), a.hole) <
@@ -178,7 +158,7 @@ private:
                              bridges_[walk.bridge].vertex + 1 == walk.vertex;
             if (due) {
                 const Bridge& bridge = bridges_[walk.bridge++];
-                const RingPoint end{bridge.x(), static_cast<double>(point(bridge.hole, 0).y)};
+                const RingPoint end = bridge.end();
                 put(end);
                 walks.push_back({bridge.hole, 0, first_from_[bridge.hole], end});
             } else if (walk.vertex < contours_[walk.contour].size()) {
@@ -205,8 +185,7 @@ private:
     }
 
     std::span<const std::span<const Point>> contours_;
-    std::vector<Bridge> bridges_;        ///< of holes
-    std::vector<std::int32_t> heights_;  ///< of `bridges_`, ascending
+    std::vector<Bridge> bridges_;  ///< of holes
     /// Of each contour: its first bridge end in `bridges_`, once sorted for the ring.
     std::vector<std::uint32_t> first_from_;
     std::vector<RingPoint> ring_;

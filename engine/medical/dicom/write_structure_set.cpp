@@ -5,7 +5,6 @@
 #include "io/write/output_file.hpp"
 #include "lamella/version.hpp"
 #include "medical/dicom/data_set.hpp"
-#include "medical/dicom/identity.hpp"
 #include "medical/dicom/keyhole.hpp"
 #include "medical/geometry/headers.hpp"
 

@@ -7,21 +7,170 @@
 // file after a failure. Reading is the reverse: HDF5 tells where columns lie, and all threads read their rows.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
+#include <hdf5.h>
+
 #include "base/function_ref.hpp"
+#include "base/guard.hpp"
 #include "base/parallel.hpp"
 #include "io/read/input_file.hpp"
 #include "lamella/medical/archive.hpp"
-#include "medical/hdf5/columns.hpp"
 
 namespace lamella {
+
+// --- HDF5's identifiers as values, its failures as exceptions, and its names of number types
+
+/// While it lives, HDF5 prints nothing of its errors.
+class QuietErrors {
+public:
+    QuietErrors() noexcept : known_(H5Eget_auto2(H5E_DEFAULT, &print_, &context_) >= 0) {
+        H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+    }
+    ~QuietErrors() {
+        H5Eclear2(H5E_DEFAULT);
+        if (known_) {
+            H5Eset_auto2(H5E_DEFAULT, print_, context_);
+        }
+    }
+    QuietErrors(const QuietErrors&) = delete;
+    QuietErrors& operator=(const QuietErrors&) = delete;
+
+private:
+    H5E_auto2_t print_ = nullptr;
+    void* context_ = nullptr;
+    bool known_;
+};
+
+/// For calls that fail only where memory or the disk of a temporary file ends.
+inline void checked(herr_t status) {
+    if (status < 0) {
+        throw Refused{{ErrorCode::out_of_memory, "HDF5 fails: no memory, or no space for a temporary file"}};
+    }
+}
+
+/// Owns an identifier.
+class Handle {
+public:
+    /// Throws Refused where there is none.
+    Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) { checked(id < 0 ? -1 : 0); }
+    Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
+    Handle& operator=(Handle&&) = delete;
+    Handle(const Handle&) = delete;
+    Handle& operator=(const Handle&) = delete;
+    ~Handle() {
+        if (id_ >= 0) {
+            close_(id_);
+        }
+    }
+
+    hid_t id() const noexcept { return id_; }
+
+private:
+    hid_t id_;
+    herr_t (*close_)(hid_t);
+};
+
+/// How files are opened: as plain files whatever the environment says, and never locked, which file systems of clusters may
+/// refuse.
+inline Handle plain_file_access() {
+    Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    checked(H5Pset_fapl_sec2(access.id()));
+#if H5_VERSION_GE(1, 12, 1) || (H5_VERSION_GE(1, 10, 7) && !H5_VERSION_GE(1, 12, 0))
+    checked(H5Pset_file_locking(access.id(), false, true));
+#endif
+    return access;
+}
+
+/// Little-endian, whatever the host is.
+template <class Number>
+hid_t hdf5_type() {
+    constexpr bool is_signed = std::is_signed_v<Number>;
+    if constexpr (std::is_same_v<Number, double>) {
+        return H5T_IEEE_F64LE;
+    } else if constexpr (sizeof(Number) == 1) {
+        return is_signed ? H5T_STD_I8LE : H5T_STD_U8LE;
+    } else if constexpr (sizeof(Number) == 2) {
+        return is_signed ? H5T_STD_I16LE : H5T_STD_U16LE;
+    } else if constexpr (sizeof(Number) == 4) {
+        return is_signed ? H5T_STD_I32LE : H5T_STD_U32LE;
+    } else {
+        return is_signed ? H5T_STD_I64LE : H5T_STD_U64LE;
+    }
+}
+
+// --- which datasets there are, and which member of a result each holds
+
+/// The things that a column has a row for: columns of one kind are equally long.
+enum class ColumnKind : std::uint8_t { layer, contour, point, origin, stitch, height, fill_change };
+
+/// How many rows the columns of each kind have.
+class KindRows {
+public:
+    std::uint64_t& operator[](ColumnKind kind) noexcept { return rows_[static_cast<std::size_t>(kind)]; }
+    std::uint64_t operator[](ColumnKind kind) const noexcept { return rows_[static_cast<std::size_t>(kind)]; }
+
+private:
+    std::array<std::uint64_t, static_cast<std::size_t>(ColumnKind::fill_change) + 1> rows_{};
+};
+
+struct Column {
+    const char* path;
+    ColumnKind kind;
+    hid_t (*type)();    ///< of its numbers
+    std::size_t width;  ///< numbers a row
+    std::size_t row_bytes;
+    const char* unit;
+    const char* meaning;  ///< or ""
+    /// Rows from `first` on, as they lie in the file.
+    void (*get)(const SliceResult& result, std::uint64_t first, std::span<std::byte> to);
+    /// Takes rows into `result`, whose arrays are large enough: how many are in their range before one that is not. Null
+    /// where all follows from other columns, and stands in the file for other programs.
+    std::uint64_t (*set)(SliceResult& result, std::uint64_t first, std::span<const std::byte> from);
+    std::optional<ColumnKind> names;  ///< its numbers are indices of such rows
+    bool has_end = false;             ///< a last row tells where the last layer or contour ends
+
+    /// Left out where there are no rows.
+    bool is_optional() const noexcept { return kind > ColumnKind::point; }
+    std::uint64_t rows_among(const KindRows& rows) const noexcept { return rows[kind] + (has_end ? 1 : 0); }
+};
+
+/// Those of one kind stand side by side.
+std::span<const Column> all_columns() noexcept;
+
+/// A column and where its rows lie in the file, one after the other.
+struct PlacedColumn {
+    const Column* column = nullptr;
+    std::uint64_t rows = 0;
+    std::uint64_t offset = 0;
+
+    std::uint64_t bytes() const noexcept { return rows * column->row_bytes; }
+};
+
+/// Rows of a column that are worked on at once: about a MiB.
+struct RowRange {
+    std::uint64_t first = 0;
+    std::size_t count = 0;
+};
+std::vector<RowRange> ranges_of(std::uint64_t rows, const Column& column);
+
+KindRows rows_of(const SliceResult& result) noexcept;
+
+/// Arrays of so many rows, their contents unspecified; heights only where the options have some.
+void resize(SliceResult& result, const KindRows& rows);
+
+// --- the file
 
 inline constexpr std::string_view archive_format = "lamella archive";
 inline constexpr std::uint64_t archive_version = 3;

@@ -10,7 +10,6 @@
 #include "lamella/io/name_text.hpp"
 #include "medical/geometry/headers.hpp"
 #include "medical/hdf5/archive_file.hpp"
-#include "medical/hdf5/handles.hpp"
 #include "options/option_words.hpp"
 
 namespace lamella {

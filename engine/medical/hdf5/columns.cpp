@@ -1,12 +1,10 @@
-#include "medical/hdf5/columns.hpp"
+#include "medical/hdf5/archive_file.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <type_traits>
-
-#include "medical/hdf5/handles.hpp"
 
 namespace lamella {
 
@@ -45,7 +43,8 @@ template <class Row, class Get>
 constexpr Column derived(const char* path, ColumnKind kind, const char* unit, const char* meaning, Get) {
     constexpr bool is_point = std::is_same_v<Row, Point>;
     const auto type = &hdf5_type<std::conditional_t<is_point, std::int32_t, Row>>;
-    return {path, kind, type, is_point ? 2U : 1U, sizeof(Row), unit, meaning, &get_rows<Row, Get>, nullptr, std::nullopt};
+    return {path,    kind,         type, is_point ? 2U : 1U, sizeof(Row), unit, meaning, &get_rows<Row, Get>,
+            nullptr, std::nullopt, false};
 }
 
 template <class Row, class Get, class Set>
@@ -66,9 +65,10 @@ constexpr Column member(const char* path, ColumnKind kind, const char* unit, con
     return column<Row>(path, kind, unit, meaning, get, set);
 }
 
-/// The same, its numbers being indices of rows of that kind.
-constexpr Column naming(ColumnKind kind, Column column) {
+/// The same, its numbers being indices of rows of that kind; of an end, those where rows begin, and where the last one ends.
+constexpr Column naming(ColumnKind kind, Column column, bool has_end = false) {
     column.names = kind;
+    column.has_end = has_end;
     return column;
 }
 
@@ -104,7 +104,7 @@ constexpr std::array columns = {
                           [](In r, Index i) { return std::isnan(r[i].area_mm2()); }),
     naming(ColumnKind::contour,
            column<std::uint64_t>(
-               "/layers/first_contour", ColumnKind::layer_end, "", "of each layer, and where the last one ends",
+               "/layers/first_contour", ColumnKind::layer, "", "of each layer, and where the last one ends",
                [](In r, Index i) { return i < r.layers.size() ? r.layers[i].first_contour : Index{r.contours.size()}; },
                [](Out r, Index i, Index v) {
                    if (i == r.layers.size()) {
@@ -112,10 +112,11 @@ constexpr std::array columns = {
                    }
                    r.layers[i].first_contour = v;
                    return true;
-               })),
+               }),
+           true),
     naming(ColumnKind::point,
            column<std::uint64_t>(
-               "/contours/first_point", ColumnKind::contour_end, "", "of each contour, and where the last one ends",
+               "/contours/first_point", ColumnKind::contour, "", "of each contour, and where the last one ends",
                [](In r, Index i) { return i < r.contours.size() ? r.contours[i].first_point : Index{r.points.size()}; },
                [](Out r, Index i, Index v) {
                    if (i == r.contours.size()) {
@@ -123,7 +124,8 @@ constexpr std::array columns = {
                    }
                    r.contours[i].first_point = v;
                    return true;
-               })),
+               }),
+           true),
     naming(ColumnKind::contour, MEMBER("/contours/parent", contour, std::int64_t, "",
                                        "the smallest contour around it; -1: none", contours[i].parent, any)),
     MEMBER("/contours/segments", contour, std::uint32_t, "", "triangles that it comes from", contours[i].segments, any),
@@ -189,9 +191,7 @@ KindRows rows_of(const SliceResult& result) noexcept {
     const SliceOptions& options = result.info.options;
     KindRows rows;
     rows[ColumnKind::layer] = result.layers.size();
-    rows[ColumnKind::layer_end] = result.layers.size() + 1;
     rows[ColumnKind::contour] = result.contours.size();
-    rows[ColumnKind::contour_end] = result.contours.size() + 1;
     rows[ColumnKind::point] = result.points.size();
     rows[ColumnKind::origin] = result.origins.size();
     rows[ColumnKind::stitch] = result.stitches.size();

@@ -135,8 +135,7 @@ std::uint64_t rows_from(const std::vector<ArchivePart>& parts, const ArchivePart
     if (is_of_options(column) && &part != &parts.front()) {
         return 0;
     }
-    const bool has_end = column.kind == ColumnKind::layer_end || column.kind == ColumnKind::contour_end;
-    return part.rows[column.kind] - (has_end && &part != &parts.back() ? 1 : 0);
+    return part.rows[column.kind] + (column.has_end && &part == &parts.back() ? 1 : 0);
 }
 
 /// Indices count from the first part on; -1 names none.
@@ -176,11 +175,12 @@ Result<MergedArchive> merge_archives(std::span<const std::filesystem::path> part
         const std::vector<ArchivePart> all = open_parts(parts, parallel);
         ReadTree whole = read_parts(all, parallel, context.memory);
         const SliceInfo& slice = whole.result.info;
-        KindRows rows;
-        for (const Column& column : all_columns()) {
-            rows[column.kind] = 0;
+        KindRows rows = all.front().rows;
+        for (const ColumnKind kind :
+             {ColumnKind::layer, ColumnKind::contour, ColumnKind::point, ColumnKind::origin, ColumnKind::stitch}) {
+            rows[kind] = 0;
             for (const ArchivePart& part : all) {
-                rows[column.kind] += rows_from(all, part, column);
+                rows[kind] += part.rows[kind];
             }
         }
         const auto give = [&](const Column& column, const RowSink& take) { give_rows(all, column, take); };

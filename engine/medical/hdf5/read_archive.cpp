@@ -11,7 +11,6 @@
 #include "io/text/text.hpp"
 #include "lamella/medical/archive.hpp"
 #include "medical/hdf5/archive_file.hpp"
-#include "medical/hdf5/handles.hpp"
 #include "options/asked.hpp"
 #include "slicing/nesting/ring_facts.hpp"
 #include "slicing/result/band_output.hpp"
@@ -100,7 +99,7 @@ void find_columns(const InputFile& file, hid_t root, ReadTree& tree) {
     const Column* before = nullptr;
     for (const Column& column : all_columns()) {
         const std::optional<PlacedColumn> placed = find_column(file, root, column);
-        const std::uint64_t rows = placed ? placed->rows : 0;
+        const std::uint64_t rows = placed ? placed->rows - (column.has_end ? 1 : 0) : 0;
         const bool is_alike = before == nullptr || before->kind != column.kind || tree.rows[column.kind] == rows;
         if ((!placed && !column.is_optional()) || !is_alike) {
             refuse_place(file, column.path, "missing, or not as long as the columns that belong to it");
@@ -133,9 +132,6 @@ void make_room(const InputFile& file, ReadTree& tree) {
             refuse_place(file, place, why);
         }
     };
-    constexpr const char* one_longer = "not one row longer than the columns beside it";
-    require(count(ColumnKind::layer_end) == count(ColumnKind::layer) + 1, "/layers/first_contour", one_longer);
-    require(count(ColumnKind::contour_end) == count(ColumnKind::contour) + 1, "/contours/first_point", one_longer);
     require(count(ColumnKind::origin) == 0 || count(ColumnKind::origin) == count(ColumnKind::point), "/origins",
             "not as many as there are points");
     SliceResult& result = tree.result;

@@ -16,7 +16,6 @@
 #include "lamella/medical/archive.hpp"
 #include "medical/geometry/headers.hpp"
 #include "medical/hdf5/archive_file.hpp"
-#include "medical/hdf5/handles.hpp"
 
 namespace lamella {
 
@@ -227,7 +226,7 @@ Status write_columns(const KindRows& rows, FunctionRef<void(const Column&, RowSi
     std::vector<PlacedColumn> columns;
     for (const Column& column : all_columns()) {
         if (rows[column.kind] > 0 || !column.is_optional()) {
-            columns.push_back({&column, rows[column.kind], 0});
+            columns.push_back({&column, column.rows_among(rows), 0});
         }
     }
     const InputFile tree = make_tree(attributes, columns);
@@ -260,7 +259,7 @@ Status write_archive(const SliceResult& result, const ArchiveInfo& info, const s
         const KindRows rows = rows_of(result);
         const auto give_rows = [&](const Column& column, const RowSink& take) {
             std::vector<std::byte> piece;
-            for (const RowRange& range : ranges_of(rows[column.kind], column)) {
+            for (const RowRange& range : ranges_of(column.rows_among(rows), column)) {
                 piece.resize(range.count * column.row_bytes);
                 column.get(result, range.first, piece);
                 take(piece);

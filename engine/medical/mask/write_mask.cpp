@@ -25,77 +25,58 @@ struct Block {
     std::optional<MaskCounts> counts;
 };
 
+/// Makes a block of slices [begin, end), after `head`. Memory of earlier blocks serves again: fresh memory would take longer
+/// than drawing. `is_last`: the block ends the gzip member.
+void make(std::uint64_t begin, std::uint64_t end, std::string_view head, const SliceRaster& raster, const MaskLayout& layout,
+          bool is_last, Block& block, SliceRaster::Scratch& scratch) {
+    block.counts.emplace(layout.names.size());
+    block.raw.resize(head.size() + (end - begin) * raster.slice_bytes());
+    std::copy(head.begin(), head.end(), block.raw.begin());
+    unsigned char* to = block.raw.data() + head.size();
+    for (std::uint64_t slice = begin; slice < end; ++slice, to += raster.slice_bytes()) {
+        raster.draw(slice, to, scratch, *block.counts);
+    }
+    if (layout.compressed) {
+        block.compressed = gzip_piece(block.raw, is_last);
+        block.crc = ::crc32_z(0, block.raw.data(), block.raw.size());
+    }
+}
+
 /// Writes blocks of slices, in their order, each made on any thread.
-class MaskWriter {
-public:
-    MaskWriter(const SliceRaster& raster, const ImageGeometry& image, const MaskLayout& layout, OutputFile& file)
-        : raster_(raster), image_(image), layout_(layout), file_(file), total_(layout.names.size()) {
-        (header_is_compressed() ? compressed_header_ : plain_header_) = mask_header(layout, image);
-    }
-
-    MaskCounts write(const Parallel& parallel) {
-        file_.append(plain_header_);
-        file_.append(layout_.compressed ? gzip_begin : std::string_view());
-        const std::uint64_t slices_a_block = std::max<std::uint64_t>(1, block_bytes / raster_.slice_bytes());
-        const std::uint64_t blocks = (image_.size[2] + slices_a_block - 1) / slices_a_block;
-        const std::size_t at_once = blocks_a_thread * static_cast<std::size_t>(parallel.threads());
-        std::vector<SliceRaster::Scratch> scratch(static_cast<std::size_t>(parallel.threads()));
-        std::vector<Block> made(at_once);
-        for (std::uint64_t first = 0; first < blocks && !file_.failed(); first += at_once) {
-            const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(at_once, blocks - first));
-            parallel.run(count, [&](std::size_t i, int worker) {
-                const std::uint64_t begin = (first + i) * slices_a_block;
-                const std::uint64_t end = std::min(image_.size[2], begin + slices_a_block);
-                make(begin, end, made[i], scratch[static_cast<std::size_t>(worker)]);
-            });
-            for (std::size_t i = 0; i < count; ++i) {
-                append(made[i]);
-            }
-        }
-        if (layout_.compressed) {
-            file_.append(gzip_end(crc_, length_));
-        }
-        return total_;
-    }
-
-private:
-    /// The header of compressed NIfTI is within the gzip member, that of NRRD before it.
-    bool header_is_compressed() const noexcept { return layout_.compressed && layout_.form == MaskForm::nifti; }
-
-    /// Memory of earlier blocks serves again: fresh memory would take longer than drawing.
-    void make(std::uint64_t begin, std::uint64_t end, Block& block, SliceRaster::Scratch& scratch) const {
-        block.counts.emplace(layout_.names.size());
-        const std::size_t header_bytes = begin == 0 ? compressed_header_.size() : 0;
-        block.raw.resize(header_bytes + (end - begin) * raster_.slice_bytes());
-        std::copy_n(compressed_header_.begin(), header_bytes, block.raw.begin());
-        unsigned char* to = block.raw.data() + header_bytes;
-        for (std::uint64_t slice = begin; slice < end; ++slice, to += raster_.slice_bytes()) {
-            raster_.draw(slice, to, scratch, *block.counts);
-        }
-        if (layout_.compressed) {
-            block.compressed = gzip_piece(block.raw, end == image_.size[2]);
-            block.crc = ::crc32_z(0, block.raw.data(), block.raw.size());
+MaskCounts write_slices(const SliceRaster& raster, const ImageGeometry& image, const MaskLayout& layout, OutputFile& file,
+                        const Parallel& parallel) {
+    const std::string header = mask_header(layout, image);
+    // The header of compressed NIfTI is within the gzip member, that of NRRD before it.
+    const bool is_within = layout.compressed && layout.form == MaskForm::nifti;
+    file.append(is_within ? std::string_view() : header);
+    file.append(layout.compressed ? gzip_begin : std::string_view());
+    const std::uint64_t slices_a_block = std::max<std::uint64_t>(1, block_bytes / raster.slice_bytes());
+    const std::uint64_t blocks = (image.size[2] + slices_a_block - 1) / slices_a_block;
+    const std::size_t at_once = blocks_a_thread * static_cast<std::size_t>(parallel.threads());
+    std::vector<SliceRaster::Scratch> scratch(static_cast<std::size_t>(parallel.threads()));
+    std::vector<Block> made(at_once);
+    MaskCounts total(layout.names.size());
+    unsigned long crc = 0;
+    std::uint64_t length = 0;
+    for (std::uint64_t first = 0; first < blocks && !file.failed(); first += at_once) {
+        const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(at_once, blocks - first));
+        parallel.run(count, [&](std::size_t i, int worker) {
+            const std::uint64_t begin = (first + i) * slices_a_block;
+            const std::uint64_t end = std::min(image.size[2], begin + slices_a_block);
+            make(begin, end, is_within && begin == 0 ? header : std::string_view(), raster, layout, end == image.size[2],
+                 made[i], scratch[static_cast<std::size_t>(worker)]);
+        });
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::vector<unsigned char>& bytes = layout.compressed ? made[i].compressed : made[i].raw;
+            file.append({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+            crc = ::crc32_combine(crc, made[i].crc, static_cast<z_off_t>(made[i].raw.size()));
+            length += made[i].raw.size();
+            total.add(*made[i].counts);
         }
     }
-
-    void append(const Block& block) {
-        const std::vector<unsigned char>& bytes = layout_.compressed ? block.compressed : block.raw;
-        file_.append({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-        crc_ = ::crc32_combine(crc_, block.crc, static_cast<z_off_t>(block.raw.size()));
-        length_ += block.raw.size();
-        total_.add(*block.counts);
-    }
-
-    const SliceRaster& raster_;
-    const ImageGeometry& image_;
-    const MaskLayout& layout_;
-    std::string plain_header_;
-    std::string compressed_header_;
-    OutputFile& file_;
-    unsigned long crc_ = 0;  ///< of what was compressed so far
-    std::uint64_t length_ = 0;
-    MaskCounts total_;
-};
+    file.append(layout.compressed ? gzip_end(crc, length) : std::string());
+    return total;
+}
 
 MaskSummary summary_of(const MaskCounts& counts, std::span<const MaskPart> parts, const Context& context) {
     constexpr AuditOptions only_open{.volume = false, .ledger = false, .crossings = false};
@@ -149,7 +130,7 @@ Result<MaskSummary> write_mask(std::span<const MaskPart> parts, const ImageGeome
         const SliceRaster raster(parts, image, options, layout);
         const Parallel parallel(context);
         OutputFile file = require(OutputFile::create(path));
-        const MaskCounts counts = MaskWriter(raster, image, layout, file).write(parallel);
+        const MaskCounts counts = write_slices(raster, image, layout, file, parallel);
         const MaskSummary summary = summary_of(counts, parts, parallel.within(context));
         require(file.commit());
         if (parts.size() > 1) {

@@ -4,7 +4,7 @@
 
 #include "base/parallel.hpp"
 #include "medical/geometry/headers.hpp"
-#include "medical/picture/page.hpp"
+#include "medical/picture/canvas.hpp"
 #include "medical/raster/coverage.hpp"
 
 namespace lamella {

@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <thread>
 #include <vector>
 
@@ -36,16 +37,13 @@ struct OrderNote {
 /// All that SinkBands takes for granted, with bands of one wide layer after the other.
 struct ManyLayers {
     ManyLayers(std::uint32_t layers, std::uint32_t band_layers, const lamella::Memory* memory)
-        : planes(memory), buckets(memory), scratch(memory), result(memory), bands(bands_of(layers, band_layers)) {
+        : planes(memory), scratch(memory), result(memory), bands(bands_of(layers, band_layers)) {
         lamella::Array<lamella::Layer> heights;
         heights.resize_discarding(layers);
         for (std::uint32_t i = 0; i < layers; ++i) {
             heights[i] = {.plane = lamella::PlaneHeight(static_cast<std::int32_t>(2 * i + 1))};
         }
         planes.build(heights);
-        buckets.segments.resize_discarding(layers);
-        std::fill(buckets.segments.begin(), buckets.segments.end(), layer_points);
-        buckets.segment_count = std::uint64_t{layers} * layer_points;
     }
 
     static std::vector<lamella::Band> bands_of(std::uint32_t layers, std::uint32_t band_layers) {
@@ -69,12 +67,23 @@ struct ManyLayers {
 
     static constexpr std::uint32_t layer_points = 1 << 16;  // half a megabyte
     lamella::PlaneSet planes;
-    lamella::Buckets buckets;
     lamella::OutputScratch scratch;
     lamella::SliceResult result;
     std::vector<lamella::Band> bands;
     lamella::Parallel parallel{{.threads = 2}};
-    lamella::SweepInput input{planes, buckets, bands, parallel, scratch, false, result};
+    std::function<lamella::Layer(lamella::PlaneIndex)> layer_at = [this](lamella::PlaneIndex plane) {
+        return lamella::describe_layer(planes, plane, layer_points);
+    };
+    lamella::OutputPlan plan{.layers = static_cast<lamella::PlaneIndex>(planes.size()),
+                             .layer_at = layer_at,
+                             .segments = std::uint64_t{planes.size()} * layer_points,
+                             .cutting = planes.size(),
+                             .bands = bands,
+                             .parallel = parallel,
+                             .scratch = scratch,
+                             .origins = false,
+                             .result = result,
+                             .lead = lamella::usual_lead(parallel)};
 };
 
 }  // namespace
@@ -119,7 +128,7 @@ TEST_CASE("what is put aside for an ascending sink ends at its window", "[engine
     ManyLayers given(2 * band_layers, band_layers, &memory);
     OrderNote note;
     const LayerSink sink{.take = note};
-    lamella::SinkBands bands(sink, given.input);
+    lamella::SinkBands bands(sink, given.plan);
     lamella::BandOutput* const head = bands.acquire(0);
     std::atomic<std::uint32_t> put_aside{0};
     std::thread ahead([&] {
@@ -154,7 +163,7 @@ TEST_CASE("a band that is put aside is dropped when another thread fails", "[eng
     ManyLayers given(2 * band_layers, band_layers, nullptr);
     OrderNote note;
     const LayerSink sink{.take = note};
-    lamella::SinkBands bands(sink, given.input);
+    lamella::SinkBands bands(sink, given.plan);
     REQUIRE(bands.acquire(0) != nullptr);
     std::atomic<bool> dropped{false};
     std::thread ahead([&] {

@@ -17,7 +17,6 @@
 #include "base/parallel.hpp"
 #include "slicing/edges/edge_runs.hpp"
 #include "slicing/edges/pair_search.hpp"
-#include "slicing/edges/run_strips.hpp"
 #include "slicing/grid/exact.hpp"
 
 namespace lamella {
@@ -65,7 +64,7 @@ struct Limits {
     std::uint64_t crossings = most_crossings_in_layer;
 };
 
-/// The crossings in some strips of a layer.
+/// The crossings in a share of a layer.
 struct Found {
     std::uint64_t count = 0;
     Point first;
@@ -90,12 +89,12 @@ public:
     explicit CrossingsOfShare(Worker& worker) noexcept : search_(worker) {}
 
     /// Share `share` of `shares` of all pairs.
-    Found run(const EdgeRuns& runs, const RunStrips& strips, std::size_t share, std::size_t shares, Limits limits) {
+    Found run(const EdgeRuns& runs, std::size_t share, std::size_t shares, Limits limits) {
         points_ = runs.points();
         most_crossings_ = limits.crossings;
         found_ = {};
         const std::span<const EdgePath> paths = runs.paths();
-        found_.cut_short = !search_.find(runs, strips, share, shares, limits.steps,
+        found_.cut_short = !search_.find(runs, share, shares, limits.steps,
                                          [&](std::uint32_t a, std::size_t i, std::uint32_t b, std::size_t j) {
                                              compare_edges(paths[a], i, paths[b], j);
                                          });
@@ -158,7 +157,7 @@ private:
     Found found_;
 };
 
-/// Shares layers out to threads, and of a wide layer the strips.
+/// Shares layers out to threads, and of a wide layer the runs.
 class CrossingSearch {
 public:
     CrossingSearch(const SliceResult& result, const Parallel& parallel) : result_(result), parallel_(parallel) {}
@@ -194,7 +193,6 @@ private:
             Worker worker;
             CrossingsOfShare search{worker};
             EdgeRuns runs{worker};
-            RunStrips strips{worker};
             std::vector<LayerCrossings> found;
         };
         std::vector<std::unique_ptr<Searcher>> searchers(static_cast<std::size_t>(parallel_.threads()));
@@ -208,8 +206,8 @@ private:
             }
             own->runs.clear();
             for_each_path(layer, [&](const EdgePath& path) { own->runs.add(path); });
-            own->strips.assign(own->runs.runs(), 0);
-            const Found found = own->search.run(own->runs, own->strips, 0, 1, {.steps = most_steps(own->runs.edges())});
+            own->runs.cut(0);
+            const Found found = own->search.run(own->runs, 0, 1, {.steps = most_steps(own->runs.edges())});
             keep(layer, found, own->found);
         });
         for (const std::unique_ptr<Searcher>& own : searchers) {
@@ -235,16 +233,13 @@ private:
         }
     }
 
-    /// As if one thread searched strip after strip. A share is searched as if it came first; where all before it leave less
+    /// As if one thread searched share after share. A share is searched as if it came first; where all before it leave less
     /// than it took, it is searched again with what they leave.
     void search_wide(std::size_t layer) {
-        std::vector<EdgePath> paths;
-        for_each_path(layer, [&](const EdgePath& path) { paths.push_back(path); });
         Worker caller(nullptr, parallel_.stop());
         EdgeRuns runs(caller);
-        runs.assign(paths, parallel_);
-        RunStrips strips(caller);
-        strips.assign(runs.runs(), 0, parallel_);
+        for_each_path(layer, [&](const EdgePath& path) { runs.add(path); });
+        runs.cut(0, &parallel_);
         const Limits whole{.steps = most_steps(runs.edges())};
         std::vector<Found> shares(shares_of_wide_layer);
         std::atomic<std::size_t> last{shares_of_wide_layer};  // the first share known to be cut short
@@ -255,7 +250,7 @@ private:
             constexpr std::uint64_t part = 8;  // so that all together take at most so many times what one thread would
             Worker worker(nullptr, parallel_.stop());
             CrossingsOfShare search(worker);
-            shares[share] = search.run(runs, strips, share, shares.size(), {whole.steps / part, whole.crossings});
+            shares[share] = search.run(runs, share, shares.size(), {whole.steps / part, whole.crossings});
             if (shares[share].count == whole.crossings) {
                 last.store(share, std::memory_order_relaxed);
             }
@@ -266,7 +261,7 @@ private:
             const Limits left{whole.steps - found.steps, whole.crossings - found.count};
             const Found& own = shares[share];
             const bool fits = !own.cut_short && own.steps <= left.steps && own.count < left.crossings;
-            found.add(fits ? own : search.run(runs, strips, share, shares.size(), left));
+            found.add(fits ? own : search.run(runs, share, shares.size(), left));
         }
         keep(layer, found, all_);
     }

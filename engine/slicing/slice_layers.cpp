@@ -209,14 +209,27 @@ void slice_layers(TriangleSource& source, LayerTarget& target, const SliceCall& 
     ProgressMeter progress(call.context.progress);
     SliceInfo& info = result.info;
     count_layers(source, call, info);
-    SweepInput input{kept.planes, kept.buckets, {}, parallel, kept.output, call.options.origins, result, first_index};
-    target.admit(input, call.memory_limit());
+    const std::span<const std::uint32_t> segments = kept.buckets.segments.span();
+    const auto layer_at = [&](PlaneIndex plane) { return describe_layer(kept.planes, plane, segments[plane]); };
+    const auto cutting = std::count_if(segments.begin(), segments.end(), [](std::uint32_t count) { return count > 0; });
+    OutputPlan plan{.layers = kept.planes.size(),
+                    .layer_at = layer_at,
+                    .segments = kept.buckets.segment_count,
+                    .cutting = static_cast<std::uint64_t>(cutting),
+                    .bands = {},
+                    .parallel = parallel,
+                    .scratch = kept.output,
+                    .origins = call.options.origins,
+                    .result = result,
+                    .lead = usual_lead(parallel),
+                    .first_index = first_index};
+    target.admit(plan, call.memory_limit());
 
     // Bands are cut between counting and scattering, so that scattering notes the triangles that reach beyond their band.
     parallel.stop_if_asked();
     kept.bands.cut(kept.buckets, kept.planes.size(), static_cast<int>(call.tuning.band_planes), parallel.threads(),
                    target.most_band_segments(parallel.threads()));
-    input.bands = kept.bands.bands;
+    plan.bands = kept.bands.bands;
     const std::size_t reaching = source.scatter(kept.bands.band_end, kept.bands.reaching.span(), call.options.origins);
     kept.bands.find_seeds(kept.planes.size(), reaching, parallel.stop());
     info.crossed = kept.buckets.records.size();
@@ -224,14 +237,14 @@ void slice_layers(TriangleSource& source, LayerTarget& target, const SliceCall& 
     info.ms.bucket = milliseconds_since(start);
 
     start = Clock::now();
-    BandSweeping sweeping(call, progress, target.begin(input), info);
+    BandSweeping sweeping(call, progress, target.begin(plan), info);
     sweeping.run();
     source.give_back();
     kept.bands.forget_many_seeds();  // before the result's contours are added to what is held
     sweeping.split_time(milliseconds_since(start), info.ms);
 
     start = Clock::now();
-    target.finish(input);
+    target.finish(plan);
     info.ms.contours += milliseconds_since(start);
     progress.finish();
 }

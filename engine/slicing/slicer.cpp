@@ -72,11 +72,6 @@ void check(const Source& from, const SliceCall& call) {
     }
 }
 
-/// Sources that are not swept for their target: their whole result goes there.
-bool is_held_whole(const Source& from, const SliceOptions& options, bool for_sink) noexcept {
-    return from.is_parts() || options.content != LayerContent::section || (from.other() != nullptr && !for_sink);
-}
-
 template <class T>
 void append(Vector<T>& to, std::span<const T> more) {
     to.insert(to.end(), more.begin(), more.end());
@@ -164,16 +159,6 @@ void collect_layers(const SourceImpl& source, const SliceCall& call, SliceResult
     collecting.move_to(result);
 }
 
-void slice_whole(const Source& from, const SliceCall& call, SliceResult& result) {
-    if (from.other() != nullptr) {
-        collect_layers(*from.other(), call, result);
-    } else if (from.is_parts()) {
-        slice_parts({from.parts(), from.part_count()}, call, result);
-    } else {
-        slice_faces(from.mesh(), call, result);
-    }
-}
-
 /// The target that a destination stands for.
 class AnyTarget {
 public:
@@ -196,20 +181,28 @@ private:
     LayerTarget* target_;
 };
 
+/// Layers of a file in pieces come one by one: a result and arrays take them when all are there.
+void slice_pieces(AnyTarget& target, const SourceImpl& source, const SliceCall& call, SliceResult& result) {
+    if (target.sink() != nullptr) {
+        source.slice(*target.sink(), call, result.info);
+    } else if (target.is_result()) {
+        collect_layers(source, call, result);
+    } else {
+        SliceResult whole(call.context.memory);
+        collect_layers(source, call, whole);
+        hand_over_whole(whole, call, *target, result);
+    }
+}
+
 /// Every slice: `result` gets what is known of it, and the layers where it is what `target` stands for.
 void slice_for(AnyTarget& target, const Source& from, const SliceCall& call, SliceResult& result) {
     check(from, call);
-    if (is_held_whole(from, call.options, target.sink() != nullptr)) {
-        if (target.is_result()) {
-            slice_whole(from, call, result);
-        } else {
-            SliceResult whole(call.context.memory);
-            slice_whole(from, call, whole);
-            (*target).take_whole(whole, *call.kept.parallel);
-            result.info = std::move(whole.info);
-        }
-    } else if (from.other() != nullptr) {
-        from.other()->slice(*target.sink(), call, result.info);
+    if (from.other() != nullptr) {
+        slice_pieces(target, *from.other(), call, result);
+    } else if (from.is_parts()) {
+        slice_parts({from.parts(), from.part_count()}, call, *target, result);
+    } else if (call.options.content != LayerContent::section) {
+        slice_faces(from.mesh(), call, *target, result);
     } else {
         with_source(from, call,
                     [&](TriangleSource& source, const SliceCall& own) { slice_layers(source, *target, own, result); });

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -120,6 +121,24 @@ TEST_CASE("a scale that the type cannot take is refused before anything is cut",
     offset.region.offset_mm = 50;
     const GuardedArrays host({8, 1, 1}, {.scale = 1e7});
     CHECK(refusal_of(host.arrays, view_of(box), offset).code == ErrorCode::invalid_argument);
+}
+
+TEST_CASE("parts and faces that do not fit are refused before progress shows the end", "[engine][host][parts][slabs]") {
+    const shapes::Soup box = shapes::box({0, 0, 0}, {10, 10, 4});
+    lamella::Part parts[2];
+    parts[0].mesh = parts[1].mesh = view_of(box);
+    SliceOptions faces = uniform(1);
+    faces.content = lamella::LayerContent::upward_faces;
+    std::vector<lamella::Layer> layers(100);
+    double reached = -1;
+    const auto note = [&](double done) noexcept { reached = done; };
+    for (const HostArrays& arrays : {HostArrays{}, HostArrays{.layers = layers}}) {
+        const double most = arrays.layers.empty() ? 0.4 : 1;  // with too few layers, before anything is cut
+        CHECK(refusal_of(arrays, parts, uniform(1), {.progress = note}).code == ErrorCode::result_too_large);
+        CHECK(std::exchange(reached, -1) < most);
+        CHECK(refusal_of(arrays, view_of(box), faces, {.progress = note}).code == ErrorCode::result_too_large);
+        CHECK(std::exchange(reached, -1) < most);
+    }
 }
 
 TEST_CASE("arrays that contradict themselves are refused", "[engine][host][errors]") {

@@ -12,7 +12,7 @@
 #include "lamella/result.hpp"
 #include "rings.hpp"
 #include "slicing/contours/kernels.hpp"
-#include "slicing/edges/run_kernels.hpp"
+#include "slicing/edges/find_turns.hpp"
 
 using lamella::Kernels;
 using lamella::Point;
@@ -66,40 +66,6 @@ std::vector<std::uint32_t> turns_of(const std::vector<Point>& points) {
         up = own_up != 0 ? own_up : up;
     }
     return turns;
-}
-
-struct Boxes {
-    std::vector<std::int32_t> low_x;
-    std::vector<std::int32_t> low_y;
-    std::vector<std::int32_t> high_x;
-    std::vector<std::int32_t> high_y;
-    std::vector<std::uint32_t> run;
-
-    lamella::BoxArrays arrays() const { return {low_x.data(), low_y.data(), high_x.data(), high_y.data(), run.data()}; }
-    bool meet(std::size_t i, std::size_t j, std::int32_t from_x) const {
-        return low_x[j] <= high_x[i] && low_x[i] <= high_x[j] && low_y[j] <= high_y[i] && low_y[i] <= high_y[j] &&
-               std::max(low_x[i], low_x[j]) >= from_x && run[i] + 1 != run[j] && run[j] + 1 != run[i];
-    }
-};
-
-Boxes random_boxes(std::mt19937& random, std::size_t count, int range) {
-    const auto below = [&](int n) { return static_cast<std::int32_t>(random() % static_cast<unsigned>(n)); };
-    Boxes boxes;
-    for (std::size_t i = 0; i < count; ++i) {
-        boxes.low_x.push_back(below(range));
-        boxes.high_x.push_back(boxes.low_x.back() + below(range / 2));
-        boxes.low_y.push_back(below(range));
-        boxes.run.push_back(static_cast<std::uint32_t>(below(range)));
-    }
-    std::sort(boxes.low_y.begin(), boxes.low_y.end());
-    for (const std::int32_t low : boxes.low_y) {
-        boxes.high_y.push_back(low + below(range / 2));
-    }
-    for (std::vector<std::int32_t>* numbers : {&boxes.low_x, &boxes.low_y, &boxes.high_x, &boxes.high_y}) {
-        numbers->resize(count + lamella::run_lanes);
-    }
-    boxes.run.resize(count + lamella::run_lanes);
-    return boxes;
 }
 
 /// Planes 20 units apart.
@@ -224,38 +190,12 @@ TEST_CASE("every form finds where paths turn, also along the axes", "[engine][cr
         if (round % 3 == 0) {  // long runs
             std::sort(points.begin(), points.end());
         }
-        for (const auto& [needs, form] : lamella::supported(lamella::run_kernel_forms())) {
+        for (const auto& [needs, form] : lamella::supported(lamella::find_turns_forms())) {
             std::vector<std::uint32_t> turns(points.size());
             std::vector<Point> with_room = points;
             with_room.resize(points.size() + lamella::turn_lanes, points[random() % points.size()]);
-            turns.resize(form.find_turns(with_room.data(), points.size() - 1, turns.data()));
+            turns.resize(form(with_room.data(), points.size() - 1, turns.data()));
             REQUIRE(turns == turns_of(points));
-        }
-    }
-}
-
-TEST_CASE("every form finds the boxes that meet a box", "[engine][crossings][kernels]") {
-    std::mt19937 random(6);
-    for (int round = 0; round < 1000; ++round) {
-        const std::size_t count = 1 + random() % 40;
-        const Boxes boxes = random_boxes(random, count, round % 2 == 0 ? 12 : 200);
-        const auto from_x = static_cast<std::int32_t>(random() % 12);
-        for (std::size_t i = 0; i < count; ++i) {
-            std::vector<std::uint32_t> expected;
-            std::size_t beside = 0;
-            for (std::size_t j = i + 1; j < count; ++j) {
-                beside += boxes.low_y[j] <= boxes.high_y[i] ? 1 : 0;
-                if (boxes.meet(i, j, from_x)) {
-                    expected.push_back(static_cast<std::uint32_t>(j));
-                }
-            }
-            for (const auto& [needs, form] : lamella::supported(lamella::run_kernel_forms())) {
-                std::vector<std::uint32_t> found(count);
-                const lamella::BoxesMet meeting = form.find_meeting(boxes.arrays(), i, count, from_x, found.data());
-                found.resize(meeting.found);
-                REQUIRE(found == expected);
-                REQUIRE(meeting.beside == beside);
-            }
         }
     }
 }

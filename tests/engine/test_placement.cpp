@@ -85,7 +85,7 @@ TEST_CASE("bands with more or fewer points than segments are placed in order", "
         }
     }
     placement.finish(lamella::Parallel({.threads = 1}), result);
-    REQUIRE(placement.point_count() == expected.size());
+    REQUIRE(placement.totals().points == expected.size());
     CHECK(std::vector<Point>(result.points.begin(), result.points.end()) == expected);
     REQUIRE(result.origins.size() == (with_origins ? expected.size() : 0));
     for (std::size_t i = 0; i < expected.size() && with_origins; ++i) {

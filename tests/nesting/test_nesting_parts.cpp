@@ -7,6 +7,7 @@
 
 #include "base/vector.hpp"
 #include "layer_sample.hpp"
+#include "slicing/grid/point_tree.hpp"
 #include "slicing/nesting/order.hpp"
 #include "slicing/nesting/starts.hpp"
 
@@ -15,7 +16,6 @@ using lamella::Vector;
 using lamella::nesting::ManyInside;
 using lamella::nesting::SortKey;
 using lamella::nesting::StartLine;
-using lamella::nesting::StartTree;
 using lamella::test::below;
 
 namespace {
@@ -101,25 +101,6 @@ TEST_CASE("keys are sorted whatever their number and distribution", "[nesting]")
     }
 }
 
-TEST_CASE("equal keys are sorted by a second order", "[nesting]") {
-    Keys keys = {{1, 0}, {2, 1}, {2, 2}, {2, 3}, {3, 4}, {4, 5}, {4, 6}};
-    lamella::nesting::sort_equal_keys(keys, [](const SortKey& a, const SortKey& b) { return a.index > b.index; });
-    const std::uint32_t expected[] = {0, 3, 2, 1, 4, 6, 5};
-    CHECK(std::equal(keys.begin(), keys.end(), std::begin(expected), std::end(expected),
-                     [](const SortKey& key, std::uint32_t index) { return key.index == index; }));
-}
-
-TEST_CASE("keys of points have the order of the points", "[nesting]") {
-    constexpr std::int32_t far = lamella::grid_limit;
-    const Point points[] = {{-far, -far}, {-far, far}, {-1, 5}, {0, -1}, {0, 0}, {0, 1}, {far, -far}, {far, far}};
-    for (const Point a : points) {
-        CHECK(point_of({lamella::nesting::key_of(a), 0}) == a);
-        for (const Point b : points) {
-            CHECK((a < b) == (lamella::nesting::key_of(a) < lamella::nesting::key_of(b)));
-        }
-    }
-}
-
 TEST_CASE("the line and the tree of starts find the starts within a box", "[nesting]") {
     std::mt19937 random(GENERATE(1U, 2U, 3U));
     const int count = GENERATE(1, 15, 16, 17, 300, 5000);
@@ -128,11 +109,12 @@ TEST_CASE("the line and the tree of starts find the starts within a box", "[nest
     const Keys starts = random_starts(random, count, size);
     StartLine line(nullptr);
     lamella::Worker worker;
-    StartTree tree(worker);
-    line.assign(random_starts(random, 40, size));  // earlier contents must leave no trace
-    tree.assign(random_starts(random, 6000, size), 1.0);
-    line.assign(starts);
-    tree.assign(starts, aspect);
+    lamella::PointTree tree(worker);
+    for (const Keys& keys : {random_starts(random, 6000, size), starts}) {  // earlier contents must leave no trace
+        line.assign(keys);
+        tree.assign(
+            keys.size(), [&](std::size_t i) { return point_of(keys[i]); }, aspect);
+    }
     std::vector<bool> taken_off(starts.size(), false);
     for (int round = 0; round < 40; ++round) {
         const auto corner = static_cast<std::uint32_t>(below(random, count));  // the line's boxes begin at a start
@@ -142,7 +124,10 @@ TEST_CASE("the line and the tree of starts find the starts within a box", "[nest
         Vector<std::uint32_t> in_line;
         Vector<std::uint32_t> in_tree;
         line.find(window, box.min.y, box.max.y, in_line);
-        tree.find({box.min, box.max}, in_tree);
+        tree.find_in(lamella::grown({box.min, box.max}, -1), [&](Point, std::uint32_t start) {
+            in_tree.push_back(start);
+            return true;
+        });
         const std::vector<std::uint32_t> expected = expected_within(starts, taken_off, box);
         REQUIRE(sorted(in_line) == expected);
         REQUIRE(sorted(in_tree) == expected);
@@ -216,53 +201,6 @@ TEST_CASE("all forms of the edge test agree", "[nesting]") {
         for (std::size_t form = 0; form < forms.size(); ++form) {
             CAPTURE(round, form);
             REQUIRE(strictly_inside(forms[form].kernel, points.data(), count, query) == expected);
-        }
-    }
-}
-
-TEST_CASE("all forms of sifting find the same edges", "[nesting]") {
-    using lamella::nesting::QuerySteps;
-    using lamella::nesting::Reaches;
-    std::mt19937 random(10);
-    const auto forms = lamella::supported(lamella::nesting::sift_edges_forms());
-    for (int round = 0; round < 4000; ++round) {
-        constexpr std::int32_t far = lamella::grid_limit;
-        const bool wide = round % 2 == 0;
-        const auto draw_y = [&] {
-            return wide ? static_cast<std::int32_t>(random() % (2U * far)) - far : below(random, 99);
-        };
-        std::vector<Point> points(2 + static_cast<std::size_t>(below(random, Reaches::most)));
-        for (Point& point : points) {
-            point = {below(random, 9), draw_y()};
-        }
-        // Few steps hold a point; the first and the last hold none.
-        const int shift = wide ? 24 + below(random, 3) : below(random, 4);
-        const std::int32_t low = draw_y() / 2;
-        const std::int32_t high = low + (1 << shift) * (2 + below(random, 20));
-        std::vector<std::uint32_t> ends(static_cast<std::size_t>((high - low) >> shift) + 2, 0);
-        for (std::size_t step = 2; step < ends.size(); ++step) {
-            const bool last = step + 1 == ends.size();
-            ends[step] =
-                ends[step - 1] + (!last && below(random, 4) == 0 ? 1 + static_cast<std::uint32_t>(below(random, 3)) : 0);
-        }
-        const QuerySteps steps{low, high, shift, ends.data()};
-        const auto count = static_cast<std::uint32_t>(points.size()) - 1;
-
-        std::vector<std::array<std::uint32_t, 3>> expected;
-        for (std::uint32_t edge = 0; edge < count; ++edge) {
-            const auto [first, last] = std::minmax({steps.of(points[edge].y), steps.of(points[edge + 1].y)});
-            if (ends[first] < ends[last + 1]) {
-                expected.push_back({edge, ends[first], ends[last + 1]});
-            }
-        }
-        for (std::size_t form = 0; form < forms.size(); ++form) {
-            CAPTURE(round, form);
-            Reaches reaches;
-            const std::size_t found = forms[form].kernel(steps, points.data(), count, reaches);
-            REQUIRE(found == expected.size());
-            for (std::size_t i = 0; i < found; ++i) {
-                REQUIRE(std::array{reaches.edge[i], reaches.begin[i], reaches.end[i]} == expected[i]);
-            }
         }
     }
 }

@@ -1,6 +1,7 @@
 #include "slicing/edges/edge_runs.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <new>
 #include <utility>
@@ -11,17 +12,15 @@ namespace lamella {
 
 namespace {
 
-constexpr std::size_t most_edges_of_piece = std::size_t{1} << 16;
+constexpr std::size_t most_edges_of_piece = std::size_t{1} << 13;
+constexpr std::size_t pieces_of_task = 8;
+constexpr std::size_t piece_work = 16;  ///< as StopPace counts it: pieces have few edges or many
 
-/// Keeps the first `kept` elements and leaves the others unspecified; memory grows by half, so that layers of many sizes
-/// take it only a few times.
+/// Leaves the contents unspecified; memory grows by half, so that layers of many sizes take it only a few times.
 template <class T>
-void resize_keeping(Array<T>& array, std::size_t kept, std::size_t count) {
+void make_room(Array<T>& array, std::size_t count) {
     if (count > array.capacity()) {
-        Array<T> larger(array.memory());
-        larger.resize_discarding(count + count / 2);
-        std::copy(array.begin(), array.begin() + kept, larger.begin());
-        array = std::move(larger);
+        array.resize_discarding(count + count / 2);
     }
     array.set_size(count);
 }
@@ -32,103 +31,80 @@ void EdgeRuns::clear() noexcept {
     paths_.clear();
     edges_ = 0;
     point_count_ = 0;
-    runs_.set_size(0);
-}
-
-void EdgeRuns::list(const EdgePath& path) {
-    if (paths_.size() == std::numeric_limits<std::uint32_t>::max()) {
-        throw std::bad_alloc();
-    }
-    EdgePath& listed = paths_.emplace_back(path);
-    listed.begin = point_count_;
-    listed.end = point_count_ + path.edges();
-    edges_ += path.edges();
-    point_count_ += path.edges() + 2;
 }
 
 void EdgeRuns::add(const EdgePath& path) {
     if (path.edges() == 0) {
         return;
     }
-    const std::size_t points_before = point_count_;
-    list(path);
-    resize_keeping(points_, points_before, point_count_ + turn_lanes);
-    const Piece whole{static_cast<std::uint32_t>(paths_.size() - 1), paths_.back().begin, paths_.back().end};
-    copy_points(whole);
-    const std::size_t turns = find_turns(whole, turns_);
-    const std::size_t runs_before = runs_.size();
-    if (runs_before + turns >= std::numeric_limits<std::uint32_t>::max()) {
+    if (paths_.size() == std::numeric_limits<std::uint32_t>::max()) {
         throw std::bad_alloc();
     }
-    resize_keeping(runs_, runs_before, runs_before + turns + 1);
-    write_runs(whole, {turns_.data(), turns}, runs_.data() + runs_before);
+    EdgePath& listed = paths_.emplace_back(path);
+    const Point from = path[0];
+    const Point half = path[path.edges() / 2];
+    listed.place = {from.x / 2 + half.x / 2, from.y / 2 + half.y / 2};
+    edges_ += path.edges();
+    point_count_ += path.edges() + 2;
 }
 
-void EdgeRuns::assign(std::span<const EdgePath> paths, const Parallel& parallel) {
-    clear();
-    for (const EdgePath& path : paths) {
-        if (path.edges() > 0) {
-            list(path);
-        }
-    }
+void EdgeRuns::cut(std::int32_t margin, const Parallel* parallel) {
+    margin_ = margin;
+    order_paths();
     list_pieces();
-    resize_keeping(points_, 0, point_count_ + turn_lanes);
-    const std::size_t tasks = tasks_.size() - 1;
+    make_room(points_, point_count_ + turn_lanes);
+    make_room(turns_, point_count_);
     const auto each_piece = [&](const auto& work) {
-        parallel.run(tasks, [&](std::size_t task, int) {
-            for (std::size_t p = tasks_[task]; p < tasks_[task + 1]; ++p) {
-                work(task, p);
-            }
-        });
+        const auto work_on = [&](std::size_t begin, std::size_t end) {
+            std::for_each(pieces_.data() + begin, pieces_.data() + end, work);
+        };
+        if (parallel == nullptr) {
+            worker_.in_stretches(0, pieces_.size(), piece_work, work_on);
+        } else {
+            parallel->run_ranges(pieces_.size(), pieces_of_task,
+                                 [&](std::size_t begin, std::size_t end, int) { work_on(begin, end); });
+        }
     };
-    each_piece([&](std::size_t, std::size_t p) { copy_points(pieces_[p]); });
-    runs_of_pieces_.assign(pieces_.size(), 0);
-    turns_of_tasks_.assign(tasks, Vector<std::uint32_t>(turns_.get_allocator()));
-    parallel.run(tasks, [&](std::size_t task, int) {
-        Vector<std::uint32_t> turns(turns_.get_allocator());
-        Vector<std::uint32_t>& own = turns_of_tasks_[task];
-        for (std::size_t p = tasks_[task]; p < tasks_[task + 1]; ++p) {
-            const std::size_t count = find_turns(pieces_[p], turns);
-            own.insert(own.end(), turns.begin(), turns.begin() + static_cast<std::ptrdiff_t>(count));
-            runs_of_pieces_[p] = count + 1;
-        }
-    });
-    std::size_t count = 0;
-    for (std::size_t& runs : runs_of_pieces_) {
-        count += std::exchange(runs, count);
+    each_piece([this](const Piece& piece) { copy_points(piece); });
+    each_piece([this](Piece& piece) { find_turns(piece); });
+    number_runs();
+    each_piece([this](const Piece& piece) { write_runs(piece); });
+    const auto box_at = [this](std::size_t run) {
+        const FlatBox& box = runs_[run].box;
+        return FlatBox{box.low, {box.high.x + margin_, box.high.y + margin_}};
+    };
+    if (parallel == nullptr) {
+        boxes_.assign(runs_.size(), box_at, worker_);
+    } else {
+        boxes_.assign(runs_.size(), box_at, *parallel);
     }
-    if (count > std::numeric_limits<std::uint32_t>::max()) {
-        throw std::bad_alloc();
+}
+
+/// A layer's contours come by their starts, of which neighbours may lie far apart along y.
+void EdgeRuns::order_paths() {
+    double widths = 0;
+    double heights = 0;
+    for (const EdgePath& path : paths_) {
+        const Point half = path[path.edges() / 2];
+        widths += std::abs(static_cast<double>(half.x) - path[0].x);
+        heights += std::abs(static_cast<double>(half.y) - path[0].y);
     }
-    runs_of_pieces_.push_back(count);
-    resize_keeping(runs_, 0, count);
-    parallel.run(tasks, [&](std::size_t task, int) {
-        const std::uint32_t* turns = turns_of_tasks_[task].data();
-        for (std::size_t p = tasks_[task]; p < tasks_[task + 1]; ++p) {
-            const std::size_t own = runs_of_pieces_[p + 1] - runs_of_pieces_[p] - 1;
-            write_runs(pieces_[p], {turns, own}, runs_.data() + runs_of_pieces_[p]);
-            turns += own;
-        }
-    });
+    order_by_place(
+        std::span(paths_), [](const EdgePath& path) { return path.place; }, worker_, widths / heights);
+    std::size_t points = 0;
+    for (EdgePath& path : paths_) {
+        path.begin = points;
+        path.end = points + path.edges();
+        points += path.edges() + 2;
+    }
 }
 
 void EdgeRuns::list_pieces() {
     pieces_.clear();
-    tasks_.assign(1, 0);
-    std::size_t edges_of_task = 0;
     for (std::uint32_t path = 0; path < paths_.size(); ++path) {
         for (std::size_t begin = paths_[path].begin; begin < paths_[path].end; begin += most_edges_of_piece) {
-            const std::size_t end = std::min(paths_[path].end, begin + most_edges_of_piece);
-            pieces_.push_back({path, begin, end});
-            edges_of_task += end - begin;
-            if (edges_of_task >= most_edges_of_piece) {
-                tasks_.push_back(pieces_.size());
-                edges_of_task = 0;
-            }
+            pieces_.push_back({path, begin, std::min(paths_[path].end, begin + most_edges_of_piece), 0, 0});
         }
-    }
-    if (tasks_.back() != pieces_.size()) {
-        tasks_.push_back(pieces_.size());
     }
 }
 
@@ -152,16 +128,25 @@ void EdgeRuns::copy_points(const Piece& piece) noexcept {
     }
 }
 
-std::size_t EdgeRuns::find_turns(const Piece& piece, Vector<std::uint32_t>& turns) const {
-    const std::size_t edges = piece.end - piece.begin;
-    if (turns.size() < edges) {
-        turns.resize(edges);
-    }
-    return kernels_.find_turns(points_.data() + piece.begin, edges, turns.data());
+void EdgeRuns::find_turns(Piece& piece) noexcept {
+    piece.turns = find_turns_(points_.data() + piece.begin, piece.end - piece.begin, turns_.data() + piece.begin);
 }
 
-void EdgeRuns::write_runs(const Piece& piece, std::span<const std::uint32_t> turns, EdgeRun* out) const noexcept {
+void EdgeRuns::number_runs() {
+    std::size_t count = 0;
+    for (Piece& piece : pieces_) {
+        piece.first_run = count;
+        count += piece.turns + 1;
+    }
+    if (count >= std::numeric_limits<std::uint32_t>::max()) {
+        throw std::bad_alloc();
+    }
+    make_room(runs_, count);
+}
+
+void EdgeRuns::write_runs(const Piece& piece) noexcept {
     const Point* const points = points_.data();
+    EdgeRun* out = runs_.data() + piece.first_run;
     std::size_t begin = piece.begin;
     const auto write = [&](std::size_t end) {
         const Point from = points[begin];
@@ -171,8 +156,8 @@ void EdgeRuns::write_runs(const Piece& piece, std::span<const std::uint32_t> tur
         *out++ = {FlatBox::around(from, to), begin, end, piece.path, right, up};
         begin = end;
     };
-    for (const std::uint32_t turn : turns) {
-        write(piece.begin + turn);
+    for (std::size_t turn = 0; turn < piece.turns; ++turn) {
+        write(piece.begin + turns_[piece.begin + turn]);
     }
     write(piece.end);
 }

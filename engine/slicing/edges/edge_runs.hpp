@@ -18,8 +18,8 @@
 #include "base/worker.hpp"
 #include "lamella/array.hpp"
 #include "lamella/grid.hpp"
-#include "slicing/edges/run_kernels.hpp"
-#include "slicing/grid/box.hpp"
+#include "slicing/edges/find_turns.hpp"
+#include "slicing/grid/box_tree.hpp"
 
 namespace lamella {
 
@@ -29,6 +29,7 @@ struct EdgePath {
     std::uint64_t contour = 0;
     bool closed = true;
     std::size_t start = 0;  ///< an index of points; 0 if open
+    Point place{};          ///< in paths(): between its start and the point half its edges away
     /// In paths(): edges [begin, end) of the layer; edge e leads from point e to point e + 1. After the edges' starts come
     /// two points more, which are the first two of a closed path.
     std::size_t begin = 0;
@@ -57,17 +58,20 @@ struct EdgeRun {
     bool goes_on_in(const EdgeRun& next) const noexcept { return right * next.right >= 0 || up * next.up >= 0; }
 };
 
-/// The runs of one layer after another; its memory is kept. O(m) for m edges.
+/// The runs of one layer after another, and a tree of their boxes; its memory is kept. O(m + p log p) for p
+/// paths with m edges.
 class EdgeRuns {
 public:
     explicit EdgeRuns(Worker& worker) noexcept : worker_(worker) {}
 
     /// No paths.
     void clear() noexcept;
-    /// Throws std::bad_alloc.
+    /// Lists a path for cut(). Throws std::bad_alloc.
     void add(const EdgePath& path);
-    /// clear(), and add() of all, in a few calls of run(), which give the same on any number of threads.
-    void assign(std::span<const EdgePath> paths, const Parallel& parallel);
+    /// Cuts the paths into runs. Boxes in the tree meet where those of the runs come within `margin` of each other, which is
+    /// below grid_limit. `parallel`: a few calls of run(), which give the same on any number of threads; null: on this
+    /// thread. Throws std::bad_alloc.
+    void cut(std::int32_t margin, const Parallel* parallel = nullptr);
 
     std::uint64_t edges() const noexcept { return edges_; }
     const Point* points() const noexcept { return points_.data(); }
@@ -75,6 +79,9 @@ public:
     const EdgePath& path_of(const EdgeRun& run) const noexcept { return paths_[run.path]; }
     /// Path by path, each from its start.
     std::span<const EdgeRun> runs() const noexcept { return runs_.span(); }
+    /// Of the runs.
+    const BoxTree<Point>& boxes() const noexcept { return boxes_; }
+    std::int32_t margin() const noexcept { return margin_; }
 
 private:
     /// A stretch of a path: few enough edges for one task.
@@ -82,26 +89,28 @@ private:
         std::uint32_t path;
         std::size_t begin;
         std::size_t end;
+        std::size_t turns;
+        std::size_t first_run;
     };
 
-    void list(const EdgePath& path);
+    void order_paths();
     void list_pieces();
     void copy_points(const Piece& piece) noexcept;
-    std::size_t find_turns(const Piece& piece, Vector<std::uint32_t>& turns) const;
-    void write_runs(const Piece& piece, std::span<const std::uint32_t> turns, EdgeRun* out) const noexcept;
+    void find_turns(Piece& piece) noexcept;
+    void number_runs();
+    void write_runs(const Piece& piece) noexcept;
 
     Worker& worker_;
-    const RunKernels& kernels_ = best_of(run_kernel_forms());
+    const FindTurns find_turns_ = best_of(find_turns_forms());
+    std::int32_t margin_ = 0;
     Vector<EdgePath> paths_{worker_.memory()};
     std::uint64_t edges_ = 0;
-    std::size_t point_count_ = 0;
+    std::size_t point_count_ = 0;  // with two more of each path
     Array<Point> points_{worker_.memory()};
+    Array<std::uint32_t> turns_{worker_.memory()};  // of a piece from its first edge on
     Array<EdgeRun> runs_{worker_.memory()};
-    Vector<std::uint32_t> turns_{worker_.memory()};
     Vector<Piece> pieces_{worker_.memory()};
-    Vector<std::size_t> tasks_{worker_.memory()};                     // first piece of each, and the number of pieces
-    Vector<Vector<std::uint32_t>> turns_of_tasks_{worker_.memory()};  // piece by piece
-    Vector<std::size_t> runs_of_pieces_{worker_.memory()};            // how many, then the first
+    BoxTree<Point> boxes_{worker_.memory()};  // of runs_, of which neighbours lie close
 };
 
 }  // namespace lamella

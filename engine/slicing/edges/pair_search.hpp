@@ -1,19 +1,15 @@
-// The pairs of edges that come near one another, of a layer's runs: runs whose boxes meet are halved until single edges are
-// left. O(r log r + c) for r runs whose boxes lie apart and c pairs of edges with close boxes.
+// The pairs of edges that come near one another, of a layer's runs: runs whose boxes meet in their tree are halved until
+// single edges are left. O(r log r + c) for r runs whose boxes lie apart and c pairs of edges with close boxes.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <span>
-#include <tuple>
 
 #include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "slicing/edges/edge_runs.hpp"
-#include "slicing/edges/run_kernels.hpp"
-#include "slicing/edges/run_strips.hpp"
 
 namespace lamella {
 
@@ -26,26 +22,25 @@ public:
     void stop() noexcept { cut_short_ = true; }
 
     /// Share `share` of `shares` of all pairs. Calls meet(a, i, b, j) once for each pair, in no order, of edge i of path a
-    /// and edge j of path b whose boxes come within the strips' margin of each other: all such pairs of two paths, and of
-    /// one path all but those of two successive runs that meet in their joint alone. Paths are those of `runs`, edges those
-    /// of the layer. The run of edge i begins further left than that of edge j, or comes first. False if it would take more
-    /// than `most_steps`, and not all were found. Throws std::bad_alloc.
+    /// and edge j of path b whose boxes come within the runs' margin of each other: all such pairs of two paths, and of one
+    /// path all but those of two successive runs that meet in their joint alone. Paths are those of `runs`, edges those of
+    /// the layer. The run of edge i comes before that of edge j. False if it would take more than `most_steps`, and not all
+    /// were found. Throws std::bad_alloc.
     template <class Meet>
-    bool find(const EdgeRuns& runs, const RunStrips& strips, std::size_t share, std::size_t shares, std::uint64_t most_steps,
-              Meet meet) {
-        runs_ = runs.runs().data();
-        points_ = runs.points();
+    bool find(const EdgeRuns& runs, std::size_t share, std::size_t shares, std::uint64_t most_steps, Meet meet) {
         layer_ = &runs;
-        margin_ = strips.margin();
+        points_ = runs.points();
         most_steps_ = most_steps;
         steps_ = 0;
         cut_short_ = false;
-        const std::size_t all = runs.runs().size();
-        compare_neighbours(all * share / shares, std::min(all * (share + 1) / shares, all - std::min<std::size_t>(all, 1)),
-                           meet);
-        const std::size_t last = strips.first_strip_of(share + 1, shares);
-        for (std::size_t strip = strips.first_strip_of(share, shares); strip < last && !cut_short_; ++strip) {
-            search(strips, strip, meet);
+        const BoxTree<Point>& boxes = runs.boxes();
+        const std::size_t last = boxes.groups() * (share + 1) / shares;
+        for (std::size_t group = boxes.groups() * share / shares; group < last && !cut_short_; ++group) {
+            const std::size_t first = boxes.group_begin(group);
+            const std::size_t cost = boxes.search_pairs(group, no_limit, [&](std::size_t other, LaneBits met) {
+                each_lane(met, [&](std::size_t lane) { compare_runs(runs.runs()[first + lane], runs.runs()[other], meet); });
+            });
+            spend(1 + cost / BoxTree<Point>::visit_cost);
         }
         return !cut_short_;
     }
@@ -54,6 +49,8 @@ public:
     std::uint64_t steps() const noexcept { return steps_; }
 
 private:
+    static constexpr std::size_t no_limit = std::numeric_limits<std::size_t>::max();
+
     /// Part of a run.
     struct Stretch {
         FlatBox box;
@@ -65,45 +62,6 @@ private:
         steps_ += steps;
         worker_.spend(steps);
         cut_short_ = cut_short_ || steps_ > most_steps_;
-    }
-
-    /// Runs [begin, end) with the run after each.
-    template <class Meet>
-    void compare_neighbours(std::size_t begin, std::size_t end, Meet& meet) {
-        for (std::size_t r = begin; r < end && !cut_short_; ++r) {
-            const EdgeRun& run = runs_[r];
-            const EdgeRun& next = runs_[r + 1];
-            const bool joined = run.path == next.path;
-            if (joined ? !leads_away(run, next) : grown(run.box, margin_).meets(next.box)) {
-                compare_in_order(static_cast<std::uint32_t>(r), static_cast<std::uint32_t>(r + 1), meet);
-            }
-        }
-    }
-
-    template <class Meet>
-    void search(const RunStrips& strips, std::size_t strip, Meet& meet) {
-        const auto [begin, end] = strips.entries_of(strip);
-        if (meeting_.size() < end - begin) {
-            meeting_.resize(end - begin);
-        }
-        const BoxArrays boxes = strips.boxes();
-        // Boxes that meet further left are found there. A single strip leaves nothing out.
-        const std::int32_t left = strips.count() == 1 ? std::numeric_limits<std::int32_t>::min() : strips.left_of(strip);
-        for (std::size_t i = begin; i < end && !cut_short_; ++i) {
-            const BoxesMet meeting = kernels_.find_meeting(boxes, i, end, left, meeting_.data());
-            spend(meeting.beside + 1);
-            for (std::size_t m = 0; m < meeting.found; ++m) {
-                compare_in_order(boxes.run[i], boxes.run[meeting_[m]], meet);
-            }
-        }
-    }
-
-    template <class Meet>
-    void compare_in_order(std::uint32_t i, std::uint32_t j, Meet& meet) {
-        const EdgeRun& a = runs_[i];
-        const EdgeRun& b = runs_[j];
-        const bool in_order = std::tie(a.box.low.x, i) < std::tie(b.box.low.x, j);
-        compare_runs(in_order ? a : b, in_order ? b : a, meet);
     }
 
     bool leads_into(const EdgeRun& run, const EdgeRun& next) const noexcept {
@@ -127,7 +85,7 @@ private:
     template <class Meet>
     void compare_runs(const EdgeRun& a, const EdgeRun& b, Meet& meet) {
         const bool apart = (leads_into(a, b) && leads_away(a, b)) || (leads_into(b, a) && leads_away(b, a));
-        if (!apart) {
+        if (!apart && !cut_short_) {
             compare({a.box, a.begin, a.end}, {b.box, b.begin, b.end}, a.path, b.path, meet);
         }
     }
@@ -136,7 +94,7 @@ private:
     template <class Meet>
     void compare(const Stretch& a, const Stretch& b, std::uint32_t a_path, std::uint32_t b_path, Meet& meet) {
         spend(1);
-        if (cut_short_ || !grown(a.box, margin_).meets(b.box)) {
+        if (cut_short_ || !grown(a.box, layer_->margin()).meets(b.box)) {
             return;
         }
         const std::size_t a_edges = a.end - a.begin;
@@ -157,21 +115,17 @@ private:
     }
 
     Worker& worker_;
-    const RunKernels& kernels_ = best_of(run_kernel_forms());
     const EdgeRuns* layer_ = nullptr;
-    const EdgeRun* runs_ = nullptr;
     const Point* points_ = nullptr;
-    std::int32_t margin_ = 0;
     std::uint64_t most_steps_ = 0;
     std::uint64_t steps_ = 0;
     bool cut_short_ = false;
-    Vector<std::uint32_t> meeting_{worker_.memory()};
 };
 
 /// Pairs of edges of paths in a plane, on one thread. Searches one layer after another; its memory is kept.
 class EdgePairs {
 public:
-    explicit EdgePairs(Worker& worker) noexcept : worker_(worker) {}
+    explicit EdgePairs(Worker& worker) noexcept : runs_(worker), search_(worker) {}
 
     void clear() noexcept { runs_.clear(); }
 
@@ -189,20 +143,17 @@ public:
     /// would take more than `steps`, and not all were found. Throws std::bad_alloc.
     template <class Meet>
     bool find(std::int32_t margin, std::uint64_t steps, Meet meet) {
-        strips_.assign(runs_.runs(), margin);
-        return search_.find(runs_, strips_, 0, 1, steps,
-                            [&](std::uint32_t a, std::size_t i, std::uint32_t b, std::size_t j) {
-                                const EdgePath& a_path = runs_.paths()[a];
-                                const EdgePath& b_path = runs_.paths()[b];
-                                meet(a_path, i - a_path.begin, b_path, j - b_path.begin);
-                            });
+        runs_.cut(margin);
+        return search_.find(runs_, 0, 1, steps, [&](std::uint32_t a, std::size_t i, std::uint32_t b, std::size_t j) {
+            const EdgePath& a_path = runs_.paths()[a];
+            const EdgePath& b_path = runs_.paths()[b];
+            meet(a_path, i - a_path.begin, b_path, j - b_path.begin);
+        });
     }
 
 private:
-    Worker& worker_;
-    EdgeRuns runs_{worker_};
-    RunStrips strips_{worker_};
-    PairSearch search_{worker_};
+    EdgeRuns runs_;
+    PairSearch search_;
 };
 
 }  // namespace lamella

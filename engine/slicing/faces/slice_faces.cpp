@@ -4,7 +4,7 @@
 //     count_pieces                            faces that look up or down, and the slabs that they reach into
 //     share_pieces                            pieces, by 8 bytes each, to the layers that they project to
 //     build_layers                            for each layer: the border of its pieces, and the region within it
-//     Placement::finish        result         layers to their place
+//     LayerTarget::finish      result         layers to their place
 #include "slicing/faces/slice_faces.hpp"
 
 #include <algorithm>
@@ -67,19 +67,17 @@ public:
           planes_(call.context.memory),
           rules_(working_rules(call.options)) {}
 
-    void slice(SliceResult& result) {
+    void slice(LayerTarget& target, SliceResult& result) {
         parallel_.begin_stage(0.4, 5);
         const auto start = Clock::now();
         outline(result.info);
+        target.admit_layers(layers_.size(), result.info);
         Distributed<FacePiece> pieces = share_pieces();
         result.info.ms.bucket = milliseconds_since(start);
         const auto shared = Clock::now();
         parallel_.begin_stage(0.95);
-        build_layers(pieces, result);
+        build_layers(pieces, target, result);
         result.info.ms.fill = milliseconds_since(shared);
-        parallel_.begin_stage(0.99, 2);
-        placement_.finish(parallel_, result);
-        set_counts(placement_.contour_counts(), result);
         parallel_.finish();
     }
 
@@ -125,9 +123,8 @@ private:
         return part_of_number(layer - layers_.first, layers_.size(), tasks());
     }
     Distributed<FacePiece> share_pieces() const;
-    void build_layers(Distributed<FacePiece>& pieces, SliceResult& result);
-    void build_task(const Band& layers, std::span<FacePiece> pieces, FaceWorker& worker, BandOutput& output,
-                    std::span<Layer> described) const;
+    void build_layers(Distributed<FacePiece>& pieces, LayerTarget& target, SliceResult& result);
+    void build_task(const Band& layers, std::span<FacePiece> pieces, FaceWorker& worker, BandOutput& output);
     void build_layer(std::span<const FacePiece> pieces, FaceWorker& worker, BandOutput& output) const;
     PieceRing ring_of(const GridTriangle& face, PlaneIndex layer) const noexcept;
 
@@ -142,7 +139,7 @@ private:
     RegionRules rules_;
     SharedFrame frame_{};
     std::vector<Band> tasks_;
-    Placement placement_{parallel_.memory()};
+    Array<std::uint64_t> piece_counts_{parallel_.memory()};  // of each layer that was built
 };
 
 void FaceSlicing::check_size(std::uint64_t pieces) const {
@@ -208,28 +205,40 @@ Distributed<FacePiece> FaceSlicing::share_pieces() const {
     });
 }
 
-void FaceSlicing::build_layers(Distributed<FacePiece>& pieces, SliceResult& result) {
+void FaceSlicing::build_layers(Distributed<FacePiece>& pieces, LayerTarget& target, SliceResult& result) {
     std::vector<std::unique_ptr<FaceWorker>> workers(static_cast<std::size_t>(parallel_.threads()));
     for (std::size_t task = 0; task < tasks(); ++task) {
         const auto first_of = [&](std::size_t t) { return (t * layers_.size() + tasks() - 1) / tasks(); };
         tasks_.push_back({static_cast<PlaneIndex>(first_of(task)), static_cast<PlaneIndex>(first_of(task + 1)), 0});
     }
-    result.layers.resize_discarding(layers_.size());
-    placement_.begin(tasks_, tasks(), false, result, parallel_.stop());
+    piece_counts_.resize_discarding(layers_.size());
+    const auto layer_at = [this](PlaneIndex layer) {
+        return describe_layer(planes_, layers_.first + layer, piece_counts_[layer]);
+    };
+    const OutputPlan plan{.layers = layers_.size(),
+                          .layer_at = layer_at,
+                          .segments = 0,  // how many points pieces leave is not known
+                          .cutting = 0,
+                          .bands = tasks_,
+                          .parallel = parallel_,
+                          .scratch = call_.kept.output,
+                          .origins = false,
+                          .result = result,
+                          .lead = tasks()};
+    BandTarget& bands = target.begin(plan);
     parallel_.run(tasks(), [&](std::size_t task, int number) {
         auto& worker = workers[static_cast<std::size_t>(number)];
         if (worker == nullptr) {
             worker = std::make_unique<FaceWorker>(parallel_.memory(), parallel_.stop());
             worker->builder.rules = {.region = &rules_, .grid_mm = frame_.unit.mm};
         }
-        fill_band(placement_, task, [&](BandOutput& output) {
-            build_task(tasks_[task], pieces.of(task), *worker, output, result.layers.span());
-        });
+        fill_band(bands, task, [&](BandOutput& output) { build_task(tasks_[task], pieces.of(task), *worker, output); });
     });
+    parallel_.begin_stage(0.99, 2);
+    target.finish(plan);
 }
 
-void FaceSlicing::build_task(const Band& layers, std::span<FacePiece> pieces, FaceWorker& worker, BandOutput& output,
-                             std::span<Layer> described) const {
+void FaceSlicing::build_task(const Band& layers, std::span<FacePiece> pieces, FaceWorker& worker, BandOutput& output) {
     if (layers.last - layers.first > 1) {
         std::sort(pieces.begin(), pieces.end(), [](const FacePiece& a, const FacePiece& b) { return a.layer < b.layer; });
     }
@@ -237,8 +246,9 @@ void FaceSlicing::build_task(const Band& layers, std::span<FacePiece> pieces, Fa
         const PlaneIndex layer = layers_.first + number;
         const auto past = std::find_if(pieces.begin(), pieces.end(), [&](const FacePiece& p) { return p.layer != layer; });
         const auto count = static_cast<std::size_t>(past - pieces.begin());
+        piece_counts_[number] = count;
         build_layer(pieces.first(count), worker, output);
-        described[number] = describe_layer(planes_, layer, count);
+        output.end_layer();
         pieces = pieces.subspan(count);
     }
 }
@@ -289,8 +299,8 @@ void check_faces(const Source& from, const SliceOptions& options) {
     }
 }
 
-void slice_faces(const MeshView& mesh, const SliceCall& call, SliceResult& result) {
-    FaceSlicing(mesh, call).slice(result);
+void slice_faces(const MeshView& mesh, const SliceCall& call, LayerTarget& target, SliceResult& result) {
+    FaceSlicing(mesh, call).slice(target, result);
 }
 
 void outline_faces(const MeshView& mesh, const SliceCall& call, SliceInfo& info) {

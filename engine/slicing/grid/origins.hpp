@@ -3,8 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cstddef>
-#include <span>
 #include <utility>
 
 #include "lamella/result.hpp"
@@ -27,12 +25,6 @@ constexpr PointOrigin stretch_of(PointOrigin whole, bool from_begin, bool to_end
     whole.edge = from_begin ? whole.edge : no_edge;
     whole.end_edge = to_end ? whole.end_edge : no_edge;
     return whole;
-}
-
-/// The origin of edge i of a closed contour that is turned round, whose point i was point count - 1 - i.
-constexpr PointOrigin origin_turned_round(std::span<const PointOrigin> before, std::size_t i) noexcept {
-    const std::size_t count = before.size();
-    return turned(before[i + 1 < count ? count - 2 - i : count - 1]);
 }
 
 /// Of what is made of two edges: the smallest part, then the smallest triangle. An edge from none is the larger.

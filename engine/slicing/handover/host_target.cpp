@@ -152,71 +152,49 @@ void HostPoints::write(std::uint64_t first, std::span<const Point> points) const
 
 HostTarget::HostTarget(const HostArrays& host) : host_(checked(host)), writer_(host) {}
 
-void HostTarget::check_layers(std::uint64_t layers) const {
+void HostTarget::admit_layers(std::uint64_t layers, const SliceInfo& info) const {
     if (layers > host_.layers.size()) {
         refuse(
             "the slice has " + counted(layers, "layer") + ", but there is memory for " + std::to_string(host_.layers.size()),
             ErrorCode::result_too_large);
     }
+    check_scale(host_, farthest_units(info));
 }
 
-void HostTarget::admit(const SweepInput& input, std::uint64_t /*memory_limit*/) {
-    check_layers(input.planes.size());
-    check_scale(host_, farthest_units(input.result.info));
-}
-
-BandTarget& HostTarget::begin(const SweepInput& input) {
+BandTarget& HostTarget::begin(const OutputPlan& plan) {
     PointRoom room;
     if (!is_plain(host_)) {
         room.writer = &writer_;
     } else if (host_.point_capacity > 0) {
         room.points = {static_cast<Point*>(host_.points), host_.point_capacity};
     }
-    if (input.origins && !host_.origins.empty()) {
+    if (plan.origins && !host_.origins.empty()) {
         room.origins = host_.origins.first(host_.point_capacity);
     }
-    input.scratch.placement.begin(input.bands, input.lead(), room, input.parallel.stop());
-    return input.scratch.placement;
+    plan.scratch.placement.begin(plan.bands, plan.lead, room, plan.parallel.stop());
+    return plan.scratch.placement;
 }
 
-void HostTarget::finish(const SweepInput& input) {
-    const Placement& placement = input.scratch.placement;
-    check_room({placement.contour_count(), placement.point_count(), placement.stitch_count()});
-    const std::span<Layer> layers = host_.layers.first(input.planes.size());
-    fill_layers(input, layers);
-    placement.write_contours(input.parallel, host_.contours.first(placement.contour_count()), layers);
+void HostTarget::finish(const OutputPlan& plan) {
+    const Placement& placement = plan.scratch.placement;
+    LayerTotals totals = placement.totals();
+    check_room(totals);
+    const std::span<Layer> layers = host_.layers.first(plan.layers);
+    fill_layers(plan, layers);
+    placement.write_contours(plan.parallel, host_.contours.first(totals.contours), layers);
     if (!host_.stitches.empty()) {
-        placement.write_stitches(host_.stitches.first(placement.stitch_count()), input.parallel.stop());
+        placement.write_stitches(host_.stitches.first(totals.stitches), plan.parallel.stop());
     }
-    SliceInfo& info = input.result.info;
-    set_counts(placement.contour_counts(), info.options.region.keeps_contours() ? 0 : count_emptied(layers), info);
-    info.contours = placement.contour_count();
-    info.points = placement.point_count();
-    info.stitches = placement.stitch_count();
+    totals.emptied = count_emptied(layers);
+    totals.describe(plan.result.info);
 }
 
-void HostTarget::take_whole(SliceResult& whole, const Parallel& parallel) {
-    check_layers(whole.layers.size());
-    check_scale(host_, farthest_units(whole.info));
-    check_room({whole.contours.size(), whole.points.size(), whole.stitches.size()});
-    parallel.run_ranges(whole.points.size(), 1 << 14, [&](std::size_t begin, std::size_t end, int) {
-        writer_.write(begin, whole.points.span().subspan(begin, end - begin));
-    });
-    std::copy(whole.contours.begin(), whole.contours.end(), host_.contours.begin());
-    std::copy(whole.layers.begin(), whole.layers.end(), host_.layers.begin());
-    if (!host_.stitches.empty()) {
-        std::copy(whole.stitches.begin(), whole.stitches.end(), host_.stitches.begin());
-    }
-    if (!host_.origins.empty()) {
-        std::copy(whole.origins.begin(), whole.origins.end(), host_.origins.begin());
-    }
-}
-
-void HostTarget::check_room(const Sizes& sizes) const {
-    const std::uint64_t stitches = host_.stitches.empty() ? 0 : sizes.stitches;
-    if (sizes.points > host_.point_capacity || sizes.contours > host_.contours.size() || stitches > host_.stitches.size()) {
-        refuse("the slice has " + counted(sizes.contours, "contour") + ", " + counted(sizes.points, "point") + " and " +
-                   counted(sizes.stitches, "stitch", "stitches") + ", but there is memory for " +
+void HostTarget::check_room(const LayerTotals& totals) const {
+    const std::uint64_t stitches = host_.stitches.empty() ? 0 : totals.stitches;
+    if (totals.points > host_.point_capacity || totals.contours > host_.contours.size() ||
+        stitches > host_.stitches.size()) {
+        refuse("the slice has " + counted(totals.contours, "contour") + ", " + counted(totals.points, "point") + " and " +
+                   counted(totals.stitches, "stitch", "stitches") + ", but there is memory for " +
                    std::to_string(host_.contours.size()) + ", " + std::to_string(host_.point_capacity) + " and " +
                    std::to_string(host_.stitches.size()),
                ErrorCode::result_too_large);

@@ -33,20 +33,12 @@ public:
     /// Throws Refused where arrays or scale make no sense.
     explicit HostTarget(const HostArrays& host);
 
-    void admit(const SweepInput& input, std::uint64_t memory_limit) override;
-    BandTarget& begin(const SweepInput& input) override;
-    void finish(const SweepInput& input) override;
-
-    void take_whole(SliceResult& whole, const Parallel& parallel) override;
+    void admit_layers(std::uint64_t layers, const SliceInfo& info) const override;
+    BandTarget& begin(const OutputPlan& plan) override;
+    void finish(const OutputPlan& plan) override;
 
 private:
-    struct Sizes {
-        std::uint64_t contours;
-        std::uint64_t points;
-        std::uint64_t stitches;
-    };
-    void check_layers(std::uint64_t layers) const;
-    void check_room(const Sizes& sizes) const;
+    void check_room(const LayerTotals& totals) const;
 
     const HostArrays& host_;
     HostPoints writer_;

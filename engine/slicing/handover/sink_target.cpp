@@ -65,18 +65,9 @@ struct LayerCursor {
 
 }  // namespace
 
-void SinkTotals::add(const SinkTotals& other) noexcept {
-    layers += other.layers;
-    contours += other.contours;
-    points += other.points;
-    stitches += other.stitches;
-    emptied += other.emptied;
-    counts.add(other.counts);
-}
-
-SinkBands::SinkBands(const LayerSink& sink, const SweepInput& input)
-    : sink_(sink), input_(input), ascending_(sink.order == SinkOrder::ascending), bands_(input.bands.size()) {
-    for (const auto& output : input.scratch.outputs) {
+SinkBands::SinkBands(const LayerSink& sink, const OutputPlan& plan)
+    : sink_(sink), plan_(plan), ascending_(sink.order == SinkOrder::ascending), bands_(plan.bands.size()) {
+    for (const auto& output : plan.scratch.outputs) {
         put_idle(output.get());
     }
 }
@@ -87,26 +78,26 @@ std::uint64_t SinkBands::most_segments(int threads) noexcept {
 
 BandOutput* SinkBands::acquire(std::size_t band) {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return aborted_ || !ascending_ || band <= head_ + input_.lead(); });
+    changed_.wait(lock, [&] { return aborted_ || !ascending_ || band <= head_ + plan_.lead; });
     if (aborted_) {
         return nullptr;
     }
     BandOutput* const output = take_idle();
-    output->first_layer = input_.bands[band].first;
+    output->first_layer = plan_.bands[band].first;
     output->reader = this;
     output->band = band;
-    output->with_origins = input_.origins;
+    output->with_origins = plan_.origins;
     bands_[band].output = output;
     // All layers of a wide plane's band, which is one; of others a parcel, or the largest layer as it comes.
-    const std::uint64_t segments = input_.bands[band].segments;
-    output->begin_in_buffer(input_.bands[band].wide ? segments : std::min<std::uint64_t>(segments, parcel_points));
+    const std::uint64_t segments = plan_.bands[band].segments;
+    output->begin_in_buffer(plan_.bands[band].wide ? segments : std::min<std::uint64_t>(segments, parcel_points));
     return output;
 }
 
 BandOutput* SinkBands::take_idle() {
-    auto& outputs = input_.scratch.outputs;
+    auto& outputs = plan_.scratch.outputs;
     if (idle_.empty()) {
-        outputs.push_back(std::make_unique<BandOutput>(input_.scratch.memory));
+        outputs.push_back(std::make_unique<BandOutput>(plan_.scratch.memory));
         return outputs.back().get();
     }
     BandOutput* const output = idle_.back();
@@ -173,7 +164,7 @@ void SinkBands::put_aside(BandOutput& output) {
     output.move_layers_to(*parcels.back());
     bytes_aside_ += bytes;
     lock.unlock();
-    output.make_room(parcel_points);
+    output.move_to_buffer(parcel_points);
 }
 
 /// First the parcels that were put aside, then the output. The band is the head.
@@ -193,20 +184,19 @@ void SinkBands::hand_over(OwnBand& band) {
 }
 
 /// Hands over all layers of `output` and empties it. Throws Stopped where the host wants the call to end.
-void SinkBands::hand_over(BandOutput& output, SinkTotals& totals) const {
+void SinkBands::hand_over(BandOutput& output, LayerTotals& totals) const {
     LayerCursor cursor{output};
     while (cursor.layer < output.layer_contours.size()) {
         const auto plane = static_cast<PlaneIndex>(output.first_layer + cursor.layer);
-        LayerView view = cursor.next(input_.first_index + plane);
-        static_cast<Layer&>(view) = describe_layer(input_.planes, plane, input_.buckets.segments[plane]);
+        LayerView view = cursor.next(plan_.first_index + plane);
+        static_cast<Layer&>(view) = plan_.layer_at(plane);
         view.contour_count = view.contours.size();
-        view.grid_mm = input_.result.info.grid_mm;
+        view.grid_mm = plan_.result.info.grid_mm;
         sink_.take(view);
         totals.stitches += view.stitches.size();
         totals.emptied += view.segments > 0 && view.contours.empty() ? 1 : 0;
-        input_.parallel.ask_host();  // so that a sink which ends the call gets no layer more
+        plan_.parallel.ask_host();  // so that a sink which ends the call gets no layer more
     }
-    totals.layers += output.layer_contours.size();
     totals.contours += output.contours.size();
     totals.points += output.point_count;
     output.drop_layers();
@@ -249,29 +239,8 @@ void SinkTarget::announce(const SliceInfo& info) {
     is_announced_ = true;
 }
 
-void SinkTarget::finish(const SweepInput& input) {
-    const SinkTotals& totals = bands_->totals();
-    SliceInfo& info = input.result.info;
-    set_counts(totals.counts, info.options.region.keeps_contours() ? 0 : totals.emptied, info);
-    info.contours = totals.contours;
-    info.points = totals.points;
-    info.stitches = totals.stitches;
-}
-
-/// Layers count from their own first, as those that are swept do.
-void SinkTarget::take_whole(SliceResult& whole, const Parallel& parallel) {
-    announce(whole.info);
-    parallel.ask_host();
-    for (std::size_t i = 0; i < whole.size(); ++i) {
-        LayerView view = whole[i];
-        for (Contour& contour : whole.contours.span().subspan(view.first_contour, view.contour_count)) {
-            contour.first_point -= view.first_point;
-            contour.parent -= contour.parent < 0 ? 0 : static_cast<std::int64_t>(view.first_contour);
-        }
-        view.first_contour = view.first_point = 0;
-        sink_.take(view);
-        parallel.ask_host();
-    }
+void SinkTarget::finish(const OutputPlan& plan) {
+    bands_->totals().describe(plan.result.info);
 }
 
 }  // namespace lamella

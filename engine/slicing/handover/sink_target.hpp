@@ -27,22 +27,10 @@
 
 namespace lamella {
 
-/// Numbers of what was handed over.
-struct SinkTotals {
-    std::uint64_t layers = 0;
-    std::uint64_t contours = 0;
-    std::uint64_t points = 0;
-    std::uint64_t stitches = 0;
-    std::uint64_t emptied = 0;  ///< layers that have segments but no contour
-    ContourCounts counts;
-
-    void add(const SinkTotals& other) noexcept;
-};
-
 /// The bands of one sweep.
 class SinkBands final : public BandTarget {
 public:
-    SinkBands(const LayerSink& sink, const SweepInput& input);
+    SinkBands(const LayerSink& sink, const OutputPlan& plan);
     SinkBands(const SinkBands&) = delete;
     SinkBands& operator=(const SinkBands&) = delete;
 
@@ -52,7 +40,7 @@ public:
     void abort() override;
     void layer_done(BandOutput& output) override;
 
-    const SinkTotals& totals() const noexcept { return totals_; }
+    const LayerTotals& totals() const noexcept { return totals_; }
 
     /// How many segments a band should have at most, so that the window holds what threads put aside.
     static std::uint64_t most_segments(int threads) noexcept;
@@ -61,13 +49,13 @@ private:
     struct OwnBand {
         BandOutput* output = nullptr;
         std::vector<BandOutput*> parcels;  ///< layers put aside, in order
-        SinkTotals totals;
+        LayerTotals totals;
         bool done = false;
     };
 
     void put_aside(BandOutput& output);
     void hand_over(OwnBand& band);
-    void hand_over(BandOutput& output, SinkTotals& totals) const;
+    void hand_over(BandOutput& output, LayerTotals& totals) const;
     /// In ascending order only the thread that sweeps the head hands over: a band becomes the head once, and remains it
     /// until it is done.
     bool is_head(std::size_t band) const noexcept { return !ascending_ || head_.load(std::memory_order_acquire) == band; }
@@ -78,7 +66,7 @@ private:
     void end_band(std::size_t band);
 
     const LayerSink& sink_;
-    const SweepInput& input_;
+    const OutputPlan& plan_;
     const bool ascending_;
     std::mutex mutex_;
     std::condition_variable changed_;
@@ -88,7 +76,7 @@ private:
     bool aborted_ = false;
     std::vector<BandOutput*> idle_;
     std::size_t idle_bytes_ = 0;
-    SinkTotals totals_;
+    LayerTotals totals_;
 };
 
 class SinkTarget final : public LayerTarget {
@@ -96,18 +84,15 @@ public:
     /// Throws Refused where the sink is none.
     explicit SinkTarget(const LayerSink& sink);
 
-    void admit(const SweepInput& /*input*/, std::uint64_t /*memory_limit*/) override {}
     std::uint64_t most_band_segments(int threads) const noexcept override {
         return sink_.order == SinkOrder::any ? BandPlan::no_limit : SinkBands::most_segments(threads);
     }
-    BandTarget& begin(const SweepInput& input) override {
-        announce(input.result.info);
-        input.parallel.ask_host();
-        return bands_.emplace(sink_, input);
+    BandTarget& begin(const OutputPlan& plan) override {
+        announce(plan.result.info);
+        plan.parallel.ask_host();
+        return bands_.emplace(sink_, plan);
     }
-    void finish(const SweepInput& input) override;
-
-    void take_whole(SliceResult& whole, const Parallel& parallel) override;
+    void finish(const OutputPlan& plan) override;
 
     /// Tells the sink what is known before the first layer: once, by whoever calls it first.
     void announce(const SliceInfo& info);

@@ -22,8 +22,7 @@ class CanonicalOrder {
 public:
     explicit CanonicalOrder(Worker& worker) noexcept : worker_(worker) {}
 
-    /// Sorts by the start point, then by its edge, then by content, origins last. Contours equal in all of that are
-    /// interchangeable. O(q log q). Throws std::bad_alloc.
+    /// Sorts by comes_before(). O(q log q). Throws std::bad_alloc.
     void sort_by_start(std::span<const Path> contours) {
         by_start_.clear();
         for (std::uint32_t i = 0; i < contours.size(); ++i) {
@@ -33,9 +32,7 @@ public:
         }
         nesting::sort_keys(by_start_, spare_keys_, worker_);
         nesting::sort_equal_keys(by_start_, [contours](const nesting::SortKey& key_a, const nesting::SortKey& key_b) {
-            const Path& a = contours[key_a.index];
-            const Path& b = contours[key_b.index];
-            return a.start_key != b.start_key ? a.start_key < b.start_key : holds_less(a, b);
+            return comes_before(contours[key_a.index], contours[key_b.index]);
         });
     }
 
@@ -80,34 +77,6 @@ public:
 
 private:
     static constexpr std::size_t item_work = 8;  ///< as StopPace counts it
-
-    /// By part, triangle and edges of each contour edge. Contours of as many points.
-    static bool comes_from_less(const NestItem& a, const NestItem& b) {
-        for (std::uint32_t i = 0; i < a.count; ++i) {
-            const PointOrigin& from_a = a.origins[(a.start + i) % a.count];
-            const PointOrigin& from_b = b.origins[(b.start + i) % b.count];
-            if (from_a != from_b) {
-                return from_a.part != from_b.part ? from_a.part < from_b.part : from_a < from_b;
-            }
-        }
-        return false;
-    }
-
-    /// Decides between contours that start on the same edge.
-    static bool holds_less(const Path& path_a, const Path& path_b) {
-        const NestItem& a = path_a.item;
-        const NestItem& b = path_b.item;
-        if (a.closed != b.closed) {
-            return a.closed;
-        }
-        if (a.count != b.count || path_a.segments != path_b.segments) {
-            return a.count != b.count ? a.count < b.count : path_a.segments < path_b.segments;
-        }
-        if (const std::strong_ordering by_points = compare_points(a, b); std::is_neq(by_points)) {
-            return std::is_lt(by_points);
-        }
-        return a.flags != b.flags || a.origins == nullptr ? a.flags < b.flags : comes_from_less(a, b);
-    }
 
     Worker& worker_;
     Vector<nesting::SortKey> by_start_{worker_.memory()}, spare_keys_{worker_.memory()};

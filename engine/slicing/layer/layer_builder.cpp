@@ -50,10 +50,7 @@ void LayerBuilder::build_given(std::span<const Path> contours, BandOutput& out) 
         PointOrigin* const origins =
             given_origins_.empty() ? nullptr : given_origins_.data() + (points.data() - given_.data());
         if (item.reverse) {
-            std::reverse(points.begin(), points.end());
-            for (std::size_t i = 0; origins != nullptr && i < item.count; ++i) {
-                origins[i] = origin_turned_round({item.origins, item.count}, i);
-            }
+            turn_round(points, origins, item.closed);
         }
         Path& path = paths_.emplace_back(item.closed ? closed_path(points, origins) : open_path(points, origins));
         path.segments = given.segments;
@@ -271,40 +268,15 @@ void LayerBuilder::keep_some(bool outermost, bool largest) {
     paths_.swap(kept_);
 }
 
-/// From the start on, backwards if need be.
-void LayerBuilder::copy_points(const NestItem& item, Point* to) {
-    const auto copy = [&](const Point* from, std::size_t count) {
-        worker_.in_stretches(0, count, 1, [&](std::size_t begin, std::size_t end) {
-            if (item.reverse) {
-                std::reverse_copy(from + (count - end), from + (count - begin), to + begin);
-            } else {
-                std::copy(from + begin, from + end, to + begin);
-            }
-        });
-        to += count;
-    };
-    const std::size_t first = item.reverse ? item.start + 1 : item.start;  // of the points that lie after the others
-    if (item.reverse) {
-        copy(item.points, first);
-    }
-    copy(item.points + first, item.count - first);
-    if (!item.reverse) {
-        copy(item.points, first);
-    }
-}
-
-void LayerBuilder::copy_origins(const NestItem& item, PointOrigin* to) {
-    const std::span<const PointOrigin> walked(item.origins, item.count);
-    if (!item.reverse) {
-        std::rotate_copy(walked.begin(), walked.begin() + item.start, walked.end(), to);
-    } else {  // the start is the first point of the walk back that begins at it
-        const std::size_t skipped = item.count - 1 - item.start;
-        for (std::size_t i = 0; i < walked.size(); ++i) {
-            const std::size_t place = skipped + i;
-            to[i] = origin_turned_round(walked, place < walked.size() ? place : place - walked.size());
-        }
-    }
-    worker_.spend(item.count);
+/// From element `first` on.
+template <class T>
+void LayerBuilder::copy_rotated(const T* from, std::size_t first, std::size_t count, T* to) {
+    worker_.in_stretches(first, count, 1, [&](std::size_t begin, std::size_t end) {
+        std::copy(from + begin, from + end, to + (begin - first));
+    });
+    to += count - first;
+    worker_.in_stretches(0, first, 1,
+                         [&](std::size_t begin, std::size_t end) { std::copy(from + begin, from + end, to + begin); });
 }
 
 void LayerBuilder::append(BandOutput& out) {
@@ -312,9 +284,15 @@ void LayerBuilder::append(BandOutput& out) {
     for (const std::uint32_t i : order_.items()) {
         const NestItem& item = items_[i];
         worker_.spend(contour_work);
-        copy_points(item, out.reserve_points(item.count));
-        if (out.with_origins) {
-            copy_origins(item, out.origins + out.point_count);
+        const std::size_t first = item.reverse ? item.start + 1 : item.start;  // the start comes last to be turned round
+        Point* const points = out.reserve_points(item.count);
+        copy_rotated(item.points, first, item.count, points);
+        PointOrigin* const origins = out.with_origins ? out.origins + out.point_count : nullptr;
+        if (origins != nullptr) {
+            copy_rotated(item.origins, first, item.count, origins);
+        }
+        if (item.reverse) {
+            turn_round({points, item.count}, origins, item.closed);
         }
         Contour& contour = out.contours.emplace_back();
         contour.first_point = out.point_count;

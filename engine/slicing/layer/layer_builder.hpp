@@ -77,8 +77,8 @@ private:
     void keep_some(bool outermost, bool largest);
     const Path& path_of(std::size_t item) const noexcept { return paths_[order_.path_of(item)]; }
     void append(BandOutput& out);
-    void copy_points(const NestItem& item, Point* to);
-    void copy_origins(const NestItem& item, PointOrigin* to);
+    template <class T>
+    void copy_rotated(const T* from, std::size_t first, std::size_t count, T* to);
 
     Worker& worker_;
     RingReader rings_{worker_};

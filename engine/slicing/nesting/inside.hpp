@@ -30,22 +30,6 @@ struct QuerySteps {
     }
 };
 
-/// Edges points[edge[i]], points[edge[i] + 1] that reach the steps of points begin[i] to end[i].
-struct Reaches {
-    static constexpr std::uint32_t most = 128;
-    static constexpr std::uint32_t padding = 16;  // a form may write beyond what it finds
-    std::uint32_t edge[most + padding];
-    std::uint32_t begin[most + padding];
-    std::uint32_t end[most + padding];
-};
-
-/// Those of the `count` <= Reaches::most edges from points[0] to points[count] that reach a step with a point; how many.
-using SiftEdges = std::size_t (*)(const QuerySteps& steps, const Point* points, std::uint32_t count,
-                                  Reaches& reaches) noexcept;
-
-/// All forms, the fastest first.
-std::span<const Form<SiftEdges>> sift_edges_forms() noexcept;
-
 /// Winding number of a contour around a point, by the ray from the point towards +x: an edge that crosses it upwards counts
 /// one, downwards minus one. Only edges that straddle the point's y, or begin at it, need be added.
 class Winding {
@@ -114,7 +98,6 @@ private:
     void add_edge(Point a, Point b, std::uint32_t begin, std::uint32_t end);
 
     Worker& worker_;
-    SiftEdges sift_edges_ = best_of(sift_edges_forms());
     Vector<Query> queries_{worker_.memory()}, by_y_{worker_.memory()};
     Vector<std::uint32_t> ends_{worker_.memory()};  // of by_y_; see QuerySteps
 };

@@ -122,7 +122,9 @@ void Nester::find_parents(std::span<const NestItem> items) {
     starts_.assign(by_start_);
     tree_in_use_ = !find_containers(items);
     if (tree_in_use_) {
-        tree_.assign(by_start_, aspect_of(items));
+        tree_.assign(
+            rings_.size(), [this](std::size_t start) { return starts_.at(static_cast<std::uint32_t>(start)); },
+            aspect_of(items));
         take_all_for_containers();
     }
     sort_containers(items);
@@ -132,7 +134,10 @@ void Nester::find_parents(std::span<const NestItem> items) {
         const NestItem& contour = items[container.item];
         found_.clear();
         if (tree_in_use_) {
-            tree_.find(contour.box, found_);
+            tree_.find_in(grown(contour.box, -1), [this](Point, std::uint32_t start) {
+                found_.push_back(start);
+                return true;
+            });
         } else {
             starts_.find(container.window, contour.box.low.y, contour.box.high.y, found_);
         }

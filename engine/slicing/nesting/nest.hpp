@@ -29,6 +29,7 @@
 #include "lamella/grid.hpp"
 #include "lamella/result.hpp"
 #include "slicing/grid/box.hpp"
+#include "slicing/grid/point_tree.hpp"
 #include "slicing/nesting/inside.hpp"
 #include "slicing/nesting/order.hpp"
 #include "slicing/nesting/starts.hpp"
@@ -128,7 +129,7 @@ private:
     Vector<nesting::SortKey> spare_keys_{worker_.memory()};
     Vector<nesting::Ring> rings_{worker_.memory()};
     nesting::StartLine starts_{worker_.memory()};
-    nesting::StartTree tree_{worker_};
+    PointTree tree_{worker_};
     bool tree_in_use_ = false;  // instead of windows
     Vector<nesting::Container> containers_{worker_.memory()};
     Vector<std::uint32_t> found_{worker_.memory()};  // starts in a container's box

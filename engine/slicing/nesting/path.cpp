@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <compare>
+#include <tuple>
 
 #include "base/numbers.hpp"
+#include "slicing/grid/origins.hpp"
 
 namespace lamella {
 
@@ -109,6 +111,53 @@ Path open_path(std::span<Point> points, PointOrigin* origins) {
     path.item.origins = origins;
     path.item.count = drop_repeats(points.data(), origins, static_cast<std::uint32_t>(points.size()), false);
     return path;
+}
+
+void turn_round(std::span<Point> points, PointOrigin* origins, bool closed) {
+    std::reverse(points.begin(), points.end());
+    if (origins == nullptr) {
+        return;
+    }
+    PointOrigin* const last = origins + (points.size() - 1);
+    std::reverse(origins, last);
+    std::transform(origins, last, origins, turned);
+    if (closed) {
+        *last = turned(*last);
+    } else if (points.size() > 1) {
+        *last = end_of(last[-1]);
+    }
+}
+
+namespace {
+
+/// By part, triangle and edges of each contour edge. Contours of as many points.
+bool comes_from_less(const NestItem& a, const NestItem& b) {
+    for (std::uint32_t i = 0; i < a.count; ++i) {
+        const PointOrigin& from_a = a.origins[(a.start + i) % a.count];
+        const PointOrigin& from_b = b.origins[(b.start + i) % b.count];
+        if (from_a != from_b) {
+            return from_a.part != from_b.part ? from_a.part < from_b.part : from_a < from_b;
+        }
+    }
+    return false;
+}
+
+}  // namespace
+
+bool comes_before(const Path& path_a, const Path& path_b) {
+    const NestItem& a = path_a.item;
+    const NestItem& b = path_b.item;
+    const auto key = [](const Path& path) {
+        const NestItem& item = path.item;
+        return std::tuple(item.points[item.start], path.start_key, !item.closed, item.count, path.segments);
+    };
+    if (key(path_a) != key(path_b)) {
+        return key(path_a) < key(path_b);
+    }
+    if (const std::strong_ordering by_points = compare_points(a, b); std::is_neq(by_points)) {
+        return std::is_lt(by_points);
+    }
+    return a.flags != b.flags || a.origins == nullptr ? a.flags < b.flags : comes_from_less(a, b);
 }
 
 }  // namespace lamella

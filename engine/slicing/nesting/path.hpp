@@ -40,6 +40,12 @@ Path closed_path(std::span<Point> ring, PointOrigin* origins);
 /// An open contour. One of equal consecutive points is kept.
 Path open_path(std::span<Point> points, PointOrigin* origins);
 
+/// By the start point, then by its edge, then by content, origins last: contours equal in all of that are interchangeable.
+bool comes_before(const Path& path_a, const Path& path_b);
+/// Points, and their origins unless null, of a contour walked the other way. A closed one keeps the origin of the edge that
+/// closes it.
+void turn_round(std::span<Point> points, PointOrigin* origins, bool closed);
+
 /// A contour of a caller's own, of which a layer is to be built: its points and origins are copied.
 inline Path given_path(std::span<const Point> points, const PointOrigin* origins = nullptr, bool closed = true) noexcept {
     const auto count = static_cast<std::uint32_t>(points.size());

@@ -52,30 +52,4 @@ void StartLine::find(const Window& window, std::int32_t min_y, std::int32_t max_
     }
 }
 
-void StartTree::assign(std::span<const SortKey> by_start, double aspect) {
-    const auto at = [](const SortKey& start) { return Point{x_of(start.key), y_of(start.key)}; };
-    starts_.clear();
-    for (std::uint32_t start = 0; start < by_start.size(); ++start) {
-        worker_.spend(1);
-        starts_.push_back({by_start[start].key, start});
-    }
-    order_by_place(std::span(starts_), at, worker_, aspect);
-    place_of_.resize(starts_.size());
-    for (std::uint32_t place = 0; place < starts_.size(); ++place) {
-        worker_.spend(2);
-        place_of_[starts_[place].index] = place;
-    }
-    boxes_.assign(
-        starts_.size(),
-        [&](std::size_t place) {
-            return FlatBox{at(starts_[place]), at(starts_[place])};
-        },
-        worker_);
-}
-
-void StartTree::find(const FlatBox& box, Vector<std::uint32_t>& found) const {
-    constexpr std::size_t all = std::numeric_limits<std::size_t>::max();
-    boxes_.search(grown(box, -1), all, [&](std::size_t place) { found.push_back(starts_[place].index); });
-}
-
 }  // namespace lamella::nesting

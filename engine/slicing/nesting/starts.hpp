@@ -1,5 +1,4 @@
-// The starts of a layer's rings, and which of them lie within a box: by a line of all, or by a tree where windows of the
-// line are too long.
+// The starts of a layer's rings in a line, and which of them lie within a box.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +11,7 @@
 #endif
 
 #include "base/vector.hpp"
-#include "base/worker.hpp"
 #include "lamella/grid.hpp"
-#include "slicing/grid/box_tree.hpp"
 #include "slicing/nesting/order.hpp"
 
 namespace lamella::nesting {
@@ -71,24 +68,6 @@ public:
 private:
     static constexpr std::int32_t nowhere = std::numeric_limits<std::int32_t>::min();
     Vector<std::int32_t> xs_, ys_;  // `lanes` more than there are starts
-};
-
-/// Starts that are taken off are not visited again.
-class StartTree {
-public:
-    explicit StartTree(Worker& worker) noexcept : worker_(worker) {}
-
-    /// `aspect`: the mean width of the boxes that will be searched over their mean height. Throws std::bad_alloc.
-    void assign(std::span<const SortKey> by_start, double aspect);
-    /// Appends the starts left that lie strictly within the box to `found`, in an unspecified but reproducible order.
-    void find(const FlatBox& box, Vector<std::uint32_t>& found) const;
-    void take_off(std::uint32_t start) noexcept { boxes_.take_off(place_of_[start]); }
-
-private:
-    Worker& worker_;
-    Vector<SortKey> starts_{worker_.memory()};          // by place
-    Vector<std::uint32_t> place_of_{worker_.memory()};  // of each start
-    BoxTree<Point> boxes_{worker_.memory()};            // of starts_
 };
 
 }  // namespace lamella::nesting

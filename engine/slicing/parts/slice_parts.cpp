@@ -20,7 +20,7 @@
 #include "slicing/buckets/mesh_source.hpp"
 #include "slicing/layer/layer_builder.hpp"
 #include "slicing/regions/rules.hpp"
-#include "slicing/result/placement.hpp"
+#include "slicing/result/layer_target.hpp"
 #include "slicing/slice_layers.hpp"
 
 namespace lamella {
@@ -52,7 +52,7 @@ Path as_given(const SliceResult& part, const Contour& contour) noexcept {
     return given;
 }
 
-/// Fills in the layers of `merged`, of which options, box and grid are set.
+/// Hands over the layers of all parts.
 ///
 ///     part 0    layer 0 [ a b ]   layer 1 [ c ]
 ///     part 1    layer 0 [ d ]     layer 1 [ e ]
@@ -60,38 +60,47 @@ Path as_given(const SliceResult& part, const Contour& contour) noexcept {
 ///     united    layer 0 [ region of a, b and d ] ...    by the options' rules; no layer's may be `contours` then
 ///
 /// O(n + p k) for n points and contours, p parts and k planes, which all parts have, and for regions O(q log q) for a layer
-/// of q points. Layers are bands of a placement, a few a task. Contours side by side have as many points as they had, so
-/// that they are copied straight to their place.
+/// of q points. A few layers are a band. Contours side by side have as many points as they had, so that those of a result
+/// are copied straight to their place.
 class Merging {
 public:
-    Merging(std::span<SliceResult> parts, bool united, const Parallel& parallel, SliceResult& merged)
+    /// `merged` has the summary but for what the target counts.
+    Merging(std::span<SliceResult> parts, bool united, const SliceCall& call, SliceResult& merged)
         : parts_(parts),
           united_(united),
-          parallel_(parallel),
+          parallel_(*call.kept.parallel),
+          scratch_(call.kept.output),
           merged_(merged),
-          builders_(static_cast<std::size_t>(parallel.threads())),
-          placement_(parallel.memory()) {}
+          builders_(static_cast<std::size_t>(parallel_.threads())) {}
 
-    /// `reach` is told the share of layers that are done. Throws std::bad_alloc, Stopped.
-    void run(FunctionRef<void(double)> reach) {
+    /// `reach` is told the share of layers that are done. Throws Refused, std::bad_alloc, Stopped.
+    void run(LayerTarget& target, FunctionRef<void(double)> reach) {
         cut_tasks();
-        const bool origins = merged_.info.options.origins;  // of some part: one that no plane meets has none
-        const std::size_t lead = united_ ? tasks_.size() : 2 * static_cast<std::size_t>(parallel_.threads());
-        placement_.begin(tasks_, lead, origins, merged_, parallel_.stop());
+        const auto layer_at = [this](PlaneIndex plane) { return layers_[plane]; };
+        const OutputPlan plan{.layers = static_cast<PlaneIndex>(layers_.size()),
+                              .layer_at = layer_at,
+                              .segments = points_,
+                              .cutting = 0,
+                              .bands = tasks_,
+                              .parallel = parallel_,
+                              .scratch = scratch_,
+                              .origins = merged_.info.options.origins,  // of some part: one that no plane meets has none
+                              .result = merged_,
+                              .lead = united_ ? tasks_.size() : usual_lead(parallel_)};
+        BandTarget& bands = target.begin(plan);
         parallel_.run(tasks_.size(), [&](std::size_t task, int worker) {
-            fill_band(placement_, task, [&](BandOutput& output) {
-                for (std::size_t layer = tasks_[task].first; layer < tasks_[task].last; ++layer) {
+            fill_band(bands, task, [&](BandOutput& output) {
+                for (PlaneIndex layer = tasks_[task].first; layer < tasks_[task].last; ++layer) {
                     fill_layer(layer, worker, output);
+                    output.end_layer();
                 }
             });
             reach(static_cast<double>(task) / static_cast<double>(tasks_.size()));
         });
-        placement_.finish(parallel_, merged_);
-        ContourCounts counts = placement_.contour_counts();
+        target.finish(plan);
         for (const SliceResult& part : parts_) {
-            counts.cancelled_layers += part.info.cancelled_layers;
+            merged_.info.cancelled_layers += part.info.cancelled_layers;
         }
-        set_counts(counts, merged_);
     }
 
 private:
@@ -103,14 +112,12 @@ private:
         Vector<Path> given;
     };
 
-    /// Layers without their contours, the tasks, and where none is united room for all points.
+    /// Layers without their contours, the tasks, and where none is united how many points they have.
     void cut_tasks() {
-        const std::size_t layers = parts_[0].layers.size();
-        merged_.layers.resize_discarding(layers);
-        std::uint64_t points = 0;
-        for (std::size_t l = 0; l < layers; ++l) {
-            Layer& layer = merged_.layers[l] = parts_[0].layers[l];
-            layer.segments = 0;
+        layers_.resize_discarding(parts_[0].layers.size());
+        for (std::size_t l = 0; l < layers_.size(); ++l) {
+            Layer& layer = layers_[l] = parts_[0].layers[l];
+            layer.first_contour = layer.contour_count = layer.segments = 0;
             if (l % layers_a_task == 0) {
                 parallel_.stop_if_asked();
                 tasks_.push_back({static_cast<PlaneIndex>(l), 0, 0});
@@ -123,9 +130,8 @@ private:
             }
         }
         for (const Band& task : tasks_) {
-            points += task.segments;
+            points_ += task.segments;
         }
-        merged_.points.resize_discarding(points);
     }
 
     void fill_layer(std::size_t layer, int worker, BandOutput& output) {
@@ -196,10 +202,12 @@ private:
     std::span<SliceResult> parts_;
     bool united_;
     const Parallel& parallel_;
+    OutputScratch& scratch_;
     SliceResult& merged_;
     std::vector<std::unique_ptr<Builder>> builders_;  ///< by worker
+    Array<Layer> layers_{parallel_.memory()};
     std::vector<Band> tasks_;
-    Placement placement_;
+    std::uint64_t points_ = 0;
 };
 
 /// Adds what part number `part` has.
@@ -240,23 +248,22 @@ public:
         }
     }
 
-    void slice(SliceResult& merged) {
+    void slice(LayerTarget& target, SliceResult& merged) {
         choose_frame();
         const Bounds box = frame_.bounds;
-        slice_all();
+        slice_all(box, target, merged);
         if (std::all_of(sliced_.begin(), sliced_.end(),
                         [](const SliceResult& part) { return part.info.degenerate == part.info.triangles; })) {
             frame_.bounds = {};  // the box of nothing must not choose planes
             sliced_.clear();
-            slice_all();
+            slice_all(box, target, merged);
         }
-        begin_info(call_.options, box, frame_.unit, merged.info);
         const auto reach = [this](double share) { progress_.reach(sliced_share() + (0.99 - sliced_share()) * share); };
         const auto start = Clock::now();
         for (std::size_t p = 0; p < sliced_.size(); ++p) {
             add_part(sliced_[p].info, p, merged.info);
         }
-        Merging(sliced_, united_, parallel_, merged).run(reach);
+        Merging(sliced_, united_, call_, merged).run(target, reach);
         (united_ ? merged.info.ms.fill : merged.info.ms.contours) += milliseconds_since(start);
         progress_.finish();
     }
@@ -350,7 +357,11 @@ private:
         }
     }
 
-    void slice_all() {
+    /// Once the target has admitted what the frame says of the whole.
+    void slice_all(const Bounds& box, LayerTarget& target, SliceResult& merged) {
+        begin_info(call_.options, box, frame_.unit, merged.info);
+        build_planes(call_, frame_, call_.kept.planes);
+        target.admit_layers(call_.kept.planes.size(), merged.info);
         std::uint64_t before = 0;  // triangles of the parts before
         for (std::size_t p = 0; p < parts_.size(); ++p) {
             const auto share = [&](std::size_t triangles) {
@@ -390,8 +401,15 @@ private:
 
 }  // namespace
 
-void slice_parts(std::span<const Part> parts, const SliceCall& call, SliceResult& result) {
-    PartSlicing(parts, call).slice(result);
+void slice_parts(std::span<const Part> parts, const SliceCall& call, LayerTarget& target, SliceResult& result) {
+    PartSlicing(parts, call).slice(target, result);
+}
+
+void hand_over_whole(SliceResult& whole, const SliceCall& call, LayerTarget& target, SliceResult& result) {
+    result.info = whole.info;
+    target.admit_layers(whole.layers.size(), result.info);
+    Merging({&whole, 1}, false, call, result).run(target, [](double) {});
+    result.info.cancelled_layers = whole.info.cancelled_layers;
 }
 
 void outline_parts(std::span<const Part> parts, const SliceCall& call, SliceInfo& info) {

@@ -64,19 +64,19 @@ void Regions::turn_backward_ones() {
     for (const Path& ring : rings_) {
         if (is_backward(ring)) {
             const std::span<const Point> points = points_of(ring.item);
-            turned_.insert(turned_.end(), points.rbegin(), points.rend());
-            for (std::size_t i = 0; i < points.size() && ring.item.origins != nullptr; ++i) {
-                turned_origins_.push_back(origin_turned_round({ring.item.origins, points.size()}, i));
-            }
+            turned_.insert(turned_.end(), points.begin(), points.end());
+            turned_origins_.insert(turned_origins_.end(), ring.item.origins,
+                                   ring.item.origins + (ring.item.origins != nullptr ? points.size() : 0));
             unchanged_ = false;
         }
     }
-    std::span<const Point> rest(turned_);
+    std::span<Point> rest(turned_);
     for (Path& ring : rings_) {
         if (is_backward(ring)) {
             const std::size_t count = ring.item.count;
-            const PointOrigin* const origins =
+            PointOrigin* const origins =
                 ring.item.origins == nullptr ? nullptr : turned_origins_.data() + (rest.data() - turned_.data());
+            turn_round(rest.first(count), origins, true);
             ring.item = closed_item(rest.first(count), origins, ring.item.part);
             ring.made = true;
             rest = rest.subspan(count);

@@ -64,7 +64,7 @@ bool SnapRounding::Source::is_active(std::uint32_t edge) const noexcept {
 void SnapRounding::run(std::span<const Point> crossings) {
     strands_.clear();
     collect_vertices(crossings);
-    tree_.build(vertices_, worker_);
+    tree_.assign(vertices_.size(), [this](std::size_t i) { return vertices_[i]; });
     strands_.reserve(2 * vertices_.size());  // copying many strands for room would keep a stop waiting
     for (std::uint32_t c = 0; c < contours_.size(); ++c) {
         add_strands_of(c);

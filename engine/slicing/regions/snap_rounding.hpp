@@ -28,8 +28,8 @@
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "lamella/grid.hpp"
+#include "slicing/grid/point_tree.hpp"
 #include "slicing/nesting/nest.hpp"
-#include "slicing/regions/point_tree.hpp"
 
 namespace lamella {
 
@@ -108,7 +108,7 @@ private:
     Worker& worker_;
     Vector<Source> contours_{worker_.memory()};
     Vector<Point> vertices_{worker_.memory()};
-    PointTree tree_{worker_.memory()};
+    PointTree tree_{worker_};
     Vector<Strand> strands_{worker_.memory()};
     Vector<Found> on_edge_{worker_.memory()};  // vertices that an edge passes, in its direction
     Vector<Found> on_strand_{worker_.memory()};

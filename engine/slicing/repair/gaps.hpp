@@ -14,7 +14,7 @@
 #include "lamella/result.hpp"
 #include "lamella/slice.hpp"
 #include "slicing/grid/bounds.hpp"
-#include "slicing/grid/box_tree.hpp"
+#include "slicing/grid/point_tree.hpp"
 
 namespace lamella {
 
@@ -46,15 +46,8 @@ struct PolylineEnds {
     Point at(bool at_last) const noexcept { return at_last ? last : first; }
 };
 
-inline double squared_distance(Point a, Point b) noexcept {
-    const double dx = static_cast<double>(a.x) - b.x;
-    const double dy = static_cast<double>(a.y) - b.y;
-    return dx * dx + dy * dy;
-}
-
 /// The ends of polylines, from which they are taken one by one. Those at the same point share one site, so that they cost a
-/// search no more than one end does. A site is named by its place in the tree. Boxes cover the ends that are left and shrink
-/// as ends are taken.
+/// search no more than one end does. Sites are in the order of their points.
 class EndTree {
 public:
     explicit EndTree(Worker& worker) noexcept : worker_(worker) {}
@@ -67,10 +60,12 @@ public:
     bool holds(std::uint32_t site) const noexcept { return sites_[site].next != sites_[site].end; }
     std::uint32_t count_at(std::uint32_t site) const noexcept { return sites_[site].end - sites_[site].next; }
 
-    static constexpr std::uint32_t none = ~0U;
+    static constexpr std::uint32_t none = PointTree::none;
     /// The nearest site that has an end left, at most the square root of `most_squared` away, or none. At equal distances
     /// the smallest point. The site `but` is passed over.
-    std::uint32_t nearest(Point to, double most_squared, std::uint32_t but = none);
+    std::uint32_t nearest(Point to, double most_squared, std::uint32_t but = none) const {
+        return tree_.nearest(to, most_squared, but);
+    }
 
     /// Takes an end off the site and returns its polyline, the first by number. O(log n).
     std::uint32_t take(std::uint32_t site) noexcept;
@@ -82,19 +77,10 @@ private:
         Point at;
         std::uint32_t next, end;  // the ends left: a range of polylines_
     };
-    struct Nearest {
-        double squared;
-        Point at;
-        std::uint32_t site;
-        std::uint32_t but;  // is no answer
-    };
-
-    void search(std::size_t level, std::size_t number, Point to, Nearest& best);
-
     Worker& worker_;
     Vector<std::uint32_t> polylines_{worker_.memory()};  // by where they end, then by number
-    Vector<Site> sites_{worker_.memory()};
-    BoxTree<Point> boxes_{worker_.memory()};  // of sites_, but for those that no end is left at
+    Vector<Site> sites_{worker_.memory()};               // ascending
+    PointTree tree_{worker_};                            // of sites_, but for those that no end is left at
 };
 
 /// The first or the last point of a polyline.

@@ -55,23 +55,6 @@ std::span<const std::uint8_t> CrossedJoints::find(std::span<const Joint> joints,
 
 namespace {
 
-/// By the start and its edge, then by content.
-bool before(const Path& path_a, const Path& path_b) {
-    const NestItem& a = path_a.item;
-    const NestItem& b = path_b.item;
-    const auto key = [](const Path& path) {
-        return std::tie(path.item.points[0], path.start_key, path.item.count, path.segments);
-    };
-    if (key(path_a) != key(path_b)) {
-        return key(path_a) < key(path_b);
-    }
-    const auto [at_a, at_b] = std::mismatch(a.points, a.points + a.count, b.points);
-    if (at_a != a.points + a.count || a.flags != b.flags || a.origins == nullptr) {
-        return at_a != a.points + a.count ? *at_a < *at_b : a.flags < b.flags;
-    }
-    return std::lexicographical_compare(a.origins, a.origins + a.count, b.origins, b.origins + b.count);
-}
-
 std::span<const Point> points_of(const Path& path) noexcept {
     return {path.item.points, path.item.count};
 }
@@ -142,7 +125,7 @@ void PolylineRepair::sort(std::span<const Path> polylines) {
     sorted_.assign(polylines.begin(), polylines.end());
     std::sort(sorted_.begin(), sorted_.end(), [this](const Path& a, const Path& b) {
         worker_.spend(1);
-        return before(a, b);
+        return comes_before(a, b);
     });
     ends_.clear();
     std::size_t points = 0;
@@ -200,49 +183,20 @@ void PolylineRepair::join_from(PolylineEnd first) {
 
 /// Appends the points of a polyline from `entered` to its other end.
 void PolylineRepair::append(PolylineEnd entered) {
-    const std::span<const Point> points = points_of(sorted_[entered.polyline()]);
-    worker_.spend(points.size());
-    if (entered.last()) {
-        points_.insert(points_.end(), points.rbegin(), points.rend());
-    } else {
-        points_.insert(points_.end(), points.begin(), points.end());
-    }
-    if (sorted_[entered.polyline()].item.origins != nullptr) {
-        append_origins(entered);
-    }
-    used_[entered.polyline()] = 1;
-}
-
-void PolylineRepair::append_origins(PolylineEnd entered) {
     const NestItem& part = sorted_[entered.polyline()].item;
-    const std::size_t count = part.count;
-    if (entered.last()) {
-        for (std::size_t i = count - 1; i > 0; --i) {
-            origins_.push_back(turned(part.origins[i - 1]));
-        }
-        origins_.push_back(count > 1 ? end_of(origins_.back()) : part.origins[0]);
-    } else {
-        origins_.insert(origins_.end(), part.origins, part.origins + count);
+    worker_.spend(part.count);
+    points_.insert(points_.end(), part.points, part.points + part.count);
+    if (part.origins != nullptr) {
+        origins_.insert(origins_.end(), part.origins, part.origins + part.count);
     }
-    if (leads_on_from(entered.other())) {
+    if (entered.last()) {
+        turn_round(std::span(points_).last(part.count),
+                   origins_.empty() ? nullptr : origins_.data() + (origins_.size() - part.count), false);
+    }
+    if (part.origins != nullptr && leads_on_from(entered.other())) {
         origins_.back() = PointOrigin();
     }
-}
-
-/// The points and the origins of a polyline walked the other way. A closed one keeps the origin of the edge that closes it.
-void PolylineRepair::turn_round(std::span<Point> points, PointOrigin* origins, bool closed) {
-    std::reverse(points.begin(), points.end());
-    if (origins == nullptr) {
-        return;
-    }
-    PointOrigin* const last = origins + (points.size() - 1);
-    std::reverse(origins, last);
-    std::transform(origins, last, origins, turned);
-    if (closed) {
-        *last = turned(*last);
-    } else if (points.size() > 1) {
-        *last = end_of(last[-1]);
-    }
+    used_[entered.polyline()] = 1;
 }
 
 }  // namespace lamella

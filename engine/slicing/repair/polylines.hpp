@@ -76,10 +76,8 @@ private:
     void join_rings();
     void join_from(PolylineEnd first);
     void append(PolylineEnd entered);
-    void append_origins(PolylineEnd entered);
     Point at(PolylineEnd end) const noexcept { return ends_[end.polyline()].at(end.last()); }
     bool leads_on_from(PolylineEnd last) const;
-    static void turn_round(std::span<Point> points, PointOrigin* origins, bool closed);
 
     Worker& worker_;
     GapCloser gap_closer_{worker_};

@@ -21,22 +21,31 @@ void copy_paced(const T* from, std::size_t count, StopPace& pace, Array<T>& to) 
 
 }  // namespace
 
-void set_counts(const ContourCounts& counts, std::uint64_t emptied_layers, SliceInfo& info) noexcept {
+void LayerTotals::add(const LayerTotals& other) noexcept {
+    contours += other.contours;
+    points += other.points;
+    stitches += other.stitches;
+    emptied += other.emptied;
+    counts.add(other.counts);
+}
+
+void LayerTotals::describe(SliceInfo& info) const noexcept {
+    info.contours = contours;
+    info.points = points;
+    info.stitches = stitches;
     info.holes = counts.of(Role::hole);
     info.open_contours = counts.of(Role::open);
     info.flat_contours = counts.of(Role::flat);
     info.overruled_contours = counts.overruled;
     info.would_close_contours = counts.near;
-    info.emptied_layers = emptied_layers;
+    info.emptied_layers = info.options.region.keeps_contours() ? 0 : emptied;
     info.cancelled_layers = counts.cancelled_layers;
 }
 
 void set_counts(const ContourCounts& counts, SliceResult& result) noexcept {
-    SliceInfo& info = result.info;
-    set_counts(counts, info.options.region.keeps_contours() ? 0 : count_emptied(result.layers.span()), info);
-    info.contours = result.contours.size();
-    info.points = result.points.size();
-    info.stitches = result.stitches.size();
+    const LayerTotals totals{result.contours.size(), result.points.size(), result.stitches.size(),
+                             count_emptied(result.layers.span()), counts};
+    totals.describe(result.info);
 }
 
 std::uint64_t count_emptied(std::span<const Layer> layers) noexcept {
@@ -54,14 +63,15 @@ void BandOutput::trim() {
 }
 
 void BandOutput::move_to_buffer(std::size_t count) {
-    const auto move = [this, count](auto*& elements, auto& own) {
-        if (own.capacity() < point_count + count) {
+    const std::size_t room = point_count + count;
+    const auto move = [this, room](auto*& elements, auto& own) {
+        if (point_count > 0 && own.capacity() < room) {
             auto larger = std::remove_reference_t<decltype(own)>(own.memory());
-            larger.resize_discarding(std::max(point_count + count, own.capacity() + own.capacity() / 2));
+            larger.resize_discarding(std::max(room, own.capacity() + own.capacity() / 2));
             std::copy_n(elements, point_count, larger.data());
             own = std::move(larger);
         } else {
-            own.set_size(std::max(own.size(), point_count + count));
+            own.resize_discarding(std::max(own.size(), room));
             std::copy_n(elements, point_count, own.data());
         }
         elements = own.data();
@@ -70,22 +80,6 @@ void BandOutput::move_to_buffer(std::size_t count) {
     capacity = buffer.capacity();
     if (with_origins) {
         move(origins, origin_buffer);
-        capacity = std::min(capacity, origin_buffer.capacity());
-    }
-}
-
-void BandOutput::make_room(std::size_t count) {
-    assert(point_count == 0);
-    if (buffer.size() < count) {
-        buffer.resize_discarding(count);
-    }
-    points = buffer.data();
-    capacity = buffer.capacity();
-    if (with_origins) {
-        if (origin_buffer.size() < count) {
-            origin_buffer.resize_discarding(count);
-        }
-        origins = origin_buffer.data();
         capacity = std::min(capacity, origin_buffer.capacity());
     }
 }

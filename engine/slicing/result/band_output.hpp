@@ -36,9 +36,20 @@ struct ContourCounts {
     std::uint64_t of(Role role) const noexcept { return by_role[static_cast<std::size_t>(role)]; }
 };
 
-/// Sets what the summary counts of contours, and of layers that the rules have emptied.
-void set_counts(const ContourCounts& counts, std::uint64_t emptied_layers, SliceInfo& info) noexcept;
-/// The same for a result with all its layers, which are counted too. O(k).
+/// Numbers of what was made.
+struct LayerTotals {
+    std::uint64_t contours = 0;
+    std::uint64_t points = 0;
+    std::uint64_t stitches = 0;
+    std::uint64_t emptied = 0;  ///< layers that have segments but no contour
+    ContourCounts counts;
+
+    void add(const LayerTotals& other) noexcept;
+    /// Sets them in the summary, whose options are known.
+    void describe(SliceInfo& info) const noexcept;
+};
+
+/// Sets them in the summary of a result that has all its layers. O(k).
 void set_counts(const ContourCounts& counts, SliceResult& result) noexcept;
 /// How many of `layers` planes cut, but have no contour left.
 std::uint64_t count_emptied(std::span<const Layer> layers) noexcept;
@@ -102,7 +113,7 @@ struct BandOutput {
     /// The same with all points in `buffer`, which takes `count` at once. Throws std::bad_alloc.
     void begin_in_buffer(std::size_t count) {
         begin({});
-        make_room(count);
+        move_to_buffer(count);
     }
     /// Between runs: gives back what the last one did not need. Throws std::bad_alloc.
     void trim();
@@ -126,11 +137,9 @@ struct BandOutput {
             reader->layer_done(*this);
         }
     }
-    /// Precondition: it is empty. From here on points go to `buffer`, which has room for `count`.
-    void make_room(std::size_t count);
     /// Empties the output, which goes on with the layer that comes next. `counts` stay.
     void drop_layers() noexcept;
-    /// Moves all layers to `other`, which is empty, and takes its memory in exchange; make_room() must follow. Both in
+    /// Moves all layers to `other`, which is empty, and takes its memory in exchange; move_to_buffer() must follow. Both in
     /// buffers of their own.
     void move_layers_to(BandOutput& other) noexcept;
     /// The size of points, contours and gaps.

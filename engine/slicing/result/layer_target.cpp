@@ -9,41 +9,32 @@
 
 namespace lamella {
 
-void ResultTarget::admit(const SweepInput& input, std::uint64_t memory_limit) {
-    const std::uint64_t segments = input.buckets.segment_count;
-    const std::uint64_t point_bytes = sizeof(Point) + (input.origins ? sizeof(PointOrigin) : 0);
-    const auto cutting = std::count_if(input.buckets.segments.begin(), input.buckets.segments.end(),
-                                       [](std::uint32_t count) { return count > 0; });
-    const std::uint64_t bytes = segments * point_bytes + input.planes.size() * sizeof(Layer) +
-                                input.planes.plane_of_listed().size() * sizeof(std::uint64_t) +
-                                static_cast<std::uint64_t>(cutting) * sizeof(Contour);
+void ResultTarget::admit(const OutputPlan& plan, std::uint64_t memory_limit) const {
+    const std::uint64_t point_bytes = sizeof(Point) + (plan.origins ? sizeof(PointOrigin) : 0);
+    const std::uint64_t bytes = plan.segments * point_bytes + plan.layers * sizeof(Layer) +
+                                plan.result.info.layer_of.size() * sizeof(std::uint64_t) + plan.cutting * sizeof(Contour);
     if (bytes > memory_limit) {
         throw Refused{{ErrorCode::result_too_large,
-                       counted(input.planes.size(), "layer") + " with " + counted(segments, "segment") + " need " +
+                       counted(plan.layers, "layer") + " with " + counted(plan.segments, "segment") + " need " +
                            std::to_string(bytes) + " bytes, more than the memory limit of " + std::to_string(memory_limit)}};
     }
 }
 
 /// A closed contour has at most as many points as segments; an open one has one more, for which there is some room. What
 /// very many open polylines have beyond that is kept until the array is made larger.
-BandTarget& ResultTarget::begin(const SweepInput& input) {
-    const std::uint64_t segments = input.buckets.segment_count;
-    input.result.points.resize_discarding(segments + segments / 64 + 64);
-    Placement& placement = input.scratch.placement;
-    placement.begin(input.bands, input.lead(), input.origins, input.result, input.parallel.stop());
+BandTarget& ResultTarget::begin(const OutputPlan& plan) {
+    plan.result.points.resize_discarding(plan.segments + plan.segments / 64 + 64);
+    Placement& placement = plan.scratch.placement;
+    placement.begin(plan.bands, plan.lead, plan.origins, plan.result, plan.parallel.stop());
     return placement;
 }
 
-void ResultTarget::finish(const SweepInput& input) {
-    SliceResult& result = input.result;
-    result.layers.resize_discarding(input.planes.size());
-    fill_layers(input, result.layers.span());
-    input.scratch.placement.finish(input.parallel, result);
-    set_counts(input.scratch.placement.contour_counts(), result);
-}
-
-void ResultTarget::take_whole(SliceResult& /*whole*/, const Parallel& /*parallel*/) {
-    assert(false);
+void ResultTarget::finish(const OutputPlan& plan) {
+    SliceResult& result = plan.result;
+    result.layers.resize_discarding(plan.layers);
+    fill_layers(plan, result.layers.span());
+    plan.scratch.placement.finish(plan.parallel, result);
+    set_counts(plan.scratch.placement.totals().counts, result);
 }
 
 void move_to(const Memory* memory, SliceResult& result) {
@@ -52,10 +43,10 @@ void move_to(const Memory* memory, SliceResult& result) {
     }
 }
 
-void fill_layers(const SweepInput& input, std::span<Layer> layers) {
-    input.parallel.run_ranges(layers.size(), 1 << 10, [&](std::size_t begin, std::size_t end, int) {
+void fill_layers(const OutputPlan& plan, std::span<Layer> layers) {
+    plan.parallel.run_ranges(layers.size(), 1 << 10, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i < end; ++i) {
-            layers[i] = describe_layer(input.planes, static_cast<PlaneIndex>(i), input.buckets.segments[i]);
+            layers[i] = plan.layer_at(static_cast<PlaneIndex>(i));
         }
     });
 }

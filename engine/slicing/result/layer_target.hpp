@@ -1,5 +1,5 @@
-// The targets that a slice is made for: a result in memory, a sink, the host's own arrays. The stages before the sweep are
-// the same.
+// The targets that a slice is made for: a result in memory, a sink, the host's own arrays. What makes layers, a sweep or the
+// projection of faces or the union of parts, does not know which.
 #pragma once
 
 #include <cstdint>
@@ -8,10 +8,10 @@
 #include <span>
 #include <vector>
 
+#include "base/function_ref.hpp"
 #include "base/parallel.hpp"
 #include "lamella/result.hpp"
 #include "slicing/bands/bands.hpp"
-#include "slicing/buckets/bucket.hpp"
 #include "slicing/planes/plane_set.hpp"
 #include "slicing/result/placement.hpp"
 
@@ -25,48 +25,53 @@ struct OutputScratch {
     std::vector<std::unique_ptr<BandOutput>> outputs;  ///< of sinks
 };
 
-/// All that is known when the sweep begins.
-struct SweepInput {
-    const PlaneSet& planes;
-    const Buckets& buckets;
-    std::span<const Band> bands;  ///< empty until they are cut
+/// All that is known before layers are made.
+struct OutputPlan {
+    PlaneIndex layers;
+    FunctionRef<Layer(PlaneIndex)> layer_at;  ///< without its contours; its segments when it has been made
+    std::uint64_t segments;                   ///< of all layers: how many points there will be, but for a few
+    std::uint64_t cutting;                    ///< layers that have segments
+    std::span<const Band> bands;              ///< empty until they are cut
     const Parallel& parallel;
     OutputScratch& scratch;
     bool origins;                   ///< SliceOptions::origins
     SliceResult& result;            ///< unit, frame, plan and summary; arrays only where the slice is made for it
+    std::size_t lead;               ///< how many bands may be begun beyond the first that is not done
     std::uint64_t first_index = 0;  ///< of the first layer, for sinks
-
-    /// How many bands may be begun beyond the first that is not done.
-    std::size_t lead() const noexcept { return 2 * static_cast<std::size_t>(parallel.threads()); }
 };
+
+/// The lead of bands that all threads sweep.
+inline std::size_t usual_lead(const Parallel& parallel) noexcept {
+    return 2 * static_cast<std::size_t>(parallel.threads());
+}
 
 /// The functions are called in their order.
 class LayerTarget {
 public:
-    /// The size is known, and nothing of that size is allocated yet: throws Refused where it is too large. The result holds
-    /// unit, rules and box.
-    virtual void admit(const SweepInput& input, std::uint64_t memory_limit) = 0;
+    /// The number of layers is known, and of `info` what is known before anything is cut. Throws Refused where it is too
+    /// much.
+    virtual void admit_layers(std::uint64_t /*layers*/, const SliceInfo& /*info*/) const {}
+    /// The same for the size of what a sweep makes, of which nothing is allocated yet.
+    virtual void admit(const OutputPlan& plan, std::uint64_t /*memory_limit*/) const {
+        admit_layers(plan.layers, plan.result.info);
+    }
     /// How many segments a band should have at most.
     virtual std::uint64_t most_band_segments(int /*threads*/) const noexcept { return BandPlan::no_limit; }
     /// Where the bands go, all of which are then submitted there.
-    virtual BandTarget& begin(const SweepInput& input) = 0;
-    /// After the scratch of the sweep has been released: completes result and summary.
-    virtual void finish(const SweepInput& input) = 0;
-    /// In place of these functions: a result that was made whole.
-    virtual void take_whole(SliceResult& whole, const Parallel& parallel) = 0;
+    virtual BandTarget& begin(const OutputPlan& plan) = 0;
+    /// After the scratch of what made the bands has been released: completes result and summary.
+    virtual void finish(const OutputPlan& plan) = 0;
 
 protected:
     ~LayerTarget() = default;
 };
 
-/// A slice that is made for SweepInput::result.
+/// A slice that is made for OutputPlan::result.
 class ResultTarget final : public LayerTarget {
 public:
-    void admit(const SweepInput& input, std::uint64_t memory_limit) override;
-    BandTarget& begin(const SweepInput& input) override;
-    void finish(const SweepInput& input) override;
-    /// Precondition: never, since `whole` is it.
-    void take_whole(SliceResult& whole, const Parallel& parallel) override;
+    void admit(const OutputPlan& plan, std::uint64_t memory_limit) const override;
+    BandTarget& begin(const OutputPlan& plan) override;
+    void finish(const OutputPlan& plan) override;
 };
 
 /// Has the arrays of `result` take their memory from there. Those that take it from elsewhere are emptied.
@@ -79,7 +84,7 @@ inline Layer describe_layer(const PlaneSet& planes, PlaneIndex plane, std::uint6
 }
 
 /// Writes all layers, without their contours, to `layers`.
-void fill_layers(const SweepInput& input, std::span<Layer> layers);
+void fill_layers(const OutputPlan& plan, std::span<Layer> layers);
 
 /// SliceInfo::layers, layer_of, first_layer and planned_layers; `list_heights`: the options have not chosen them.
 void describe_plan(const PlaneSet& planes, bool list_heights, SliceInfo& info);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cstring>
-#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -41,9 +40,7 @@ void Placement::begin(std::span<const Band> bands, std::size_t lead, const Point
     lead_ = lead;
     outgrown_ = false;
     head_ = 0;
-    point_count_ = 0;
-    contour_count_ = 0;
-    counts_ = {};
+    totals_ = {};
     aborted_ = false;
     placed_.erase(placed_.begin() + static_cast<std::ptrdiff_t>(std::min(bands.size(), placed_.size())), placed_.end());
     for (Placed& placed : placed_) {
@@ -100,7 +97,7 @@ std::optional<Placement::Stretch> Placement::find_room(std::size_t band) {
     if (room_.writer != nullptr || (outgrown_ && band != head_)) {
         return {};
     }
-    Stretch room{point_count_, 0};
+    Stretch room{totals_.points, 0};
     for (std::size_t b = head_; b < band; ++b) {
         room.begin += bands_[b].segments;
     }
@@ -137,7 +134,8 @@ void Placement::submit(std::size_t band) {
     }
     // Places are fixed under the lock and buffers copied outside it; meanwhile another thread may place the next head.
     const std::size_t begin = head_;
-    while (head_ < placed_.size() && placed_[head_].done && clear_rooms(point_count_ + placed_[head_].output->point_count)) {
+    while (head_ < placed_.size() && placed_[head_].done &&
+           clear_rooms(totals_.points + placed_[head_].output->point_count)) {
         place_head();
     }
     const std::size_t end = head_;
@@ -172,23 +170,24 @@ bool Placement::clear_rooms(std::uint64_t end) {
 
 void Placement::place_head() {
     Placed& placed = placed_[head_];
-    placed.first_point = point_count_;
-    placed.first_contour = contour_count_;
+    placed.first_point = totals_.points;
+    placed.first_contour = totals_.contours;
     placed.contours.swap(placed.output->contours);
     placed.layer_contours.swap(placed.output->layer_contours);
     placed.stitches.swap(placed.output->stitches);
-    if (placed.room && placed.room->begin != point_count_) {
-        assert(placed.room->begin > point_count_);
+    if (placed.room && placed.room->begin != totals_.points) {
+        assert(placed.room->begin > totals_.points);
         const std::size_t count = placed.output->point_count;
-        std::memmove(room_.points.data() + point_count_, placed.output->points, count * sizeof(Point));
+        std::memmove(room_.points.data() + totals_.points, placed.output->points, count * sizeof(Point));
         if (placed.output->with_origins) {
-            std::memmove(room_.origins.data() + point_count_, placed.output->origins, count * sizeof(PointOrigin));
+            std::memmove(room_.origins.data() + totals_.points, placed.output->origins, count * sizeof(PointOrigin));
         }
     }
     placed.room.reset();
-    point_count_ += placed.output->point_count;
-    contour_count_ += placed.contours.size();
-    counts_.add(placed.output->counts);
+    totals_.points += placed.output->point_count;
+    totals_.contours += placed.contours.size();
+    totals_.stitches += placed.stitches.size();
+    totals_.counts.add(placed.output->counts);
     ++head_;
 }
 
@@ -218,12 +217,12 @@ bool Placement::copy_points(const Placed& placed) const {
 void Placement::finish(const Parallel& parallel, SliceResult& result) {
     const auto is_kept = [](const Placed& placed) { return placed.output != nullptr; };
     const auto first = std::find_if(placed_.begin(), placed_.end(), is_kept);
-    const std::uint64_t in_place = first == placed_.end() ? point_count_ : first->first_point;
-    extend(result.points, in_place, point_count_, stop_);
-    extend(result.origins, with_origins_ ? in_place : 0, with_origins_ ? point_count_ : 0, stop_);
+    const std::uint64_t in_place = first == placed_.end() ? totals_.points : first->first_point;
+    extend(result.points, in_place, totals_.points, stop_);
+    extend(result.origins, with_origins_ ? in_place : 0, with_origins_ ? totals_.points : 0, stop_);
     room_.points = result.points.span();
     room_.origins = result.origins.span();
-    result.contours.resize_discarding(contour_count_);
+    result.contours.resize_discarding(totals_.contours);
     parallel.run(bands_.size(), [&](std::size_t band, int) {
         Placed& placed = placed_[band];
         if (placed.output != nullptr) {
@@ -232,7 +231,7 @@ void Placement::finish(const Parallel& parallel, SliceResult& result) {
         }
         write_band(band, result.contours.span(), result.layers.span(), parallel);
     });
-    result.stitches.resize_discarding(stitch_count());
+    result.stitches.resize_discarding(totals_.stitches);
     write_stitches(result.stitches.span(), stop_);
 }
 
@@ -253,11 +252,6 @@ void Placement::abort() {
         aborted_ = true;
     }
     head_moved_.notify_all();
-}
-
-std::uint64_t Placement::stitch_count() const noexcept {
-    return std::accumulate(placed_.begin(), placed_.end(), std::uint64_t{0},
-                           [](std::uint64_t sum, const Placed& placed) { return sum + placed.stitches.size(); });
 }
 
 void Placement::write_stitches(std::span<Stitch> gaps, const StopCheck& stop) const {

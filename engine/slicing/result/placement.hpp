@@ -78,12 +78,8 @@ public:
     /// std::bad_alloc, Stopped.
     void finish(const Parallel& parallel, SliceResult& result);
 
-    /// Points of all bands.
-    std::uint64_t point_count() const noexcept { return point_count_; }
-    std::uint64_t contour_count() const noexcept { return contour_count_; }
-    const ContourCounts& contour_counts() const noexcept { return counts_; }
-    std::uint64_t stitch_count() const noexcept;
-
+    /// Of all bands that were placed; emptied layers are not counted.
+    const LayerTotals& totals() const noexcept { return totals_; }
     /// In place of finish(): contours and the layers' contour ranges. layers[i] is plane i's.
     void write_contours(const Parallel& parallel, std::span<Contour> contours, std::span<Layer> layers) const;
     /// The same: closed gaps, by layer, then by `from` and `to`.
@@ -141,9 +137,7 @@ private:
     /// Some band had more points than segments, as open polylines do: places can no longer be predicted. Only the head,
     /// whose place is known, is still swept straight to it.
     bool outgrown_ = false;
-    std::uint64_t point_count_ = 0;
-    std::uint64_t contour_count_ = 0;
-    ContourCounts counts_;
+    LayerTotals totals_;
     bool aborted_ = false;
 };
 

@@ -35,7 +35,7 @@ void Simplifier::run(std::span<NestItem> items, std::int64_t tolerance) {
     if (std::all_of(paths_.begin(), paths_.end(), [](const Reduction& path) { return path.left == path.count(); })) {
         return;
     }
-    starts_tree_.build(starts_, worker_);
+    starts_tree_.assign(starts_.size(), [this](std::size_t i) { return starts_[i]; });
     chains_.build(points_, worker_);
     for (int round = 1;; ++round) {
         if (!find_conflicts(items)) {

@@ -33,8 +33,8 @@
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "slicing/edges/pair_search.hpp"
+#include "slicing/grid/point_tree.hpp"
 #include "slicing/nesting/nest.hpp"
-#include "slicing/regions/point_tree.hpp"
 #include "slicing/simplify/chain.hpp"
 
 namespace lamella {
@@ -97,7 +97,7 @@ private:
     Vector<Point> left_points_{worker_.memory()};         // the same points
     Vector<PointOrigin> left_origins_{worker_.memory()};  // of left_points_, where items have origins
     Vector<Point> starts_{worker_.memory()};              // of paths_
-    PointTree starts_tree_{worker_.memory()};
+    PointTree starts_tree_{worker_};
     ChainTree chains_{worker_.memory()};  // of points_
     std::uint64_t steps_ = 0;             // in search of jumps, in a round
     EdgePairs pairs_{worker_};

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <cmath>
 #include <memory>
@@ -59,18 +58,11 @@ bool pass_through(Point o, Point a, Point b, Point c, Point d) noexcept {
     return in_turn(o, a, b, c) != in_turn(o, a, b, d);
 }
 
-/// How far a search may go.
-struct Limits {
-    std::uint64_t steps = 0;
-    std::uint64_t crossings = most_crossings_in_layer;
-};
-
 /// The crossings in some strips of a layer.
 struct Found {
     std::uint64_t count = 0;
     Point first;
     std::array<std::uint64_t, 2> contours{0, 0};
-    std::uint64_t steps = 0;
     bool cut_short = false;
 
     void add(const Found& other) noexcept {
@@ -79,7 +71,6 @@ struct Found {
             contours = other.contours;
         }
         count += other.count;
-        steps += other.steps;
         cut_short = cut_short || other.cut_short;
     }
 };
@@ -90,16 +81,16 @@ public:
     explicit CrossingsOfShare(Worker& worker) noexcept : search_(worker) {}
 
     /// Share `share` of `shares` of all pairs.
-    Found run(const EdgeRuns& runs, const RunStrips& strips, std::size_t share, std::size_t shares, Limits limits) {
+    Found run(const EdgeRuns& runs, const RunStrips& strips, std::size_t share, std::size_t shares) {
+        constexpr std::uint64_t part =
+            8;  // of a layer's steps: so all shares take at most so many times what one thread would
         points_ = runs.points();
-        most_crossings_ = limits.crossings;
         found_ = {};
         const std::span<const EdgePath> paths = runs.paths();
-        found_.cut_short = !search_.find(runs, strips, share, shares, limits.steps,
+        found_.cut_short = !search_.find(runs, strips, share, shares, most_steps(runs.edges()) / (shares > 1 ? part : 1),
                                          [&](std::uint32_t a, std::size_t i, std::uint32_t b, std::size_t j) {
                                              compare_edges(paths[a], i, paths[b], j);
                                          });
-        found_.steps = search_.steps();
         return found_;
     }
 
@@ -147,14 +138,13 @@ private:
     void note(Point place, const EdgePath& a, const EdgePath& b) {
         const auto [lower, upper] = std::minmax(a.contour, b.contour);
         found_.add({1, place, {lower, upper}});
-        if (found_.count == most_crossings_) {
+        if (found_.count == most_crossings_in_layer) {
             search_.stop();
         }
     }
 
     PairSearch search_;
     const Point* points_ = nullptr;
-    std::uint64_t most_crossings_ = 0;
     Found found_;
 };
 
@@ -209,7 +199,7 @@ private:
             own->runs.clear();
             for_each_path(layer, [&](const EdgePath& path) { own->runs.add(path); });
             own->strips.assign(own->runs.runs(), 0);
-            const Found found = own->search.run(own->runs, own->strips, 0, 1, {.steps = most_steps(own->runs.edges())});
+            const Found found = own->search.run(own->runs, own->strips, 0, 1);
             keep(layer, found, own->found);
         });
         for (const std::unique_ptr<Searcher>& own : searchers) {
@@ -231,12 +221,13 @@ private:
 
     static void keep(std::size_t layer, const Found& found, std::vector<LayerCrossings>& layers) {
         if (found.count > 0 || found.cut_short) {
-            layers.push_back({layer, found.count, found.cut_short, found.first, found.contours});
+            const std::uint64_t count = std::min(found.count, most_crossings_in_layer);
+            const bool at_least = found.cut_short || count < found.count;
+            layers.push_back({layer, count, at_least, found.first, found.contours});
         }
     }
 
-    /// As if one thread searched strip after strip. A share is searched as if it came first; where all before it leave less
-    /// than it took, it is searched again with what they leave.
+    /// Its shares do not know of one another, and so do not depend on threads.
     void search_wide(std::size_t layer) {
         std::vector<EdgePath> paths;
         for_each_path(layer, [&](const EdgePath& path) { paths.push_back(path); });
@@ -245,28 +236,14 @@ private:
         runs.assign(paths, parallel_);
         RunStrips strips(caller);
         strips.assign(runs.runs(), 0, parallel_);
-        const Limits whole{.steps = most_steps(runs.edges())};
         std::vector<Found> shares(shares_of_wide_layer);
-        std::atomic<std::size_t> last{shares_of_wide_layer};  // the first share known to be cut short
         parallel_.run(shares.size(), [&](std::size_t share, int) {
-            if (share > last.load(std::memory_order_relaxed)) {
-                return;
-            }
-            constexpr std::uint64_t part = 8;  // so that all together take at most so many times what one thread would
             Worker worker(nullptr, parallel_.stop());
-            CrossingsOfShare search(worker);
-            shares[share] = search.run(runs, strips, share, shares.size(), {whole.steps / part, whole.crossings});
-            if (shares[share].count == whole.crossings) {
-                last.store(share, std::memory_order_relaxed);
-            }
+            shares[share] = CrossingsOfShare(worker).run(runs, strips, share, shares.size());
         });
         Found found;
-        CrossingsOfShare search(caller);
-        for (std::size_t share = 0; share < shares.size() && !found.cut_short; ++share) {
-            const Limits left{whole.steps - found.steps, whole.crossings - found.count};
-            const Found& own = shares[share];
-            const bool fits = !own.cut_short && own.steps <= left.steps && own.count < left.crossings;
-            found.add(fits ? own : search.run(runs, strips, share, shares.size(), left));
+        for (const Found& own : shares) {
+            found.add(own);
         }
         keep(layer, found, all_);
     }

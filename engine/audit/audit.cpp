@@ -85,6 +85,7 @@ Status answer_structure(const SliceResult& result, std::span<const Part> parts, 
 
 Audit answer(const SliceResult& result, std::span<const Part> parts, const AuditOptions& questions,
              const Parallel& parallel) {
+    parallel.stop_if_asked();
     compare_counts(parts, result.info);
     const bool has_triangles = !parts.empty() && parts.front().mesh.triangle_count > 0;
     const bool volume = questions.volume && has_triangles;
@@ -126,6 +127,7 @@ Audit answer(const SliceResult& result, std::span<const Part> parts, const Audit
         }
     }
     if (questions.crossings) {
+        check_offsets(result);  // paths are told apart by where their points lie
         answers.crossings = find_crossings(result, next_share());
     }
     return answers;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <cmath>
 #include <memory>
@@ -58,18 +57,11 @@ bool pass_through(Point o, Point a, Point b, Point c, Point d) noexcept {
     return in_turn(o, a, b, c) != in_turn(o, a, b, d);
 }
 
-/// How far a search may go.
-struct Limits {
-    std::uint64_t steps = 0;
-    std::uint64_t crossings = most_crossings_in_layer;
-};
-
 /// The crossings in a share of a layer.
 struct Found {
     std::uint64_t count = 0;
     Point first;
     std::array<std::uint64_t, 2> contours{0, 0};
-    std::uint64_t steps = 0;
     bool cut_short = false;
 
     void add(const Found& other) noexcept {
@@ -78,7 +70,6 @@ struct Found {
             contours = other.contours;
         }
         count += other.count;
-        steps += other.steps;
         cut_short = cut_short || other.cut_short;
     }
 };
@@ -89,16 +80,16 @@ public:
     explicit CrossingsOfShare(Worker& worker) noexcept : search_(worker) {}
 
     /// Share `share` of `shares` of all pairs.
-    Found run(const EdgeRuns& runs, std::size_t share, std::size_t shares, Limits limits) {
+    Found run(const EdgeRuns& runs, std::size_t share, std::size_t shares) {
+        constexpr std::uint64_t part =
+            8;  // of a layer's steps: so all shares take at most so many times what one thread would
         points_ = runs.points();
-        most_crossings_ = limits.crossings;
         found_ = {};
         const std::span<const EdgePath> paths = runs.paths();
-        found_.cut_short = !search_.find(runs, share, shares, limits.steps,
+        found_.cut_short = !search_.find(runs, share, shares, most_steps(runs.edges()) / (shares > 1 ? part : 1),
                                          [&](std::uint32_t a, std::size_t i, std::uint32_t b, std::size_t j) {
                                              compare_edges(paths[a], i, paths[b], j);
                                          });
-        found_.steps = search_.steps();
         return found_;
     }
 
@@ -146,14 +137,13 @@ private:
     void note(Point place, const EdgePath& a, const EdgePath& b) {
         const auto [lower, upper] = std::minmax(a.contour, b.contour);
         found_.add({1, place, {lower, upper}});
-        if (found_.count == most_crossings_) {
+        if (found_.count == most_crossings_in_layer) {
             search_.stop();
         }
     }
 
     PairSearch search_;
     const Point* points_ = nullptr;
-    std::uint64_t most_crossings_ = 0;
     Found found_;
 };
 
@@ -207,7 +197,7 @@ private:
             own->runs.clear();
             for_each_path(layer, [&](const EdgePath& path) { own->runs.add(path); });
             own->runs.cut(0);
-            const Found found = own->search.run(own->runs, 0, 1, {.steps = most_steps(own->runs.edges())});
+            const Found found = own->search.run(own->runs, 0, 1);
             keep(layer, found, own->found);
         });
         for (const std::unique_ptr<Searcher>& own : searchers) {
@@ -229,39 +219,26 @@ private:
 
     static void keep(std::size_t layer, const Found& found, std::vector<LayerCrossings>& layers) {
         if (found.count > 0 || found.cut_short) {
-            layers.push_back({layer, found.count, found.cut_short, found.first, found.contours});
+            const std::uint64_t count = std::min(found.count, most_crossings_in_layer);
+            const bool at_least = found.cut_short || count < found.count;
+            layers.push_back({layer, count, at_least, found.first, found.contours});
         }
     }
 
-    /// As if one thread searched share after share. A share is searched as if it came first; where all before it leave less
-    /// than it took, it is searched again with what they leave.
+    /// Its shares do not know of one another, and so do not depend on threads.
     void search_wide(std::size_t layer) {
         Worker caller(nullptr, parallel_.stop());
         EdgeRuns runs(caller);
         for_each_path(layer, [&](const EdgePath& path) { runs.add(path); });
         runs.cut(0, &parallel_);
-        const Limits whole{.steps = most_steps(runs.edges())};
         std::vector<Found> shares(shares_of_wide_layer);
-        std::atomic<std::size_t> last{shares_of_wide_layer};  // the first share known to be cut short
         parallel_.run(shares.size(), [&](std::size_t share, int) {
-            if (share > last.load(std::memory_order_relaxed)) {
-                return;
-            }
-            constexpr std::uint64_t part = 8;  // so that all together take at most so many times what one thread would
             Worker worker(nullptr, parallel_.stop());
-            CrossingsOfShare search(worker);
-            shares[share] = search.run(runs, share, shares.size(), {whole.steps / part, whole.crossings});
-            if (shares[share].count == whole.crossings) {
-                last.store(share, std::memory_order_relaxed);
-            }
+            shares[share] = CrossingsOfShare(worker).run(runs, share, shares.size());
         });
         Found found;
-        CrossingsOfShare search(caller);
-        for (std::size_t share = 0; share < shares.size() && !found.cut_short; ++share) {
-            const Limits left{whole.steps - found.steps, whole.crossings - found.count};
-            const Found& own = shares[share];
-            const bool fits = !own.cut_short && own.steps <= left.steps && own.count < left.crossings;
-            found.add(fits ? own : search.run(runs, share, shares.size(), left));
+        for (const Found& own : shares) {
+            found.add(own);
         }
         keep(layer, found, all_);
     }

@@ -15,7 +15,6 @@ namespace {
 
 constexpr double beyond = 1 + 1e-12;            ///< makes up for what squares of lengths and their units lose
 constexpr double any_reach = 4.0 * grid_limit;  ///< beyond the diagonal of the grid
-constexpr std::size_t layers_at_once = 64;
 
 /// The least number of two digits that is not below `value`, which is positive.
 std::string rounded_up(double value) {
@@ -58,9 +57,11 @@ OpenLayers open_layer(const LayerView& view, StitchDirection direction, const St
     for (const Stitch& gap : view.stitches) {
         found.reach_mm = std::max(found.reach_mm, std::sqrt(squared_distance(gap.from, gap.to)) * view.grid_mm * beyond);
     }
+    Worker worker(nullptr, stop);
+    worker.spend(view.stitches.size() + view.contours.size());
     std::vector<const Contour*> open;
     for (const Contour& contour : view.contours) {
-        if (contour.role == Role::open) {
+        if (contour.role == Role::open && contour.point_count > 0) {
             open.push_back(&contour);
         }
     }
@@ -70,7 +71,6 @@ OpenLayers open_layer(const LayerView& view, StitchDirection direction, const St
     found.layers = 1;
     found.height_mm = found.crossed_mm;
     std::stable_sort(open.begin(), open.end(), [](const Contour* a, const Contour* b) { return a->part < b->part; });
-    Worker worker(nullptr, stop);
     GapCloser closer(worker);
     bool stuck = false;
     std::vector<PolylineEnds> ends;
@@ -108,10 +108,8 @@ Result<OpenLayers> find_open_layer(const LayerView& layer, StitchDirection direc
 
 OpenLayers find_open_layers(const SliceResult& result, const Parallel& parallel) {
     std::vector<OpenLayers> layers(result.size());
-    parallel.run_ranges(layers.size(), layers_at_once, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t i = begin; i < end; ++i) {
-            layers[i] = open_layer(result[i], result.info.options.stitch_direction, parallel.stop());
-        }
+    parallel.run(layers.size(), [&](std::size_t i, int) {
+        layers[i] = open_layer(result[i], result.info.options.stitch_direction, parallel.stop());
     });
     OpenLayers all;
     for (const OpenLayers& layer : layers) {

@@ -39,6 +39,10 @@ Crossings find_crossings(const SliceResult& result, const ProgressShare& progres
 /// was sliced.
 void check_structure(const SliceResult& result, std::span<const Part> parts, const Parallel& parallel);
 
+/// Throws Refused unless planes ascend, and contours of consecutive layers and points of consecutive contours follow one
+/// another without gap, to the end.
+void check_offsets(const SliceResult& result);
+
 /// How the part's coordinates were placed on the result's grid.
 inline Placing placing_of(const Part& part, const SliceResult& result) noexcept {
     return placing_of(part.mesh, result.info.options.frame, part.placement);

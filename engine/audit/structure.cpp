@@ -16,33 +16,11 @@ bool is_closed(const Contour& contour) {
     return contour.role != Role::open;
 }
 
-/// Contours of consecutive layers and points of consecutive contours follow each other without gap, to the end.
-void check_offsets(const SliceResult& result) {
-    std::uint64_t next_contour = 0;
-    std::uint64_t next_point = 0;
-    for (std::size_t l = 0; l < result.layers.size(); ++l) {
-        const Layer& layer = result.layers[l];
-        const ResultPlace at_layer{l};
-        at_layer.require(layer.first_contour == next_contour, "does not begin where the layer before ends");
-        at_layer.require(layer.contour_count <= result.contours.size() - next_contour, "reaches past the last contour");
-        for (; next_contour < layer.first_contour + layer.contour_count; ++next_contour) {
-            const Contour& contour = result.contours[next_contour];
-            const ResultPlace at{l, next_contour};
-            at.require(contour.first_point == next_point, "does not begin where the contour before ends");
-            at.require(contour.point_count <= result.points.size() - next_point, "reaches past the last point");
-            next_point += contour.point_count;
-        }
-    }
-    ResultPlace{}.require(next_contour == result.contours.size() && next_point == result.points.size(),
-                          "contours or points are left over behind the last layer");
-}
-
 void check_planes(const SliceResult& result) {
     for (std::size_t l = 0; l < result.layers.size(); ++l) {
         const Layer& layer = result.layers[l];
         const ResultPlace at{l};
         at.require(layer.plane.z() % 2 != 0, "the plane lies on an even height, where vertices are");
-        at.require(l == 0 || layer.plane > result.layers[l - 1].plane, "the plane is not above the one before");
         at.require(layer.bottom_mm <= layer.plane_mm && layer.plane_mm <= layer.top_mm,
                    "the plane is not between bottom and top");
     }
@@ -156,6 +134,27 @@ void ResultPlace::require(bool kept, std::string_view broken) const {
     error.message = text + (text.empty() ? "" : ": ") + std::string(broken);
     error.plane = layer ? static_cast<std::int64_t>(*layer) : -1;
     throw Refused{std::move(error)};
+}
+
+void check_offsets(const SliceResult& result) {
+    std::uint64_t next_contour = 0;
+    std::uint64_t next_point = 0;
+    for (std::size_t l = 0; l < result.layers.size(); ++l) {
+        const Layer& layer = result.layers[l];
+        const ResultPlace at_layer{l};
+        at_layer.require(l == 0 || layer.plane > result.layers[l - 1].plane, "the plane is not above the one before");
+        at_layer.require(layer.first_contour == next_contour, "does not begin where the layer before ends");
+        at_layer.require(layer.contour_count <= result.contours.size() - next_contour, "reaches past the last contour");
+        for (; next_contour < layer.first_contour + layer.contour_count; ++next_contour) {
+            const Contour& contour = result.contours[next_contour];
+            const ResultPlace at{l, next_contour};
+            at.require(contour.first_point == next_point, "does not begin where the contour before ends");
+            at.require(contour.point_count <= result.points.size() - next_point, "reaches past the last point");
+            next_point += contour.point_count;
+        }
+    }
+    ResultPlace{}.require(next_contour == result.contours.size() && next_point == result.points.size(),
+                          "contours or points are left over behind the last layer");
 }
 
 void check_structure(const SliceResult& result, std::span<const Part> parts, const Parallel& parallel) {

@@ -11,14 +11,13 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
-#include <vector>
 
-#include "base/distribute.hpp"
 #include "base/numbers.hpp"
-#include "base/parallel.hpp"
-#include "base/vector.hpp"
+#include "base/parallel_sort.hpp"
+#include "lamella/array.hpp"
 
 namespace lamella {
 
@@ -41,32 +40,40 @@ public:
     using Vertex = std::uint32_t;
     static constexpr Vertex none = std::numeric_limits<Vertex>::max();
 
-    /// `places` ascend and outlive this. Three calls of run(); O(v) expected for v vertices. Throws std::bad_alloc.
+    /// `places` ascend and outlive this. Six calls of run(); O(v log v) for v vertices. Throws std::bad_alloc.
     NearVertices(std::span<const Place<Real>> places, double tolerance, const Parallel& parallel)
         : places_(places),
           tolerance_(tolerance),
-          cells_(parts_for(places.size(), std::size_t{1} << 15), Vector<Cell>(parallel.memory())),
-          items_(distribute<Vertex>(
-              places.size(), cells_.size(), parallel,
-              [this](std::size_t begin, std::size_t end, const auto& emit) {
-                  for (std::size_t v = begin; v != end; ++v) {
-                      emit(part_of(hash_of(cell_of(static_cast<Vertex>(v)))), static_cast<Vertex>(v));
-                  }
-              },
-              parallel.memory())),
+          shift_(64 - std::max(1, static_cast<int>(std::bit_width(places.size() / 4)))),
+          items_(parallel.memory()),
+          firsts_(parallel.memory()),
           kept_until_(parallel.memory()) {
-        std::vector<std::vector<std::uint32_t>> scratch(static_cast<std::size_t>(parallel.threads()));
+        constexpr std::size_t grain = 8192;
+        items_.resize_discarding(places.size());
         kept_until_.resize_discarding(places.size());
-        parallel.run(cells_.size(),
-                     [&](std::size_t part, int worker) { sort_part(part, scratch[static_cast<std::size_t>(worker)]); });
+        parallel.run_ranges(places.size(), grain, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t v = begin; v != end; ++v) {
+                items_[v] = {hash_of(cell_of(static_cast<Vertex>(v))), static_cast<Vertex>(v)};
+                kept_until_[v] = is_kept;
+            }
+        });
+        sort_in_parallel(items_.span(), std::less<>{}, parallel, parallel.memory());
+        firsts_.resize_discarding((std::size_t{1} << (64 - shift_)) + 1);
+        parallel.run_ranges(places.size() + 1, grain, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t i = begin; i != end; ++i) {
+                const std::size_t from = i == 0 ? 0 : bucket_of(items_[i - 1].hash) + 1;
+                const std::size_t to = i == places.size() ? firsts_.size() : bucket_of(items_[i].hash) + 1;
+                std::fill(firsts_.begin() + from, firsts_.begin() + to, static_cast<std::uint32_t>(i));
+            }
+        });
     }
 
     /// True if a vertex before it lies within the tolerance.
     bool has_earlier(Vertex vertex) const {
         bool found = false;
-        for_each_cell_near(vertex, [&](std::uint32_t begin, std::uint32_t end) {
-            for (std::uint32_t p = end; !found && p > begin && in_reach(vertex, items_.items[p - 1]); --p) {
-                found = squared_distance(vertex, items_.items[p - 1]) <= tolerance_ * tolerance_;
+        for_each_cell_near(vertex, [&](std::uint64_t hash) {
+            for (std::size_t p = place_of(hash, vertex); !found && leads_on(p, hash, vertex); --p) {
+                found = squared_distance(vertex, items_[p - 1].vertex) <= tolerance_ * tolerance_;
             }
         });
         return found;
@@ -77,10 +84,9 @@ public:
     Vertex nearest_kept(Vertex vertex) {
         Vertex nearest = none;
         double nearest_squared = tolerance_ * tolerance_;
-        for_each_cell_near(vertex, [&](std::uint32_t begin, std::uint32_t end) {
-            for (std::uint32_t p = last_kept(begin, end); p > begin && in_reach(vertex, items_.items[p - 1]);
-                 p = last_kept(begin, p - 1)) {
-                const Vertex other = items_.items[p - 1];
+        for_each_cell_near(vertex, [&](std::uint64_t hash) {
+            for (std::size_t p = last_kept(place_of(hash, vertex)); leads_on(p, hash, vertex); p = last_kept(p - 1)) {
+                const Vertex other = items_[p - 1].vertex;
                 const double squared = squared_distance(vertex, other);
                 if (squared < nearest_squared || (squared == nearest_squared && other < nearest)) {
                     nearest = other;
@@ -93,8 +99,8 @@ public:
 
     /// It is never found again. To be called in ascending order.
     void drop(Vertex vertex) {
-        const CellNumbers cell = cell_of(vertex);
-        for_each_before(cell, vertex, [&](std::uint32_t, std::uint32_t end) { kept_until_[end] = end; });
+        const std::size_t place = place_of(hash_of(cell_of(vertex)), vertex);
+        kept_until_[place] = static_cast<std::uint32_t>(place);
     }
 
     double squared_distance(Vertex a, Vertex b) const noexcept {
@@ -108,10 +114,13 @@ public:
 
 private:
     using CellNumbers = std::array<std::int64_t, 3>;
-    /// A cell's vertices: items [begin, end). Empty: no cell.
-    struct Cell {
-        std::uint32_t begin = 0;
-        std::uint32_t end = 0;
+    /// A vertex and the hash of its cell. Cells that share a hash are searched together, which does no harm.
+    struct Item {
+        std::uint64_t hash;
+        Vertex vertex;
+        friend bool operator<(const Item& a, const Item& b) noexcept {
+            return a.hash != b.hash ? a.hash < b.hash : a.vertex < b.vertex;
+        }
     };
     static constexpr double cells_per_tolerance = 1.0 / 16;
     static constexpr std::uint32_t is_kept = std::numeric_limits<std::uint32_t>::max();
@@ -130,63 +139,23 @@ private:
         }
         return hash;
     }
-    std::size_t part_of(std::uint64_t hash) const noexcept {
-        return part_of_number(hash >> 32, std::uint64_t{1} << 32, cells_.size());
-    }
-    bool in_reach(Vertex vertex, Vertex other) const noexcept {
-        return coordinate(vertex, 0) - coordinate(other, 0) <= tolerance_;
+    std::size_t bucket_of(std::uint64_t hash) const noexcept { return static_cast<std::size_t>(hash >> shift_); }
+
+    /// Where the vertex stands, or would stand, among the items of a cell.
+    std::size_t place_of(std::uint64_t hash, Vertex vertex) const noexcept {
+        const std::size_t bucket = bucket_of(hash);
+        const Item* const begin = items_.begin() + firsts_[bucket];
+        const Item* const end = items_.begin() + firsts_[bucket + 1];
+        return static_cast<std::size_t>(std::lower_bound(begin, end, Item{hash, vertex}) - items_.begin());
     }
 
-    /// The items of a part by cell: counted, then scattered by way of `scratch`.
-    void sort_part(std::size_t part, std::vector<std::uint32_t>& scratch) {
-        const std::span<Vertex> own = items_.of(part);
-        Vector<Cell>& cells = cells_[part];
-        cells.assign(std::bit_ceil(own.size() + own.size() / 2 + 1), Cell{});
-        scratch.resize(2 * own.size());
-        std::uint32_t* const cell_at = scratch.data();
-        for (std::size_t i = 0; i < own.size(); ++i) {  // for now `begin` is a cell's first vertex, and `end` their number
-            const CellNumbers cell = cell_of(own[i]);
-            std::size_t at = hash_of(cell) & (cells.size() - 1);
-            while (cells[at].end != 0 && cell_of(static_cast<Vertex>(cells[at].begin)) != cell) {
-                at = (at + 1) & (cells.size() - 1);
-            }
-            cells[at].begin = cells[at].end == 0 ? own[i] : cells[at].begin;
-            ++cells[at].end;
-            cell_at[i] = static_cast<std::uint32_t>(at);
-        }
-        const auto first = static_cast<std::uint32_t>(items_.firsts[part]);
-        std::uint32_t sum = first;
-        for (Cell& cell : cells) {
-            const std::uint32_t count = cell.end;
-            cell = {sum, sum};
-            sum += count;
-        }
-        Vertex* const sorted = scratch.data() + own.size();
-        for (std::size_t i = 0; i < own.size(); ++i) {
-            sorted[cells[cell_at[i]].end++ - first] = own[i];
-        }
-        std::copy(sorted, sorted + own.size(), own.begin());
-        std::fill_n(kept_until_.begin() + first, own.size(), is_kept);
+    /// True if the item before p is of the cell, and not out of reach: then so are all before it.
+    bool leads_on(std::size_t p, std::uint64_t hash, Vertex vertex) const noexcept {
+        return p > 0 && items_[p - 1].hash == hash &&
+               coordinate(vertex, 0) - coordinate(items_[p - 1].vertex, 0) <= tolerance_;
     }
 
-    /// Calls see(begin, end) for the items of the cell before `vertex`, if there is the cell.
-    template <class See>
-    void for_each_before(const CellNumbers& cell, Vertex vertex, const See& see) const {
-        const std::uint64_t hash = hash_of(cell);
-        const Vector<Cell>& cells = cells_[part_of(hash)];
-        for (std::size_t at = hash & (cells.size() - 1); cells[at].begin != cells[at].end;
-             at = (at + 1) & (cells.size() - 1)) {
-            const Vertex* const begin = items_.items.data() + cells[at].begin;
-            if (cell_of(*begin) == cell) {
-                const Vertex* const end = items_.items.data() + cells[at].end;
-                see(cells[at].begin,
-                    cells[at].begin + static_cast<std::uint32_t>(std::lower_bound(begin, end, vertex) - begin));
-                return;
-            }
-        }
-    }
-
-    /// The same for each cell that the tolerance around the vertex reaches.
+    /// Calls see(hash) for each cell that the tolerance around the vertex reaches.
     template <class See>
     void for_each_cell_near(Vertex vertex, const See& see) const {
         CellNumbers low;
@@ -198,31 +167,30 @@ private:
         for (std::int64_t x = low[0]; x <= high[0]; ++x) {
             for (std::int64_t y = low[1]; y <= high[1]; ++y) {
                 for (std::int64_t z = low[2]; z <= high[2]; ++z) {
-                    for_each_before({x, y, z}, vertex, see);
+                    see(hash_of({x, y, z}));
                 }
             }
         }
     }
 
-    /// The end of items [begin, end) without the dropped ones at their end. Runs of those are passed at once the next time.
-    std::uint32_t last_kept(std::uint32_t begin, std::uint32_t end) {
-        std::uint32_t p = end;
-        while (p > begin && kept_until_[p - 1] != is_kept) {
+    /// The end of items up to `end` without the dropped ones at their end. Runs of those are passed at once the next time.
+    std::size_t last_kept(std::size_t end) {
+        std::size_t p = end;
+        while (p > 0 && kept_until_[p - 1] != is_kept) {
             p = kept_until_[p - 1];
         }
-        p = std::max(p, begin);
-        if (end > begin && kept_until_[end - 1] != is_kept) {
-            kept_until_[end - 1] = p;
+        if (p != end) {
+            kept_until_[end - 1] = static_cast<std::uint32_t>(p);
         }
         return p;
     }
 
     std::span<const Place<Real>> places_;
     double tolerance_;
-    std::vector<Vector<Cell>> cells_;  ///< by part, then by the cells' hashes: open addressing
-    Distributed<Vertex> items_;
-    /// By item: is_kept, or of a dropped one that no item from here on to itself is kept.
-    Array<std::uint32_t> kept_until_;
+    int shift_;
+    Array<Item> items_;                ///< ascending
+    Array<std::uint32_t> firsts_;      ///< by the highest bits of a hash: its first item, and the end of the last
+    Array<std::uint32_t> kept_until_;  ///< by item: is_kept, or of a dropped one that no item from here on to itself is kept
 };
 
 }  // namespace lamella

@@ -1,6 +1,8 @@
 #include "lamella/weld.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -8,16 +10,14 @@
 #include <limits>
 #include <numeric>
 #include <span>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "base/distribute.hpp"
 #include "base/guard.hpp"
-#include "base/parallel_sort.hpp"
+#include "base/numbers.hpp"
 #include "lamella/context.hpp"
-#include "lamella/grid.hpp"
 #include "mesh/near_vertices.hpp"
+#include "mesh/vertex_numbers.hpp"
 #include "slicing/grid/bounds.hpp"
 #include "slicing/grid/placed_reader.hpp"
 
@@ -25,100 +25,39 @@ namespace lamella {
 
 namespace {
 
+/// Reads vertices as the mesh has them.
 template <class Real>
-struct Corner {
-    Place<Real> place;
-    std::uint32_t index;  // 3 * triangle + corner
+class PlaceCorners {
+public:
+    using Vertex = Place<Real>;
+    explicit PlaceCorners(const MeshView& mesh) noexcept : read_(mesh, {}) {}
+
+    std::array<Vertex, 3> operator()(std::size_t t) const noexcept {
+        const RawTriangle raw = read_(t);
+        std::array<Vertex, 3> corners;
+        for (std::size_t i = 0; i < 9; ++i) {
+            corners[i / 3].at[i % 3] = static_cast<Real>(raw.v[i]) + Real{0};  // one zero, not two
+        }
+        return corners;
+    }
+    static std::uint64_t hash(const Vertex& vertex) noexcept {
+        const auto bits = [&](std::size_t i) { return std::bit_cast<std::uint64_t>(static_cast<double>(vertex.at[i])); };
+        return mix64(mix64(mix64(bits(0)) ^ bits(1)) ^ bits(2));
+    }
+    static Real key(const Vertex& vertex) noexcept { return vertex.at[0]; }
+    static bool differ(const Vertex& /*a*/, const Vertex& /*b*/) noexcept { return false; }
+
+private:
+    PlacedReader read_;
 };
 
 // The progress when a step is done.
-constexpr double sorted_share = 0.5;
+constexpr double measured_share = 0.05;
 constexpr double numbered_share = 0.65;
 constexpr double searched_share = 0.85;
 constexpr double joined_share = 0.9;
 
 constexpr std::size_t weld_grain = 8192;
-
-/// The first corner of triangle t that names a vertex that there is not, or 3.
-std::size_t dangling_corner(const MeshView& mesh, std::size_t t) {
-    std::size_t corner = mesh.indices != nullptr ? 0 : 3;
-    while (corner < 3 && mesh.vertex_of(t, corner) < mesh.vertex_count) {
-        ++corner;
-    }
-    return corner;
-}
-
-/// Writes the three corners of triangle t; false if a coordinate cannot be used.
-template <class Real>
-bool write_corners(const RawTriangle& raw, std::size_t t, Corner<Real>* corners) {
-    bool usable = true;
-    for (std::size_t i = 0; i < 9; ++i) {
-        const auto coordinate = static_cast<Real>(raw.v[i]);
-        usable = usable && std::abs(coordinate) <= static_cast<Real>(largest_coordinate_mm);
-        corners[i / 3].place.at[i % 3] = coordinate + Real{0};  // one zero, not two
-    }
-    for (std::size_t i = 0; i < 3; ++i) {
-        corners[i].index = static_cast<std::uint32_t>(3 * t + i);
-    }
-    return usable;
-}
-
-/// Throws Refused: why triangle t cannot be used.
-[[noreturn]] void refuse_triangle(const MeshView& mesh, std::size_t t) {
-    const std::string triangle = "triangle " + std::to_string(t);
-    if (const std::size_t corner = dangling_corner(mesh, t); corner < 3) {
-        throw Refused{{ErrorCode::invalid_argument,
-                       triangle + " has index " + std::to_string(mesh.vertex_of(t, corner)) + ", but there are " +
-                           std::to_string(mesh.vertex_count) + " vertices",
-                       static_cast<std::int64_t>(t)}};
-    }
-    throw Refused{{ErrorCode::bad_coordinate, triangle + " has a coordinate that is not finite or beyond 1e9",
-                   static_cast<std::int64_t>(t)}};
-}
-
-template <class Real>
-Array<Corner<Real>> sorted_corners(const MeshView& mesh, const Parallel& parallel) {
-    Array<Corner<Real>> corners(parallel.memory());
-    corners.resize_discarding(3 * mesh.triangle_count);
-    const PlacedReader read(mesh, {});
-    constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
-    std::vector<std::size_t> first_bad(static_cast<std::size_t>(parallel.threads()), none);
-    parallel.run_ranges(mesh.triangle_count, weld_grain / 3, [&](std::size_t begin, std::size_t end, int worker) {
-        for (std::size_t t = begin; t < end; ++t) {
-            if (dangling_corner(mesh, t) < 3 || !write_corners(read(t), t, corners.data() + 3 * t)) {
-                std::size_t& first = first_bad[static_cast<std::size_t>(worker)];
-                first = std::min(first, t);
-                return;
-            }
-        }
-    });
-    if (const std::size_t bad = *std::min_element(first_bad.begin(), first_bad.end()); bad != none) {
-        refuse_triangle(mesh, bad);
-    }
-    // Which of two equal corners comes first does not show: both get one vertex.
-    sort_in_parallel(
-        corners.span(), [](const auto& a, const auto& b) { return a.place < b.place; }, parallel, parallel.memory());
-    return corners;
-}
-
-/// The mesh's distinct vertices, ascending; `of_corners` gets the number of each corner's.
-template <class Real>
-Array<Place<Real>> distinct_places(const MeshView& mesh, std::span<std::uint32_t> of_corners, const Parallel& parallel) {
-    parallel.begin_stage(sorted_share, 4);
-    const Array<Corner<Real>> corners = sorted_corners<Real>(mesh, parallel);
-    parallel.begin_stage(numbered_share, 2);
-    Array<Place<Real>> places(parallel.memory());
-    number_where(
-        corners.size(), parallel, [&](std::size_t i) { return i == 0 || !(corners[i - 1].place == corners[i].place); },
-        [&](std::size_t count) { places.resize_discarding(count); },
-        [&](std::size_t i, std::uint32_t number, bool is_new) {
-            of_corners[corners[i].index] = number;
-            if (is_new) {
-                places[number] = corners[i].place;
-            }
-        });
-    return places;
-}
 
 /// The vertex that each vertex becomes.
 struct Joining {
@@ -134,7 +73,7 @@ struct Joining {
 template <class Real>
 Joining join(std::span<const Place<Real>> places, double tolerance, const Parallel& parallel) {
     constexpr std::size_t vertices_between_stops = std::size_t{1} << 12;
-    parallel.begin_stage(searched_share, 5);
+    parallel.begin_stage(searched_share, 8);
     NearVertices<Real> near(places, tolerance, parallel);
     Joining joining{Array<std::uint32_t>(parallel.memory())};
     joining.target.resize_discarding(places.size());
@@ -200,8 +139,11 @@ template <class Real>
 WeldedMesh weld_corners(const MeshView& mesh, double tolerance, const Parallel& parallel) {
     WeldedMesh welded{Array<std::byte>(parallel.memory()), Array<std::uint32_t>(parallel.memory()),
                       std::is_same_v<Real, float> ? Number::f32 : Number::f64};
-    welded.indices.resize_discarding(3 * mesh.triangle_count);
-    const Array<Place<Real>> places = distinct_places<Real>(mesh, welded.indices.span(), parallel);
+    parallel.begin_stage(numbered_share, 9);
+    const PlaceCorners<Real> corners(mesh);
+    VertexNumbers numbers(corners, mesh.triangle_count, parallel);
+    const Array<Place<Real>>& places = numbers.vertices;
+    welded.indices = std::move(numbers.of_corners);
     Joining joining;
     if (tolerance > 0) {  // else equal vertices are one already
         joining = join(places.span(), tolerance, parallel);
@@ -233,6 +175,9 @@ Result<WeldedMesh> weld_or_throw(const MeshView& mesh, double tolerance_mm, cons
         return Error{ErrorCode::invalid_argument, "more than 2^32 / 3 triangles cannot be welded"};
     }
     const Parallel parallel(context);
+    parallel.begin_stage(measured_share);
+    BlockTable blocks(parallel.memory());
+    require(measure_bounds(mesh, {}, 0, parallel, blocks));  // every index and coordinate can be used
     WeldedMesh welded = mesh.vertex_type == Number::f32 ? weld_corners<float>(mesh, tolerance, parallel)
                                                         : weld_corners<double>(mesh, tolerance, parallel);
     parallel.finish();

@@ -9,7 +9,7 @@
 //         }
 //     }
 //
-// Slicing needs no check. Before a slice that has to be right, `counts_only` says in O(n) whether a mesh is closed; the
+// Slicing needs no check. Before a slice that has to be right, `counts_only` soon says whether a mesh is closed; the
 // whole check says what is wrong and where, down to faces that cross. Whether the result is right, audit() says.
 //
 // It finds every departure from a closed, oriented surface without self-intersections (section 1.3 of the paper), on the
@@ -157,7 +157,7 @@ struct MeshCheck {
 
 struct CheckOptions {
     Frame frame{};                 ///< as in SliceOptions
-    bool counts_only = false;      ///< closed or not, box, volume, area and edges in O(n), without faults, places and shells
+    bool counts_only = false;      ///< closed or not, box, volume, area and edges, without faults, places and shells
     double tolerance_mm = 0.01;    ///< for T-junctions and cracks
     double sliver_ratio = 100;     ///< longest side over the height on it, from which on a face is a sliver
     std::size_t most_places = 10;  ///< kept of each kind; all are counted
@@ -169,8 +169,7 @@ struct CheckOptions {
 /// where they do not cross; one that touches another wherever it was probed counts as outside. The answer does not depend on
 /// threads. Errors: empty_mesh, invalid_argument (an index beyond the vertices, an unusable grid, a tolerance or
 /// ratio out of range, negative threads), bad_coordinate (also: too large for the grid asked for), result_too_large from
-/// 2^32 / 3 triangles on, out_of_memory, cancelled. With `counts_only` O(n) expected, and 16 bytes a triangle beside the
-/// mesh.
+/// 2^32 / 3 triangles on, out_of_memory, cancelled. With `counts_only` about 100 bytes a triangle.
 Result<MeshCheck> check(const MeshView& mesh, const CheckOptions& options = {}, const Context& context = {}) noexcept;
 
 }  // namespace lamella

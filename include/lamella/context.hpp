@@ -53,6 +53,9 @@ public:
         : object_(const_cast<void*>(static_cast<const void*>(&function))),
     call_([](void* object, A... a) noexcept -> R { return (*static_cast<F*>(object))(std::forward<A>(a)...); }) {}
     // NOLINTEND(google-explicit-constructor)
+    template <class F>
+    requires(!std::same_as<std::remove_cv_t<F>, Callback>) Callback(const F&& temporary)
+    = delete;
 
     explicit operator bool() const noexcept { return call_ != nullptr; }
     friend bool operator==(const Callback&, const Callback&) = default;

@@ -440,7 +440,7 @@ typedef struct lamella_check_result {
     uint64_t faults[20]; /* of each kind, in the order of lamella::Fault */
 } lamella_check_result;
 
-/* Of `options` those of the frame are used. With `counts_only` in O(n), and without faults. */
+/* Of `options` those of the frame are used. With `counts_only` sooner, and without faults. */
 LAMELLA_C_API int32_t lamella_check(const lamella_mesh* mesh, const lamella_options* options, int32_t counts_only,
                                     const lamella_context* context, lamella_check_result* found, lamella_error* error);
 

@@ -25,7 +25,8 @@
 
 namespace lamella {
 
-/// What coordinates, indices and a host's points are stored as. Integer coordinates are read as doubles.
+/// What numbers are stored as: coordinates as f32, f64, i32 or i64, of which integers are read as doubles; a host's points
+/// as one of these; indices as u32 or u64.
 enum class Number : std::uint8_t { f32, f64, i32, i64, u32, u64 };
 
 constexpr std::size_t size_of(Number number) noexcept {

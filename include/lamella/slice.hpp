@@ -65,16 +65,17 @@ public:
     Result<SliceResult> slice(const Source& from, const SliceOptions& options = {}, const Context& context = {}) noexcept;
 
     /// The same to any destination. A result is filled anew, and its memory used again; on error it is left valid but
-    /// unspecified. To a sink, the context's limit counts 64 bytes a layer. To arrays: invalid_argument where one is null
-    /// though it has a capacity, a stride is shorter than a point, or coordinates times the scale may exceed the type;
+    /// unspecified. To a sink, the context's limit counts 80 bytes a uniform layer. To arrays: invalid_argument where one is
+    /// null though it has a capacity, a stride is shorter than a point, or coordinates times the scale may exceed the type;
     /// result_too_large where a capacity is too small. More layers than that are refused before anything is cut; of
     /// contours, points and stitches the message says how many are needed once they are known.
     Result<SliceInfo> slice_to(const Destination& to, const Source& from, const SliceOptions& options = {},
                                const Context& context = {}) noexcept;
 
     /// What is known before anything is cut, in a tenth of the time of slicing or less: O(n + k), two reads of the mesh.
-    /// `layers` and `segments` are exact; contours are at most `segments`, points at most twice that, and of a mesh without
-    /// open polylines at most `segments`. Rules of regions may make more: slice_to() then says what was needed.
+    /// `layers` and `segments` are exact; contours are at most `segments`, points at most twice that (of faces five times),
+    /// and of a mesh without open polylines at most `segments`. Rules of regions may make more: slice_to() then says what
+    /// was needed.
     Result<SliceInfo> outline(const Source& from, const SliceOptions& options = {}, const Context& context = {}) noexcept;
 
     /// The memory that it holds.

@@ -72,15 +72,15 @@ struct Share {
     std::size_t runs;
 };
 constexpr double measure_share = 0.04;
-constexpr Share faces_share = {0.24, 13};
+constexpr Share faces_share = {0.24, 14};
 constexpr Share edges_share = {0.36, 7};
 constexpr Share joints_share = {0.48, 7};
 constexpr Share tree_share = {0.54, 9};
 constexpr Share shells_share = {0.60, 9};
 constexpr double meeting_share = 0.97;
 constexpr Share gaps_share = {0.99, 40};
-constexpr double measure_share_of_counts = 0.1;
-constexpr Share counts_share = {0.99, 6};
+constexpr Share counted_faces_share = {0.5, 14};
+constexpr Share counted_edges_share = {0.99, 12};
 
 /// The stages.
 class Diagnosis {
@@ -92,12 +92,18 @@ public:
     }
 
     Result<MeshCheck> run() {
-        const double measured = options_.counts_only ? measure_share_of_counts : measure_share;
-        measure_mesh(view_, options_.frame, parallel_, measured, check_);
+        measure_mesh(view_, options_.frame, parallel_, measure_share, check_);
         check_.ms.measure = lap();
-        if (const bool some_left = options_.counts_only ? count() : find_all(); !some_left) {
+        begin(options_.counts_only ? counted_faces_share : faces_share);
+        const GridMesh mesh = make_grid_mesh(view_, options_.frame, check_, parallel_);
+        if (mesh.faces.empty()) {
             return all_collapsed(view_.triangle_count, check_.grid_mm);
         }
+        check_.ms.faces = lap();
+        begin(options_.counts_only ? counted_edges_share : edges_share);
+        const EdgeTable edges(mesh, parallel_);
+        check_.ms.edges = lap();
+        options_.counts_only ? count(mesh, edges) : find_faults(mesh, edges);
         parallel_.finish();
         return std::move(check_);
     }
@@ -111,26 +117,14 @@ private:
         return std::chrono::duration<double, std::milli>(now - std::exchange(last_, now)).count();
     }
 
-    /// False where nothing is left on the grid.
-    bool count() {
-        begin(counts_share);
-        count_edges(view_, options_.frame, parallel_, check_);
-        check_.ms.edges = lap();
-        return check_.degenerate < check_.triangles;
-    }
-
-    bool find_all() {
-        begin(faces_share);
-        const GridMesh mesh = make_grid_mesh(view_, options_.frame, check_, parallel_);
-        if (mesh.faces.empty()) {
-            return false;
-        }
-        check_.ms.faces = lap();
-        begin(edges_share);
-        const EdgeTable edges(mesh, parallel_);
-        check_.ms.edges = lap();
-        find_faults(mesh, edges);
-        return true;
+    void count(const GridMesh& mesh, const EdgeTable& edges) {
+        FaultCollector faults(mesh, 0, check_.findings);
+        const std::uint64_t unbalanced = find_edge_faults(mesh, edges, faults, parallel_);
+        std::uint32_t shells = 0;
+        join_shells(mesh, edges, shells, parallel_);
+        fill_in_counts(mesh, edges, unbalanced);
+        check_.shell_count = shells;
+        check_.findings = {};
     }
 
     void find_faults(const GridMesh& mesh, const EdgeTable& edges) {
@@ -160,7 +154,6 @@ private:
         fill_in_counts(mesh, edges, unbalanced);
     }
 
-    /// The counts of count(), which counts by another method.
     void fill_in_counts(const GridMesh& mesh, const EdgeTable& edges, std::uint64_t unbalanced) {
         check_.degenerate = mesh.collapsed.size();
         check_.edges = edges.size();
@@ -169,7 +162,8 @@ private:
         check_.mismatched_edges = check_.of(Fault::mismatched_edge).count;
         check_.shell_count = check_.shells.size();
         check_.closed = unbalanced == 0;
-        check_.exact_boundary_edges = mesh.joined ? count_exact_boundary(view_, parallel_) : check_.boundary_edges;
+        check_.exact_boundary_edges =
+            mesh.joined ? EdgeTable(make_exact_mesh(view_, parallel_), parallel_).boundary().size() : check_.boundary_edges;
         check_.ms.edges += lap();
     }
 
@@ -184,7 +178,7 @@ Result<MeshCheck> check_or_throw(const MeshView& view, const CheckOptions& optio
     if (const Status usable = examine(options); !usable) {
         return usable.error();
     }
-    if (!options.counts_only && view.triangle_count >= std::numeric_limits<std::uint32_t>::max() / 3) {
+    if (view.triangle_count >= std::numeric_limits<std::uint32_t>::max() / 3) {
         return Error{ErrorCode::result_too_large, "check takes at most 1,431,655,764 triangles"};
     }
     const Recycler recycler;

@@ -142,6 +142,10 @@ void find_face_faults(const GridMesh& mesh, double sliver_ratio, FaultCollector&
 bool nest_shells(const GridMesh& mesh, const FaceTree& tree, const Array<std::uint32_t>& shell_of,
                  std::vector<MeshShell>& shells, bool whole, const Parallel& parallel);
 
+/// The shell of each face, and how many there are, numbered by their first faces. Five calls of run().
+Array<std::uint32_t> join_shells(const GridMesh& mesh, const EdgeTable& edges, std::uint32_t& count,
+                                 const Parallel& parallel);
+
 /// Shells, their orientations and nesting, `whole` as for nest_shells(). Returns the shell of each face.
 Array<std::uint32_t> find_shells(const GridMesh& mesh, const EdgeTable& edges, const FaceTree& tree,
                                  const FaultCollector& faults, MeshCheck& check, const Parallel& parallel,

@@ -1,189 +1,90 @@
 #include "mesh/check/grid_mesh.hpp"
 
 #include <algorithm>
-#include <atomic>
+#include <array>
+#include <bit>
 #include <cassert>
 #include <limits>
 #include <span>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
-#include "base/number_table.hpp"
-#include "base/parallel_sort.hpp"
-#include "mesh/measure.hpp"
+#include "base/numbers.hpp"
+#include "mesh/vertex_numbers.hpp"
 #include "slicing/grid/vertex_hash.hpp"
 
 namespace lamella {
 
 namespace {
 
-/// A vertex on the grid, and a hash of its coordinates as they are.
-struct Vertex {
-    GridVertex place;
-    std::uint32_t exact;
-};
-
-/// Numbers vertices in the order in which they come; its memory is kept.
-class VertexTable {
+/// Reads vertices by their coordinates as they are, without grid or transform: the bits of floats, and of doubles a hash of
+/// 96 bits, which two of 10^9 different vertices share by a chance of 10^-11.
+class ExactCorners {
 public:
-    void clear() {
-        numbers_.clear(std::max(found_.size(), least_room));  // as many as last time are to be expected
-        found_.clear();
-    }
+    using Vertex = GridVertex;
+    explicit ExactCorners(const MeshView& mesh) noexcept : read_(mesh, {}) {}
 
-    std::uint32_t number(const Vertex& vertex) {
-        const std::uint32_t number = numbers_.number(
-            hash_of(vertex.place), [&](std::uint32_t i) { return found_[i].place == vertex.place; },
-            [&](std::uint32_t i) { return hash_of(found_[i].place); });
-        if (number == found_.size()) {
-            found_.push_back(vertex);
+    GridTriangle operator()(std::size_t t) const noexcept {
+        const RawTriangle raw = read_(t);
+        return {vertex(raw.v), vertex(raw.v + 3), vertex(raw.v + 6)};
+    }
+    static std::uint64_t hash(const Vertex& vertex) noexcept { return hash_of(vertex); }
+    static std::int32_t key(const Vertex& vertex) noexcept { return vertex.x; }
+    static bool differ(const Vertex& /*a*/, const Vertex& /*b*/) noexcept { return false; }
+
+private:
+    GridVertex vertex(const double* xyz) const noexcept {
+        const double x = xyz[0] + 0.0;  // makes a positive zero of a negative one
+        const double y = xyz[1] + 0.0;
+        const double z = xyz[2] + 0.0;
+        if (read_.number() == Number::f32) {
+            const auto bits = [](double value) { return std::bit_cast<std::int32_t>(static_cast<float>(value)); };
+            return {bits(x), bits(y), bits(z)};
         }
-        joined_ = joined_ || found_[number].exact != vertex.exact;
-        return number;
+        const auto hash = [&](std::uint64_t seed) {
+            return mix64(std::bit_cast<std::uint64_t>(x) ^
+                         mix64(std::bit_cast<std::uint64_t>(y) ^ mix64(std::bit_cast<std::uint64_t>(z) ^ seed)));
+        };
+        const std::uint64_t first = hash(1);
+        return {static_cast<std::int32_t>(first), static_cast<std::int32_t>(first >> 32),
+                static_cast<std::int32_t>(hash(2))};
     }
 
-    const std::vector<Vertex>& found() const noexcept { return found_; }
-    /// True if it ever gave one number to vertices that differ as they are.
-    bool joined() const noexcept { return joined_; }
-
-private:
-    static constexpr std::size_t least_room = 512;
-
-    std::vector<Vertex> found_;
-    NumberTable numbers_;
-    bool joined_ = false;
+    PlacedReader read_;
 };
 
-/// Nine calls of run(). Corners are numbered within ranges of triangles, each by a hash table in the cache; what the ranges
-/// have found is sorted, and then numbered: O(n) expected for the corners, O(v log v) for v vertices.
-/// Coordinates are compared by hashes of 32 bits: that the only difference is missed has a chance of 2^-32.
-///
-/// Triangles that follow one another share most of their vertices: each range of them is numbered by itself first, so that
-/// only what it found need be brought together with what the others found.
-///
-///     range 0: corners a b c  b d c   ->  a b c d   numbers 0 1 2  1 3 2
-///     range 1: corners c d e  d f e   ->  c d e f   numbers 0 1 2  1 3 2   ->  all: a b c d e f
-class Numbering {
-public:
-    Numbering(const MeshView& mesh, const Frame& frame, const MeshCheck& measured, const Parallel& parallel)
-        : mesh_(mesh),
-          placing_(placing_of(mesh, frame)),
-          grid_mm_(measured.grid_mm),
-          order_(measured),
-          parallel_(parallel),
-          ranges_(ranges_for(mesh.triangle_count, parallel)),
-          of_corners_(parallel.memory()),
-          of_found_(parallel.memory()),
-          tables_(static_cast<std::size_t>(parallel.threads())) {}
-
-    /// Fills in vertices and `joined`; the number of each corner, three a triangle.
-    Array<std::uint32_t> run(GridMesh& grid) {
-        number_ranges();
-        number_found(sort_found(), grid);
-        rename_corners();
-        grid.joined = grid.joined ||
-                      std::any_of(tables_.begin(), tables_.end(), [](const VertexTable& table) { return table.joined(); });
-        return std::move(of_corners_);
-    }
-
-private:
-    /// A vertex that some range has found.
-    struct Item {
-        std::uint64_t key;  ///< in Morton order
-        Vertex vertex;
-        std::uint32_t number;  ///< among all that were found
+/// Reads vertices on the grid, each with a hash of its coordinates as they are: that the only difference is missed has a
+/// chance of 2^-32.
+template <class Reader>
+struct GridCorners {
+    struct Vertex {
+        GridVertex place;
+        std::uint32_t exact;
+        friend bool operator==(const Vertex& a, const Vertex& b) noexcept { return a.place == b.place; }
+        friend bool operator<(const Vertex& a, const Vertex& b) noexcept { return a.place < b.place; }
     };
 
-    std::size_t first_triangle(std::size_t range) const noexcept { return mesh_.triangle_count * range / ranges_; }
+    const Reader& rounded;
+    ExactCorners exact;
+    MortonOrder order;
 
-    /// Leaves each corner its vertex's number among what its range has found.
-    void number_ranges() {
-        found_.resize(ranges_);
-        of_corners_.resize_discarding(3 * mesh_.triangle_count);
-        const ExactReader exact(mesh_);
-        with_reader(mesh_, placing_, grid_mm_, [&](const auto& read) {
-            parallel_.run(ranges_, [&](std::size_t range, int worker) {
-                VertexTable& table = tables_[static_cast<std::size_t>(worker)];
-                table.clear();
-                for (std::size_t t = first_triangle(range); t != first_triangle(range + 1); ++t) {
-                    const GridTriangle places = read(t);
-                    const GridTriangle as_they_are = exact(t);
-                    for (std::size_t i = 0; i < 3; ++i) {
-                        const auto hash = static_cast<std::uint32_t>(hash_of(as_they_are[i]));
-                        of_corners_[3 * t + i] = table.number({places[i], hash});
-                    }
-                }
-                found_[range] = table.found();
-            });
-        });
+    std::array<Vertex, 3> operator()(std::size_t t) const noexcept {
+        const GridTriangle places = rounded(t);
+        const GridTriangle as_they_are = exact(t);
+        const auto vertex = [&](std::size_t i) {
+            return Vertex{places[i], static_cast<std::uint32_t>(hash_of(as_they_are[i]))};
+        };
+        return {vertex(0), vertex(1), vertex(2)};
     }
-
-    /// What the ranges have found, in the order of vertices. Frees it there.
-    Array<Item> sort_found() {
-        firsts_.assign(ranges_ + 1, 0);
-        for (std::size_t range = 0; range < ranges_; ++range) {
-            firsts_[range + 1] = firsts_[range] + static_cast<std::uint32_t>(found_[range].size());
-        }
-        Array<Item> items(parallel_.memory());
-        items.resize_discarding(firsts_.back());
-        parallel_.run(ranges_, [&](std::size_t range, int) {
-            std::uint32_t number = firsts_[range];
-            for (const Vertex& vertex : std::exchange(found_[range], {})) {
-                items[number] = {order_.key(vertex.place), vertex, number};
-                ++number;
-            }
-        });
-        sort_in_parallel(
-            items.span(),
-            [](const Item& a, const Item& b) { return a.key != b.key ? a.key < b.key : a.vertex.place < b.vertex.place; },
-            parallel_, parallel_.memory());
-        return items;
-    }
-
-    /// All vertices in order; of_found_ becomes the number of each that a range has found. Whether a vertex stands for
-    /// several is seen where they follow one another.
-    void number_found(const Array<Item>& items, GridMesh& grid) {
-        std::atomic<bool> joined = false;
-        of_found_.resize_discarding(items.size());
-        number_where(
-            items.size(), parallel_,
-            [&](std::size_t i) { return i == 0 || !(items[i].vertex.place == items[i - 1].vertex.place); },
-            [&](std::size_t count) { grid.vertices.resize_discarding(count); },
-            [&](std::size_t i, std::uint32_t number, bool is_new) {
-                of_found_[items[i].number] = number;
-                if (is_new) {
-                    grid.vertices[number] = items[i].vertex.place;
-                } else if (items[i].vertex.exact != items[i - 1].vertex.exact) {
-                    joined = true;
-                }
-            });
-        grid.joined = joined;
-    }
-
-    void rename_corners() {
-        parallel_.run(ranges_, [&](std::size_t range, int) {
-            const std::uint32_t* const of_own = of_found_.data() + firsts_[range];
-            for (std::size_t corner = 3 * first_triangle(range); corner != 3 * first_triangle(range + 1); ++corner) {
-                of_corners_[corner] = of_own[of_corners_[corner]];
-            }
-        });
-    }
-
-    const MeshView& mesh_;
-    Placing placing_;
-    double grid_mm_;
-    MortonOrder order_;
-    const Parallel& parallel_;
-    std::size_t ranges_;
-    Array<std::uint32_t> of_corners_;
-    Array<std::uint32_t> of_found_;
-    std::vector<VertexTable> tables_;         ///< by worker
-    std::vector<std::vector<Vertex>> found_;  ///< by range
-    std::vector<std::uint32_t> firsts_;       ///< by range: its first vertex among all that were found
+    static std::uint64_t hash(const Vertex& vertex) noexcept { return hash_of(vertex.place); }
+    std::uint64_t key(const Vertex& vertex) const noexcept { return order.key(vertex.place); }
+    static bool differ(const Vertex& a, const Vertex& b) noexcept { return a.exact != b.exact; }
 };
 
 constexpr std::size_t faces_a_part = std::size_t{1} << 13;
+constexpr std::size_t vertex_grain = std::size_t{1} << 15;
 
 struct FaceLess {
     bool operator()(const Face& a, const Face& b) const noexcept {
@@ -223,14 +124,9 @@ Distributed<Face> distribute_faces(const Array<std::uint32_t>& numbers, std::siz
         parallel.memory());
 }
 
-}  // namespace
-
-GridMesh make_grid_mesh(const MeshView& mesh, const Frame& frame, const MeshCheck& measured, const Parallel& parallel) {
-    assert(mesh.triangle_count < std::numeric_limits<std::uint32_t>::max() / 3);
-    GridMesh grid(parallel.memory());
-    grid.grid_mm = measured.grid_mm;
-    const Array<std::uint32_t> numbers = Numbering(mesh, frame, measured, parallel).run(grid);
-    Distributed<Face> parts = distribute_faces(numbers, grid.vertices.size(), parallel);
+/// Of corners with the numbers of their vertices, of which there are so many.
+void put_in_order(const Array<std::uint32_t>& numbers, std::size_t vertices, const Parallel& parallel, GridMesh& grid) {
+    Distributed<Face> parts = distribute_faces(numbers, vertices, parallel);
     const std::size_t whole = parts.size() - 1;
     std::vector<PartSort<Face>> workers(static_cast<std::size_t>(parallel.threads()));
     parallel.run(whole, [&](std::size_t part, int worker) {
@@ -242,7 +138,36 @@ GridMesh make_grid_mesh(const MeshView& mesh, const Frame& frame, const MeshChec
     grid.collapsed.assign(collapsed.begin(), collapsed.end());
     grid.faces = std::move(parts.items);
     grid.faces.set_size(parts.firsts[whole]);
+}
+
+}  // namespace
+
+GridMesh make_grid_mesh(const MeshView& mesh, const Frame& frame, const MeshCheck& measured, const Parallel& parallel) {
+    assert(mesh.triangle_count < std::numeric_limits<std::uint32_t>::max() / 3);
+    GridMesh grid(parallel.memory());
+    grid.grid_mm = measured.grid_mm;
+    with_reader(mesh, placing_of(mesh, frame), measured.grid_mm, [&](const auto& read) {
+        const GridCorners<std::decay_t<decltype(read)>> corners{read, ExactCorners(mesh), MortonOrder(measured)};
+        const VertexNumbers numbers(corners, mesh.triangle_count, parallel);
+        grid.joined = numbers.joined();
+        grid.vertices.resize_discarding(numbers.vertices.size());
+        parallel.run_ranges(numbers.vertices.size(), vertex_grain, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t v = begin; v != end; ++v) {
+                grid.vertices[v] = numbers.vertices[v].place;
+            }
+        });
+        put_in_order(numbers.of_corners, numbers.vertices.size(), parallel, grid);
+    });
     return grid;
+}
+
+GridMesh make_exact_mesh(const MeshView& mesh, const Parallel& parallel) {
+    const ExactCorners corners(mesh);
+    VertexNumbers numbers(corners, mesh.triangle_count, parallel);
+    GridMesh exact(parallel.memory());
+    exact.vertices = std::move(numbers.vertices);
+    put_in_order(numbers.of_corners, exact.vertices.size(), parallel, exact);
+    return exact;
 }
 
 }  // namespace lamella

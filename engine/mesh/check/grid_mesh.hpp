@@ -83,8 +83,12 @@ struct GridMesh {
     }
 };
 
-/// O(n log n), in thirteen calls of run(). `measured` holds the box and the grid. Precondition: indices in range,
+/// O(n log n), in fourteen calls of run(). `measured` holds the box and the grid. Precondition: indices in range,
 /// coordinates within the grid, fewer than 2^32 / 3 triangles. Throws std::bad_alloc.
 GridMesh make_grid_mesh(const MeshView& mesh, const Frame& frame, const MeshCheck& measured, const Parallel& parallel);
+
+/// The same by the coordinates as they are: vertices are joined only where these are equal. What lies in `vertices` are bits
+/// or hashes, and no places.
+GridMesh make_exact_mesh(const MeshView& mesh, const Parallel& parallel);
 
 }  // namespace lamella

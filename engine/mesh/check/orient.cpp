@@ -24,7 +24,7 @@ Result<OrientedMesh> orient_or_throw(const MeshView& view, const Frame& frame, c
     OrientedMesh oriented{.mesh = require(weld(view, 0, parallel.within(context)))};
     MeshCheck found;
     measure_mesh(oriented.view(), frame, parallel, 0.3, found);
-    parallel.begin_stage(0.5, 13);
+    parallel.begin_stage(0.5, 14);
     const GridMesh grid = make_grid_mesh(oriented.view(), frame, found, parallel);
     if (!grid.faces.empty()) {
         parallel.begin_stage(0.6, 7);

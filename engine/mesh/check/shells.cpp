@@ -36,21 +36,6 @@ Array<std::uint32_t> number_shells(SharedSets<std::uint32_t>& sets, std::uint32_
     return shell_of;
 }
 
-/// Five calls of run().
-Array<std::uint32_t> join_shells(const GridMesh& mesh, const EdgeTable& edges, std::uint32_t& count,
-                                 const Parallel& parallel) {
-    SharedSets<std::uint32_t> sets(mesh.faces.size(), parallel, parallel.memory());
-    parallel.run_ranges(edges.size(), faces_a_range, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t edge = begin; edge != end; ++edge) {
-            const std::span<const std::uint32_t> sides = edges.sides(edge);
-            for (const std::uint32_t side : sides.subspan(1)) {
-                sets.unite(EdgeTable::face_of(sides[0]), EdgeTable::face_of(side));
-            }
-        }
-    });
-    return number_shells(sets, count, parallel);
-}
-
 using Corners = std::array<GridVertex, 3>;
 
 /// Six times the volume between a face and a point near it, in halves of grid units: summed over a closed shell, exact.
@@ -212,6 +197,20 @@ bool lies_apart(const std::vector<MeshShell>& shells, const std::vector<std::uin
 }
 
 }  // namespace
+
+Array<std::uint32_t> join_shells(const GridMesh& mesh, const EdgeTable& edges, std::uint32_t& count,
+                                 const Parallel& parallel) {
+    SharedSets<std::uint32_t> sets(mesh.faces.size(), parallel, parallel.memory());
+    parallel.run_ranges(edges.size(), faces_a_range, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t edge = begin; edge != end; ++edge) {
+            const std::span<const std::uint32_t> sides = edges.sides(edge);
+            for (const std::uint32_t side : sides.subspan(1)) {
+                sets.unite(EdgeTable::face_of(sides[0]), EdgeTable::face_of(side));
+            }
+        }
+    });
+    return number_shells(sets, count, parallel);
+}
 
 Array<std::uint32_t> find_shells(const GridMesh& mesh, const EdgeTable& edges, const FaceTree& tree,
                                  const FaultCollector& faults, MeshCheck& check, const Parallel& parallel, bool whole) {

@@ -11,11 +11,11 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/guard.hpp"
 #include "engine/slicing.hpp"
 #include "slicing/bands/bands.hpp"
 #include "slicing/buckets/mesh_source.hpp"
 #include "slicing/grid/bounds.hpp"
-#include "slicing/grid/soup_box.hpp"
 
 using lamella::BandPlan;
 using lamella::Buckets;
@@ -44,6 +44,14 @@ std::vector<float> random_soup(std::size_t triangles, float rise, float width, u
         } else if (t % 11 == 5) {
             v[5] = v[2];
         }
+    }
+    return soup;
+}
+
+/// With all heights brought to under `height`.
+std::vector<float> flattened(std::vector<float> soup, float height) {
+    for (std::size_t i = 2; i < soup.size(); i += 3) {
+        soup[i] = std::abs(std::remainder(soup[i], height));
     }
     return soup;
 }
@@ -140,39 +148,30 @@ void check_by_definition(const Bucketed& found, const MeshView& mesh, double uni
 
 }  // namespace
 
-TEST_CASE("boxes of blocks equal those of the portable form", "[engine][bucket]") {
+TEST_CASE("boxes of blocks of a float soup are those of the same numbers as doubles", "[engine][bucket]") {
+    const lamella::Parallel parallel({.threads = 2});
     for (const std::size_t triangles : {1U, 15U, 64U, 65U, 200U, 1000U}) {
+        const std::vector<float> soup = random_soup(triangles, 0.1F, 0.1F, 3);
+        const std::vector<double> doubles(soup.begin(), soup.end());
         for (const std::size_t stride : {36U, 50U}) {
-            const std::vector<float> soup = random_soup(triangles, 0.1F, 0.1F, 3);
             std::vector<std::byte> bytes(triangles * stride - (stride - 36));  // no spare bytes after the last triangle
             for (std::size_t t = 0; t < triangles; ++t) {
                 std::memcpy(bytes.data() + t * stride, soup.data() + 9 * t, 36);
             }
-            for (const bool poisoned : {false, true}) {
-                if (poisoned) {
-                    const float nan = std::numeric_limits<float>::quiet_NaN();
-                    std::memcpy(bytes.data() + (triangles - 1) * stride + 7 * sizeof(float), &nan, sizeof nan);
-                }
-                for (const float near_mm : {0x1p-18F, 0.02F}) {
-                    const lamella::FloatSoup view{bytes.data(), stride, triangles, near_mm};
-                    const std::size_t blocks = lamella::block_count(triangles);
-                    std::vector<lamella::TriangleBlock> chosen(blocks);
-                    std::vector<lamella::TriangleBlock> portable(blocks);
-                    const auto box = lamella::best_of(lamella::measure_soup_forms())(view, 0, blocks, chosen.data());
-                    const auto expected =
-                        lamella::portable_of(lamella::measure_soup_forms())(view, 0, blocks, portable.data());
-                    REQUIRE(box.has_nan == poisoned);
-                    REQUIRE(expected.has_nan == poisoned);
-                    if (poisoned) {
-                        continue;  // boxes are undefined then
-                    }
-                    CHECK(std::equal(box.low, box.low + 3, expected.low));
-                    CHECK(std::equal(box.high, box.high + 3, expected.high));
-                    for (std::size_t b = 0; b < blocks; ++b) {
-                        CHECK(chosen[b].low_mm == portable[b].low_mm);
-                        CHECK(chosen[b].high_mm == portable[b].high_mm);
-                        CHECK(chosen[b].near == portable[b].near);
-                    }
+            const MeshView floats{.vertices = bytes.data(), .triangle_count = triangles, .vertex_stride = stride};
+            for (const double unit_mm : {0x1p-20, 0.005}) {
+                lamella::BlockTable found(nullptr);
+                lamella::BlockTable expected(nullptr);
+                const lamella::Bounds box = lamella::require(measure_bounds(floats, {}, unit_mm, parallel, found));
+                const lamella::Bounds other =
+                    lamella::require(measure_bounds(MeshView::soup(doubles), {}, unit_mm, parallel, expected));
+                CHECK(std::equal(box.min_mm, box.min_mm + 3, other.min_mm));
+                CHECK(std::equal(box.max_mm, box.max_mm + 3, other.max_mm));
+                REQUIRE(found.blocks.size() == lamella::block_count(triangles));
+                for (std::size_t b = 0; b < found.blocks.size(); ++b) {
+                    CHECK(found.blocks[b].low_mm == expected.blocks[b].low_mm);
+                    CHECK(found.blocks[b].high_mm == expected.blocks[b].high_mm);
+                    CHECK(found.blocks[b].near == expected.blocks[b].near);
                 }
             }
         }
@@ -207,20 +206,22 @@ TEST_CASE("buckets hold the crossed triangles for every kind of input and thread
     struct Sample {
         const char* name;
         Plan plan;
-        float rise;
+        std::vector<float> soup;
     };
-    const Sample samples[] = {{"uniform", uniform_plan(0.5), 1.5F},
-                              {"most lie between planes", uniform_plan(3), 0.05F},
-                              {"irregular", random_plan(0.1, 0.5), 1},
-                              {"crowded", crowded_plan(), 2}};
+    // The last: some two hundred planes 4 units apart, each of which rounding moves by a large part of a step.
+    const Sample samples[] = {{"uniform", uniform_plan(0.5), random_soup(1000, 1.5F, 1, 5)},
+                              {"most lie between planes", uniform_plan(3), random_soup(1000, 0.05F, 1, 5)},
+                              {"irregular", random_plan(0.1, 0.5), random_soup(1000, 1, 1, 5)},
+                              {"crowded", crowded_plan(), random_soup(1000, 2, 1, 5)},
+                              {"fine", uniform_plan(4.5 * unit_mm), flattened(random_soup(500, 0x1p-12F, 1, 9), 0x1p-10F)}};
     for (const Sample& sample : samples) {
         INFO(sample.name);
-        const std::vector<float> soup = random_soup(1000, sample.rise, 1, 5);
+        const std::vector<float>& soup = sample.soup;
         const MeshView view = MeshView::soup(soup);
         const Bucketed found(view, sample.plan, unit_mm, 1, 3);
         check_by_definition(found, view, unit_mm);
         const std::vector<double> wide(soup.begin(), soup.end());
-        std::vector<std::uint32_t> corners(3000);
+        std::vector<std::uint32_t> corners(soup.size() / 3);
         std::iota(corners.begin(), corners.end(), 0U);
         const auto lists = found.lists();
         // Indexed input, then two threads.
@@ -229,18 +230,6 @@ TEST_CASE("buckets hold the crossed triangles for every kind of input and thread
         // Planes for doubles are placed with double precision, so they may lie one unit elsewhere.
         check_by_definition(Bucketed(MeshView::soup(wide), sample.plan, unit_mm, 1, 3), MeshView::soup(wide), unit_mm);
     }
-}
-
-TEST_CASE("the table finds planes whose step is close to the grid unit", "[engine][bucket]") {
-    // About two hundred planes 4 units apart: rounding moves each by a large part of a step.
-    std::vector<float> soup = random_soup(500, 0x1p-12F, 1, 9);
-    for (std::size_t i = 2; i < soup.size(); i += 3) {
-        soup[i] = std::abs(std::remainder(soup[i], 0x1p-10F));
-    }
-    const MeshView view = MeshView::soup(soup);
-    const Bucketed found(view, uniform_plan(4.5 * lamella::default_grid_mm), lamella::default_grid_mm, 1, 0);
-    REQUIRE(found.planes.size() > 50);
-    check_by_definition(found, view, lamella::default_grid_mm);
 }
 
 TEST_CASE("seeds of a band are the triangles from below that its first plane cuts", "[engine][bucket]") {
@@ -301,6 +290,24 @@ TEST_CASE("bands hold no more segments than asked for, unless seeds would outnum
     REQUIRE(bands.bands.size() > 1);
     CHECK((bands.bands.size() - 1) * cut <= std::size_t{1} << 21);
     CHECK((2 * bands.bands.size() - 1) * cut > std::size_t{1} << 21);
+}
+
+TEST_CASE("a band ends above a wide base, and not where a few edges end", "[engine][bucket]") {
+    constexpr PlaneIndex planes = 60'000;
+    Buckets counted{nullptr};
+    counted.segments.resize_discarding(planes);
+    counted.list_begin.resize_discarding(planes + 1);
+    for (const std::uint32_t base : {40'000U, 400U}) {
+        std::fill(counted.segments.begin(), counted.segments.end(), 10U);
+        std::fill_n(counted.segments.begin(), 3, base);
+        std::fill(counted.list_begin.begin(), counted.list_begin.end(), base);
+        counted.list_begin[0] = 0;
+        counted.segment_count = 3 * base + 10 * (planes - 3);
+        BandPlan bands{nullptr};
+        bands.cut(counted, planes, 0, 1);
+        REQUIRE(bands.bands.size() > 2);
+        CHECK((bands.bands[1].last < 10) == (base > 1000));
+    }
 }
 
 TEST_CASE("degenerate triangles that no plane cuts are counted", "[engine][bucket]") {

@@ -30,7 +30,6 @@ struct BandPlan {
           seed_begin(memory),
           seeds(memory),
           band_of_(memory),
-          change_(memory),
           next_seed_(memory) {}
 
     Vector<Band> bands;
@@ -43,10 +42,11 @@ struct BandPlan {
         return {seeds.data() + seed_begin[band], seeds.data() + seed_begin[band + 1]};
     }
 
-    /// Cuts the planes into bands of about equal work if `asked_planes` is 0. Otherwise bands have `asked_planes` planes, or
-    /// 2, 4, 8, ... times as many: the first of these for which there are at most 2^21 seeds, or at most as many as crossed
-    /// triangles. A band of more than one plane has at most `most_segments`, or 2, 4, 8, ... times as many by the same
-    /// bound on seeds. Makes `band_end`, and makes `reaching` large enough. O(k) for each of these tries.
+    /// Cuts the planes into bands of about equal work if `asked_planes` is 0, and ends a band where so many of its edges
+    /// have ended that passing over their slots would cost more than to begin anew. Otherwise bands have `asked_planes`
+    /// planes. A band of more than one plane has at most `most_segments`. Both limits are doubled until there are at most
+    /// 2^21 seeds, or at most as many as crossed triangles. Makes `band_end`, and makes `reaching` large enough. O(k) for
+    /// each try.
     void cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, int threads,
              std::uint64_t most_segments = no_limit);
     static constexpr std::uint64_t no_limit = std::numeric_limits<std::uint64_t>::max();
@@ -62,12 +62,11 @@ struct BandPlan {
     void forget_many_seeds();
 
 private:
-    void cut_once(const Buckets& buckets, PlaneIndex planes, std::size_t fixed, int threads, std::uint64_t most_segments);
-    void make_room(const Buckets& buckets, PlaneIndex planes);
+    void cut_once(const Buckets& buckets, PlaneIndex planes, std::uint64_t most_planes, int threads,
+                  std::uint64_t most_segments);
 
     // scratch of find_seeds()
     Vector<std::uint32_t> band_of_;  // of each plane
-    Vector<std::int64_t> change_;
     Vector<std::uint64_t> next_seed_;
 };
 

@@ -79,7 +79,7 @@ struct Reaching {
 
 /// True where no plane comes between the lowest and the highest vertex of the block.
 inline bool lies_between_planes(const TriangleBlock& block, double unit_mm, const PlaneSet& planes) noexcept {
-    return to_even_grid(block.high_mm, unit_mm) < planes.z(planes.first_above(to_even_grid(block.low_mm, unit_mm)));
+    return !planes.any_between(to_even_grid(block.low_mm, unit_mm), to_even_grid(block.high_mm, unit_mm));
 }
 
 }  // namespace lamella

@@ -1,9 +1,12 @@
 // A crossed triangle, as the sweep needs it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "lamella/result.hpp"
+#include "slicing/grid/mesh_edge.hpp"
 #include "slicing/grid/quantise.hpp"
 #include "slicing/planes/plane_set.hpp"
 
@@ -27,6 +30,25 @@ struct CrossedTriangle {
     bool long_edge_is_source() const noexcept { return (middle_and_source >> 31) != 0; }
 };
 static_assert(sizeof(CrossedTriangle) == 48, "the memory bound counts 48 bytes a crossed triangle");
+
+/// The edge from a triangle's lowest vertex to its highest.
+inline MeshEdge long_edge(const CrossedTriangle& t) noexcept {
+    return MeshEdge::between(t.lower, t.upper);
+}
+
+/// The edge above the middle vertex, or the one below it. A branch would be mispredicted half of the time; the two lie side
+/// by side in memory, so the address is computed instead.
+inline MeshEdge short_edge(const CrossedTriangle& t, bool above_middle) noexcept {
+    static_assert(offsetof(CrossedTriangle, lower) == 0 && offsetof(CrossedTriangle, middle) == sizeof(GridVertex) &&
+                  offsetof(CrossedTriangle, upper) == 2 * sizeof(GridVertex));
+    const char* at = reinterpret_cast<const char*>(&t) + sizeof(GridVertex) * static_cast<std::size_t>(above_middle);
+    MeshEdge edge;
+    for (std::uint64_t& word : edge.words) {
+        std::memcpy(&word, at, sizeof word);
+        at += sizeof word;
+    }
+    return edge;
+}
 
 /// The order of three vertices by height, and whether it is an odd permutation of them: then the facet walks the long edge
 /// upwards. Indexed by (z1 < z0) + 2 (z2 < z1) + 4 (z2 < z0): a table instead of branches, which would be mispredicted.

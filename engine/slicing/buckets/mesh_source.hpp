@@ -20,15 +20,14 @@ namespace lamella {
 
 /// Triangles in the caller's memory, with the numbers of the mesh.
 class MeshSource : public TriangleSource {
-protected:
+public:
     MeshSource(const MeshView& mesh, const Placing& placing, const SharedFrame* frame, const SourceTools& tools) noexcept
         : TriangleSource({mesh.triangle_count, frame, placed_number(mesh, placing)}, tools),
           mesh_(mesh),
           placing_(placing) {}
-    ~MeshSource() = default;
 
-    /// Fills in Buckets::lowest_corners by the records. O(n).
-    void find_lowest_corners();
+protected:
+    ~MeshSource() = default;
 
     const MeshView mesh_;
     const Placing placing_;
@@ -38,8 +37,7 @@ protected:
 /// Corner by corner. Blocks that lie between two planes and have no degenerate triangle are read by measure() only.
 class SoupSource final : public MeshSource {
 public:
-    SoupSource(const MeshView& mesh, const Placing& placing, const SharedFrame* frame, const SourceTools& tools) noexcept
-        : MeshSource(mesh, placing, frame, tools) {}
+    using MeshSource::MeshSource;
 
     Bounds measure(double asked_mm) override;
     void count(double unit_mm) override;
@@ -49,8 +47,7 @@ public:
 /// Vertex by vertex: 17 bytes each. Gives the lists that SoupSource gives, and its errors.
 class IndexedSource final : public MeshSource {
 public:
-    IndexedSource(const MeshView& mesh, const Placing& placing, const SharedFrame* frame, const SourceTools& tools) noexcept
-        : MeshSource(mesh, placing, frame, tools) {}
+    using MeshSource::MeshSource;
 
     /// True where vertices should be placed: the mesh is indexed, most vertices serve several triangles, and they are at
     /// most 2^23, so that they take at most 143 MB.

@@ -66,8 +66,24 @@ void join_ranges(const Array<Item>& items, const Parallel& parallel, Array<Range
     });
 }
 
-bool is_cut(Range range, const PlaneSet& planes) noexcept {
-    return planes.z(planes.first_above(range.low)) < range.high;
+/// A triangle that is not degenerate, as count_each() and write_each() read it.
+struct PreparedTriangle {
+    const CrossedTriangle* from;
+    const PlaneSet* all_planes;
+
+    static bool is_degenerate() noexcept { return false; }
+    PlaneRange planes() const noexcept { return all_planes->between(from->lower.z, from->upper.z); }
+    std::uint8_t write(CrossedTriangle& to, PlaneIndex last) const noexcept {
+        to = *from;
+        to.middle_and_source = from->middle_and_source | all_planes->first_above(from->middle.z);
+        to.last = last;
+        return static_cast<std::uint8_t>(from->last);
+    }
+};
+
+/// Gives triangle t.
+auto triangles_of(const detail::PreparedImpl& prepared, const PlaneSet& planes) noexcept {
+    return [&prepared, &planes](std::size_t t) { return PreparedTriangle{&prepared.triangles[t], &planes}; };
 }
 
 }  // namespace
@@ -104,18 +120,19 @@ void PreparedSource::find_touched() {
     constexpr std::size_t super_blocks_between_stops = 1024;
     Array<std::uint32_t>& touched = buckets_.touched;
     touched.resize_discarding(prepared_.blocks.size());
+    const auto is_cut = [this](Range range) { return planes_.any_between(range.low, range.high); };
     std::size_t count = 0;
     for (std::size_t super_block = 0; super_block < prepared_.super_blocks.size(); ++super_block) {
         if (super_block % super_blocks_between_stops == 0) {
             parallel_.stop_if_asked();
         }
-        if (!is_cut(prepared_.super_blocks[super_block], planes_)) {
+        if (!is_cut(prepared_.super_blocks[super_block])) {
             continue;
         }
         const std::size_t end = std::min((super_block + 1) * group, prepared_.blocks.size());
         for (std::size_t block = super_block * group; block < end; ++block) {
             touched[count] = static_cast<std::uint32_t>(block);
-            count += is_cut(prepared_.blocks[block], planes_) ? 1 : 0;
+            count += is_cut(prepared_.blocks[block]) ? 1U : 0U;
         }
     }
     touched.set_size(count);
@@ -124,61 +141,22 @@ void PreparedSource::find_touched() {
 /// Blocks are numbered among those touched: each has 64 triangles but the mesh's last.
 void PreparedSource::count(double /*unit_mm*/) {
     find_touched();
-    const PlaneSet& planes = planes_;
-    const auto count_block = [&](std::size_t begin, std::size_t, ShareCounts& counts) {
-        const std::size_t first = std::size_t{buckets_.touched[begin / block_triangles]} * block_triangles;
-        const std::size_t end = std::min(first + block_triangles, prepared_.triangles.size());
-        std::uint64_t mask = 0;
-        for (std::size_t i = first; i < end; ++i) {
-            const CrossedTriangle& t = prepared_.triangles[i];
-            const PlaneIndex plane = planes.first_above(t.lower.z);
-            if (planes.z(plane) < t.upper.z) {
-                counts.add(plane, planes.first_above(t.upper.z));
-                mask |= std::uint64_t{1} << (i - first);
-            }
-        }
-        return mask;
+    const auto count_block = [&, read = triangles_of(prepared_, planes_)](std::size_t begin, std::size_t,
+                                                                          ShareCounts& counts) {
+        const std::size_t first = first_of_touched(begin);
+        return count_each(read, first, std::min(first + block_triangles, prepared_.triangles.size()), false, counts);
     };
-    count_blocks({buckets_.touched.size() * block_triangles, parallel_}, parallel_, planes.size(), buckets_, count_block);
+    count_blocks({buckets_.touched.size() * block_triangles, parallel_}, parallel_, planes_.size(), buckets_, count_block);
     buckets_.degenerate = prepared_.given - prepared_.triangles.size();
 }
 
 std::size_t PreparedSource::scatter(std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching, bool origins) {
-    const PlaneSet& planes = planes_;
-    buckets_.lowest_corners.resize_discarding(origins ? buckets_.list_begin[planes.size()] : 0);
-    const auto scatter_block = [&](std::size_t begin, std::uint64_t mask, std::uint32_t* next_record,
-                                   ReachingWriter& writer) {
-        const std::size_t block = buckets_.touched[begin / block_triangles];
-        const CrossedTriangle* const first_of_block = prepared_.triangles.data() + block * block_triangles;
-        // First where records go, then the records: a store that waits for memory would hold up the next ones, and loads
-        // that are a multiple of 4096 bytes away from it.
-        Reaching places[block_triangles];
-        std::size_t count = 0;
-        for (std::uint64_t crossed = mask; crossed != 0; crossed &= crossed - 1) {
-            const CrossedTriangle& t = first_of_block[std::countr_zero(crossed)];
-            const PlaneIndex first = planes.first_above(t.lower.z);
-            const std::uint32_t at = next_record[first]++;
-            __builtin_prefetch(buckets_.records.data() + at, 1);
-            places[count++] = {at, first, planes.first_above(t.upper.z)};
-        }
-        std::size_t next = 0;
-        for (std::uint64_t crossed = mask; crossed != 0; crossed &= crossed - 1) {
-            const Reaching place = places[next++];
-            const CrossedTriangle& from = first_of_block[std::countr_zero(crossed)];
-            CrossedTriangle& to = buckets_.records[place.record];
-            if (origins) {
-                buckets_.lowest_corners[place.record] = static_cast<std::uint8_t>(from.last);
-            }
-            to = from;
-            to.middle_and_source = from.middle_and_source | planes.first_above(from.middle.z);
-            to.last = place.last;
-            if (place.last > reach_end[place.first]) {
-                writer.add(place);
-            }
-        }
+    const auto scatter_block = [&, read = triangles_of(prepared_, planes_)](std::size_t begin, std::uint64_t crossed,
+                                                                            ShareRecords& to) {
+        to.write_each(read, first_of_touched(begin), crossed);
     };
-    return scatter_blocks({buckets_.touched.size() * block_triangles, parallel_}, parallel_, planes.size(), buckets_,
-                          reaching, scatter_block);
+    return scatter_blocks({buckets_.touched.size() * block_triangles, parallel_}, parallel_, buckets_, reach_end, reaching,
+                          origins, scatter_block);
 }
 
 }  // namespace lamella

@@ -70,6 +70,10 @@ public:
 
 private:
     void find_touched();
+    /// The first triangle of the block whose first number among the touched ones is `begin`.
+    std::size_t first_of_touched(std::size_t begin) const noexcept {
+        return std::size_t{buckets_.touched[begin / block_triangles]} * block_triangles;
+    }
     const detail::PreparedImpl& prepared_;
 };
 

@@ -199,8 +199,7 @@ struct SoupKernel {
     }
 
     LAMELLA_AVX512 static std::uint64_t write(const SoupScan& scan, std::size_t begin, std::uint64_t crossed,
-                                              const PlaneIndex* reach_end, std::uint32_t* list_end, CrossedTriangle* records,
-                                              SoupScan::Written& written) {
+                                              const ShareRecords& to, SoupScan::Written& written) {
         std::uint64_t reaching = 0;
         for (std::size_t base = 0; base < block_triangles; base += lanes_of_512) {
             auto bits = static_cast<unsigned>(crossed >> base) & 0xFFFFU;
@@ -213,19 +212,22 @@ struct SoupKernel {
             const Planes planes = order_group(scan, begin + base, group);
             _mm512_storeu_si512(first, planes.first);
             _mm512_storeu_si512(last, planes.last);
-            const unsigned beyond = _mm512_cmpgt_epi32_mask(planes.last, gather(reach_end, planes.first));
+            const unsigned beyond = _mm512_cmpgt_epi32_mask(planes.last, gather(to.reach_end, planes.first));
             reaching |= static_cast<std::uint64_t>(beyond & bits) << base;
             for (; bits != 0; bits &= bits - 1) {
                 const auto lane = static_cast<std::size_t>(__builtin_ctz(bits));
                 const std::size_t t = begin + base + lane;
-                const std::uint32_t at = list_end[first[lane]]++;
-                CrossedTriangle& record = records[at];
+                const std::uint32_t at = to.next[first[lane]]++;
+                CrossedTriangle& record = to.records[at];
                 __builtin_prefetch(&record + 2, 1);  // of the same list, and likely the next to be written
                 write_vertices(scan, t, group.order[lane], record);
                 record.triangle = static_cast<std::uint32_t>(t);
                 record.middle_and_source = group.middle_and_source[lane];
                 record.last = last[lane];
                 written.record[base + lane] = at;
+                if (to.lowest_corners != nullptr) {
+                    to.lowest_corners[at] = height_orders[group.order[lane]].lower;
+                }
             }
         }
         return reaching;

@@ -7,6 +7,7 @@
 
 #include "lamella/mesh.hpp"
 #include "slicing/buckets/crossed_triangle.hpp"
+#include "slicing/buckets/thread_shares.hpp"
 #include "slicing/grid/bounds.hpp"
 #include "slicing/planes/plane_set.hpp"
 
@@ -33,11 +34,10 @@ public:
         PlaneIndex first[block_triangles];
         PlaneIndex last[block_triangles];
     };
-    /// Writes a record for each triangle begin + t with bit t in `crossed` to records[list_end[its first plane]++]; returns
+    /// Writes a record for each triangle begin + t with bit t in `crossed`, as ShareRecords::write_each() does; returns
     /// which of them reach as far as reach_end[its first plane]. Precondition: usable().
-    std::uint64_t write(std::size_t begin, std::uint64_t crossed, const PlaneIndex* reach_end, std::uint32_t* list_end,
-                        CrossedTriangle* records, Written& written) const noexcept {
-        return kernels_->write(*this, begin, crossed, reach_end, list_end, records, written);
+    std::uint64_t write(std::size_t begin, std::uint64_t crossed, const ShareRecords& to, Written& written) const noexcept {
+        return kernels_->write(*this, begin, crossed, to, written);
     }
 
     /// Writes a record with its first plane for each triangle begin + t with bit t in `wanted` that planes cut, one after
@@ -50,8 +50,8 @@ private:
     friend struct SoupKernel;
     struct Kernels {
         std::uint64_t (*ranges)(const SoupScan& scan, std::size_t begin, Ranges& ranges);
-        std::uint64_t (*write)(const SoupScan& scan, std::size_t begin, std::uint64_t crossed, const PlaneIndex* reach_end,
-                               std::uint32_t* list_end, CrossedTriangle* records, Written& written);
+        std::uint64_t (*write)(const SoupScan& scan, std::size_t begin, std::uint64_t crossed, const ShareRecords& to,
+                               Written& written);
         std::size_t (*append)(const SoupScan& scan, std::size_t begin, std::uint64_t wanted, CrossedTriangle* records);
     };
     static const Kernels* kernels() noexcept;

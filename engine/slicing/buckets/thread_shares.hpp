@@ -1,10 +1,15 @@
-// Both reads, whatever triangles are read from: the shares of threads, their counters, and the prefix sums between the two
-// reads.
+// Both reads, whatever triangles are read from: the shares of threads, their counters, the prefix sums between the two
+// reads, and for triangles that are read one by one the reads themselves. Such a triangle has
+//
+//     is_degenerate()
+//     planes()              those that cut it, a PlaneRange
+//     write(record, last)   its record, which ends at plane `last`; returns which corner is the lowest
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
@@ -66,6 +71,26 @@ struct ShareCounts {
         ++ended[last];
     }
 };
+
+/// Counts triangles [begin, end), at most 64, of which read(t) gives one; returns which of them planes cut. What is not cut
+/// adds zero, so that no branch depends on it.
+template <class Read>
+std::uint64_t count_each(const Read& read, std::size_t begin, std::size_t end, bool may_be_degenerate, ShareCounts& counts) {
+    std::uint64_t mask = 0;
+    for (std::size_t t = begin; t < end; ++t) {
+        const auto triangle = read(t);
+        if (may_be_degenerate && triangle.is_degenerate()) {
+            ++counts.degenerate;
+            continue;
+        }
+        const PlaneRange cut = triangle.planes();
+        const std::uint32_t crossed = (cut.first - cut.end) >> 31;  // both are less than 2^31
+        counts.starting[cut.first] += crossed;
+        counts.ended[cut.end] += crossed;
+        mask |= std::uint64_t{crossed} << (t - begin);
+    }
+    return mask;
+}
 
 /// Turns counts into where lists begin, for all and for each share, and sums up the segments.
 inline void sum_up(std::size_t planes, std::size_t shares, Buckets& buckets) {
@@ -135,20 +160,65 @@ private:
     std::atomic<std::size_t>& count_;
 };
 
-/// The second read: scatter_block(begin, crossed, next_record, reaching) writes the records of a block's triangles with a
-/// bit in `crossed`, each to next_record[its first plane]++. Returns how many reach beyond their band.
+/// What a share writes while scattering.
+struct ShareRecords {
+    CrossedTriangle* records;
+    std::uint32_t* next;           ///< by plane: where the next record goes that begins there
+    std::uint8_t* lowest_corners;  ///< null where origins are not asked for
+    const PlaneIndex* reach_end;
+    ReachingWriter reaching;
+
+    /// Where the next record goes that begins at the first of these planes.
+    std::uint32_t take_place(PlaneRange cut) noexcept {
+        const std::uint32_t at = next[cut.first]++;
+        if (cut.end > reach_end[cut.first]) {
+            reaching.add({at, cut.first, cut.end});
+        }
+        return at;
+    }
+
+    /// The triangles begin + b with bit b in `crossed`, which are quick to read. First where records go, then the records: a
+    /// store that waits for memory would hold up the next ones, and loads that are a multiple of 4096 bytes away from it.
+    template <class Read>
+    void write_each(const Read& read, std::size_t begin, std::uint64_t crossed) {
+        std::array<Reaching, block_triangles> places;
+        std::size_t count = 0;
+        for (std::uint64_t left = crossed; left != 0; left &= left - 1) {
+            const PlaneRange cut = read(begin + static_cast<std::size_t>(std::countr_zero(left))).planes();
+            const std::uint32_t at = take_place(cut);
+            __builtin_prefetch(records + at, 1);
+            places[count++] = {at, cut.first, cut.end};
+        }
+        count = 0;
+        for (std::uint64_t left = crossed; left != 0; left &= left - 1, ++count) {
+            const Reaching& place = places[count];
+            const auto triangle = read(begin + static_cast<std::size_t>(std::countr_zero(left)));
+            const std::uint8_t lowest = triangle.write(records[place.record], place.last);
+            if (lowest_corners != nullptr) {
+                lowest_corners[place.record] = lowest;
+            }
+        }
+    }
+};
+
+/// The second read, see TriangleSource::scatter(): scatter_block(begin, crossed, records) writes the records of a block's
+/// triangles with a bit in `crossed`.
 template <class ScatterBlock>
-std::size_t scatter_blocks(const ThreadShares& shares, const Parallel& parallel, std::size_t planes, Buckets& buckets,
-                           std::span<Reaching> reaching, ScatterBlock scatter_block) {
+std::size_t scatter_blocks(const ThreadShares& shares, const Parallel& parallel, Buckets& buckets,
+                           std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching, bool origins,
+                           ScatterBlock scatter_block) {
+    const std::size_t planes = reach_end.size() - 1;
     buckets.records.resize_discarding(buckets.list_begin[planes]);
+    buckets.lowest_corners.resize_discarding(origins ? buckets.records.size() : 0);
     std::atomic<std::size_t> reaching_count = 0;
     parallel.run(shares.count, [&](std::size_t share, int) {
-        ReachingWriter writer(reaching, reaching_count);
-        std::uint32_t* const next_record = counters_of(buckets, share, planes, 0);
+        ShareRecords records{buckets.records.data(), counters_of(buckets, share, planes, 0),
+                             origins ? buckets.lowest_corners.data() : nullptr, reach_end.data(),
+                             ReachingWriter(reaching, reaching_count)};
         shares.for_each_block(share, parallel, [&](std::size_t begin, std::size_t) {
-            scatter_block(begin, buckets.crossed_mask[begin / block_triangles], next_record, writer);
+            scatter_block(begin, buckets.crossed_mask[begin / block_triangles], records);
         });
-        writer.flush();
+        records.reaching.flush();
     });
     return reaching_count;
 }

@@ -6,7 +6,7 @@
 //          +---c-------d        found, or some vertex is no number, all vertices that triangles have are marked.
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <atomic>
 #include <cstring>
 
 #include "base/atomic_word.hpp"
@@ -24,25 +24,27 @@ constexpr std::size_t faces = 6;  // least x, y, z, greatest x, y, z
 
 using VertexNumbers = std::array<std::uint64_t, faces>;
 
-/// A box that grows, and by face the first vertex of a block with a vertex on it.
+/// A box that grows, and a vertex on each of its faces.
 struct VertexBox {
     Bounds box = Bounds::empty();
     double poison = 0;  ///< times zero: becomes NaN, and stays so, at the first value that is not finite
-    VertexNumbers block{};
+    VertexNumbers on_face{};
 
-    void add(const std::array<double, 3>& vertex) noexcept {
-        for (int axis = 0; axis < 3; ++axis) {
-            const double at = vertex[static_cast<std::size_t>(axis)];
-            box.add(axis, at, at);
-            poison += at * 0.0;
+    void include(std::size_t axis, double at, std::uint64_t vertex) noexcept {
+        if (at < box.min_mm[axis]) {
+            box.min_mm[axis] = at;
+            on_face[axis] = vertex;
+        }
+        if (at > box.max_mm[axis]) {
+            box.max_mm[axis] = at;
+            on_face[3 + axis] = vertex;
         }
     }
     void add(const VertexBox& other) noexcept {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            block[axis] = other.box.min_mm[axis] < box.min_mm[axis] ? other.block[axis] : block[axis];
-            block[3 + axis] = other.box.max_mm[axis] > box.max_mm[axis] ? other.block[3 + axis] : block[3 + axis];
+        for (std::size_t axis = 0; axis < 3 && other.box.min_mm[axis] <= other.box.max_mm[axis]; ++axis) {
+            include(axis, other.box.min_mm[axis], other.on_face[axis]);
+            include(axis, other.box.max_mm[axis], other.on_face[3 + axis]);
         }
-        box.add(other.box);
         poison += other.poison;
     }
     bool can_be_used() const noexcept { return poison == 0 && box.farthest() <= largest_coordinate_mm; }
@@ -63,45 +65,23 @@ T sum_of_blocks(std::size_t count, const Parallel& parallel, Use use) {
     return all;
 }
 
-/// The vertices of an indexed mesh, where its transform places them.
-class Vertices {
-public:
-    Vertices(const MeshView& vertices, const Placing& placing, const Parallel& parallel) noexcept
-        : read_(vertices, placing), count_(vertices.triangle_count), parallel_(parallel) {}
-
-    /// The box of those for which has(vertex) is true.
-    template <class Has>
-    VertexBox box(Has has) const {
-        return sum_of_blocks<VertexBox>(count_, parallel_, [&](std::size_t begin, std::size_t end, VertexBox& all) {
-            VertexBox box;
-            box.block.fill(begin);
-            for (std::size_t vertex = begin; vertex < end; ++vertex) {
-                if (has(vertex)) {
-                    box.add(read_.corner(vertex, 0));
-                }
-            }
-            all.add(box);
-        });
-    }
-
-    /// By face, the first vertex of a box of all that lies on it.
-    VertexNumbers on_faces_of(const VertexBox& all) const noexcept {
-        VertexNumbers found;
-        for (std::size_t face = 0; face < faces; ++face) {
-            const double at = face < 3 ? all.box.min_mm[face] : all.box.max_mm[face - 3];
-            found[face] = all.block[face];
-            while (read_.corner(found[face], 0)[face % 3] != at) {
-                ++found[face];
-            }
-        }
-        return found;
-    }
-
-private:
-    PlacedReader read_;
-    std::size_t count_;
-    const Parallel& parallel_;
-};
+/// The box of those of `vertices`, see IndexedSource::vertices(), for which has(vertex) is true.
+template <class Has>
+VertexBox box_of(const MeshView& vertices, const Placing& placing, const Parallel& parallel, Has has) {
+    const PlacedReader read(vertices, placing);
+    return sum_of_blocks<VertexBox>(vertices.triangle_count, parallel,
+                                    [&](std::size_t begin, std::size_t end, VertexBox& box) {
+                                        for (std::size_t vertex = begin; vertex < end; ++vertex) {
+                                            if (has(vertex)) {
+                                                const std::array<double, 3> at = read.corner(vertex, 0);
+                                                for (std::size_t axis = 0; axis < 3; ++axis) {
+                                                    box.include(axis, at[axis], vertex);
+                                                    box.poison += at[axis] * 0.0;
+                                                }
+                                            }
+                                        }
+                                    });
+}
 
 /// The largest index of a run, and which wanted ones it has. Without branches, so that the compiler makes vectors of it.
 template <class Index>
@@ -137,24 +117,13 @@ bool have_all(const MeshView& mesh, const VertexNumbers& wanted, const Parallel&
     std::transform(wanted.begin(), wanted.end(), on_faces.begin(), [](std::uint64_t v) { return static_cast<Index>(v); });
     const auto all = sum_of_blocks<Seen<Index>>(mesh.triangle_count, parallel,
                                                 [&](std::size_t begin, std::size_t end, Seen<Index>& seen) {
-                                                    Seen<Index> here;
+                                                    Seen<Index> here;  // stays in registers
                                                     here.look(mesh.indices_at(begin), 3 * (end - begin), on_faces);
                                                     seen.add(here);
                                                 });
     return all.largest < mesh.vertex_count &&
            std::none_of(all.on_face.begin(), all.on_face.end(), [](Index found) { return found == 0; });
 }
-
-bool have_all(const MeshView& mesh, const VertexNumbers& wanted, const Parallel& parallel) {
-    return mesh.index_type == Number::u32 ? have_all<std::uint32_t>(mesh, wanted, parallel)
-                                          : have_all<std::uint64_t>(mesh, wanted, parallel);
-}
-
-/// Set where an index names no vertex.
-struct Beyond {
-    bool found = false;
-    void add(const Beyond& other) noexcept { found = found || other.found; }
-};
 
 }  // namespace
 
@@ -163,32 +132,35 @@ bool IndexedSource::mark_used() {
     Array<std::uint8_t>& used = buckets_.used;
     used.resize_discarding(mesh_.vertex_count);
     std::fill(used.begin(), used.end(), std::uint8_t{0});
-    const auto mark = [&used, mesh = mesh_](std::size_t begin, std::size_t end, Beyond& beyond) {
-        for (std::size_t t = begin; t < end; ++t) {
-            for (std::size_t corner = 0; corner < 3; ++corner) {
-                const std::uint64_t vertex = mesh.vertex_of(t, corner);
-                if (vertex < mesh.vertex_count) {
+    std::atomic<bool> is_beyond = false;
+    const ThreadShares shares(mesh_.triangle_count, parallel_);
+    parallel_.run(shares.count, [&](std::size_t share, int) {
+        shares.for_each_block(share, parallel_, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t corner = 3 * begin; corner < 3 * end; ++corner) {
+                const std::uint64_t vertex = mesh_.vertex_of(corner / 3, corner % 3);
+                if (vertex < mesh_.vertex_count) {
                     AtomicWord(used[vertex]).store(1);
                 } else {
-                    beyond.found = true;
+                    is_beyond = true;
                 }
             }
-        }
-    };
-    return !sum_of_blocks<Beyond>(mesh_.triangle_count, parallel_, mark).found;
+        });
+    });
+    return !is_beyond;
 }
 
 Bounds IndexedSource::measure(double asked_mm) {
     require(check_mesh(mesh_));
     require(check_transform(placing_.transform));
-    const Vertices placed(vertices(), placing_, parallel_);
     buckets_.used.set_size(0);
-    const VertexBox all = placed.box([](std::size_t) { return true; });
-    if (all.can_be_used() && have_all(mesh_, placed.on_faces_of(all), parallel_)) {
+    const VertexBox all = box_of(vertices(), placing_, parallel_, [](std::size_t) { return true; });
+    if (all.can_be_used() && (mesh_.index_type == Number::u32 ? have_all<std::uint32_t>(mesh_, all.on_face, parallel_)
+                                                              : have_all<std::uint64_t>(mesh_, all.on_face, parallel_))) {
         return all.box;
     }
     if (mark_used()) {
-        const VertexBox used = placed.box([this](std::size_t vertex) { return buckets_.used[vertex] != 0; });
+        const VertexBox used =
+            box_of(vertices(), placing_, parallel_, [this](std::size_t vertex) { return buckets_.used[vertex] != 0; });
         if (used.can_be_used()) {
             return used.box;
         }

@@ -209,26 +209,7 @@ LAMELLA_AVX2 std::size_t select_equal_avx2(const std::uint32_t* values, std::siz
 
 constexpr Kernels avx2{pierce_avx2, trace_avx2, select_equal_avx2};
 
-// --- AVX-512: eight edges, eight points a step
-
-LAMELLA_AVX512 __m256i eight_ints(const std::int32_t* at) {
-    return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at));
-}
-
-LAMELLA_AVX512 void pierce_avx512(const EdgeArrays& edges, std::int32_t z, std::size_t count, Point* points) {
-    const __m256i plane = _mm256_set1_epi32(z);
-    for (std::size_t e = 0; e < count; e += 8) {
-        const __m512d rise = _mm512_maskz_cvtepi32_pd(0xFF, _mm256_sub_epi32(plane, eight_ints(edges.z + e)));
-        const __m512d base_x = _mm512_maskz_cvtepi32_pd(0xFF, eight_ints(edges.x + e));
-        const __m512d base_y = _mm512_maskz_cvtepi32_pd(0xFF, eight_ints(edges.y + e));
-        const __m512d x = _mm512_add_pd(base_x, _mm512_mul_pd(_mm512_loadu_pd(edges.slope_x + e), rise));
-        const __m512d y = _mm512_add_pd(base_y, _mm512_mul_pd(_mm512_loadu_pd(edges.slope_y + e), rise));
-        // 64-bit lanes of y << 32 | x are points as they lie in memory. (Masked forms: GCC 12 warns about the plain ones.)
-        const __m512i xs = _mm512_maskz_cvtepu32_epi64(0xFF, _mm512_maskz_cvtpd_epi32(0xFF, x));
-        const __m512i ys = _mm512_maskz_cvtepu32_epi64(0xFF, _mm512_maskz_cvtpd_epi32(0xFF, y));
-        _mm512_storeu_si512(points + e, _mm512_or_si512(xs, _mm512_maskz_slli_epi64(0xFF, ys, 32)));
-    }
-}
+// --- AVX-512: eight points a step
 
 LAMELLA_AVX512 __m512i gather_eight(const Point* points, const std::uint32_t* slots) {
     const __m256i at = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(slots));
@@ -338,7 +319,7 @@ LAMELLA_AVX512 std::size_t select_equal_avx512(const std::uint32_t* values, std:
     return found;
 }
 
-constexpr Kernels avx512{pierce_avx512, trace_avx512, select_equal_avx512};
+constexpr Kernels avx512{pierce_avx2, trace_avx512, select_equal_avx512};
 
 #endif
 

@@ -20,7 +20,6 @@
 //     position_      a 1, b 2, d 3: in order_next_; e 5, f 6: in order_; c and x: none
 #pragma once
 
-#include <cassert>
 #include <cstdint>
 #include <cstring>
 #include <span>
@@ -99,23 +98,6 @@ public:
     std::size_t capacity() const noexcept { return slots_.capacity(); }
     std::size_t live() const noexcept { return slots_.live(); }
 
-    /// Renumbers the slots 0, 1, 2, ... in walking order when many have ended, so that a plane costs what is active now.
-    /// Calls move(new_to_old) once if it does. Precondition: walk() has been called since the last change.
-    bool compact(FunctionRef<void(std::span<const Slot> new_to_old)> move) {
-        assert(changes_ == 0);
-        if (!slots_.is_sparse()) {
-            return false;
-        }
-        const std::span<const Slot> new_to_old = order();
-        slots_.renumber(new_to_old, [this](PortRef ref) { return moved(ref); });
-        move(new_to_old);
-        renumber_order();
-        slots_.free_from(static_cast<Slot>(order().size()));
-        return true;
-    }
-    /// While compact() calls move: what a port becomes.
-    PortRef moved(PortRef ref) const noexcept { return port_of(position_[slot_of(ref)] - 1, static_cast<int>(ref & 1)); }
-
 private:
     static constexpr std::uint32_t no_position = 0;     // positions count from 1, so that a break after it does no harm
     static constexpr std::size_t slot_work = 4;         // as StopPace counts it
@@ -132,7 +114,6 @@ private:
     };
 
     void forget_order();
-    void renumber_order();
     bool most_changed() const noexcept { return changes_ * slots_per_change > slots_.live(); }
     void break_after(std::uint32_t position) noexcept { breaks_[position >> 6] |= std::uint64_t{1} << (position & 63); }
     std::uint32_t next_break(std::uint32_t position) const noexcept;

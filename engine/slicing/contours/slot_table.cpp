@@ -24,20 +24,16 @@ void SlotTable::reserve(std::size_t slots) {
     free_count_ += added;
 }
 
-void SlotTable::free_from(Slot first) {
-    for (Slot slot = first; slot < slot_end_; ++slot) {
-        ends_[slot] = no_plane;
-        flags_[slot] = 0;
-    }
+void SlotTable::clear() {
+    std::fill_n(ends_.begin(), slot_end_, no_plane);
+    std::fill_n(flags_.begin(), slot_end_, std::uint16_t{0});
     free_count_ = capacity() - slot_end_;  // those never used are at the bottom as they were
-    while (slot_end_ > first) {
+    while (slot_end_ > 0) {
         free_[free_count_++] = --slot_end_;
     }
     fresh_count_ = 0;
-    if (first == 0) {
-        open_ = 0;
-        mixed_ = 0;
-    }
+    open_ = 0;
+    mixed_ = 0;
 }
 
 // --- Edges that end and edges that begin
@@ -140,26 +136,6 @@ void SlotTable::add_flag(Slot slot, Flag flag) noexcept {
     flags_[slot] = after;
     open_ += (after & open_end) != 0 && (before & open_end) == 0 ? 1 : 0;
     mixed_ += (after & mixed) != 0 && (before & mixed) == 0 ? 1 : 0;
-}
-
-// --- Compaction
-
-void SlotTable::renumber(std::span<const Slot> new_to_old, FunctionRef<PortRef(PortRef)> moved) {
-    if (new_to_old.empty()) {
-        return;  // memcpy takes no null pointers, not even for no bytes
-    }
-    gather_slots(edges_, new_to_old, moving_);
-    gather_slots(ends_, new_to_old, moving_);
-    gather_slots(flags_, new_to_old, moving_);
-    for (std::size_t slot = 0; slot < new_to_old.size(); ++slot) {
-        Port ends[2];
-        for (const int port : {target_port, source_port}) {
-            const PortRef ref = ports_[port_of(new_to_old[slot], port)].across;
-            ends[port].across = ref == no_port ? no_port : moved(ref);
-        }
-        moving_[slot] = std::bit_cast<std::uint64_t>(ends);
-    }
-    std::memcpy(ports_.data(), moving_.data(), new_to_old.size() * sizeof(std::uint64_t));
 }
 
 }  // namespace lamella

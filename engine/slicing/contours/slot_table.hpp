@@ -17,19 +17,15 @@
 //                                                                 ^ free_count_: the top of the stack
 #pragma once
 
-#include <cassert>
 #include <cstdint>
-#include <cstring>
 #include <span>
-#include <type_traits>
 
-#include "base/function_ref.hpp"
 #include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "lamella/result.hpp"
+#include "slicing/buckets/crossed_triangle.hpp"
 #include "slicing/contours/kernels.hpp"
-#include "slicing/contours/mesh_edge.hpp"
 #include "slicing/planes/plane_set.hpp"
 
 namespace lamella {
@@ -87,31 +83,12 @@ void reserve_more(Vector<T>& array, std::size_t size) {
     }
 }
 
-/// array[i] = what was array[new_to_old[i]], by way of `scratch`.
-template <class T>
-void gather_slots(Vector<T>& array, std::span<const Slot> new_to_old, Vector<std::uint64_t>& scratch) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    if (new_to_old.empty()) {
-        return;  // memcpy takes no null pointers, not even for no bytes
-    }
-    const std::size_t words = (new_to_old.size() * sizeof(T) + 7) / 8;
-    if (scratch.size() < words) {
-        scratch.resize(words);
-    }
-    auto* to = reinterpret_cast<unsigned char*>(scratch.data());
-    for (const Slot old : new_to_old) {
-        std::memcpy(to, &array[old], sizeof(T));
-        to += sizeof(T);
-    }
-    std::memcpy(static_cast<void*>(array.data()), scratch.data(), new_to_old.size() * sizeof(T));
-}
-
 class SlotTable {
 public:
     explicit SlotTable(Worker& worker) noexcept : worker_(worker) {}
 
     /// Frees all slots.
-    void clear() { free_from(0); }
+    void clear();
     /// Takes memory for `slots` slots at once rather than by growing.
     void reserve(std::size_t slots);
 
@@ -177,15 +154,6 @@ public:
     std::size_t capacity() const noexcept { return edges_.size(); }
     std::size_t live() const noexcept { return capacity() - free_count_; }
 
-    // --- Compaction
-
-    /// True if many slots have ended.
-    bool is_sparse() const noexcept { return slot_end_ >= 256 && slot_end_ > 2 * live(); }
-    /// Slot new_to_old[i] becomes slot i; `moved` says what a port becomes. free_from() must follow.
-    void renumber(std::span<const Slot> new_to_old, FunctionRef<PortRef(PortRef)> moved);
-    /// Slots from `first` on are free, none below it is.
-    void free_from(Slot first);
-
 private:
     static constexpr PlaneIndex no_plane = 0xFFFFFFFFU;
 
@@ -202,7 +170,6 @@ private:
     Vector<PlaneIndex> ends_{worker_.memory()};  // the plane at which the edge will have ended; no_plane: the slot is free
     Vector<std::uint16_t> flags_{worker_.memory()};  // 0 if free. A byte would alias all that the loops keep in registers
     Vector<Slot> free_{worker_.memory()};
-    Vector<std::uint64_t> moving_{worker_.memory()};  // scratch: an array on its way to new slots
     std::size_t free_count_ = 0;
     std::size_t fresh_count_ = 0;
     Slot slot_end_ = 0;
@@ -225,18 +192,12 @@ class SlotTable::Attaching {
 public:
     explicit Attaching(SlotTable& table) noexcept : table_(table) { load(); }
 
-    /// True if the map is so large that most look-ups wait for it.
-    bool beyond_caches() const noexcept { return mask_ >= std::size_t{1} << 16; }
-    /// Fetches where find_or_add() begins to look.
-    void prefetch(std::uint64_t hash) const noexcept { __builtin_prefetch(map_ + (hash >> shift_), 1); }
-
-    /// The slot of `edge`, which has that hash; made if need be. It will have ended at plane `end`.
+    /// The slot of `edge`, made if need be. It will have ended at plane `end`.
     ///
     /// An edge is met for the first time as often as for the second, which no branch predictor foresees. So there is no
     /// branch: the edge is written to the spare slot, which is compared with itself if the edge is new, and is taken by
     /// adding 0 or 1.
-    Slot find_or_add(const MeshEdge& edge, std::uint64_t hash, PlaneIndex end) {
-        assert(hash == edge.hash());
+    Slot find_or_add(const MeshEdge& edge, PlaneIndex end) {
         if (made_ == limit_) {
             table_.grow_map(made_);
             load();
@@ -246,7 +207,7 @@ public:
         ends_[spare] = end;
         ports_[port_of(spare, target_port)].first_link = no_link;
         ports_[port_of(spare, source_port)].first_link = no_link;
-        for (std::size_t i = hash >> shift_;; i = (i + 1) & mask_) {
+        for (std::size_t i = edge.hash() >> shift_;; i = (i + 1) & mask_) {
             const Slot found = map_[i];
             // All ones if nothing is there: slots have 31 bits. Arithmetic, as compilers turn a comparison into a branch.
             const Slot is_new = static_cast<Slot>(static_cast<std::int32_t>(found) >> 31);

@@ -226,13 +226,4 @@ void LinkGraph::add_contour(std::uint32_t begin, bool closed, bool is_mixed) {
     contours_.push_back({begin, filled_ - begin, closed, is_mixed});
 }
 
-/// The slots become 0, 1, 2, ... in walking order. To be called before those beyond are freed.
-void LinkGraph::renumber_order() {
-    std::fill_n(position_.begin(), slots_.slot_end(), no_position);
-    for (Slot slot = 0; slot < ordered_; ++slot) {
-        order_[slot + 1] = slot;
-        position_[slot] = slot + 1;
-    }
-}
-
 }  // namespace lamella

@@ -5,11 +5,11 @@
 #include <limits>
 #include <string>
 
+#include "base/dispatch.hpp"
 #include "base/parallel.hpp"
 #include "base/words.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/grid/placed_reader.hpp"
-#include "slicing/grid/soup_box.hpp"
 
 namespace lamella {
 
@@ -65,16 +65,99 @@ Partial measure_general(const MeshView& mesh, const Placing& placing, std::size_
     return all;
 }
 
-/// The same for a float soup without a transform.
-Partial measure_soup(const MeshView& mesh, std::size_t begin, std::size_t end, BlockTable& table) {
-    const FloatSoup soup{mesh.vertex_at(0), mesh.vertex_step(), mesh.triangle_count, static_cast<float>(table.near_mm)};
-    const SoupBox found = best_of(measure_soup_forms())(soup, begin, end, table.blocks.data());
-    Partial all;
-    for (int axis = 0; axis < 3; ++axis) {
-        all.box.add(axis, static_cast<double>(found.low[axis]), static_cast<double>(found.high[axis]));
+#ifdef __SSE2__
+
+// A float soup without a transform: three vectors that cover a triangle and nothing beyond it.
+//
+//     x0 y0 z0 x1 y1 z1 x2 y2 z2
+//     [---a-----]
+//              [---b-----]
+//                    [---c-----]
+
+constexpr int offsets[3] = {0, 3, 5};
+
+/// A box of each of the nine numbers of a triangle.
+struct SoupBox {
+    __m128 low[3];
+    __m128 high[3];
+
+    SoupBox() noexcept {
+        for (int v = 0; v < 3; ++v) {
+            low[v] = _mm_set1_ps(std::numeric_limits<float>::infinity());
+            high[v] = _mm_set1_ps(-std::numeric_limits<float>::infinity());
+        }
     }
-    all.finite = !found.has_nan;  // infinity shows in the box
-    return all;
+    void add(int v, __m128 least, __m128 greatest) noexcept {
+        low[v] = _mm_min_ps(low[v], least);
+        high[v] = _mm_max_ps(high[v], greatest);
+    }
+    Bounds by_axis() const noexcept {
+        float low9[9];
+        float high9[9];
+        for (int v = 0; v < 3; ++v) {
+            _mm_storeu_ps(low9 + offsets[v], low[v]);
+            _mm_storeu_ps(high9 + offsets[v], high[v]);
+        }
+        Bounds box = Bounds::empty();
+        for (int i = 0; i < 9; ++i) {
+            box.add(i % 3, static_cast<double>(low9[i]), static_cast<double>(high9[i]));
+        }
+        return box;
+    }
+};
+
+/// True if the first three lanes are all within `reach` of 0.
+bool all_within(__m128 difference, __m128 reach) noexcept {
+    const __m128 size = _mm_andnot_ps(_mm_set1_ps(-0.0F), difference);
+    return (_mm_movemask_ps(_mm_cmple_ps(size, reach)) & 7) == 7;
+}
+
+Partial measure_soup(const MeshView& mesh, std::size_t begin, std::size_t end, BlockTable& table) {
+    const __m128 reach = _mm_set1_ps(static_cast<float>(table.near_mm));
+    const std::byte* const vertices = mesh.vertex_at(0);
+    const std::size_t stride = mesh.vertex_step();
+    SoupBox all;
+    __m128 nan = _mm_setzero_ps();
+    for (std::size_t block = begin; block < end; ++block) {
+        const std::size_t last = std::min(mesh.triangle_count, (block + 1) * block_triangles);
+        SoupBox box;
+        bool near = false;
+        for (std::size_t t = block * block_triangles; t < last; ++t) {
+            prefetch_ahead(vertices + t * stride, 1);
+            const auto* at = reinterpret_cast<const float*>(vertices + t * stride);
+            __m128 value[3];
+            for (int v = 0; v < 3; ++v) {
+                value[v] = _mm_loadu_ps(at + offsets[v]);
+                box.add(v, value[v], value[v]);
+            }
+            const __m128 third = _mm_shuffle_ps(value[2], value[2], _MM_SHUFFLE(3, 3, 2, 1));
+            near |= all_within(_mm_sub_ps(value[0], value[1]), reach);
+            near |= all_within(_mm_sub_ps(value[1], third), reach);
+            near |= all_within(_mm_sub_ps(third, value[0]), reach);
+            nan = _mm_or_ps(nan, _mm_or_ps(_mm_cmpunord_ps(value[0], value[1]), _mm_cmpunord_ps(value[2], value[2])));
+        }
+        const Bounds by_axis = box.by_axis();
+        table.blocks[block] = {by_axis.min_mm[2], by_axis.max_mm[2], near};
+        for (int v = 0; v < 3; ++v) {
+            all.add(v, box.low[v], box.high[v]);
+        }
+    }
+    Partial found;
+    found.box = all.by_axis();
+    found.finite = _mm_movemask_ps(nan) == 0;  // infinity shows in the box
+    return found;
+}
+
+#endif
+
+/// Blocks [begin, end).
+Partial measure_blocks(const MeshView& mesh, const Placing& placing, std::size_t begin, std::size_t end, BlockTable& table) {
+#ifdef __SSE2__
+    if (mesh.vertex_type == Number::f32 && mesh.indices == nullptr && placing.transform.is_identity()) {
+        return measure_soup(mesh, begin, end, table);
+    }
+#endif
+    return measure_general(mesh, placing, begin, end, table);
 }
 
 std::string axis_text(int i) {
@@ -136,7 +219,6 @@ Result<Bounds> measure_bounds(const MeshView& mesh, const Placing& placing, doub
     if (const Status status = check_transform(placing.transform); !status) {
         return status.error();
     }
-    const bool float_soup = mesh.vertex_type == Number::f32 && mesh.indices == nullptr && placing.transform.is_identity();
     table.near_mm = BlockTable::near_mm_for(unit_mm > 0 ? unit_mm : default_grid_mm);
     table.blocks.resize_discarding(block_count(mesh.triangle_count));
     PerWorker<Partial> partial(parallel.workers_for(table.blocks.size() / grain));
@@ -149,8 +231,7 @@ Result<Bounds> measure_bounds(const MeshView& mesh, const Placing& placing, doub
                 return;
             }
         }
-        partial[w].add(float_soup ? measure_soup(mesh, begin, end, table)
-                                  : measure_general(mesh, placing, begin, end, table));
+        partial[w].add(measure_blocks(mesh, placing, begin, end, table));
     });
     Partial all;
     partial.for_each([&all](const Partial& p) { all.add(p); });

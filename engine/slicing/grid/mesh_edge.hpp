@@ -1,4 +1,5 @@
-// An edge of the mesh on the grid, and its hash: the one that every map of edges uses.
+// An edge of the mesh on the grid: segments whose ends lie on the same edge meet there. With its hash, the one that every
+// map of edges uses.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +8,7 @@
 #include "base/little_endian.hpp"
 #include "base/rounding.hpp"
 #include "lamella/grid.hpp"
+#include "lamella/layers.hpp"
 
 namespace lamella {
 
@@ -48,6 +50,28 @@ private:
         return v;
     }
 };
+
+/// An edge as a key, which compares as the vertices do: sign bits flipped, first coordinate in the highest bits.
+inline EndKey to_key(const MeshEdge& edge) noexcept {
+    const auto word = [](std::int32_t high, std::int32_t low) {
+        return ((static_cast<std::uint64_t>(static_cast<std::uint32_t>(high)) << 32) | static_cast<std::uint32_t>(low)) ^
+               0x8000000080000000U;
+    };
+    const GridVertex lower = edge.lower();
+    const GridVertex upper = edge.upper();
+    return {word(lower.x, lower.y), word(lower.z, upper.x), word(upper.y, upper.z)};
+}
+
+/// The reverse of to_key().
+inline MeshEdge from_key(const EndKey& key) noexcept {
+    const auto high = [](std::uint64_t word) {
+        return static_cast<std::int32_t>(static_cast<std::uint32_t>(word >> 32) ^ 0x80000000U);
+    };
+    const auto low = [](std::uint64_t word) {
+        return static_cast<std::int32_t>(static_cast<std::uint32_t>(word) ^ 0x80000000U);
+    };
+    return MeshEdge::between({high(key.a), low(key.a), high(key.b)}, {low(key.b), high(key.c), low(key.c)});
+}
 
 /// Where an edge that does not lie level pierces the plane at `z`, which is between its ends; the arithmetic of
 /// Kernels::pierce.

@@ -59,8 +59,7 @@ private:
     }
 
     PortRef attach(SlotTable::Attaching& attaching, const EndKey& key, Point point, int port, std::uint32_t link) {
-        const MeshEdge edge = from_key(key);
-        const Slot slot = attaching.find_or_add(edge, edge.hash(), 0);
+        const Slot slot = attaching.find_or_add(from_key(key), 0);
         put(slot, point);
         return attaching.attach(slot, port, link);
     }

@@ -81,7 +81,13 @@ public:
     /// first case); others by a table of heights and a few steps from there, a binary search where planes crowd (Algorithm
     /// 3).
     PlaneIndex first_above(std::int32_t z) const noexcept { return uniform() ? by_division(z) : by_table(z); }
-    /// The same by the table, for any spacing.
+    /// The planes between two heights of vertices.
+    PlaneRange between(std::int32_t low, std::int32_t high) const noexcept {
+        const PlaneIndex first = first_above(low);
+        return {first, z(first) < high ? first_above(high) : first};
+    }
+    bool any_between(std::int32_t low, std::int32_t high) const noexcept { return z(first_above(low)) < high; }
+    /// first_above() by the table, for any spacing.
     PlaneIndex by_table(std::int32_t z) const noexcept;
     const HeightTable& table() const noexcept { return table_; }
 

@@ -1,7 +1,6 @@
 #include "slicing/sweep/band_sweep.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 
 #include "base/clock.hpp"
@@ -16,6 +15,16 @@ constexpr std::size_t event_work = 16;
 constexpr std::size_t edge_work = 4;
 constexpr std::size_t plane_work = 64;
 
+/// Calls take(i) for events [begin, end), in stretches between which a stop is noticed.
+template <class Take>
+void each_event(Worker& worker, std::size_t begin, std::size_t end, Take take) {
+    worker.in_stretches(begin, end, event_work, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            take(i);
+        }
+    });
+}
+
 }  // namespace
 
 void BandSweep::run(const Band& band, std::span<const std::uint32_t> seeds, const Buckets& buckets, const PlaneSet& planes,
@@ -29,11 +38,9 @@ void BandSweep::run(const Band& band, std::span<const std::uint32_t> seeds, cons
         const std::uint64_t start = timed ? ticks() : 0;
         const auto seeds_here = plane == band.first ? seeds : std::span<const std::uint32_t>{};
         if (form == ContourForm::assembled) {
-            begin_plane_afresh();
-            gather_active(plane, seeds_here);
-            enter_active(plane);
+            enter_active(plane, seeds_here);
         } else {
-            take_events(plane, seeds_here);
+            take_events(plane, seeds_here, buckets.list_begin[plane]);
         }
         link_events(plane);
         graph_.walk();
@@ -43,7 +50,6 @@ void BandSweep::run(const Band& band, std::span<const std::uint32_t> seeds, cons
             ticks_.sweep += linked - start;
             ticks_.contours += ticks() - linked;
         }
-        compact();
         out.end_layer();
     }
 }
@@ -74,81 +80,21 @@ public:
           pending_count_(sweep.pending_count_),
           band_last_(sweep.band_.last) {}
 
-    /// Triangles [begin, end): record_at(i) is the record of one.
-    template <class RecordAt>
-    void enter(std::size_t begin, std::size_t end, PlaneIndex plane, RecordAt record_at) {
-        take_hashed(
-            begin, end, [&](std::size_t i) { return hashes_of(record_at(i), plane); },
-            [&](std::size_t i, const Hashes& hashes) { enter(record_at(i), hashes, plane); });
-    }
-
-    void pass_middles(std::span<const Pending> passing) {
-        take_hashed(
-            0, passing.size(), [&](std::size_t i) { return short_edge(records_[passing[i].record], true).hash(); },
-            [&](std::size_t i, std::uint64_t hash) { pass_middle(passing[i], hash); });
-    }
-
-    std::uint32_t link_count() const noexcept { return link_count_; }
-    std::uint32_t pending_count() const noexcept { return pending_count_; }
-    const SlotTable::Attaching& attaching() const noexcept { return attaching_; }
-
-private:
-    static constexpr std::size_t block = 16;
-
-    struct Hashes {
-        std::uint64_t of_long;
-        std::uint64_t of_short;
-    };
-
-    void pass_middle(const Pending& pending, std::uint64_t hash) {
+    void pass_middle(const Pending& pending) {
         const CrossedTriangle& t = records_[pending.record];
         const int long_port = t.long_edge_is_source() ? source_port : target_port;
-        link(long_port, pending.long_end, attach(short_edge(t, true), hash, t.last, 1 - long_port));
+        link(long_port, pending.long_end, attach(short_edge(t, true), t.last, 1 - long_port));
     }
 
-    Hashes hashes_of(std::uint32_t record, PlaneIndex plane) const noexcept {
-        const CrossedTriangle& t = records_[record];
-        return {long_edge(t).hash(), short_edge(t, t.middle_plane() <= plane).hash()};
-    }
-
-    void prefetch(std::uint64_t hash) const noexcept { attaching_.prefetch(hash); }
-    void prefetch(const Hashes& hashes) const noexcept {
-        prefetch(hashes.of_long);
-        prefetch(hashes.of_short);
-    }
-
-    /// Calls take(i, hash_at(i)) for [begin, end). Where the map is large, a block's places in it come first, so that the
-    /// processor fetches them at once.
-    template <class HashAt, class Take>
-    void take_hashed(std::size_t begin, std::size_t end, HashAt hash_at, Take take) {
-        if (!attaching_.beyond_caches()) {
-            for (std::size_t i = begin; i < end; ++i) {
-                take(i, hash_at(i));
-            }
-            return;
-        }
-        for (; begin < end; begin += block) {
-            const std::size_t block_end = std::min(begin + block, end);
-            std::array<decltype(hash_at(begin)), block> hashes;
-            for (std::size_t i = begin; i < block_end; ++i) {
-                hashes[i - begin] = hash_at(i);
-                prefetch(hashes[i - begin]);
-            }
-            for (std::size_t i = begin; i < block_end; ++i) {
-                take(i, hashes[i - begin]);
-            }
-        }
-    }
-
-    void enter(std::uint32_t record, const Hashes& hashes, PlaneIndex plane) {
+    void enter(std::uint32_t record, PlaneIndex plane) {
         const CrossedTriangle& t = records_[record];
         const PlaneIndex middle = t.middle_plane();
         const auto above_middle = static_cast<std::uint32_t>(middle <= plane);
         const int long_port = t.long_edge_is_source() ? source_port : target_port;
-        const PortRef long_end = attach(long_edge(t), hashes.of_long, t.last, long_port);
+        const PortRef long_end = attach(long_edge(t), t.last, long_port);
         // Selects `middle` or `last`, and below adds 0 or 1, without a branch: no predictor knows the middle vertex.
         const PlaneIndex end = middle ^ ((middle ^ t.last) & (0U - above_middle));
-        const PortRef short_end = attach(short_edge(t, above_middle != 0), hashes.of_short, end, 1 - long_port);
+        const PortRef short_end = attach(short_edge(t, above_middle != 0), end, 1 - long_port);
         link(long_port, long_end, short_end);
         pending_[pending_count_] = {record, long_end};
         pending_plane_[pending_count_] = middle;
@@ -157,8 +103,13 @@ private:
         pending_count_ += has_middle_event & (1U - above_middle);
     }
 
-    PortRef attach(const MeshEdge& edge, std::uint64_t hash, PlaneIndex end, int port) {
-        return attaching_.attach(attaching_.find_or_add(edge, hash, end), port, link_count_);
+    std::uint32_t link_count() const noexcept { return link_count_; }
+    std::uint32_t pending_count() const noexcept { return pending_count_; }
+    const SlotTable::Attaching& attaching() const noexcept { return attaching_; }
+
+private:
+    PortRef attach(const MeshEdge& edge, PlaneIndex end, int port) {
+        return attaching_.attach(attaching_.find_or_add(edge, end), port, link_count_);
     }
 
     /// The long edge is source or target as the triangle says, the short one the other.
@@ -180,10 +131,9 @@ private:
     PlaneIndex band_last_;
 };
 
-/// Swept form: edges that end leave, middle vertices are passed, triangles of the plane's list enter.
-void BandSweep::take_events(PlaneIndex plane, std::span<const std::uint32_t> seeds) {
+/// Edges that end leave, middle vertices are passed, seeds enter, and triangles of the plane's list from `list_begin` on.
+void BandSweep::take_events(PlaneIndex plane, std::span<const std::uint32_t> seeds, std::uint32_t list_begin) {
     graph_.release_ended(plane);
-    const std::uint32_t list_begin = buckets_->list_begin[plane];
     const std::uint32_t list_end = buckets_->list_begin[plane + 1];
     const std::span<const Pending> passing = take_passing(plane);
     const std::size_t entering = seeds.size() + list_end - list_begin;
@@ -191,20 +141,15 @@ void BandSweep::take_events(PlaneIndex plane, std::span<const std::uint32_t> see
     if (entering + passing.size() == 0) {
         return;
     }
-    reserve_events(entering + passing.size(), most_middles(plane, seeds));
+    reserve_events(entering + passing.size(), entering);
     Events events(*this, 2 * entering + passing.size());
-    worker_.in_stretches(0, passing.size(), event_work, [&](std::size_t begin, std::size_t end) {
-        events.pass_middles(passing.subspan(begin, end - begin));
-    });
+    each_event(worker_, 0, passing.size(), [&](std::size_t i) { events.pass_middle(passing[i]); });
     first_entering_ = events.link_count();
     entering_seeds_ = seeds;
     entering_list_ = list_begin;
-    worker_.in_stretches(0, seeds.size(), event_work, [&](std::size_t begin, std::size_t end) {
-        events.enter(begin, end, plane, [seeds](std::size_t i) { return seeds[i]; });
-    });
-    worker_.in_stretches(list_begin, list_end, event_work, [&](std::size_t begin, std::size_t end) {
-        events.enter(begin, end, plane, [](std::size_t i) { return static_cast<std::uint32_t>(i); });
-    });
+    each_event(worker_, 0, seeds.size(), [&](std::size_t i) { events.enter(seeds[i], plane); });
+    each_event(worker_, list_begin, list_end,
+               [&](std::size_t record) { events.enter(static_cast<std::uint32_t>(record), plane); });
     link_count_ = events.link_count();
     first_new_pending_ = std::exchange(pending_count_, events.pending_count());
     graph_.end_attaching(events.attaching(), 2 * entering + passing.size());
@@ -234,22 +179,6 @@ std::span<const BandSweep::Pending> BandSweep::take_passing(PlaneIndex plane) {
     return {passing_.data(), count};
 }
 
-/// An upper bound on the middle events of the triangles that enter. Where many enter, they are counted: facets as tall as
-/// the part have none, and room for all of them would be most of the memory of the sweep.
-std::size_t BandSweep::most_middles(PlaneIndex plane, std::span<const std::uint32_t> seeds) const {
-    const auto list = buckets_->records.span().subspan(buckets_->list_begin[plane],
-                                                       buckets_->list_begin[plane + 1] - buckets_->list_begin[plane]);
-    if (seeds.size() + list.size() < (std::size_t{1} << 14)) {
-        return seeds.size() + list.size();
-    }
-    const auto has_middle = [plane](const CrossedTriangle& t) {
-        return plane < t.middle_plane() && t.middle_plane() < t.last;
-    };
-    const auto of_seeds = std::count_if(seeds.begin(), seeds.end(),
-                                        [&](std::uint32_t record) { return has_middle(buckets_->records[record]); });
-    return static_cast<std::size_t>(of_seeds + std::count_if(list.begin(), list.end(), has_middle));
-}
-
 void BandSweep::reserve_events(std::size_t links, std::size_t middles) {
     grow_exactly(links_, links, worker_);
     if (const std::size_t pending = pending_count_ + middles + 1; pending_.size() < pending) {
@@ -268,41 +197,23 @@ std::uint32_t BandSweep::record_of(std::uint32_t link) const noexcept {
     return entering < seeds ? entering_seeds_[entering] : entering_list_ + (entering - seeds);
 }
 
-/// Assembled form: the links of the plane before are forgotten, ...
-void BandSweep::begin_plane_afresh() {
+/// Assembled form: the links of the plane before are forgotten, the active set is brought up to date (Algorithm 1, steps 7
+/// to 12), and every triangle in it enters anew.
+void BandSweep::enter_active(PlaneIndex plane, std::span<const std::uint32_t> seeds) {
     graph_.clear();
     pending_count_ = 0;
-    link_count_ = 0;
-    first_entering_ = 0;
-}
-
-/// ... the active set is brought up to date (Algorithm 1, steps 7 to 12), ...
-void BandSweep::gather_active(PlaneIndex plane, std::span<const std::uint32_t> seeds) {
-    const std::uint32_t list_begin = buckets_->list_begin[plane];
-    const std::uint32_t list_end = buckets_->list_begin[plane + 1];
-    reserve_more(active_, active_.size() + seeds.size() + (list_end - list_begin));
-    active_.insert(active_.end(), seeds.begin(), seeds.end());
-    worker_.in_stretches(list_begin, list_end, 1, [&](std::size_t begin, std::size_t end) {
-        for (auto record = static_cast<std::uint32_t>(begin); record < end; ++record) {
-            active_.push_back(record);
-        }
-    });
     std::erase_if(active_, [&](std::uint32_t record) {
         worker_.spend(1);
         return buckets_->records[record].last <= plane;
     });
-}
-
-/// ... and every triangle in it enters anew.
-void BandSweep::enter_active(PlaneIndex plane) {
-    reserve_events(active_.size(), active_.size());
-    entering_seeds_ = active_;
-    Events events(*this, 2 * active_.size());
-    worker_.in_stretches(0, active_.size(), event_work, [&](std::size_t begin, std::size_t end) {
-        events.enter(begin, end, plane, [this](std::size_t i) { return active_[i]; });
-    });
-    link_count_ = events.link_count();
-    graph_.end_attaching(events.attaching(), 2 * active_.size());
+    const std::uint32_t list_end = buckets_->list_begin[plane + 1];
+    reserve_more(active_, active_.size() + seeds.size() + (list_end - buckets_->list_begin[plane]));
+    active_.insert(active_.end(), seeds.begin(), seeds.end());
+    for (std::uint32_t record = buckets_->list_begin[plane]; record < list_end; ++record) {
+        active_.push_back(record);
+        worker_.spend(1);
+    }
+    take_events(plane, active_, list_end);
 }
 
 void BandSweep::link_events(PlaneIndex plane) {
@@ -370,18 +281,6 @@ void BandSweep::emit(PlaneIndex plane, const PlaneSet& planes, BandOutput& out) 
         kernels_.pierce(edges_.arrays(begin), planes.z(plane), end - begin, points_.data() + begin);
     });
     layers_.build(graph_, points_.data(), with_origins_ ? origins_.data() : nullptr, out);
-}
-
-void BandSweep::compact() {
-    graph_.compact([&](std::span<const Slot> new_to_old) {
-        for (std::uint32_t p = 0; p < pending_count_; ++p) {
-            pending_[p].long_end = graph_.moved(pending_[p].long_end);
-        }
-        edges_.compact(new_to_old);
-        if (with_origins_) {
-            gather_slots(origins_, new_to_old, moving_);
-        }
-    });
 }
 
 SweepTicks BandSweep::take_ticks() noexcept {

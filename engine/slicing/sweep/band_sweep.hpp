@@ -24,7 +24,6 @@
 #include "slicing/buckets/bucket.hpp"
 #include "slicing/contours/link_graph.hpp"
 #include "slicing/layer/layer_builder.hpp"
-#include "slicing/sweep/active_edges.hpp"
 
 namespace lamella {
 
@@ -34,6 +33,43 @@ struct SweepTicks {
     std::uint64_t contours = 0;
     std::uint64_t nesting = 0;
     std::uint64_t fill = 0;
+};
+
+/// The mesh edges that pierce the current plane, as lines, by slot.
+class ActiveEdges {
+public:
+    explicit ActiveEdges(const Memory* memory) : x_(memory), y_(memory), z_(memory), slope_x_(memory), slope_y_(memory) {}
+
+    /// Makes room for at least `slots` slots.
+    void reserve(std::size_t slots, StopPace& pace) {
+        const std::size_t padded = (slots + padded_count - 1) / padded_count * padded_count;
+        grow_exactly(y_, padded, pace);
+        grow_exactly(z_, padded, pace);
+        grow_exactly(slope_x_, padded, pace);
+        grow_exactly(slope_y_, padded, pace);
+        grow_exactly(x_, padded, pace);  // the last: arrays that could not grow have the capacity that they had
+    }
+    std::size_t capacity() const noexcept { return x_.size(); }
+
+    void put(Slot slot, const MeshEdge& edge) {
+        const GridVertex lower = edge.lower();
+        const GridVertex upper = edge.upper();
+        const double rise = static_cast<double>(upper.z) - lower.z;
+        x_[slot] = lower.x;
+        y_[slot] = lower.y;
+        z_[slot] = lower.z;
+        slope_x_[slot] = (static_cast<double>(upper.x) - lower.x) / rise;
+        slope_y_[slot] = (static_cast<double>(upper.y) - lower.y) / rise;
+    }
+
+    /// From slot `first` on.
+    EdgeArrays arrays(std::size_t first) const noexcept {
+        return {x_.data() + first, y_.data() + first, z_.data() + first, slope_x_.data() + first, slope_y_.data() + first};
+    }
+
+private:
+    Vector<std::int32_t> x_, y_, z_;
+    Vector<double> slope_x_, slope_y_;
 };
 
 /// One per thread; scratch is kept from band to band.
@@ -74,12 +110,9 @@ private:
     };
 
     void begin(const Band& band, const Buckets& buckets);
-    void begin_plane_afresh();
-    void gather_active(PlaneIndex plane, std::span<const std::uint32_t> seeds);
-    void enter_active(PlaneIndex plane);
-    void take_events(PlaneIndex plane, std::span<const std::uint32_t> seeds);
+    void enter_active(PlaneIndex plane, std::span<const std::uint32_t> seeds);
+    void take_events(PlaneIndex plane, std::span<const std::uint32_t> seeds, std::uint32_t list_begin);
     std::span<const Pending> take_passing(PlaneIndex plane);
-    std::size_t most_middles(PlaneIndex plane, std::span<const std::uint32_t> seeds) const;
     void reserve_events(std::size_t links, std::size_t middles);
     std::uint32_t record_of(std::uint32_t link) const noexcept;
     void link_events(PlaneIndex plane);
@@ -89,7 +122,6 @@ private:
     PointOrigin origin_of_link(std::uint32_t link, PlaneIndex plane) const noexcept;
     PointOrigin origin_by(std::uint32_t record, const Link& link) const noexcept;
     void correct_pending();
-    void compact();
     void emit(PlaneIndex plane, const PlaneSet& planes, BandOutput& out);
 
     Worker worker_;
@@ -117,7 +149,6 @@ private:
     bool with_origins_ = false;
     Vector<SlotOrigins> origins_{worker_.memory()};     // by slot
     Vector<Substitute> substitutes_{worker_.memory()};  // of the plane's links
-    Vector<std::uint64_t> moving_{worker_.memory()};    // scratch
     SweepTicks ticks_;
 };
 

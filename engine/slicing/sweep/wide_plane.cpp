@@ -5,19 +5,17 @@
 
 #include "base/atomic_word.hpp"
 #include "lamella/context.hpp"
-#include "slicing/contours/mesh_edge.hpp"
 #include "slicing/grid/mesh_edge.hpp"
 
 namespace lamella {
 
 namespace {
 
-constexpr std::size_t grain = 1 << 13;         // segments per task
-constexpr std::size_t block = 16;              // segments whose table entries are prefetched together
-constexpr std::uint32_t piece_stride = 64;     // one in so many segments begins a piece
-constexpr std::size_t stop_stride = 1 << 14;   // segments that are looked up, a part of a range, between two stop requests
-constexpr std::size_t segment_work = 16;       // as StopPace counts it: its successor waits for memory
-constexpr std::uint32_t small_contour = 1024;  // contours without such a segment are searched for up to this length
+constexpr std::size_t grain = 1 << 13;        // segments per task
+constexpr std::size_t block = 16;             // segments whose table entries are prefetched together
+constexpr std::uint32_t piece_stride = 64;    // one in so many segments begins a piece
+constexpr std::size_t stop_stride = 1 << 14;  // segments that are looked up, a part of a range, between two stop requests
+constexpr std::size_t segment_work = 16;      // as StopPace counts it: its successor waits for memory
 
 }  // namespace
 
@@ -99,10 +97,7 @@ bool WidePlane::build(PlaneIndex plane, std::span<const std::uint32_t> seeds, co
     }
     cut_into_pieces();
     string_together();
-    trace(planes.z(plane));
-    if (out.with_origins) {
-        trace_origins();
-    }
+    trace(planes.z(plane), out.with_origins);
     layer_.build_traced(
         rings_.data(), out.with_origins ? origins_.data() : nullptr, contours_,
         [this](std::uint32_t at) { return to_key(edge_at(order_[at], true)); }, parallel_, out);
@@ -180,21 +175,7 @@ void WidePlane::cut_into_pieces() {
         std::fill(on_piece_.data() + begin, on_piece_.data() + end, std::uint8_t{0});
     });
     walk_pieces();
-    std::vector<std::vector<Piece>> small(static_cast<std::size_t>(parallel_.threads()));
-    parallel_.run_ranges(count_, grain, [&](std::size_t begin, std::size_t end, int worker) {
-        find_small_contours(begin, end, small[static_cast<std::size_t>(worker)]);
-    });
-    for (const auto& found : small) {
-        pieces_.insert(pieces_.end(), found.begin(), found.end());
-        for (const Piece& piece : found) {
-            worker_.spend(segment_work * piece.count);
-            std::uint32_t segment = piece.first;
-            for (std::uint32_t i = 0; i < piece.count; ++i, segment = next_[segment]) {
-                on_piece_[segment] = 1;
-            }
-        }
-    }
-    // Long contours are left in which no number is divisible by 64.
+    // Contours are left in which no number is divisible by 64.
     worker_.in_stretches(0, count_, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t segment = begin; segment < end; ++segment) {
             if (on_piece_[segment] == 0) {
@@ -236,25 +217,6 @@ void WidePlane::walk_pieces() {
     });
 }
 
-/// Contours on no piece, each found from its smallest segment.
-void WidePlane::find_small_contours(std::size_t begin, std::size_t end, std::vector<Piece>& found) const {
-    for (std::size_t i = begin; i < end; ++i) {
-        const auto first = static_cast<std::uint32_t>(i);
-        if (on_piece_[first] != 0) {
-            continue;
-        }
-        std::uint32_t length = 1;
-        std::uint32_t segment = next_[first];
-        while (segment > first && length < small_contour) {
-            segment = next_[segment];
-            ++length;
-        }
-        if (segment == first) {
-            found.push_back({first, length, first, 0});
-        }
-    }
-}
-
 /// Pieces become contours: a piece's successor begins where it ends. Offsets follow the walk.
 void WidePlane::string_together() {
     const std::size_t numbered = (count_ + piece_stride - 1) / piece_stride;
@@ -278,10 +240,12 @@ void WidePlane::string_together() {
     }
 }
 
-/// The second walk writes segments and points to their places.
-void WidePlane::trace(std::int32_t z) {
+/// The second walk writes segments and points to their places. No two triangles have the same corners and orientation, as
+/// each edge has one face on either side: an origin stands for itself.
+void WidePlane::trace(std::int32_t z, bool with_origins) {
     order_.resize_discarding(count_);
     rings_.resize_discarding(count_);
+    origins_.resize_discarding(with_origins ? count_ : 0);
     parallel_.run_ranges(pieces_.size(), grain / piece_stride, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t p = begin; p < end; ++p) {
             if (p % (stop_stride / piece_stride) == 0) {
@@ -292,20 +256,12 @@ void WidePlane::trace(std::int32_t z) {
                  ++at, segment = next_[segment]) {
                 order_[at] = segment;
                 rings_[at] = pierced_point(edge_at(segment, true), z);
+                if (with_origins) {
+                    const std::uint32_t of = record(segment);
+                    const CrossedTriangle& t = buckets_->records[of];
+                    origins_[at] = origin_of(t, buckets_->lowest_corners[of], t.middle_plane() <= plane_);
+                }
             }
-        }
-    });
-}
-
-/// No two triangles have the same corners and orientation, as each edge has one face on either side.
-void WidePlane::trace_origins() {
-    origins_.resize_discarding(count_);
-    parallel_.run_ranges(count_, grain, [&](std::size_t begin, std::size_t end, int) {
-        parallel_.stop_if_asked();
-        for (std::size_t at = begin; at < end; ++at) {
-            const std::uint32_t of = record(order_[at]);
-            const CrossedTriangle& t = buckets_->records[of];
-            origins_[at] = origin_of(t, buckets_->lowest_corners[of], t.middle_plane() <= plane_);
         }
     });
 }

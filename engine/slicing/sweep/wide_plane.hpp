@@ -63,10 +63,8 @@ private:
     void cut_into_pieces();
     void walk_pieces();
     void add_contour_as_piece(std::uint32_t first);
-    void find_small_contours(std::size_t begin, std::size_t end, std::vector<Piece>& found) const;
     void string_together();
-    void trace(std::int32_t z);
-    void trace_origins();
+    void trace(std::int32_t z, bool with_origins);
 
     Worker worker_;  // the calling thread
     const Parallel& parallel_;

@@ -63,6 +63,9 @@ TEST_CASE("pieces of OBJ text end neither within a statement nor within a commen
         face += " " + std::to_string(i % 3 + 1) + "\\\n";
     }
     CHECK(read_triangles(dir.write("a.obj", replaced(obj(face + " 1\nf 1 2 3"), "\n", end))).size() == 500'000);
+    if (end == "\r") {
+        return;  // long enough with the other ends
+    }
     std::string far;
     for (int i = 0; i < 300'000; ++i) {
         far += "vn 0 0 1\n";

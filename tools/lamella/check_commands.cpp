@@ -349,11 +349,8 @@ void add_check_command(CLI::App& app, Interrupt& interrupt) {
              "JSON report to write, an array if several meshes are given; - for standard output");
     add_text(*command, "--marks", arguments->marks, "FILE.ply|-",
              "PLY file of coloured points and edges at every place; - for standard output");
-    add_parsed(*command, "--tolerance", "MM", "Widest gap that counts as a crack or T-junction (0.01)",
-               [arguments](const std::string& text) {
-                   arguments->tolerance_mm = parse_number(text).value_or(-1);
-                   return arguments->tolerance_mm >= 0 ? "" : "not a number of mm, zero or more";
-               });
+    add_number(*command, "--tolerance", "MM", "Widest gap that counts as a crack or T-junction (0.01)",
+               [arguments](double mm) { arguments->tolerance_mm = mm; });
     add(*command, "--places", arguments->places, "N", "List at most N places of each kind (10)")
         ->check(CLI::Range(0, static_cast<int>(most_marks)));
     command->add_flag("--all", arguments->all_kinds, "List the kinds of faults that were not found, too");

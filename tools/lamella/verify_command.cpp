@@ -58,18 +58,10 @@ Record record_at(const fs::path& path) {
 }
 
 /// How many of the record's inputs the output was made of: meshes, archives or parts. What options name follows them.
-std::size_t count_of_parts(const Record& record) noexcept {
-    const std::vector<std::string>& words = record.options;
-    if (record.command == "merge") {
-        return record.inputs.size();
-    }
-    if (std::find(words.begin(), words.end(), "--split") == words.end()) {
-        return record.result_hashes.size();
-    }
-    // A mesh has several hashes then.
+std::size_t count_of_parts(const Record& record) {
     std::size_t files = 0;
-    for (std::size_t i = 0; i + 1 < words.size(); ++i) {
-        files += RecordedOption{words[i], words[i + 1]}.names_file() ? 1U : 0U;
+    for (std::size_t i = 0; i + 1 < record.options.size(); ++i) {
+        files += RecordedOption{record.options[i], record.options[i + 1]}.names_file() ? 1U : 0U;
     }
     return record.inputs.size() - std::min(files, record.inputs.size());
 }
@@ -126,9 +118,10 @@ private:
         refuse_if(command != "slice" && command != "convert" && command != "merge", bad_input,
                   "its record names the command '" + command + "'");
         const std::size_t parts = count_of_parts(record_);
-        refuse_if(record_.result_hashes.empty() || parts == 0 || record_.inputs.size() < parts, bad_input,
-                  "its record has " + counted(record_.inputs.size(), "input") + " and " +
-                      counted(record_.result_hashes.size(), "hash", "hashes"));
+        const std::size_t hashes = record_.result_hashes.size();
+        const bool split = std::count(record_.options.begin(), record_.options.end(), "--split") > 0;  // several of a mesh
+        refuse_if(hashes == 0 || parts == 0 || (hashes != parts && !split && command != "merge"), bad_input,
+                  "its record has " + counted(record_.inputs.size(), "input") + " and " + counted(hashes, "hash", "hashes"));
     }
 
     /// The word that names an input for a process that works in the folder.
@@ -184,9 +177,7 @@ private:
             if (!is_flag(*option)) {
                 refuse_if(++i == record_.options.size(), bad_input, "its option " + name + " has no value");
                 std::string value = record_.options[i];
-                if (RecordedOption{name, value}.names_file()) {
-                    refuse_if(file == record_.inputs.size(), bad_input,
-                              "its record lacks the SHA-256 of " + name + " " + value);
+                if (RecordedOption{name, value}.names_file() && file < record_.inputs.size()) {
                     value = link(file++);
                 }
                 name += "=" + value;

@@ -26,12 +26,6 @@ namespace {
 
 constexpr const char* own_group = "Batch";
 
-/// A check in place of CLI11's, which says of what is no number that it is out of a range.
-std::string seconds(const std::string& text) {
-    const std::optional<double> value = parse_number(text);
-    return value && *value >= 0 && *value <= 1e9 ? "" : "'" + text + "' is not a number of seconds";
-}
-
 /// The options of slice, some with another meaning.
 void declare_slice_options(CLI::App& command, SliceArguments& arguments) {
     declare(command, arguments);
@@ -47,13 +41,10 @@ void declare_slice_options(CLI::App& command, SliceArguments& arguments) {
 void declare_own_options(CLI::App& command, BatchArguments& arguments) {
     const std::size_t of_slice = command.get_options().size();
     add(command, "--jobs", arguments.jobs, "N", "Use N processors (0: all)")->check(CLI::Range(0, most_threads));
-    add_parsed(command, "--memory", "BYTES", "For all meshes at once, as 16G (three quarters of what there is)",
-               [&arguments](const std::string& text) {
-                   arguments.memory_bytes = parse_bytes(text, "--memory");
-                   return "";
-               })
-        ->check(given);
-    add(command, "--timeout", arguments.timeout_s, "S", "End a mesh that takes longer (0: never)")->check(seconds);
+    add_bytes(command, "--memory", "BYTES", "For all meshes at once, as 16G (three quarters of what there is)",
+              arguments.memory_bytes);
+    add_number(command, "--timeout", "S", "End a mesh that takes longer (0: never)",
+               [&arguments](double seconds) { arguments.timeout_s = seconds; });
     add(command, "--retries", arguments.retries, "N", "Try again after a crash, want of memory or a timeout (1)")
         ->check(CLI::Range(0, 100));
     add_text(command, "--shard", arguments.shard, "I/N", "Only every N-th mesh, from the I-th on, counted from 0");

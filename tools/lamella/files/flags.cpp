@@ -74,15 +74,6 @@ void declare_choice(CLI::App& command, const OptionLine& line, Enum& value) {
     add_choice(command, line.flag, words, line.help, value);
 }
 
-/// The two lines of a range are one flag.
-void declare_range(CLI::App& command, const OptionLine& line, PlaneOptions& planes) {
-    add_parsed(command, line.flag, "A:B", line.help, [&planes](const std::string& text) {
-        return parse_layers(text, planes.first_layer, planes.end_layer)
-                   ? ""
-                   : "'" + text + "' is not A:B with A < B, such as 0:100";
-    });
-}
-
 void declare_heights(CLI::App& command, const OptionLine& line, std::optional<std::vector<double>>& heights) {
     const auto take = [&heights](const std::string& text) -> std::string {
         heights = parse_list(text);
@@ -186,6 +177,24 @@ CLI::Option* add_parsed(CLI::App& command, const std::string& flag, const std::s
     return command.add_option_function<std::string>(flag, store, help)->type_name(type);
 }
 
+CLI::Option* add_number(CLI::App& command, const std::string& flag, const std::string& type, const std::string& help,
+                        std::function<void(double)> take) {
+    return add_parsed(command, flag, type, help, [flag, type, take = std::move(take)](const std::string& text) {
+        const double number = parse_number(text).value_or(-1);
+        take(number);
+        return number >= 0 ? "" : why_no_number(text, {.flag = flag, .help = {}, .least = 0}, type == "MM");
+    });
+}
+
+CLI::Option* add_bytes(CLI::App& command, const std::string& flag, const std::string& type, const std::string& help,
+                       std::uint64_t& bytes) {
+    const auto take = [flag, &bytes](const std::string& text) {
+        bytes = parse_bytes(text, flag);
+        return "";
+    };
+    return add_parsed(command, flag, type, help, take)->check(given);
+}
+
 CLI::Option* add_count(CLI::App& command, const std::string& flag, const std::string& help,
                        std::function<void(std::uint64_t)> take) {
     return add_parsed(command, flag, "N", help, [take = std::move(take)](const std::string& text) {
@@ -214,18 +223,17 @@ void declare_options(CLI::App& command, SliceOptions& options, std::string_view 
     const auto is_wanted = [&](std::string_view flag) {
         return !flag.empty() && (only.empty() || only == flag) && command.get_option_no_throw(std::string(flag)) == nullptr;
     };
-#define LAMELLA_DECLARE_count(command, line, value) declare_range(command, line, options.planes)
-#define LAMELLA_DECLARE_mm declare_mm
-#define LAMELLA_DECLARE_number declare_number
-#define LAMELLA_DECLARE_optional_mm declare_optional_mm
-#define LAMELLA_DECLARE_flag declare_flag
-#define LAMELLA_DECLARE_choice declare_choice
-#define LAMELLA_DECLARE_heights declare_heights
-#define LAMELLA_DECLARE_transform declare_transform
-#define LAMELLA_DECLARE_fill_from declare_fill_from
-#define OPTION(kind, name, path, python, flag, least, exclusive, word, value, needs, help)                      \
-    if (is_wanted(flag)) {                                                                                      \
-        LAMELLA_DECLARE_##kind(command, (OptionLine{flag, help, least, exclusive, word, value}), options.path); \
+    // The two lines of a range are one flag.
+    const auto declare_count = [&](CLI::App& app, const OptionLine& line, std::uint64_t& /*first or end*/) {
+        add_parsed(app, line.flag, "A:B", line.help, [&planes = options.planes](const std::string& text) {
+            return parse_layers(text, planes.first_layer, planes.end_layer)
+                       ? ""
+                       : "'" + text + "' is not A:B with A < B, such as 0:100";
+        });
+    };
+#define OPTION(kind, name, path, python, flag, least, exclusive, word, value, needs, help)            \
+    if (is_wanted(flag)) {                                                                            \
+        declare_##kind(command, OptionLine{flag, help, least, exclusive, word, value}, options.path); \
     }
 #include "options/options.inc"
 }

@@ -41,6 +41,14 @@ std::string lower_case(std::string word);
 CLI::Option* add_parsed(CLI::App& command, const std::string& flag, const std::string& type, const std::string& help,
                         std::function<std::string(const std::string&)> take);
 
+/// An option that takes a number that is at least 0, of mm where the type is "MM".
+CLI::Option* add_number(CLI::App& command, const std::string& flag, const std::string& type, const std::string& help,
+                        std::function<void(double)> take);
+
+/// An option that takes a number of bytes, such as 4G.
+CLI::Option* add_bytes(CLI::App& command, const std::string& flag, const std::string& type, const std::string& help,
+                       std::uint64_t& bytes);
+
 /// An option that takes a whole number from 0 on.
 CLI::Option* add_count(CLI::App& command, const std::string& flag, const std::string& help,
                        std::function<void(std::uint64_t)> take);

@@ -18,13 +18,8 @@ namespace {
 constexpr const char* experiments = "Experiments";
 
 void declare_mending(CLI::App& command, SliceArguments& arguments) {
-    add_parsed(command, "--weld", "MM", "Join vertices at most MM apart before slicing (off)",
-               [&arguments](const std::string& text) {
-                   arguments.weld_mm = parse_number(text);
-                   return arguments.weld_mm && *arguments.weld_mm >= 0
-                              ? ""
-                              : "'" + text + "' is not a number of mm that is at least 0";
-               });
+    add_number(command, "--weld", "MM", "Join vertices at most MM apart before slicing (off)",
+               [&arguments](double mm) { arguments.weld_mm = mm; });
     command.add_flag("--orient-shells", arguments.orient_shells,
                      "Turn each closed shell outwards, or inwards where it bounds a cavity, before slicing");
     add_parsed(command, "--normal", "X,Y,Z", "Cut perpendicular to this direction", [&arguments](const std::string& text) {
@@ -69,15 +64,10 @@ void declare_experiments(CLI::App& command, SliceArguments& arguments) {
 void declare_how(CLI::App& command, SliceArguments& arguments) {
     static constexpr std::array<std::string_view, 1> objects = {"objects"};
     command.add_flag("--map", arguments.map_file, "Map the mesh file into memory instead of reading it");
-    add_parsed(
-        command, "--memory", "BYTES[k|M|G]",
-        "Slice a binary STL or PLY file larger than memory, in ranges of layers within so many bytes (at least 300k a "
-        "thread)",
-        [&arguments](const std::string& text) {
-            arguments.memory_bytes = parse_bytes(text, "--memory");
-            return "";
-        })
-        ->check(given);
+    add_bytes(command, "--memory", "BYTES[k|M|G]",
+              "Slice a binary STL or PLY file larger than memory, in ranges of layers within so many bytes (at least 300k a "
+              "thread)",
+              arguments.memory_bytes);
     add_choice(command, "--split", objects,
                "Make each 3MF object, OBJ object or group, or STL solid a mesh with its own label, ROI and row",
                [&arguments](std::size_t) { arguments.split = true; });

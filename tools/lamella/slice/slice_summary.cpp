@@ -78,30 +78,18 @@ std::string mending(const SlicedPart& part, const ReportParts& parts, const Tool
 }
 
 std::string times(const SliceInfo& info, const ToolRun& run) {
-    const auto took = [&run](std::string_view what) {
-        const auto found = run.ms.find(what);
-        return found == run.ms.end() ? 0 : found->second;
-    };
-    struct Time {
-        std::string_view what;
-        double ms;
-        bool always = false;
-    };
-    std::string text = "time      " + rounded(took("total"), 1) + " ms: read " + rounded(took("read"), 1);
-    for (const auto& [what, ms, always] : {Time{"parse", took("parse")},
-                                           {"weld", took("weld")},
-                                           {"bucket", info.ms.bucket, true},
-                                           {"sweep", info.ms.sweep, true},
-                                           {"contours", info.ms.contours, true},
-                                           {"nesting", info.ms.nesting, true},
-                                           {"fill", info.ms.fill},
-                                           {"write", took("write")},
-                                           {"ledger", took("ledger")},
-                                           {"certificate", took("certificate")},
-                                           {"crossings", took("crossings")},
-                                           {"report", took("report")}}) {
-        if (always || ms > 0) {
-            text.append(", ").append(what).append(" ").append(rounded(ms, 1));
+    std::map<std::string_view, double> ms = run.ms;
+    ms["fill"] = info.ms.fill;
+    std::erase_if(ms, [](const auto& stage) { return stage.second == 0; });  // what was not asked for
+    ms.insert({{"bucket", info.ms.bucket},
+               {"sweep", info.ms.sweep},
+               {"contours", info.ms.contours},
+               {"nesting", info.ms.nesting}});
+    std::string text = "time      " + rounded(ms["total"], 1) + " ms: read " + rounded(ms["read"], 1);
+    for (const char* const what : {"parse", "weld", "bucket", "sweep", "contours", "nesting", "fill", "write", "ledger",
+                                   "certificate", "crossings", "report"}) {
+        if (const auto took = ms.find(what); took != ms.end()) {
+            text.append(", ").append(what).append(" ").append(rounded(took->second, 1));
         }
     }
     return text + " (" + counted(static_cast<std::uint64_t>(info.threads), "thread") + ", " + counted(info.bands, "band") +

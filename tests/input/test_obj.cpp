@@ -249,7 +249,8 @@ TEST_CASE("an OBJ face that expands beyond the memory limit is refused before it
     for (int i = 0; i < 400'000; ++i) {
         text += " 1";
     }
-    CHECK_THAT(message_beyond(4'000'000, dir.write("a.obj", text)), Contains("more than the 4000000 that reading it may"));
+    CHECK_THAT(message_beyond(4'000'000, dir.write("a.obj", text)),
+               Contains("more than the 4000000 bytes that reading it may"));
 }
 
 TEST_CASE("hostile OBJ faces are refused with their line", "[input][obj]") {

@@ -257,7 +257,7 @@ TEST_CASE("PLY that expands to more than reading may take is refused", "[input][
     const std::string bytes = ply(how, corners, Faces(10, std::vector<double>(200, 1)));
     const auto path = dir.write("a.ply", bytes);
     CHECK_THAT(message_beyond(20'000, path),
-               Contains(path.string() + ": expands to ") && Contains("more than the 20000 that reading"));
+               Contains(path.string() + ": expands to ") && Contains("more than the 20000 bytes that reading"));
 }
 
 TEST_CASE("PLY polygons with a corner that is not finite are refused", "[input][ply]") {

@@ -50,17 +50,21 @@ public:
     /// Releases the memory of a chunk, which must not be read any more.
     void release(std::size_t index) noexcept { chunks_[index] = Array<T>(memory_); }
 
-    /// All in one piece, which empties the list: each chunk is released once it is copied. Calls `before_chunk` before that.
-    Array<T> joined(FunctionRef<void()> before_chunk = [] {}) {
-        Array<T> whole(memory_);
-        whole.resize_discarding(size_);
-        T* to = whole.data();
+    /// Copies all to `to` and empties the list: each chunk is released once it is copied. Calls `before_chunk` before that.
+    void move_to(
+        T* to, FunctionRef<void()> before_chunk = [] {}) {
         for (std::size_t c = 0; c < chunks_.size(); ++c) {
             before_chunk();
             to = std::copy(chunk(c).begin(), chunk(c).end(), to);
             release(c);
         }
         *this = ChunkList(memory_);
+    }
+    /// The same, to an array.
+    Array<T> joined(FunctionRef<void()> before_chunk = [] {}) {
+        Array<T> whole(memory_);
+        whole.resize_discarding(size_);
+        move_to(whole.data(), before_chunk);
         return whole;
     }
 

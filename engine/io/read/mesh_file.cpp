@@ -250,13 +250,6 @@ Error FileSource::error_in_text(std::string_view text, const TextError& error) c
                        static_cast<std::int64_t>(offset));
 }
 
-void FileSource::must_fit(std::uint64_t bytes) const {
-    if (bytes > memory_limit_) {
-        refuse(ErrorCode::out_of_memory, "expands to " + std::to_string(bytes) + " bytes, more than the " +
-                                             std::to_string(memory_limit_) + " that reading it may take");
-    }
-}
-
 MeshFile read_contents(FileSource& source, void (*parse)(FileContents& file, MeshFile& mesh)) {
     FileContents file{source, source.take(source.size())};
     const Clock::time_point start = Clock::now();

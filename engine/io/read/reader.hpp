@@ -52,8 +52,6 @@ public:
 
     /// The error in the whole contents `text`, byte-order mark included: names the byte, and the line where there are any.
     Error error_in_text(std::string_view text, const TextError& error) const;
-    /// Throws an error where reading would take more than the memory limit.
-    void must_fit(std::uint64_t bytes) const;
 
 private:
     const InputFile& file_;
@@ -138,16 +136,21 @@ private:
     std::uint64_t steps_ = 0;
 };
 
-/// Bytes that a reader may still allocate. Counted before memory is taken, so that no count in a file can take more.
+/// Bytes that a reader may still allocate. Counted before memory is taken, so that no count in a file can take more. From
+/// any thread.
 class MemoryBudget {
 public:
     explicit MemoryBudget(const FileSource& source) : source_(source), left_(source.memory_limit()) {}
 
     /// Counts `count` elements of `element_bytes` each. False: they are too many. Precondition: element_bytes > 0.
     bool try_take(std::uint64_t count, std::uint64_t element_bytes) noexcept {
-        const bool fits = count <= left_ / element_bytes;
-        left_ -= fits ? count * element_bytes : 0;
-        return fits;
+        std::uint64_t left = left_.load(std::memory_order_relaxed);
+        do {
+            if (count > left / element_bytes) {
+                return false;
+            }
+        } while (!left_.compare_exchange_weak(left, left - count * element_bytes, std::memory_order_relaxed));
+        return true;
     }
 
     /// The same, or throws Refused.
@@ -161,11 +164,11 @@ public:
     std::uint64_t limit_bytes() const noexcept { return source_.memory_limit(); }
 
     /// Gives back bytes that were taken and are free again.
-    void give_back(std::uint64_t bytes) noexcept { left_ += bytes; }
+    void give_back(std::uint64_t bytes) noexcept { left_.fetch_add(bytes, std::memory_order_relaxed); }
 
 private:
     const FileSource& source_;
-    std::uint64_t left_;
+    std::atomic<std::uint64_t> left_;
 };
 
 inline constexpr std::string_view gzip_magic = "\x1F\x8B";

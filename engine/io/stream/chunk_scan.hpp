@@ -1,9 +1,11 @@
-// The second pass over a file of triangles: which planes cut each of them.
+// Both passes over a file of triangles, chunk by chunk: its box, and then which planes cut each triangle.
 #pragma once
 
 #include <bit>
+#include <vector>
 
 #include "base/guard.hpp"
+#include "io/stream/triangle_file.hpp"
 #include "io/stream/triangle_store.hpp"
 #include "slicing/buckets/bucket.hpp"
 #include "slicing/buckets/soup_scan.hpp"
@@ -11,28 +13,74 @@
 
 namespace lamella {
 
+/// So many triangles of the file as are read at once. Heights are those after the transform.
+struct FileChunk {
+    double low_mm;
+    double high_mm;
+    double low_from_here_mm;  ///< the least of this chunk and of all that come after it
+    bool near;                ///< some triangle may have two equal vertices on the grid
+};
+
+struct FileBox {
+    Bounds bounds;
+    std::vector<FileChunk> chunks;
+};
+
+/// The first pass: reads all of `file`, in chunks of `chunk_triangles`. `asked_mm`: the grid unit asked for, or 0. Throws
+/// Refused, with the file's name: bad_coordinate (with the triangle), and as TriangleFile::read(); Stopped, std::bad_alloc.
+FileBox measure_file(const TriangleFile& file, std::span<const std::byte> resident, const Placing& placing, double asked_mm,
+                     std::size_t chunk_triangles, const Parallel& parallel);
+
+/// Reads and measures chunks on one thread.
+class ChunkReader {
+public:
+    ChunkReader(const TriangleFile& file, std::span<const std::byte> resident, std::size_t chunk_triangles)
+        : file_(file),
+          resident_(resident),
+          chunk_triangles_(chunk_triangles),
+          bytes_(chunk_triangles * file.buffer_bytes()),
+          one_({.threads = 1}) {}
+
+    /// The triangles of a chunk, until the next call. Throws Refused.
+    MeshView read(std::size_t chunk) {
+        const std::uint64_t first = std::uint64_t{chunk} * chunk_triangles_;
+        const std::size_t count = std::min<std::uint64_t>(chunk_triangles_, file_.triangles() - first);
+        return file_.read(first, count, bytes_, resident_);
+    }
+
+    Result<Bounds> measure(const MeshView& chunk, const Placing& placing, double unit_mm) {
+        return measure_bounds(chunk, placing, unit_mm, one_, table_);
+    }
+    /// The blocks of the chunk measured last.
+    const BlockTable& table() const noexcept { return table_; }
+
+private:
+    const TriangleFile& file_;
+    std::span<const std::byte> resident_;
+    std::size_t chunk_triangles_;
+    std::vector<std::byte> bytes_;
+    Parallel one_;
+    BlockTable table_{nullptr};
+};
+
 /// The second pass, as one thread works on it: which planes cut each triangle of a chunk. Gives what count_crossings() gives
 /// for the whole mesh, chunk by chunk.
 class ChunkScan {
 public:
-    /// `buffer_bytes` a triangle.
-    ChunkScan(const Placing& placing, double unit_mm, const PlaneSet& planes, std::size_t chunk_triangles,
-              std::size_t buffer_bytes)
-        : placing_(placing),
+    ChunkScan(const TriangleFile& file, std::span<const std::byte> resident, std::size_t chunk_triangles,
+              const Placing& placing, double unit_mm, const PlaneSet& planes)
+        : reader_(file, resident, chunk_triangles),
+          placing_(placing),
           unit_mm_(unit_mm),
           planes_(planes),
-          one_({.threads = 1}),
-          bytes_(chunk_triangles * buffer_bytes),
           found_(chunk_triangles),
           counts_(planes.size()) {}
 
-    /// Room for a chunk as it lies in the file.
-    std::span<std::byte> bytes() noexcept { return bytes_; }
-
-    /// The triangles of `chunk` that planes cut, until the next call. Adds to counts() and degenerate(). Without `near`
-    /// none is degenerate. Throws Refused.
-    std::span<const CrossedTriangle> scan(const MeshView& chunk, bool near) {
+    /// The triangles of a chunk that planes cut, until the next call. Adds to counts() and degenerate(). Without `near` none
+    /// is degenerate. Throws Refused.
+    std::span<const CrossedTriangle> scan(std::size_t index, bool near) {
         found_count_ = 0;
+        const MeshView chunk = reader_.read(index);
         const SoupScan soup(chunk, placing_, unit_mm_, planes_);
         if (soup.usable() && !near && chunk.triangle_count % block_triangles == 0) {
             for (std::size_t begin = 0; begin < chunk.triangle_count; begin += block_triangles) {
@@ -54,50 +102,35 @@ public:
 private:
     /// Blocks that lie between planes are left out.
     void scan_measured(const MeshView& chunk, const SoupScan& soup) {
-        require(measure_bounds(chunk, placing_, unit_mm_, one_, table_));  // refused where the file has changed meanwhile
+        require(reader_.measure(chunk, placing_, unit_mm_));  // refused where the file has changed meanwhile
         with_reader(chunk, placing_, unit_mm_, [&](const auto& read) {
-            for (std::size_t block = 0; block < table_.blocks.size(); ++block) {
-                scan_block(read, soup, block, chunk.triangle_count);
+            for (std::size_t begin = 0; begin < chunk.triangle_count; begin += block_triangles) {
+                scan_block(read, soup, begin, std::min<std::size_t>(begin + block_triangles, chunk.triangle_count));
             }
         });
     }
 
     template <class Reader>
-    void scan_block(const Reader& read, const SoupScan& soup, std::size_t block, std::size_t triangles) {
-        const std::size_t begin = block * block_triangles;
-        const std::size_t end = std::min(begin + block_triangles, triangles);
-        const bool may_be_degenerate = table_.may_be_degenerate(block, unit_mm_);
-        if (!may_be_degenerate && lies_between_planes(table_.blocks[block], unit_mm_, planes_)) {
+    void scan_block(const Reader& read, const SoupScan& soup, std::size_t begin, std::size_t end) {
+        const std::size_t block = begin / block_triangles;
+        const bool may_be_degenerate = reader_.table().may_be_degenerate(block, unit_mm_);
+        if (!may_be_degenerate && lies_between_planes(reader_.table().blocks[block], unit_mm_, planes_)) {
             return;
         }
-        if (!soup.usable() || end - begin < block_triangles) {
-            scan_each(read, begin, end, may_be_degenerate);
+        std::uint64_t degenerate = 0;
+        for (std::size_t t = begin; may_be_degenerate && t < end; ++t) {
+            degenerate |= std::uint64_t{is_degenerate(read(t))} << (t - begin);
+        }
+        degenerate_ += static_cast<std::uint64_t>(std::popcount(degenerate));
+        if (soup.usable() && end - begin == block_triangles) {
+            found_count_ += soup.append(begin, ~degenerate, found_.data() + found_count_);
             return;
         }
-        const std::uint64_t wanted = may_be_degenerate ? ~find_degenerate(read, begin) : ~std::uint64_t{0};
-        found_count_ += soup.append(begin, wanted, found_.data() + found_count_);
-    }
-
-    template <class Reader>
-    void scan_each(const Reader& read, std::size_t begin, std::size_t end, bool may_be_degenerate) {
         for (std::size_t t = begin; t < end; ++t) {
-            const GridTriangle v = read(t);
-            if (may_be_degenerate && is_degenerate(v)) {
-                ++degenerate_;
-                continue;
+            if ((degenerate >> (t - begin) & 1) == 0) {
+                keep(read(t));
             }
-            keep(v);
         }
-    }
-
-    template <class Reader>
-    std::uint64_t find_degenerate(const Reader& read, std::size_t begin) {
-        std::uint64_t mask = 0;
-        for (std::size_t t = 0; t < block_triangles; ++t) {
-            mask |= std::uint64_t{is_degenerate(read(begin + t))} << t;
-        }
-        degenerate_ += static_cast<std::uint64_t>(std::popcount(mask));
-        return mask;
     }
 
     /// If planes cut it.
@@ -111,12 +144,10 @@ private:
         }
     }
 
+    ChunkReader reader_;
     Placing placing_;
     double unit_mm_;
     const PlaneSet& planes_;
-    Parallel one_;
-    BlockTable table_{nullptr};
-    std::vector<std::byte> bytes_;
     std::vector<CrossedTriangle> found_;
     std::size_t found_count_ = 0;
     PlaneCounts counts_;

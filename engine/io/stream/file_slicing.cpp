@@ -25,8 +25,13 @@ MeshView numbers_of(const MeshFile& facts) noexcept {
 constexpr double measured = 0.3;  ///< shares of the progress
 constexpr double scanned = 0.6;
 
-/// Adds what is known of layers once they are cut.
-void add_found(const SliceInfo& part, SliceInfo& sum) noexcept {
+/// Adds what a range of layers took, and what is known of them once they are cut.
+void add(const SliceInfo& part, SliceInfo& sum) noexcept {
+    sum.bands += part.bands;
+    for (const auto stage :
+         {&StageTimes::bucket, &StageTimes::sweep, &StageTimes::contours, &StageTimes::nesting, &StageTimes::fill}) {
+        sum.ms.*stage += part.ms.*stage;
+    }
     for (const auto count : {&SliceInfo::contours, &SliceInfo::points, &SliceInfo::stitches, &SliceInfo::holes,
                              &SliceInfo::open_contours, &SliceInfo::flat_contours, &SliceInfo::overruled_contours,
                              &SliceInfo::would_close_contours, &SliceInfo::emptied_layers, &SliceInfo::cancelled_layers}) {
@@ -158,12 +163,10 @@ private:
             }
             auto& scan = scans_[static_cast<std::size_t>(worker)];
             if (scan == nullptr) {
-                scan = std::make_unique<ChunkScan>(placing_, frame_.unit.mm, planes_, chunk_triangles, file_.buffer_bytes());
+                scan =
+                    std::make_unique<ChunkScan>(file_, resident_.span(), chunk_triangles, placing_, frame_.unit.mm, planes_);
             }
-            const std::uint64_t first = (std::uint64_t{begin} + i) * chunk_triangles;
-            const std::size_t count = std::min<std::uint64_t>(chunk_triangles, file_.triangles() - first);
-            const std::span<const CrossedTriangle> found =
-                scan->scan(file_.read(first, count, scan->bytes(), resident_.span()), near);
+            const std::span<const CrossedTriangle> found = scan->scan(begin + i, near);
             if (keep) {
                 store_.append(found);
             }
@@ -307,8 +310,7 @@ private:
         ListedSource source(store_.listed(span.begin, span.end), span.triangles, frame_, call.kept.source_tools());
         SliceResult result(context.memory);
         slice_layers(source, *target_, call, result, span.begin);
-        add_work(result.info, info_);
-        add_found(result.info, info_);
+        add(result.info, info_);
         store_.drop_swept(span.begin, span.end);
         done_ = span.end;
         cut_ms_ += milliseconds_since(start);

@@ -3,8 +3,7 @@
 
 #include <optional>
 
-#include "io/stream/first_pass.hpp"
-#include "io/stream/triangle_store.hpp"
+#include "io/stream/chunk_scan.hpp"
 #include "slicing/bands/bands.hpp"
 
 namespace lamella {

@@ -3,7 +3,7 @@
 //     header | vertices: rows of one size | faces: rows of one size, a list of three indices among what else they have | ...
 
 #include "base/words.hpp"
-#include "io/read/ply/ply_body.hpp"
+#include "io/read/ply/ply.hpp"
 #include "io/read/ply/ply_rows.hpp"
 #include "io/stream/triangle_file.hpp"
 

@@ -23,7 +23,7 @@ struct ObjNotes {
     }
 };
 
-/// Reads the statements of one piece twice: count() finds how much parse() writes.
+/// Reads the statements of one piece twice: its vertices are counted before numbers that count from them are read.
 ///
 ///     v X Y Z [W | R G B [A]]
 ///     f CORNER CORNER CORNER ...          with CORNER = V[/[VT][/[VN]]]; also fo, of old
@@ -32,23 +32,17 @@ public:
     ObjParser(std::string_view piece, ObjNotes& notes)
         : LineParser(piece.data(), piece.data() + piece.size(), true), notes_(notes) {}
 
-    void count(TextPiece& piece, FaceRange& faces) {
+    std::size_t count_vertices() {
+        std::size_t count = 0;
         for (Statement statement = next(); statement != Statement::none; statement = next()) {
-            if (statement == Statement::face) {
-                faces.add(count_words(), statement_);
-            } else if (statement == Statement::vertex) {
-                ++piece.count;
-            } else if (!skips_silently()) {
-                notes_.skipped.add(statement_);
-            } else if (p_ - statement_ == 1 && (*statement_ == 'o' || *statement_ == 'g')) {
-                add_mark(notes_.names, faces.triangles, *statement_ == 'g', p_, skip_line(p_, end_));
-            }
+            count += statement == Statement::vertex ? 1 : 0;
             skip_rest_of(statement);
         }
+        return count;
     }
 
-    /// `vertex_count` is the whole file's, as faces may refer to later vertices.
-    void parse(const TextPiece& piece, std::size_t vertex_count, std::byte* coordinates, FaceWriter& faces) {
+    /// `vertex_count` is the whole file's, as faces may refer to later vertices. Places of faces count from `text`.
+    void parse(const TextPiece& piece, std::size_t vertex_count, const char* text, std::byte* coordinates, FaceList& faces) {
         constexpr int weight_or_colour = 4;
         vertex_count_ = vertex_count;
         seen_ = piece.first;
@@ -59,17 +53,12 @@ public:
                 std::memcpy(coordinates + seen_ * sizeof xyz, xyz, sizeof xyz);
                 ++seen_;
             } else if (statement == Statement::face) {
-                face(faces);
-            }
-            skip_rest_of(statement);
-        }
-    }
-
-    /// Where the piece's face of this number begins, of those with three corners or more. Precondition: it has so many.
-    const char* place_of_face(std::size_t number) {
-        for (Statement statement = next();; statement = next()) {
-            if (statement == Statement::face && count_words() >= 3 && number-- == 0) {
-                return statement_;
+                face();
+                faces.add(corners_, static_cast<std::uint64_t>(statement_ - text));
+            } else if (!skips_silently()) {
+                notes_.skipped.add(statement_);
+            } else if (p_ - statement_ == 1 && (*statement_ == 'o' || *statement_ == 'g')) {
+                add_mark(notes_.names, faces.triangles(), *statement_ == 'g', p_, skip_line(p_, end_));
             }
             skip_rest_of(statement);
         }
@@ -136,14 +125,10 @@ private:
         return *p == 'f' && p[1] == 'o' && word_ends(p + 2) ? Statement::face : Statement::other;
     }
 
-    void face(FaceWriter& faces) {
+    void face() {
         corners_.clear();
         while (to_word()) {
             corners_.push_back(corner());
-        }
-        if (!faces.add(corners_)) {
-            p_ = statement_;
-            fail("the face has " + std::to_string(corners_.size()) + " corners, too many to be cut into triangles");
         }
     }
 
@@ -222,22 +207,22 @@ void warn_of(const LeftOut& found, const std::string& words, const FileContents&
 void parse_obj(FileContents& file, MeshFile& mesh) {
     const FileSource& source = file.source;
     std::vector<TextPiece> pieces = cut_at_lines(file.text);
-    std::vector<FaceRange> faces(pieces.size());
-    std::vector<ObjNotes> notes(pieces.size());
     source.parallel().run(pieces.size(), [&](std::size_t i, int) {
-        ObjParser(pieces[i].text, notes[i]).count(pieces[i], faces[i]);
-        notes[i].after_backslash = {};  // parse() passes the same lines
+        ObjNotes parse_takes_them;
+        pieces[i].count = ObjParser(pieces[i].text, parse_takes_them).count_vertices();
     });
     const std::size_t vertices = number_items(pieces);
-    read_faces(
-        file, vertices, faces,
-        [&](std::size_t i, std::byte* coordinates, FaceWriter& writer) {
-            ObjParser(pieces[i].text, notes[i]).parse(pieces[i], vertices, coordinates, writer);
-        },
-        [&](std::size_t i, std::size_t face) { return ObjParser(pieces[i].text, notes[i]).place_of_face(face); }, mesh);
+    std::vector<ObjNotes> notes(pieces.size());
+    std::vector<std::size_t> triangles(pieces.size());
+    const auto parse = [&](std::size_t i, std::byte* coordinates, FaceList& faces) {
+        ObjParser(pieces[i].text, notes[i]).parse(pieces[i], vertices, file.whole.data(), coordinates, faces);
+        triangles[i] = faces.triangles();
+    };
+    read_faces(file, vertices, pieces.size(), parse, mesh);
     ObjNotes all;
+    std::size_t first_triangle = 0;
     for (std::size_t i = 0; i < notes.size(); ++i) {
-        all.add(notes[i], faces[i].first_triangle);
+        all.add(notes[i], std::exchange(first_triangle, first_triangle + triangles[i]));
     }
     give_parts(all.names, true, source.name(), mesh);
     give_stated_frame(head_comments(file.text), source, mesh);

@@ -50,7 +50,7 @@ enum class OffLayout : std::uint8_t {
     bare_numbers,  ///< nothing follows coordinates and corners, and the number of edges is not left out
 };
 
-/// Reads items one after the other. A file is gone through twice: to find how many corners there are, and to write them.
+/// Reads items one after the other.
 class OffParser : private LineParser {
 public:
     OffParser(std::string_view text, OffLayout layout, const Parallel& parallel)
@@ -86,18 +86,17 @@ public:
 
     const char* rest() const { return p_; }
 
-    /// Reads items [first, last) and calls end_of_face(corners) after each face. Coordinates and corners are written unless
-    /// there is no place for them.
-    template <class EndOfFace>
-    void items(std::size_t first, std::size_t last, const OffCounts& counts, std::byte* coordinates, FaceWriter* faces,
-               EndOfFace end_of_face) {
+    /// Reads items [first, last). Places of faces count from `text`.
+    void items(std::size_t first, std::size_t last, const OffCounts& counts, const char* text, std::byte* coordinates,
+               FaceList& faces) {
         for (std::size_t item = first; item < last; ++item) {
             next_word();
             item_ = p_;
             if (item < counts.vertices) {
-                vertex_item(coordinates != nullptr ? coordinates + item * 3 * sizeof(double) : nullptr);
+                vertex_item(coordinates + item * 3 * sizeof(double));
             } else {
-                end_of_face(face_item(counts.vertices, faces));
+                face_item(counts.vertices);
+                faces.add(corners_, static_cast<std::uint64_t>(item_ - text));
             }
             if (layout_ == OffLayout::lines) {
                 p_ = skip_line(p_, end_);
@@ -108,28 +107,18 @@ public:
     /// Where the last item begins.
     const char* item() const { return item_; }
 
-    /// Counts the faces of all items, which are to be all that the file holds where nothing tells what else it may be.
-    void count_all(const OffCounts& counts, FaceRange& faces) {
-        if (!counts.fit(static_cast<std::size_t>(end_ - p_))) {
-            fail("counts more than the file holds");
-        }
-        items(0, counts.items(), counts, nullptr, nullptr, [&](std::size_t corners) { faces.add(corners, item_); });
+    /// Where nothing tells what else may follow the last item, nothing may.
+    void end() {
         if (layout_ == OffLayout::bare_numbers && next_word()) {
             fail("expected the end of the file");
         }
     }
 
-    /// The number of lines with items, at most `most`, which are not parsed. All but the first `vertices` are counted as
-    /// faces.
-    std::size_t count_lines(FaceRange& faces, std::size_t vertices = 0,
-                            std::size_t most = std::numeric_limits<std::size_t>::max()) {
+    /// The number of lines with items, which are not parsed.
+    std::size_t count_lines() {
         std::size_t lines = 0;
-        for (; lines < most && next_word(); ++lines) {
-            const char* const line_end = skip_line(p_, end_);
-            if (lines >= vertices) {
-                faces.add(corners_of_line(line_end), p_);
-            }
-            p_ = line_end;
+        for (; next_word(); ++lines) {
+            p_ = skip_line(p_, end_);
         }
         return lines;
     }
@@ -168,7 +157,6 @@ private:
     }
 
     std::uint32_t vertex_number(std::size_t vertex_count) {
-        to_number();
         const char* const begin = p_;
         const std::size_t number = whole_number("a vertex number");
         if (number >= vertex_count) {
@@ -186,30 +174,21 @@ private:
             to_number();
             value = coordinate();
         }
-        if (to != nullptr) {
-            std::memcpy(to, xyz, sizeof xyz);
-        }
+        std::memcpy(to, xyz, sizeof xyz);
         extras(normal_colour_and_texture);
     }
 
-    std::size_t face_item(std::size_t vertex_count, FaceWriter* faces) {
+    void face_item(std::size_t vertex_count) {
         constexpr int colour = 4;
-        const std::size_t held = layout_ == OffLayout::lines ? corners_of_line(skip_line(p_, end_)) : 0;
         const std::size_t corners = whole_number("the number of a face's corners");
-        if (layout_ == OffLayout::lines && corners != held) {
-            p_ = item_;
-            fail("the face counts " + std::to_string(corners) + " corners, more than its line holds");
-        }
         corners_.clear();
         for (std::size_t i = 0; i < corners; ++i) {
-            const std::uint32_t vertex = vertex_number(vertex_count);
-            if (faces != nullptr) {
-                corners_.push_back(vertex);
+            const bool ended = !to_number();
+            if (ended && layout_ == OffLayout::lines && corners > static_cast<std::size_t>(p_ - item_) / 2) {
+                p_ = item_;
+                fail("the face counts " + std::to_string(corners) + " corners, more than its line holds");
             }
-        }
-        if (faces != nullptr && !faces->add(corners_)) {
-            p_ = item_;
-            fail("the face has " + std::to_string(corners) + " corners, too many to be cut into triangles");
+            corners_.push_back(vertex_number(vertex_count));
         }
         const int count = extras(colour);
         if (layout_ == OffLayout::numbers && face_extras_.value_or(count) != count) {
@@ -217,17 +196,9 @@ private:
             fail("expected as many numbers after the corners as in the faces before");
         }
         face_extras_ = count;
-        return corners;
     }
 
     int extras(int most) { return layout_ == OffLayout::bare_numbers ? 0 : other_numbers(most); }
-
-    /// The number that a face's line begins with, where the line is long enough for so many corners.
-    std::size_t corners_of_line(const char* line_end) const {
-        std::uint64_t corners = 0;
-        read_digits(p_, line_end, corners);
-        return corners > static_cast<std::size_t>(line_end - p_) / 2 ? 0 : corners;  // face_item() will say so
-    }
 
     OffLayout layout_;
     Lookout lookout_;
@@ -235,39 +206,6 @@ private:
     std::optional<int> face_extras_;      // of the first face
     std::vector<std::uint32_t> corners_;  // of a face
 };
-
-/// Where the face of this number begins, of those with three corners or more among items [first, last) in `parser`, which
-/// have been read before.
-const char* place_of_face(OffParser parser, std::size_t first, std::size_t last, const OffCounts& counts,
-                          std::size_t number) {
-    const char* place = nullptr;
-    parser.items(first, last, counts, nullptr, nullptr, [&](std::size_t corners) {
-        if (corners >= 3 && number-- == 0) {
-            place = parser.item();
-        }
-    });
-    return place;
-}
-
-// --- a line for each
-
-/// Counts what the pieces hold, each vertex and face on a line of its own.
-std::vector<FaceRange> count_faces(std::vector<TextPiece>& pieces, const OffCounts& counts, const Parallel& parallel) {
-    std::vector<FaceRange> faces(pieces.size());
-    const auto parser = [&](std::size_t i) { return OffParser(pieces[i].text, OffLayout::lines, parallel); };
-    parallel.run(pieces.size(), [&](std::size_t i, int) { pieces[i].count = parser(i).count_lines(faces[i]); });
-    number_items(pieces);
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-        if (pieces[i].first < counts.vertices || pieces[i].end_item() > counts.items()) {  // not all of them are faces
-            faces[i] = {};
-            if (pieces[i].end_item() > counts.vertices && pieces[i].first < counts.items()) {
-                const std::size_t vertices = counts.vertices - std::min(counts.vertices, pieces[i].first);
-                parser(i).count_lines(faces[i], vertices, counts.items() - pieces[i].first);
-            }
-        }
-    }
-    return faces;
-}
 
 /// Each vertex and each face on a line of its own. Lines after the last are left out with a warning.
 void read_lines(const FileContents& file, MeshFile& mesh) {
@@ -280,20 +218,17 @@ void read_lines(const FileContents& file, MeshFile& mesh) {
                                        " bytes that follow can hold"};
     }
     std::vector<TextPiece> pieces = cut_at_lines(body);
-    std::vector<FaceRange> faces = count_faces(pieces, counts, parallel);
-    const std::size_t lines = pieces.empty() ? 0 : pieces.back().end_item();
-    const auto last = [&](std::size_t i) { return std::min(pieces[i].end_item(), counts.items()); };
     const auto parser = [&](std::size_t i) { return OffParser(pieces[i].text, OffLayout::lines, parallel); };
-    read_faces(
-        file, std::min(counts.vertices, lines), faces,
-        [&](std::size_t i, std::byte* coordinates, FaceWriter& writer) {
-            parser(i).items(pieces[i].first, last(i), counts, coordinates, &writer, [](std::size_t) {});
-            if (i + 1 == pieces.size() && lines < counts.items()) {
-                throw TextError{body.data() + body.size(), "expected " + counts.words() + ", found the end of the file"};
-            }
-        },
-        [&](std::size_t i, std::size_t face) { return place_of_face(parser(i), pieces[i].first, last(i), counts, face); },
-        mesh);
+    parallel.run(pieces.size(), [&](std::size_t i, int) { pieces[i].count = parser(i).count_lines(); });
+    const std::size_t lines = number_items(pieces);
+    const auto parse = [&](std::size_t i, std::byte* coordinates, FaceList& faces) {
+        const std::size_t last = std::min(pieces[i].end_item(), counts.items());
+        parser(i).items(pieces[i].first, last, counts, file.whole.data(), coordinates, faces);
+        if (i + 1 == pieces.size() && lines < counts.items()) {
+            throw TextError{body.data() + body.size(), "expected " + counts.words() + ", found the end of the file"};
+        }
+    };
+    read_faces(file, std::min(counts.vertices, lines), pieces.size(), parse, mesh);
     if (lines > counts.items()) {
         mesh.warnings.push_back(file.source.name() + ": ignored " + counted(lines - counts.items(), "line") +
                                 " after the last of " + counted(counts.faces, "face"));
@@ -309,27 +244,23 @@ void read_numbers(const FileContents& file, const TextError& refused, MeshFile& 
     const char* const end = file.text.data() + file.text.size();
     std::optional<TextError> cut_off;
     for (const OffLayout layout : {OffLayout::numbers, OffLayout::bare_numbers}) {
-        OffParser counter(file.text, layout, source.parallel());
-        OffCounts counts;
-        std::string_view body;
-        std::vector<FaceRange> faces(1);
+        OffParser parser(file.text, layout, source.parallel());
         try {
-            counts = counter.header();
-            body = {counter.rest(), static_cast<std::size_t>(end - counter.rest())};
-            counter.count_all(counts, faces[0]);
+            const OffCounts counts = parser.header();
+            if (!counts.fit(static_cast<std::size_t>(end - parser.rest()))) {
+                continue;
+            }
+            const auto parse = [&](std::size_t, std::byte* coordinates, FaceList& faces) {
+                parser.items(0, counts.items(), counts, file.whole.data(), coordinates, faces);
+                parser.end();
+            };
+            read_faces(file, counts.vertices, 1, parse, mesh);
         } catch (const TextError& error) {
-            if (!cut_off && error.at == end && counter.item() != nullptr && counter.item() > refused.at) {
+            if (!cut_off && error.at == end && parser.item() != nullptr && parser.item() > refused.at) {
                 cut_off = error;
             }
             continue;
         }
-        const auto parser = [&] { return OffParser(body, layout, source.parallel()); };
-        read_faces(
-            file, counts.vertices, faces,
-            [&](std::size_t, std::byte* coordinates, FaceWriter& writer) {
-                parser().items(0, counts.items(), counts, coordinates, &writer, [](std::size_t) {});
-            },
-            [&](std::size_t, std::size_t face) { return place_of_face(parser(), 0, counts.items(), counts, face); }, mesh);
         mesh.warnings.push_back(source.name() + ": was read number by number, as it is not one vertex or one face a line (" +
                                 source.error_in_text(file.whole, refused).message.substr(source.name().size() + 2) + ")");
         return;

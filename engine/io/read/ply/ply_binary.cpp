@@ -1,4 +1,4 @@
-#include "io/read/ply/ply_body.hpp"
+#include "io/read/ply/ply.hpp"
 
 #include <cassert>
 
@@ -190,15 +190,17 @@ bool copy_triangle_rows(const PlyElement& faces, bool swapped, const char* rows,
                      *triangle_row_bytes(faces), count, vertex_count, to);
 }
 
-bool copy_triangle_rows(const PlyInput& input, const PlyElement& faces, const char* rows, Array<std::uint32_t>& indices) {
+bool copy_triangle_rows(const PlyInput& input, const PlyElement& faces, const char* rows, MemoryBudget& budget,
+                        Array<std::uint32_t>& indices) {
     const std::size_t stride = triangle_row_bytes(faces).value_or(0);
     const std::uint64_t vertex_count = input.header.element_of(PlyRole::vertices)->count;
     const auto left = static_cast<std::uint64_t>(input.file.data() + input.file.size() - rows);
     constexpr std::size_t triangle_bytes = 3 * sizeof(std::uint32_t);
     if (stride == 0 || faces.count > left / stride || vertex_count > most_ply_vertices ||
-        faces.count > input.source.memory_limit() / triangle_bytes) {
+        !budget.try_take(faces.count, triangle_bytes)) {
         return false;
     }
+    indices = Array<std::uint32_t>(input.source.memory());
     indices.resize_discarding(3 * faces.count);
     std::atomic<bool> good{true};
     input.parallel().run_ranges(faces.count, grain, [&](std::size_t begin, std::size_t end, int) {
@@ -210,6 +212,10 @@ bool copy_triangle_rows(const PlyInput& input, const PlyElement& faces, const ch
             }
         }
     });
+    if (!good) {
+        indices = Array<std::uint32_t>();
+        budget.give_back(faces.count * triangle_bytes);
+    }
     return good;
 }
 

@@ -1,5 +1,5 @@
 // PLY, ASCII and binary, of either byte order: all that follows the header.
-#include "io/read/ply/ply_body.hpp"
+#include "io/read/ply/ply.hpp"
 
 #include "base/words.hpp"
 #include "io/read/ply/ply_rows.hpp"
@@ -8,89 +8,45 @@ namespace lamella {
 
 namespace {
 
-/// Goes through all elements twice: first to find where each begins and how much memory it takes, then to read them,
-/// vertices first. Elements may come in any order.
+/// Goes through all elements in the file's order. Vertices of one size are left where they lie until it is known whether
+/// they can stay there.
 template <class Numbers>
 class BodyReader {
 public:
-    BodyReader(const PlyInput& input, MeshFile& mesh) : input_(input), mesh_(mesh) {
-        mesh_.indices = Array<std::uint32_t>(input.source.memory());
-    }
+    BodyReader(const PlyInput& input, MeshFile& mesh) : input_(input), mesh_(mesh), budget_(input.source) {}
 
-    PlyBody read(const Numbers& numbers) {
-        try {
-            read_all(numbers);
-            return body_;
-        } catch (const TextError& error) {
-            find_error_before(error, numbers);
-            throw;
+    PlyBody read(Numbers numbers) {
+        for (const PlyElement& element : input_.header.elements) {
+            must_hold(element, numbers);
+            const Numbers begin = numbers;
+            if (!pass_over(element, numbers)) {
+                read_rows(element, numbers);
+            }
+            vertices_ = element.role == PlyRole::vertices ? begin.at() : vertices_;
+            faces_ = element.role == PlyRole::faces ? std::optional(begin) : faces_;
         }
+        body_.end = offset_of(numbers.at());
+        if (mesh_.stride == 0) {
+            place_vertices(*input_.header.element_of(PlyRole::vertices));
+        }
+        for (const FaceList& list : lists_) {
+            body_.small_faces += list.small();
+        }
+        if (lists_.empty()) {
+            mesh_.triangle_count = mesh_.indices.size() / 3;
+            return body_;
+        }
+        const std::byte* const first =
+            mesh_.bytes.empty() ? reinterpret_cast<const std::byte*>(input_.file.data()) : mesh_.bytes.data();
+        give_faces(
+            lists_, {first + mesh_.first_offset, mesh_.stride, mesh_.vertex_type}, budget_, input_.parallel(),
+            [this](std::size_t, const RefusedFace& face) { refuse(face); }, mesh_);
+        return body_;
     }
 
 private:
-    struct Place {
-        const PlyElement& element;
-        Numbers begin;
-        PlyLists lists{};
-        bool copied = false;  ///< its indices have been, to the beginning of the mesh's
-    };
-
-    void read_all(const Numbers& numbers) {
-        locate(numbers);
-        must_be_affordable();
-        read_vertices(*place_of(PlyRole::vertices));
-        if (needs_coordinates()) {
-            cut_polygons();
-        }
-        mesh_.triangle_count = mesh_.indices.size() / 3;
-    }
-
-    void cut_polygons() {
-        mesh_.indices.resize_discarding(3 * triangles_);
-        FaceRange range;
-        range.triangles = triangles_;
-        FaceWriter faces(mesh_.indices.span(), range);
-        for (const PlyRole role : {PlyRole::faces, PlyRole::strips}) {
-            if (const Place* const place = place_of(role); place != nullptr) {
-                read_lists(*place, faces);
-            }
-        }
-        range.triangles = faces.triangles();
-        mesh_.indices.set_size(3 * range.triangles);
-        const std::byte* const first =
-            mesh_.bytes.empty() ? reinterpret_cast<const std::byte*>(input_.file.data()) : mesh_.bytes.data();
-        cut_faces({&range, 1}, mesh_.indices.span(), {first + mesh_.first_offset, mesh_.stride, mesh_.vertex_type},
-                  input_.parallel(), [this](std::size_t, const RefusedFace& face) { refuse(face); });
-    }
-
-    /// The first pass skips numbers: an earlier element may hold a malformed one. The first error in the file is thrown.
-    void find_error_before(const TextError& found, const Numbers& numbers) {
-        places_.clear();
-        strict_ = true;
-        try {
-            locate(numbers);
-        } catch (const TextError& error) {
-            if (error.at <= found.at) {
-                throw;
-            }
-        }
-    }
-
-    void locate(Numbers numbers) {
-        places_.reserve(input_.header.elements.size());
-        for (const PlyElement& element : input_.header.elements) {
-            Place& place = places_.emplace_back(Place{element, numbers});
-            must_fit(element, numbers);
-            if (!element.properties.empty()) {
-                read_over(place, numbers);
-            }
-            triangles_ += place.lists.triangles;
-        }
-        body_.end = offset_of(numbers.at());
-    }
-
     /// The bytes left must be able to hold the element's rows at their smallest.
-    void must_fit(const PlyElement& element, const Numbers& numbers) const {
+    void must_hold(const PlyElement& element, const Numbers& numbers) const {
         const std::uint64_t row = element.least_row_bytes(input_.header.encoding);
         const std::uint64_t left = input_.file.size() - offset_of(numbers.at());
         const std::uint64_t last_space = Numbers::binary ? 0 : 1;  // after the last number in a file there may be none
@@ -100,130 +56,69 @@ private:
                                 ", but " + std::to_string(left) + " bytes are left",
                             !Numbers::binary};
         }
+        if (element.role == PlyRole::vertices && element.count >= most_vertices) {
+            throw TextError{element.at, "more vertices than can be numbered"};
+        }
     }
 
-    void read_over(Place& place, Numbers& numbers) {
-        const PlyElement& element = place.element;
+    /// True if rows need not be read one by one: they are of one size, or nothing.
+    bool pass_over(const PlyElement& element, Numbers& numbers) {
         if constexpr (Numbers::binary) {
             if (!element.has_lists()) {
-                numbers.skip(NumberType::uint8, element.count * element.least_row_bytes(input_.header.encoding));
-                return;
+                return numbers.skip(NumberType::uint8, element.count * element.least_row_bytes(input_.header.encoding));
             }
-            if (copy_triangles(element, numbers)) {
-                place.copied = true;
-                place.lists = {element.count, 3};
-                numbers.skip(NumberType::uint8, element.count * *triangle_row_bytes(element));
-                return;
+            // Nearly all files hold triangles only.
+            if (element.role == PlyRole::faces && input_.header.element_of(PlyRole::strips) == nullptr &&
+                copy_triangle_rows(input_, element, numbers.at(), budget_, mesh_.indices)) {
+                return numbers.skip(NumberType::uint8, element.count * *triangle_row_bytes(element));
             }
+        }
+        return element.properties.empty();
+    }
+
+    void read_rows(const PlyElement& element, Numbers& numbers) {
+        constexpr std::uint64_t rows_a_list = std::uint64_t{1} << 16;
+        if (element.role == PlyRole::vertices) {
+            allocate_vertices(element.count, number_for(element), budget_, input_.source.memory(), mesh_);
         }
         PlyRows<Numbers> rows(numbers, element);
         Lookout lookout(input_.parallel());
         for (std::uint64_t row = 0; row < element.count; ++row) {
-            lookout.pass();
-            if (strict_) {
-                check_row(rows, element);
+            lookout.pass(1 + list_.size());
+            if (element.role == PlyRole::vertices) {
+                rows.vertex(mesh_.vertex_type, mesh_.bytes.data() + row * mesh_.stride);
+            } else if (element.role == PlyRole::nothing) {
+                rows.skip();
             } else {
-                rows.skip(place.lists);
+                if (row % rows_a_list == 0) {
+                    lists_.emplace_back(budget_, input_.source.memory());
+                }
+                const std::size_t place = offset_of(rows.numbers().at());
+                rows.indices(vertex_count(), list_);
+                element.role == PlyRole::strips ? add_strips(place) : lists_.back().add(list_, place);
             }
         }
         numbers = rows.numbers();
     }
 
-    /// Nearly all files hold triangles only, which are copied already in the first pass.
-    bool copy_triangles(const PlyElement& element, const Numbers& numbers) {
-        return !strict_ && element.role == PlyRole::faces && input_.header.element_of(PlyRole::strips) == nullptr &&
-               copy_triangle_rows(input_, element, numbers.at(), mesh_.indices);
-    }
-
-    void check_row(PlyRows<Numbers>& rows, const PlyElement& element) {
-        PlyLists lists;
-        std::byte xyz[3 * sizeof(double)];
-        if (element.role == PlyRole::vertices) {
-            rows.vertex(number_for(element), xyz);
-        } else if (element.role == PlyRole::nothing) {
-            rows.skip(lists);
-        } else {
-            rows.indices(input_.header.element_of(PlyRole::vertices)->count, list_);
-        }
-    }
-
-    /// The mesh must fit the memory limit; asked before anything is allocated by the file's counts.
-    void must_be_affordable() {
-        const Place& vertices = *place_of(PlyRole::vertices);
-        const std::uint64_t most_vertices = strip_end;  // indices have 32 bits
-        if (vertices.element.count > most_vertices) {
-            throw TextError{vertices.begin.at(), "more than " + std::to_string(most_vertices) + " vertices",
-                            !Numbers::binary};
-        }
-        std::uint64_t longest = 0;
-        for (const Place& place : places_) {
-            longest = std::max(longest, place.lists.longest);
-        }
-        input_.source.must_fit(vertices.element.count * 3 * size_of(number_for(vertices.element)) +
-                               triangles_ * 3 * sizeof(std::uint32_t) + longest * sizeof(std::uint32_t) +
-                               PolygonTriangulator::scratch_bytes(longest));
-        list_.reserve(longest);  // growing would take more than what was counted
-    }
-
-    /// True if there may be polygons to be cut.
-    bool needs_coordinates() const {
-        const Place* const faces = place_of(PlyRole::faces);
-        return faces == nullptr || !faces->copied;
-    }
-
-    void read_vertices(const Place& place) {
-        if constexpr (Numbers::binary) {
-            if (take_vertices(place)) {
-                return;
-            }
-        }
-        allocate_vertices(place.element.count, number_for(place.element), input_.source.memory(), mesh_);
-        if constexpr (Numbers::binary) {
-            if (!place.element.has_lists()) {
-                return copy_vertices(input_, place.element, place.begin.at(), mesh_);
-            }
-        }
-        PlyRows<Numbers> rows(place.begin, place.element);
-        Lookout lookout(input_.parallel());
-        for (std::uint64_t row = 0; row < place.element.count; ++row) {
-            lookout.pass();
-            rows.vertex(mesh_.vertex_type, mesh_.bytes.data() + row * mesh_.stride);
-        }
-    }
-
-    /// True if the vertices of a binary file can be used where they lie.
-    bool take_vertices(const Place& place) {
-        const auto offset = vertices_in_place(place.element, offset_of(place.begin.at()));
-        if (!offset || (input_.swapped() && needs_coordinates())) {
-            return false;
+    /// Uses the vertices of a binary file where they lie, if that can be.
+    void place_vertices(const PlyElement& element) {
+        const std::optional<std::size_t> offset = vertices_in_place(element, offset_of(vertices_));
+        const bool are_needed = !lists_.empty();  // to cut polygons
+        if (!offset || (input_.swapped() && are_needed)) {
+            allocate_vertices(element.count, number_for(element), budget_, input_.source.memory(), mesh_);
+            return copy_vertices(input_, element, vertices_, mesh_);
         }
         body_.swapped = input_.swapped();
         mesh_.first_offset = *offset;
-        mesh_.stride = place.element.least_row_bytes(input_.header.encoding);
-        mesh_.vertex_type = number_for(place.element);
-        mesh_.vertex_count = place.element.count;
-        return true;
-    }
-
-    void read_lists(const Place& place, FaceWriter& faces) {
-        PlyRows<Numbers> rows(place.begin, place.element);
-        Lookout lookout(input_.parallel());
-        for (std::uint64_t row = 0; row < place.element.count; ++row) {
-            lookout.pass(1 + list_.size());
-            rows.indices(mesh_.vertex_count, list_);
-            if (place.element.role == PlyRole::strips) {
-                add_strips(faces);
-            } else if (faces.add(list_)) {
-                body_.small_faces += list_.size() < 3 ? 1 : 0;
-            } else {
-                throw TextError{rows.numbers().at(), "too many corners to be cut into triangles", !Numbers::binary};
-            }
-        }
+        mesh_.stride = element.least_row_bytes(input_.header.encoding);
+        mesh_.vertex_type = number_for(element);
+        mesh_.vertex_count = element.count;
     }
 
     /// Takes strips that strip_end separates: a b c d e makes a b c, c b d and c d e. Triangles of two equal indices, which
     /// join strips, are left out.
-    void add_strips(FaceWriter& faces) const {
+    void add_strips(std::size_t place) {
         std::size_t begin = 0;  // of the strip
         for (std::size_t i = 0; i < list_.size(); ++i) {
             if (list_[i] == strip_end) {
@@ -236,44 +131,36 @@ private:
             const bool odd = (i - begin) % 2 != 0;
             const std::uint32_t triangle[] = {list_[odd ? i - 1 : i - 2], list_[odd ? i - 2 : i - 1], list_[i]};
             if (triangle[0] != triangle[1] && triangle[1] != triangle[2] && triangle[2] != triangle[0]) {
-                faces.add(triangle);
+                lists_.back().add(triangle, place);
             }
         }
     }
 
     /// Throws an error at a face's row, which has been read before.
     [[noreturn]] void refuse(const RefusedFace& face) const {
-        const Place& place = *place_of(PlyRole::faces);
-        PlyRows<Numbers> rows(place.begin, place.element);
-        std::size_t number = face.number;
-        for (std::uint64_t row = 0;; ++row) {
-            const char* const begin = rows.numbers().at();
-            PlyLists lists;
-            rows.skip(lists);
-            if (lists.longest >= 3 && number-- == 0) {
-                const std::string why =
-                    face.vertex ? "vertex " + std::to_string(*face.vertex) + " has a coordinate that is not finite"
-                                : "a polygon of " + std::to_string(lists.longest) + " corners that crosses itself too often";
-                throw TextError{begin, in_quotes(place.element.name) + " " + std::to_string(row) + ": " + why,
-                                !Numbers::binary};
-            }
+        const PlyElement& element = *input_.header.element_of(PlyRole::faces);
+        PlyRows<Numbers> rows(*faces_, element);
+        std::uint64_t row = 0;
+        for (; offset_of(rows.numbers().at()) < face.place; ++row) {
+            rows.skip();
         }
+        const std::string why =
+            face.vertex ? "vertex " + std::to_string(*face.vertex) + " has a coordinate that is not finite"
+                        : "a polygon of " + std::to_string(face.corners) + " corners that crosses itself too often";
+        throw TextError{rows.numbers().at(), in_quotes(element.name) + " " + std::to_string(row) + ": " + why,
+                        !Numbers::binary};
     }
 
-    const Place* place_of(PlyRole role) const {
-        const auto found =
-            std::find_if(places_.begin(), places_.end(), [role](const Place& place) { return place.element.role == role; });
-        return found == places_.end() ? nullptr : &*found;
-    }
-
+    std::uint64_t vertex_count() const { return input_.header.element_of(PlyRole::vertices)->count; }
     std::size_t offset_of(const char* at) const { return static_cast<std::size_t>(at - input_.file.data()); }
 
     const PlyInput& input_;
     MeshFile& mesh_;
+    MemoryBudget budget_;
     PlyBody body_;
-    std::vector<Place> places_;
-    std::uint64_t triangles_ = 0;  // at most
-    bool strict_ = false;          // check each number in the first pass
+    const char* vertices_ = nullptr;  // where they begin
+    std::optional<Numbers> faces_;
+    std::vector<FaceList> lists_;  // of faces that are not copied
     std::vector<std::uint32_t> list_;
 };
 

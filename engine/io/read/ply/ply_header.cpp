@@ -1,4 +1,4 @@
-#include "io/read/ply/ply_header.hpp"
+#include "io/read/ply/ply.hpp"
 
 #include <initializer_list>
 

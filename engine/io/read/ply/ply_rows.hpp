@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "io/read/ply/ply_header.hpp"
+#include "io/read/ply/ply.hpp"
 
 namespace lamella {
 
@@ -154,17 +154,6 @@ private:
     const char* end_;
 };
 
-/// Sizes of an element's lists of indices, known before anything is allocated for them.
-struct PlyLists {
-    std::uint64_t triangles = 0;  ///< at most
-    std::uint64_t longest = 0;
-
-    void add(std::uint64_t length) noexcept {
-        triangles += length < 3 ? 0 : length - 2;
-        longest = length < longest ? longest : length;
-    }
-};
-
 /// In a triangle strip: -1, after which the next strip begins.
 inline constexpr std::uint32_t strip_end = std::numeric_limits<std::uint32_t>::max();
 
@@ -175,16 +164,9 @@ public:
     PlyRows(Numbers numbers, const PlyElement& element, std::uint64_t first_row = 0)
         : numbers_(numbers), element_(element), row_(first_row) {}
 
-    /// Skips it, and counts its list of indices.
-    void skip(PlyLists& lists) {
+    void skip() {
         for (const PlyProperty& property : element_.properties) {
-            const std::uint64_t count = property.is_list ? list_count(property) : 1;
-            if (property.use == PlyUse::indices) {
-                lists.add(count);
-            }
-            if (!numbers_.skip(property.type, count)) {
-                fail(property, "expected a number, found " + numbers_.found(property.type));
-            }
+            skip_property(property);
         }
         ++row_;
     }
@@ -221,7 +203,7 @@ private:
             if (axis >= 3) {
                 skip_property(property);
             } else if (!numbers_.number(property.type, xyz[axis])) {
-                no_number(property);
+                fail(property, "expected a finite number, found " + numbers_.found(property.type));
             }
         }
         std::memcpy(out, xyz, sizeof xyz);
@@ -245,7 +227,7 @@ private:
 
     void skip_property(const PlyProperty& property) {
         if (!numbers_.skip(property.type, property.is_list ? list_count(property) : 1)) {
-            no_number(property);
+            fail(property, "expected a number, found " + numbers_.found(property.type));
         }
     }
 
@@ -266,10 +248,6 @@ private:
             }
             index = static_cast<std::uint32_t>(number);
         }
-    }
-
-    [[noreturn]] void no_number(const PlyProperty& property) const {
-        fail(property, "expected a finite number, found " + numbers_.found(property.type));
     }
 
     [[noreturn]] void fail(const PlyProperty& property, const std::string& what) const {

@@ -66,27 +66,6 @@ bool is_ascii_with_nuls(const FileSource& file) {
                                   [](char a, char b) { return lower_case(a) == b; }) != sample.end();
 }
 
-/// The line of each place in a text, one place after the other.
-class LineOfPlaces {
-public:
-    explicit LineOfPlaces(std::string_view text) : end_(text.data() + text.size()), place_(text.data()), word_(place_) {}
-
-    /// True if the line begins with `solid` or `endsolid`. Precondition: `place` is not before that of the last call. All
-    /// calls together take O(text).
-    bool is_name(const char* place) {
-        const std::string_view between(place_, static_cast<std::size_t>(place - place_));
-        const std::size_t line_end = between.find_last_of("\r\n");
-        word_ = skip_space(line_end == std::string_view::npos ? word_ : place_ + line_end + 1, end_);
-        place_ = place;
-        return is_word<"solid">(word_, end_) || is_word<"endsolid">(word_, end_);
-    }
-
-private:
-    const char* end_;
-    const char* place_;
-    const char* word_;  // the first of the line, or white space before it
-};
-
 /// True if NUL bytes in [begin, end) of `text` stand between words.
 bool are_between_words(std::string_view text, std::size_t begin, std::size_t end) {
     return (begin == 0 || is_space(text[begin - 1])) && (end == text.size() || is_space(text[end]));
@@ -95,20 +74,26 @@ bool are_between_words(std::string_view text, std::size_t begin, std::size_t end
 /// Writes spaces over the NUL bytes, and says so in a warning. An error where they are within words other than those of a
 /// name, as what they replace is then unknown.
 void blank_nuls(FileContents& file, std::vector<std::string>& warnings) {
-    const std::span<std::byte> bytes = file.bytes.span();
     const std::string_view text = file.whole;
-    LineOfPlaces lines(text);
+    const char* const text_end = text.data() + text.size();
     Lookout lookout(file.source.parallel());
     std::size_t count = 0;
+    std::size_t line_end = 0;
+    const char* word = nullptr;  // the line's first, or white space before it
     const std::size_t first = text.find('\0');
     for (std::size_t begin = first; begin != std::string_view::npos; begin = text.find('\0', begin)) {
         const std::size_t end = std::min(text.find_first_not_of('\0', begin), text.size());
         lookout.pass();
-        if (!are_between_words(text, begin, end) && !lines.is_name(text.data() + begin)) {
+        if (begin >= line_end) {
+            word = text.data() + text.find_last_of("\r\n", begin) + 1;  // 0 where there is no line before
+            line_end = std::min(text.find_first_of("\r\n", begin), text.size());
+        }
+        word = skip_space(word, text_end);
+        const bool is_name = is_word<"solid">(word, text_end) || is_word<"endsolid">(word, text_end);
+        if (!is_name && !are_between_words(text, begin, end)) {
             throw TextError{text.data() + begin, "a NUL byte within a word of an ASCII STL file: what stood there is lost"};
         }
-        std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(begin), bytes.begin() + static_cast<std::ptrdiff_t>(end),
-                  std::byte{' '});
+        std::fill_n(file.bytes.data() + begin, end - begin, std::byte{' '});
         count += end - begin;
     }
     warnings.push_back(file.source.name() + ": is an ASCII STL file with " + counted(count, "NUL byte") +

@@ -1,6 +1,6 @@
 #include "io/read/stl/stl_ascii.hpp"
 
-#include <cassert>
+#include "io/read/chunk_list.hpp"
 
 namespace lamella {
 
@@ -135,53 +135,50 @@ private:
         p_ = line_end;
     }
 
+    /// What the normal should be is skipped where it is none, as are words after `endloop`; `outer loop` and `endfacet` may
+    /// be absent. The first of several departures is the one that is reported.
     void facet(float* nine) {
-        const char* const begin = p_;
-        silent_ = departures_.facets.count > 0;  // words take longer than facets, and most departures are alike
-        if (strict_facet(nine)) {
-            return;
-        }
-        TextError failure = std::exchange(failure_, {});
-        p_ = begin;
-        if (sloppy_facet(nine)) {
-            if (departures_.facets.count == 0) {
-                departures_.first_facet = std::move(failure.what);
+        const char* const begin = p_ = skip_word(p_, end_);
+        std::optional<TextError> departure;
+        const auto depart = [&](bool read_all_the_same) {
+            departure = departure ? departure : failure_;
+            if (!read_all_the_same) {
+                throw *departure;
             }
-            departures_.facets.add(failure.at);
-            return;
+        };
+        if (!normal() || !word<"outer">("after the normal") || !word<"loop">("after 'outer'")) {
+            p_ = begin;
+            depart(skip_to_vertex());
         }
-        p_ = begin;
-        silent_ = false;
-        strict_facet(nine);
-        throw failure_;
+        if (!vertex(nine) || !vertex(nine + 3) || !vertex(nine + 6) || !word<"endloop">("after three vertices")) {
+            depart(false);
+        }
+        if (!word<"endfacet">("after 'endloop'")) {
+            depart(skip_to_end());
+        }
+        if (departure) {
+            departures_.first_facet = departures_.facets.count == 0 ? departure->what : departures_.first_facet;
+            departures_.facets.add(departure->at);
+        }
     }
 
-    bool strict_facet(float* nine) {
-        return word<"facet">("") && normal() && word<"outer">("after the normal") && word<"loop">("after 'outer'") &&
-               vertex(nine) && vertex(nine + 3) && vertex(nine + 6) && word<"endloop">("after three vertices") &&
-               word<"endfacet">("after 'endloop'");
-    }
-
-    /// A facet by its vertices: what the normal should be is skipped, as are words after `endloop`, and `outer loop` and
-    /// `endfacet` may be absent.
-    bool sloppy_facet(float* nine) {
-        constexpr int most_words = 16;
-        p_ = skip_space(skip_word(p_, end_), end_);
-        for (int words = 0; !is_word<"vertex">(p_, end_); ++words) {
+    bool skip_to_vertex() {
+        for (int words = 0;; ++words) {
+            p_ = skip_space(p_, end_);
+            if (is_word<"vertex">(p_, end_)) {
+                return true;
+            }
             if (words == most_words || is_statement(p_, end_) || is_word<"endloop">(p_, end_) ||
-                is_word<"endfacet">(p_, end_)) {
+                is_word<"endfacet">(p_, end_) || p_ == end_) {
                 return false;
             }
-            p_ = skip_space(skip_word(p_, end_), end_);
+            p_ = skip_word(p_, end_);
         }
-        if (!vertex(nine) || !vertex(nine + 3) || !vertex(nine + 6)) {
-            return false;
-        }
+    }
+
+    /// To the end of the facet, or where the next statement begins.
+    bool skip_to_end() {
         p_ = skip_space(p_, end_);
-        if (!is_word<"endloop">(p_, end_)) {
-            return false;
-        }
-        p_ = skip_space(skip_word(p_, end_), end_);
         for (int words = 0; words < most_words && p_ != end_ && !is_statement(p_, end_); ++words) {
             if (is_word_in_facet(p_, end_)) {
                 const bool ends = is_word<"endfacet">(p_, end_);
@@ -201,7 +198,7 @@ private:
             p_ = skip_space(p_, end_);
             const char* word_end = skip_word(p_, end_);
             if (p_ == word_end || !passes_for_number({p_, static_cast<std::size_t>(word_end - p_)})) {
-                return fail([&] { return "expected a number of the normal, found " + found(); });
+                return fail("expected a number of the normal, found " + found());
             }
             p_ = word_end;
         }
@@ -215,38 +212,37 @@ private:
     bool number(float& value) {
         p_ = skip_space(p_, end_);
         if (p_ == end_) {
-            return fail([] { return std::string("expected a coordinate, found the end of the file"); });
+            return fail("expected a coordinate, found the end of the file");
         }
         const NumberText got = read_number(p_, end_, value);
-        return got == NumberText::read || fail([&] { return coordinate_problem(got, "float", found()); });
+        return got == NumberText::read || fail(coordinate_problem(got, "float", found()));
     }
 
     template <Keyword keyword>
     bool word(const char* place) {
         p_ = skip_space(p_, end_);
         if (!is_word<keyword>(p_, end_)) {
-            return fail([&] { return std::string("expected '") + keyword.text + "' " + place + ", found " + found(); });
+            return fail(std::string("expected '") + keyword.text + "' " + place + ", found " + found());
         }
         p_ += keyword.length;
         return true;
     }
 
-    /// With the words of what().
-    template <class What>
-    bool fail(const What& what) {
-        failure_ = {p_, silent_ ? std::string() : what()};
+    bool fail(std::string what) {
+        failure_ = {p_, std::move(what)};
         return false;
     }
 
     std::string found() const { return word_at(p_, end_); }
+
+    static constexpr int most_words = 16;  // that are skipped in a facet
 
     const char* p_;
     const char* end_;
     Lookout lookout_;
     const char* last_end_ = nullptr;
     bool solid_ended_ = false;
-    bool silent_ = false;  // failures are without words
-    TextError failure_;    // of strict_facet()
+    TextError failure_;
     StlDepartures departures_;
     PartMarks solids_;
     std::uint64_t facets_ = 0;  // read so far
@@ -256,7 +252,6 @@ private:
 
 constexpr std::size_t facet_floats = 9;
 constexpr std::size_t facet_bytes = facet_floats * sizeof(float);
-constexpr std::size_t shortest_facet = sizeof "facet vertex 0 0 0 vertex 0 0 0 vertex 0 0 0" - 1;
 
 /// True if [line, p) holds `solid` or `endsolid` as a word: what follows on the line is then a name.
 bool names_something(const char* line, const char* p) {
@@ -302,55 +297,43 @@ std::vector<TextPiece> cut_at_facets(std::string_view text, const Parallel& para
     });
 }
 
-/// Words in 'f': all facets and, at most, some words of names.
-std::size_t most_facets(std::string_view piece) {
-    const auto is_f = [](char c) { return (c | 0x20) == 'f'; };
-    const std::size_t words = (is_f(piece[0]) ? 1 : 0) + count_in(piece, [is_f](char before, char c) {
-                                  return static_cast<int>(is_f(c)) & static_cast<int>(is_space(before));
-                              });
-    return std::min(words, piece.size() / shortest_facet + 1);
-}
-
 /// The facets of a piece of text.
 struct FacetPiece {
-    ItemRun run;
-    StlDepartures departures;
-    PartMarks solids;
+    ChunkList<std::byte, 16 * facet_bytes, 512 * facet_bytes> coordinates;
+    StlDepartures departures{};
+    PartMarks solids{};
     const char* open_end = nullptr;  // after the last statement, if that is not `endsolid`
 };
 
-/// Parses what begins within the piece, which has room for `piece.count` facets from `piece.first` on. Words are read to the
-/// end of the text, so that a cut never looks like the end.
-FacetPiece parse(const TextPiece& piece, const char* text_end, std::byte* coordinates, const Parallel& parallel) {
+/// Parses what begins within the piece. Words are read to the end of the text, so that a cut never looks like the end.
+FacetPiece parse(const TextPiece& piece, const char* text_end, const Memory* memory, const Parallel& parallel) {
     FacetParser parser(piece.begin(), text_end, parallel);
-    std::byte* out = coordinates + piece.first * facet_bytes;
+    FacetPiece facets{ChunkList<std::byte, 16 * facet_bytes, 512 * facet_bytes>(memory)};
     float facet[facet_floats];
-    std::size_t count = 0;
     while (parser.next_facet(piece.end(), facet)) {
-        assert(count < piece.count);
-        std::memcpy(out + count++ * facet_bytes, facet, facet_bytes);
+        std::memcpy(facets.coordinates.room().data(), facet, facet_bytes);
+        facets.coordinates.add(facet_bytes);
     }
-    return {{piece.first, count}, parser.departures(), parser.solids(), parser.solid_ended() ? nullptr : parser.last_end()};
+    facets.departures = parser.departures();
+    facets.solids = parser.solids();
+    facets.open_end = parser.solid_ended() ? nullptr : parser.last_end();
+    return facets;
 }
 
 }  // namespace
 
 AsciiFacets parse_ascii_stl(std::string_view text, const Memory* memory, const Parallel& parallel) {
     AsciiFacets facets{Array<std::byte>(memory), 0, {}, {}, nullptr};
-    std::vector<TextPiece> pieces = cut_at_facets(text, parallel);
-    parallel.run(pieces.size(), [&](std::size_t i, int) { pieces[i].count = most_facets(pieces[i].text); });
-    facets.coordinates.resize_discarding(number_items(pieces) * facet_bytes);
-
+    const std::vector<TextPiece> pieces = cut_at_facets(text, parallel);
     std::vector<FacetPiece> parsed(pieces.size());
-    parse_pieces(pieces.size(), parallel, [&](std::size_t i, int) {
-        parsed[i] = parse(pieces[i], text.data() + text.size(), facets.coordinates.data(), parallel);
-    });
-    std::vector<ItemRun> runs;
-    std::uint64_t first = 0;
+    parse_pieces(pieces.size(), parallel,
+                 [&](std::size_t i, int) { parsed[i] = parse(pieces[i], text.data() + text.size(), memory, parallel); });
+    std::vector<std::size_t> first;
+    first.reserve(parsed.size());
     for (const FacetPiece& piece : parsed) {
-        add_marks(facets.solids, piece.solids, first);
-        first += piece.run.count;
-        runs.push_back(piece.run);
+        add_marks(facets.solids, piece.solids, facets.count);
+        first.push_back(facets.count * facet_bytes);
+        facets.count += piece.coordinates.size() / facet_bytes;
         facets.open_end = piece.open_end;
         if (facets.departures.facets.count == 0) {
             facets.departures.first_facet = piece.departures.first_facet;
@@ -358,9 +341,9 @@ AsciiFacets parse_ascii_stl(std::string_view text, const Memory* memory, const P
         facets.departures.facets.add(piece.departures.facets);
         facets.departures.lines.add(piece.departures.lines);
     }
-    // Words of names in 'f' left gaps; there are none otherwise.
-    facets.count = close_gaps(runs, facet_bytes, facets.coordinates.data());
-    facets.coordinates.set_size(facets.count * facet_bytes);
+    facets.coordinates.resize_discarding(facets.count * facet_bytes);
+    parallel.run(parsed.size(),
+                 [&](std::size_t i, int) { parsed[i].coordinates.move_to(facets.coordinates.data() + first[i]); });
     return facets;
 }
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "io/read/stated.hpp"
-#include "io/text/lines.hpp"
+#include "io/text/text.hpp"
 #include "lamella/context.hpp"
 
 namespace lamella {
@@ -57,8 +57,8 @@ struct AsciiFacets {
 ///     facet normal N N N  outer loop  vertex X Y Z  vertex X Y Z  vertex X Y Z  endloop  endfacet
 ///
 /// in any case and with any white space between words. A name ends before its line does where a facet begins. Normals are
-/// skipped. Departures from the grammar that leave no doubt about the vertices are read too. Throws TextError. O(text).
-/// Allocates at most 36 bytes for each 44 of text.
+/// skipped. Departures from the grammar that leave no doubt about the vertices are read too. Throws TextError. Time and
+/// memory are O(text).
 AsciiFacets parse_ascii_stl(std::string_view text, const Memory* memory, const Parallel& parallel);
 
 }  // namespace lamella

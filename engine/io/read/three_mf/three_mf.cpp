@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "base/clock.hpp"
-#include "io/read/three_mf/three_mf_part.hpp"
+#include "io/read/three_mf/three_mf_model.hpp"
 
 namespace lamella {
 
@@ -42,14 +42,14 @@ private:
     std::string root_;
 };
 
-std::string find_root(ZipArchive& package, Model& model, MemoryBudget& budget, const Memory* memory) {
+std::string find_root(ZipArchive& package, Model& model) {
     const std::string part(package_relationships);
     if (!package.contains(part)) {
         const std::string mesh = package.first_part([](std::string_view name) { return is_named_as_mesh(name); });
         package.refuse(mesh.empty() ? part : mesh,
                        mesh.empty() ? "is missing" : "is a mesh in a zip archive that is no 3MF package: unpack it first");
     }
-    RelationshipReader relationships(model, part, budget, memory);
+    RelationshipReader relationships(model, part);
     relationships.read(package);
     if (relationships.root().empty()) {
         package.refuse(part, "names no model: is no 3MF package");
@@ -57,17 +57,20 @@ std::string find_root(ZipArchive& package, Model& model, MemoryBudget& budget, c
     return relationships.root();
 }
 
-void read_part(ZipArchive& package, Model& model, Part part, MemoryBudget& budget, const Memory* memory) {
-    PartReader reader(model, part, budget, memory);
-    reader.read(package);
-    if (part == 0) {
-        model.mm_per_unit = reader.mm_per_unit();
-    } else if (reader.mm_per_unit() != model.mm_per_unit) {
-        package.refuse(model.parts[part], "has another unit than the root part");
-    }
-}
-
 }  // namespace
+
+std::optional<std::string> part_name(std::string_view path) {
+    path.remove_prefix(path.starts_with('/') ? 1 : 0);
+    for (std::size_t begin = 0; begin <= path.size();) {
+        const std::size_t end = std::min(path.find('/', begin), path.size());
+        const std::string_view segment = path.substr(begin, end - begin);
+        if (segment.empty() || segment == "." || segment == ".." || segment.find_first_of("\\:") != std::string_view::npos) {
+            return std::nullopt;
+        }
+        begin = end + 1;
+    }
+    return std::string(path);
+}
 
 /// A damaged part can fail as XML before its checksum is known, and damage is the better message.
 void PackageReader::read(ZipArchive& package) {
@@ -82,9 +85,9 @@ void PackageReader::read(ZipArchive& package) {
 }
 
 void PackageReader::keep(std::uint64_t bytes) {
-    if (!budget_.try_take(bytes, 1)) {
+    if (!may_keep(bytes)) {
         code_ = ErrorCode::out_of_memory;
-        fail("takes more than the " + std::to_string(budget_.limit_bytes()) + " bytes that reading it may");
+        fail("takes more than the " + std::to_string(model_.budget.limit_bytes()) + " bytes that reading it may");
     }
 }
 
@@ -112,20 +115,22 @@ Part Model::part_of(const std::string& name) {
     return at->second;
 }
 
-Model read_model(ZipArchive& package, const FileSource& file) {
-    Model model;
-    MemoryBudget budget(file);
-    const std::string root = find_root(package, model, budget, file.memory());
+namespace {
+
+/// Fills in `model`: the root part, found by the package's relationships, and all parts that it refers to.
+void read_model(ZipArchive& package, Model& model) {
+    const std::string root = find_root(package, model);
     if (!package.contains(content_types)) {
         model.warnings.push_back("has no part '" + std::string(content_types) + "', as a 3MF package must");
     }
     model.part_of(root);
     for (Part part = 0; part < model.parts.size(); ++part) {  // the root part adds to them
-        read_part(package, model, part, budget, file.memory());
+        read_part(package, model, part);
     }
-    apply_settings(package, model, budget, file.memory());
-    return model;
+    apply_settings(package, model);
 }
+
+}  // namespace
 
 }  // namespace three_mf
 
@@ -144,15 +149,15 @@ void warn_of_other_bytes(std::uint64_t bytes, const char* where, three_mf::Model
     }
 }
 
-/// Holds the file's bytes no longer than they are read.
-three_mf::Model load(FileSource& file, Clock::time_point& start) {
+/// Holds the file's bytes no longer than they are read. Returns when it had them.
+Clock::time_point load(FileSource& file, three_mf::Model& model) {
     const Array<std::byte> bytes = file.take(file.size());
-    start = Clock::now();
+    const Clock::time_point start = Clock::now();
     ZipArchive package = ZipArchive::open(file, bytes.span(), text_limit(file));
-    three_mf::Model model = three_mf::read_model(package, file);
+    three_mf::read_model(package, model);
     warn_of_other_bytes(package.bytes_before(), "before", model);
     warn_of_other_bytes(package.bytes_after(), "after", model);
-    return model;
+    return start;
 }
 
 MeshFile build(const FileSource& file, three_mf::Model& model) {
@@ -168,7 +173,7 @@ MeshFile build(const FileSource& file, three_mf::Model& model) {
         file.refuse(ErrorCode::empty_mesh,
                     mesh.parts.empty() ? "holds no triangles" : "holds nothing solid: " + model.warnings.back());
     }
-    three_mf::place(model, instances, file.memory(), file.parallel(), mesh);
+    three_mf::place(model, instances, file, mesh);
     mesh.text = true;
     mesh.mm_per_unit = model.mm_per_unit;
     mesh.states_unit = true;
@@ -185,8 +190,8 @@ bool looks_like_3mf(const FileSource& source) {
 }
 
 MeshFile read_3mf(FileSource& source) {
-    Clock::time_point start;
-    three_mf::Model model = load(source, start);
+    three_mf::Model model(source);
+    const Clock::time_point start = load(source, model);
     MeshFile mesh = build(source, model);
     mesh.parse_ms = milliseconds_since(start);
     return mesh;

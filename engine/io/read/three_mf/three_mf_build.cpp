@@ -238,8 +238,7 @@ void list_instances(Model& model, const FileSource& file, std::vector<Instance>&
     std::erase_if(instances, [](const Instance& instance) { return instance.role != PartRole::solid; });
 }
 
-void place(Model& model, const std::vector<Instance>& instances, const Memory* memory, const Parallel& parallel,
-           MeshFile& mesh) {
+void place(Model& model, const std::vector<Instance>& instances, const FileSource& file, MeshFile& mesh) {
     std::uint64_t vertices = 0;
     std::uint64_t triangles = 0;
     for (const Instance& instance : instances) {
@@ -247,14 +246,15 @@ void place(Model& model, const std::vector<Instance>& instances, const Memory* m
         triangles += model.objects[instance.object].triangles.size();
     }
     release_unused(model, instances);
-    allocate_vertices(vertices, Number::f64, memory, mesh);
+    MemoryBudget budget(file);  // list_instances() has refused what it does not hold
+    allocate_vertices(vertices, Number::f64, budget, file.memory(), mesh);
     mesh.vertex_count = 0;  // so far
-    mesh.indices = Array<std::uint32_t>(memory);
+    mesh.indices = Array<std::uint32_t>(file.memory());
     mesh.indices.resize_discarding(3 * triangles);
     for (auto first = instances.begin(); first != instances.end();) {
         const auto last =
             std::find_if(first, instances.end(), [first](const Instance& other) { return other.object != first->object; });
-        place_object(model.objects[first->object], {first, last}, parallel, mesh);
+        place_object(model.objects[first->object], {first, last}, file.parallel(), mesh);
         first = last;
     }
 }

@@ -1,4 +1,5 @@
-// A 3MF model before anything is placed: objects, which are meshes or components, and the build.
+// A 3MF model before anything is placed: objects, which are meshes or components, and the build; and how XML parts of a
+// package become one.
 #pragma once
 
 #include <array>
@@ -7,6 +8,7 @@
 
 #include "io/read/chunk_list.hpp"
 #include "io/read/three_mf/zip_archive.hpp"
+#include "io/xml/xml.hpp"
 #include "lamella/mesh.hpp"
 
 namespace lamella::three_mf {
@@ -56,6 +58,10 @@ struct Object {
 };
 
 struct Model {
+    explicit Model(const FileSource& file) : budget(file), memory(file.memory()) {}
+
+    MemoryBudget budget;  ///< of what is kept
+    const Memory* memory;
     std::vector<std::string> parts;                    ///< names; the root is the first
     std::unordered_map<std::string, Part> part_index;  ///< into `parts`
     double mm_per_unit = 1;
@@ -84,9 +90,59 @@ struct Model {
     static std::uint64_t key(Part part, std::uint32_t id) noexcept { return std::uint64_t{part} << 32 | id; }
 };
 
-/// The model of the package in `file`: its root part, found by the package's relationships, and all parts that it refers to.
-/// Throws Refused.
-Model read_model(ZipArchive& package, const FileSource& file);
+// --- Reading it
+
+/// The number that `text` is, with white space around it or none.
+inline NumberText number_in(std::string_view text, double& value) {
+    const char* const end = text.data() + text.size();
+    const char* p = skip_space(text.data(), end);
+    if (p == end) {
+        return NumberText::malformed;
+    }
+    const NumberText answer = read_number(p, end, value);
+    return answer != NumberText::read || skip_space(p, end) == end ? answer : NumberText::malformed;
+}
+
+inline bool integer_in(std::string_view text, std::uint32_t& value) {
+    const char* const end = text.data() + text.size();
+    const std::from_chars_result got = std::from_chars(skip_space(text.data(), end), end, value);
+    return got.ec == std::errc() && skip_space(got.ptr, end) == end;
+}
+
+/// The name of a part by how another part refers to it, without the leading slash; nothing if it leaves the package.
+std::optional<std::string> part_name(std::string_view path);
+
+/// Labels objects and components by what PrusaSlicer (Metadata/Slic3r_PE_model.config: ranges of an object's triangles, each
+/// of which becomes an object) or BambuStudio and OrcaSlicer (Metadata/model_settings.config: components) keep beside the
+/// model. An unknown type is solid, as it is for them, with a warning. Throws Refused: malformed XML, ranges that are not an
+/// object's triangles.
+void apply_settings(ZipArchive& package, Model& model);
+
+/// Reads a part of a package into a model.
+class PackageReader : public XmlReader {
+public:
+    PackageReader(Model& model, std::string part) : model_(model), name_(std::move(part)) {}
+
+    /// Throws Refused: what the archive refuses, and what is wrong in the part.
+    void read(ZipArchive& package);
+
+protected:
+    virtual bool feed_part(std::string_view piece) { return feed(piece); }
+
+    /// Counts what is kept of the part, or fails.
+    void keep(std::uint64_t bytes);
+    bool may_keep(std::uint64_t bytes) noexcept { return bytes == 0 || model_.budget.try_take(bytes, 1); }
+    void warn(const std::string& what) { model_.warn(printable(name_), event_line(), what); }
+
+    Model& model_;
+
+private:
+    std::string name_;
+    ErrorCode code_ = ErrorCode::malformed_mesh;  // of the failure
+};
+
+/// Adds the part `part` of `model` to it, and to its list of parts those that the root refers to. Throws Refused.
+void read_part(ZipArchive& package, Model& model, Part part);
 
 // --- From the objects and the build to one mesh
 
@@ -108,7 +164,6 @@ struct Instance {
 void list_instances(Model& model, const FileSource& file, std::vector<Instance>& instances, std::vector<MeshPart>& parts);
 
 /// The mesh of all instances. The model's meshes are released as they are copied.
-void place(Model& model, const std::vector<Instance>& instances, const Memory* memory, const Parallel& parallel,
-           MeshFile& mesh);
+void place(Model& model, const std::vector<Instance>& instances, const FileSource& file, MeshFile& mesh);
 
 }  // namespace lamella::three_mf

@@ -3,7 +3,7 @@
 #include <deque>
 #include <set>
 
-#include "io/read/three_mf/three_mf_part.hpp"
+#include "io/read/three_mf/three_mf_model.hpp"
 
 namespace lamella::three_mf {
 
@@ -176,7 +176,8 @@ private:
             high = std::max(high, *std::max_element(triangle.begin(), triangle.end()));
         }
         keep(2 * (triangles.size_bytes() + (high - low + std::uint64_t{1}) * sizeof(Vertex)));
-        Object volume{.id = id_, .vertices = ChunkList<Vertex>(memory_), .triangles = ChunkList<Triangle>(memory_)};
+        Object volume{
+            .id = id_, .vertices = ChunkList<Vertex>(model_.memory), .triangles = ChunkList<Triangle>(model_.memory)};
         for (std::uint32_t vertex = low; vertex <= high; ++vertex) {
             volume.vertices.push_back(vertices[vertex]);
         }
@@ -219,10 +220,10 @@ private:
 
 }  // namespace
 
-void apply_settings(ZipArchive& package, Model& model, MemoryBudget& budget, const Memory* memory) {
+void apply_settings(ZipArchive& package, Model& model) {
     for (const std::string part : {"Metadata/Slic3r_PE_model.config", "Metadata/model_settings.config"}) {
         if (package.contains(part)) {
-            SettingsReader(model, part, budget, memory).read(package);
+            SettingsReader(model, part).read(package);
         }
     }
 }

@@ -99,41 +99,43 @@ bool copy_triangles(VtkFile& file, std::span<const CellArray> arrays, MeshFile& 
 
 // --- All other cells.
 
-/// Numbers of an array that one task reads, unless a single cell has more.
-constexpr std::uint64_t block_numbers = std::uint64_t{1} << 15;
-
 /// Cells that one task reads.
 struct Block {
+    const CellArray* array = nullptr;
     std::uint64_t first_cell = 0;
     std::uint64_t cells = 0;
     std::uint64_t first_number = 0;  ///< in the corners
-    std::uint64_t numbers = 0;
 };
 
-/// The cells of an array, checked and shared out.
-struct Plan {
-    const CellArray& array;
-    std::vector<Block> blocks{};
-    std::vector<FaceRange> faces{};  // of each block
-    std::uint64_t triangles = 0;
-    std::uint64_t most_corners = 0;
-    std::uint64_t without_area = 0;
-    std::uint64_t first_without_area = 0;
+/// Shares out the cells of an array, checked one after the other.
+class Plan {
+public:
+    Plan(const CellArray& array, std::vector<Block>& blocks) : array_(array), blocks_(blocks) {}
 
     void add(std::uint64_t cell, std::uint64_t corners, std::uint64_t first_number) {
-        if (blocks.empty() || blocks.back().numbers >= block_numbers || blocks.back().cells >= block_numbers) {
-            blocks.push_back({.first_cell = cell, .first_number = first_number});
-            faces.push_back({.first_triangle = triangles});
+        constexpr std::uint64_t most = std::uint64_t{1} << 15;  // numbers or cells, unless a single cell has more
+        if (cell == 0 || first_number - blocks_.back().first_number >= most || blocks_.back().cells >= most) {
+            blocks_.push_back({&array_, cell, 0, first_number});
         }
-        ++blocks.back().cells;
-        blocks.back().numbers += corners + (array.counted ? 1 : 0);
-        faces.back().triangles += triangles_in(corners);
-        triangles += triangles_in(corners);
-        most_corners = std::max(most_corners, corners);
-        if (corners < 3 && without_area++ == 0) {
-            first_without_area = cell;
+        ++blocks_.back().cells;
+        if (corners < 3 && without_area_++ == 0) {
+            first_without_area_ = cell;
         }
     }
+
+    void warn(const FileSource& source, MeshFile& mesh) const {
+        if (without_area_ > 0) {
+            mesh.warnings.push_back(source.name() + ": ignored " + std::to_string(without_area_) + " cells of " +
+                                    std::string(array_.name) + " with fewer than three corners, the first being cell " +
+                                    std::to_string(first_without_area_));
+        }
+    }
+
+private:
+    const CellArray& array_;
+    std::vector<Block>& blocks_;
+    std::uint64_t without_area_ = 0;
+    std::uint64_t first_without_area_ = 0;
 };
 
 /// A number of a counted array.
@@ -145,8 +147,7 @@ std::string cell_name(const CellArray& array, std::uint64_t cell) {
     return "cell " + std::to_string(cell) + " of " + std::string(array.name);
 }
 
-void plan_counted(const VtkFile& file, Plan& plan) {
-    const CellArray& array = plan.array;
+void plan_counted(const VtkFile& file, const CellArray& array, Plan& plan) {
     const NumberArray& words = array.corners;
     std::uint64_t at = 0;
     Lookout lookout(file.source.parallel());
@@ -168,8 +169,7 @@ void plan_counted(const VtkFile& file, Plan& plan) {
     }
 }
 
-void plan_ended(const VtkFile& file, Plan& plan) {
-    const CellArray& array = plan.array;
+void plan_ended(const VtkFile& file, const CellArray& array, Plan& plan) {
     std::array<std::uint64_t, 4096> ends;
     std::uint64_t begin = 0;
     for (std::uint64_t first = 0; first < array.cells; first += ends.size()) {
@@ -223,7 +223,8 @@ template <class IsWrong>
                  "point " + std::to_string(static_cast<std::int64_t>(*found)) + " of " + std::string(array.name) + what);
 }
 
-void write_faces(const VtkFile& file, const CellArray& array, const Block& block, FaceWriter faces) {
+void read_faces_of(const VtkFile& file, const Block& block, FaceList& faces) {
+    const CellArray& array = *block.array;
     std::vector<std::uint32_t> corners;
     for_cells(array, block, [&](std::uint64_t first, std::uint64_t count) {
         corners.resize(count);
@@ -234,61 +235,39 @@ void write_faces(const VtkFile& file, const CellArray& array, const Block& block
         }
         std::for_each(corners.begin(), corners.end(), [&array](std::uint32_t& point) { point += array.first_point; });
         if (array.kind == CellKind::polygons) {
-            if (!faces.add(corners)) {
-                file.fail_at(array.corners, first,
-                             "the polygon that begins here has too many corners to be cut into triangles");
-            }
-            return;
+            return faces.add(corners, first);
         }
         for (std::size_t i = 2; i < corners.size(); ++i) {
             const std::size_t odd = i % 2;  // every other triangle is listed in reverse
-            faces.add(std::array{corners[i - 2 + odd], corners[i - 1 - odd], corners[i]});
+            faces.add(std::array{corners[i - 2 + odd], corners[i - 1 - odd], corners[i]}, first);
         }
     });
 }
 
-/// Throws the error of a face of a block that cannot be cut.
-void refuse(const VtkFile& file, const CellArray& array, const Block& block, const RefusedFace& face) {
-    std::size_t number = face.number;
-    for_cells(array, block, [&](std::uint64_t first, std::uint64_t count) {
-        if (count < 3 || number-- != 0) {
-            return;
-        }
-        if (face.vertex) {
-            fail_at_corner(
-                file, array, first, count, [&](std::uint64_t point) { return point + array.first_point == *face.vertex; },
-                " has a coordinate that is not finite");
-        }
-        file.fail_at(array.corners, first, "the polygon that begins here crosses itself too often to be cut into triangles");
-    });
+/// Throws the error of a face that cannot be cut.
+void refuse(const VtkFile& file, const CellArray& array, const RefusedFace& face) {
+    if (face.vertex) {
+        fail_at_corner(
+            file, array, face.place, face.corners,
+            [&](std::uint64_t point) { return point + array.first_point == *face.vertex; },
+            " has a coordinate that is not finite");
+    }
+    file.fail_at(array.corners, face.place,
+                 "the polygon that begins here crosses itself too often to be cut into triangles");
 }
 
-std::vector<Plan> make_plans(VtkFile& file, std::span<const CellArray> arrays, MeshFile& mesh) {
-    std::vector<Plan> plans;
-    std::uint64_t scratch = 0;
+std::vector<Block> make_blocks(const VtkFile& file, std::span<const CellArray> arrays, MeshFile& mesh) {
+    std::vector<Block> blocks;
     for (const CellArray& array : arrays) {
-        Plan& plan = plans.emplace_back(Plan{array});
+        Plan plan(array, blocks);
         if (array.counted) {
-            plan_counted(file, plan);
+            plan_counted(file, array, plan);
         } else {
-            plan_ended(file, plan);
+            plan_ended(file, array, plan);
         }
-        mesh.triangle_count += plan.triangles;
-        const std::uint64_t most = plan.most_corners;
-        scratch = std::max(scratch, array.kind == CellKind::strips ? most * sizeof(std::uint32_t) : cutting_bytes(most));
-        if (plan.without_area > 0) {
-            mesh.warnings.push_back(file.source.name() + ": ignored " + std::to_string(plan.without_area) + " cells of " +
-                                    std::string(array.name) + " with fewer than three corners, the first being cell " +
-                                    std::to_string(plan.first_without_area));
-        }
+        plan.warn(file.source, mesh);
     }
-    constexpr std::uint64_t always_there = std::uint64_t{1} << 20;
-    if (scratch > always_there) {
-        const auto threads = static_cast<std::uint64_t>(file.source.parallel().threads());
-        file.budget.take(std::min(threads, mesh.triangle_count), scratch);
-    }
-    file.budget.take(mesh.triangle_count, triangle_bytes);
-    return plans;
+    return blocks;
 }
 
 }  // namespace
@@ -297,23 +276,19 @@ void cut_cells(VtkFile& file, std::span<const CellArray> arrays, MeshFile& mesh)
     if (copy_triangles(file, arrays, mesh)) {
         return;
     }
-    const std::vector<Plan> plans = make_plans(file, arrays, mesh);
+    if (mesh.vertex_count >= most_vertices) {
+        file.source.refuse(ErrorCode::malformed_mesh, "has too many vertices to be numbered beside polygons");
+    }
+    const std::vector<Block> blocks = make_blocks(file, arrays, mesh);
+    const Parallel& parallel = file.source.parallel();
+    std::vector<FaceList> lists = parse_faces(blocks.size(), file.budget, parallel, [&](std::size_t i, FaceList& faces) {
+        read_faces_of(file, blocks[i], faces);
+    });
+    give_faces(
+        lists, coordinates_of(mesh), file.budget, parallel,
+        [&](std::size_t i, const RefusedFace& face) { refuse(file, *blocks[i].array, face); }, mesh);
     if (mesh.triangle_count == 0) {
         file.source.refuse(ErrorCode::empty_mesh, "holds no triangles");
-    }
-    mesh.indices = Array<std::uint32_t>(file.source.memory());
-    mesh.indices.resize_discarding(3 * mesh.triangle_count);
-    const VertexCoordinates vertices{mesh.bytes.data() + mesh.first_offset, mesh.stride, mesh.vertex_type};
-    const Parallel& parallel = file.source.parallel();
-    std::size_t done = 0;
-    for (const Plan& plan : plans) {
-        const std::span<std::uint32_t> own = mesh.indices.span().subspan(done, 3 * plan.triangles);
-        parse_pieces(plan.blocks.size(), parallel, [&](std::size_t i, int) {
-            write_faces(file, plan.array, plan.blocks[i], FaceWriter(own, plan.faces[i]));
-        });
-        cut_faces(plan.faces, own, vertices, parallel,
-                  [&](std::size_t block, const RefusedFace& face) { refuse(file, plan.array, plan.blocks[block], face); });
-        done += own.size();
     }
 }
 

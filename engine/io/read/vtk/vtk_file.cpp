@@ -215,11 +215,11 @@ void give_points(VtkFile& file, std::span<NumberArray> arrays, MeshFile& mesh) {
     mesh.stride = 3 * size_of(mesh.vertex_type);
     if (arrays.size() == 1 && !is_integer(arrays[0].type)) {
         const bool in_file = arrays[0].form == NumberArray::Form::bytes;
-        mesh.first_offset = in_file ? file.offset_of(arrays[0].at) : 0;
+        mesh.first_offset =
+            in_file ? file.offset_of(arrays[0].at) : static_cast<std::size_t>(arrays[0].data - arrays[0].storage.data());
         mesh.bytes = std::move(in_file ? file.bytes : arrays[0].storage);
     } else {
-        file.budget.take(mesh.vertex_count, mesh.stride);
-        allocate_vertices(mesh.vertex_count, mesh.vertex_type, file.source.memory(), mesh);
+        allocate_vertices(mesh.vertex_count, mesh.vertex_type, file.budget, file.source.memory(), mesh);
     }
     std::byte* out = mesh.bytes.data() + mesh.first_offset;
     for (const NumberArray& array : arrays) {

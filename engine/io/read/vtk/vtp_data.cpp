@@ -48,90 +48,45 @@ void put(std::uint32_t bits, std::byte* out) {
     out[2] = static_cast<std::byte>(bits);
 }
 
-/// Bytes that are read from front to back: raw, or from base64, which may hold several runs, each padded by '=', and white
-/// space anywhere.
-class ByteStream {
-public:
-    ByteStream(std::string_view bytes, bool is_base64) noexcept
-        : p_(bytes.data()), end_(bytes.data() + bytes.size()), is_base64_(is_base64) {}
-
-    bool is_raw() const noexcept { return !is_base64_; }
-
-    /// At least as many bytes as are left.
-    std::size_t most_left() const noexcept {
-        const auto left = static_cast<std::size_t>(end_ - p_);
-        return is_base64_ ? left / 4 * 3 + 3 + (read_end_ - read_begin_) : left;
-    }
-
-    /// Fills `out`. False: the bytes end before, or are no base64.
-    bool read(std::span<std::byte> out) noexcept {
-        if (!is_base64_) {
-            const bool enough = out.size() <= most_left();
-            std::memcpy(out.data(), p_, enough ? out.size() : 0);
-            p_ += enough ? out.size() : 0;
-            return enough;
+/// Decodes four letters with white space between them, of which the last one or two may be padding, and moves `p` past them.
+/// Returns how many bytes of `out` they are; 0: they are no base64.
+std::size_t decode_quad(const char*& p, const char* end, std::byte* out) {
+    std::array<char, 4> letters{};
+    std::size_t padding = 0;
+    for (std::size_t i = 0; i < letters.size(); ++i, ++p) {
+        p = skip_space(p, end);
+        const bool pads = p != end && *p == '=' && i >= 2;
+        padding += pads ? 1 : 0;
+        if (p == end || (!pads && (value_of(*p) == no_letter || padding > 0))) {
+            return 0;
         }
-        while (!out.empty()) {
-            if (read_begin_ == read_end_) {
-                while (out.size() >= 3 && end_ - p_ >= 4) {
-                    const std::uint32_t bits = bits_of(p_);
-                    if (bits >> 24 != 0) {
-                        break;
-                    }
-                    put(bits, out.data());
-                    out = out.subspan(3);
-                    p_ += 4;
-                }
-                if (out.empty()) {
-                    return true;
-                }
-                if (!read_quad()) {
-                    return false;
-                }
-            }
-            const std::size_t count = std::min(out.size(), read_end_ - read_begin_);
-            std::memcpy(out.data(), read_.data() + read_begin_, count);
-            read_begin_ += count;
-            out = out.subspan(count);
+        letters[i] = pads ? 'A' : *p;
+    }
+    put(bits_of(letters.data()), out);
+    return 3 - padding;
+}
+
+/// Fills `out` from the begin of `text`, which may hold several runs, each padded by '=', and white space anywhere. False:
+/// it ends before, or is no base64.
+bool decode_base64(std::string_view text, std::span<std::byte> out, const Parallel& parallel) {
+    const char* p = text.data();
+    const char* const end = p + text.size();
+    while (!out.empty()) {
+        parallel.stop_if_asked();
+        std::size_t quads = std::min({out.size() / 3, static_cast<std::size_t>(end - p) / 4, std::size_t{1} << 18});
+        for (; quads > 0 && bits_of(p) >> 24 == 0; --quads, p += 4, out = out.subspan(3)) {
+            put(bits_of(p), out.data());
         }
-        return true;
-    }
-
-    /// The next bytes where they lie. Precondition: is_raw(), and they are there.
-    const std::byte* take(std::uint64_t count) noexcept {
-        return reinterpret_cast<const std::byte*>(std::exchange(p_, p_ + count));
-    }
-
-private:
-    /// Four letters with white space between them, of which the last one or two may be padding.
-    bool read_quad() noexcept {
-        std::array<char, 4> letters{};
-        std::size_t padding = 0;
-        for (std::size_t i = 0; i < letters.size(); ++i, ++p_) {
-            p_ = skip_space(p_, end_);
-            if (p_ == end_) {
-                return false;
-            }
-            const bool pads = *p_ == '=' && i >= 2;
-            padding += pads ? 1 : 0;
-            if (!pads && (value_of(*p_) == no_letter || padding > 0)) {
-                return false;
-            }
-            letters[i] = pads ? 'A' : *p_;
+        std::array<std::byte, 3> three{};
+        const std::size_t count = out.empty() ? 0 : std::min(out.size(), decode_quad(p, end, three.data()));
+        if (count == 0) {
+            return out.empty();
         }
-        put(bits_of(letters.data()), read_.data());
-        read_begin_ = 0;
-        read_end_ = 3 - padding;
-        return true;
+        std::memcpy(out.data(), three.data(), count);
+        out = out.subspan(count);
     }
-
-    const char* p_;
-    const char* end_;
-    bool is_base64_;
-    std::array<std::byte, 3> read_{};  ///< of the last four letters; [read_begin_, read_end_) are yet to be given out
-    std::size_t read_begin_ = 0;
-    std::size_t read_end_ = 0;
-};
+    return true;
+}
 
 /// Data that are compressed in blocks.
 struct Blocks {
@@ -153,8 +108,15 @@ struct Blocks {
 /// Reads the bytes of one array. Throws TextErrors at its element.
 class ArrayReader {
 public:
-    ArrayReader(VtkFile& file, const VtpForm& form, const VtpArray& array, ByteStream stream)
-        : file_(file), form_(form), array_(array), stream_(stream), storage_(file.source.memory()) {}
+    ArrayReader(VtkFile& file, const VtpForm& form, const VtpArray& array)
+        : file_(file),
+          form_(form),
+          array_(array),
+          is_base64_(array.format == VtpArray::Format::binary || form.appended_as_base64),
+          text_(array.format == VtpArray::Format::binary
+                    ? array.content
+                    : form.appended.substr(std::min<std::uint64_t>(array.appended_offset, form.appended.size()))),
+          storage_(file.source.memory()) {}
 
     /// Its `count` numbers, which lie where they are or in a storage of their own.
     NumberArray read(std::uint64_t count) {
@@ -176,19 +138,11 @@ public:
 
 private:
     const std::byte* read_plain(std::uint64_t total) {
-        std::uint64_t counted = 0;
-        read_header({&counted, 1});
+        const std::uint64_t counted = header(1).front();
         if (counted != total) {
             fail("should have " + std::to_string(total) + " bytes, but counts " + std::to_string(counted));
         }
-        if (!stream_.is_raw()) {
-            storage_ = read_stored(total);
-            return storage_.data();
-        }
-        if (total > stream_.most_left()) {
-            fail_at_end();
-        }
-        return stream_.take(total);
+        return bytes(form_.header_bytes, total, storage_);
     }
 
     const std::byte* read_compressed(std::uint64_t total) {
@@ -200,20 +154,66 @@ private:
         if (!blocks.hold(total) || total / most_expansion > blocks.ends.back()) {
             fail("should have " + std::to_string(total) + " bytes, which its compressed blocks do not hold");
         }
-        const std::uint64_t packed_bytes = blocks.ends.back();
-        Array<std::byte> packed(file_.source.memory());
-        if (!stream_.is_raw()) {
-            packed = read_stored(packed_bytes);
-        }
-        const std::byte* const from = stream_.is_raw() ? stream_.take(packed_bytes) : packed.data();
-        narrow_ = inflate_narrow(blocks, from);
+        Array<std::byte> decoded(file_.source.memory());
+        const std::byte* const packed = bytes((3 + blocks.ends.size()) * form_.header_bytes, blocks.ends.back(), decoded);
+        narrow_ = inflate_narrow(blocks, packed);
         if (!narrow_) {
             file_.budget.take(total, 1);
             storage_.resize_discarding(total);
-            inflate(blocks, from);
+            inflate(blocks, packed);
         }
-        file_.budget.give_back(packed.size());
+        file_.budget.give_back(decoded.size());
         return storage_.data();
+    }
+
+    /// The bytes [begin, begin + count) of those that the file holds, once they are known to be there: where they lie, or in
+    /// `decoded`.
+    const std::byte* bytes(std::uint64_t begin, std::uint64_t count, Array<std::byte>& decoded) {
+        if (begin > most_bytes() || count > most_bytes() - begin) {
+            fail_at_end();
+        }
+        if (!is_base64_) {
+            return reinterpret_cast<const std::byte*>(text_.data() + begin);
+        }
+        file_.budget.take(begin + count, 1);
+        decoded.resize_discarding(begin + count);
+        if (!decode_base64(text_, decoded.span(), file_.source.parallel())) {
+            fail_at_end();
+        }
+        return decoded.data() + begin;
+    }
+
+    /// At least as many as the file holds.
+    std::uint64_t most_bytes() const noexcept { return is_base64_ ? text_.size() / 4 * 3 + 3 : text_.size(); }
+
+    /// The `count` numbers that the array begins with.
+    std::vector<std::uint64_t> header(std::uint64_t count) {
+        Array<std::byte> decoded(file_.source.memory());
+        const std::byte* const from = bytes(0, count * form_.header_bytes, decoded);
+        std::vector<std::uint64_t> numbers(count);
+        const NumberType type = form_.header_bytes == 4 ? NumberType::uint32 : NumberType::uint64;
+        decode_integers({from, count, type, form_.big_endian}, 0, count, numbers.data());
+        file_.budget.give_back(decoded.size());
+        return numbers;
+    }
+
+    Blocks read_blocks() {
+        std::vector<std::uint64_t> numbers = header(3);
+        if (numbers[0] > most_bytes() / form_.header_bytes) {
+            fail("is truncated: counts " + std::to_string(numbers[0]) + " compressed blocks");
+        }
+        file_.budget.take(numbers[0], sizeof(std::uint64_t));
+        Blocks blocks{numbers[1], numbers[2] == 0 ? numbers[1] : numbers[2], header(3 + numbers[0])};
+        blocks.ends.erase(blocks.ends.begin(), blocks.ends.begin() + 3);
+        std::uint64_t end = 0;
+        for (std::uint64_t& block : blocks.ends) {
+            if (block > most_bytes() - end) {
+                fail("is truncated within its compressed blocks");
+            }
+            end += block;
+            block = end;
+        }
+        return blocks;
     }
 
     /// Holds integers of 64 bits in 32 if all fit, as they nearly always do: they compress so well that they would exceed
@@ -271,59 +271,6 @@ private:
         return answer == Z_OK && got != wanted ? Z_DATA_ERROR : answer;
     }
 
-    void read_header(std::span<std::uint64_t> numbers) {
-        std::array<std::byte, 8> bytes{};
-        Lookout lookout(file_.source.parallel());
-        for (std::uint64_t& number : numbers) {
-            lookout.pass();
-            if (!stream_.read(std::span(bytes).first(form_.header_bytes))) {
-                fail_at_end();
-            }
-            number = form_.header_bytes == 4 ? load_number<std::uint32_t>(bytes.data(), form_.big_endian)
-                                             : load_number<std::uint64_t>(bytes.data(), form_.big_endian);
-        }
-    }
-
-    Blocks read_blocks() {
-        std::array<std::uint64_t, 3> counts{};
-        read_header(counts);
-        if (counts[0] > stream_.most_left() / form_.header_bytes) {
-            fail("is truncated: counts " + std::to_string(counts[0]) + " compressed blocks");
-        }
-        file_.budget.take(counts[0], sizeof(std::uint64_t));
-        Blocks blocks{counts[1], counts[2] == 0 ? counts[1] : counts[2], std::vector<std::uint64_t>(counts[0])};
-        read_header(blocks.ends);
-        std::uint64_t end = 0;
-        for (std::uint64_t& block : blocks.ends) {
-            if (block > stream_.most_left() - end) {
-                fail("is truncated within its compressed blocks");
-            }
-            end += block;
-            block = end;
-        }
-        return blocks;
-    }
-
-    /// Copies the next `count` bytes, once they are known to be there.
-    Array<std::byte> read_stored(std::uint64_t count) {
-        if (count > stream_.most_left()) {
-            fail_at_end();
-        }
-        file_.budget.take(count, 1);
-        Array<std::byte> bytes(file_.source.memory());
-        bytes.resize_discarding(count);
-        constexpr std::size_t piece_bytes = std::size_t{1} << 20;
-        for (std::span<std::byte> rest = bytes.span(); !rest.empty();) {
-            file_.source.parallel().stop_if_asked();
-            const std::span<std::byte> piece = rest.first(std::min(piece_bytes, rest.size()));
-            if (!stream_.read(piece)) {
-                fail_at_end();
-            }
-            rest = rest.subspan(piece.size());
-        }
-        return bytes;
-    }
-
     [[noreturn]] void fail(const std::string& what) const {
         throw TextError{array_.element, std::string(array_.name) + " " + what};
     }
@@ -332,24 +279,17 @@ private:
     VtkFile& file_;
     const VtpForm& form_;
     const VtpArray& array_;
-    ByteStream stream_;
+    bool is_base64_;
+    std::string_view text_;  // from the array's begin
     Array<std::byte> storage_;
     bool narrow_ = false;  // its integers of 64 bits became such of 32
 };
-
-ByteStream stream_of(const VtpForm& form, const VtpArray& array) {
-    if (array.format == VtpArray::Format::binary) {
-        return {array.content, true};
-    }
-    const std::string_view text = form.appended.substr(std::min<std::uint64_t>(array.appended_offset, form.appended.size()));
-    return {text, form.appended_as_base64};
-}
 
 }  // namespace
 
 NumberArray load_array(VtkFile& file, const VtpForm& form, const VtpArray& array, std::uint64_t count, NumberType as) {
     if (array.format != VtpArray::Format::ascii) {
-        return ArrayReader(file, form, array, stream_of(form, array)).read(count);
+        return ArrayReader(file, form, array).read(count);
     }
     const char* p = array.content.data();
     const char* const end = p + array.content.size();

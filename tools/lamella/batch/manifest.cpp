@@ -65,7 +65,7 @@ private:
         return found;
     }
 
-    void add_row(Cells cells, std::size_t line) {
+    void add_row(Cells&& cells, std::size_t line) {
         MeshSource row{.path = {}, .folder = {}, .values = {}, .place = path_ + ":" + std::to_string(line)};
         for (auto& [name, values] : cells) {
             if (name.empty()) {
@@ -74,7 +74,7 @@ private:
                 const std::string& value = values.front();
                 const bool is_set = value == "true" || value == "1" || value == "yes";
                 refuse_at(line, !is_set && value != "false" && value != "0" && value != "no",
-                          name + ": '" + value + "' is neither true nor false");
+                          std::string(name).append(": '").append(value).append("' is neither true nor false"));
                 row.values[name] = is_set ? std::vector<std::string>{"true"} : std::vector<std::string>();
             } else {
                 row.values[name] = std::move(values);

@@ -48,7 +48,8 @@ std::string expand_pattern(const std::string& pattern, const MeshSource& mesh, c
     std::size_t at = 0;
     for (std::size_t open = pattern.find('{'); open != std::string::npos; open = pattern.find('{', at)) {
         const std::size_t close = pattern.find('}', open);
-        refuse_if(close == std::string::npos, bad_usage, option + ": '" + pattern + "': a { is not closed");
+        refuse_if(close == std::string::npos, bad_usage,
+                  std::string(option).append(": '").append(pattern).append("': a { is not closed"));
         const auto word = words.find(pattern.substr(open + 1, close - open - 1));
         refuse_if(
             word == words.end(), bad_usage,
@@ -146,7 +147,8 @@ void require_distinct(const std::vector<Item>& items, const std::vector<std::str
     const auto require_unwritten = [&writers](const std::vector<std::string>& files, const std::string& what) {
         for (const std::string& file : files) {
             if (const auto written = writers.find(place_of(file)); written != writers.end()) {
-                throw failure_at(written->second->place, bad_usage, "--output: '" + file + "' is " + what);
+                throw failure_at(written->second->place, bad_usage,
+                                 std::string("--output: '").append(file).append("' is ").append(what));
             }
         }
     };

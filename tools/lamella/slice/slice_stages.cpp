@@ -8,7 +8,6 @@
 #include <functional>
 #include <memory>
 #include <utility>
-#include <variant>
 
 #include "files/streams.hpp"
 #include "lamella/io/svg.hpp"
@@ -66,28 +65,28 @@ std::vector<std::string> doubts_of(const SliceInfo& info, const SliceArguments& 
 
 /// Outputs that take one layer after the other.
 struct Streams {
-    std::vector<std::variant<SvgStream, LayerTableStream>> all;
+    std::vector<SvgStream> svgs;
+    std::vector<LayerTableStream> tables;
     Status begun;
 
     template <class Use>
     void for_each(Use use) {
-        for (auto& stream : all) {
-            std::visit(use, stream);
-        }
+        std::for_each(svgs.begin(), svgs.end(), use);
+        std::for_each(tables.begin(), tables.end(), use);
     }
 
     void begin(const OutputJob& job, const std::string& mesh_name, const SliceInfo& info) {
         const ImageGeometry* const image = job.image ? &*job.image : nullptr;
-        const auto add = [this](auto stream) {
+        const auto add = [this](auto stream, auto& streams) {
             if (stream) {
-                all.emplace_back(std::move(stream).value());
+                streams.push_back(std::move(stream).value());
             } else {
                 begun = stream.error();
             }
         };
         for (auto output = job.outputs.begin(); begun && output != job.outputs.end(); ++output) {
-            output->format == OutputFormat::svg ? add(SvgStream::begin(info, output_path(output->path)))
-                                                : add(LayerTableStream::begin(mesh_name, output->path, image));
+            output->format == OutputFormat::svg ? add(SvgStream::begin(info, output_path(output->path)), svgs)
+                                                : add(LayerTableStream::begin(mesh_name, output->path, image), tables);
         }
     }
 

@@ -17,8 +17,8 @@
 //     any        by several threads at once, each layer as soon as it is finished. A thread holds one layer
 //
 // Either way memory does not grow with the number of layers: what is held is the crossed triangles (48 bytes each, and at
-// most 16 more while they are put in order) and what is put aside. Of parts, the slice of each is held before the first layer
-// is handed over; of faces, 8 bytes for each piece.
+// most 16 more while they are put in order) and what is put aside. Of parts, the slice of each is held before the first
+// layer is handed over; of faces, 8 bytes for each piece.
 #pragma once
 
 #include <cstddef>

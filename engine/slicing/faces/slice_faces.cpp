@@ -248,7 +248,7 @@ void FaceSlicing::build_task(const Band& layers, std::span<FacePiece> pieces, Fa
         const auto count = static_cast<std::size_t>(past - pieces.begin());
         piece_counts_[number] = count;
         build_layer(pieces.first(count), worker, output);
-        output.end_layer();
+        output.finish_layer();
         pieces = pieces.subspan(count);
     }
 }

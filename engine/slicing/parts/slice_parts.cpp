@@ -92,7 +92,7 @@ public:
             fill_band(bands, task, [&](BandOutput& output) {
                 for (PlaneIndex layer = tasks_[task].first; layer < tasks_[task].last; ++layer) {
                     fill_layer(layer, worker, output);
-                    output.end_layer();
+                    output.finish_layer();
                 }
             });
             reach(static_cast<double>(task) / static_cast<double>(tasks_.size()));

@@ -132,7 +132,7 @@ struct BandOutput {
     void add_empty_layer() { layer_contours.push_back(0); }
 
     /// To be called after each layer.
-    void end_layer() {
+    void finish_layer() {
         if (reader != nullptr) {
             reader->layer_done(*this);
         }

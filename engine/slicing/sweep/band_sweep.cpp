@@ -50,7 +50,7 @@ void BandSweep::run(const Band& band, std::span<const std::uint32_t> seeds, cons
             ticks_.sweep += linked - start;
             ticks_.contours += ticks() - linked;
         }
-        out.end_layer();
+        out.finish_layer();
     }
 }
 

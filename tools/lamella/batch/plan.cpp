@@ -76,8 +76,8 @@ ParsedOptions parsed(const OptionValues& values) {
     std::vector<std::string> typed = {"mesh"};  // the last word comes first
     for (const auto& [name, all] : values) {
         const bool flag = is_flag(*app.get_option(name));
-        for (auto value = all.rbegin(); value != all.rend(); ++value) {
-            typed.push_back(flag ? name : std::string(name).append("=").append(*value));
+        for (std::size_t i = all.size(); i-- > 0;) {
+            typed.push_back(flag ? name : std::string(name).append("=").append(all[i]));
             if (name == "--map" || name == "--band" || name == "--form") {
                 item.plain.push_back(typed.back());
             }

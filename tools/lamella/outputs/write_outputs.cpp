@@ -199,7 +199,7 @@ void tell_names_apart(OutputJob& job, const Note& note) {
 void require_closed(const OutputJob& job) {
     for (const SlicedPart& part : job.parts) {
         if (part.open.layers > 0) {
-            throw Failure(bad_input, part.name + ": --strict: " + describe(part.open, "--stitch "));
+            throw Failure(bad_input, part.name + ": --strict: " + said_of(part.open));
         }
     }
 }
@@ -282,6 +282,10 @@ void write_record_beside(const PlannedOutput& output, Record record, const Conte
     record.output = done_or_thrown(seal_file(output.path, context));
     record.output.path = std::filesystem::path(output.path).filename().string();
     done_or_thrown(write_record(record, output.record_path()));
+}
+
+std::string said_of(const OpenLayers& open) {
+    return describe(open, "--stitch ");
 }
 
 OpenLayers open_layers_of(const SliceResult& result, const Context& context) {

@@ -81,6 +81,9 @@ struct WrittenOutputs {
 /// Throws Failure.
 OpenLayers open_layers_of(const SliceResult& result, const Context& context);
 
+/// Counts and places of open contours, and the flag that would join them: a line for people.
+std::string said_of(const OpenLayers& open);
+
 /// Writes all outputs that can be written; `note` takes warnings. Parts whose names repeat are told apart by a number.
 /// Throws Failure where none can be written, and of a stop.
 WrittenOutputs write_outputs(OutputJob& job, const Context& context, const std::function<void(const std::string&)>& note);

@@ -177,8 +177,7 @@ std::vector<std::string> warnings_of(const SlicedPart& part, const SliceArgument
     const SliceInfo& info = part.result.info;
     std::vector<std::string> warnings;
     if (part.open.layers > 0 && !arguments.outputs.strict) {  // which says the same
-        warnings.push_back(arguments.name() + (arguments.split ? ", " + part.name : "") + ": " +
-                           describe(part.open, "--stitch "));
+        warnings.push_back(arguments.name() + (arguments.split ? ", " + part.name : "") + ": " + said_of(part.open));
     }
     if (info.segments == 0) {
         warnings.push_back(why_nothing_is_cut(info.box));

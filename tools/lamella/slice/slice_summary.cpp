@@ -105,7 +105,7 @@ std::string contour_counts(const SliceInfo& info) {
 }
 
 std::string open_line(const OpenLayers& open) {
-    return open.layers > 0 ? "open      " + describe(open, "--stitch ") + "\n" : std::string();
+    return open.layers > 0 ? "open      " + said_of(open) + "\n" : std::string();
 }
 
 std::string volume_line(const VolumeCertificate& volume) {

@@ -31,13 +31,6 @@ public:
         }
     }
 
-    /// Sets the bits that are among `bits`. Most often all are: then nothing is written.
-    void set(Word bits) const noexcept {
-        if ((load() & bits) != bits) {
-            __atomic_fetch_or(word_, bits, __ATOMIC_RELAXED);
-        }
-    }
-
 private:
     Word* word_;
 };

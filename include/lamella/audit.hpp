@@ -222,13 +222,13 @@ struct Audit {
 
 /// `mesh` must be what was sliced: a MeshView, or for `structure` alone also a list of parts.
 ///
-/// n triangles, k planes, m crossings: O(n + k + m) for open and volume, O(n log n) for the ledger, with 96 bytes a plane
-/// and thread, and for the ledger about 40 a triangle; O(m log m + c) a layer of m edges with c crossings, of which at most
-/// most_crossings_in_layer are counted; O(m log m) for the structure, on the calling thread. A layer that takes more than 64
-/// steps an edge for each bit of m (from 2^17 points on: one of its 64 shares more than an eighth of that) is not searched
-/// for crossings to its end, and then has `at_least` so many. All sums are of integers, and the answers do not depend on
-/// threads. Errors: invalid_argument (the mesh has not the result's number of triangles, or does not fit its grid; layers,
-/// contours and points do not follow one another; negative threads), out_of_memory, cancelled.
+/// n triangles, k planes, m crossings: O(n + k + m) for open, volume and ledger, with 96 bytes a plane and thread, 8 bytes a
+/// triangle, and 50 a triangle while its slab is examined; O(m log m + c) a layer of m edges with c crossings, of which at
+/// most most_crossings_in_layer are counted; O(m log m) for the structure, on the calling thread. A layer that takes more
+/// than 64 steps an edge for each bit of m (from 2^17 points on: one of its 64 shares more than an eighth of that) is not
+/// searched for crossings to its end, and then has `at_least` so many. All sums are of integers, and the answers do not
+/// depend on threads. Errors: invalid_argument (the mesh has not the result's number of triangles, or does not fit its grid;
+/// layers, contours and points do not follow one another; negative threads), out_of_memory, cancelled.
 Result<Audit> audit(const SliceResult& result, const Source& mesh = MeshView{}, const AuditOptions& questions = {},
                     const Context& context = {}) noexcept;
 

@@ -8,10 +8,12 @@
 
 #include <catch2/catch.hpp>
 
+#include "audit/face_sums.hpp"
 #include "lamella/result.hpp"
 #include "rings.hpp"
 #include "slicing/contours/kernels.hpp"
 #include "slicing/edges/find_turns.hpp"
+#include "slicing/planes/plane_set.hpp"
 
 using lamella::Kernels;
 using lamella::Point;
@@ -65,6 +67,18 @@ std::vector<std::uint32_t> turns_of(const std::vector<Point>& points) {
         up = own_up != 0 ? own_up : up;
     }
     return turns;
+}
+
+/// Planes 20 units apart.
+lamella::PlaneSet planes_from(std::int32_t lowest, std::size_t count) {
+    lamella::Array<lamella::Layer> layers;
+    layers.resize_discarding(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        layers[i].plane = lamella::PlaneHeight(lowest + 20 * static_cast<std::int32_t>(i));
+    }
+    lamella::PlaneSet planes(nullptr);
+    planes.build(layers);
+    return planes;
 }
 
 }  // namespace
@@ -185,4 +199,51 @@ TEST_CASE("every form finds where paths turn, also along the axes", "[engine][cr
             REQUIRE(turns == turns_of(points));
         }
     }
+}
+
+TEST_CASE("every form adds a corner of a face alike", "[engine][volume][kernels]") {
+    std::mt19937 random(7);
+    const lamella::PlaneSet planes = planes_from(1, 37);
+    const lamella::PlaneHeights heights(planes);
+    for (int round = 0; round < 2000; ++round) {
+        const auto low = 2 * static_cast<std::int32_t>(random() % 400) - 20;
+        const auto high = low + 2 * static_cast<std::int32_t>(1 + random() % 300);
+        const double bend = std::ldexp(static_cast<double>(random()) - 0x1p31, static_cast<int>(random() % 60));
+        const lamella::PlaneIndex first = planes.first_above(low);
+        const lamella::PlaneIndex last = planes.first_above(high);
+        const auto sums_of = [&](const lamella::CornerKernels& form) {
+            lamella::CornerSums sums(planes.size());
+            form.rising(heights.z(), {double(low), double(high), bend, bend / 3, first, last}, sums);
+            form.falling(heights.z(), {double(high), double(low), -bend, -bend / 3, first, last}, sums);
+            return sums;
+        };
+        const lamella::CornerSums expected = sums_of(lamella::portable_of(lamella::corner_kernel_forms()));
+        for (const auto& [needs, form] : lamella::supported(lamella::corner_kernel_forms())) {
+            const lamella::CornerSums sums = sums_of(form);
+            for (std::size_t i = 0; i <= planes.size(); ++i) {
+                REQUIRE(sums.area(i) == expected.area(i));
+                REQUIRE(sums.volume(i) == expected.volume(i));
+            }
+        }
+    }
+}
+
+TEST_CASE("sums of millions of equal corners do not overflow their limbs", "[engine][volume]") {
+    const lamella::PlaneSet planes = planes_from(101, 1);
+    const lamella::PlaneHeights heights(planes);
+    const lamella::GridTriangle face = {lamella::GridVertex{0, 0, 0}, {2'000'006, 14, 154}, {6, 2'000'002, 306}};
+    lamella::FaceSums once(planes, heights, {60, 28});
+    once.add(face);
+    lamella::PlaneSums single;
+    once.add_to(single, 0);
+    REQUIRE(single.area != 0);
+    constexpr int times = 6'000'000;
+    lamella::FaceSums often(planes, heights, {60, 28});
+    for (int i = 0; i < times; ++i) {
+        often.add(face);
+    }
+    lamella::PlaneSums all;
+    often.add_to(all, 0);
+    CHECK(all.area == single.area * times);
+    CHECK(all.volume == single.volume * times);
 }

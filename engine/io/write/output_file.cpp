@@ -163,6 +163,9 @@ void OutputFile::advance(const char* end) noexcept {
 }
 
 void OutputFile::append(std::string_view text) {
+    if (text.empty()) {  // and its place may be null
+        return;
+    }
     if (text.size() > buffer_bytes) {
         flush();
         write_out(text.data(), text.size());

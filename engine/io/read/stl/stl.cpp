@@ -85,7 +85,7 @@ void blank_nuls(FileContents& file, std::vector<std::string>& warnings) {
         const std::size_t end = std::min(text.find_first_not_of('\0', begin), text.size());
         lookout.pass();
         if (begin >= line_end) {
-            word = text.data() + text.find_last_of("\r\n", begin) + 1;  // 0 where there is no line before
+            word = text.data() + (text.find_last_of("\r\n", begin) + 1);  // 0 where there is no line before
             line_end = std::min(text.find_first_of("\r\n", begin), text.size());
         }
         word = skip_space(word, text_end);

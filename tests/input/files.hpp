@@ -120,11 +120,14 @@ inline std::string deflated(const std::string& bytes, int window_bits = -MAX_WBI
     return packed;
 }
 
-inline std::string replaced(std::string text, const std::string& what, const std::string& by) {
-    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) {
-        text.replace(at, what.size(), by);
+inline std::string replaced(const std::string& text, const std::string& what, const std::string& by) {
+    std::string made;
+    std::size_t begin = 0;
+    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, begin)) {
+        made.append(text, begin, at - begin).append(by);
+        begin = at + what.size();
     }
-    return text;
+    return made.append(text, begin);
 }
 
 inline std::string repeated(const std::string& text, std::size_t count) {

@@ -41,8 +41,8 @@ quietly() {
     }
 }
 
-# build FOLDER TARGET...: builds all targets if none is named.
-build() { quietly "$1/build.log" cmake --build "$1" --parallel "$jobs" "${@:2}"; }
+# build FOLDER
+build() { quietly "$1/build.log" cmake --build "$1" --parallel "$jobs"; }
 
 # summary LOG: the end of ctest's output, which lists skipped tests too.
 summary() { sed -n '/tests passed/,$p' "$1"; }
@@ -154,7 +154,7 @@ check_core() {
     stage "build of the engine's own tests"
     configure build/core -DCMAKE_BUILD_TYPE=Release -DLAMELLA_LARGE_UNITS=ON -DLAMELLA_BUILD_MEDICAL=OFF -DLAMELLA_BUILD_TOOLS=OFF \
         -DLAMELLA_BUILD_BENCH=OFF -DLAMELLA_BUILD_PYTHON=OFF -DLAMELLA_THOROUGH_TESTS=OFF -DLAMELLA_TEST_ROOMS="engine|oracle"
-    build build/core lamella_tests
+    build build/core
     stage "the engine's own tests"
     run_tests build/core
 }

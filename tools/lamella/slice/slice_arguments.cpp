@@ -25,8 +25,11 @@ void declare_mending(CLI::App& command, SliceArguments& arguments) {
     add_parsed(command, "--normal", "X,Y,Z", "Cut perpendicular to this direction", [&arguments](const std::string& text) {
         const std::vector<double> normal = parse_triple(text, "--normal");
         const double length = std::hypot(normal[0], normal[1], normal[2]);
+        if (!(length > 0 && std::isfinite(length))) {
+            return "'" + text + "' has no direction";
+        }
         arguments.options.frame.transform = Transform::from_normal(normal[0], normal[1], normal[2]);
-        return length > 0 && std::isfinite(length) ? "" : "'" + text + "' has no direction";
+        return std::string();
     })->check(given);
 }
 

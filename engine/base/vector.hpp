@@ -61,4 +61,12 @@ void fit(Vector<T>& array) {
     array.shrink_to_fit();
 }
 
+/// Room for `size` elements, and for somewhat more where there was less: the next layer has about as many.
+template <class T>
+void reserve_more(Vector<T>& array, std::size_t size) {
+    if (array.capacity() < size) {
+        array.reserve(size + size / 2);
+    }
+}
+
 }  // namespace lamella

@@ -124,9 +124,9 @@ private:
         const auto share = [this](std::uint64_t own) {
             return own * static_cast<std::uint64_t>(parallel_.threads()) / BandSweep::timing_stride;
         };
-        wide_ticks_.nesting += share(wide.nesting_ticks());
-        wide_ticks_.fill += share(wide.fill_ticks());
-        wide_ticks_.sweep += share(spent - wide.nesting_ticks() - wide.fill_ticks());
+        wide_ticks_.nesting += share(wide.ticks().nesting);
+        wide_ticks_.fill += share(wide.ticks().fill);
+        wide_ticks_.sweep += share(spent - wide.ticks().nesting - wide.ticks().fill);
     }
 
     void count_done(std::size_t band) {

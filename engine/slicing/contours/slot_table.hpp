@@ -75,14 +75,6 @@ void grow_exactly(Vector<T>& array, std::size_t size, StopPace& pace, const T& v
     pace.in_stretches(array.size(), size, words, [&](std::size_t, std::size_t end) { array.resize(end, value); });
 }
 
-/// Room for `size` elements, and for somewhat more where there was less: the next plane has about as many.
-template <class T>
-void reserve_more(Vector<T>& array, std::size_t size) {
-    if (array.capacity() < size) {
-        array.reserve(size + size / 2);
-    }
-}
-
 class SlotTable {
 public:
     explicit SlotTable(Worker& worker) noexcept : worker_(worker) {}

@@ -215,6 +215,7 @@ void FaceSlicing::build_layers(Distributed<FacePiece>& pieces, LayerTarget& targ
     const auto layer_at = [this](PlaneIndex layer) {
         return describe_layer(planes_, layers_.first + layer, piece_counts_[layer]);
     };
+    const LayerRules layer_rules{.region = &rules_, .grid_mm = frame_.unit.mm};
     const OutputPlan plan{.layers = layers_.size(),
                           .layer_at = layer_at,
                           .segments = 0,  // how many points pieces leave is not known
@@ -230,7 +231,7 @@ void FaceSlicing::build_layers(Distributed<FacePiece>& pieces, LayerTarget& targ
         auto& worker = workers[static_cast<std::size_t>(number)];
         if (worker == nullptr) {
             worker = std::make_unique<FaceWorker>(parallel_.memory(), parallel_.stop());
-            worker->builder.rules = {.region = &rules_, .grid_mm = frame_.unit.mm};
+            worker->builder.rules = &layer_rules;
         }
         fill_band(bands, task, [&](BandOutput& output) { build_task(tasks_[task], pieces.of(task), *worker, output); });
     });

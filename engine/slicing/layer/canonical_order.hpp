@@ -12,6 +12,8 @@
 #include <span>
 
 #include "base/vector.hpp"
+#include "base/worker.hpp"
+#include "slicing/nesting/nest.hpp"
 #include "slicing/nesting/order.hpp"
 #include "slicing/nesting/path.hpp"
 
@@ -45,26 +47,24 @@ public:
     /// same point where they touch there. Groups are counted, then filled: leaders first, holes by start.
     void put_holes_after_outers(std::span<const NestItem> items) {
         const std::size_t count = items.size();
-        group_size_.assign(count, 0);
-        leader_of_.resize(count);
+        next_place_.assign(count, 0);
+        place_of_.resize(count);
         for (std::uint32_t i = 0; i < count; ++i) {
             const NestItem& item = items[i];
             worker_.spend(item_work);
             assert((item.role != Role::hole || item.parent >= 0) && "a hole lies in something");
             const auto around = static_cast<std::uint32_t>(item.parent);
             assert(item.role != Role::hole || around < i || items[around].role == Role::outer);
-            leader_of_[i] = item.role != Role::hole ? i : (around < i ? leader_of_[around] : around);
-            ++group_size_[leader_of_[i]];
+            place_of_[i] = item.role != Role::hole ? i : (around < i ? place_of_[around] : around);  // its leader
+            ++next_place_[place_of_[i]];
         }
-        next_place_.resize(count);
-        std::exclusive_scan(group_size_.begin(), group_size_.end(), next_place_.begin(), 0U);
-        place_of_.resize(count);
+        std::exclusive_scan(next_place_.begin(), next_place_.end(), next_place_.begin(), 0U);
         item_at_.resize(count);
         for (const bool holes : {false, true}) {
             worker_.spend(count);
             for (std::uint32_t i = 0; i < count; ++i) {
                 if ((items[i].role == Role::hole) == holes) {
-                    place_of_[i] = next_place_[leader_of_[i]]++;
+                    place_of_[i] = next_place_[place_of_[i]]++;
                     item_at_[place_of_[i]] = i;
                 }
             }
@@ -80,12 +80,35 @@ private:
 
     Worker& worker_;
     Vector<nesting::SortKey> by_start_{worker_.memory()}, spare_keys_{worker_.memory()};
-    Vector<std::uint32_t> leader_of_{
-        worker_.memory()};  // of each item: the outer of its group; see put_holes_after_outers()
-    Vector<std::uint32_t> group_size_{worker_.memory()};  // of each leader
-    Vector<std::uint32_t> next_place_{worker_.memory()};  // of each leader: where the next of its group goes
-    Vector<std::uint32_t> place_of_{worker_.memory()};    // of each item
+    Vector<std::uint32_t> next_place_{worker_.memory()};  // of each leader: its group's size, then where the next goes
+    Vector<std::uint32_t> place_of_{worker_.memory()};    // of each item: its leader, then its place
     Vector<std::uint32_t> item_at_{worker_.memory()};     // at each place
+};
+
+/// The contours of a layer on their way to the result. One per thread; scratch is kept.
+struct LayerContours {
+    explicit LayerContours(Worker& worker) noexcept
+        : paths(worker.memory()), items(worker.memory()), order(worker), nester(worker), worker(worker) {}
+
+    /// Lists the items of the paths by start.
+    void sort_by_start() {
+        constexpr std::size_t contour_work = 32;  // as StopPace counts it
+        order.sort_by_start(paths);
+        items.clear();
+        reserve_more(items, paths.size());
+        for (std::size_t i = 0; i < paths.size(); ++i) {
+            worker.spend(contour_work);
+            items.push_back(path_of(i).item);
+        }
+    }
+    Path& path_of(std::size_t item) noexcept { return paths[order.path_of(item)]; }
+
+    Vector<Path> paths;      // in any order
+    Vector<NestItem> items;  // of the paths, by start
+    CanonicalOrder order;
+    Nester nester;
+    bool with_origins = false;
+    Worker& worker;
 };
 
 }  // namespace lamella

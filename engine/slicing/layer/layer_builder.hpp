@@ -3,27 +3,25 @@
 //     ring_reader      points in walking order; start, box and area of each contour
 //     repair           open polylines joined over gaps, where asked for
 //     canonical_order  contours by start
-//     nesting          parents and roles (regions, where a fill rule is asked for: what is filled, then parents and roles)
-//     simplify         points that a tolerance spares go, before nesting or after what a fill rule makes, where asked for
+//     nesting          parents and roles
+//     layer_region     what a fill rule and other rules of regions make of the contours, then parents and roles
 //     canonical_order  holes after their outers
 //     append           the result's contours and points
 #pragma once
 
 #include <span>
 
+#include "base/on_demand.hpp"
 #include "base/parallel.hpp"
-#include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "lamella/result.hpp"
 #include "slicing/contours/link_graph.hpp"
 #include "slicing/layer/canonical_order.hpp"
+#include "slicing/layer/layer_region.hpp"
 #include "slicing/layer/ring_reader.hpp"
-#include "slicing/nesting/nest.hpp"
 #include "slicing/nesting/path.hpp"
-#include "slicing/regions/regions.hpp"
 #include "slicing/repair/polylines.hpp"
 #include "slicing/result/band_output.hpp"
-#include "slicing/simplify/simplifier.hpp"
 
 namespace lamella {
 
@@ -35,6 +33,14 @@ struct LayerRules {
     double crossing_stitch = 0;  ///< grid units: longer joints cross no contour
     StitchDirection direction = StitchDirection::oriented;
     std::uint64_t first_layer = 0;  ///< of the plan's layers, which the rules count; see SliceOptions::layers
+};
+
+inline constexpr LayerRules plain_layers;
+
+/// Time spent in nesting and with the fill rule; see StageTimes.
+struct LayerTicks {
+    std::uint64_t nesting = 0;
+    std::uint64_t fill = 0;
 };
 
 /// Layer after layer; scratch is kept. One per thread.
@@ -56,50 +62,24 @@ public:
     void build_given(std::span<const Path> contours, BandOutput& out);
 
     /// Apply to layers built after this.
-    LayerRules rules;
-
-    /// Time spent in nesting and with the fill rule since construction, for layers built with `timed`; see StageTimes.
-    std::uint64_t nesting_ticks = 0;
-    std::uint64_t fill_ticks = 0;
-    bool timed = false;
+    const LayerRules* rules = &plain_layers;
+    /// Time spent on layers built after this is added there, unless null.
+    LayerTicks* ticks = nullptr;
 
 private:
     void finish(BandOutput& out);
     void close_gaps(BandOutput& out);
-    void sort_by_start();
-    void nest(FillRule rule);
-    void apply_rules(FillRule rule);
-    void simplify();
-    void rewrite_paths();
-    void rewrite(Path& path, std::span<Point> points, PointOrigin* origins) const;
-    bool is_rewritten(const Path& path) const noexcept;
-    void nest_region();
-    void keep_some(bool outermost, bool largest);
-    const Path& path_of(std::size_t item) const noexcept { return paths_[order_.path_of(item)]; }
+    bool nest(FillRule rule);
     void append(BandOutput& out);
     template <class T>
     void copy_rotated(const T* from, std::size_t first, std::size_t count, T* to);
 
     Worker& worker_;
+    LayerContours contours_{worker_};
     RingReader rings_{worker_};
-    PolylineRepair repair_{worker_};
-    CanonicalOrder order_{worker_};
-    Nester nester_{worker_};
-    Regions regions_{worker_};
-    Simplifier simplifier_{worker_};
-    Vector<Path> paths_{worker_.memory()};      // of the plane; a fill rule replaces the closed ones
-    Vector<NestItem> items_{worker_.memory()};  // of paths_, by start
-    // For rules of regions:
-    Vector<Path> closed_{worker_.memory()};              // the closed ones of paths_, by start
-    Vector<Path> kept_{worker_.memory()};                // of paths_, where only some are wanted
-    Vector<std::uint32_t> item_of_{worker_.memory()};    // of each of paths_
-    Vector<std::uint8_t> is_settled_{worker_.memory()};  // of each item: its parent is what it lies in
-    Vector<Point> made_{worker_.memory()};               // points of paths that were made or lost some
-    Vector<PointOrigin> made_origins_{worker_.memory()};
-    Vector<Point> given_{worker_.memory()};  // points of contours that were not walked
-    Vector<PointOrigin> given_origins_{worker_.memory()};
-    bool with_origins_ = false;  // of the layer
-    bool cancels_ = false;       // as Fill::cancels(), of the layer
+    OnDemand<GivenContours> given_{worker_.memory()};
+    OnDemand<PolylineRepair> repair_{worker_.memory()};
+    OnDemand<LayerRegion> region_{worker_.memory()};
 };
 
 }  // namespace lamella

@@ -93,7 +93,8 @@ Result<SliceResult> region_of(std::span<const std::span<const Point>> contours, 
             return status.error();
         }
         LayerBuilder builder(worker);
-        builder.rules = {.region = &rules, .grid_mm = grid_mm};
+        const LayerRules layer_rules{.region = &rules, .grid_mm = grid_mm};
+        builder.rules = &layer_rules;
         BandOutput output(context.memory);
         output.begin(output.buffer.span());
         builder.build_given(list_given(contours, worker), output);

@@ -137,4 +137,43 @@ inline void read_traced(Point* rings, PointOrigin* origins, std::span<const Walk
     });
 }
 
+/// A caller's contours: see given_path(). One per thread; scratch is kept.
+class GivenContours {
+public:
+    explicit GivenContours(Worker& worker) noexcept : worker_(worker) {}
+
+    /// Copies their points and lists them. Where NestItem::reverse is set, the facets run the other way. Throws
+    /// std::bad_alloc.
+    void list(std::span<const Path> given, Vector<Path>& contours) {
+        points_.clear();
+        origins_.clear();
+        for (const Path& path : given) {
+            const NestItem& item = path.item;
+            points_.insert(points_.end(), item.points, item.points + item.count);
+            origins_.insert(origins_.end(), item.origins, item.origins + (item.origins != nullptr ? item.count : 0));
+            worker_.spend(item.count);
+        }
+        contours.clear();
+        std::span<Point> rest(points_);
+        for (const Path& path : given) {
+            const NestItem& item = path.item;
+            const std::span<Point> points = rest.first(item.count);
+            rest = rest.subspan(item.count);
+            PointOrigin* const origins = origins_.empty() ? nullptr : origins_.data() + (points.data() - points_.data());
+            if (item.reverse) {
+                turn_round(points, origins, item.closed);
+            }
+            Path& contour = contours.emplace_back(item.closed ? closed_path(points, origins) : open_path(points, origins));
+            contour.segments = path.segments;
+            contour.item.flags = item.flags;
+            contour.item.part = item.part;
+        }
+    }
+
+private:
+    Worker& worker_;
+    Vector<Point> points_{worker_.memory()};
+    Vector<PointOrigin> origins_{worker_.memory()};
+};
+
 }  // namespace lamella

@@ -120,9 +120,9 @@ void Nester::sort_by_start(std::span<const NestItem> items) {
 /// Every ring becomes the parent of the starts inside it that have none yet: the smallest ring first.
 void Nester::find_parents(std::span<const NestItem> items) {
     starts_.assign(by_start_);
-    tree_in_use_ = !find_containers(items);
-    if (tree_in_use_) {
-        tree_.assign(
+    tree_in_use_ = find_containers(items) ? nullptr : &tree_.get(worker_);
+    if (tree_in_use_ != nullptr) {
+        tree_in_use_->assign(
             rings_.size(), [this](std::size_t start) { return starts_.at(static_cast<std::uint32_t>(start)); },
             aspect_of(items));
         take_all_for_containers();
@@ -133,8 +133,8 @@ void Nester::find_parents(std::span<const NestItem> items) {
         const Container& container = containers_[by_size_[i].index];
         const NestItem& contour = items[container.item];
         found_.clear();
-        if (tree_in_use_) {
-            tree_.find_in(grown(contour.box, -1), [this](Point, std::uint32_t start) {
+        if (tree_in_use_ != nullptr) {
+            tree_in_use_->find_in(grown(contour.box, -1), [this](Point, std::uint32_t start) {
                 found_.push_back(start);
                 return true;
             });
@@ -249,8 +249,8 @@ void Nester::take_in(const NestItem& contour, std::uint32_t ring) {
 
 void Nester::adopt(std::uint32_t ring, std::uint32_t child) {
     rings_[child].parent = static_cast<std::int32_t>(ring);
-    if (tree_in_use_) {
-        tree_.take_off(child);
+    if (tree_in_use_ != nullptr) {
+        tree_in_use_->take_off(child);
     } else {
         starts_.take_off(child);
     }

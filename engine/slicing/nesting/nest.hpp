@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "base/numbers.hpp"
+#include "base/on_demand.hpp"
 #include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
@@ -129,8 +130,8 @@ private:
     Vector<nesting::SortKey> spare_keys_{worker_.memory()};
     Vector<nesting::Ring> rings_{worker_.memory()};
     nesting::StartLine starts_{worker_.memory()};
-    PointTree tree_{worker_};
-    bool tree_in_use_ = false;  // instead of windows
+    OnDemand<PointTree> tree_{worker_.memory()};
+    PointTree* tree_in_use_ = nullptr;  // instead of windows
     Vector<nesting::Container> containers_{worker_.memory()};
     Vector<std::uint32_t> found_{worker_.memory()};  // starts in a container's box
     nesting::ManyInside many_inside_{worker_};

@@ -71,6 +71,8 @@ public:
           parallel_(*call.kept.parallel),
           scratch_(call.kept.output),
           merged_(merged),
+          rules_{
+              .region = &merged.info.options.region, .grid_mm = merged.info.grid_mm, .first_layer = merged.info.first_layer},
           builders_(static_cast<std::size_t>(parallel_.threads())) {}
 
     /// `reach` is told the share of layers that are done. Throws Refused, std::bad_alloc, Stopped.
@@ -186,9 +188,7 @@ private:
         auto& builder = builders_[static_cast<std::size_t>(worker)];
         if (builder == nullptr) {
             builder = std::make_unique<Builder>(parallel_.memory(), parallel_.stop());
-            const SliceInfo& info = merged_.info;
-            builder->layers.rules = {
-                .region = &info.options.region, .grid_mm = info.grid_mm, .first_layer = info.first_layer};
+            builder->layers.rules = &rules_;
         }
         builder->given.clear();
         for (const SliceResult& part : parts_) {
@@ -204,6 +204,7 @@ private:
     const Parallel& parallel_;
     OutputScratch& scratch_;
     SliceResult& merged_;
+    LayerRules rules_;
     std::vector<std::unique_ptr<Builder>> builders_;  ///< by worker
     Array<Layer> layers_{parallel_.memory()};
     std::vector<Band> tasks_;

@@ -34,7 +34,7 @@ void BandSweep::run(const Band& band, std::span<const std::uint32_t> seeds, cons
     for (PlaneIndex plane = band.first; plane < band.last; ++plane) {
         worker_.spend(plane_work);
         const bool timed = plane % timing_stride == 0;
-        layers_.timed = timed;
+        layers_.ticks = timed ? &ticks_ : nullptr;
         const std::uint64_t start = timed ? ticks() : 0;
         const auto seeds_here = plane == band.first ? seeds : std::span<const std::uint32_t>{};
         if (form == ContourForm::assembled) {
@@ -285,8 +285,6 @@ void BandSweep::emit(PlaneIndex plane, const PlaneSet& planes, BandOutput& out) 
 
 SweepTicks BandSweep::take_ticks() noexcept {
     SweepTicks spent = std::exchange(ticks_, {});
-    spent.nesting = std::exchange(layers_.nesting_ticks, 0);
-    spent.fill = std::exchange(layers_.fill_ticks, 0);
     spent.contours -= std::min(spent.contours, spent.nesting + spent.fill);
     return spent;
 }

@@ -28,11 +28,9 @@
 namespace lamella {
 
 /// Thread time by phase, in ticks of sampled layers.
-struct SweepTicks {
+struct SweepTicks : LayerTicks {
     std::uint64_t sweep = 0;
     std::uint64_t contours = 0;
-    std::uint64_t nesting = 0;
-    std::uint64_t fill = 0;
 };
 
 /// The mesh edges that pierce the current plane, as lines, by slot.
@@ -85,8 +83,8 @@ public:
     void run(const Band& band, std::span<const std::uint32_t> seeds, const Buckets& buckets, const PlaneSet& planes,
              ContourForm form, const StopCheck& stop, BandOutput& out);
 
-    /// Applies to bands swept after this call.
-    void set_rules(const LayerRules& rules) noexcept { layers_.rules = rules; }
+    /// Applies to bands swept after this call; `rules` must stay until then.
+    void set_rules(const LayerRules& rules) noexcept { layers_.rules = &rules; }
     /// The same: whether contours say where their edges come from.
     void set_origins(bool wanted) noexcept { with_origins_ = wanted; }
 

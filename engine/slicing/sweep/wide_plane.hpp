@@ -27,8 +27,8 @@ class WidePlane {
 public:
     WidePlane(const Memory* memory, const Parallel& parallel, const LayerRules& rules)
         : worker_(memory, parallel.stop()), parallel_(parallel) {
-        layer_.rules = rules;
-        layer_.timed = true;
+        layer_.rules = &rules;
+        layer_.ticks = &ticks_;
     }
 
     /// Appends the layer of `plane` to `out`; `seeds` are the triangles that cut it besides those of its own list. False,
@@ -38,8 +38,7 @@ public:
                BandOutput& out);
 
     /// Ticks spent in nesting and with the fill rule.
-    std::uint64_t nesting_ticks() const noexcept { return layer_.nesting_ticks; }
-    std::uint64_t fill_ticks() const noexcept { return layer_.fill_ticks; }
+    const LayerTicks& ticks() const noexcept { return ticks_; }
 
 private:
     /// A stretch of a contour, from a segment divisible by 64 up to the next, or a whole contour that holds none.
@@ -81,6 +80,7 @@ private:
     Vector<Piece> pieces_{worker_.memory()};
     Vector<WalkedContour> contours_{worker_.memory()};
     LayerBuilder layer_{worker_};
+    LayerTicks ticks_;
 };
 
 }  // namespace lamella

@@ -41,6 +41,9 @@ SliceOptions options_for(const PreparedImpl& prepared, const SliceOptions& optio
     if (!asked.transform.is_identity() && !(asked.transform == prepared.asked.transform)) {
         throw Refused{{ErrorCode::invalid_argument, "the mesh was prepared with another transform than the one asked for"}};
     }
+    if (asked.as_mesh_numbers && !prepared.asked.as_mesh_numbers) {
+        throw Refused{{ErrorCode::invalid_argument, "the mesh was prepared in double, not as its own numbers"}};
+    }
     SliceOptions own = options;
     own.frame = prepared.asked;
     return own;

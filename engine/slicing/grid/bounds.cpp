@@ -246,6 +246,9 @@ Result<Bounds> measure_bounds(const MeshView& mesh, const Placing& placing, doub
 }
 
 Status check_mesh(const MeshView& mesh) {
+    if (mesh.vertices == nullptr && (mesh.indices == nullptr ? mesh.triangle_count : mesh.vertex_count) != 0) {
+        return Error{ErrorCode::invalid_argument, "the mesh has no vertices: null"};
+    }
     if (mesh.vertex_type > Number::i64) {
         return Error{ErrorCode::invalid_argument, "vertices are of f32, f64, i32 or i64"};
     }

@@ -49,14 +49,6 @@ bool Transform::is_singular() const noexcept {
     return std::isfinite(largest) && std::abs(determinant) <= 1e-12 * largest;
 }
 
-// The rotation about the axis n × z. With n = (a, b, c) of length one and c >= 0:
-//
-//     | 1 - a²/(1+c)    -ab/(1+c)   -a |
-//     |  -ab/(1+c)    1 - b²/(1+c)  -b |
-//     |       a             b        c |
-//
-// Where c < 0 the space is first turned half round the x axis, so that nothing is divided by a small 1 + c. Only
-// + - * / and sqrt are used, which are rounded alike everywhere.
 Transform Transform::scale(double factor) noexcept {
     Transform transform;
     transform.m[0] = transform.m[5] = transform.m[10] = factor;
@@ -78,6 +70,14 @@ Transform operator*(const Transform& second, const Transform& first) noexcept {
     return both;
 }
 
+// The rotation about the axis n × z. With n = (a, b, c) of length one and c >= 0:
+//
+//     | 1 - a²/(1+c)    -ab/(1+c)   -a |
+//     |  -ab/(1+c)    1 - b²/(1+c)  -b |
+//     |       a             b        c |
+//
+// Where c < 0 the space is first turned half round the x axis, so that nothing is divided by a small 1 + c. Only
+// + - * / and sqrt are used, which are rounded alike everywhere.
 Transform Transform::from_normal(double x, double y, double z) noexcept {
     const double largest = std::max({std::abs(x), std::abs(y), std::abs(z)});
     assert(largest > 0 && std::isfinite(largest));

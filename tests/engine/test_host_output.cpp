@@ -1,4 +1,5 @@
-// A slice written into the host's arrays is that of slice(), converted, and nothing else is touched.
+// A slice written into the host's arrays: what does not fit is refused, and nothing else is touched. That it is that of
+// slice(), converted: test_sources.cpp.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -28,29 +29,6 @@ Error refusal_of(const HostArrays& arrays, const lamella::Source& mesh, const Sl
 }
 
 }  // namespace
-
-TEST_CASE("every type, stride and scale gives the points of slice(), converted", "[engine][host][threads]") {
-    const std::vector<PointForm> forms = {
-        {Number::i32, 0, 1, 0},       {Number::i32, 8, 1, 3},         {Number::i32, 12, 1, 0},
-        {Number::i32, 0, 3, 0},       {Number::i64, 0, 1, 0},         {Number::i64, 24, 4294967296.0, 1},
-        {Number::i64, 17, 1000, 0},   {Number::f32, 0, 0x1p-20, 0},   {Number::f32, 12, 1.0 / 3, 2},
-        {Number::f64, 0, 0x1p-20, 0}, {Number::f64, 40, 1e-6 / 7, 5},
-    };
-    for (const auto& [mesh_name, mesh] : shape_cases::meshes()) {
-        const SliceOptions options = uniform(0.5);
-        const SliceResult result = sliced(mesh, options);
-        for (const PointForm& form : forms) {
-            for (const int threads : {1, 3}) {
-                INFO(mesh_name << ", type " << static_cast<int>(form.type) << ", stride " << form.stride << ", scale "
-                               << form.scale << ", threads " << threads);
-                const GuardedArrays host(result, form);
-                require_same(sliced_to(host.arrays, view_of(mesh), options, {.threads = threads}, {.band_planes = threads}),
-                             result.info);
-                host.require_hold(result);
-            }
-        }
-    }
-}
 
 TEST_CASE("stitches are counted where there is no memory for them, and refused where there is too little",
           "[engine][host]") {

@@ -9,7 +9,6 @@
 
 #include "base/recycler.hpp"
 #include "engine/counting_memory.hpp"
-#include "engine/same_result.hpp"
 #include "engine/slicing.hpp"
 
 using lamella::SliceOptions;
@@ -67,30 +66,6 @@ TEST_CASE("a slicer gives back what the last call did not need", "[engine][slice
     kept.trim();
     CHECK(kept.bytes() < 2 * fresh.bytes() + 32768);
     CHECK(kept.bytes() < large_bytes / 8);
-}
-
-TEST_CASE("a slicer and its result give the same answers again, trimmed or not, whatever was asked before or refused",
-          "[engine][slicer]") {
-    const std::vector<shapes::Soup> soups = {plate(), large(), shapes::random_tetrahedra(3, 40, 5), {}, plate()};
-    std::vector<SliceOptions> asked = {uniform(0.5), uniform(0.05), uniform(0.5), at_heights({2, 1, 2}), at_heights({})};
-    asked[1].origins = true;
-    asked[2].region.simplify_mm = 0.05;
-    const shapes::Soup broken(18, 1e300);
-    Slicer slicer;
-    SliceResult result;
-    for (const bool trims : {false, true}) {
-        for (const shapes::Soup& soup : soups) {
-            for (SliceOptions options : asked) {
-                options.allow_empty = true;
-                REQUIRE(slicer.slice_to(result, view_of(soup), options).ok());
-                require_same(result, sliced(soup, options));
-                CHECK_FALSE(slicer.slice_to(result, view_of(broken), options).ok());
-                if (trims) {
-                    slicer.trim();
-                }
-            }
-        }
-    }
 }
 
 TEST_CASE("a small slice is done by the calling thread alone", "[engine][slicer][executor]") {

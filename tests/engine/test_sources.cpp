@@ -311,16 +311,24 @@ TEST_CASE("a question has one answer, whatever is sliced, to where, by how many 
     }
 }
 
-TEST_CASE("every destination gets planes that all threads work on together", "[engine][sources][sink][wide][threads]") {
+TEST_CASE("every destination gets planes that all threads work on together, or that fall back to a band's sweep",
+          "[engine][sources][sink][origins][wide][threads]") {
     constexpr int quarters = 1 << 15;  // eight facets each: 2^18 segments
-    SliceOptions options;
-    options.heights_mm = {{0.25, 0.5, 0.75}};
-    const shapes::Soup prism = shapes::prism(quarters, 400, 1);
-    const shapes::Soup open = shapes::without(prism, 0, 1);  // each band is begun twice
-    for (const shapes::Soup& mesh : {prism, open}) {
+    SliceOptions options{.heights_mm = {{0.25, 0.5, 0.75}}, .origins = true};
+    // The box is cut by the first plane alone, so that the prisms' records are not those with the first numbers.
+    const shapes::Soup prisms =
+        shapes::joined({shapes::box({0, 0, 0}, {4, 4, 0.3}), shapes::prism(quarters, 400, 1), shapes::prism(1 << 10, 90, 1),
+                        shapes::moved(shapes::prism(8, 90, 1), {600, 0, 0})});
+    const shapes::Soup open = shapes::without(prisms, 12, 1);  // each band is begun twice
+    for (const shapes::Soup& mesh : {prisms, open, shapes::joined({prisms, shapes::only(prisms, 12, 1)})}) {
         const lamella::SliceResult expected = sliced(mesh, options, {.threads = 1});
+        const std::uint64_t doubled = mesh.size() > prisms.size() ? 1 : 0;  // a facet, which is an open polyline
+        CHECK(expected.layers[1].contour_count == 3 + doubled);
+        CHECK(expected.info.open_contours == 3 * doubled);
         require_at_every_destination(expected, view_of(mesh), options, {.context = {.threads = 2}});
-        options.stitch_mm = 1;
+        // No plane is wide in this form.
+        require_same(sliced(mesh, options, {.threads = 2}, {.form = lamella::ContourForm::assembled}), expected);
+        options.stitch_mm = mesh == prisms ? 1 : 0;
     }
 }
 
@@ -360,13 +368,13 @@ TEST_CASE("an empty mesh gives every destination empty layers where asked for", 
     }
 }
 
-TEST_CASE("every destination and content refuses alike, in the same words", "[engine][sources][sink][errors]") {
+TEST_CASE("every destination and content refuses alike, in the same words, and names triangle or plane",
+          "[engine][sources][sink][planes][transform][errors]") {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    constexpr double infinity = std::numeric_limits<double>::infinity();
     const shapes::Soup box = shapes::box({0, 0, 0}, {4, 4, 4});
-    shapes::Soup no_number = box;
-    no_number[40] = nan;
-    shapes::Soup too_far = box;
-    too_far[40] = 2e9;
+    const std::vector<float> floats = shapes::floats(box);
+    const std::vector<float> far = shapes::floats(shapes::box({0, 0, 700}, {1, 1, 700.01}));  // floats are 6e-5 mm apart
     const shapes::Soup point = shapes::triangle({0, 0, 0}, {0.01, 0, 0}, {0, 0.01, 0});
     shapes::Indexed beyond = shapes::indexed(box);
     beyond.indices[7] = 99;
@@ -374,38 +382,62 @@ TEST_CASE("every destination and content refuses alike, in the same words", "[en
         MeshView mesh;
         SliceOptions options;
         ErrorCode code;
+        std::int64_t triangle = -1;
+        std::int64_t plane = -1;
         lamella::Context context{};
     };
     const auto layers = [](std::uint64_t first, std::uint64_t end) {
         return SliceOptions{.layer_height_mm = 1, .planes = {.first_layer = first, .end_layer = end}};
     };
-    const Refusal refusals[] = {
+    const lamella::Frame too_large{.transform = lamella::Transform::scale(1e39), .as_mesh_numbers = true};
+    std::vector<Refusal> refusals = {
         {view_of(box), layers(4, 9), ErrorCode::bad_planes},
         {view_of(box), layers(2, 2), ErrorCode::bad_planes},
         {view_of(box), layers(3, 1), ErrorCode::bad_planes},
         {view_of(box), layers(lamella::all_layers, lamella::all_layers), ErrorCode::bad_planes},
-        {view_of(no_number), at_heights({1}), ErrorCode::bad_coordinate},
-        {view_of(too_far), at_heights({1}), ErrorCode::bad_coordinate},
+        {view_of(floats), {.frame = too_large}, ErrorCode::bad_coordinate, 0},
         {MeshView{}, at_heights({1}), ErrorCode::empty_mesh},
         {view_of(point), at_heights({1}), ErrorCode::empty_mesh},
-        {beyond.view(), at_heights({1}), ErrorCode::invalid_argument},
-        {view_of(box), at_heights({1, nan}), ErrorCode::bad_planes},
+        {beyond.view(), at_heights({1}), ErrorCode::invalid_argument, 2},
+        {view_of(box), at_heights({3, 1, nan, 2, -nan}), ErrorCode::bad_planes, -1, 2},
+        {view_of(box), at_heights({1, infinity}), ErrorCode::bad_planes, -1, 1},
+        {view_of(far), uniform(1e-5), ErrorCode::bad_planes, -1, 1},
+        {view_of(box), uniform(0.9, coarse_unit_mm), ErrorCode::bad_planes},
+        {view_of(box), uniform(1e-12), ErrorCode::bad_planes},
+        {view_of(box), uniform(0), ErrorCode::invalid_argument},
         {view_of(box), uniform(-1), ErrorCode::invalid_argument},
+        {view_of(box), uniform(nan), ErrorCode::invalid_argument},
         {view_of(box), uniform(1, 1e-18), ErrorCode::invalid_argument},
         {view_of(box), uniform(1, 1e-9), ErrorCode::bad_coordinate},
-        {view_of(box), uniform(1), ErrorCode::invalid_argument, {.threads = -1}},
-        {view_of(box), uniform(0.001), ErrorCode::result_too_large, {.memory_limit_bytes = 1000}},
+        {view_of(box), {.stitch_mm = -0.5}, ErrorCode::invalid_argument},
+        {view_of(box), {.stitch_mm = nan}, ErrorCode::invalid_argument},
+        {view_of(box), uniform(1), ErrorCode::invalid_argument, -1, -1, {.threads = -1}},
+        {view_of(box), uniform(0.001), ErrorCode::result_too_large, -1, -1, {.memory_limit_bytes = 1000}},
     };
-    for (const auto& [mesh, options, code, context] : refusals) {
+    std::vector<shapes::Soup> spoiled;
+    for (const double bad : {nan, infinity, -infinity, 3e38, -3e38, 1.1e9, 1e300}) {
+        for (const std::size_t at : {0U, 31U, 107U}) {
+            spoiled.push_back(box);
+            spoiled.back()[at] = bad;
+            const auto triangle = static_cast<std::int64_t>(at / 9);
+            refusals.push_back({view_of(spoiled.back()), uniform(0.1), ErrorCode::bad_coordinate, triangle});
+        }
+    }
+    for (const auto& [mesh, options, code, triangle, plane, context] : refusals) {
         const lamella::Error expected = failure_of(mesh, options, context);
+        INFO(expected.message);
         CHECK(expected.code == code);
+        CHECK((triangle < 0 || expected.triangle == triangle));
+        CHECK((plane < 0 || expected.plane == plane));
         for (const LayerContent content :
              {LayerContent::section, LayerContent::upward_faces, LayerContent::downward_faces}) {
-            INFO(expected.message << ", " << lamella::name_of(content));
+            INFO(lamella::name_of(content));
             SliceOptions asked = options;
             asked.content = content;
             require_refused_alike(mesh, asked, context, expected);
         }
     }
+    CHECK_THAT(failure_of(view_of(far), uniform(1e-5)).message,
+               Catch::Contains("planes 0 and 1 (") && Catch::Contains("the same on the grid"));
     CHECK(code_of(lamella::Slicer().slice_to(lamella::LayerSink{}, view_of(box))) == ErrorCode::invalid_argument);
 }

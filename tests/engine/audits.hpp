@@ -18,11 +18,11 @@ inline lamella::Result<lamella::Audit> asked(bool lamella::AuditOptions::*questi
 }
 
 template <class Answer>
-lamella::Result<Answer> answer_of(lamella::Result<lamella::Audit> found, std::optional<Answer> lamella::Audit::*answer) {
-    if (!found) {
-        return found.error();
-    }
-    return std::move(((*found).*answer).value());
+lamella::Result<Answer> answer(bool lamella::AuditOptions::*question, std::optional<Answer> lamella::Audit::*member,
+                               const lamella::SliceResult& result, const lamella::Source& mesh,
+                               const lamella::Context& context) {
+    auto found = asked(question, result, mesh, context);
+    return found ? lamella::Result<Answer>(std::move(((*found).*member).value())) : found.error();
 }
 
 inline lamella::Status structure_of(const lamella::SliceResult& result, const lamella::Source& mesh = lamella::MeshView{},
@@ -30,26 +30,19 @@ inline lamella::Status structure_of(const lamella::SliceResult& result, const la
     const auto found = asked(&lamella::AuditOptions::structure, result, mesh, context);
     return found ? found->structure.value() : lamella::Status(found.error());
 }
-
-inline lamella::Result<lamella::Ledger> ledger_of(const lamella::SliceResult& result, const lamella::Source& mesh,
-                                                  const lamella::Context& context = {}) {
-    return answer_of(asked(&lamella::AuditOptions::ledger, result, mesh, context), &lamella::Audit::ledger);
+inline auto ledger_of(const lamella::SliceResult& result, const lamella::Source& mesh,
+                      const lamella::Context& context = {}) {
+    return answer(&lamella::AuditOptions::ledger, &lamella::Audit::ledger, result, mesh, context);
 }
-
-inline lamella::Result<lamella::VolumeCertificate> volume_of(const lamella::SliceResult& result, const lamella::Source& mesh,
-                                                             const lamella::Context& context = {}) {
-    return answer_of(asked(&lamella::AuditOptions::volume, result, mesh, context), &lamella::Audit::volume);
+inline auto volume_of(const lamella::SliceResult& result, const lamella::Source& mesh,
+                      const lamella::Context& context = {}) {
+    return answer(&lamella::AuditOptions::volume, &lamella::Audit::volume, result, mesh, context);
 }
-
-inline lamella::Result<lamella::Crossings> crossings_of(const lamella::SliceResult& result,
-                                                        const lamella::Context& context = {}) {
-    return answer_of(asked(&lamella::AuditOptions::crossings, result, lamella::MeshView{}, context),
-                     &lamella::Audit::crossings);
+inline auto crossings_of(const lamella::SliceResult& result, const lamella::Context& context = {}) {
+    return answer(&lamella::AuditOptions::crossings, &lamella::Audit::crossings, result, lamella::MeshView{}, context);
 }
-
-inline lamella::Result<lamella::OpenLayers> open_layers_of(const lamella::SliceResult& result,
-                                                           const lamella::Context& context = {}) {
-    return answer_of(asked(&lamella::AuditOptions::open, result, lamella::MeshView{}, context), &lamella::Audit::open);
+inline auto open_layers_of(const lamella::SliceResult& result, const lamella::Context& context = {}) {
+    return answer(&lamella::AuditOptions::open, &lamella::Audit::open, result, lamella::MeshView{}, context);
 }
 
 inline bool same(const lamella::Crossings& one, const lamella::Crossings& other) {

@@ -18,6 +18,13 @@ struct ContextCall {
     bool shows_progress = true;
 };
 
+/// Nested and overlapping shells, one inverted, one with a hole in its surface: contours of every role.
+inline shapes::Soup everything() {
+    return shapes::joined({shapes::box({0, 0, 0}, {9, 9, 9}), shapes::flipped(shapes::box({1, 1, 1}, {4, 4, 8})),
+                           shapes::box({6, 6, 0}, {12, 12, 9}),
+                           shapes::without(shapes::octasphere({20, 0, 5}, 5, 2), 108, 6)});
+}
+
 /// Calls on one mesh, which must outlive them, at layers of this height; audits are of a result at 0.1 mm.
 class ContextCalls {
 public:
@@ -68,16 +75,36 @@ public:
             {"audit of the volume", audits_of(&AuditOptions::volume)},
             {"audit of crossings", audits_of(&AuditOptions::crossings)},
             {"read_mesh", [this](const Context& c) { return code_of(read_mesh(file_, {}, c)); }},
-            {"write_svg", [this](const Context& c) { return code_of(write_svg(result_, folder_ / "a.svg", {}, c)); }},
+            {"write_svg", [this](const Context& c) { return code_of(write_svg(result_, svg_, {}, c)); }},
         };
     }
 
+    /// And those of small input, which come to no report of progress on the way.
+    std::vector<ContextCall> all_and_small() {
+        using namespace lamella;
+        std::vector<ContextCall> calls = all();
+        calls.push_back({"assemble", [this](const Context& c) { return code_of(assemble(segments_, c)); }, false});
+        calls.push_back(
+            {"region_of", [this](const Context& c) { return code_of(region_of(contours_, rules_, 1, c)); }, false});
+        return calls;
+    }
+
 private:
+    static std::vector<lamella::Segment> segments() {
+        std::vector<lamella::Segment> all;
+        for (std::uint64_t i = 0; i < 5000; ++i) {
+            const auto at = static_cast<std::int32_t>(i);
+            all.push_back({{i, 0, 0}, {i % 3 == 2 ? i - 2 : i + 1, 0, 0}, {at, at % 7}, {at + 1, at % 5}, 0, 0});
+        }
+        return all;
+    }
+
     struct Nothing {
         void operator()(const lamella::LayerView& /*layer*/) noexcept {}
     };
 
     TempFolder folder_;
+    std::filesystem::path svg_ = folder_ / "a.svg";
     lamella::MeshView mesh_;
     std::filesystem::path file_;
     lamella::SliceOptions options_;
@@ -85,6 +112,13 @@ private:
     lamella::PreparedMesh prepared_;
     std::vector<lamella::Part> parts_;
     std::optional<GuardedArrays> host_;
+    std::vector<lamella::Segment> segments_ = segments();
+    std::vector<std::vector<lamella::Point>> squares_ = {{{0, 0}, {4000, 0}, {4000, 4000}, {0, 4000}},
+                                                         {{2000, 2000}, {6000, 2000}, {6000, 6000}, {2000, 6000}},
+                                                         {{6100, 0}, {9000, 0}, {9000, 5000}, {6100, 5000}}};
+    std::vector<std::span<const lamella::Point>> contours_{squares_.begin(), squares_.end()};
+    lamella::RegionRules rules_{
+        .fill_rule = lamella::FillRule::non_zero, .closing_mm = 60, .offset_mm = -20, .drop_collinear = true};
     Nothing nothing_;
     lamella::LayerSink ascending_{.take = nothing_};
     lamella::LayerSink any_order_{.take = nothing_, .order = lamella::SinkOrder::any};

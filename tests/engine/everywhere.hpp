@@ -1,56 +1,95 @@
-// Every source and every destination of a slice: what each gets is compared as a result.
+// Every source and every destination of a slice: what each gets is compared field by field with a result.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstring>
+#include <span>
 #include <string>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
-#include "engine/same_result.hpp"
 #include "engine/slicing.hpp"
 
-/// A sink that compares each layer that it gets with that of a result.
+inline auto facts_of(const lamella::Layer& layer) {
+    return std::tuple(layer.bottom_mm, layer.plane_mm, layer.top_mm, layer.contour_count, layer.segments, layer.plane);
+}
+inline auto facts_of(const lamella::SliceInfo& info) {
+    return std::tuple(std::array{info.triangles, info.degenerate, info.crossed, info.layers, info.segments, info.contours,
+                                 info.points, info.stitches, info.holes, info.open_contours, info.flat_contours,
+                                 info.overruled_contours, info.would_close_contours, info.emptied_layers,
+                                 info.cancelled_layers, info.part_count, info.first_layer, info.planned_layers},
+                      info.box, info.grid_mm, info.options.frame.transform, info.options.stitch_mm);
+}
+
+/// For points, contours and origins, which have no byte between their members.
+template <class T>
+bool same_bytes(std::span<const T> a, std::span<const T> b) {
+    static_assert(sizeof(lamella::Contour) == 48 && sizeof(lamella::Point) == 8 && sizeof(lamella::PointOrigin) == 8);
+    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
+}
+
+/// The same layer, though indices may count from another place.
+inline bool is_same(const lamella::LayerView& a, const lamella::LayerView& b) {
+    const auto rebased = [](lamella::Contour contour, const lamella::LayerView& layer) {
+        contour.first_point -= layer.first_point;
+        contour.parent -= contour.parent < 0 ? 0 : static_cast<std::int64_t>(layer.first_contour);
+        return contour;
+    };
+    const auto same_contour = [&](const lamella::Contour& x, const lamella::Contour& y) {
+        const lamella::Contour both[] = {rebased(x, a), rebased(y, b)};
+        return std::memcmp(both, both + 1, sizeof *both) == 0;
+    };
+    const auto same_stitch = [&](const lamella::Stitch& x, const lamella::Stitch& y) {
+        return x.layer - a.index == y.layer - b.index && x.from == y.from && x.to == y.to;
+    };
+    const double areas[] = {a.area_mm2(), b.area_mm2()};  // which may be NaN
+    return facts_of(a) == facts_of(b) && std::memcmp(areas, areas + 1, sizeof *areas) == 0 &&
+           same_bytes(a.points, b.points) && same_bytes(a.origins, b.origins) &&
+           std::equal(a.contours.begin(), a.contours.end(), b.contours.begin(), b.contours.end(), same_contour) &&
+           std::equal(a.stitches.begin(), a.stitches.end(), b.stitches.begin(), b.stitches.end(), same_stitch);
+}
+
+inline void require_same(const lamella::SliceInfo& found, const lamella::SliceInfo& expected) {
+    REQUIRE((facts_of(found) == facts_of(expected)));
+    REQUIRE(found.layer_of == expected.layer_of);
+}
+inline void require_same(const lamella::SliceResult& found, const lamella::SliceResult& expected) {
+    REQUIRE(same_bytes(found.contours.span(), expected.contours.span()));
+    REQUIRE(found.stitches.size() == expected.stitches.size());
+    REQUIRE(std::equal(found.begin(), found.end(), expected.begin(), expected.end(), is_same));
+    require_same(found.info, expected.info);
+}
+
+/// A sink that compares each layer that it gets with that of a result, or of its layers from `first` on.
 class ComparedLayers {
 public:
-    explicit ComparedLayers(const lamella::SliceResult& expected) : expected_(expected), taken_(expected.size()) {}
+    explicit ComparedLayers(const lamella::SliceResult& expected, std::size_t first = 0)
+        : expected_(expected), first_(first), taken_(expected.size() - first) {}
 
     void operator()(const lamella::LayerView& found) noexcept {
-        const bool known = found.index < expected_.size();
-        if (!known || !is_same(found, expected_[found.index])) {
+        if (found.index >= taken_.size() || !is_same(found, expected_[first_ + found.index])) {
             same_ = false;
+        } else {
+            taken_[found.index].fetch_add(1);
         }
-        taken_[known ? found.index : 0].fetch_add(1);
     }
 
-    /// Requires each layer once. `info` is what the slice returned.
-    void require_all(const lamella::SliceInfo& info) const {
+    /// Requires each of the first `layers` once.
+    void require_all(std::uint64_t layers) const {
         REQUIRE(same_);
-        REQUIRE(std::all_of(taken_.begin(), taken_.end(), [](const auto& times) { return times == 1; }));
-        require_same(info, expected_.info);
+        REQUIRE(static_cast<std::uint64_t>(std::count(taken_.begin(), taken_.end(), 1)) == layers);
+        REQUIRE(std::all_of(taken_.begin(), taken_.begin() + static_cast<std::ptrdiff_t>(layers),
+                            [](const auto& times) { return times == 1; }));
     }
 
 private:
-    static bool is_same(const lamella::LayerView& found, const lamella::LayerView& expected) {
-        const auto same_contour = [&](lamella::Contour own, const lamella::Contour& other) {
-            own.first_point += expected.first_point;
-            own.parent += own.parent < 0 ? 0 : static_cast<std::int64_t>(expected.first_contour);
-            return std::memcmp(&own, &other, sizeof own) == 0;
-        };
-        const double areas[] = {found.area_mm2(), expected.area_mm2()};
-        lamella::Layer layer = found;
-        layer.first_contour += expected.first_contour;  // in a sink 0
-        return facts_of(layer) == facts_of(expected) && same_bytes(found.points, expected.points) &&
-               std::equal(found.contours.begin(), found.contours.end(), expected.contours.begin(), expected.contours.end(),
-                          same_contour) &&
-               same_bytes(found.origins, expected.origins) && same_facts(found.stitches, expected.stitches) &&
-               std::memcmp(areas, areas + 1, sizeof *areas) == 0;
-    }
-
     const lamella::SliceResult& expected_;
+    std::size_t first_;
     std::atomic<bool> same_{true};
     std::vector<std::atomic<int>> taken_;
 };
@@ -69,26 +108,49 @@ struct PointForm {
     std::size_t offset = 0;  ///< of the first point
 };
 
-/// A host's arrays, each followed by bytes that nobody may touch.
+/// Room for some objects, followed by bytes that nobody may touch.
+class Guarded {
+public:
+    explicit Guarded(std::size_t size) : bytes_(size + guard, canary) {}
+
+    std::byte* data() { return bytes_.data(); }
+    const std::byte* data() const { return bytes_.data(); }
+    template <class T>
+    std::span<T> room() {
+        return {reinterpret_cast<T*>(bytes_.data()), (bytes_.size() - guard) / sizeof(T)};
+    }
+    bool is_untouched(std::size_t from, std::size_t count) const {
+        const std::byte* const begin = bytes_.data() + from;
+        return std::all_of(begin, begin + count, [](std::byte byte) { return byte == canary; });
+    }
+    bool guard_stands() const { return is_untouched(bytes_.size() - guard, guard); }
+
+private:
+    static constexpr std::size_t guard = 256;
+    static constexpr std::byte canary{0xA5};
+    std::vector<std::byte> bytes_;
+};
+
+/// A host's arrays.
 class GuardedArrays {
 public:
     explicit GuardedArrays(const ArraySizes& sizes, const PointForm& form = {})
         : form_(form),
           stride_(form.stride == 0 ? 2 * size_of(form.type) : form.stride),
-          points_(form.offset + sizes.points * stride_ + guard, canary),
-          contours_(sizes.contours * sizeof(lamella::Contour) + guard, canary),
-          layers_(sizes.layers * sizeof(lamella::Layer) + guard, canary),
-          stitches_(sizes.stitches * sizeof(lamella::Stitch) + guard, canary),
-          origins_(sizes.origins ? sizes.points * sizeof(lamella::PointOrigin) + guard : 0, canary),
+          points_(form.offset + sizes.points * stride_),
+          contours_(sizes.contours * sizeof(lamella::Contour)),
+          layers_(sizes.layers * sizeof(lamella::Layer)),
+          stitches_(sizes.stitches * sizeof(lamella::Stitch)),
+          origins_((sizes.origins ? sizes.points : 0) * sizeof(lamella::PointOrigin)),
           arrays{.points = points_.data() + form.offset,
                  .point_capacity = sizes.points,
                  .point_type = form.type,
                  .point_stride = form.stride,
                  .scale = form.scale,
-                 .contours = room_in<lamella::Contour>(contours_, sizes.contours),
-                 .layers = room_in<lamella::Layer>(layers_, sizes.layers),
-                 .stitches = room_in<lamella::Stitch>(stitches_, sizes.stitches),
-                 .origins = room_in<lamella::PointOrigin>(origins_, sizes.origins ? sizes.points : 0)} {}
+                 .contours = contours_.room<lamella::Contour>(),
+                 .layers = layers_.room<lamella::Layer>(),
+                 .stitches = stitches_.room<lamella::Stitch>(),
+                 .origins = origins_.room<lamella::PointOrigin>()} {}
     /// Just as large as a result needs.
     explicit GuardedArrays(const lamella::SliceResult& result, const PointForm& form = {})
         : GuardedArrays({result.points.size(), result.contours.size(), result.layers.size(), result.stitches.size(),
@@ -97,30 +159,30 @@ public:
 
     /// True where no byte beyond a capacity, nor between two points, has changed.
     bool guards_stand() const {
-        const auto are_canaries = [](const std::byte* begin, std::size_t count) {
-            return std::all_of(begin, begin + count, [](std::byte byte) { return byte == canary; });
-        };
-        bool stand = are_canaries(points_.data(), form_.offset);
+        bool stand = points_.is_untouched(0, form_.offset);
         const std::size_t size = 2 * size_of(form_.type);
         for (std::uint64_t p = 0; p < arrays.point_capacity && stride_ > size; ++p) {
-            stand = stand && are_canaries(first_point() + p * stride_ + size, stride_ - size);
+            stand = stand && points_.is_untouched(form_.offset + p * stride_ + size, stride_ - size);
         }
-        for (const auto* bytes : {&points_, &contours_, &layers_, &stitches_, &origins_}) {
-            stand = stand && (bytes->empty() || are_canaries(bytes->data() + bytes->size() - guard, guard));
-        }
-        return stand;
+        const Guarded* const all[] = {&points_, &contours_, &layers_, &stitches_, &origins_};
+        return stand && std::all_of(std::begin(all), std::end(all), [](const auto* own) { return own->guard_stands(); });
     }
 
     /// Requires the slice in them to be `expected`, and nothing else to be touched.
     void require_hold(const lamella::SliceResult& expected) const {
-        REQUIRE(same_facts(first(arrays.layers, expected.layers), expected.layers.span()));
-        REQUIRE(same_bytes(first(arrays.contours, expected.contours), expected.contours.span()));
-        if (!arrays.stitches.empty()) {
-            REQUIRE(same_facts(first(arrays.stitches, expected.stitches), expected.stitches.span()));
-        }
-        if (!arrays.origins.empty()) {
-            REQUIRE(same_bytes(first(arrays.origins, expected.origins), expected.origins.span()));
-        }
+        REQUIRE(arrays.layers.size() >= expected.layers.size());
+        REQUIRE(std::equal(expected.layers.begin(), expected.layers.end(), arrays.layers.begin(),
+                           [](const lamella::Layer& a, const lamella::Layer& b) {
+                               return facts_of(a) == facts_of(b) && a.first_contour == b.first_contour;
+                           }));
+        REQUIRE(same_bytes<lamella::Contour>(arrays.contours.first(expected.contours.size()), expected.contours));
+        REQUIRE((arrays.stitches.empty() ||
+                 std::equal(expected.stitches.begin(), expected.stitches.end(), arrays.stitches.begin(),
+                            [](const lamella::Stitch& a, const lamella::Stitch& b) {
+                                return std::tuple(a.layer, a.from, a.to) == std::tuple(b.layer, b.from, b.to);
+                            })));
+        REQUIRE((arrays.origins.empty() ||
+                 same_bytes<lamella::PointOrigin>(arrays.origins.first(expected.origins.size()), expected.origins)));
         const std::span<const lamella::Point> points = expected.points;
         REQUIRE((form_.type == lamella::Number::i32   ? has_points_as<std::int32_t>(points)
                  : form_.type == lamella::Number::i64 ? has_points_as<std::int64_t>(points)
@@ -130,67 +192,34 @@ public:
     }
 
 private:
-    static constexpr std::size_t guard = 256;
-    static constexpr std::byte canary{0xA5};
-
-    template <class T>
-    static std::span<T> room_in(std::vector<std::byte>& bytes, std::uint64_t count) {
-        return {reinterpret_cast<T*>(bytes.data()), count};
-    }
-    template <class T>
-    static std::span<const T> first(std::span<T> room, const lamella::Array<T>& expected) {
-        REQUIRE(room.size() >= expected.size());
-        return room.first(expected.size());
-    }
-
     template <class T>
     bool has_points_as(std::span<const lamella::Point> points) const {
         using Factor = std::conditional_t<std::is_integral_v<T>, std::int64_t, double>;
         const auto factor = static_cast<Factor>(form_.scale);
-        const auto is_written = [&, at = first_point()](const lamella::Point& p) mutable {
+        const auto is_written = [&, at = points_.data() + form_.offset](const lamella::Point& p) mutable {
             std::array<T, 2> xy;
             std::memcpy(xy.data(), std::exchange(at, at + stride_), sizeof xy);
             return xy == std::array<T, 2>{static_cast<T>(p.x * factor), static_cast<T>(p.y * factor)};
         };
         return std::all_of(points.begin(), points.end(), is_written);
     }
-    const std::byte* first_point() const { return points_.data() + form_.offset; }
 
     PointForm form_;
     std::size_t stride_;
-    std::vector<std::byte> points_;
-    std::vector<std::byte> contours_;
-    std::vector<std::byte> layers_;
-    std::vector<std::byte> stitches_;
-    std::vector<std::byte> origins_;
+    Guarded points_;
+    Guarded contours_;
+    Guarded layers_;
+    Guarded stitches_;
+    Guarded origins_;
 
 public:
     lamella::HostArrays arrays;
 };
 
-/// A mesh as every source that can be made of it in memory.
-class EverySource {
-public:
-    EverySource(const shapes::Soup& soup, const lamella::Frame& frame)
-        : soup_(view_of(soup)),
-          indexed_(shapes::indexed(soup)),
-          prepared_(value_of(prepare(soup_, frame))),
-          part_{{.mesh = soup_}} {}
-
-    std::vector<std::pair<std::string, lamella::Source>> all() const {
-        return {{"soup", soup_}, {"indexed", indexed_}, {"prepared", prepared_}, {"part", part_}};
-    }
-
-private:
-    lamella::MeshView soup_;
-    shapes::Indexed indexed_;
-    lamella::PreparedMesh prepared_;
-    std::vector<lamella::Part> part_;
-};
-
 /// Requires that every destination gets `expected`. A Slicer serves one after the other.
 inline void require_at_every_destination(const lamella::SliceResult& expected, const lamella::Source& source,
-                                         const lamella::SliceOptions& options, const Way& way = {}) {
+                                         const lamella::SliceOptions& options, const Way& way = {},
+                                         const PointForm& form = {.type = lamella::Number::f64}) {
     lamella::Slicer slicer;
     const auto slice = [&](const lamella::Destination& to) {
         return value_of(slice_tuned(slicer, to, source, options, way.tuning, way.context));
@@ -201,11 +230,12 @@ inline void require_at_every_destination(const lamella::SliceResult& expected, c
     for (const lamella::SinkOrder order : {lamella::SinkOrder::any, lamella::SinkOrder::ascending}) {
         INFO("to a sink, ascending " << (order == lamella::SinkOrder::ascending));
         ComparedLayers compared(expected);
-        compared.require_all(slice(lamella::LayerSink{.take = compared, .order = order}));
+        require_same(slice(lamella::LayerSink{.take = compared, .order = order}), expected.info);
+        compared.require_all(expected.size());
     }
-    for (const lamella::Number type : {lamella::Number::i32, lamella::Number::f64}) {
-        INFO("to arrays of type " << static_cast<int>(type));
-        GuardedArrays host(expected, {.type = type});
+    for (const PointForm& own : {PointForm{}, form}) {
+        INFO("to arrays of type " << static_cast<int>(own.type) << ", stride " << own.stride << ", scale " << own.scale);
+        GuardedArrays host(expected, own);
         require_same(slice(host.arrays), expected.info);
         host.require_hold(expected);
     }

@@ -1,21 +1,23 @@
-// Bounds, planes, counting and scattering alone: vector code and tables must find what a loop over triangles and planes
-// finds.
+// Bounds, planes, counting, scattering and bands: vector code and tables must find what a loop over triangles and planes
+// finds, and all of it must hold for very many triangles.
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <numeric>
 #include <optional>
 #include <random>
-#include <tuple>
 #include <vector>
 
 #include <catch2/catch.hpp>
 
-#include "base/guard.hpp"
+#include "engine/counting_memory.hpp"
 #include "engine/slicing.hpp"
+#include "oracle/compare.hpp"
 #include "slicing/bands/bands.hpp"
-#include "slicing/buckets/mesh_source.hpp"
-#include "slicing/grid/bounds.hpp"
+#include "slicing/buckets/bucket.hpp"
+#include "slicing/planes/plane_set.hpp"
 
 using lamella::BandPlan;
 using lamella::Buckets;
@@ -60,10 +62,6 @@ std::vector<float> flattened(std::vector<float> soup, float height) {
 struct Plan {
     lamella::SliceOptions options;
     std::optional<lamella::RandomHeights> random{};
-
-    void build(PlaneSet& planes, const lamella::Bounds& box, double unit_mm, lamella::Number number) const {
-        planes.build(options, random, {box, {unit_mm, 0}, number}, no_limit);
-    }
 };
 
 Plan uniform_plan(double height_mm) {
@@ -84,95 +82,79 @@ Plan crowded_plan() {
     return {{.heights_mm = heights_mm}};
 }
 
-/// The results of bounds, planes, counting, bands and scattering.
-struct Bucketed {
-    PlaneSet planes{nullptr};
-    Buckets buckets{nullptr};
-    BandPlan bands{nullptr};
+/// The soup in records of so many bytes, without spare ones after the last triangle.
+std::vector<std::byte> records(const std::vector<float>& soup, std::size_t stride) {
+    const std::size_t triangles = soup.size() / 9;
+    std::vector<std::byte> bytes(triangles * stride - (stride - 36));
+    for (std::size_t t = 0; t < triangles; ++t) {
+        std::memcpy(bytes.data() + t * stride, soup.data() + 9 * t, 36);
+    }
+    return bytes;
+}
 
-    Bucketed(const MeshView& mesh, const Plan& plan, double unit_mm, int threads, int band_planes) {
-        const lamella::Parallel parallel({.threads = threads});
-        lamella::SoupSource source(mesh, {}, nullptr, {parallel, planes, buckets});
-        plan.build(planes, source.measure(unit_mm), unit_mm, mesh.vertex_type);
-        source.count(unit_mm);
-        bands.cut(buckets, planes.size(), band_planes, threads);
-        const std::size_t reaching = source.scatter(bands.band_end, bands.reaching.span(), false);
-        bands.find_seeds(planes.size(), reaching, {});
-    }
+constexpr double mebibyte = 1 << 20;
 
-    using Row =
-        std::tuple<std::uint32_t, lamella::GridVertex, lamella::GridVertex, lamella::GridVertex, std::uint32_t, PlaneIndex>;
-    /// The list of each plane, in the order of the input.
-    std::vector<std::vector<Row>> lists() const {
-        std::vector<std::vector<Row>> all(planes.size());
-        for (PlaneIndex plane = 0; plane < planes.size(); ++plane) {
-            for (std::uint32_t r = buckets.list_begin[plane]; r < buckets.list_begin[plane + 1]; ++r) {
-                const lamella::CrossedTriangle& t = buckets.records[r];
-                all[plane].push_back({t.triangle, t.lower, t.middle, t.upper, t.middle_and_source, t.last});
-            }
-            std::sort(all[plane].begin(), all[plane].end());
-        }
-        return all;
-    }
-};
+/// Upper bound for the memory that slicing may hold besides the input.
+double allowance(const lamella::SliceResult& result) {
+    const std::size_t arrays = result.layers.size() * sizeof(lamella::Layer) +
+                               result.contours.size() * sizeof(lamella::Contour) +
+                               result.points.size() * sizeof(lamella::Point);
+    return 48 * static_cast<double>(result.info.crossed) + 1.2 * static_cast<double>(arrays) + 64 * mebibyte;
+}
 
-/// Compares the result with the definitions, plane by plane.
-void check_by_definition(const Bucketed& found, const MeshView& mesh, double unit_mm) {
-    const lamella::GeneralReader read(mesh, {}, unit_mm);
-    std::uint64_t degenerate = 0;
-    std::uint64_t segments = 0;
-    std::vector<std::uint32_t> list_size(found.planes.size());
-    for (std::size_t t = 0; t < mesh.triangle_count; ++t) {
-        const lamella::GridTriangle v = read(t);
-        if (lamella::is_degenerate(v)) {
-            ++degenerate;
-            continue;
-        }
-        const auto [low, high] = std::minmax({v[0].z, v[1].z, v[2].z});
-        bool is_first = true;
-        for (PlaneIndex plane = 0; plane < found.planes.size(); ++plane) {
-            if (low < found.planes.z(plane) && found.planes.z(plane) < high) {
-                list_size[plane] += is_first ? 1U : 0U;
-                is_first = false;
-                ++segments;
-            }
-        }
-    }
-    CHECK(found.buckets.degenerate == degenerate);
-    CHECK(found.buckets.segment_count == segments);
-    const auto lists = found.lists();
-    for (PlaneIndex plane = 0; plane < found.planes.size(); ++plane) {
-        CHECK(lists[plane].size() == list_size[plane]);
-    }
+/// Buckets of which each plane has so many segments, all of triangles that begin at it or, if `listed` is less, below.
+Buckets counted(const std::vector<std::uint32_t>& segments, std::uint32_t listed) {
+    Buckets buckets(nullptr);
+    buckets.segments.resize_discarding(segments.size());
+    std::copy(segments.begin(), segments.end(), buckets.segments.begin());
+    buckets.list_begin.resize_discarding(segments.size() + 1);
+    std::fill(buckets.list_begin.begin(), buckets.list_begin.end(), listed);
+    buckets.list_begin[0] = 0;
+    buckets.segment_count = std::accumulate(segments.begin(), segments.end(), std::uint64_t{0});
+    return buckets;
 }
 
 }  // namespace
 
-TEST_CASE("boxes of blocks of a float soup are those of the same numbers as doubles", "[engine][bucket]") {
-    const lamella::Parallel parallel({.threads = 2});
-    for (const std::size_t triangles : {1U, 15U, 64U, 65U, 200U, 1000U}) {
-        const std::vector<float> soup = random_soup(triangles, 0.1F, 0.1F, 3);
-        const std::vector<double> doubles(soup.begin(), soup.end());
-        for (const std::size_t stride : {36U, 50U}) {
-            std::vector<std::byte> bytes(triangles * stride - (stride - 36));  // no spare bytes after the last triangle
-            for (std::size_t t = 0; t < triangles; ++t) {
-                std::memcpy(bytes.data() + t * stride, soup.data() + 9 * t, 36);
-            }
-            const MeshView floats{.vertices = bytes.data(), .triangle_count = triangles, .vertex_stride = stride};
-            for (const double unit_mm : {0x1p-20, 0.005}) {
-                lamella::BlockTable found(nullptr);
-                lamella::BlockTable expected(nullptr);
-                const lamella::Bounds box = lamella::require(measure_bounds(floats, {}, unit_mm, parallel, found));
-                const lamella::Bounds other =
-                    lamella::require(measure_bounds(MeshView::soup(doubles), {}, unit_mm, parallel, expected));
-                CHECK(std::equal(box.min_mm, box.min_mm + 3, other.min_mm));
-                CHECK(std::equal(box.max_mm, box.max_mm + 3, other.max_mm));
-                REQUIRE(found.blocks.size() == lamella::block_count(triangles));
-                for (std::size_t b = 0; b < found.blocks.size(); ++b) {
-                    CHECK(found.blocks[b].low_mm == expected.blocks[b].low_mm);
-                    CHECK(found.blocks[b].high_mm == expected.blocks[b].high_mm);
-                    CHECK(found.blocks[b].near == expected.blocks[b].near);
-                }
+TEST_CASE("slices of soups of every kind are those of the oracle, at every stride, in every band", "[engine][bucket]") {
+    const double unit_mm = lamella::default_grid_mm;
+    struct Sample {
+        const char* name;
+        Plan plan;
+        std::vector<float> soup;
+    };
+    // The last: some two hundred planes 4 units apart, each of which rounding moves by a large part of a step.
+    const Sample samples[] = {{"uniform", uniform_plan(0.5), random_soup(1000, 1.5F, 1, 5)},
+                              {"tall", uniform_plan(0.5), random_soup(700, 6, 1, 11)},
+                              {"most lie between planes", uniform_plan(3), random_soup(1000, 0.05F, 1, 5)},
+                              {"irregular", random_plan(0.1, 0.5), random_soup(1000, 1, 1, 5)},
+                              {"crowded", crowded_plan(), random_soup(1000, 2, 1, 5)},
+                              {"fine", uniform_plan(4.5 * unit_mm), flattened(random_soup(500, 0x1p-12F, 1, 9), 0x1p-10F)},
+                              {"few", uniform_plan(0.1), random_soup(15, 1, 1, 3)},
+                              {"a block and one", uniform_plan(0.5), random_soup(65, 0.1F, 0.1F, 3)},
+                              {"one", uniform_plan(0.1), random_soup(1, 1, 1, 3)}};
+    const std::vector<Way> all_ways = ways();
+    std::size_t turn = 0;
+    for (const auto& [name, plan, soup] : samples) {
+        const std::vector<double> wide(soup.begin(), soup.end());
+        std::vector<std::uint32_t> corners(soup.size() / 3);
+        std::iota(corners.begin(), corners.end(), 0U);
+        const std::vector<std::byte> spaced = records(soup, 50);
+        const MeshView views[] = {
+            MeshView::soup(soup), MeshView::soup(wide), MeshView::indexed(soup, corners),
+            MeshView{.vertices = spaced.data(), .triangle_count = soup.size() / 9, .vertex_stride = 50}};
+        for (const double grid_mm : {0.0, 0.005}) {
+            for (const MeshView& view : views) {
+                const Way& way = all_ways[turn++ % all_ways.size()];
+                lamella::Tuning tuning = way.tuning;
+                tuning.random_heights = plan.random;
+                lamella::SliceOptions options = plan.options;
+                options.frame.grid_mm = plan.options.layer_height_mm < 0.001 ? 0 : grid_mm;
+                INFO(name << ", view " << &view - views << ", grid " << grid_mm << ", " << way);
+                const lamella::SliceResult result = sliced(view, options, way.context, tuning);
+                const auto triangles = oracle::quantise(wide, result.info.grid_mm);
+                REQUIRE_THAT(oracle::difference(result, triangles), Catch::Equals(""));
+                CHECK(result.info.degenerate == soup.size() / 9 - triangles.size());
             }
         }
     }
@@ -184,7 +166,7 @@ TEST_CASE("the table finds the first plane above a vertex", "[engine][bucket][pl
         const bool fine = plan.options.layer_height_mm < 0.001;
         const lamella::Bounds box = fine ? lamella::Bounds{{0, 0, 0}, {1, 1, 0x1p-8}} : bounds;
         PlaneSet planes(nullptr);
-        plan.build(planes, box, lamella::default_grid_mm, lamella::Number::f32);
+        planes.build(plan.options, plan.random, {box, {lamella::default_grid_mm, 0}, lamella::Number::f32}, no_limit);
         REQUIRE(planes.size() > 100);
         const auto check = [&](std::int32_t z) {
             const std::int32_t* end = planes.heights() + planes.size();
@@ -201,110 +183,35 @@ TEST_CASE("the table finds the first plane above a vertex", "[engine][bucket][pl
     }
 }
 
-TEST_CASE("buckets hold the crossed triangles for every kind of input and thread count", "[engine][bucket]") {
-    const double unit_mm = lamella::default_grid_mm;
-    struct Sample {
-        const char* name;
-        Plan plan;
-        std::vector<float> soup;
-    };
-    // The last: some two hundred planes 4 units apart, each of which rounding moves by a large part of a step.
-    const Sample samples[] = {{"uniform", uniform_plan(0.5), random_soup(1000, 1.5F, 1, 5)},
-                              {"most lie between planes", uniform_plan(3), random_soup(1000, 0.05F, 1, 5)},
-                              {"irregular", random_plan(0.1, 0.5), random_soup(1000, 1, 1, 5)},
-                              {"crowded", crowded_plan(), random_soup(1000, 2, 1, 5)},
-                              {"fine", uniform_plan(4.5 * unit_mm), flattened(random_soup(500, 0x1p-12F, 1, 9), 0x1p-10F)}};
-    for (const Sample& sample : samples) {
-        INFO(sample.name);
-        const std::vector<float>& soup = sample.soup;
-        const MeshView view = MeshView::soup(soup);
-        const Bucketed found(view, sample.plan, unit_mm, 1, 3);
-        check_by_definition(found, view, unit_mm);
-        const std::vector<double> wide(soup.begin(), soup.end());
-        std::vector<std::uint32_t> corners(soup.size() / 3);
-        std::iota(corners.begin(), corners.end(), 0U);
-        const auto lists = found.lists();
-        // Indexed input, then two threads.
-        CHECK(Bucketed(MeshView::indexed(soup, corners), sample.plan, unit_mm, 1, 3).lists() == lists);
-        CHECK(Bucketed(view, sample.plan, unit_mm, 2, 3).lists() == lists);
-        // Planes for doubles are placed with double precision, so they may lie one unit elsewhere.
-        check_by_definition(Bucketed(MeshView::soup(wide), sample.plan, unit_mm, 1, 3), MeshView::soup(wide), unit_mm);
-    }
-}
-
-TEST_CASE("seeds of a band are the triangles from below that its first plane cuts", "[engine][bucket]") {
-    const std::vector<float> soup = random_soup(700, 6, 1, 11);
-    const MeshView view = MeshView::soup(soup);
-    for (const int band_planes : {1, 4}) {
-        for (const int threads : {1, 3}) {
-            const Bucketed found(view, uniform_plan(0.5), lamella::default_grid_mm, threads, band_planes);
-            REQUIRE(found.bands.bands.size() > 5);
-            for (std::size_t b = 0; b < found.bands.bands.size(); ++b) {
-                const PlaneIndex first = found.bands.bands[b].first;
-                std::vector<std::uint32_t> expected;
-                for (std::uint32_t r = 0; r < found.buckets.list_begin[first]; ++r) {
-                    if (found.buckets.records[r].last > first) {
-                        expected.push_back(r);
-                    }
-                }
-                const auto seeds = found.bands.seeds_of(b);
-                std::vector<std::uint32_t> sorted(seeds.begin(), seeds.end());
-                std::sort(sorted.begin(), sorted.end());
-                CHECK(sorted == expected);
-            }
-        }
-    }
-}
-
 TEST_CASE("bands hold no more segments than asked for, unless seeds would outnumber the triangles", "[engine][bucket]") {
-    // Few triangles, each cut by all planes: from every band on to the next they are seeds.
-    const shapes::Soup tall = shapes::prism(64, 10, 20);
-    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 4);
-    for (const shapes::Soup& soup : {tall, ball}) {
-        const Bucketed found(view_of(soup), uniform_plan(0.01), 0x1p-20, 2, 0);
-        BandPlan bands{nullptr};
-        for (const std::uint64_t most : {std::uint64_t{1}, std::uint64_t{500}, std::uint64_t{5000}, no_limit}) {
-            bands.cut(found.buckets, found.planes.size(), 0, 1, most);
-            PlaneIndex next = 0;
-            for (const lamella::Band& band : bands.bands) {
-                CHECK(band.first == next);
-                CHECK((band.last == band.first + 1 || band.segments <= most));
-                next = band.last;
-            }
-            CHECK(next == found.planes.size());
+    std::mt19937 random(3);
+    std::vector<std::uint32_t> segments(2000);
+    std::generate(segments.begin(), segments.end(), [&] { return static_cast<std::uint32_t>(random() % 700); });
+    BandPlan bands{nullptr};
+    for (const std::uint64_t most : {std::uint64_t{1}, std::uint64_t{500}, std::uint64_t{5000}, no_limit}) {
+        bands.cut(counted(segments, 200), 2000, 0, 1, most);
+        PlaneIndex next = 0;
+        for (const lamella::Band& band : bands.bands) {
+            CHECK(band.first == next);
+            CHECK((band.last == band.first + 1 || band.segments <= most));
+            next = band.last;
         }
-        CHECK(bands.bands.size() <= found.bands.bands.size());
+        CHECK(next == 2000);
     }
     // Of triangles that all planes cut, bands of one plane would have 63 times as many seeds: more than 2^21.
-    Buckets counted{nullptr};
-    constexpr PlaneIndex planes = 64;
     constexpr std::uint32_t cut = 100'000;
-    counted.segments.resize_discarding(planes);
-    std::fill(counted.segments.begin(), counted.segments.end(), cut);
-    counted.list_begin.resize_discarding(planes + 1);
-    std::fill(counted.list_begin.begin(), counted.list_begin.end(), cut);
-    counted.list_begin[0] = 0;
-    counted.segment_count = std::uint64_t{cut} * planes;
-    BandPlan bands{nullptr};
-    bands.cut(counted, planes, 0, 1, cut);
+    bands.cut(counted(std::vector<std::uint32_t>(64, cut), cut), 64, 0, 1, cut);
     REQUIRE(bands.bands.size() > 1);
     CHECK((bands.bands.size() - 1) * cut <= std::size_t{1} << 21);
     CHECK((2 * bands.bands.size() - 1) * cut > std::size_t{1} << 21);
 }
 
 TEST_CASE("a band ends above a wide base, and not where a few edges end", "[engine][bucket]") {
-    constexpr PlaneIndex planes = 60'000;
-    Buckets counted{nullptr};
-    counted.segments.resize_discarding(planes);
-    counted.list_begin.resize_discarding(planes + 1);
     for (const std::uint32_t base : {40'000U, 400U}) {
-        std::fill(counted.segments.begin(), counted.segments.end(), 10U);
-        std::fill_n(counted.segments.begin(), 3, base);
-        std::fill(counted.list_begin.begin(), counted.list_begin.end(), base);
-        counted.list_begin[0] = 0;
-        counted.segment_count = 3 * base + 10 * (planes - 3);
+        std::vector<std::uint32_t> segments(60'000, 10);
+        std::fill_n(segments.begin(), 3, base);
         BandPlan bands{nullptr};
-        bands.cut(counted, planes, 0, 1);
+        bands.cut(counted(segments, base), 60'000, 0, 1);
         REQUIRE(bands.bands.size() > 2);
         CHECK((bands.bands[1].last < 10) == (base > 1000));
     }
@@ -334,4 +241,54 @@ TEST_CASE("a grid coarser than requested makes more triangles degenerate", "[eng
         soup.insert(soup.end(), {1, 2, z, 1 + 0x1p-13F, 2, z, 100, 100, z + 1});
     }
     CHECK(sliced(MeshView::soup(soup), uniform(1000)).info.degenerate == 100);
+}
+
+TEST_CASE("a tall prism of 400,000 facets is not copied once per band", "[engine][scale]") {
+    constexpr int quarters = 25'000;
+    const shapes::Soup prism = shapes::prism(quarters, 50, 100);
+    REQUIRE(prism.size() == 9 * std::size_t{16 * quarters - 4});
+    std::uint64_t expected = 0;
+    for (const std::int64_t band : {0, 1, 3}) {
+        CountingMemory memory;
+        lamella::Slicer slicer;
+        lamella::SliceResult result(&memory);
+        value_of(slice_tuned(slicer, result, view_of(prism), uniform(5), {.band_planes = band},
+                             {.threads = 2, .memory = &memory}));
+        if (band == 1) {
+            CHECK(result.info.bands == 10);  // bands of one plane each would have 3.8 million seeds
+        }
+        expected = band == 0 ? result.hash() : expected;
+        CHECK(result.hash() == expected);
+        CHECK(static_cast<double>(memory.peak()) < allowance(result));
+        REQUIRE(result.layers.size() == 20);
+        for (const lamella::LayerView layer : result) {
+            REQUIRE(layer.contour_count == 1);
+            CHECK(layer.contours[0].segments == 8 * quarters);
+            CHECK(layer.area_mm2() == Approx(std::acos(-1.0) * 2500).epsilon(1e-6));
+        }
+    }
+}
+
+TEST_CASE("an edge map that grows keeps its entries", "[engine][scale]") {
+    // The number of edges exceeds half the ends. First come single facets, then pairs that share their short edge: the
+    // first faces of all pairs, then the second. The map grows between the first and the second faces.
+    constexpr int count = 20'000;
+    const auto place = [](int i) { return std::array<double, 2>{4.0 * (i % 200), 4.0 * (i / 200)}; };
+    shapes::Soup soup;
+    const auto add = [&soup](const shapes::Soup& facet) { shapes::append(soup, facet); };
+    for (int i = 0; i < count; ++i) {
+        const auto [x, y] = place(i);
+        add(shapes::triangle({x, y, 0}, {x + 1, y, 0}, {x, y + 1, 2}));
+    }
+    for (int i = count; i < 2 * count; ++i) {
+        const auto [x, y] = place(i);
+        add(shapes::triangle({x, y, 0}, {x + 1, y, 2}, {x, y + 1, 4}));
+    }
+    for (int i = count; i < 2 * count; ++i) {
+        const auto [x, y] = place(i);
+        add(shapes::triangle({x + 1, y, 2}, {x, y, 0}, {x + 2, y + 2, 3}));
+    }
+    const lamella::SliceResult result = sliced(soup, at_heights({1}));
+    CHECK(result.info.segments == 3 * count);
+    CHECK(result.info.open_contours == 2 * count);
 }

@@ -1,5 +1,6 @@
 // lamella.h: the same bytes as the C++ calls, from any source to any destination; structs of other sizes; what is refused.
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdlib>
@@ -7,93 +8,184 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>
 
-#include "engine/c_calls.hpp"
-#include "engine/shapes.hpp"
+#include "engine/everywhere.hpp"
 #include "lamella/lamella.h"
-#include "lamella/lamella.hpp"
 
-using namespace c_calls;
 using namespace lamella;
 
-TEST_CASE("any source goes to any destination by C", "[c]") {
-    const std::vector<float> sphere = shapes::floats(shapes::octasphere({1, 2, 3}, 20, 3));
-    const lamella_mesh mesh = soup_of(sphere);
-    lamella_options options = options_at(0.7);
-    options.origins = 1;
-    lamella_prepared* handle = nullptr;
-    REQUIRE(lamella_prepare(&mesh, &options, nullptr, &handle, nullptr) == LAMELLA_OK);
-    const std::unique_ptr<lamella_prepared, Freed> prepared(handle);
-    CHECK(lamella_prepared_grid_mm(handle) == LAMELLA_DEFAULT_GRID_MM);
-    CHECK(lamella_prepared_bytes(handle) >= mesh.triangle_count * 48);
-    const lamella_part parts[2] = {{&mesh, {}},
-                                   {&mesh, {1, 0, 0, 50, 0, 1, 0, 0, 0, 0, 1, 0}}};  // the second is moved along x
-    lamella_source source = source_of(mesh);
-    const int kind = GENERATE(0, 1, 2, 3, 4);
-    INFO("a mesh, prepared, two parts, what faces project: " << kind);
-    if (kind == 1 || kind == 2) {
-        source.mesh = nullptr;
-        source.prepared = kind == 1 ? handle : nullptr;
-        source.parts = kind == 2 ? parts : nullptr;
-        source.part_count = kind == 1 ? 0 : 2;
-    } else if (kind > 2) {
-        options.content = kind == 3 ? LAMELLA_LAYER_CONTENT_UPWARD_FACES : LAMELLA_LAYER_CONTENT_DOWNWARD_FACES;
-        lamella_result* refused = nullptr;
-        CHECK(lamella_slice(nullptr, &mesh, &options, &refused, nullptr) == LAMELLA_INVALID_ARGUMENT);  // no origins
-        options.origins = 0;
-    }
-    const ResultHandle expected = sliced(source, options);
-    const lamella_view view = view_of(expected);
-    REQUIRE(view.info.points != 0);
-    CHECK(view.info.part_count == (kind == 2 ? 2 : 1));
-    CHECK((kind > 2 || view.info.points == view.info.part_count * view_of(sliced(mesh, options)).info.points));
+namespace {
 
+struct Freed {
+    void operator()(lamella_result* result) const { lamella_result_free(result); }
+    void operator()(lamella_slicer* slicer) const { lamella_slicer_free(slicer); }
+    void operator()(lamella_prepared* prepared) const { lamella_prepared_free(prepared); }
+    void operator()(lamella_welded* welded) const { lamella_welded_free(welded); }
+};
+using ResultHandle = std::unique_ptr<lamella_result, Freed>;
+
+/// A struct of C with its defaults, as fresh<lamella_view>(LAMELLA_VIEW).
+template <class T>
+T fresh(std::int32_t kind) {
+    T it;
+    LAMELLA_INIT(&it, kind);
+    return it;
+}
+
+lamella_mesh soup_of(const std::vector<float>& soup) {
+    auto mesh = fresh<lamella_mesh>(LAMELLA_MESH);
+    mesh.vertices = soup.data();
+    mesh.triangle_count = soup.size() / 9;
+    return mesh;
+}
+
+lamella_options options_at(double layer_height_mm) {
+    auto options = fresh<lamella_options>(LAMELLA_OPTIONS);
+    options.layer_height_mm = layer_height_mm;
+    return options;
+}
+
+lamella_source source_of(const lamella_mesh& mesh) {
+    auto source = fresh<lamella_source>(LAMELLA_SOURCE);
+    source.mesh = &mesh;
+    return source;
+}
+
+lamella_destination into(lamella_result** result, const lamella_sink* sink, const lamella_arrays* arrays) {
+    auto to = fresh<lamella_destination>(LAMELLA_DESTINATION);
+    to.result = result;
+    to.sink = sink;
+    to.arrays = arrays;
+    return to;
+}
+
+ResultHandle sliced(const lamella_source& from, const lamella_options& options, const lamella_context* context = nullptr) {
+    lamella_result* result = nullptr;
+    const lamella_destination to = into(&result, nullptr, nullptr);
+    REQUIRE(lamella_slice_to(nullptr, &to, &from, &options, context, nullptr, nullptr) == LAMELLA_OK);
+    return ResultHandle(result);
+}
+ResultHandle sliced(const lamella_mesh& mesh, const lamella_options& options) {
+    return sliced(source_of(mesh), options);
+}
+
+std::uint64_t hash_of(const lamella_mesh& mesh, const lamella_options& options) {
+    return lamella_result_hash(sliced(mesh, options).get());
+}
+
+/// A tetrahedron of 9 mm.
+const std::vector<float> tetrahedron = {0, 0, 0, 0, 9, 0, 9, 0, 0, 0, 0, 0, 9, 0, 0, 0, 0, 9,
+                                        0, 0, 0, 0, 0, 9, 0, 9, 0, 9, 0, 0, 0, 9, 0, 0, 0, 9};
+
+template <class T, class Other>
+void check_bytes(const T* found, const Array<Other>& expected) {
+    static_assert(sizeof(T) == sizeof(Other));
+    CHECK((expected.size() == 0 || std::memcmp(found, expected.data(), expected.size() * sizeof(T)) == 0));
+}
+
+void check_info(const lamella_info& it, const SliceInfo& expected) {
+    CHECK(std::array{it.triangles, it.degenerate, it.crossed, it.layers, it.segments, it.contours, it.points, it.stitches,
+                     it.holes, it.open_contours, it.flat_contours, it.overruled_contours, it.would_close_contours,
+                     it.emptied_layers, it.cancelled_layers, it.part_count, it.first_layer,
+                     it.planned_layers} == std::get<0>(facts_of(expected)));
+    CHECK(it.grid_mm == expected.grid_mm);
+    CHECK(std::equal(it.max_mm, it.max_mm + 3, std::begin(expected.box.max_mm)));
+    CHECK(std::vector(it.layer_of, it.layer_of + it.layer_of_count) == expected.layer_of);
+}
+
+/// Arrays, areas and islands.
+void check_result(const lamella_result* found, const SliceResult& expected) {
+    auto view = fresh<lamella_view>(LAMELLA_VIEW);
+    lamella_result_view(found, &view);
+    check_info(view.info, expected.info);
+    CHECK(lamella_result_hash(found) == expected.hash());
+    check_bytes(view.points, expected.points);
+    check_bytes(view.contours, expected.contours);
+    check_bytes(view.origins, expected.origins);
+    auto layer = fresh<lamella_layer_view>(LAMELLA_LAYER_VIEW);
+    for (const LayerView own : expected) {
+        REQUIRE(lamella_result_layer(found, own.index, &layer) == LAMELLA_OK);
+        CHECK(lamella_area_mm2(&layer) == own.area_mm2());
+        CHECK(layer.layer.plane_mm == own.plane_mm);
+        CHECK((layer.point_count == 0 || layer.points == view.points + layer.first_point));
+        lamella_island island;
+        std::uint64_t at = 0;
+        for (const Island expected_island : own.islands()) {
+            REQUIRE(lamella_next_island(layer.contours, layer.layer.contour_count, &at, &island) != 0);
+            CHECK(island.hole_count == expected_island.holes.size());
+            CHECK(lamella_contour_area_mm2(island.outer, layer.grid_mm) == own.area_mm2(*expected_island.outer));
+        }
+        CHECK(lamella_next_island(layer.contours, layer.layer.contour_count, &at, &island) == 0);
+    }
+    CHECK(lamella_result_layer(found, expected.size(), &layer) == LAMELLA_INVALID_ARGUMENT);
+}
+
+/// Requires that every destination gets `expected` by C.
+void check_destinations(const lamella_source& source, const lamella_options& options, const SliceResult& expected) {
     const std::unique_ptr<lamella_slicer, Freed> slicer(lamella_slicer_create());
+    const auto slice_to = [&](const lamella_destination& to) {
+        auto info = fresh<lamella_info>(LAMELLA_INFO);
+        REQUIRE(lamella_slice_to(slicer.get(), &to, &source, &options, nullptr, &info, nullptr) == LAMELLA_OK);
+        check_info(info, expected.info);
+    };
+    lamella_result* result = nullptr;
+    slice_to(into(&result, nullptr, nullptr));
+    check_result(ResultHandle(result).get(), expected);
+
     auto outline = fresh<lamella_info>(LAMELLA_INFO);
     REQUIRE(lamella_outline(slicer.get(), &source, &options, nullptr, &outline, nullptr) == LAMELLA_OK);
-    CHECK(outline.layers == view.info.layers);
+    CHECK(outline.layers == expected.size());
     CHECK(lamella_slicer_bytes(slicer.get()) > 0);
 
-    Collected got;
-    const lamella_sink sink = got.sink();
-    auto to = into(nullptr, &sink, nullptr);
-    auto info = fresh<lamella_info>(LAMELLA_INFO);
-    REQUIRE(lamella_slice_to(slicer.get(), &to, &source, &options, nullptr, &info, nullptr) == LAMELLA_OK);
-    CHECK(info.points == view.info.points);
-    CHECK(got.order.size() == view.info.layers);
-    CHECK(std::is_sorted(got.order.begin(), got.order.end()));
-    CHECK(same_bytes(got.points, view.points, view.info.points));
+    struct Compared {
+        const SliceResult& expected;
+        std::uint64_t layers = 0;
+        bool same = true;
+    } compared{expected};
+    auto sink = fresh<lamella_sink>(LAMELLA_SINK);
+    sink.object = &compared;
+    sink.take = [](void* object, const lamella_layer_view* layer) {
+        auto& self = *static_cast<Compared*>(object);
+        const LayerView own = self.expected[layer->index];
+        self.same = self.same && layer->index == self.layers++ && layer->layer.contour_count == own.contour_count &&
+                    layer->point_count == own.points.size() && (layer->origins != nullptr) == !own.origins.empty() &&
+                    std::memcmp(layer->points, own.points.data(), own.points.size_bytes()) == 0 &&
+                    std::memcmp(layer->origins, own.origins.data(), own.origins.size_bytes()) == 0;
+    };
+    slice_to(into(nullptr, &sink, nullptr));
+    CHECK((compared.same && compared.layers == expected.size()));
 
-    const std::uint64_t most = std::max(outline.segments, view.info.points);  // regions make points
-    std::vector<lamella_point> points(most);
-    std::vector<lamella_point_origin> origins(most);
-    std::vector<lamella_contour> contours(most);
-    std::vector<lamella_layer> layers(outline.layers);
+    GuardedArrays host(expected);
     auto arrays = fresh<lamella_arrays>(LAMELLA_ARRAYS);
-    arrays.points = points.data();
-    arrays.contours = contours.data();
-    arrays.layers = layers.data();
-    arrays.origins = origins.data();
-    arrays.point_capacity = arrays.contour_capacity = most;
-    arrays.layer_capacity = layers.size();
-    to = into(nullptr, nullptr, &arrays);
-    REQUIRE(lamella_slice_to(slicer.get(), &to, &source, &options, nullptr, &info, nullptr) == LAMELLA_OK);
-    CHECK(info.contours == view.info.contours);
-    CHECK(same_bytes(points, view.points, view.info.points));
-    if (view.origins != nullptr) {
-        CHECK(same_bytes(got.origins, view.origins, view.info.points));
-        CHECK(same_bytes(origins, view.origins, view.info.points));
-    }
+    arrays.points = host.arrays.points;
+    arrays.contours = reinterpret_cast<lamella_contour*>(host.arrays.contours.data());
+    arrays.layers = reinterpret_cast<lamella_layer*>(host.arrays.layers.data());
+    arrays.origins = reinterpret_cast<lamella_point_origin*>(host.arrays.origins.data());
+    arrays.point_capacity = host.arrays.point_capacity;
+    arrays.contour_capacity = host.arrays.contours.size();
+    arrays.layer_capacity = host.arrays.layers.size();
+    slice_to(into(nullptr, nullptr, &arrays));
+    host.require_hold(expected);
     lamella_slicer_reset(slicer.get());
     CHECK(lamella_slicer_bytes(slicer.get()) == 0);
 }
 
-TEST_CASE("a slice by C has the bytes of one by C++, whatever is asked", "[c]") {
-    const std::vector<float> sphere = shapes::floats(shapes::octasphere({1, 2, 3}, 20, 4));
+}  // namespace
+
+TEST_CASE("any source goes to any destination by C, with the bytes of C++, whatever is asked", "[c]") {
+    using namespace shapes;
+    const std::vector<float> soup =  // with a hole, and another island
+        floats(joined({octasphere({1, 2, 3}, 20, 3), flipped(octasphere({1, 2, 3}, 9, 2)), box({30, 0, 0}, {33, 3, 9})}));
     const std::vector<double> heights = {7, 1, 1, 4};
+    const auto listed = [&](lamella_options& it) {
+        it.at_heights = 1;
+        it.heights_mm = heights.data();
+        it.height_count = heights.size();
+    };
     struct Case {
         std::function<void(lamella_options&)> in_c;
         SliceOptions in_cpp;
@@ -107,7 +199,7 @@ TEST_CASE("a slice by C has the bytes of one by C++, whatever is asked", "[c]") 
          {.content = LayerContent::downward_faces}},
         {[](lamella_options& it) { it.simplify_mm = 0.5; }, {.region = {.simplify_mm = 0.5}}},
         {[&](lamella_options& it) {
-             it = at_heights(heights);
+             listed(it);
              it.fill_rule = LAMELLA_FILL_RULE_NON_ZERO;
              it.offset_mm = 0.25;
          },
@@ -120,60 +212,46 @@ TEST_CASE("a slice by C has the bytes of one by C++, whatever is asked", "[c]") 
          },
          {.frame = {.grid_mm = finest_grid}, .region = {.fill_rule = FillRule::non_zero, .offset_mm = 2.5}}},
     };
+    const lamella_mesh mesh = soup_of(soup);
+    const MeshView view = MeshView::soup(soup);
+    Part moved{.mesh = view};
+    moved.placement.m[3] = 50;
+    const Part both[] = {{.mesh = view}, moved};
+    const lamella_part parts[2] = {{&mesh, {}}, {&mesh, {1, 0, 0, 50, 0, 1, 0, 0, 0, 0, 1, 0}}};
     for (const auto& [in_c, in_cpp] : cases) {
         lamella_options options = fresh<lamella_options>(LAMELLA_OPTIONS);
         in_c(options);
-        const ResultHandle result = sliced(soup_of(sphere), options);
-        const Result<SliceResult> expected = slice(MeshView::soup(sphere), in_cpp);
-        REQUIRE(expected);
-        CHECK(lamella_result_hash(result.get()) == expected->hash());
-        const lamella_view view = view_of(result);
-        CHECK(view.info.grid_mm == expected->info.grid_mm);
-        CHECK(std::vector(view.info.layer_of, view.info.layer_of + view.info.layer_of_count) == expected->info.layer_of);
-        CHECK(std::equal(expected->origins.begin(), expected->origins.end(), view.origins,
-                         [](const auto& a, const auto& b) { return std::memcmp(&a, &b, sizeof a) == 0; }));
+        lamella_source source = source_of(mesh);
+        check_destinations(source, options, slice(view, in_cpp).value());
+        if (in_cpp.content != LayerContent::section) {
+            options.origins = 1;
+            lamella_result* refused = nullptr;
+            CHECK(lamella_slice(nullptr, &mesh, &options, &refused, nullptr) == LAMELLA_INVALID_ARGUMENT);
+            continue;
+        }
+        source.mesh = nullptr;
+        source.parts = parts;
+        source.part_count = 2;
+        check_destinations(source, options, slice(both, in_cpp).value());
+        source.parts = nullptr;
+        source.part_count = 0;
+        lamella_prepared* handle = nullptr;
+        REQUIRE(lamella_prepare(&mesh, &options, nullptr, &handle, nullptr) == LAMELLA_OK);
+        const std::unique_ptr<lamella_prepared, Freed> prepared(handle);
+        CHECK(lamella_prepared_bytes(handle) >= mesh.triangle_count * 48);
+        source.prepared = handle;
+        check_destinations(source, options, slice(prepare(view, in_cpp.frame).value(), in_cpp).value());
     }
-}
-
-TEST_CASE("counts, layers, islands and areas go through C", "[c]") {
-    using namespace shapes;
-    const std::vector<float> soup =  // a box with a box in it that is empty, beside a smaller one
-        floats(joined({box({0, 0, 0}, {9, 9, 9}), flipped(box({2, 2, 2}, {7, 7, 7})), box({12, 0, 0}, {15, 3, 9})}));
-    const lamella_mesh mesh = soup_of(soup);
-    const lamella_source source = source_of(mesh);
-    const std::vector<double> heights = {7.5, 1, 4.5, 1};
-    const lamella_options options = at_heights(heights);
-    const ResultHandle result = sliced(mesh, options);
-    const lamella_view view = view_of(result);
-    const std::unique_ptr<lamella_slicer, Freed> slicer(lamella_slicer_create());
-    auto info = fresh<lamella_info>(LAMELLA_INFO);
-    REQUIRE(lamella_outline(slicer.get(), &source, &options, nullptr, &info, nullptr) == LAMELLA_OK);
-    REQUIRE(info.layer_of_count == 4);
-    CHECK(std::vector<std::uint64_t>(info.layer_of, info.layer_of + 4) == std::vector<std::uint64_t>{2, 0, 1, 0});
-    CHECK(std::vector{view.info.triangles, view.info.holes} == std::vector<std::uint64_t>{36, 1});
-    CHECK(info.max_mm[0] == 15);
     // A slicer that ends with the call keeps no list.
+    const lamella_source source = source_of(mesh);
+    auto options = fresh<lamella_options>(LAMELLA_OPTIONS);
+    listed(options);
+    auto info = fresh<lamella_info>(LAMELLA_INFO);
     REQUIRE(lamella_outline(nullptr, &source, &options, nullptr, &info, nullptr) == LAMELLA_OK);
     CHECK(info.layer_of_count == 0);
-
-    auto layer = fresh<lamella_layer_view>(LAMELLA_LAYER_VIEW);
-    REQUIRE(lamella_result_layer(result.get(), 1, &layer) == LAMELLA_OK);
-    CHECK(lamella_area_mm2(&layer) == 81 - 25 + 9);
-    CHECK(layer.points == view.points + layer.first_point);
-    std::vector<double> areas;
+    std::uint64_t at = 0;
     lamella_island island;
-    for (std::uint64_t at = 0; lamella_next_island(layer.contours, layer.layer.contour_count, &at, &island) != 0;) {
-        double area = lamella_contour_area_mm2(island.outer, view.info.grid_mm);
-        for (std::uint64_t h = 0; h < island.hole_count; ++h) {
-            CHECK(view.contours + island.holes[h].parent == island.outer);
-            area += lamella_contour_area_mm2(island.holes + h, view.info.grid_mm);
-        }
-        areas.push_back(area);
-    }
-    CHECK(areas == std::vector<double>{81 - 25, 9});
-    CHECK(lamella_result_layer(result.get(), 3, &layer) == LAMELLA_INVALID_ARGUMENT);
-    std::uint64_t none = 0;
-    CHECK(lamella_next_island(nullptr, 0, &none, &island) == 0);
+    CHECK(lamella_next_island(nullptr, 0, &at, &island) == 0);
     CHECK(lamella_contour_area_mm2(nullptr, 1) == 0);
 }
 
@@ -184,35 +262,43 @@ TEST_CASE("every type of coordinates and indices gives the same slice by C, and 
     const std::vector<float> f32(i32.begin(), i32.end());
     const std::vector<std::uint32_t> u32 = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
     const std::vector<std::uint32_t> spaced = {0, 2, 1, 77, 78, 0, 1, 3, 77, 78, 0, 3, 2, 77, 78, 1, 2, 3, 77, 78};
-    std::vector<std::uint64_t> u64(u32.begin(), u32.end());
-    const auto mesh_of = [](int type, const void* vertices, int index_type, const void* index, std::size_t stride = 0) {
+    const std::vector<std::uint64_t> u64(u32.begin(), u32.end());
+    const std::vector<std::uint64_t> beyond = {0, 2, 1, 0, 1, std::uint64_t{1} << 32, 0, 3, 2, 1, 2, 3};
+    struct Numbers {
+        int type;
+        const void* vertices;
+        int index_type;
+        const void* indices;
+        std::size_t stride = 0;
+    };
+    const Numbers cases[] = {{LAMELLA_F64, f64.data(), LAMELLA_U32, u32.data()},
+                             {LAMELLA_I32, i32.data(), LAMELLA_U32, spaced.data(), 20},
+                             {LAMELLA_I64, i64.data(), LAMELLA_U64, u64.data()},
+                             {LAMELLA_F32, f32.data(), LAMELLA_U64, u64.data()},
+                             {LAMELLA_F32, f32.data(), LAMELLA_U64, beyond.data()}};
+    const lamella_options options = options_at(0.25);
+    for (const auto& [type, vertices, index_type, indices, stride] : cases) {
         auto mesh = fresh<lamella_mesh>(LAMELLA_MESH);
         mesh.vertex_type = type;
         mesh.vertices = vertices;
-        mesh.vertex_count = 4;
-        mesh.indices = index;
+        mesh.vertex_count = mesh.triangle_count = 4;
+        mesh.indices = indices;
         mesh.index_type = index_type;
         mesh.index_stride = stride;
-        mesh.triangle_count = 4;
         mesh.mm_per_unit = 1e-3;
-        return mesh;
-    };
-    const lamella_options options = options_at(0.25);
-    const std::uint64_t expected = hash_of(mesh_of(LAMELLA_F64, f64.data(), LAMELLA_U32, u32.data()), options);
-    CHECK(hash_of(mesh_of(LAMELLA_I32, i32.data(), LAMELLA_U32, u32.data()), options) == expected);
-    CHECK(hash_of(mesh_of(LAMELLA_I64, i64.data(), LAMELLA_U64, u64.data()), options) == expected);
-    CHECK(hash_of(mesh_of(LAMELLA_F32, f32.data(), LAMELLA_U64, u64.data()), options) == expected);
-    CHECK(hash_of(mesh_of(LAMELLA_I32, i32.data(), LAMELLA_U32, spaced.data(), 20), options) == expected);
-    u64[5] = std::uint64_t{1} << 32;
-    const lamella_mesh beyond = mesh_of(LAMELLA_F64, f64.data(), LAMELLA_U64, u64.data());
-    lamella_result* result = nullptr;
-    auto error = fresh<lamella_error>(LAMELLA_ERROR);
-    CHECK(lamella_slice(nullptr, &beyond, nullptr, &result, &error) == LAMELLA_INVALID_ARGUMENT);
-    CHECK(error.triangle == 1);
-    CHECK(result == nullptr);
+        if (indices != beyond.data()) {
+            CHECK(hash_of(mesh, options) == hash_of(soup_of(tetrahedron), options));
+            continue;
+        }
+        lamella_result* result = nullptr;
+        auto error = fresh<lamella_error>(LAMELLA_ERROR);
+        CHECK(lamella_slice(nullptr, &mesh, nullptr, &result, &error) == LAMELLA_INVALID_ARGUMENT);
+        CHECK(error.triangle == 1);
+        CHECK(result == nullptr);
+    }
 }
 
-TEST_CASE("a struct that knows fewer fields has the defaults of the rest", "[c]") {
+TEST_CASE("a struct that knows fewer fields has the defaults of the rest, one with more must leave them alone", "[c]") {
     const lamella_mesh mesh = soup_of(tetrahedron);
     lamella_options whole = options_at(0.5);
     whole.fill_rule = 99;  // would be refused
@@ -227,12 +313,9 @@ TEST_CASE("a struct that knows fewer fields has the defaults of the rest", "[c]"
     view.struct_size = offsetof(lamella_view, points);
     lamella_result_view(owned.get(), &view);
     CHECK(view.layers[0].plane_mm == 0.25);
-    CHECK(view.info.layers == 0x5a5a5a5a5a5a5a5aU);
     lamella_init_sized(&view, LAMELLA_VIEW, offsetof(lamella_view, points));
     CHECK(view.info.layers == 0x5a5a5a5a5a5a5a5aU);
-}
 
-TEST_CASE("a struct of a later version is taken unless a field is set that is not known", "[c]") {
     struct Later {
         lamella_options known;
         double unknown[4] = {1, 2, 3, 4};
@@ -240,13 +323,11 @@ TEST_CASE("a struct of a later version is taken unless a field is set that is no
     lamella_init_sized(&later, LAMELLA_OPTIONS, sizeof later);
     later.known.layer_height_mm = 0.5;
     CHECK(later.unknown[3] == 0);
-    const lamella_mesh mesh = soup_of(tetrahedron);
     CHECK(hash_of(mesh, later.known) == hash_of(mesh, options_at(0.5)));
     Later other = later;
     later.unknown[3] = 1e-300;
     other.known.reserved = 1;
     for (const Later& refused : {later, other}) {
-        lamella_result* result = nullptr;
         auto error = fresh<lamella_error>(LAMELLA_ERROR);
         CHECK(lamella_slice(nullptr, &mesh, &refused.known, &result, &error) == LAMELLA_INVALID_ARGUMENT);
         CHECK(error.message ==
@@ -363,22 +444,19 @@ TEST_CASE("regions, contours of segments, checks, welding and audits go through 
     lamella_result* made = nullptr;
     REQUIRE(lamella_region_of(paths, 2, &rules, 1, nullptr, &made, nullptr) == LAMELLA_OK);
     const ResultHandle region(made);
-    CHECK(view_of(region).info.contours == 1);
-    CHECK(view_of(region).info.points == 8);
     auto layer = fresh<lamella_layer_view>(LAMELLA_LAYER_VIEW);
     REQUIRE(lamella_result_layer(made, 0, &layer) == LAMELLA_OK);
     CHECK(lamella_area_mm2(&layer) == 28);
     std::vector<lamella_segment> segments(4);
     for (std::uint64_t i = 0; i < 4; ++i) {
-        segments[i].from_key[0] = i;
-        segments[i].to_key[0] = (i + 1) % 4;
-        segments[i].from = low[i];
-        segments[i].to = low[(i + 1) % 4];
+        segments[i] = {{i, 0, 0}, {(i + 1) % 4, 0, 0}, low[i], low[(i + 1) % 4], 0, 0};
     }
     lamella_result* square = nullptr;
     REQUIRE(lamella_assemble(segments.data(), 4, nullptr, &square, nullptr) == LAMELLA_OK);
-    const lamella_info counts = view_of(ResultHandle(square)).info;
-    CHECK(std::vector{counts.contours, counts.points, counts.segments} == std::vector<std::uint64_t>{1, 4, 4});
+    auto assembled = fresh<lamella_layer_view>(LAMELLA_LAYER_VIEW);
+    REQUIRE(lamella_result_layer(square, 0, &assembled) == LAMELLA_OK);
+    CHECK((assembled.layer.contour_count == 1 && assembled.point_count == 4));
+    lamella_result_free(square);
 
     const lamella_mesh mesh = soup_of(tetrahedron);
     const double volume = 9 * 9 * 9 / 6.0;
@@ -386,15 +464,13 @@ TEST_CASE("regions, contours of segments, checks, welding and audits go through 
     open.triangle_count = 3;
     auto found = fresh<lamella_check_result>(LAMELLA_CHECK_RESULT);
     REQUIRE(lamella_check(&mesh, nullptr, 0, nullptr, &found, nullptr) == LAMELLA_OK);
-    CHECK(found.closed == 1);
-    CHECK(found.clean == 1);
+    CHECK((found.closed == 1 && found.clean == 1));
     CHECK(found.volume_mm3 == Approx(volume));
     REQUIRE(lamella_check(&open, nullptr, 0, nullptr, &found, nullptr) == LAMELLA_OK);
-    CHECK(found.closed == 0);
+    CHECK((found.closed == 0 && found.clean == 0));
     CHECK(found.faults[static_cast<std::size_t>(Fault::boundary_edge)] == 3);
     REQUIRE(lamella_check(&open, nullptr, 1, nullptr, &found, nullptr) == LAMELLA_OK);
     CHECK(found.boundary_edges == 3);
-    CHECK(found.clean == 0);
 
     lamella_welded* handle = nullptr;
     REQUIRE(lamella_weld(&mesh, 0.01, 1, nullptr, &handle, nullptr) == LAMELLA_OK);
@@ -402,14 +478,12 @@ TEST_CASE("regions, contours of segments, checks, welding and audits go through 
     auto joined = fresh<lamella_mesh>(LAMELLA_MESH);
     lamella_welded_mesh(handle, &joined);
     CHECK(joined.vertex_count == 4);
-    const ResultHandle result = sliced(joined, options_at(0.5));
-    CHECK(lamella_result_hash(result.get()) == hash_of(mesh, options_at(0.5)));
+    CHECK(hash_of(joined, options_at(0.5)) == hash_of(mesh, options_at(0.5)));
 
     auto judged = fresh<lamella_audit_result>(LAMELLA_AUDIT_RESULT);
-    REQUIRE(lamella_audit(result.get(), &mesh, nullptr, &judged, nullptr) == LAMELLA_OK);
-    CHECK(judged.volume == LAMELLA_VOLUME_HOLDS);
+    REQUIRE(lamella_audit(sliced(mesh, options_at(0.5)).get(), &mesh, nullptr, &judged, nullptr) == LAMELLA_OK);
+    CHECK((judged.volume == LAMELLA_VOLUME_HOLDS && judged.structure == LAMELLA_OK));
     CHECK(judged.mesh_mm3 == Approx(volume));
-    CHECK(judged.structure == LAMELLA_OK);
     REQUIRE(lamella_audit(sliced(open, options_at(0.5)).get(), nullptr, nullptr, &judged, nullptr) == LAMELLA_OK);
     CHECK(judged.open_layers == 18);
     CHECK(judged.volume == LAMELLA_VOLUME_OPEN_MESH);

@@ -1,9 +1,11 @@
-// The promises of context.hpp: threads, memory, stop and progress.
+// The promises of context.hpp: threads, memory, stop, progress, and a host's own threads, whatever they do within what is
+// asked of them.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <functional>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -13,9 +15,12 @@
 #include "base/parallel.hpp"
 #include "engine/calls.hpp"
 #include "engine/counting_memory.hpp"
+#include "engine/everywhere.hpp"
 #include "input/files.hpp"
 #include "lamella/io.hpp"
 
+using lamella::Callback;
+using lamella::Context;
 using lamella::ErrorCode;
 
 namespace {
@@ -30,25 +35,34 @@ struct LateStop {
 
 }  // namespace
 
-TEST_CASE("every call refuses negative threads, ends when it is asked to, and shows progress up to 1", "[engine][control]") {
+TEST_CASE("every call refuses negative threads, ends when asked to, and shows rising progress up to 1, one thread at a time",
+          "[engine][control][threads]") {
     const TempFolder folder;
     const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 5, 4);
     using namespace lamella::input_test;
     ContextCalls calls(view_of(soup), folder.write("a.stl", binary_stl(numbered_facets(5000))), 0.1);
-    for (const ContextCall& call : calls.all()) {
+    for (const ContextCall& call : calls.all_and_small()) {
         INFO(call.name);
         CHECK(call.run({.threads = -1}) == ErrorCode::invalid_argument);
         double last = 0;
-        const auto note = [&last](double fraction) noexcept { last = fraction > last ? fraction : -1; };
-        CHECK(call.run({.threads = 1, .progress = note}) == std::nullopt);
-        CHECK(last == (call.shows_progress ? 1 : 0));
+        std::atomic<int> inside = 0;
+        const auto note = [&](double fraction) noexcept {
+            const bool alone = ++inside == 1;
+            last = alone && fraction > last ? fraction : -1;
+            std::this_thread::yield();
+            --inside;
+        };
+        for (const int threads : {1, 3}) {
+            last = 0;
+            CHECK(call.run({.threads = threads, .progress = note}) == std::nullopt);
+            CHECK(last == (call.shows_progress ? 1 : 0));
+        }
         LateStop at_once{1};
-        CHECK(call.run({.threads = 2, .stop = at_once}) == ErrorCode::cancelled);
+        last = 0;
+        CHECK(call.run({.threads = 2, .stop = at_once, .progress = note}) == ErrorCode::cancelled);
+        CHECK(last < 1);
         CHECK(at_once.asked <= 2);
     }
-    CHECK(code_of(lamella::assemble({}, {.threads = -1})) == ErrorCode::invalid_argument);
-    LateStop at_once{1};
-    CHECK(code_of(lamella::assemble({}, {.stop = at_once})) == ErrorCode::cancelled);
 }
 
 TEST_CASE("a host is asked once in an interval, and one yes of its is one for all threads", "[engine][control][threads]") {
@@ -84,54 +98,6 @@ TEST_CASE("the first yes ends a slice, whenever it comes", "[engine][control][ca
     }
 }
 
-TEST_CASE("progress never falls, comes from one thread at a time and ends at 1", "[engine][control][threads]") {
-    const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 6);
-    lamella::SliceOptions options = uniform(0.01);
-    const int threads = GENERATE(1, 3);
-    const std::int64_t band_planes = GENERATE(0, 20);
-    if (GENERATE(false, true)) {  // no planes
-        options.layer_height_mm = 100;
-        options.planes.first_height_mm = 1000;
-    }
-    std::atomic<int> inside = 0;
-    std::atomic<bool> together = false;
-    std::vector<double> seen;
-    const auto note = [&](double fraction) noexcept {
-        together = together || ++inside > 1;
-        seen.push_back(fraction);
-        std::this_thread::yield();
-        --inside;
-    };
-    const lamella::SliceResult result =
-        sliced(soup, options, {.threads = threads, .progress = note}, {.band_planes = band_planes});
-    CHECK_FALSE(together);
-    REQUIRE_FALSE(seen.empty());
-    CHECK(std::adjacent_find(seen.begin(), seen.end(), std::greater_equal<>()) == seen.end());
-    CHECK(seen.front() >= 0);
-    CHECK(seen.back() == 1);
-    // Bands that finish out of order are reported together; at most two a thread run ahead, which bounds their number.
-    const bool many_bands = band_planes == 20 && result.layers.size() > 1000;
-    CHECK((!many_bands || seen.size() >= 100 / (2 * static_cast<std::size_t>(threads) + 1)));
-}
-
-TEST_CASE("a call that fails does not report 1", "[engine][control]") {
-    const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 5);
-    const lamella::SliceOptions options = uniform(0.001);  // tens of milliseconds, which is long enough to be asked
-    double last = 0;
-    std::atomic<bool> stop = false;
-    const auto note = [&](double fraction) noexcept {
-        last = fraction;
-        stop = fraction > 0.5;
-    };
-    const auto ask = [&]() noexcept { return stop.load(); };
-    lamella::Slicer slicer;
-    lamella::SliceResult result;
-    const auto info = slice_tuned(slicer, result, view_of(soup), options, {.band_planes = 1},
-                                  {.threads = 1, .stop = ask, .progress = note});
-    CHECK(code_of(info) == ErrorCode::cancelled);
-    CHECK((last > 0.5 && last < 1));
-}
-
 TEST_CASE("a slow progress sink holds up no other thread", "[engine][control][threads]") {
     // The sink returns only once all planes but those of its own band are through: a lock that it held would end in a hang.
     const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 5);
@@ -144,7 +110,7 @@ TEST_CASE("a slow progress sink holds up no other thread", "[engine][control][th
             return;
         }
         const std::uint64_t before = layers;
-        for (int i = 0; i < 2000 && layers < before + 40; ++i) {
+        for (int i = 0; i < 20'000 && layers < before + 40; ++i) {
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
         meanwhile = layers - before;
@@ -152,20 +118,6 @@ TEST_CASE("a slow progress sink holds up no other thread", "[engine][control][th
     sliced_to(lamella::LayerSink{.take = count, .order = lamella::SinkOrder::any}, view_of(soup), uniform(0.01),
               {.threads = 2, .progress = wait}, {.band_planes = 20});
     CHECK(meanwhile >= 40);
-}
-
-TEST_CASE("a result's arrays and its scratch come from the host's memory and go back", "[engine][control][memory]") {
-    CountingMemory memory;
-    {
-        const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 5);
-        const lamella::SliceResult result = sliced(soup, uniform(0.01), {.memory = &memory});
-        const std::size_t bytes = result.points.size() * sizeof(lamella::Point) +
-                                  result.contours.size() * sizeof(lamella::Contour) +
-                                  result.layers.size() * sizeof(lamella::Layer);
-        CHECK(memory.held() >= bytes);
-        CHECK(memory.peak() > memory.held());
-    }
-    CHECK(memory.held() == 0);
 }
 
 TEST_CASE("a size that memory does not hold leaves an array as it was", "[engine][control][memory]") {
@@ -190,4 +142,112 @@ TEST_CASE("what is documented as noexcept is", "[engine][control]") {
     STATIC_REQUIRE(noexcept(lamella::format_names()));
     STATIC_REQUIRE(noexcept(lamella::Slicer()));
     STATIC_REQUIRE_FALSE(noexcept(std::declval<lamella::Array<int>&>().resize_discarding(1)));
+}
+
+namespace {
+
+using Body = Callback<void()>;
+
+/// Shells that overlap, in enough planes for several bands.
+const shapes::Soup& closed() {
+    static const shapes::Soup soup =
+        shapes::joined({shapes::octasphere({0, 0, 0}, 10, 5), shapes::octasphere({1, 2, 3}, 9, 5),
+                        shapes::box({5, 5, -9}, {15, 15, 9}), shapes::random_tetrahedra(7, 40, 9)});
+    return soup;
+}
+
+/// The answers of every call that takes threads, as text. Audits do not depend on the order of triangles.
+std::string answers(const Context& context, const shapes::Soup& audited = closed()) {
+    static const shapes::Soup open = shapes::without(closed(), 100, 3);
+    static const lamella::SliceResult of_closed = sliced(closed(), uniform(0.05), {.threads = 1});
+    static const lamella::SliceResult of_open = sliced(open, uniform(0.05), {.threads = 1});
+    require_at_every_destination(of_open, view_of(open), uniform(0.05), {context, {.band_planes = 7}});
+    const lamella::Audit found = value_of(audit(of_closed, view_of(audited), {}, context));
+    CHECK(found.volume->verdict == lamella::VolumeVerdict::holds);
+    const lamella::MeshCheck counts = value_of(check(view_of(open), {.counts_only = true}, context));
+    std::string report = value_of(make_report_json(of_closed, {.audit = &found}));
+    const std::size_t time = report.find("\"report\": ");  // that writing it took
+    report.erase(time, report.find('\n', time) - time);
+    return report + std::to_string(counts.boundary_edges) + " " + std::to_string(counts.shell_count) +
+           value_of(make_check_json(value_of(check(view_of(open), {}, context))));
+}
+
+/// The same by one thread.
+const std::string& expected() {
+    static const std::string text = answers({.threads = 1});
+    return text;
+}
+
+/// Calls body() on so many threads of its own.
+void run_threads(int count, const Body& body) noexcept {
+    std::vector<std::thread> threads;
+    for (int i = 0; i < count; ++i) {
+        threads.emplace_back([&] { body(); });
+    }
+    for (std::thread& thread : threads) {
+        thread.join();
+    }
+}
+
+}  // namespace
+
+TEST_CASE("answers do not depend on the number of threads, nor audits on the order of triangles",
+          "[engine][executor][threads]") {
+    const int threads = GENERATE(0, 2, 3);
+    CHECK(answers({.threads = threads}) == expected());
+    CHECK(answers({.threads = threads}, shapes::shuffled(closed(), 5)) == expected());
+}
+
+TEST_CASE("an executor may run as many bodies as asked for, or fewer, or more, on threads or one by one, some of them late",
+          "[engine][executor][threads]") {
+    int change = 0;
+    const auto on_threads = [&](int workers, const Body& body) noexcept { run_threads(workers + change, body); };
+    for (const int other : {-3, -1, 0, 1, 9}) {
+        change = other;
+        CHECK(answers({.executor = on_threads, .executor_threads = 4}) == expected());
+    }
+    int bodies = 0;
+    const auto one_by_one = [&](int, const Body& body) noexcept {
+        for (int i = 0; i < bodies; ++i) {
+            body();
+        }
+    };
+    for (const int other : {0, 4}) {
+        bodies = other;
+        CHECK(answers({.executor = one_by_one, .executor_threads = 4}) == expected());
+    }
+    const auto one_late = [](int workers, const Body& body) noexcept {
+        std::thread late([&] {
+            std::this_thread::sleep_for(std::chrono::microseconds(200));
+            body();
+        });
+        for (int i = 1; i < workers; ++i) {
+            body();
+        }
+        late.join();
+    };
+    CHECK(answers({.executor = one_late, .executor_threads = 3}) == expected());
+}
+
+TEST_CASE("the number of threads may differ from the executor's", "[engine][executor]") {
+    int most = 0;
+    const auto pool = [&most](int workers, const Body& body) noexcept {
+        most = std::max(most, workers);
+        body();
+    };
+    CHECK(answers({.threads = 5, .executor = pool, .executor_threads = GENERATE(-1, 0, 1, 2, 64)}) == expected());
+    CHECK(most == 5);
+}
+
+TEST_CASE("a call may be made from within a task of another one's executor", "[engine][executor][threads]") {
+    std::atomic<int> nested = 0;
+    std::string inner;
+    const auto pool = [&](int, const Body& body) noexcept {
+        if (nested++ == 0) {
+            inner = answers({});
+        }
+        body();
+    };
+    CHECK(answers({.executor = pool, .executor_threads = 2}) == expected());
+    CHECK(inner == expected());
 }

@@ -1,8 +1,12 @@
-// Regions by each fill rule, compared with written-down answers, and with the winding numbers of random places.
+// Regions by each fill rule, compared with written-down answers and with the winding numbers of random places; and which
+// rules are refused, by which words.
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <random>
+#include <string>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -11,7 +15,9 @@
 #include "engine/slicing.hpp"
 #include "regions/region.hpp"
 
+using Catch::Contains;
 using lamella::FillRule;
+using lamella::RegionRules;
 using lamella::Role;
 using lamella::SliceResult;
 using polygons::Point;
@@ -71,16 +77,6 @@ shapes::Soup solids(const std::vector<Square>& squares) {
 }
 
 }  // namespace
-
-TEST_CASE("fill rules: all rules give one solid the region of `contours` to the byte", "[engine][fill]") {
-    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 4);
-    lamella::SliceOptions options = uniform(0.3);
-    const SliceResult walked = sliced(ball, options);
-    for (const FillRule rule : {FillRule::even_odd, FillRule::non_zero, FillRule::positive}) {
-        options.region.fill_rule = rule;
-        CHECK(sliced(ball, options).hash() == walked.hash());
-    }
-}
 
 TEST_CASE("fill rules: what becomes of solids that overlap, touch, lie in each other or are inverted", "[engine][fill]") {
     struct Case {
@@ -142,24 +138,6 @@ TEST_CASE("fill rules: what becomes of solids that overlap, touch, lie in each o
     for (const FillRule rule : all_rules) {  // an internal wall stays an open polyline
         CHECK(outcome_of(filled(shapes::joined({solids({{0, 0, 10}}), shapes::wall({2, 5}, {8, 5})}), rule)) ==
               Outcome{1, 0, -1});
-    }
-}
-
-TEST_CASE("fill rules: touching boxes are united even if their walls are triangulated differently", "[engine][fill]") {
-    shapes::Soup soup;
-    for (int x = 0; x < 7; ++x) {
-        for (int y = 0; y < 7; ++y) {
-            shapes::append(soup, shapes::box({3.0 * x, 5.0 * y, 0}, {3.0 * x + 3, 5.0 * y + 5, 10}));
-        }
-    }
-    for (const FillRule rule : {FillRule::even_odd, FillRule::non_zero, FillRule::positive}) {
-        lamella::SliceOptions options = at_heights({4.3}, lamella::default_grid_mm);
-        options.region.fill_rule = rule;
-        options.region.drop_collinear = true;
-        const SliceResult result = sliced(soup, options);
-        REQUIRE(result.contours.size() == 1);
-        CHECK(result.contours[0].point_count == 4);
-        CHECK(result[0].area_mm2() == Approx(21.0 * 35));
     }
 }
 
@@ -244,5 +222,164 @@ TEST_CASE("fill rules fill places by their winding number, though contours cross
             INFO(lamella::name_of(rule) << " at " << at.x << ", " << at.y);
             REQUIRE((winding(regions::rings_of(region)) == 1) == regions::fills(rule, winding(contours)));
         }
+    }
+}
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+constexpr double reach_mm = lamella::grid_limit * coarse_unit_mm;
+
+/// The message with which slicing a cube on a grid of 0.5 mm is refused; empty where it is not.
+std::string refusal_of(RegionRules rules) {
+    const shapes::Soup cube = shapes::box({0, 0, 0}, {10, 10, 10});
+    lamella::SliceOptions options = at_heights({5});
+    options.region = std::move(rules);
+    const auto result = slice(view_of(cube), options);
+    return result ? std::string() : error_of(result).message;
+}
+
+/// By non-zero, where no rule is given.
+RegionRules by(double RegionRules::*length, double mm, double miter_limit = 3) {
+    RegionRules rules{.fill_rule = FillRule::non_zero, .miter_limit = miter_limit};
+    rules.*length = mm;
+    return rules;
+}
+
+RegionRules from(FillRule rule, std::vector<lamella::FillFrom> later) {
+    return {.fill_rule = rule, .fill_from = std::move(later)};
+}
+
+}  // namespace
+
+TEST_CASE("rules of regions that cannot be kept are refused with what is possible", "[engine][regions]") {
+    constexpr double RegionRules::*closing = &RegionRules::closing_mm;
+    constexpr double RegionRules::*offset = &RegionRules::offset_mm;
+    constexpr double RegionRules::*flag = &RegionRules::flag_closing_mm;
+    constexpr FillRule none = FillRule::contours;
+    struct Case {
+        RegionRules rules;
+        std::string message;  ///< a part of it; empty where the rules are taken
+    };
+    std::vector<Case> cases = {
+        {by(closing, -1), "not -1 mm"},
+        {by(offset, -1), ""},
+        {by(offset, 0, 1), ""},
+        {by(offset, -0.25), "offset of -0.25 mm is under"},
+        {by(offset, -reach_mm), "is beyond the grid"},
+        {by(&RegionRules::simplify_mm, 0.25), "the tolerance of simplification"},
+        {from(FillRule::positive, {{7, FillRule::positive}, {3, FillRule::even_odd}}),
+         "fill rules by layer must be in ascending order: one from layer 7 on stands before one from layer 3 on"},
+        {from(FillRule::positive, {{4, FillRule::positive}, {4, FillRule::even_odd}}),
+         "from layer 4 on stands before one from layer 4 on"},
+        {from(FillRule::positive, {{3, FillRule::positive}, {7, FillRule::even_odd}}), ""},
+        {from(static_cast<FillRule>(5), {}), "there is no such fill rule"},
+        {from(FillRule::positive, {{1, static_cast<FillRule>(200)}}), "there is no such fill rule"},
+        {{.fill_rule = none, .flag_closing_mm = 1}, ""},  // a mark needs no region
+    };
+    for (const double bad : {-1.0, -infinity, infinity, not_a_number}) {
+        cases.push_back({by(closing, bad), "the closing radius must be finite and not negative"});
+        cases.push_back({by(flag, bad), "the radius of the mark for near contours must be finite and not negative"});
+        cases.push_back({by(&RegionRules::simplify_mm, bad), "the tolerance of simplification"});
+        cases.push_back({by(offset, bad), std::abs(bad) == 1 ? "" : "the offset must be finite, not"});
+        cases.push_back({by(offset, 0, bad), "the miter limit must be finite and at least 1, not"});
+        cases.push_back({by(offset, 0, bad == -1 ? 0.999 : 0), "the miter limit must be finite and at least 1, not"});
+    }
+    for (double RegionRules::*const length : {closing, offset, flag}) {
+        cases.push_back({by(length, std::nextafter(reach_mm, infinity), 1), "is beyond the grid"});
+        cases.push_back({by(length, std::nextafter(reach_mm, infinity), 1), "it is at most 536870912 mm"});
+        cases.push_back({by(length, reach_mm / 2, 4), "it is at most 134217728 mm"});
+        cases.push_back({by(length, 0.49), "of 0.49 mm is under the grid unit of 0.5 mm: nothing would happen"});
+        cases.push_back({by(length, 0.5), ""});
+    }
+    const std::pair<RegionRules, std::string> need_regions[] = {
+        {{.closing_mm = 1}, "closing"},
+        {{.offset_mm = -1}, "an offset"},
+        {{.drop_collinear = true}, "dropping collinear points"},
+        {{.largest_only = true}, "keeping the largest contour only"}};
+    for (auto [rules, name] : need_regions) {
+        cases.push_back({rules, name + " needs a region, but layer 0 has the fill rule contours, which makes none; choose "
+                                       "another rule, such as non-zero"});
+        rules.fill_rule = FillRule::non_zero;
+        rules.fill_from = {{2, FillRule::positive}, {9, none}};
+        cases.push_back({rules, name + " needs a region, but layer 9 has"});
+        rules.fill_rule = none;
+        rules.fill_from = {{0, FillRule::positive}};  // the first rule is in use for no layer
+        cases.push_back({rules, ""});
+    }
+    const lamella::Point corners[] = {{0, 0}, {40, 0}, {40, 40}, {0, 40}};
+    const std::span<const lamella::Point> square[] = {corners};
+    for (const auto& [rules, message] : cases) {
+        INFO(message);
+        const std::string refusal = refusal_of(rules);
+        CHECK(refusal.empty() == message.empty());
+        CHECK_THAT(refusal, Contains(message));
+        const auto region = region_of(square, rules, coarse_unit_mm);  // a caller's contours are held to the same rules
+        CHECK((region ? std::string() : region.error().message) == refusal);
+    }
+    for (const double bad : {0.0, -1.0, infinity, not_a_number}) {
+        CHECK_THAT(error_of(region_of(square, by(offset, 0), bad)).message,
+                   Catch::StartsWith("the grid unit must be finite and above 0, not"));
+    }
+    CHECK(value_of(region_of(square, by(offset, 0), 0.5))[0].area_mm2() == 400);
+}
+
+TEST_CASE("layers of which the rules leave nothing are counted", "[engine][regions]") {
+    // One plane below the solids, one through an inverted and an upright one, one through the inverted one alone.
+    const shapes::Soup soup =
+        shapes::joined({shapes::flipped(shapes::box({0, 0, 0}, {4, 4, 20})), shapes::box({10, 0, 0}, {14, 4, 10})});
+    lamella::SliceOptions options = at_heights({-5, 5, 15});
+    options.region.fill_rule = GENERATE(FillRule::contours, FillRule::non_zero, FillRule::positive);
+    const lamella::SliceResult result = sliced(soup, options);
+    CHECK(result.info.emptied_layers == (options.region.fill_rule == FillRule::positive ? 1 : 0));
+    CHECK(result.layers[2].contour_count == (options.region.fill_rule == FillRule::positive ? 0 : 1));
+}
+
+TEST_CASE("an outer contour in a hole has it as parent where both touch in a point with all sides to the right",
+          "[regions]") {
+    const Rings rings{
+        polygons::box(0, 0, 12, 12), {{1, 1}, {1, 11}, {6, 11}, {6, 6}, {11, 11}, {11, 1}}, {{6, 6}, {8, 4}, {8, 6}}};
+    const SliceResult region = regions::region_of(rings, FillRule::even_odd);
+    CHECK(regions::broken_promise(region) == "");
+    REQUIRE(region.contours.size() == 3);
+    CHECK(region.contours[2].parent == 1);
+}
+
+TEST_CASE("an edge that rounding lays along its neighbour leaves no spike", "[regions]") {
+    // (-2, 2) to (1, 4) passes the pixel of (0, 4), to which the next edge leads back.
+    const Rings rings{{{0, 0}, {-2, 2}, {1, 4}, {0, 4}, {0, 9}, {10, 13}}, {{10, 14}, {16, 8}, {8, -7}}};
+    for (const FillRule rule : {FillRule::even_odd, FillRule::non_zero}) {
+        CHECK(regions::fault_in(regions::region_of(rings, rule)) == "");
+    }
+}
+
+TEST_CASE("the largest outer contour alone stays, with its holes", "[regions]") {
+    std::mt19937 random(3);
+    for (int number = 0; number < 1200; ++number) {
+        const Rings rings = polygons::lattice_boxes(random, 2 + polygons::below(random, 6), 15, 10);
+        const FillRule rule = std::array{FillRule::even_odd, FillRule::non_zero, FillRule::positive,
+                                         FillRule::outermost}[static_cast<std::size_t>(number) % 4];
+        const SliceResult whole = regions::region_of(rings, rule);
+        const regions::Region all = regions::region_in(whole);
+        std::size_t largest = 0;
+        for (std::size_t r = 1; r < all.size(); ++r) {
+            largest = regions::twice_area(all[r].corners) > regions::twice_area(all[largest].corners) ? r : largest;
+        }
+        regions::Region kept;
+        for (std::size_t r = 0; r < all.size(); ++r) {
+            if (r == largest || (all[r].hole && all[r].parent == static_cast<std::int64_t>(largest))) {
+                kept.push_back({all[r].corners, all[r].hole, all[r].hole ? 0 : -1});
+            }
+        }
+        lamella::RegionRules rules;
+        rules.fill_rule = rule;
+        rules.largest_only = true;
+        const SliceResult found = regions::region_of(rings, rules);
+        INFO(lamella::name_of(rule) << " of " << regions::text_of(rings));
+        REQUIRE(regions::broken_promise(whole) == "");
+        REQUIRE(regions::fault_in(found) == "");
+        REQUIRE(regions::difference(regions::canonical(kept), regions::region_in(found)) == "");
+        REQUIRE(regions::dependence_on_order(rings, rules, found, random) == "");
     }
 }

@@ -98,15 +98,6 @@ TEST_CASE("gaps up to the requested length are closed, and each is reported", "[
     }
 }
 
-TEST_CASE("a length of gaps that is none is refused", "[engine][gaps]") {
-    SliceOptions options = at_heights({5});
-    for (const double reach : {-0.5, std::nan(""), HUGE_VAL}) {
-        options.stitch_mm = reach;
-        CHECK(failure_of(view_of(shapes::box({0, 0, 0}, {10, 10, 10})), options).code ==
-              lamella::ErrorCode::invalid_argument);
-    }
-}
-
 TEST_CASE("the mesh's length is a hundredth of its box's diagonal, and closes a crack", "[engine][gaps]") {
     const Soup tube = cracked_tube();
     const SliceResult closed = sliced(tube, by_mesh());

@@ -1,5 +1,5 @@
-// Many calls at once, from the host's own loops: oneTBB's, OpenMP's and plain threads. All slice one
-// prepared mesh. Every call ends with the right answer and uses no more threads than it may.
+// Many calls at once, from the host's own loops: oneTBB's and plain threads. All slice one prepared
+// mesh. Every call ends with the right answer and uses no more threads than it may.
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -7,7 +7,6 @@
 #include <thread>
 #include <vector>
 
-#include <omp.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -57,13 +56,6 @@ void on_threads(const Call& call) {
     }
 }
 
-void by_openmp(const Call& call) {
-#pragma omp parallel for num_threads(4) schedule(dynamic)
-    for (int i = 0; i < calls; ++i) {
-        call(i);
-    }
-}
-
 Loop by_onetbb(int arena_threads) {
     return [arena_threads](const Call& call) {
         tbb::task_arena(arena_threads).execute([&] { tbb::parallel_for(0, calls, call); });
@@ -74,10 +66,6 @@ Loop by_onetbb(int arena_threads) {
 
 TEST_CASE("a prepared mesh is sliced within a host's loops, by its executor, on no more threads than allowed",
           "[engine][prepare][executor]") {
-    auto openmp = [](int workers, const auto& body) noexcept {
-#pragma omp parallel num_threads(workers)
-        body();
-    };
     auto onetbb = [](int workers, const auto& body) noexcept {
         tbb::parallel_for(
             0, workers, 1, [&](int) { body(); }, tbb::simple_partitioner{});
@@ -88,10 +76,9 @@ TEST_CASE("a prepared mesh is sliced within a host's loops, by its executor, on 
         Callback<void(int, Callback<void()>)> executor{};  // has four threads
     };
     const Host hosts[] = {{"threads", on_threads},
-                          {"OpenMP", by_openmp},
                           {"oneTBB on one thread", by_onetbb(1)},
                           {"oneTBB", by_onetbb(4)},
-                          {"an executor over OpenMP", by_openmp, openmp},
+                          {"an executor over oneTBB, called by threads", on_threads, onetbb},
                           {"an executor over oneTBB, called by its own threads", by_onetbb(4), onetbb}};
     const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 6);
     const lamella::PreparedMesh ball = value_of(prepare(view_of(soup)));

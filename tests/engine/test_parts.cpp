@@ -1,13 +1,13 @@
 // Several meshes in one result.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 #include <vector>
 
 #include <catch2/catch.hpp>
 
-#include "engine/shapes.hpp"
-#include "engine/slicing.hpp"
+#include "engine/everywhere.hpp"
 
 using lamella::Contour;
 using lamella::ErrorCode;
@@ -31,16 +31,6 @@ lamella::Transform moved_by(double x, double y, double z) {
 }
 
 using Parts = std::vector<Part>;
-using Names = std::vector<std::uint32_t>;
-
-Names parts_in(const SliceResult& result, std::size_t layer) {
-    Names parts;
-    for (const Contour& contour : result.contours_of(result.layers[layer])) {
-        parts.push_back(contour.part);
-    }
-    return parts;
-}
-
 SliceResult united(const Parts& parts, SliceOptions options, const lamella::Context& context = {}) {
     options.unite_parts = true;
     return sliced(parts, options, context);
@@ -70,92 +60,68 @@ using Lines = std::vector<std::string>;
 
 }  // namespace
 
-TEST_CASE("the contours of parts that overlap lie side by side", "[engine][parts]") {
-    const shapes::Soup tube =
-        shapes::joined({shapes::box({0, 0, 0}, {10, 10, 10}), shapes::flipped(shapes::box({2, 2, 0}, {8, 8, 10}))});
-    const shapes::Soup cube = shapes::box({-4, 4, 0}, {4, 6, 20});
-    const SliceResult result = sliced(Parts{part_of(tube), part_of(cube)}, at_heights({5, 15, 25}));
-    CHECK(result.info.part_count == 2);
-    CHECK(contours_at(result, 0) == std::vector<std::string>{"outer + x8 in -: 0,0 9,0 20,0 20,9 20,20 11,20 0,20 0,11",
-                                                             "hole - x8 in 0: 4,4 4,11 4,16 11,16 16,16 16,9 16,4 9,4",
-                                                             "outer + x8 in -: -8,8 -4,8 8,8 8,9 8,12 4,12 -8,12 -8,11"});
-    CHECK(parts_in(result, 0) == Names{0, 0, 1});
-    CHECK(parts_in(result, 1) == Names{1});
-    CHECK(parts_in(result, 2).empty());
-    CHECK(result.layers[0].segments == 24);
-    CHECK(result[0].area_mm2() == 64 + 16);
-    CHECK(result.info.triangles == 36);
-    CHECK(result.info.box.min_mm[0] == -4);
-    CHECK(result.info.box.max_mm[2] == 20);
-    // Two crossings of the bar with the wall of the tube on each of its long sides.
-    const lamella::Crossings crossings = value_of(audits::crossings_of(result));
-    CHECK(crossings.count == 4);
-    CHECK_FALSE(audits::ledger_of(result, view_of(tube)).ok());
-    CHECK_FALSE(audits::volume_of(result, view_of(tube)).ok());
-}
-
-TEST_CASE("planes and grid are those of the box around all parts", "[engine][parts]") {
-    const shapes::Soup low = shapes::box({0, 0, 0}, {4, 4, 1});
-    const shapes::Soup high = shapes::box({0, 0, 2.1}, {1500, 4, 3});
-    const SliceResult result = sliced(Parts{part_of(high), part_of(low)}, uniform(0.2));
-    CHECK(result.info.grid_mm == 2 * lamella::default_grid_mm);
-    REQUIRE(result.layers.size() == 15);
-    const SliceResult whole = sliced(shapes::joined({high, low}), uniform(0.2));
-    REQUIRE(whole.layers.size() == 15);
-    for (std::size_t l = 0; l < 15; ++l) {
-        CHECK(result.layers[l].plane == whole.layers[l].plane);
-        CHECK(result.layers[l].bottom_mm == whole.layers[l].bottom_mm);
-        CHECK(result.layers[l].segments == whole.layers[l].segments);
-        CHECK(contours_at(result, l) == contours_at(whole, l));  // they never share a layer
+TEST_CASE("parts are cut as each is alone, at the planes and on the grid of the box around all, and lie side by side",
+          "[engine][parts]") {
+    const shapes::Soup ball = shapes::octasphere({1, 2, 3}, 10, 4);
+    const shapes::Soup torn = shapes::without(ball, 40, 30);
+    const shapes::Soup bar = shapes::box({-4, 4, 0.5}, {40, 6, 20});
+    const shapes::Soup far = shapes::box({0, 0, 21}, {1500, 4, 25});  // for which the grid is coarser
+    const Parts parts = {part_of(ball), part_of(bar, lamella::Transform::from_normal(1, 2, 30)),
+                         part_of(torn), part_of(far),
+                         part_of(bar),  part_of(torn, moved_by(3, 0, 0.25))};
+    const shapes::Soup within = shapes::joined({ball, shapes::box({0, 0, -7}, {1500, 4, 25})});
+    const SliceResult plan = sliced(within, uniform(0.2));
+    for (const lamella::RegionRules& rules :
+         {lamella::RegionRules{}, {.fill_rule = FillRule::non_zero, .closing_mm = 0.5, .simplify_mm = 0.05}}) {
+        SliceOptions options{.layer_height_mm = 0.2, .stitch_mm = 5, .origins = true, .region = rules};
+        const SliceResult whole = sliced(parts, options, {.threads = 3});
+        CHECK(whole.info.part_count == parts.size());
+        CHECK(whole.info.grid_mm == 2 * lamella::default_grid_mm);
+        REQUIRE(whole.size() == plan.size());
+        options.frame.grid_mm = whole.info.grid_mm;
+        options.heights_mm.emplace();
+        for (const lamella::Layer& layer : whole.layers) {
+            options.heights_mm->push_back(layer.plane_mm);
+        }
+        std::vector<std::size_t> contours(whole.size(), 0);
+        std::vector<std::size_t> points(whole.size(), 0);
+        std::size_t stitches = 0;
+        for (std::uint32_t p = 0; p < parts.size(); ++p) {
+            options.frame.transform = parts[p].placement;
+            SliceResult alone = sliced(parts[p].mesh, options);
+            stitches += alone.stitches.size();
+            std::for_each(alone.contours.begin(), alone.contours.end(), [p](Contour& own) { own.part = p; });
+            for (lamella::PointOrigin& origin : alone.origins) {
+                origin.part = static_cast<std::uint16_t>(origin.triangle == lamella::no_triangle ? 0 : p);
+            }
+            for (std::size_t l = 0; l < whole.size(); ++l) {
+                const lamella::LayerView own = alone[l];
+                lamella::LayerView found = whole[l];
+                REQUIRE(found.plane == plan.layers[l].plane);
+                static_cast<lamella::Layer&>(found) = own;
+                found.first_contour = whole.layers[l].first_contour + contours[l];
+                found.first_point += points[l];
+                found.contours = found.contours.subspan(std::exchange(contours[l], contours[l] + own.contours.size()),
+                                                        own.contours.size());
+                found.origins = found.origins.subspan(points[l], own.points.size());
+                found.points =
+                    found.points.subspan(std::exchange(points[l], points[l] + own.points.size()), own.points.size());
+                found.stitches = own.stitches;
+                REQUIRE(is_same(found, own));
+            }
+        }
+        CHECK(std::accumulate(contours.begin(), contours.end(), std::size_t{0}) == whole.contours.size());
+        CHECK(stitches == whole.stitches.size());
+        CHECK(std::is_sorted(whole.stitches.begin(), whole.stitches.end(),
+                             [](const lamella::Stitch& x, const lamella::Stitch& y) { return x.layer < y.layer; }));
+        CHECK_FALSE(audits::ledger_of(whole, view_of(ball)).ok());
+        CHECK_FALSE(audits::volume_of(whole, view_of(ball)).ok());
     }
-    CHECK(parts_in(result, 0) == Names{1});
-    CHECK(parts_in(result, 14) == Names{0});
     // Its far end is at the grid's very limit, which a grid chosen by the mesh takes.
-    const shapes::Soup far = shapes::box({0, 0, 0}, {1024, 4, 1});
-    CHECK(sliced(Parts{part_of(far), part_of(low)}, uniform(0.5)).info.grid_mm == lamella::default_grid_mm);
-    CHECK(sliced(Parts{part_of(low), part_of(low)}, uniform(0.5, lamella::finest_grid)).info.grid_mm ==
-          sliced(low, uniform(0.5, lamella::finest_grid)).info.grid_mm);
-}
-
-TEST_CASE("a part's placement is a transform of the mesh", "[engine][parts]") {
-    const shapes::Soup soup = shapes::octasphere({1, 2, 3}, 10, 4);
-    const std::vector<float> floats = shapes::floats(soup);
-    SliceOptions turned = uniform(0.1);
-    turned.frame.transform = GENERATE(lamella::Transform{}, lamella::Transform::from_normal(1, 2, 3));
-    for (const lamella::MeshView& mesh : {view_of(soup), view_of(floats)}) {
-        const SliceResult alone = sliced(mesh, turned);
-        const SliceResult placed = sliced(Parts{{mesh, turned.frame.transform}}, uniform(0.1));
-        CHECK(placed.hash() == alone.hash());
-        CHECK(placed.info.options.frame.transform.is_identity());
-        CHECK(sliced(Parts{{mesh, {}}}, turned).hash() == alone.hash());
-    }
-}
-
-TEST_CASE("rules are done to each part by itself", "[engine][parts]") {
-    // Two cubes that overlap are one region where they are one part, and two where they are two.
-    const shapes::Soup left = shapes::box({0, 0, 0}, {10, 10, 10});
-    const shapes::Soup right = shapes::box({5, 0, 0}, {15, 10, 10});
-    SliceOptions options = at_heights({5});
-    options.region.fill_rule = FillRule::non_zero;
-    const shapes::Soup both = shapes::joined({left, right});
-    const SliceResult joined = sliced(Parts{part_of(both), part_of(right)}, options);
-    CHECK(parts_in(joined, 0) == Names{0, 1});
-    CHECK(joined[0].area_mm2() == 150 + 100);
-    const SliceResult apart = sliced(Parts{part_of(left), part_of(right)}, options);
-    CHECK(contours_at(apart, 0)[1] == contours_at(sliced(right, options), 0)[0]);
-    CHECK(apart[0].area_mm2() == 200);
-}
-
-TEST_CASE("equal parts keep a contour each, and gaps are listed by layer", "[engine][parts]") {
-    const shapes::Soup open = shapes::without(shapes::box({0, 0, 0}, {10, 10, 10}), 4, 2);  // no front
-    SliceOptions options = at_heights({2, 5});
-    options.stitch_mm = 20;
-    const SliceResult result = sliced(Parts{part_of(open), part_of(open)}, options);
-    CHECK(parts_in(result, 1) == Names{0, 1});
-    REQUIRE(result.stitches.size() == 4);
-    CHECK(result.stitches[1].layer == 0);
-    CHECK(result.stitches[2].layer == 1);
-    CHECK(result.info.options.stitch_mm == 20);
+    const shapes::Soup limit = shapes::box({0, 0, 0}, {1024, 4, 1});
+    CHECK(sliced(Parts{part_of(limit), part_of(bar)}, uniform(0.5)).info.grid_mm == lamella::default_grid_mm);
+    CHECK(sliced(Parts{part_of(bar), part_of(bar)}, uniform(0.5, lamella::finest_grid)).info.grid_mm ==
+          sliced(bar, uniform(0.5, lamella::finest_grid)).info.grid_mm);
 }
 
 TEST_CASE("what is wrong with a part is said of that part", "[engine][parts]") {
@@ -166,11 +132,17 @@ TEST_CASE("what is wrong with a part is said of that part", "[engine][parts]") {
     const shapes::Soup dust = shapes::box({0, 0, 0}, {1e-9, 1e-9, 1e-9});
     SliceOptions closing = uniform(1);
     closing.region.closing_mm = -1;
+    SliceOptions unite = at_heights({5});
+    unite.unite_parts = true;
+    SliceOptions unite_some = unite;
+    unite_some.region = {.fill_rule = FillRule::positive, .fill_from = {{4, FillRule::contours}}};
     const std::tuple<Parts, SliceOptions, ErrorCode, const char*> cases[] = {
         {{}, uniform(1), ErrorCode::invalid_argument, ""},
         {{part_of(good), part_of(bad)}, uniform(1), ErrorCode::bad_coordinate, "part 1: triangle 4, "},
         {{part_of(good), part_of(none)}, uniform(1), ErrorCode::empty_mesh, "part 1: the mesh has no triangles"},
         {{part_of(dust), part_of(good)}, uniform(1), ErrorCode::empty_mesh, "part 0: each of 12 triangles has"},
+        {{part_of(good)}, unite, ErrorCode::invalid_argument, "uniting parts needs a region, but layer 0 has"},
+        {{part_of(good)}, unite_some, ErrorCode::invalid_argument, "uniting parts needs a region, but layer 4 has"},
         {{part_of(good)}, uniform(-1), ErrorCode::invalid_argument, "the layer height must be positive"},
         {{part_of(bad)}, closing, ErrorCode::invalid_argument, "the closing radius"}};
     for (const auto& [parts, options, code, message] : cases) {
@@ -179,18 +151,6 @@ TEST_CASE("what is wrong with a part is said of that part", "[engine][parts]") {
         CHECK_THAT(error.message, Catch::StartsWith(message));
         CHECK((code != ErrorCode::bad_coordinate || error.triangle == 4));
     }
-}
-
-TEST_CASE("parts have origins, though no plane meets the first", "[engine][parts][origins]") {
-    const shapes::Soup low = shapes::box({0, 0, 0}, {1, 1, 1});
-    const shapes::Soup high = shapes::box({0, 0, 5}, {1, 1, 7});
-    const Parts parts = {part_of(low), part_of(high)};
-    SliceOptions options;
-    options.heights_mm = std::vector<double>{6};
-    options.origins = true;
-    const SliceResult result = sliced(parts, options);
-    REQUIRE(result.origins.size() == result.points.size());
-    CHECK(result.origins[0].part == 1);
 }
 
 TEST_CASE("the memory limit is for all parts", "[engine][parts][errors]") {
@@ -226,6 +186,8 @@ TEST_CASE("united parts are the region of one mesh that has all of them", "[engi
     const shapes::Soup inverted = shapes::flipped(shapes::octasphere({1, 12, 0.7}, 6, 3));
     SliceOptions options = uniform(0.1);
     options.region.fill_rule = GENERATE(FillRule::even_odd, FillRule::non_zero, FillRule::positive);
+    options.region.simplify_mm = GENERATE(0.0, 0.05);
+    options.frame.grid_mm = lamella::default_grid_mm;
     const SliceResult whole = sliced(shapes::joined({ball, other, small, inverted}), options);
     const Parts given = {part_of(ball), part_of(other), part_of(small), part_of(inverted)};
     const SliceResult parts = united(given, options);
@@ -277,20 +239,4 @@ TEST_CASE("open polylines of united parts stay as they are", "[engine][parts][re
     const SliceResult closed = united({part_of(post), part_of(open)}, options);
     CHECK(named_at(closed, 0) == Lines{"outer 1"});
     CHECK(closed.stitches.size() == 1);
-}
-
-TEST_CASE("parts are united by a fill rule only", "[engine][parts][regions]") {
-    const shapes::Soup cube = shapes::box({0, 0, 0}, {10, 10, 10});
-    SliceOptions options = at_heights({5});
-    options.region.fill_rule = FillRule::positive;
-    options.region.fill_from = {{4, FillRule::contours}};
-    const Parts parts = {part_of(cube), part_of(cube)};
-    options.unite_parts = true;
-    const lamella::Error refused = failure_of(parts, options);
-    CHECK(refused.code == ErrorCode::invalid_argument);
-    CHECK_THAT(refused.message, Catch::StartsWith("uniting parts needs a region, but layer 4 has"));
-    options.region = {};
-    CHECK(failure_of(parts, options).code == ErrorCode::invalid_argument);
-    options.unite_parts = false;
-    CHECK(slice(parts, options).ok());
 }

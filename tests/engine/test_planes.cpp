@@ -3,14 +3,13 @@
 #include <cmath>
 #include <map>
 #include <random>
+#include <tuple>
 
 #include <catch2/catch.hpp>
 
 #include "engine/slicing.hpp"
-#include "oracle/compare.hpp"
 
 using lamella::Datum;
-using lamella::ErrorCode;
 using lamella::Number;
 using lamella::PlaneSide;
 using lamella::SliceOptions;
@@ -132,96 +131,6 @@ TEST_CASE("explicit heights outside the mesh, and far beyond the grid, give empt
     }
 }
 
-TEST_CASE("explicit heights that are not finite name the first", "[engine][planes]") {
-    const shapes::Soup soup = box({0, 0, 0}, {4, 4, 4});
-    const lamella::Error error = failure_of(view_of(soup), at_heights({3, 1, std::nan(""), 2, -std::nan("")}));
-    CHECK(error.code == ErrorCode::bad_planes);
-    CHECK(error.plane == 2);
-    CHECK(failure_of(view_of(soup), at_heights({1, INFINITY})).plane == 1);
-}
-
-TEST_CASE("flat faces at every plane height are always on the same side", "[engine][planes]") {
-    // Tops, then undersides, at 0.1, 0.2, ... mm, which binary numbers cannot represent exactly.
-    constexpr int count = 50;
-    shapes::Soup standing;
-    shapes::Soup hanging;
-    SliceOptions options = at_heights({});
-    for (int k = 1; k <= count; ++k) {
-        shapes::append(standing, box({2.0 * k, 0, -1}, {2.0 * k + 1, 1, 0.1 * k}));
-        shapes::append(hanging, box({2.0 * k, 0, 0.1 * k}, {2.0 * k + 1, 1, 6}));
-        options.heights_mm->push_back(0.1 * k);
-    }
-    options.frame.grid_mm = 0;
-    options.planes.side = GENERATE(PlaneSide::below, PlaneSide::above);
-    if (GENERATE(true, false)) {
-        options.heights_mm.reset();
-        options.layer_height_mm = 0.1;
-        options.planes.first_height_mm = 0;
-        options.planes.datum = Datum::zero;
-    }
-    const bool in_float = GENERATE(true, false);
-    const auto counts_at = [&](const shapes::Soup& soup) {
-        const std::vector<float> rounded = shapes::floats(soup);
-        const SliceResult result = sliced(in_float ? view_of(rounded) : view_of(soup), options);
-        std::map<int, std::uint64_t> counts;  // by the number of the height
-        for (const lamella::Layer& layer : result.layers) {
-            counts[static_cast<int>(std::lround(10 * layer.plane_mm))] = layer.contour_count;
-        }
-        return counts;
-    };
-    std::map<int, std::uint64_t> tops = counts_at(standing);
-    std::map<int, std::uint64_t> undersides = counts_at(hanging);
-    // Layer k cuts the boxes with their top above it. With planes below, it also cuts boxes with their top at its height.
-    const int own = options.planes.side == PlaneSide::below ? 1 : 0;
-    for (int k = 1; k <= count; ++k) {
-        INFO("height " << k << ", planes below " << own);
-        CHECK(tops[k] == static_cast<std::uint64_t>(count - k + own));
-        CHECK(undersides[k] == static_cast<std::uint64_t>(k - own));
-    }
-}
-
-TEST_CASE("a plane is cut within half a number step and two units of the height asked for", "[engine][planes]") {
-    const double low = GENERATE(0.3, 7.9, 100.7, 700.1);
-    const shapes::Soup mesh = box({0, 0, low}, {1, 1, low + 3.3});
-    const std::vector<float> floats(mesh.begin(), mesh.end());
-    lamella::SliceOptions options = uniform(0.0137);
-    options.planes.side = GENERATE(PlaneSide::below, PlaneSide::above);
-    const double toward = options.planes.side == PlaneSide::below ? -1 : 1;
-    double farthest_units = 0;
-    for (const bool as_floats : {false, true}) {
-        const auto view = as_floats ? view_of(floats) : view_of(mesh);
-        const lamella::SliceResult result = sliced(view, options);
-        REQUIRE(result.layers.size() > 200);
-        for (const lamella::LayerView layer : result) {
-            const double asked = layer.plane_mm;
-            const double step = as_floats ? std::nextafter(static_cast<float>(asked), 1e9F) - static_cast<float>(asked) : 0;
-            const double moved_units = (layer.cut_mm() - asked) / result.info.grid_mm;
-            CHECK(std::abs(moved_units - toward) <= step / 2 / result.info.grid_mm + 1.001);
-            farthest_units = std::max(farthest_units, std::abs(moved_units));
-        }
-    }
-    CHECK(farthest_units > (low > 512 ? 20 : 1));  // at 700 mm the bound of two units does not hold for floats
-}
-
-TEST_CASE("facets that end within a unit of uniform planes are cut by the right planes", "[engine][planes]") {
-    // Slivers that begin and end next to planes, where division alone would be off by one.
-    shapes::Soup soup = box({0, 0, 0}, {1, 1, 30});
-    for (int i = 1; i < 290; ++i) {
-        for (const double nudge : {-2e-6, 0.0, 2e-6}) {
-            const double low = 0.1 * i + nudge;
-            const double high = 0.1 * (i + 1 + i % 3) + nudge;
-            shapes::append(soup, shapes::triangle({2.0, 0, low}, {3, 0.5, low}, {2, i * 1e-3, high}));
-        }
-    }
-    for (const double first : {0.1, 0.05}) {
-        lamella::SliceOptions options = uniform(0.1);
-        options.planes.first_height_mm = first;
-        const lamella::SliceResult result = sliced(soup, options);
-        CHECK(result.layers.size() >= 299);
-        CHECK_THAT(oracle::difference(result, oracle::quantise(soup, result.info.grid_mm)), Catch::Equals(""));
-    }
-}
-
 TEST_CASE("random heights stay between their bounds and repeat by seed", "[engine][planes]") {
     const shapes::Soup soup = box({0, 0, 5}, {1, 1, 25});
     const lamella::SliceResult result = sliced(soup, {}, {}, at_random(0.016, 0.032, 7));
@@ -243,30 +152,19 @@ TEST_CASE("random heights stay between their bounds and repeat by seed", "[engin
     const lamella::SliceResult listed = sliced(soup, result.info.options);  // the heights that were drawn
     CHECK(listed.hash() == result.hash());
     CHECK(listed.info.options == result.info.options);
-}
-
-TEST_CASE("steps under two units and too many planes are refused", "[engine][planes]") {
-    const shapes::Soup soup = box({0, 0, 0}, {4, 4, 100});
-    CHECK(failure_of(view_of(soup), uniform(0.9, coarse_unit_mm)).code == ErrorCode::bad_planes);
-    CHECK(failure_of(view_of(soup), uniform(1e-12)).code == ErrorCode::bad_planes);
-    const auto random_failure = [&](double least_mm, double most_mm) {
+    for (const auto& [least, most, code] : {std::tuple(1e-7, 1e-3, lamella::ErrorCode::bad_planes),
+                                            std::tuple(2.0, 1.0, lamella::ErrorCode::invalid_argument)}) {
         lamella::Slicer slicer;
-        SliceResult result;
-        return code_of(slice_tuned(slicer, result, view_of(soup), {}, at_random(least_mm, most_mm, 1)));
-    };
-    CHECK(random_failure(1e-7, 1e-3) == ErrorCode::bad_planes);
-    CHECK(random_failure(2, 1) == ErrorCode::invalid_argument);
-    CHECK(failure_of(view_of(soup), uniform(0)).code == ErrorCode::invalid_argument);
-    CHECK(failure_of(view_of(soup), uniform(-1)).code == ErrorCode::invalid_argument);
-    CHECK(failure_of(view_of(soup), uniform(std::nan(""))).code == ErrorCode::invalid_argument);
+        SliceResult none;
+        CHECK(code_of(slice_tuned(slicer, none, view_of(soup), {}, at_random(least, most, 1))) == code);
+    }
 }
 
-TEST_CASE("uniform planes that floats cannot tell apart name the pair", "[engine][planes]") {
-    const std::vector<float> mesh = shapes::floats(box({0, 0, 700}, {1, 1, 700.01}));
-    const lamella::Error error = failure_of(view_of(mesh), uniform(1e-5));
-    CHECK(error.code == ErrorCode::bad_planes);
-    CHECK(error.plane == 1);
-    CHECK_THAT(error.message, Catch::Contains("planes 0 and 1 (") && Catch::Contains("the same on the grid"));
+TEST_CASE("layers by height count towards the memory limit", "[engine][planes][errors]") {
+    const shapes::Soup soup = box({0, 0, 0}, {4, 4, 4});
+    const SliceOptions options = at_heights(std::vector<double>(10000, 2.0));
+    CHECK(failure_of(view_of(soup), options, {.memory_limit_bytes = 10000}).code == lamella::ErrorCode::result_too_large);
+    CHECK(sliced(soup, options, {.memory_limit_bytes = 90000}).layers.size() == 1);
 }
 
 TEST_CASE("layers far thicker than the mesh do not cut it", "[engine][planes]") {
@@ -276,7 +174,10 @@ TEST_CASE("layers far thicker than the mesh do not cut it", "[engine][planes]") 
         for (const Datum datum : {Datum::mesh_min, Datum::zero}) {
             lamella::SliceOptions options = uniform(layer_mm);
             options.planes.datum = datum;
-            CHECK(planes_of(sliced(soup, options)).empty());
+            double last = 0;
+            const auto note = [&](double fraction) noexcept { last = fraction; };
+            CHECK(planes_of(sliced(soup, options, {.progress = note})).empty());
+            CHECK(last == 1);
         }
     }
 }
@@ -301,23 +202,4 @@ TEST_CASE("every height has the layer of its plane, whatever their order", "[eng
         CHECK(sorted.hash() == result.hash());
         CHECK(std::is_sorted(sorted.info.layer_of.begin(), sorted.info.layer_of.end()));
     }
-}
-
-TEST_CASE("parts share the layers of explicit heights", "[engine][planes][parts]") {
-    const shapes::Soup low = box({0, 0, 0}, {4, 4, 4});
-    const shapes::Soup high = box({2, 2, 1}, {6, 6, 6});
-    const std::vector<lamella::Part> parts = {{.mesh = view_of(low)}, {.mesh = view_of(high)}};
-    SliceOptions options = at_heights({5, 1, 3, 5, 1.1});
-    options.region.fill_rule = lamella::FillRule::non_zero;
-    for (const bool united : {false, true}) {
-        options.unite_parts = united;
-        check_layers(sliced(parts, options), Number::f64);
-    }
-}
-
-TEST_CASE("layers by height count towards the memory limit", "[engine][planes][errors]") {
-    const shapes::Soup soup = box({0, 0, 0}, {4, 4, 4});
-    const SliceOptions options = at_heights(std::vector<double>(10000, 2.0));
-    CHECK(failure_of(view_of(soup), options, {.memory_limit_bytes = 10000}).code == ErrorCode::result_too_large);
-    CHECK(sliced(soup, options, {.memory_limit_bytes = 90000}).layers.size() == 1);
 }

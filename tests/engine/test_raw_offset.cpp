@@ -165,88 +165,63 @@ Place sample(std::mt19937& random, const Curve& curve, double size, double dista
 
 }  // namespace
 
-TEST_CASE("a notch whose floor turns round gets joints", "[engine][raw_offset]") {
-    const Curve filled = offset_of(notched, 2000);
-    CHECK_FALSE(filled.facts.directions_kept);
-    CHECK(filled.points == Ring{{-2000, -2000},
-                                {10000, -2000},
-                                {10000, 8000},
-                                {4000, 8000},
-                                {4000, 5000},
-                                {6000, 5000},
-                                {6000, 7000},
-                                {3000, 7000},
-                                {3000, 5000},
-                                {5000, 5000},
-                                {5000, 8000},
-                                {-2000, 8000}});
-}
-
-TEST_CASE("a curve that rounding closes to a line has no points", "[engine][raw_offset]") {
-    const Ring sliver{{0, 0}, {1000000, 0}, {1000000, 4}, {0, 4}};
-    const Curve curve = offset_of(sliver, -1.8);
-    CHECK(curve.facts.directions_kept);  // 0.4 units are left, which round to 0
-    CHECK(curve.facts.count == 0);
-}
-
-TEST_CASE("a corner beyond the miter limit is cut at the distance", "[engine][raw_offset]") {
+TEST_CASE("raw offsets of a few corners are known", "[engine][raw_offset]") {
+    constexpr std::int32_t far = lamella::grid_limit;
+    const Ring large{{-far, -far}, {far, -far}, {far, far}, {-far, far}};
     const Ring needle{{0, -200}, {100000, 0}, {0, 200}};
-    const Curve out = offset_of(needle, 1000);
-    CHECK(out.points.size() == 4);
-    CHECK(out.points[1].x == 101000);
-    CHECK(out.points[2].x == 101000);
-    CHECK(out.points[1].y == -out.points[2].y);
-    CHECK(out.points[1].y == -998);  // the line 1000 below the edge, at x = 101000
-    CHECK(out.facts.directions_kept);
-    CHECK_FALSE(out.facts.reflex_cut);
-    CHECK(offset_of(needle, 1000, 1000).points[1] == Point{600001, 0});  // 1000 / sin 2 mrad
-    // As a hole it is the way back that cuts.
-    const Curve hole = offset_of(reversed(needle), 10);
-    CHECK(hole.facts.reflex_cut);
-    CHECK(hole.facts.directions_kept);
-    CHECK_FALSE(offset_of(reversed(needle), 10, 1000).facts.reflex_cut);
-}
-
-TEST_CASE("a right-angled corner is cut from a limit of the square root of two down", "[engine][raw_offset]") {
-    CHECK(offset_of(square, 1000, 1.4143).points.size() == 4);
-    CHECK(offset_of(square, 1000, 1.4142).points.size() == 8);
-    CHECK_FALSE(offset_of(square, -1000, 1.4143).facts.reflex_cut);
-    CHECK(offset_of(square, -1000, 1.4142).facts.reflex_cut);
-}
-
-TEST_CASE("a spike has a cap for either sign", "[engine][raw_offset]") {
     const Ring spiked{{0, 0}, {4000, 0}, {4000, 2000}, {9000, 2000}, {4000, 2000}, {4000, 4000}, {0, 4000}};
-    const Curve out = offset_of(spiked, 500);
-    CHECK(std::count(out.points.begin(), out.points.end(), Point{9500, 1500}) == 1);
-    CHECK(std::count(out.points.begin(), out.points.end(), Point{9500, 2500}) == 1);
-    CHECK(winding(out.points, {9400, 2000}) == 1);
-    const Curve in = offset_of(spiked, -500);
-    CHECK(winding(in.points, {6000, 2000}) < 0);
-    CHECK(winding(in.points, {2000, 2000}) == 1);
-}
-
-TEST_CASE("turns of nearly 180 degrees take their side from the points", "[engine][raw_offset]") {
     // Fibonacci numbers: the triangle's doubled area is 1, its longest edges differ in direction by 2e-18.
     const Ring thin{{0, 0}, {701408733, 433494437}, {267914296, 165580141}};
-    for (const double distance : {1000.0, -1000.0}) {
-        const Curve curve = offset_of(thin, distance);
-        CHECK(curve.facts.reflex_cut == (distance < 0));
-        CHECK(curve.facts.directions_kept == (distance > 0));
-        CHECK(offset_of(reversed(thin), distance).facts.reflex_cut == (distance > 0));
+    enum Facts : std::uint8_t { turned, kept, cut, beyond };  // `cut`: on the way back, with directions kept
+    struct Case {
+        const char* name;
+        Ring ring;
+        double distance;
+        double limit;
+        Facts facts;
+        Ring points{};  ///< that the curve has, in any order
+        std::size_t count = 0;
+    };
+    const Case cases[] = {
+        {"a notch whose floor turns round", notched, 2000, 3, turned, {{4000, 5000}, {6000, 5000}, {3000, 5000}}, 12},
+        {"a sliver of 0.4 units", {{0, 0}, {1000000, 0}, {1000000, 4}, {0, 4}}, -1.8, 3, kept, {}, 0},
+        {"a corner cut at the distance", needle, 1000, 3, kept, {{101000, -998}, {101000, 998}}, 4},
+        {"its miter: 1000 / sin 2 mrad", needle, 1000, 1000, kept, {{600001, 0}}, 3},
+        {"a corner that the way back cuts", reversed(needle), 10, 3, cut},
+        {"the same within the limit", reversed(needle), 10, 1000, kept},
+        {"a right angle within the limit", square, 1000, 1.4143, kept, {}, 4},
+        {"a right angle beyond the limit", square, 1000, 1.4142, kept, {}, 8},
+        {"a right angle eroded", square, -1000, 1.4143, kept},
+        {"a right angle eroded beyond the limit", square, -1000, 1.4142, cut},
+        {"the cap of a spike", spiked, 500, 3, kept, {{9500, 1500}, {9500, 2500}}},
+        {"a turn of nearly 180 degrees", thin, 1000, 3, kept},
+        {"the other way round", reversed(thin), -1000, 3, kept},
+        {"the low end of the grid", {{-far, 0}, {0, -100}, {0, 100}}, 1, 3, beyond},
+        {"the high end", {{far, 0}, {0, 100}, {0, -100}}, 1, 3, beyond},
+        {"all ends", large, 0.6, 3, beyond},
+        {"far beyond", large, 2.0 * far, 3, beyond},
+        {"inside out", large, -2.5 * far, 3, beyond},
+        {"not yet", large, 0.4, 3, kept},
+        {"inwards", large, -0.6, 3, kept},
+        {"nearly all", large, -1.0 * far + 10, 3, kept}};
+    for (const auto& [name, ring, distance, limit, facts, points, count] : cases) {
+        INFO(name);
+        const Curve curve = offset_of(ring, distance, limit);
+        CHECK(curve.facts.beyond_grid == (facts == beyond));
+        if (facts != beyond) {
+            CHECK(curve.facts.directions_kept == (facts != turned));
+            CHECK((curve.facts.reflex_cut == (facts == cut) || facts == turned));
+        }
+        CHECK((count == 0 || curve.points.size() == count));
+        for (const Point& p : points) {
+            CHECK(std::count(curve.points.begin(), curve.points.end(), p) >= 1);
+        }
     }
-}
-
-TEST_CASE("points beyond the grid are reported", "[engine][raw_offset]") {
-    const std::int32_t far = lamella::grid_limit;
-    const Ring large{{-far, -far}, {far, -far}, {far, far}, {-far, far}};
-    CHECK(offset_of(large, 0.6).facts.beyond_grid);
-    CHECK(offset_of(large, 2.0 * far).facts.beyond_grid);
-    CHECK_FALSE(offset_of(large, -0.6).facts.beyond_grid);
-    CHECK(offset_of({{-far, 0}, {0, -100}, {0, 100}}, 1).facts.beyond_grid);
-    CHECK(offset_of({{far, 0}, {0, 100}, {0, -100}}, 1).facts.beyond_grid);
-    CHECK_FALSE(offset_of(large, 0.4).facts.beyond_grid);
-    CHECK_FALSE(offset_of(large, -1.0 * far + 10).facts.beyond_grid);
-    CHECK(offset_of(large, -2.5 * far).facts.beyond_grid);
+    CHECK(offset_of(cases[1].ring, -1.8).points.empty());
+    CHECK(offset_of(thin, -1000).facts.reflex_cut);
+    CHECK(winding(offset_of(spiked, 500).points, {9400, 2000}) == 1);
+    CHECK(winding(offset_of(spiked, -500).points, {6000, 2000}) < 0);
+    CHECK(winding(offset_of(spiked, -500).points, {2000, 2000}) == 1);
 }
 
 TEST_CASE("curves of a layer stand one after the other, in the host's memory", "[engine][raw_offset]") {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -16,7 +17,6 @@
 #include "rings.hpp"
 
 using lamella::PlaneSide;
-using lamella::Point;
 using lamella::SliceOptions;
 using lamella::SliceResult;
 
@@ -46,22 +46,14 @@ Slabs slabs_of(const shapes::Soup& soup, const SliceOptions& options, const lame
     return slabs_of(view_of(soup), options, context);
 }
 
-/// Twice the net area of one layer, or of all, in square units.
-oracle::Int128 twice_area(const lamella::LayerView& layer) {
+/// Twice the net area in square units.
+oracle::Int128 twice_area(std::span<const lamella::Contour> contours) {
     oracle::Int128 sum = 0;
-    for (const lamella::Contour& contour : layer.contours) {
+    for (const lamella::Contour& contour : contours) {
         sum += (oracle::Int128{contour.twice_area.high} << 64) + contour.twice_area.low;
     }
     return sum;
 }
-oracle::Int128 twice_area(const SliceResult& result) {
-    oracle::Int128 sum = 0;
-    for (const lamella::LayerView layer : result) {
-        sum += twice_area(layer);
-    }
-    return sum;
-}
-
 oracle::Int128 twice_area(const oracle::Triangle& t) {
     const auto [a, b, c] = t;
     return oracle::Int128{b.x - a.x} * (c.y - a.y) - oracle::Int128{b.y - a.y} * (c.x - a.x);
@@ -188,38 +180,6 @@ TEST_CASE("a horizontal face on a plane lies above it or below it as the plan sa
     CHECK(slabs.top.info.triangles == 12);
 }
 
-TEST_CASE("pieces on top of one another are united, whatever their number", "[engine][slabs]") {
-    const shapes::Soup sheet = shapes::triangle({0, 0, 1}, {4, 0, 1}, {0, 4, 1});
-    const shapes::Soup stack = shapes::joined(
-        {sheet, shapes::moved(sheet, {0, 0, 0.5}), shapes::moved(sheet, {0, 0, 0.5}), shapes::moved(sheet, {1, 1, 1})});
-    const SliceResult united = sliced(stack, upward(at_heights({0, 9})));
-    CHECK(contours_at(united, 0) == Lines{"outer + x7 in -: 0,0 8,0 6,2 10,2 2,10 2,6 0,8"});
-    CHECK(united.layers[0].segments == 4);
-}
-
-TEST_CASE("the bands of a ball share their borders with slices, and their areas add up exactly", "[engine][slabs]") {
-    const shapes::Soup ball = shapes::octasphere({1, 2, 0}, 5, 4);
-    const SliceOptions options = at_heights({-20, 0.3, 1.1, 2.5, 2.75, 4, 4.9}, 0);
-    const SliceResult top = sliced(ball, upward(options));
-    const SliceResult slice = sliced(ball, options);
-    CHECK(twice_area(top) == twice_upward_area(ball, top.info.grid_mm));
-    const auto points = [](const SliceResult& result, std::uint64_t contour) {
-        const auto own = result.points_of(result.contours[contour]);
-        std::vector<Point> sorted(own.begin(), own.end());
-        std::sort(sorted.begin(), sorted.end());
-        return sorted;
-    };
-    for (std::size_t layer = 1; layer < slice.layers.size(); ++layer) {
-        const bool last = layer + 1 == slice.layers.size();
-        REQUIRE(top.layers[layer].contour_count == (last ? 1 : 2));
-        const std::uint64_t outer = top.layers[layer].first_contour;
-        CHECK(points(top, outer) == points(slice, slice.layers[layer].first_contour));
-        if (!last) {
-            CHECK(points(top, outer + 1) == points(slice, slice.layers[layer + 1].first_contour));
-        }
-    }
-}
-
 TEST_CASE("one of very many layers is what its two planes alone give", "[engine][slabs][threads]") {
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 5, 3);
     constexpr std::size_t planes = 9'001;
@@ -229,14 +189,14 @@ TEST_CASE("one of very many layers is what its two planes alone give", "[engine]
     }
     const Slabs all = slabs_of(ball, at_heights(heights, 0), {.threads = 3});
     REQUIRE(all.top.layers.size() == planes);
-    CHECK(twice_area(all.top) == twice_upward_area(ball, all.top.info.grid_mm));
+    CHECK(twice_area(all.top.contours) == twice_upward_area(ball, all.top.info.grid_mm));
     for (const std::size_t layer : {4'500U, 4'501U, 5'000U, 6'999U, 8'249U}) {
         const Slabs two = slabs_of(ball, at_heights({heights[layer], heights[layer + 1]}, 0));
-        CHECK(twice_area(all.top[layer]) == twice_area(two.top[0]));
+        CHECK(twice_area(all.top[layer].contours) == twice_area(two.top[0].contours));
         CHECK(all.top.layers[layer].segments == two.top.layers[0].segments);
         const Slabs below = slabs_of(ball, at_heights({heights[planes - layer], heights[planes - 1 - layer]}, 0));
         const lamella::LayerView low = all.bottom[planes - layer];
-        CHECK(twice_area(low) == twice_area(below.bottom[1]));
+        CHECK(twice_area(low.contours) == twice_area(below.bottom[1].contours));
         CHECK(low.segments == below.bottom.layers[1].segments);
         CHECK(low.segments > 0);
     }
@@ -244,28 +204,22 @@ TEST_CASE("one of very many layers is what its two planes alone give", "[engine]
 
 TEST_CASE("rules of regions follow the union", "[engine][slabs][regions]") {
     const shapes::Soup parts = shapes::joined({shapes::box({0, 0, 0}, {4, 4, 4}), shapes::box({5, 0, 0}, {8, 4, 4})});
-    SliceOptions options = upward(at_heights({2}));
-    SECTION("points within straight lines go") {
-        const shapes::Soup tilted = shapes::joined(
-            {shapes::triangle({0, 0, 3}, {4, 0, 3}, {4, 4, 3}), shapes::triangle({0, 0, 3}, {4, 4, 3}, {0, 4, 3}),
-             shapes::triangle({4, 0, 3}, {8, 0, 3}, {8, 4, 3}), shapes::triangle({4, 0, 3}, {8, 4, 3}, {4, 4, 3})});
-        CHECK(contours_at(sliced(tilted, options), 0) == Lines{"outer + x6 in -: 0,0 8,0 16,0 16,8 8,8 0,8"});
-        options.region.drop_collinear = true;
-        CHECK(contours_at(sliced(tilted, options), 0) == Lines{"outer + x6 in -: 0,0 16,0 16,8 0,8"});
-    }
-    SECTION("gaps are closed") {
-        options.region.closing_mm = 1;
-        CHECK(sliced(parts, options).layers[0].contour_count == 1);
-    }
-    SECTION("the largest stays") {
-        options.region.largest_only = true;
-        CHECK(contours_at(sliced(parts, options), 0) == Lines{"outer + x4 in -: 0,0 8,0 8,8 0,8"});
-    }
-    SECTION("layers that the rules empty are counted") {
-        options.region.offset_mm = -2.5;
-        const SliceResult emptied = sliced(parts, options);
-        CHECK(emptied.contours.empty());
-        CHECK(emptied.info.emptied_layers == 1);
+    const shapes::Soup tilted = shapes::joined({shapes::quad({0, 0, 3}, {4, 0, 3}, {4, 4, 3}, {0, 4, 3}),
+                                                shapes::quad({4, 0, 3}, {8, 0, 3}, {8, 4, 3}, {4, 4, 3})});
+    const std::string left = "outer + x4 in -: 0,0 8,0 8,8 0,8";
+    const std::tuple<shapes::Soup, lamella::RegionRules, Lines> cases[] = {
+        {tilted, {}, {"outer + x6 in -: 0,0 8,0 16,0 16,8 8,8 0,8"}},
+        {tilted, {.drop_collinear = true}, {"outer + x6 in -: 0,0 16,0 16,8 0,8"}},
+        {parts, {}, {left, "outer + x4 in -: 10,0 16,0 16,8 10,8"}},
+        {parts, {.closing_mm = 1, .drop_collinear = true}, {"outer + x4 in -: 0,0 16,0 16,8 0,8"}},
+        {parts, {.largest_only = true}, {left}},
+        {parts, {.offset_mm = -2.5}, {}}};
+    for (const auto& [mesh, rules, expected] : cases) {
+        SliceOptions options = upward(at_heights({2}));
+        options.region = rules;
+        const SliceResult found = sliced(mesh, options);
+        CHECK(contours_at(found, 0) == expected);
+        CHECK(found.info.emptied_layers == (expected.empty() ? 1 : 0));
     }
 }
 

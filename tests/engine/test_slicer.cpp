@@ -1,17 +1,24 @@
-// Slicers: what they hold, what they give back, and that a small call leaves the host's other threads alone. And the
-// recycler, whose blocks never overlap, and which uses again what is given back.
+// Slicers and prepared meshes: what they hold, what they give back, and what they refuse. That they slice as a mesh alone is
+// sliced: test_sources.cpp. And that blocks of the recycler never overlap.
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <random>
+#include <string>
 #include <vector>
 
 #include <catch2/catch.hpp>
 
 #include "base/recycler.hpp"
 #include "engine/counting_memory.hpp"
-#include "engine/same_result.hpp"
+#include "engine/everywhere.hpp"
 #include "engine/slicing.hpp"
+#include "slicing/buckets/prepared_source.hpp"
 
+using lamella::ErrorCode;
+using lamella::Frame;
+using lamella::MeshView;
+using lamella::PreparedMesh;
 using lamella::SliceOptions;
 using lamella::Slicer;
 using lamella::SliceResult;
@@ -69,30 +76,6 @@ TEST_CASE("a slicer gives back what the last call did not need", "[engine][slice
     CHECK(kept.bytes() < large_bytes / 8);
 }
 
-TEST_CASE("a slicer and its result give the same answers again, trimmed or not, whatever was asked before or refused",
-          "[engine][slicer]") {
-    const std::vector<shapes::Soup> soups = {plate(), large(), shapes::random_tetrahedra(3, 40, 5), {}, plate()};
-    std::vector<SliceOptions> asked = {uniform(0.5), uniform(0.05), uniform(0.5), at_heights({2, 1, 2}), at_heights({})};
-    asked[1].origins = true;
-    asked[2].region.simplify_mm = 0.05;
-    const shapes::Soup broken(18, 1e300);
-    Slicer slicer;
-    SliceResult result;
-    for (const bool trims : {false, true}) {
-        for (const shapes::Soup& soup : soups) {
-            for (SliceOptions options : asked) {
-                options.allow_empty = true;
-                REQUIRE(slicer.slice_to(result, view_of(soup), options).ok());
-                require_same(result, sliced(soup, options));
-                CHECK_FALSE(slicer.slice_to(result, view_of(broken), options).ok());
-                if (trims) {
-                    slicer.trim();
-                }
-            }
-        }
-    }
-}
-
 TEST_CASE("a small slice is done by the calling thread alone", "[engine][slicer][executor]") {
     int runs = 0;
     const auto pool = [&runs](int, lamella::Callback<void()> body) noexcept {
@@ -140,21 +123,82 @@ TEST_CASE("blocks of a recycler keep what is written to them", "[engine][memory]
     }
 }
 
-TEST_CASE("a recycler joins what is given back, and hands it out again", "[engine][memory]") {
-    lamella::Recycler recycler;
-    const std::size_t whole = std::size_t{8} << 20;
-    auto* const first = static_cast<std::byte*>(recycler.allocate(whole, 64));
-    recycler.deallocate(first, whole, 64);
-    std::vector<std::byte*> quarters;
-    for (int i = 0; i < 4; ++i) {
-        quarters.push_back(static_cast<std::byte*>(recycler.allocate(whole / 4, 64)));
-        CHECK(quarters.back() >= first);
-        CHECK(quarters.back() + whole / 4 <= first + whole);
+TEST_CASE("a prepared mesh outlives the memory of the mesh", "[engine][prepare]") {
+    shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 3);
+    const SliceResult expected = sliced(soup, uniform(0.5));
+    const PreparedMesh made = value_of(prepare(view_of(soup)));
+    soup.assign(soup.size(), 1e300);
+    require_same(sliced(made, uniform(0.5)), expected);
+}
+
+TEST_CASE("a prepared mesh is sliced on its own grid and in its own frame", "[engine][prepare]") {
+    const shapes::Soup soup = shapes::box({0, 0, 0}, {4, 6, 8});
+    SliceOptions options = at_heights({1, 3});
+    options.frame.transform = lamella::Transform::from_normal(1, 0, 0);
+    const PreparedMesh made = value_of(prepare(view_of(soup), options.frame));
+    CHECK(made.frame() == options.frame);
+    SliceOptions left_out = options;
+    left_out.frame = {};
+    require_same(sliced(made, left_out), sliced(soup, options));
+
+    SliceOptions other = options;
+    other.frame.grid_mm = 0.25;
+    CHECK(failure_of(made, other).code == ErrorCode::invalid_argument);
+    other = options;
+    other.frame.transform = lamella::Transform::scale(2);
+    CHECK(failure_of(made, other).code == ErrorCode::invalid_argument);
+}
+
+TEST_CASE("a mesh that no grid holds cannot be prepared; of one that is empty slicing says so", "[engine][prepare]") {
+    const auto failure = [](const MeshView& mesh, const Frame& frame = {}, const lamella::Context& context = {}) {
+        return error_of(prepare(mesh, frame, context));
+    };
+    shapes::Soup soup = shapes::box({0, 0, 0}, {4, 6, 8});
+    for (const Frame& frame : {Frame{}, Frame{.grid_mm = 1e3}}) {  // on the coarse grid the box collapses
+        const MeshView mesh = frame.grid_mm == 0 ? MeshView{} : view_of(soup);
+        CHECK(failure_of(value_of(prepare(mesh, frame)), {.frame = frame}).message ==
+              failure_of(mesh, {.frame = frame}).message);
     }
-    for (const int i : {2, 0, 3, 1}) {
-        recycler.deallocate(quarters[static_cast<std::size_t>(i)], whole / 4, 64);
+    CHECK(failure(view_of(soup), {.grid_mm = 1e-12}).code == ErrorCode::bad_coordinate);
+    CHECK(failure(view_of(soup), {}, {.threads = -1}).code == ErrorCode::invalid_argument);
+    soup[5 * 9 + 4] = std::numeric_limits<double>::quiet_NaN();
+    CHECK(failure(view_of(soup)).triangle == 5);
+    shapes::Indexed indexed = shapes::indexed(shapes::box({0, 0, 0}, {4, 6, 8}));
+    indexed.indices[7] = 1000;
+    CHECK(failure(indexed.view()).triangle == 2);
+}
+
+TEST_CASE("a prepared mesh takes 48 bytes a triangle of the host's memory", "[engine][prepare]") {
+    const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 6);
+    const std::size_t triangles = soup.size() / 9;
+    CountingMemory memory;
+    {
+        const PreparedMesh made = value_of(prepare(view_of(soup), {}, {.memory = &memory}));
+        CHECK(memory.held() >= 48 * triangles);
+        CHECK(memory.held() <= 49 * triangles);
+        CHECK(made.bytes() >= memory.held());
+        CHECK(made.bytes() <= memory.held() + 4096);
     }
-    void* const again = recycler.allocate(whole, 64);
-    CHECK(again == first);
-    recycler.deallocate(again, whole, 64);
+    CHECK(memory.held() == 0);
+}
+
+TEST_CASE("a plane reads little more than the triangles that it cuts", "[engine][prepare][bucket]") {
+    // Small triangles everywhere, and among every hundred of them one as tall as the mesh, in any order.
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> place(0, 100);
+    std::vector<float> soup;
+    for (int t = 0; t < 200'000; ++t) {
+        const float x = place(random);
+        const float z = t % 100 == 0 ? 0 : place(random);
+        soup.insert(soup.end(), {x, 0, z, x + 1, 0, z, x, 1, z + (t % 100 == 0 ? 100.5F : 0.05F)});
+    }
+    const PreparedMesh made = value_of(prepare(view_of(soup)));
+    const lamella::detail::PreparedImpl& prepared = *lamella::Source(made).prepared();
+    lamella::PlaneSet planes(nullptr);
+    planes.build({.heights_mm = {{50.1}}}, {}, prepared.frame, 1 << 20);
+    lamella::Buckets buckets(nullptr);
+    const lamella::Parallel parallel({.threads = 1});
+    lamella::PreparedSource(prepared, {parallel, planes, buckets}).count(prepared.frame.unit.mm);
+    CHECK(buckets.segment_count >= 2000);
+    CHECK(buckets.touched.size() * 64 <= 2 * buckets.segment_count);
 }

@@ -1,16 +1,22 @@
-// Meshes small enough for all their contours to be known and written down.
+// Meshes small enough for all their contours to be known and written down; and contours from the segments that a caller
+// passes, with the caller's keys and ranks.
+
 #include <catch2/catch.hpp>
 
 #include "engine/slicing.hpp"
+#include "lamella/layers.hpp"
 #include "oracle/compare.hpp"
 
-using Lines = std::vector<std::string>;
+using lamella::EndKey;
+using lamella::Segment;
+using lamella::SliceResult;
 using shapes::box;
 using shapes::flipped;
 using shapes::joined;
 using shapes::only;
 using shapes::triangle;
 using shapes::without;
+using Lines = std::vector<std::string>;
 
 namespace {
 
@@ -115,39 +121,54 @@ TEST_CASE("the contours of small meshes are known", "[engine][solids]") {
     }
 }
 
-TEST_CASE("degenerate triangles are dropped and counted", "[engine][solids]") {
-    const shapes::Soup extra =
-        joined({triangle({1, 1, 0}, {1, 1, 0}, {2, 2, 4}), triangle({1, 1, 0}, {1.2, 1.1, 0.3}, {2, 2, 4}),
-                triangle({3, 3, 3}, {3, 3, 3}, {3, 3, 3})});
-    const lamella::SliceResult clean = sliced(cube, at_heights({1, 3}));
-    const lamella::SliceResult dirty = sliced(joined({extra, cube}), at_heights({1, 3}));
-    CHECK(clean.hash() == dirty.hash());
-    CHECK(dirty.info.degenerate == 3);
-    CHECK(dirty.info.triangles == 15);
-    CHECK(clean.info.degenerate == 0);
+namespace {
+
+EndKey key(std::uint64_t a) {
+    return {a, 0, 0};
 }
 
-TEST_CASE("contours that touch after rounding do not fuse", "[engine][solids]") {
-    // The boxes are 0.2 mm apart, less than the grid of 1 mm resolves. Their edges become equal, as if they touched.
-    CHECK(cut(joined({cube, box({4.2, 4.2, 0}, {8, 8, 4})}), 1).size() == 2);
-    // Tips of two wedges whose crossings round to the same point, on different mesh edges.
-    const shapes::Soup left = shapes::octasphere({0, 0, 2}, 3, 1);
-    const shapes::Soup right = shapes::octasphere({6, 0, 2}, 3, 1);
-    CHECK(cut(joined({left, right}), 2).size() == 2);
+SliceResult assembled(const std::vector<Segment>& segments) {
+    SliceResult layer = value_of(assemble(segments));
+    std::uint64_t sum = 0;
+    for (const lamella::Contour& contour : layer.contours) {
+        sum += contour.segments;
+    }
+    REQUIRE(sum == segments.size());
+    return layer;
 }
 
-TEST_CASE("the ridge of a steep roof is a flat contour without parent", "[engine][solids]") {
-    // The roof is 2 mm wide at the eaves and 64 mm high, so one unit below the ridge its width rounds to zero. It stands
-    // in a courtyard.
-    const shapes::Xyz eaves[] = {{0, -1, 0}, {8, -1, 0}, {8, 1, 0}, {0, 1, 0}};
-    const shapes::Xyz ridge[] = {{2, 0, 64}, {6, 0, 64}};
-    using shapes::quad;
-    const shapes::Soup roof =
-        joined({quad(eaves[3], eaves[2], eaves[1], eaves[0]), quad(eaves[0], eaves[1], ridge[1], ridge[0]),
-                quad(eaves[2], eaves[3], ridge[0], ridge[1]), triangle(eaves[1], eaves[2], ridge[1]),
-                triangle(eaves[3], eaves[0], ridge[0])});
-    const shapes::Soup yard = joined({box({-20, -20, -10}, {20, 20, 80}), flipped(box({-10, -10, -5}, {10, 10, 75}))});
-    const Lines contours = contours_at(sliced(joined({yard, roof}), at_heights({64})), 0);
-    REQUIRE(contours.size() == 3);
-    CHECK(contours[2].substr(0, 15) == "flat 0 x6 in -:");
+}  // namespace
+
+TEST_CASE("ranks decide which ends meet at a shared key", "[assemble]") {
+    // Two squares meet at (4, 4). Counter-clockwise from the east: a source, a target from the north, a source to the
+    // west, a target from the south.
+    const EndKey shared = key(99);
+    const auto squares = [&](std::uint32_t east_out, std::uint32_t north_in, std::uint32_t west_out,
+                             std::uint32_t south_in) {
+        return std::vector<Segment>{
+            {key(1), key(2), {0, 0}, {4, 0}, 0, 0},        {key(2), shared, {4, 0}, {4, 4}, 0, south_in},
+            {shared, key(3), {4, 4}, {0, 4}, west_out, 0}, {key(3), key(1), {0, 4}, {0, 0}, 0, 0},
+            {shared, key(4), {4, 4}, {8, 4}, east_out, 0}, {key(4), key(5), {8, 4}, {8, 8}, 0, 0},
+            {key(5), key(6), {8, 8}, {4, 8}, 0, 0},        {key(6), shared, {4, 8}, {4, 4}, 0, north_in},
+        };
+    };
+    // Ranks by geometry: each target is paired with the next source clockwise, so each square closes by itself.
+    CHECK(assembled(squares(0, 1, 2, 3)).contours.size() == 2);
+    // Other ranks give other pairs: a single contour through both squares.
+    CHECK(assembled(squares(0, 3, 2, 1)).contours.size() == 1);
+    // Rotating all ranks changes nothing.
+    CHECK(assembled(squares(2, 3, 0, 1)).contours.size() == 2);
+    // At equal ranks, targets come before sources.
+    CHECK(assembled(squares(0, 0, 1, 1)).contours.size() == 1);
+    CHECK(assembled(squares(0, 1, 1, 0)).contours.size() == 2);
+}
+
+TEST_CASE("assemble terminates and uses each segment once for any input", "[assemble]") {
+    // A segment from a key to itself; several equal segments; a star of sources without targets.
+    std::vector<Segment> segments = {{key(1), key(1), {0, 0}, {0, 0}, 0, 0}, {key(1), key(1), {0, 0}, {3, 0}, 0, 1}};
+    for (std::uint32_t i = 0; i < 9; ++i) {
+        segments.push_back({key(2), key(3), {0, 0}, {1, 1}, i, i});
+        segments.push_back({key(4), key(10 + i), {5, 5}, {5, static_cast<std::int32_t>(i)}, i, 0});
+    }
+    CHECK_FALSE(assembled(segments).contours.empty());
 }

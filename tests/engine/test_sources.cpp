@@ -1,5 +1,10 @@
-// Any source goes to any destination, with the same bytes and the same refusals: one table of each.
+// A question has one answer, byte for byte: whatever the source, the destination, the threads, bands and form, the order of
+// triangles, and which layers are cut. And what is refused is refused in the same words.
+#include <initializer_list>
+#include <iterator>
 #include <limits>
+#include <map>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,7 +18,11 @@ using lamella::ErrorCode;
 using lamella::FillRule;
 using lamella::LayerContent;
 using lamella::MeshView;
+using lamella::Number;
 using lamella::SliceOptions;
+using lamella::SliceResult;
+using lamella::StitchDirection;
+using shapes::octasphere;
 
 namespace {
 
@@ -25,34 +34,148 @@ constexpr double region_layer_mm = 1;
 
 struct Question {
     std::string name;
+    shapes::Soup mesh;
     SliceOptions options;
+    bool changes = false;  ///< regions and stitches, as asked for, change the answer
 };
 
-/// Each option that changes the way through the engine at least once.
-std::vector<Question> questions() {
-    return {
-        {"stitched", {.layer_height_mm = 0.25, .stitch_mm = 0.5}},
-        {"heights in any order", {.heights_mm = {{4, -1, 0.5, 4, 30, 2}}}},
-        {"origins of some layers, turned and above",
-         {.layer_height_mm = 0.5,
-          .origins = true,
-          .planes = {.side = lamella::PlaneSide::above, .first_layer = 3, .end_layer = 12},
-          .frame = {.transform = lamella::Transform::from_normal(1, 2, 3), .grid_mm = 0x1p-18}}},
-        {"regions",
-         {.layer_height_mm = region_layer_mm,
-          .region = {.fill_rule = FillRule::non_zero,
-                     .offset_mm = -0.4,
-                     .flag_closing_mm = 0.1,
-                     .largest_only = true,
-                     .fill_from = {{2, FillRule::even_odd}}}}},
-        {"simplified",
-         {.layer_height_mm = region_layer_mm,
-          .origins = true,
-          .region = {.fill_rule = FillRule::non_zero, .simplify_mm = 0.05}}},
-        {"upward faces", {.layer_height_mm = region_layer_mm, .content = LayerContent::upward_faces}},
-        {"downward faces", {.layer_height_mm = region_layer_mm, .content = LayerContent::downward_faces}},
-    };
+/// By name, each option that changes the way through the engine at least once.
+std::map<std::string, SliceOptions> asked_of(const shapes::Soup& mesh) {
+    std::map<std::string, SliceOptions> asked = shape_cases::plans(mesh);
+    asked["stitched"] = {.layer_height_mm = 0.25, .stitch_mm = 0.5};
+    asked["heights in any order"] = {.heights_mm = {{4, -1, 0.5, 4, 30, 2, 5e8}}};
+    asked["origins of some layers, turned and above"] = {
+        .layer_height_mm = 0.5,
+        .origins = true,
+        .planes = {.side = lamella::PlaneSide::above, .first_layer = 3, .end_layer = 12},
+        .frame = {.transform = lamella::Transform::from_normal(1, 2, 3), .grid_mm = 0x1p-18}};
+    asked["regions"] = {.layer_height_mm = region_layer_mm,
+                        .region = {.fill_rule = FillRule::non_zero,
+                                   .offset_mm = -0.4,
+                                   .flag_closing_mm = 0.1,
+                                   .largest_only = true,
+                                   .fill_from = {{2, FillRule::even_odd}}}};
+    asked["simplified"] = {.layer_height_mm = region_layer_mm,
+                           .origins = true,
+                           .region = {.fill_rule = FillRule::non_zero, .simplify_mm = 0.05}};
+    asked["upward faces"] = {.layer_height_mm = region_layer_mm, .content = LayerContent::upward_faces};
+    asked["downward faces"] = {.layer_height_mm = region_layer_mm, .content = LayerContent::downward_faces};
+    return asked;
 }
+
+/// Overlapping balls, one in four inside out.
+shapes::Soup tangle_of_balls() {
+    std::mt19937 random(4);
+    const auto place = [&] { return static_cast<double>(random() % 4000) / 1000.0; };
+    shapes::Soup soup;
+    for (int i = 0; i < 12; ++i) {
+        const shapes::Soup ball = octasphere({place(), place(), place()}, 2, 2);
+        shapes::append(soup, i % 4 == 3 ? shapes::flipped(ball) : ball);
+    }
+    return soup;
+}
+
+/// A ball that lacks some of its facets; with `turned`, a third of the others is turned round.
+shapes::Soup torn_ball(int lost, bool turned) {
+    shapes::Soup soup = octasphere({0, 0, 0}, 10, 4);
+    std::mt19937 random(8);
+    for (; lost > 0; --lost) {
+        soup = shapes::without(soup, random() % (soup.size() / 9), 1);
+    }
+    for (std::size_t t = 0; turned && t < soup.size() / 9; ++t) {
+        if (random() % 3 == 0) {
+            std::swap_ranges(&soup[9 * t], &soup[9 * t] + 3, &soup[9 * t] + 3);
+        }
+    }
+    return soup;
+}
+
+std::vector<Question> questions() {
+    std::vector<Question> all;
+    for (const auto& [name, mesh] : shape_cases::meshes()) {
+        for (const auto& [option, options] : asked_of(mesh)) {
+            all.push_back({name + ", " + option, mesh, options});
+        }
+    }
+    const shapes::Soup bodies = shapes::joined({octasphere({0, 0, 0}, 10, 3), octasphere({12, 3, 1}, 7, 2),
+                                                shapes::flipped(octasphere({1, 0, 0}, 4, 2)),
+                                                shapes::box({19.05, -3, -8}, {25, 3, 8}), octasphere({30, 0, 0}, 4.95, 3)});
+    constexpr FillRule united = FillRule::non_zero;
+    for (const lamella::RegionRules& rules : std::initializer_list<lamella::RegionRules>{
+             {.fill_rule = FillRule::outermost},
+             {.fill_rule = united, .largest_only = true},
+             {.fill_rule = united, .drop_collinear = true},
+             {.fill_rule = united, .closing_mm = 0.3},
+             {.fill_rule = united, .closing_mm = 0.3, .offset_mm = -0.4, .miter_limit = 1.2},
+             {.fill_rule = united, .flag_closing_mm = 0.3},
+             {.fill_rule = united,
+             .fill_from = {{5, FillRule::outermost}, {20, FillRule::even_odd}, {33, FillRule::contours}}}}) {
+        all.push_back({"bodies", bodies, {.layer_height_mm = 0.3, .region = rules}, true});
+    }
+    const shapes::Soup balls = tangle_of_balls();
+    for (const FillRule rule : {FillRule::even_odd, united, FillRule::positive}) {
+        all.push_back({"balls", balls, {.layer_height_mm = 0.05, .region = {.fill_rule = rule}}, true});
+    }
+    for (const LayerContent content : {LayerContent::upward_faces, LayerContent::downward_faces}) {
+        all.push_back({"faces", balls, {.layer_height_mm = 0.3, .content = content}});
+        all.push_back({"torn faces", torn_ball(60, true), {.layer_height_mm = 40, .content = content}});
+    }
+    const shapes::Soup ball = octasphere({0, 0, 0}, 5, 1);
+    const shapes::Soup tangle = shapes::random_tetrahedra(3, 6, 4);
+    for (const shapes::Soup& repeated : {shapes::joined({ball, ball}), shapes::joined({ball, ball, ball}),
+                                         shapes::joined({ball, shapes::flipped(ball), ball}),
+                                         shapes::joined({tangle, tangle, shapes::flipped(tangle), tangle})}) {
+        all.push_back({"repeated triangles", repeated, uniform(0.25)});
+    }
+    for (const StitchDirection direction : {StitchDirection::oriented, StitchDirection::any}) {
+        const bool any = direction == StitchDirection::any;
+        all.push_back({"gaps",
+                       torn_ball(any ? 120 : 60, any),
+                       {.layer_height_mm = 0.05, .stitch_mm = 1, .stitch_direction = direction},
+                       true});
+    }
+    return all;
+}
+
+/// A mesh as every source that can be made of it in memory, as floats where asked for.
+class EverySource {
+public:
+    EverySource(const shapes::Soup& soup, const lamella::Frame& frame, bool as_floats = false)
+        : soup_(soup),
+          shuffled_(shapes::shuffled(soup, 5)),
+          indexed_(shapes::indexed(soup)),
+          floats_{shapes::floats(soup_), shapes::floats(shuffled_), shapes::floats(indexed_.xyz)},
+          view_(as_floats ? view_of(floats_[0]) : view_of(soup_)),
+          shuffled_view_(as_floats ? view_of(floats_[1]) : view_of(shuffled_)),
+          indexed_view_(as_floats ? MeshView::indexed(std::span<const float>(floats_[2]), indexed_.indices)
+                                  : indexed_.view()),
+          prepared_(value_of(prepare(view_, frame))),
+          part_{{.mesh = view_}} {}
+
+    const MeshView& mesh() const { return view_; }
+    /// Those that may be asked so: faces are those of a mesh, and origins depend on the order of triangles.
+    std::vector<std::pair<std::string, lamella::Source>> all(const SliceOptions& options) const {
+        std::vector<std::pair<std::string, lamella::Source>> sources = {{"soup", view_}, {"indexed", indexed_view_}};
+        if (options.content == LayerContent::section) {
+            sources.insert(sources.end(), {{"prepared", prepared_}, {"part", part_}});
+        }
+        if (!options.origins) {
+            sources.emplace_back("shuffled", shuffled_view_);
+        }
+        return sources;
+    }
+
+private:
+    shapes::Soup soup_;
+    shapes::Soup shuffled_;
+    shapes::Indexed indexed_;
+    std::vector<float> floats_[3];
+    MeshView view_;
+    MeshView shuffled_view_;
+    MeshView indexed_view_;
+    lamella::PreparedMesh prepared_;
+    std::vector<lamella::Part> part_;
+};
 
 /// An outline says, and a sink is told before its first layer, all but the counts of contours.
 void require_known_before(const lamella::SliceInfo& expected, const lamella::Source& source, const SliceOptions& options) {
@@ -100,38 +223,112 @@ void require_refused_alike(const lamella::Source& source, const SliceOptions& op
     }
 }
 
+const PointForm forms[] = {
+    {Number::i32, 0, 1, 0},       {Number::i32, 8, 1, 3},         {Number::i32, 12, 1, 0},
+    {Number::i32, 0, 3, 0},       {Number::i64, 0, 1, 0},         {Number::i64, 24, 4294967296.0, 1},
+    {Number::i64, 17, 1000, 0},   {Number::f32, 0, 0x1p-20, 0},   {Number::f32, 12, 1.0 / 3, 2},
+    {Number::f64, 0, 0x1p-20, 0}, {Number::f64, 40, 1e-6 / 7, 5},
+};
+
+static_assert(std::forward_iterator<lamella::Islands::Iterator> && std::forward_iterator<SliceResult::Iterator>);
+
+/// The islands hold every outer and every hole once.
+void check_islands(const SliceResult& result) {
+    std::size_t held = 0;
+    for (const lamella::LayerView layer : result) {
+        for (const lamella::Island island : layer.islands()) {
+            held += 1 + island.holes.size();
+            for (const lamella::Contour& hole : island.holes) {  // in its outer, or in a hole of it
+                const lamella::Contour* const around = layer.parent_of(hole);
+                REQUIRE((around == island.outer || around->role == lamella::Role::hole));
+            }
+        }
+    }
+    CHECK(held + result.info.open_contours + result.info.flat_contours == result.contours.size());
+}
+
+/// The next of some ranges of layers has the bytes that it has in the whole.
+void require_layers_alone(const SliceResult& whole, const lamella::Source& source, SliceOptions options, const Way& way,
+                          std::size_t next) {
+    const std::size_t k = whole.size();
+    const std::size_t first = k < 2 ? 0 : next * 7 % k;
+    const std::size_t counts[] = {1, 2, k / 3 + 1, k};
+    const std::size_t end = std::min(k, first + counts[next % 4]);
+    options.planes.first_layer = whole.info.first_layer + first;
+    options.planes.end_layer = whole.info.first_layer + (whole.info.planned_layers == k ? first + counts[next % 4] : end);
+    INFO("layers " << first << " to " << end << " of " << k);
+    const SliceResult part = sliced(source, options, way.context, way.tuning);
+    REQUIRE(part.size() == end - first);
+    for (std::size_t layer = first; layer < end; ++layer) {
+        REQUIRE(is_same(part[layer - first], whole[layer]));
+    }
+    CHECK(part.info.first_layer == options.planes.first_layer);
+    CHECK(part.info.planned_layers == whole.info.planned_layers);
+    CHECK(part.info.layer_of == whole.info.layer_of);
+    ComparedLayers compared(whole, first);
+    sliced_to(lamella::LayerSink{.take = compared}, source, options, way.context, way.tuning);
+    compared.require_all(end - first);
+}
+
 }  // namespace
 
-TEST_CASE("any source goes to any destination, with the same bytes", "[engine][sources][sink][host][prepare][threads]") {
+TEST_CASE("a question has one answer, whatever is sliced, to where, by how many threads, and which of its layers",
+          "[engine][determinism][sources][sink][host][prepare][layers][slicer][threads]") {
     const std::vector<Way> all_ways = ways();
-    unsigned combination = 0;
-    for (const auto& [mesh_name, mesh] : shape_cases::meshes()) {
-        for (const auto& [name, options] : questions()) {
-            const EverySource sources(mesh, options.frame);
-            const lamella::SliceResult expected = sliced(mesh, options, {.threads = 1});
-            for (const auto& [source_name, source] : sources.all()) {
-                const bool takes_faces = source.prepared() == nullptr && !source.is_parts();
-                const Way& way = all_ways[7 * combination % all_ways.size()];
-                INFO(mesh_name << " as " << source_name << ", " << name << ", " << way);
-                if (tried(combination++) && (takes_faces || options.content == LayerContent::section)) {
-                    require_at_every_destination(expected, source, options, way);
-                    require_known_before(expected.info, source, options);
+    const shapes::Soup broken(18, 1e300);
+    lamella::Slicer kept;  // from question to question, and after refused ones
+    SliceResult again;
+    std::size_t turn = 0;
+    for (const auto& [name, mesh, options, changes] : questions()) {
+        const EverySource every(mesh, options.frame, turn % 3 == 2);
+        const SliceResult expected = sliced(every.mesh(), options, {.threads = 1});
+        check_islands(expected);
+        if (changes) {
+            SliceOptions plain = options;
+            plain.region = {};
+            plain.stitch_mm = 0;
+            CHECK(sliced(every.mesh(), plain).hash() != expected.hash());
+        }
+        const auto sources = every.all(options);
+        for (std::size_t w = turn % 4; w < all_ways.size(); w += 4, ++turn) {
+            const Way& way = all_ways[w];
+            const auto& [source_name, source] = sources[turn % sources.size()];
+            INFO(name << " as " << source_name << ", " << way);
+            if (turn % 3 == 0) {
+                require_at_every_destination(expected, source, options, way, forms[turn / 3 % std::size(forms)]);
+                require_known_before(expected.info, source, options);
+            } else if (turn % 3 == 1 && !expected.layers.empty()) {
+                require_layers_alone(expected, source, options, way, turn);
+            } else {
+                value_of(slice_tuned(kept, again, source, options, way.tuning, way.context));
+                require_same(again, expected);
+                CHECK_FALSE(kept.slice_to(again, view_of(broken), options).ok());
+                if (turn % 2 == 0) {
+                    kept.trim();
                 }
             }
         }
     }
 }
 
-TEST_CASE("every destination gets planes that all threads work on together", "[engine][sources][sink][wide][threads]") {
+TEST_CASE("every destination gets planes that all threads work on together, or that fall back to a band's sweep",
+          "[engine][sources][sink][origins][wide][threads]") {
     constexpr int quarters = 1 << 15;  // eight facets each: 2^18 segments
-    SliceOptions options;
-    options.heights_mm = {{0.25, 0.5, 0.75}};
-    const shapes::Soup prism = shapes::prism(quarters, 400, 1);
-    const shapes::Soup open = shapes::without(prism, 0, 1);  // each band is begun twice
-    for (const shapes::Soup& mesh : {prism, open}) {
+    SliceOptions options{.heights_mm = {{0.25, 0.5, 0.75}}, .origins = true};
+    // The box is cut by the first plane alone, so that the prisms' records are not those with the first numbers.
+    const shapes::Soup prisms =
+        shapes::joined({shapes::box({0, 0, 0}, {4, 4, 0.3}), shapes::prism(quarters, 400, 1), shapes::prism(1 << 10, 90, 1),
+                        shapes::moved(shapes::prism(8, 90, 1), {600, 0, 0})});
+    const shapes::Soup open = shapes::without(prisms, 12, 1);  // each band is begun twice
+    for (const shapes::Soup& mesh : {prisms, open, shapes::joined({prisms, shapes::only(prisms, 12, 1)})}) {
         const lamella::SliceResult expected = sliced(mesh, options, {.threads = 1});
+        const std::uint64_t doubled = mesh.size() > prisms.size() ? 1 : 0;  // a facet, which is an open polyline
+        CHECK(expected.layers[1].contour_count == 3 + doubled);
+        CHECK(expected.info.open_contours == 3 * doubled);
         require_at_every_destination(expected, view_of(mesh), options, {.context = {.threads = 2}});
-        options.stitch_mm = 1;
+        // No plane is wide in this form.
+        require_same(sliced(mesh, options, {.threads = 2}, {.form = lamella::ContourForm::assembled}), expected);
+        options.stitch_mm = mesh == prisms ? 1 : 0;
     }
 }
 
@@ -160,7 +357,7 @@ TEST_CASE("an empty mesh gives every destination empty layers where asked for", 
         SliceOptions options = at_heights({5, 2, 5});
         options.allow_empty = true;
         const lamella::SliceResult given = sliced(mesh, options);
-        for (const auto& [name, source] : sources.all()) {
+        for (const auto& [name, source] : sources.all(options)) {
             INFO(name);
             require_at_every_destination(given, source, options);
         }
@@ -171,13 +368,13 @@ TEST_CASE("an empty mesh gives every destination empty layers where asked for", 
     }
 }
 
-TEST_CASE("every destination and content refuses alike, in the same words", "[engine][sources][sink][errors]") {
+TEST_CASE("every destination and content refuses alike, in the same words, and names triangle or plane",
+          "[engine][sources][sink][planes][transform][errors]") {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    constexpr double infinity = std::numeric_limits<double>::infinity();
     const shapes::Soup box = shapes::box({0, 0, 0}, {4, 4, 4});
-    shapes::Soup no_number = box;
-    no_number[40] = nan;
-    shapes::Soup too_far = box;
-    too_far[40] = 2e9;
+    const std::vector<float> floats = shapes::floats(box);
+    const std::vector<float> far = shapes::floats(shapes::box({0, 0, 700}, {1, 1, 700.01}));  // floats are 6e-5 mm apart
     const shapes::Soup point = shapes::triangle({0, 0, 0}, {0.01, 0, 0}, {0, 0.01, 0});
     shapes::Indexed beyond = shapes::indexed(box);
     beyond.indices[7] = 99;
@@ -185,31 +382,62 @@ TEST_CASE("every destination and content refuses alike, in the same words", "[en
         MeshView mesh;
         SliceOptions options;
         ErrorCode code;
+        std::int64_t triangle = -1;
+        std::int64_t plane = -1;
         lamella::Context context{};
     };
-    const Refusal refusals[] = {
-        {view_of(no_number), at_heights({1}), ErrorCode::bad_coordinate},
-        {view_of(too_far), at_heights({1}), ErrorCode::bad_coordinate},
+    const auto layers = [](std::uint64_t first, std::uint64_t end) {
+        return SliceOptions{.layer_height_mm = 1, .planes = {.first_layer = first, .end_layer = end}};
+    };
+    const lamella::Frame too_large{.transform = lamella::Transform::scale(1e39), .as_mesh_numbers = true};
+    std::vector<Refusal> refusals = {
+        {view_of(box), layers(4, 9), ErrorCode::bad_planes},
+        {view_of(box), layers(2, 2), ErrorCode::bad_planes},
+        {view_of(box), layers(3, 1), ErrorCode::bad_planes},
+        {view_of(box), layers(lamella::all_layers, lamella::all_layers), ErrorCode::bad_planes},
+        {view_of(floats), {.frame = too_large}, ErrorCode::bad_coordinate, 0},
         {MeshView{}, at_heights({1}), ErrorCode::empty_mesh},
         {view_of(point), at_heights({1}), ErrorCode::empty_mesh},
-        {beyond.view(), at_heights({1}), ErrorCode::invalid_argument},
-        {view_of(box), at_heights({1, nan}), ErrorCode::bad_planes},
+        {beyond.view(), at_heights({1}), ErrorCode::invalid_argument, 2},
+        {view_of(box), at_heights({3, 1, nan, 2, -nan}), ErrorCode::bad_planes, -1, 2},
+        {view_of(box), at_heights({1, infinity}), ErrorCode::bad_planes, -1, 1},
+        {view_of(far), uniform(1e-5), ErrorCode::bad_planes, -1, 1},
+        {view_of(box), uniform(0.9, coarse_unit_mm), ErrorCode::bad_planes},
+        {view_of(box), uniform(1e-12), ErrorCode::bad_planes},
+        {view_of(box), uniform(0), ErrorCode::invalid_argument},
         {view_of(box), uniform(-1), ErrorCode::invalid_argument},
+        {view_of(box), uniform(nan), ErrorCode::invalid_argument},
         {view_of(box), uniform(1, 1e-18), ErrorCode::invalid_argument},
         {view_of(box), uniform(1, 1e-9), ErrorCode::bad_coordinate},
-        {view_of(box), uniform(1), ErrorCode::invalid_argument, {.threads = -1}},
-        {view_of(box), uniform(0.001), ErrorCode::result_too_large, {.memory_limit_bytes = 1000}},
+        {view_of(box), {.stitch_mm = -0.5}, ErrorCode::invalid_argument},
+        {view_of(box), {.stitch_mm = nan}, ErrorCode::invalid_argument},
+        {view_of(box), uniform(1), ErrorCode::invalid_argument, -1, -1, {.threads = -1}},
+        {view_of(box), uniform(0.001), ErrorCode::result_too_large, -1, -1, {.memory_limit_bytes = 1000}},
     };
-    for (const auto& [mesh, options, code, context] : refusals) {
+    std::vector<shapes::Soup> spoiled;
+    for (const double bad : {nan, infinity, -infinity, 3e38, -3e38, 1.1e9, 1e300}) {
+        for (const std::size_t at : {0U, 31U, 107U}) {
+            spoiled.push_back(box);
+            spoiled.back()[at] = bad;
+            const auto triangle = static_cast<std::int64_t>(at / 9);
+            refusals.push_back({view_of(spoiled.back()), uniform(0.1), ErrorCode::bad_coordinate, triangle});
+        }
+    }
+    for (const auto& [mesh, options, code, triangle, plane, context] : refusals) {
         const lamella::Error expected = failure_of(mesh, options, context);
+        INFO(expected.message);
         CHECK(expected.code == code);
+        CHECK((triangle < 0 || expected.triangle == triangle));
+        CHECK((plane < 0 || expected.plane == plane));
         for (const LayerContent content :
              {LayerContent::section, LayerContent::upward_faces, LayerContent::downward_faces}) {
-            INFO(expected.message << ", " << lamella::name_of(content));
+            INFO(lamella::name_of(content));
             SliceOptions asked = options;
             asked.content = content;
             require_refused_alike(mesh, asked, context, expected);
         }
     }
+    CHECK_THAT(failure_of(view_of(far), uniform(1e-5)).message,
+               Catch::Contains("planes 0 and 1 (") && Catch::Contains("the same on the grid"));
     CHECK(code_of(lamella::Slicer().slice_to(lamella::LayerSink{}, view_of(box))) == ErrorCode::invalid_argument);
 }

@@ -1,10 +1,11 @@
-// Meshes as callers hold them: soup or indexed, float, double or whole numbers, strided, transformed. Vertices that are
-// placed once give what their triangles give corner by corner.
+// Meshes as callers hold them: soup or indexed, float, double or whole numbers, strided, transformed in double or in their
+// own numbers. Vertices that are placed once give what their triangles give corner by corner.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numeric>
 #include <random>
 #include <tuple>
 #include <vector>
@@ -13,11 +14,12 @@
 
 #include "engine/rounds.hpp"
 #include "engine/slicing.hpp"
-#include "oracle/compare.hpp"
 #include "slicing/buckets/mesh_source.hpp"
 
 using lamella::MeshView;
 using lamella::Number;
+using lamella::SliceOptions;
+using lamella::SliceResult;
 using lamella::Transform;
 
 namespace {
@@ -97,91 +99,50 @@ auto outcome_of(const MeshView& mesh, const lamella::SliceOptions& options = uni
     return std::tuple(result.hash(), result.info.degenerate, result.info.crossed, result.info.box);
 }
 
-std::vector<lamella::SliceOptions> ways_of_slicing() {
-    std::vector<lamella::SliceOptions> ways;
-    for (const double grid_mm : {0.0, 0.001, 2.5}) {
-        ways.push_back(uniform(7, grid_mm));
-        ways.push_back(uniform(7, grid_mm));
-        ways.back().heights_mm = {{-11, 3, 3, 90, 17.25, 12, 1000}};
-        ways.back().frame.transform.m = {0.3, 0.7, -0.1, 4, 0.7, -0.3, 0.2, 0.1, 0.1, 0.2, 0.9, -2};
-        ways.push_back(ways.back());
-        ways.back().frame.as_mesh_numbers = true;
-    }
-    return ways;
-}
-
 template <class Number>
 void check_against_soup() {
     const Mesh<Number> mesh = tangle<Number>(900, 20000, 5);
     REQUIRE(lamella::IndexedSource::pays_for(mesh.view()));
     const std::vector<Number> corners = mesh.soup();
-    const MeshView soup{
-        .vertices = corners.data(), .triangle_count = corners.size() / 9, .vertex_type = mesh.view().vertex_type};
-    for (const lamella::SliceOptions& options : ways_of_slicing()) {
-        INFO("grid " << options.frame.grid_mm << ", as mesh numbers " << options.frame.as_mesh_numbers);
-        const lamella::Context context{.threads = options.heights_mm ? 3 : 0};
-        const auto expected = outcome_of(soup, options, context);
-        CHECK(std::get<1>(expected) > 1000);
-        CHECK(std::get<2>(expected) > 100);
-        CHECK(outcome_of(mesh.view(), options, context) == expected);
+    MeshView soup = mesh.view();
+    soup.vertices = corners.data();
+    soup.vertex_count = 0;
+    soup.indices = nullptr;
+    lamella::SliceOptions turned;
+    turned.heights_mm = {{-11, 3, 3, 90, 17.25, 12, 1000}};
+    turned.frame.transform.m = {0.3, 0.7, -0.1, 4, 0.7, -0.3, 0.2, 0.1, 0.1, 0.2, 0.9, -2};
+    lamella::SliceOptions as_numbers = turned;
+    as_numbers.frame.as_mesh_numbers = true;
+    for (lamella::SliceOptions options : {uniform(7), turned, as_numbers}) {
+        for (const double grid_mm : {0.0, 0.001, 2.5}) {
+            options.frame.grid_mm = grid_mm;
+            INFO("grid " << grid_mm << ", as mesh numbers " << options.frame.as_mesh_numbers);
+            const lamella::Context context{.threads = options.heights_mm ? 3 : 0};
+            const auto expected = outcome_of(soup, options, context);
+            CHECK((std::get<1>(expected) > 1000 && std::get<2>(expected) > 100));
+            CHECK(outcome_of(mesh.view(), options, context) == expected);
+        }
     }
 }
 
 }  // namespace
 
-TEST_CASE("float meshes give the same result as their numbers in double", "[engine][views]") {
-    const std::vector<float> soup = shapes::floats(ball);
-    const shapes::Soup widened(soup.begin(), soup.end());
-    const lamella::SliceResult result = sliced(view_of(soup), uniform(0.25));
-    CHECK_THAT(oracle::difference(result, oracle::quantise(widened, result.info.grid_mm)), Catch::Equals(""));
-    // Grids that are no power of two, and a coarse one, where halves are ties.
-    for (const double unit : {0.004, 0.1, 0.25}) {
-        const lamella::SliceResult other = sliced(view_of(soup), uniform(1, unit));
-        CHECK_THAT(oracle::difference(other, oracle::quantise(widened, unit)), Catch::Equals(""));
-        CHECK(sliced(widened, uniform(1, unit)).hash() == other.hash());
-    }
-}
-
 TEST_CASE("records of any stride at any address are read", "[engine][views]") {
     const std::vector<float> soup = shapes::floats(ball);
-    const std::uint64_t expected = hash_of(view_of(soup));
     const std::vector<std::byte> facets = records(soup, 9, 50);
-    CHECK(hash_of({.vertices = facets.data() + 1, .triangle_count = soup.size() / 9, .vertex_stride = 50}) == expected);
+    CHECK(hash_of({.vertices = facets.data() + 1, .triangle_count = soup.size() / 9, .vertex_stride = 50}) ==
+          hash_of(view_of(soup)));
     const std::vector<std::byte> doubles = records(ball, 9, 91);
-    CHECK(hash_of({.vertices = doubles.data() + 1,
-                   .triangle_count = ball.size() / 9,
-                   .vertex_stride = 91,
-                   .vertex_type = Number::f64}) == hash_of(view_of(ball)));
+    MeshView strided = view_of(ball);
+    strided.vertices = doubles.data() + 1;
+    strided.vertex_stride = 91;
+    CHECK(hash_of(strided) == hash_of(view_of(ball)));
     const shapes::Indexed mesh = shapes::indexed(ball);
     const std::vector<std::byte> vertices = records(mesh.xyz, 3, 33);
-    MeshView strided = mesh.view();
+    strided = mesh.view();
     strided.vertices = vertices.data() + 1;
     strided.vertex_stride = 33;
     CHECK(hash_of(strided) == hash_of(view_of(ball)));
-}
-
-TEST_CASE("a normal turns the mesh, and the result carries the frame", "[engine][views]") {
-    CHECK(Transform::from_normal(0, 0, 1).is_identity());
-    CHECK(Transform::from_normal(0, 0, 2.5).is_identity());
-    struct Case {
-        shapes::Xyz normal;
-        std::size_t layers;
-        double area_mm2;
-    };
-    for (const auto& [normal, layers, area_mm2] : {Case{{0, 0, 1}, 8, 6}, Case{{0, 0, -1}, 8, 6}, Case{{1, 0, 0}, 4, 12},
-                                                   Case{{-3, 0, 0}, 4, 12}, Case{{0, 1, 0}, 6, 8}, Case{{0, -1, 0}, 6, 8}}) {
-        lamella::SliceOptions options = uniform(0.5);
-        options.frame.transform = Transform::from_normal(normal[0], normal[1], normal[2]);
-        const lamella::SliceResult result = sliced(brick, options);
-        INFO("normal " << normal[0] << ' ' << normal[1] << ' ' << normal[2]);
-        REQUIRE(result.layers.size() == layers);
-        CHECK(result.info.options.frame == options.frame);
-        CHECK(result.info.overruled_contours == 0);
-        for (const lamella::LayerView layer : result) {
-            CHECK(layer.contour_count == 1);
-            CHECK(layer.area_mm2() == Approx(area_mm2).epsilon(1e-5));
-        }
-    }
 }
 
 TEST_CASE("every call applies the unit of a mesh", "[engine][views]") {
@@ -218,37 +179,29 @@ TEST_CASE("shared vertices give what a soup gives", "[engine][indexed][threads]"
 
 TEST_CASE("shared vertices are found by indices of any type and stride", "[engine][indexed]") {
     const Mesh<float> mesh = tangle<float>(300, 2000, 7);
-    const auto expected = outcome_of(mesh.view());
-    MeshView wide = mesh.view();
-    wide.index_type = Number::u64;
-    const std::vector<std::uint64_t> packed(mesh.indices.begin(), mesh.indices.end());
-    wide.indices = packed.data();
-    CHECK(outcome_of(wide) == expected);
     std::vector<std::uint64_t> records(mesh.indices.size() / 3 * 4, ~std::uint64_t{0});  // a number that is none after three
     for (std::size_t i = 0; i < mesh.indices.size(); ++i) {
         records[i + i / 3] = mesh.indices[i];
     }
+    MeshView wide = mesh.view();
+    wide.index_type = Number::u64;
     wide.indices = records.data();
     wide.index_stride = 4 * sizeof(std::uint64_t);
-    CHECK(outcome_of(wide) == expected);
-}
-
-TEST_CASE("vertices that no triangle has bound nothing and may be anything", "[engine][indexed]") {
-    Mesh<double> mesh = tangle<double>(300, 2000, 9);
-    const auto expected = outcome_of(mesh.view());
-    for (const double stray : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300}) {
-        mesh.xyz.insert(mesh.xyz.end(), 3, stray);
-    }
-    REQUIRE(lamella::IndexedSource::pays_for(mesh.view()));
-    CHECK(outcome_of(mesh.view()) == expected);
+    CHECK(outcome_of(wide) == outcome_of(mesh.view()));
 }
 
 // The box of all vertices is that of the mesh where triangles have a vertex on each of its faces.
-TEST_CASE("a vertex that no triangle has moves no face of the box", "[engine][indexed][threads]") {
+TEST_CASE("a vertex that no triangle has may be anything, and moves no face of the box", "[engine][indexed][threads]") {
     const lamella::Context context{.threads = GENERATE(1, 4)};
     const Mesh<double> mesh = tangle<double>(300, context.threads == 1 ? 2000 : 20000, 15);
     const auto expected = outcome_of(mesh.view(), uniform(3), context);
     const lamella::Box box = std::get<3>(expected);
+    Mesh<double> strays = mesh;
+    for (const double anything : {std::numeric_limits<double>::quiet_NaN(), HUGE_VAL, 1e300}) {
+        strays.xyz.insert(strays.xyz.end(), 3, anything);
+    }
+    REQUIRE(lamella::IndexedSource::pays_for(strays.view()));
+    CHECK(outcome_of(strays.view(), uniform(3), context) == expected);
     unsigned combination = 0;
     for (std::size_t face = 0; face < 6; ++face) {
         for (const double beyond_mm : {0.0, 0.5, 7.0}) {  // 0: on the face
@@ -292,8 +245,79 @@ TEST_CASE("what is wrong with an indexed mesh is named by its first triangle", "
     }
 }
 
-TEST_CASE("meshes with vertices of their own are read corner by corner", "[engine][indexed]") {
-    const Mesh<float> few = tangle<float>(300, 299, 13);
-    CHECK_FALSE(lamella::IndexedSource::pays_for(few.view()));
-    CHECK_FALSE(lamella::IndexedSource::pays_for(view_of(few.xyz)));
+namespace {
+
+/// A rotation about an axis at random, scaled and moved.
+Transform drawn_transform(std::mt19937& random) {
+    std::uniform_real_distribution<double> any(-1, 1);
+    Transform turned = Transform::from_normal(any(random), any(random), any(random) + 1.5);
+    for (const std::size_t entry : {3U, 7U, 11U}) {
+        turned.m[entry] = 100 * any(random);
+    }
+    return turned * Transform::scale(1 + 0.9 * any(random));
+}
+
+/// The mesh as a host of floats moves it: a matrix of floats times each vertex.
+std::vector<float> moved_in_floats(const std::vector<float>& soup, const Transform& transform) {
+    float m[12];
+    std::copy(transform.m.begin(), transform.m.end(), m);
+    std::vector<float> moved;
+    for (std::size_t v = 0; v < soup.size(); v += 3) {
+        for (int row = 0; row < 12; row += 4) {
+            float sum = m[row] * soup[v];
+            const float y = m[row + 1] * soup[v + 1];
+            const float z = m[row + 2] * soup[v + 2];
+            sum = sum + y;
+            sum = sum + z;
+            sum = sum + m[row + 3];
+            moved.push_back(sum);
+        }
+    }
+    return moved;
+}
+
+}  // namespace
+
+TEST_CASE("a transform in the mesh's floats gives the bytes of a mesh moved in floats", "[engine][transform][threads]") {
+    std::mt19937 random(5);
+    const shapes::Soup doubles = shapes::octasphere({3, 4, 5}, 20, 4);  // are moved in double by either arithmetic
+    const std::vector<float> soup = shapes::floats(doubles);
+    std::vector<std::uint32_t> indices(soup.size() / 3);
+    std::iota(indices.begin(), indices.end(), 0U);
+    const MeshView views[] = {view_of(soup), MeshView::indexed(std::span<const float>(soup), indices)};
+    int differing = 0;
+    for (int round = 0; round < 24; ++round) {
+        SliceOptions options = uniform(0.37, round % 3 == 0 ? 1e-6 : round % 3 == 1 ? 0 : 0x1p-15);
+        const Transform transform = drawn_transform(random);
+        const std::vector<float> moved = moved_in_floats(soup, transform);
+        const SliceResult expected = sliced(view_of(moved), options);
+        options.frame.transform = transform;
+        options.frame.as_mesh_numbers = true;
+        const SliceResult result = sliced(views[round % 2], options, {.threads = 1 + round % 3});
+        CHECK(result.hash() == expected.hash());
+        CHECK(result.info.box == expected.info.box);
+        CHECK(result.info.options == options);
+        const std::uint64_t of_doubles = sliced(doubles, options).hash();
+        options.frame.as_mesh_numbers = false;
+        CHECK(sliced(doubles, options).hash() == of_doubles);
+        differing += sliced(view_of(soup), options).hash() != expected.hash() ? 1 : 0;
+    }
+    CHECK(differing > 12);  // at a unit of 2^-15 mm double may well give the same
+}
+
+TEST_CASE("parts and audits compute a transform as slicing does", "[engine][transform][parts]") {
+    std::mt19937 random(11);
+    const std::vector<float> soup = shapes::floats(shapes::octasphere({3, 4, 5}, 20, 4));
+    for (int round = 0; round < 8; ++round) {
+        SliceOptions options = uniform(0.4);
+        const Transform placed = drawn_transform(random);
+        options.frame.as_mesh_numbers = true;
+        const std::vector<lamella::Part> parts = {{.mesh = view_of(soup), .placement = placed}};
+        const SliceResult result = sliced(parts, options);
+        const std::vector<float> moved = moved_in_floats(soup, placed);
+        CHECK(result.hash() == sliced(view_of(moved), uniform(0.4)).hash());
+        options.frame.transform = placed;
+        const auto certificate = value_of(audits::volume_of(sliced(view_of(soup), options), view_of(soup)));
+        CHECK(certificate.verdict == lamella::VolumeVerdict::holds);
+    }
 }

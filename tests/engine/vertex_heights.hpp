@@ -4,22 +4,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "lamella/lamella.hpp"
+#include "engine/slicing.hpp"
+#include "oracle/oracle.hpp"
 
 /// Every height at which a vertex lies, ascending and distinct on the grid.
-template <class Number>
-std::vector<double> vertex_heights(const std::vector<Number>& soup, double unit_mm) {
+inline std::vector<double> vertex_heights(const shapes::Soup& soup, double grid_mm) {
     std::vector<double> heights;
     for (std::size_t i = 2; i < soup.size(); i += 3) {
-        heights.push_back(static_cast<double>(soup[i]));
+        heights.push_back(soup[i]);
     }
     std::sort(heights.begin(), heights.end());
-    const auto equal = [unit_mm](double a, double b) {
-        return std::nearbyint(a / (2 * unit_mm)) == std::nearbyint(b / (2 * unit_mm));
+    const auto equal = [grid_mm](double a, double b) {
+        return std::nearbyint(a / (2 * grid_mm)) == std::nearbyint(b / (2 * grid_mm));
     };
     heights.erase(std::unique(heights.begin(), heights.end(), equal), heights.end());
     return heights;
@@ -27,28 +26,23 @@ std::vector<double> vertex_heights(const std::vector<Number>& soup, double unit_
 
 /// The first loss of a slice, in words, or empty. A layer must have as many segments as there are triangles with vertices
 /// on both sides of its plane.
-template <class Number>
-std::string lost_at_vertex_heights(const lamella::SliceResult& result, const std::vector<Number>& soup) {
-    const auto on_grid = [&](Number mm) {
-        return 2 * static_cast<std::int32_t>(std::nearbyint(static_cast<double>(mm) / (2 * result.info.grid_mm)));
-    };
+inline std::string lost_at_vertex_heights(const lamella::SliceResult& result, const shapes::Soup& soup) {
     const auto plane_above = [&](std::int32_t z) {
-        const auto above = std::partition_point(result.layers.begin(), result.layers.end(),
-                                                [z](const lamella::Layer& layer) { return layer.plane.z() < z; });
-        return static_cast<std::size_t>(above - result.layers.begin());
+        return std::partition_point(result.layers.begin(), result.layers.end(),
+                                    [z](const lamella::Layer& layer) { return layer.plane.z() < z; }) -
+               result.layers.begin();
     };
     std::vector<std::int64_t> change(result.layers.size() + 1, 0);  // by layer: change in the number of triangles cut
-    for (std::size_t t = 0; t < soup.size(); t += 9) {
-        const auto [low, high] = std::minmax({on_grid(soup[t + 2]), on_grid(soup[t + 5]), on_grid(soup[t + 8])});
-        ++change[plane_above(low)];
-        --change[plane_above(high)];
+    for (const oracle::Triangle& t : oracle::quantise(soup, result.info.grid_mm)) {
+        const auto [low, high] = std::minmax({t[0].z, t[1].z, t[2].z});
+        ++change[static_cast<std::size_t>(plane_above(low))];
+        --change[static_cast<std::size_t>(plane_above(high))];
     }
-    std::int64_t cut = 0;
+    std::uint64_t cut = 0;
     for (std::size_t l = 0; l < result.layers.size(); ++l) {
-        cut += change[l];
-        if (static_cast<std::int64_t>(result.layers[l].segments) != cut) {
-            return "layer " + std::to_string(l) + " cuts " + std::to_string(cut) + " triangles but has " +
-                   std::to_string(result.layers[l].segments) + " segments";
+        cut += static_cast<std::uint64_t>(change[l]);
+        if (result.layers[l].segments != cut) {
+            return "layer " + std::to_string(l) + " does not have " + std::to_string(cut) + " segments";
         }
     }
     return {};

@@ -11,9 +11,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "engine/slicing.hpp"
+#include "engine/calls.hpp"
 #include "input/files.hpp"
-#include "lamella/io.hpp"
 
 namespace {
 
@@ -59,16 +58,11 @@ constexpr std::size_t usual = __STDCPP_DEFAULT_NEW_ALIGNMENT__;
 
 }  // namespace
 
+// Those of arrays call these.
 void* operator new(std::size_t bytes) {
     return take_or_throw(bytes, usual);
 }
-void* operator new[](std::size_t bytes) {
-    return take_or_throw(bytes, usual);
-}
 void* operator new(std::size_t bytes, std::align_val_t alignment) {
-    return take_or_throw(bytes, static_cast<std::size_t>(alignment));
-}
-void* operator new[](std::size_t bytes, std::align_val_t alignment) {
     return take_or_throw(bytes, static_cast<std::size_t>(alignment));
 }
 void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
@@ -80,25 +74,13 @@ void* operator new[](std::size_t bytes, const std::nothrow_t&) noexcept {
 void operator delete(void* memory) noexcept {
     give(memory);
 }
-void operator delete[](void* memory) noexcept {
-    give(memory);
-}
 void operator delete(void* memory, std::size_t) noexcept {
-    give(memory);
-}
-void operator delete[](void* memory, std::size_t) noexcept {
     give(memory);
 }
 void operator delete(void* memory, std::align_val_t) noexcept {
     give(memory);
 }
-void operator delete[](void* memory, std::align_val_t) noexcept {
-    give(memory);
-}
 void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
-    give(memory);
-}
-void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept {
     give(memory);
 }
 
@@ -140,15 +122,6 @@ void fail_everywhere(const Call& call) {
     fail_everywhere(call, false);
 }
 
-/// A box with one side open, an inverted box inside it, and a ball.
-shapes::Soup everything() {
-    shapes::Soup soup =
-        shapes::joined({shapes::box({0, 0, 0}, {9, 9, 9}), shapes::flipped(shapes::box({1, 1, 1}, {4, 4, 8})),
-                        shapes::octasphere({20, 0, 5}, 5, 2)});
-    soup.erase(soup.begin() + 9 * 4, soup.begin() + 9 * 6);
-    return soup;
-}
-
 std::size_t files_in(const TempFolder& folder) {
     const std::filesystem::directory_iterator entries(folder / "");
     return static_cast<std::size_t>(std::distance(begin(entries), end(entries)));
@@ -156,53 +129,39 @@ std::size_t files_in(const TempFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("slicing survives failing operator new", "[faults]") {
+TEST_CASE("every call survives failing operator new", "[faults]") {
+    const TempFolder folder;
     const shapes::Soup soup = everything();
-    lamella::SliceOptions options = uniform(0.4);
-    options.stitch_mm = 2;
-    const lamella::Tuning tuning{.form = GENERATE(lamella::ContourForm::swept, lamella::ContourForm::assembled)};
-    const lamella::Context context{.threads = GENERATE(1, 3)};
-    fail_everywhere([&] {
-        lamella::Slicer slicer;
-        lamella::SliceResult result;
-        return code_of(slice_tuned(slicer, result, view_of(soup), options, tuning, context));
-    });
+    using namespace lamella::input_test;
+    ContextCalls calls(view_of(soup), folder.write("a.stl", binary_stl(numbered_facets(50))), 0.4);
+    for (const ContextCall& call : calls.all_and_small()) {
+        for (const int threads : {1, 3}) {
+            INFO(call.name << ", " << threads << " threads");
+            fail_everywhere([&] { return call.run({.threads = threads}); });
+        }
+    }
 }
 
-TEST_CASE("slicing of a refused mesh survives failing operator new", "[faults]") {
-    shapes::Soup soup = everything();
-    lamella::SliceOptions options = uniform(0.4);
-    lamella::Context context{.threads = 1};
-    SECTION("a coordinate") {
-        soup[100] = 1e300;
-    }
-    SECTION("planes") {
-        options.heights_mm = std::vector<double>{2, std::numeric_limits<double>::infinity()};
-    }
-    SECTION("the memory limit") {
-        context.memory_limit_bytes = 1000;
-    }
-    SECTION("an option") {
-        context.threads = -1;
-    }
-    fail_everywhere([&] { return code_of(slice(view_of(soup), options, context)); });
-}
-
-TEST_CASE("preparing, and slicing what was prepared, survive failing operator new", "[faults]") {
+TEST_CASE("refused slices, and regions, survive failing operator new", "[faults]") {
     const shapes::Soup soup = everything();
-    const lamella::SliceOptions options = uniform(0.4);
-    const lamella::Context context{.threads = GENERATE(1, 3)};
-    fail_everywhere([&] { return code_of(prepare(view_of(soup), {}, context)); });
-    const lamella::Result<lamella::PreparedMesh> prepared = prepare(view_of(soup));
-    REQUIRE(prepared.ok());
-    fail_everywhere([&] { return code_of(slice(*prepared, options, context)); });
-    fail_everywhere([&] {
-        lamella::Slicer slicer;
-        lamella::SliceResult result;
-        const auto code = code_of(slicer.slice_to(result, view_of(soup), options, context));
-        slicer.trim();
-        return code;
-    });
+    shapes::Soup broken = soup;
+    broken[100] = 1e300;
+    const lamella::RegionRules rules{.fill_rule = lamella::FillRule::non_zero,
+                                     .closing_mm = 0.6,
+                                     .offset_mm = -0.2,
+                                     .simplify_mm = 0.1,
+                                     .flag_closing_mm = 0.3,
+                                     .drop_collinear = true};
+    const lamella::SliceOptions filled{.layer_height_mm = 0.9, .stitch_mm = 2, .region = rules};
+    const lamella::SliceOptions nowhere{.heights_mm = {{2, std::numeric_limits<double>::infinity()}}};
+    const auto fails = [](const shapes::Soup& mesh, const lamella::SliceOptions& options, const lamella::Context& context) {
+        fail_everywhere([&] { return code_of(slice(view_of(mesh), options, context)); });
+    };
+    fails(soup, filled, {});
+    fails(broken, {}, {.threads = 1});
+    fails(soup, nowhere, {.threads = 1});
+    fails(soup, {}, {.threads = 1, .memory_limit_bytes = 1000});
+    fails(soup, {}, {.threads = -1});
 }
 
 TEST_CASE("a slice with a kept Slicer takes no memory but for what it tells", "[faults]") {
@@ -230,15 +189,6 @@ TEST_CASE("a slice with a kept Slicer takes no memory but for what it tells", "[
         CAPTURE(call, taken);
         CHECK((call < 3 || taken <= copies));
     }
-}
-
-TEST_CASE("examining, welding and assembling survive failing operator new", "[faults]") {
-    const shapes::Soup soup = everything();
-    const lamella::Context context{.threads = GENERATE(1, 3)};
-    fail_everywhere([&] { return code_of(check(view_of(soup), {.counts_only = true}, context)); });
-    fail_everywhere([&] { return code_of(lamella::weld(view_of(soup))); });
-    const std::vector<lamella::Segment> segments(9, {{1, 0, 0}, {2, 0, 0}, {0, 0}, {1, 1}, 0, 0});
-    fail_everywhere([&] { return code_of(lamella::assemble(segments)); });
 }
 
 /// How many blocks of operator new the region of so many overlapping squares takes, with the host's memory for all else.
@@ -271,18 +221,6 @@ TEST_CASE("regions take what grows with the layer from the host's memory", "[fau
     rules.drop_collinear = true;
     rules.simplify_mm = GENERATE(0, 3);
     CHECK(blocks_of_region(2, rules) == blocks_of_region(3000, rules));
-}
-
-TEST_CASE("regions survive failing operator new", "[faults]") {
-    const shapes::Soup soup = everything();
-    lamella::SliceOptions options = uniform(0.9);
-    options.region.fill_rule = lamella::FillRule::non_zero;
-    options.region.closing_mm = 0.6;
-    options.region.offset_mm = -0.2;
-    options.region.flag_closing_mm = 0.3;
-    options.region.drop_collinear = true;
-    options.region.simplify_mm = 0.1;
-    fail_everywhere([&] { return code_of(slice(view_of(soup), options)); });
 }
 
 TEST_CASE("reading survives failing operator new", "[faults]") {
@@ -326,15 +264,11 @@ TEST_CASE("writing leaves no half-written file if operator new fails", "[faults]
     fail_everywhere([&] { return code_of(audits::structure_of(result)); });
 }
 
-TEST_CASE("going through a result survives failing operator new", "[faults]") {
-    const shapes::Soup soup = everything();
-    const lamella::MeshView mesh = view_of(soup);
-    const lamella::SliceResult result = sliced(soup, uniform(0.4));
+TEST_CASE("an audit of all questions survives failing operator new", "[faults]") {
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 5, 2);
     const lamella::SliceResult closed = sliced(ball, uniform(0.4));
     const lamella::Context context{.threads = GENERATE(1, 3)};
-    fail_everywhere([&] { return code_of(audit(result, mesh, {}, context)); });
-    fail_everywhere([&] { return code_of(audits::volume_of(closed, view_of(ball), context)); });
+    fail_everywhere([&] { return code_of(audit(closed, view_of(ball), {}, context)); });
 }
 
 TEST_CASE("reports survive failing operator new", "[faults]") {

@@ -1,240 +1,300 @@
-// Orientation and nesting of one layer, compared with written-down answers and a brute-force oracle.
+// Orientation and nesting of one layer, compared with a brute-force oracle; and its parts: sorting by keys, points within
+// contours.
 #include <algorithm>
-#include <catch2/catch.hpp>
+#include <iterator>
 #include <random>
+#include <tuple>
+#include <utility>
+#include <vector>
 
-#include "engine/counting_memory.hpp"
-#include "layer_sample.hpp"
+#include <catch2/catch.hpp>
 
-using lamella::Nester;
+#include "engine/polygons.hpp"
+#include "oracle/oracle.hpp"
+#include "slicing/nesting/nest.hpp"
+#include "slicing/nesting/order.hpp"
+
 using lamella::NestItem;
-using lamella::Point;
-using lamella::Role;
-using lamella::test::add_nested;
-using lamella::test::below;
-using lamella::test::LayerSample;
+using lamella::nesting::SortKey;
+using polygons::below;
+using polygons::box;
+using polygons::Point;
+using polygons::reversed;
+using polygons::Ring;
+using polygons::round;
 
 namespace {
 
-void nest_by_itself(std::span<NestItem> items) {
-    lamella::Worker worker;
-    Nester(worker).nest(items);
-}
+constexpr std::int32_t far = lamella::grid_limit;
 
-/// Nests `sample` and compares every output with the oracle's.
-void check_against_oracle(const LayerSample& sample) {
-    std::vector<NestItem> items = sample.items();
-    nest_by_itself(items);
-    REQUIRE(lamella::test::first_difference(items, sample.expected()) == -1);
-}
+struct Contour {
+    Ring points;
+    bool closed = true;
+};
+using Layer = std::vector<Contour>;
 
-/// The outputs of a layer whose contours are passed in `order`, with indices of the original order.
-std::vector<NestItem> nest_permuted(const LayerSample& sample, const std::vector<std::size_t>& order, Nester& nester) {
-    const std::vector<NestItem> plain = sample.items();
-    std::vector<NestItem> shuffled;
-    for (const std::size_t i : order) {
-        shuffled.push_back(plain[i]);
-    }
-    nester.nest(shuffled);
-    std::vector<NestItem> back(plain.size());
-    for (std::size_t i = 0; i < order.size(); ++i) {
-        back[order[i]] = shuffled[i];
-        if (shuffled[i].parent >= 0) {
-            back[order[i]].parent = static_cast<std::int32_t>(order[static_cast<std::size_t>(shuffled[i].parent)]);
+/// What Nester::nest gets. It points into the layer.
+std::vector<NestItem> items_of(const Layer& layer) {
+    std::vector<NestItem> items;
+    for (const auto& [points, closed] : layer) {
+        NestItem item;
+        item.points = points.data();
+        item.count = static_cast<std::uint32_t>(points.size());
+        item.closed = closed;
+        if (closed) {
+            item.start = static_cast<std::uint32_t>(std::min_element(points.begin(), points.end()) - points.begin());
+            const rings::Int128 area = rings::twice_area(points);
+            item.twice_area = {static_cast<std::uint64_t>(area), static_cast<std::int64_t>(area >> 64)};
+            item.box = lamella::FlatBox::around(points);
         }
+        items.push_back(item);
     }
-    return back;
+    return items;
+}
+
+/// Parent, role, orientation, flags, and whether it is turned round.
+using Answer = std::tuple<int, lamella::Role, int, unsigned, bool>;
+
+std::vector<Answer> expected_of(const Layer& layer) {
+    oracle::Layer nested;
+    for (const auto& [points, closed] : layer) {
+        oracle::Contour& own = nested.emplace_back();
+        own.points = closed ? rings::from_smallest(points) : points;
+        own.twice_area = closed ? rings::twice_area(own.points) : 0;
+        own.orientation = (own.twice_area > 0) - (own.twice_area < 0);
+        own.role = closed ? lamella::Role::flat : lamella::Role::open;
+    }
+    const oracle::Layer as_given = nested;
+    oracle::find_parents(nested);
+    oracle::decide_roles(nested);
+    std::vector<Answer> answers;
+    for (std::size_t i = 0; i < nested.size(); ++i) {
+        const oracle::Contour& own = nested[i];
+        answers.emplace_back(own.parent, own.role, own.orientation, own.flags, own.twice_area != as_given[i].twice_area);
+    }
+    return answers;
+}
+
+/// By a nester that has seen other layers before.
+void check_against_oracle(const Layer& layer) {
+    static lamella::Worker worker;
+    static lamella::Nester nester(worker);
+    std::vector<NestItem> items = items_of(layer);
+    nester.nest(items);
+    std::vector<Answer> answers;
+    for (const NestItem& item : items) {
+        answers.emplace_back(item.parent, item.role, item.orientation, item.flags, item.reverse);
+    }
+    REQUIRE((answers == expected_of(layer)));
+}
+
+/// From any of its points on, either way round.
+Ring turned(std::mt19937& random, Ring ring) {
+    std::rotate(ring.begin(), ring.begin() + below(random, static_cast<int>(ring.size())), ring.end());
+    return random() % 2 == 0 ? ring : reversed(ring);
+}
+
+/// Without points equal to the one before, the last to the first.
+Ring distinct(Ring ring) {
+    ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
+    while (ring.size() > 1 && ring.back() == ring.front()) {
+        ring.pop_back();
+    }
+    return ring;
+}
+
+Ring random_walk(std::mt19937& random, int size) {
+    Ring ring;
+    while (ring.size() < 2) {
+        ring = distinct(polygons::lattice_points(random, 1, 2 + random() % 40, size, 1)[0]);
+    }
+    return ring;
+}
+
+/// A few contours of mixed kinds (nested, touching, equal, crossing, flat, open) on a small grid, so that coordinates
+/// often coincide. Some layers hold many contours.
+Layer random_layer(std::mt19937& random) {
+    Layer layer;
+    const int size = 1 + (1 << below(random, 8));
+    for (int left = below(random, 4) == 0 ? 20 + below(random, 60) : 1 + below(random, 8); left > 0; --left) {
+        const int x = below(random, size);
+        const int y = below(random, size);
+        const int kind = below(random, 8);
+        const Ring ring = kind < 2    ? random_walk(random, size)
+                          : kind == 2 ? Ring{{x, y}, {x + 5, y}, {x + 9, y}}
+                          : kind < 5  ? box(x, y, x + 1 + below(random, size), y + 1 + below(random, size))
+                                      : distinct(round({x, y}, 2 + below(random, size), 3 + below(random, 60), 0));
+        layer.push_back({turned(random, ring), kind != 1});
+    }
+    return layer;
+}
+
+/// Fills `low` to `high` with contours that nest and touch but do not cross: boxes, and L shapes whose boxes overlap
+/// others.
+void add_nested(Layer& layer, std::mt19937& random, Point low, Point high, int depth) {
+    if (depth == 0 || high.x - low.x < 4 || high.y - low.y < 4) {
+        return;
+    }
+    const int gap = below(random, 2);  // 0: touches the contour around it
+    const Point a{low.x + gap, low.y + gap};
+    const Point b{high.x - gap, high.y - gap};
+    const Point mid{a.x + 1 + below(random, b.x - a.x - 1), a.y + 1 + below(random, b.y - a.y - 1)};
+    const Ring corner = {a, {b.x, a.y}, {b.x, mid.y}, mid, {mid.x, b.y}, {a.x, b.y}};
+    layer.push_back({turned(random, below(random, 3) == 0 ? corner : box(a.x, a.y, b.x, b.y))});
+    add_nested(layer, random, a, mid, depth - 1);
+    add_nested(layer, random, mid, b, depth - 1);
+    add_nested(layer, random, {a.x, mid.y}, {mid.x, b.y}, depth - 1);
+    add_nested(layer, random, {mid.x, a.y}, {b.x, mid.y}, depth - 1);
+}
+
+/// Keeps the first of equal contours, which only their numbers tell apart.
+void drop_repeated(Layer& layer) {
+    std::vector<Ring> known;
+    std::erase_if(layer, [&](const Contour& contour) {
+        known.push_back(rings::from_smallest(contour.points));
+        return std::find(known.begin(), known.end() - 1, known.back()) != known.end() - 1;
+    });
+}
+
+/// Four corners, so many times round.
+Ring turns(std::int32_t reach, int count) {
+    Ring ring;
+    for (int i = 0; i < count; ++i) {
+        ring.insert(ring.end(), {{-reach, -reach}, {reach, -reach}, {reach, reach}, {-reach, reach}});
+    }
+    return ring;
 }
 
 }  // namespace
-
-TEST_CASE("the roles and parents of a few contours are known", "[nesting]") {
-    struct Given {
-        std::vector<Point> points;
-        const char* expected;  ///< role, orientation, parent; whether it is overruled and reversed
-        bool closed = true;
-    };
-    const auto box = [](std::int32_t low, std::int32_t high, bool clockwise = false) {
-        return clockwise ? std::vector<Point>{{low, low}, {low, high}, {high, high}, {high, low}}
-                         : std::vector<Point>{{low, low}, {high, low}, {high, high}, {low, high}};
-    };
-    const std::vector<Given> layers[] = {
-        {},
-        {{box(0, 10), "outer + in -1"}},
-        // The parent of a hole is the smallest contour around it.
-        {{box(30, 40, true), "hole - in 2"},
-         {box(0, 100), "outer + in -1"},
-         {box(20, 50), "outer + in 3"},
-         {box(10, 90, true), "hole - in 1"}},
-        // An inverted shell.
-        {{box(0, 100, true), "outer - in -1 overruled"},
-         {box(10, 90), "hole + in 0 overruled"},
-         {box(200, 300), "outer + in -1"}},
-        // Shells of equal orientation nest as they are: windings from outside in are 1, 2, 1, 0, and then -1.
-        {{box(0, 100), "outer + in -1"},
-         {box(10, 90), "outer + in 0"},
-         {box(20, 80, true), "hole - in 1"},
-         {box(30, 70, true), "hole - in 2"},
-         {box(40, 60, true), "outer - in 3 overruled"}},
-        // Open and flat contours have no parent and no children.
-        {{box(0, 100), "outer + in -1"},
-         {{{10, 10}, {50, 50}}, "flat 0 in -1"},
-         {{{20, 10}, {80, 10}, {80, 90}}, "open 0 in -1", false},
-         {box(40, 60, true), "hole - in 0"}},
-        // A start on a boundary is not inside.
-        {{box(0, 100), "outer + in -1"},
-         {{{0, 20}, {0, 40}, {30, 40}, {30, 20}}, "outer - in -1 overruled"},  // on the left edge
-         {{{10, 0}, {60, 10}, {10, 20}}, "outer + in -1"},                     // on the bottom edge
-         {{{0, 0}, {90, 10}, {10, 90}}, "outer + in -1"},                      // at the corner
-         {{{40, 40}, {50, 30}, {60, 40}, {50, 50}}, "outer + in 3"},           // on an edge of the contour before it
-         {{{40, 40}, {50, 50}, {60, 40}, {50, 30}}, "hole - in 3"},            // the same, reversed: neither is inside
-         {{{45, 35}, {52, 35}, {50, 40}}, "outer + in 3"},                     // on an edge of the last two
-         {{{50, 50}, {60, 60}, {40, 60}}, "outer + in 0"}},                    // on their corner and an edge of contour 3
-    };
-    lamella::Worker worker;
-    Nester nester(worker);
-    for (const std::vector<Given>& layer : layers) {
-        LayerSample sample;
-        for (const Given& given : layer) {
-            sample.add(given.points, given.closed);
-        }
-        std::vector<NestItem> items = sample.items();
-        for (NestItem& item : items) {
-            item.flags = lamella::orientation_mixed;  // is kept
-        }
-        nester.nest(items);
-        for (std::size_t i = 0; i < items.size(); ++i) {
-            const NestItem& item = items[i];
-            const char* const roles[] = {"outer ", "hole ", "flat ", "open "};
-            const bool overruled = (item.flags & lamella::orientation_overruled) != 0;
-            CHECK(roles[static_cast<std::size_t>(item.role)] + std::string(1, "-0+"[item.orientation + 1]) + " in " +
-                      std::to_string(item.parent) + (overruled ? " overruled" : "") ==
-                  layer[i].expected);
-            CHECK(item.reverse == overruled);
-            CHECK((item.flags & lamella::orientation_mixed) != 0);
-        }
-        check_against_oracle(sample);
-    }
-}
-
-TEST_CASE("nesting is exact up to the limits of the grid", "[nesting]") {
-    constexpr std::int32_t far = lamella::grid_limit;
-    LayerSample sample;
-    sample.add({{-far, -far}, {far, far - 1}, {far, far}}, true);
-    sample.add({{0, 0}, {2, 1}, {1, 1}}, true);  // these start on or beside the long edges
-    sample.add({{-1, -1}, {2, 1}, {1, 1}}, true);
-    sample.add({{far - 2, far - 2}, {far - 1, far - 2}, {far - 1, far - 1}}, true);
-    sample.add_box({-far, -far}, {far, far}, true);
-    check_against_oracle(sample);
-}
 
 TEST_CASE("random layers agree with the oracle", "[nesting]") {
     std::mt19937 random(GENERATE(1U, 2U, 3U, 4U));
     for (int round = 0; round < 1500; ++round) {
         CAPTURE(round);
-        check_against_oracle(lamella::test::random_layer(random));
+        check_against_oracle(random_layer(random));
     }
 }
 
 TEST_CASE("layers of many contours agree with the oracle", "[nesting]") {
     std::mt19937 random(GENERATE(11U, 12U, 13U));
     for (int round = 0; round < 20; ++round) {
-        LayerSample sample;
+        Layer layer;
         const int size = 100 << below(random, 12);
-        add_nested(sample, random, {-size, -size}, {size, size}, 5);
-        sample.drop_repeated();
-        CAPTURE(round, size, sample.size());
-        check_against_oracle(sample);
+        add_nested(layer, random, {-size, -size}, {size, size}, 5);
+        drop_repeated(layer);
+        CAPTURE(round, size, layer.size());
+        check_against_oracle(layer);
     }
-    check_against_oracle(lamella::test::concentric_rings(1500, 8));
-    check_against_oracle(lamella::test::side_by_side(1500, 8));
+    Layer concentric;
+    Layer side_by_side;
+    for (int i = 0; i < 1500; ++i) {
+        concentric.push_back({turned(random, round({0, 0}, 1000.0 + 100.0 * i, 8, 0))});
+        side_by_side.push_back({round({3000 * (i % 39), 3000 * (i / 39)}, 1000.0 + i % 7, 8, 0)});
+    }
+    check_against_oracle(concentric);
+    check_against_oracle(side_by_side);
 }
 
 TEST_CASE("many contours that cross agree with the oracle", "[nesting]") {
     std::mt19937 random(GENERATE(21U, 22U));
     const bool wide = GENERATE(false, true);  // boxes that overlap most others are looked up in a tree
-    LayerSample sample;
+    Layer layer;
     for (int i = 0; i < 1000; ++i) {
         const Point low{below(random, 300), below(random, 300)};
-        sample.add_box(low, {low.x + (wide ? 500 : 1) + below(random, 40), low.y + 1 + below(random, 60)},
-                       below(random, 2) == 0);
+        layer.push_back({turned(
+            random, box(low.x, low.y, low.x + (wide ? 500 : 1) + below(random, 40), low.y + 1 + below(random, 60)))});
     }
-    sample.drop_repeated();
-    check_against_oracle(sample);
+    drop_repeated(layer);
+    check_against_oracle(layer);
 }
 
-TEST_CASE("areas beyond 64 bits are compared exactly", "[nesting]") {
-    constexpr std::int32_t far = lamella::grid_limit;
-    const auto turns = [](std::int32_t reach, int count) {
-        std::vector<Point> points;
-        for (int i = 0; i < count; ++i) {
-            points.insert(points.end(), {{-reach, -reach}, {reach, -reach}, {reach, reach}, {-reach, reach}});
-        }
-        return points;
-    };
-    LayerSample sample;
-    sample.add(turns(far, 5), true);
-    sample.add(turns(far - 1, 3), true);
-    sample.add(turns(far - 2, 4), true);  // larger in area than the contour around it
-    sample.add_box({0, 0}, {1, 1}, true);
-    std::vector<NestItem> items = sample.items();
-    nest_by_itself(items);
-    CHECK(items[3].parent == 1);
-    CHECK(items[2].parent == 1);
-    CHECK(items[1].parent == 0);
-    check_against_oracle(sample);
+TEST_CASE("nesting is exact up to the limits of the grid, and for areas beyond 64 bits", "[nesting]") {
+    check_against_oracle({{{{-far, -far}, {far, far - 1}, {far, far}}},
+                          {{{0, 0}, {2, 1}, {1, 1}}},  // these start on or beside the long edges
+                          {{{-1, -1}, {2, 1}, {1, 1}}},
+                          {{{far - 2, far - 2}, {far - 1, far - 2}, {far - 1, far - 1}}},
+                          {box(-far, -far, far, far)}});
+    // The third is larger in area than the contour around it.
+    check_against_oracle({{turns(far, 5)}, {turns(far - 1, 3)}, {turns(far - 2, 4)}, {box(0, 0, 1, 1)}});
 }
 
 TEST_CASE("a long contour with many contours inside agrees with the oracle", "[nesting]") {
     std::mt19937 random(5);
-    LayerSample sample;
     const int teeth = GENERATE(130, 600, 2500);
-    std::vector<Point> comb;  // back and forth, with a level line at every tip
+    Ring comb;  // back and forth, with a level line at every tip
     for (int i = 0; i < teeth; ++i) {
         comb.insert(comb.end(), {{10 * i, 1000}, {10 * i + 5, 1000}, {10 * i + 5, 100 + below(random, 500)}});
         comb.push_back({10 * i + 9, comb.back().y});
     }
     comb.insert(comb.end(), {{10 * teeth, 0}, {0, 0}});
-    sample.add(std::move(comb), true, static_cast<std::uint32_t>(random()));
+    Layer layer = {{turned(random, comb)}};
     for (int i = 0; i < 60; ++i) {
         const Point low{below(random, 10 * teeth), below(random, 1000)};
-        sample.add_box(low, {low.x + 2, low.y + 2}, true);
+        layer.push_back({reversed(box(low.x, low.y, low.x + 2, low.y + 2))});
     }
-    check_against_oracle(sample);
+    check_against_oracle(layer);
 }
 
-TEST_CASE("scratch memory is reused from layer to layer", "[nesting]") {
-    std::mt19937 random(3);
-    LayerSample nested;
-    add_nested(nested, random, {-1000, -1000}, {1000, 1000}, 4);
-    std::vector<NestItem> many = nested.items();
-    const LayerSample concentric = lamella::test::concentric_rings(40, 500);
-    std::vector<NestItem> rings = concentric.items();
-    CountingMemory counter;
-    lamella::Worker worker(&counter);
-    Nester nester(worker);
-    nester.nest(many);
-    nester.nest(rings);
-    const std::uint64_t first = counter.asked();
-    REQUIRE(first > 0);
-    nester.nest(rings);
-    nester.nest(many);
-    CHECK(counter.asked() == first);
-}
-
-TEST_CASE("nesting does not depend on the order of contours or on earlier layers", "[nesting]") {
-    std::mt19937 random(7);
-    lamella::Worker worker;
-    Nester nester(worker);
-    for (int round = 0; round < 300; ++round) {
-        LayerSample sample = lamella::test::random_layer(random);
-        sample.drop_repeated();  // only their index distinguishes equal contours
-        std::vector<std::size_t> order(sample.size());
-        for (std::size_t i = 0; i < order.size(); ++i) {
-            order[i] = i;
+TEST_CASE("keys are sorted whatever their number and distribution", "[nesting]") {
+    using Keys = lamella::Vector<SortKey>;
+    std::mt19937_64 random(1);
+    const int count = GENERATE(0, 1, 2, 24, 25, 100, 1023, 1024, 5000);
+    Keys spare;
+    for (int spread = 0; spread < 6; ++spread) {
+        Keys keys;
+        for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(count); ++i) {
+            const std::uint64_t number = random();
+            const std::uint64_t kinds[] = {
+                number,                                                   // all bits vary
+                number % 7,                                               // few values
+                (number % 3 << 62) + (number >> 40),                      // clusters that one digit hardly separates
+                0x8000'0000'0000'0000U - 50 + number % 100,               // across a carry into all bits
+                (0x7FFF'FFF0U + number % 32) << 32 | (0x8000'0000U - i),  // points around the origin, in reverse
+                number % 50 == 0 ? number : static_cast<std::uint64_t>(count) - i,  // close together, with a few outliers
+            };
+            keys.push_back({kinds[spread], i});
         }
-        std::shuffle(order.begin(), order.end(), random);
-        CAPTURE(round);
-        REQUIRE(lamella::test::first_difference(nest_permuted(sample, order, nester), sample.expected()) == -1);
+        Keys expected = keys;
+        std::sort(expected.begin(), expected.end(), lamella::nesting::before);
+        lamella::StopPace pace;
+        lamella::nesting::sort_keys(keys, spare, pace);
+        CAPTURE(spread);
+        REQUIRE(std::equal(keys.begin(), keys.end(), expected.begin(), expected.end(),
+                           [](const SortKey& a, const SortKey& b) { return a.key == b.key && a.index == b.index; }));
+    }
+}
+
+TEST_CASE("points within a contour are found by every form of the edge test, one by one and many at once", "[nesting]") {
+    std::mt19937 random(9);
+    const auto forms = lamella::supported(lamella::nesting::add_edges_forms());
+    lamella::Worker worker;
+    lamella::nesting::ManyInside many(worker);
+    for (int turn = 0; turn < 800; ++turn) {
+        const int size = 2 + (turn % 2 == 0 ? below(random, 30) : 1 << below(random, 25));
+        Ring ring = random_walk(random, size);
+        for (int more = below(random, 5); more > 0; --more) {  // repeats do no harm
+            const Ring walk = random_walk(random, size);
+            ring.insert(ring.end(), walk.begin(), walk.end());
+        }
+        const auto count = static_cast<std::uint32_t>(ring.size());
+        many.clear();
+        std::vector<std::uint32_t> expected;
+        const int bunch = 1 + below(random, size);  // most points lie within a part of the contour's height
+        for (std::uint32_t i = 0; i < 1 + random() % 200; ++i) {
+            const int height = below(random, 8) == 0 ? size + 2 : bunch;
+            const Point query{below(random, size + 2) - 1 - size / 2, below(random, height) - 1 - size / 2};
+            many.add(query, i);
+            const bool inside = rings::strictly_around(ring, query);
+            if (inside) {
+                expected.push_back(i);
+            }
+            for (const auto& [needs, form] : forms) {
+                REQUIRE(lamella::nesting::strictly_inside(form, ring.data(), count, query) == inside);
+            }
+        }
+        lamella::Vector<std::uint32_t> found;
+        many.test(ring.data(), count, found);
+        std::sort(found.begin(), found.end());
+        REQUIRE(std::equal(found.begin(), found.end(), expected.begin(), expected.end()));
     }
 }

@@ -1,4 +1,4 @@
-// Prints what CGAL makes of a mesh file, as answer_lamella does: answer_cgal FILE
+// Prints what CGAL makes of a mesh file: answer_cgal FILE. Of a mesh: how many triangles, and nine coordinates for each.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/IO/polygon_soup_io.h>
 

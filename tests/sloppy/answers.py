@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """Compares what readers make of the sloppy files in files/ with the committed table answers.txt.
 
-    answers.py --lamella PROGRAM [--cgal PROGRAM]            checks the rows of the readers that are installed
-    answers.py --lamella PROGRAM [--cgal PROGRAM] --update   writes them
+    answers.py --lamella TOOL [--cgal PROGRAM]            checks the rows of the readers that are installed
+    answers.py --lamella TOOL [--cgal PROGRAM] --update   writes them
 
 Fails too where lamella breaks the rule: what two of the other readers agree on is lamella's answer, and lamella warns.
 A line "why" in the table says why a file is an exception. assimp, VTK and meshio are used where Debian's packages
@@ -10,11 +10,12 @@ assimp-utils, python3-vtk9 and python3-meshio are installed, CGAL where libcgal-
 """
 
 import argparse
+import difflib
 import importlib.util
 import math
-import os
 import pathlib
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -66,28 +67,35 @@ def run(command, **options):
     return subprocess.run(command, capture_output=True, timeout=TIMEOUT_S, errors="replace", **options)
 
 
-def told(command):
-    """What answer_lamella or answer_cgal prints, with the triangles in words."""
-    lines = run(command).stdout.splitlines()
-    if not lines or not lines[0].endswith(" triangles"):
-        return lines or [UNDEFINED]
-    end = 1 + int(lines[0].split()[0])
-    numbers = [[float(number) for number in line.split()] for line in lines[1:end]]
-    return [words([(row[:3], row[3:6], row[6:]) for row in numbers])] + lines[end:]
+def converted(*command):
+    """What a program makes of a file as the binary STL "OUT", in words, and what it says on the way."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = pathlib.Path(folder) / "out.stl"
+        got = run([out if word == "OUT" else word for word in command])
+        said = got.stderr.splitlines()
+        if got.returncode != 0 or not out.exists():
+            return REFUSED, said
+        body = out.read_bytes()[84:]
+        rows = struct.iter_unpack("<12f2x", body[: len(body) // 50 * 50])
+        return words([(row[3:6], row[6:9], row[9:]) for row in rows]), said
+
+
+def lamella(tool, path):
+    """Rows of the table. Messages name the path, which differs from machine to machine."""
+    answer, said = converted(tool, "convert", path, "-o", "OUT")
+    if answer == REFUSED:
+        return [("lamella", "refused: " + said[-1].removeprefix(f"lamella: {path}: "))]
+    return [("lamella", answer)] + [("warns", line.removeprefix(f"lamella: warning: {path}: ")) for line in said]
 
 
 def assimp(path):
-    with tempfile.TemporaryDirectory() as folder:
-        out = os.path.join(folder, "out.ply")
-        got = run(["assimp", "export", str(path), out, "-fply", "-tri"])
-        if got.returncode != 0 or not os.path.exists(out):
-            return REFUSED
-        head, body = pathlib.Path(out).read_text().split("end_header\n")
-    counts = [int(line.split()[2]) for line in head.splitlines() if line.startswith("element")]
-    rows = [line.split() for line in body.splitlines()]
-    points = [[float(number) for number in row[:3]] for row in rows[: counts[0]]]
-    faces = [[int(number) for number in row[1:]] for row in rows[counts[0] :]]
-    return words([corners for face in faces for corners in fan([points[i] for i in face])])
+    return converted("assimp", "export", path, "OUT", "-fstlb", "-tri")[0]
+
+
+def cgal(program, path):
+    lines = run([program, path]).stdout.splitlines() or [UNDEFINED]
+    rows = [[float(number) for number in line.split()] for line in lines[1:]]
+    return words([(row[:3], row[3:6], row[6:]) for row in rows]) if lines[0].endswith(" triangles") else lines[0]
 
 
 def vtk(path):
@@ -125,16 +133,12 @@ def vtk(path):
 
 
 def meshio(path):
-    import contextlib
-    import io
-
     import meshio as library
 
     if path.suffix not in (".stl", ".obj", ".off", ".ply", ".vtk"):
         return NO_READER
     try:
-        with contextlib.redirect_stdout(io.StringIO()):
-            mesh = library.read(path)
+        mesh = library.read(path)
         points = [tuple(float(x) for x in point) for point in mesh.points]
         faces = [face for block in mesh.cells if block.type in ("triangle", "quad", "polygon") for face in block.data]
         if any(index < 0 for face in faces for index in face):
@@ -144,60 +148,32 @@ def meshio(path):
         return REFUSED
 
 
-def apart(answer, path):
-    """answer(path) in a process of its own, as readers crash and hang."""
-    out, into = os.pipe()
-    child = os.fork()
-    if child == 0:
-        os.close(out)
-        quiet = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(quiet, 1)
-        os.dup2(quiet, 2)
-        try:
-            import signal
-
-            signal.alarm(TIMEOUT_S)
-            os.write(into, answer(path).encode())
-        finally:
-            os._exit(0)
-    os.close(into)
-    with os.fdopen(out) as pipe:
-        text = pipe.read()
-    os.waitpid(child, 0)
-    return text or UNDEFINED
+def apart(name, path):
+    """The answer of a function of this file in a process of its own, as readers crash and hang."""
+    try:
+        got = run([sys.executable, "-B", __file__, "--one", name, path])
+    except subprocess.TimeoutExpired:
+        return UNDEFINED
+    return got.stdout.splitlines()[-1] if got.returncode == 0 else UNDEFINED
 
 
-def is_installed(module):
-    return importlib.util.find_spec(module) is not None
-
-
-def readers(cgal):
+def readers(program):
     """What asks those that are installed, by name."""
     found = {}
     if shutil.which("assimp"):
         found["assimp"] = assimp
-    if is_installed("vtkmodules"):
-        import vtkmodules.vtkFiltersCore  # imported once, for all processes
-        import vtkmodules.vtkIOGeometry
-        import vtkmodules.vtkIOLegacy
-        import vtkmodules.vtkIOPLY
-        import vtkmodules.vtkIOXML
-
-        found["VTK"] = lambda path: apart(vtk, path)
-    if cgal:
+    if importlib.util.find_spec("vtkmodules"):
+        found["VTK"] = lambda path: apart("vtk", path)
+    if program:
         formats = (".stl", ".obj", ".off", ".ply")
-        found["CGAL"] = lambda path: told([cgal, str(path)])[0] if path.suffix in formats else NO_READER
-    if is_installed("meshio"):
-        import meshio as library  # noqa: F401
-
-        found["meshio"] = lambda path: apart(meshio, path)
+        found["CGAL"] = lambda path: cgal(program, path) if path.suffix in formats else NO_READER
+    if importlib.util.find_spec("meshio"):
+        found["meshio"] = lambda path: apart("meshio", path)
     return found
 
 
-def rows_of(path, lamella, others):
-    rows = [(name, answer(path)) for name, answer in others.items()]
-    lines = told([lamella, str(path)])
-    return rows + [("lamella", lines[0])] + [("warns", line) for line in lines[1:]]
+def rows_of(path, tool, others):
+    return [(name, answer(path)) for name, answer in others.items()] + lamella(tool, path)
 
 
 def read_table():
@@ -212,13 +188,9 @@ def read_table():
     return table
 
 
-def write_table(table):
-    with open(TABLE, "w") as out:
-        out.write(HEAD)
-        for name in sorted(table):
-            out.write("\n" + name + "\n")
-            for reader, answer in table[name]:
-                out.write("    %-8s %s\n" % (reader, answer))
+def text_of(table):
+    rows = {name: "".join("    %-8s %s\n" % row for row in table[name]) for name in sorted(table)}
+    return HEAD + "".join("\n%s\n%s" % entry for entry in rows.items())
 
 
 def agreed(rows):
@@ -251,10 +223,14 @@ def merged(old, new, others):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--lamella", required=True)
+    parser.add_argument("--lamella")
+    parser.add_argument("--one", nargs=2, metavar=("READER", "FILE"), help="print the answer of one reader")
     parser.add_argument("--cgal")
     parser.add_argument("--update", action="store_true")
     options = parser.parse_args()
+    if options.one:
+        print(globals()[options.one[0]](pathlib.Path(options.one[1])))
+        return 0
 
     others = readers(options.cgal)
     for name in OTHERS:
@@ -264,18 +240,13 @@ def main():
     table = {}
     for path in sorted(FILES.iterdir()):
         table[path.name] = merged(old.get(path.name, []), rows_of(path, options.lamella, others), others)
+    text = text_of(table)
     if options.update:
-        write_table(table)
-        old = table
-    problems = []
-    for name in sorted(set(old) | set(table)):
-        before, now = old.get(name, []), table.get(name, [])
-        problems += ["%s: the table has '%s %s'" % (name, *row) for row in before if row not in now]
-        problems += ["%s: now '%s %s'" % (name, *row) for row in now if row not in before]
-        rule = broken_rule(now) if now else None
-        problems += ["%s: %s" % (name, rule)] if rule else []
+        TABLE.write_text(text)
+    problems = list(difflib.unified_diff(TABLE.read_text().splitlines(), text.splitlines(), "table", "now", lineterm=""))
+    problems += ["%s: %s" % (name, rule) for name, rows in table.items() if (rule := broken_rule(rows))]
     print("\n".join(problems))
-    print("%d files, %d readers beside lamella, %d problems" % (len(table), len(others), len(problems)))
+    print("%d files, %d readers beside lamella, %d lines of problems" % (len(table), len(others), len(problems)))
     return 1 if problems or not table else 0
 
 

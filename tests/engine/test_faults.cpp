@@ -58,7 +58,7 @@ TEST_CASE("every call fails cleanly at each of its allocations", "[engine][fault
             CHECK((failures > 0 || !call.name.starts_with("slice")));
         }
     }
-    const auto text = folder.write("text.stl", ascii_stl(facets));
+    const auto text = folder.write("text.stl", text_stl(facets));
     CHECK(0 < fail_everywhere([&](const lamella::Context& c) { return code_of(lamella::read_mesh(text, {}, c)); }));
 }
 

@@ -227,7 +227,7 @@ TEST_CASE("reading survives failing operator new", "[faults]") {
     const TempFolder folder;
     const auto facets = lamella::input_test::numbered_facets(50);
     const std::string binary = lamella::input_test::binary_stl(facets);
-    const std::string text = lamella::input_test::ascii_stl(facets);
+    const std::string text = lamella::input_test::text_stl(facets);
     const std::vector<std::filesystem::path> paths = {folder.write("binary.stl", binary),
                                                       folder.write("text.stl", text),
                                                       folder.write("other.bin", binary),

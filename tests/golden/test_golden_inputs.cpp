@@ -10,7 +10,6 @@
 
 #include "engine/slicing.hpp"
 #include "golden/calls.hpp"
-#include "golden/mesh_files.hpp"
 #include "golden/shape_cases.hpp"
 #include "temp_folder.hpp"
 

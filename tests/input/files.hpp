@@ -1,4 +1,4 @@
-// Files for the tests of the readers: folders and STL in both forms.
+// Files for the tests of the readers: STL in both forms, and what is done to the bytes of files.
 #pragma once
 
 #include <algorithm>
@@ -6,7 +6,6 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,47 +14,25 @@
 
 #include <catch2/catch.hpp>
 
+#include "engine/shapes.hpp"
 #include "temp_folder.hpp"
 
 namespace lamella::input_test {
 
-/// Nine coordinates.
-using Facet = std::array<float, 9>;
+using shapes::Soup;
 
-/// A facet that tells which one it is.
-inline Facet numbered_facet(std::size_t i) {
-    const auto x = static_cast<float>(i);
-    return {x, 0, 0, x + 1, 0, 0.5F, x, 1, -0.25F};
-}
-
-inline std::vector<Facet> numbered_facets(std::size_t count) {
-    std::vector<Facet> facets;
+/// Facets that tell which one they are.
+inline Soup numbered_facets(std::size_t count) {
+    Soup facets;
     for (std::size_t i = 0; i < count; ++i) {
-        facets.push_back(numbered_facet(i));
+        const auto x = static_cast<double>(i);
+        facets.insert(facets.end(), {x, 0, 0, x + 1, 0, 0.5, x, 1, -0.25});
     }
     return facets;
 }
 
-/// What use(number) makes of `value` as the type of that name in PLY, legacy VTK or VTP; 64-bit integers where there is
-/// none. What an integer does not hold wraps round.
-template <class Number, class Use>
-auto as_type(std::string_view type, Number value, const Use& use) {
-    const auto is = [type](const std::string& names) { return names.find(" " + std::string(type) + " ") != names.npos; };
-    const auto whole = [value] { return static_cast<std::int64_t>(value); };
-    return is(" float float32 Float32 ")                 ? use(static_cast<float>(value))
-           : is(" double float64 Float64 ")              ? use(static_cast<double>(value))
-           : is(" uchar uint8 unsigned_char UInt8 ")     ? use(static_cast<std::uint8_t>(whole()))
-           : is(" char int8 Int8 ")                      ? use(static_cast<std::int8_t>(whole()))
-           : is(" ushort uint16 unsigned_short UInt16 ") ? use(static_cast<std::uint16_t>(whole()))
-           : is(" short int16 Int16 ")                   ? use(static_cast<std::int16_t>(whole()))
-           : is(" uint uint32 unsigned_int UInt32 ")     ? use(static_cast<std::uint32_t>(whole()))
-           : is(" int int32 Int32 vtktypeint32 ")        ? use(static_cast<std::int32_t>(whole()))
-           : is(" unsigned_long UInt64 ")                ? use(static_cast<std::uint64_t>(value))
-                                                         : use(whole());
-}
-
 template <class Number>
-std::string bytes_of(Number value, bool big_endian) {
+std::string bytes_of(Number value, bool big_endian = false) {
     std::string bytes(sizeof value, '\0');
     std::memcpy(bytes.data(), &value, sizeof value);
     if (big_endian != (std::endian::native == std::endian::big)) {
@@ -64,43 +41,32 @@ std::string bytes_of(Number value, bool big_endian) {
     return bytes;
 }
 
-inline std::string little_endian(std::uint32_t value) {
-    return bytes_of(value, false);
-}
+/// What a binary STL file holds beside its facets.
+struct StlForm {
+    std::string header{};
+    std::int64_t counted = -1;  ///< what the header says; -1: the truth
+    char normal = '\x7f';       ///< of which all normals are made
+    std::string attribute = std::string(2, '\0');
+};
 
-/// `counted` is what the header says.
-inline std::string binary_stl(const std::vector<Facet>& facets, std::uint32_t counted, std::string header = "",
-                              const std::string& attribute = std::string(2, '\0')) {
-    header.resize(80, '\0');
-    std::string bytes = header + little_endian(counted);
-    for (const Facet& facet : facets) {
-        std::string corners(sizeof facet, '\0');
-        std::memcpy(corners.data(), facet.data(), sizeof facet);
-        bytes.append(12, '\x7f').append(corners).append(attribute);
+inline std::string binary_stl(const Soup& soup, const StlForm& form = {}) {
+    const std::size_t count = soup.size() / 9;
+    std::string bytes = form.header;
+    bytes.resize(80, '\0');
+    bytes += bytes_of(static_cast<std::uint32_t>(form.counted < 0 ? static_cast<std::int64_t>(count) : form.counted));
+    for (std::size_t i = 0; i < soup.size(); ++i) {
+        bytes.append(i % 9 == 0 ? 12 : 0, form.normal).append(bytes_of(static_cast<float>(soup[i])));
+        bytes += i % 9 == 8 ? form.attribute : "";
     }
     return bytes;
 }
 
-inline std::string binary_stl(const std::vector<Facet>& facets) {
-    return binary_stl(facets, static_cast<std::uint32_t>(facets.size()));
-}
-
-inline std::string ascii_facet(const Facet& f, const std::string& normal = "0 0 1") {
-    std::string text = "  facet normal " + normal + "\n    outer loop\n";
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-        text += "      vertex";
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            text += " " + std::to_string(f[3 * corner + axis]);
-        }
-        text += "\n";
-    }
-    return text + "    endloop\n  endfacet\n";
-}
-
-inline std::string ascii_stl(const std::vector<Facet>& facets, const std::string& name = "part") {
+inline std::string text_stl(const Soup& soup, const std::string& name = "part") {
     std::string text = "solid " + name + "\n";
-    for (const Facet& facet : facets) {
-        text += ascii_facet(facet);
+    for (std::size_t i = 0; i < soup.size(); ++i) {
+        text += i % 9 == 0 ? "facet normal 0 0 1\n outer loop\n" : "";
+        text += (i % 3 == 0 ? "  vertex " : " ") + std::to_string(soup[i]) + (i % 3 == 2 ? "\n" : "");
+        text += i % 9 == 8 ? " endloop\nendfacet\n" : "";
     }
     return text + "endsolid " + name + "\n";
 }
@@ -120,6 +86,10 @@ inline std::string deflated(const std::string& bytes, int window_bits = -MAX_WBI
     return packed;
 }
 
+inline std::string gzipped(const std::string& bytes) {
+    return deflated(bytes, 16 + MAX_WBITS);
+}
+
 inline std::string replaced(const std::string& text, const std::string& what, const std::string& by) {
     std::string made;
     std::size_t begin = 0;
@@ -136,13 +106,6 @@ inline std::string repeated(const std::string& text, std::size_t count) {
         all += text;
     }
     return all;
-}
-
-/// Of ASCII letters.
-inline std::string upper(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c; });
-    return text;
 }
 
 }  // namespace lamella::input_test

@@ -13,8 +13,8 @@
 #include <catch2/catch.hpp>
 
 #include "engine/slicing.hpp"
-#include "files.hpp"
 #include "lamella/io/mesh_file.hpp"
+#include "mesh_files.hpp"
 
 namespace lamella::input_test {
 
@@ -22,8 +22,6 @@ namespace lamella::input_test {
 inline const TempFolder dir;
 
 using Texts = std::vector<std::string>;
-/// Nine coordinates each.
-using Triangles = std::vector<std::array<double, 9>>;
 
 /// Calls look(answer) with what reading a file gives: read and mapped, by 1 and 3 threads.
 template <class Look>
@@ -102,14 +100,6 @@ inline Texts warnings_of(const std::filesystem::path& path) {
     return read(path).warnings;
 }
 
-inline Triangles triangles_of(const std::vector<Facet>& facets) {
-    Triangles triangles(facets.size());
-    for (std::size_t i = 0; i < facets.size(); ++i) {
-        std::copy(facets[i].begin(), facets[i].end(), triangles[i].begin());
-    }
-    return triangles;
-}
-
 /// Where a message says "line L, byte B: ", B is the error's, and L the line of that byte: LF, CR and CRLF end lines.
 inline void check_place(const Error& error, const std::filesystem::path& path) {
     std::smatch place;
@@ -171,61 +161,6 @@ inline Error refuses(const std::filesystem::path& path, const std::string& says,
     CHECK(error.code == code);
     check_says(error.message, says);
     return error;
-}
-
-/// A text in a good file, what makes the file malformed in its place, and what the error says.
-using Malformed = std::array<std::string, 3>;
-
-inline void refuses_each(const std::string& name, const std::string& good, const std::vector<Malformed>& cases) {
-    for (const auto& [what, by, says] : cases) {
-        CAPTURE(what, by);
-        REQUIRE(good.find(what) != std::string::npos);
-        refuses(dir.write(name, replaced(good, what, by)), says);
-    }
-}
-
-/// A file of only the first bytes of `whole`, [first, end) of them in turn, must be refused: as malformed, or as empty where
-/// `may_be_empty`. Each is read in one of four ways.
-inline void refuses_cuts(const std::string& name, const std::string& whole, std::size_t first, std::size_t end,
-                         bool may_be_empty = false) {
-    for (std::size_t length = first; length < end; ++length) {
-        INFO(length);
-        const Error error = error_of(read_mesh(dir.write(name, whole.substr(0, length)), {.map_file = length % 2 == 1},
-                                               {.threads = length % 4 == 3 ? 3 : 1}));
-        CHECK((error.code == ErrorCode::malformed_mesh || (may_be_empty && error.code == ErrorCode::empty_mesh)));
-        CHECK(error.byte_offset <= static_cast<std::int64_t>(length));
-    }
-}
-
-/// "NAME ROLE FIRST COUNT; ..."
-inline std::string parts_of(const MeshFile& file) {
-    std::string text;
-    for (const MeshPart& part : file.parts) {
-        text += part.name + " " + std::string(name_of(part.role)) + " " + std::to_string(part.first_triangle) + " " +
-                std::to_string(part.triangle_count) + "; ";
-    }
-    return text;
-}
-
-/// The volume, positive where triangles are seen counter-clockwise from outside.
-inline double volume_of(const Triangles& triangles) {
-    double sum = 0;
-    for (const auto& t : triangles) {
-        sum += t[0] * (t[4] * t[8] - t[5] * t[7]) - t[1] * (t[3] * t[8] - t[5] * t[6]) + t[2] * (t[3] * t[7] - t[4] * t[6]);
-    }
-    return sum / 6;
-}
-
-/// The lowest and the highest corner of the box around the triangles.
-inline Box box_of(const Triangles& triangles) {
-    Box box{{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
-    for (const auto& triangle : triangles) {
-        for (std::size_t i = 0; i < 9; ++i) {
-            box.min_mm[i % 3] = std::min(box.min_mm[i % 3], triangle[i]);
-            box.max_mm[i % 3] = std::max(box.max_mm[i % 3], triangle[i]);
-        }
-    }
-    return box;
 }
 
 }  // namespace lamella::input_test

@@ -1,99 +1,68 @@
 // One sheet of triangles or quads in each format, and in each form that a reader takes another way through.
 #pragma once
 
-#include <algorithm>
-#include <cstdint>
 #include <functional>
-#include <string>
-#include <vector>
 
-#include "golden/mesh_files.hpp"
-#include "zip.hpp"
+#include "mesh_files.hpp"
 
 namespace lamella::input_test {
 
-/// A sheet of side * side quads, or of twice as many triangles, which are their fans.
-inline golden::Polygons sheet(std::uint32_t side, bool quads) {
-    golden::Polygons mesh;
-    for (std::uint32_t i = 0; i < (side + 1) * (side + 1); ++i) {
-        const std::uint32_t x = i % (side + 1);
-        const std::uint32_t y = i / (side + 1);
-        mesh.xyz.insert(mesh.xyz.end(), {double(x), double(y), (x * y) % 7 / 64.0});
-    }
-    for (std::uint32_t i = 0; i < side * side; ++i) {
-        const std::uint32_t first = i / side * (side + 1) + i % side;
-        const std::uint32_t above = first + side + 1;
-        if (quads) {
-            mesh.faces.push_back({first, first + 1, above + 1, above});
-        } else {
-            mesh.faces.push_back({first, first + 1, above + 1});
-            mesh.faces.push_back({first, above + 1, above});
-        }
-    }
-    return mesh;
-}
-
-inline shapes::Indexed indexed_sheet(std::uint32_t side) {
-    const golden::Polygons mesh = sheet(side, false);
-    shapes::Indexed indexed{mesh.xyz, {}};
-    for (const auto& face : mesh.faces) {
-        indexed.indices.insert(indexed.indices.end(), face.begin(), face.end());
-    }
-    return indexed;
-}
-
-inline shapes::Soup sheet_soup(std::uint32_t side) {
-    const shapes::Indexed mesh = indexed_sheet(side);
-    shapes::Soup soup;
-    for (const std::uint32_t index : mesh.indices) {
-        soup.insert(soup.end(), mesh.xyz.begin() + 3 * index, mesh.xyz.begin() + 3 * index + 3);
-    }
-    return soup;
-}
-
-/// Behind the header another white space than the usual one.
+/// Another white space than the usual one, after the header.
 inline std::string respaced(std::string text, const std::string& header_end, char usual, char other) {
     const std::size_t begin = text.find(header_end) + header_end.size();
     std::replace(text.begin() + static_cast<std::ptrdiff_t>(begin), text.end(), usual, other);
     return text;
 }
 
-/// The build holds the sheet so many times, in inches.
-inline std::string three_mf_sheets(std::uint32_t side, int items) {
+/// The build holds the sheet so many times, in inches. Stored, as deflating takes long.
+inline std::string three_mf_sheets(const PolygonMesh& sheet, int items) {
     std::string build;
     for (int i = 0; i < items; ++i) {
         build += item(1, "transform=\"1 0 0 0 1 0 0 0 1 0 0 " + std::to_string(i) + "\"");
     }
-    return golden::three_mf(indexed_sheet(side), build);
+    std::vector<ZipPart> parts = package_parts(model_text(object(1, mesh_xml(sheet)), build, "unit=\"inch\""));
+    parts.back().deflated = false;
+    return zip(parts);
 }
 
 struct SheetFile {
     const char* name;
-    std::function<std::string(std::uint32_t side)> bytes;
+    std::function<std::string(const PolygonMesh& triangles, const PolygonMesh& quads, std::size_t points)> bytes;
     bool once = true;  ///< it holds the sheet once
 };
 
+inline std::string bytes_of(const SheetFile& file, std::uint32_t side) {
+    return file.bytes(sheet(side, side * side), sheet(side, 0), 4 * std::size_t{side} * side);
+}
+
+inline Soup soup_of(const PolygonMesh& mesh) {
+    Soup soup;
+    for (const auto& triangle : mesh.triangles()) {
+        soup.insert(soup.end(), triangle.begin(), triangle.end());
+    }
+    return soup;
+}
+
 inline const std::vector<SheetFile> sheet_files = {
-    {"binary.stl", [](auto side) { return golden::binary_stl(sheet_soup(side)); }},
-    {"text.stl", [](auto side) { return golden::text_stl(sheet_soup(side)); }},
-    {"sloppy.stl", [](auto side) { return replaced(golden::text_stl(sheet_soup(side)), " outer loop\n", ""); }},
-    {"triangles.obj", [](auto side) { return golden::obj(sheet(side, false)); }},
-    {"quads.obj", [](auto side) { return golden::obj(sheet(side, true)); }},
-    {"lines.off", [](auto side) { return golden::off(sheet(side, false)); }},
-    {"words.off", [](auto side) { return respaced(golden::off(sheet(side, false)), " 0\n", '\n', ' '); }},
-    {"lines.ply", [](auto side) { return golden::text_ply(sheet(side, false)); }},
-    {"words.ply", [](auto side) { return respaced(golden::text_ply(sheet(side, false)), "end_header\n", ' ', '\n'); }},
-    {"quads.ply", [](auto side) { return golden::little_ply(sheet(side, true)); }},
-    {"text.vtk", [](auto side) { return golden::text_vtk(sheet(side, true)); }},
-    {"text.vtp", [](auto side) { return golden::text_vtp(sheet(side, true)); }},
-    {"one.3mf", [](auto side) { return three_mf_sheets(side, 1); }},
-    {"quads.obj.gz", [](auto side) { return deflated(golden::obj(sheet(side, true)), 16 + MAX_WBITS); }},
-    {"many.3mf", [](auto side) { return three_mf_sheets(side, 20); }, false},
+    {"binary.stl", [](auto& t, auto&, auto) { return binary_stl(soup_of(t)); }},
+    {"text.stl", [](auto& t, auto&, auto) { return text_stl(soup_of(t)); }},
+    {"sloppy.stl", [](auto& t, auto&, auto) { return replaced(text_stl(soup_of(t)), " outer loop\n", ""); }},
+    {"triangles.obj", [](auto& t, auto&, auto) { return obj(t); }},
+    {"quads.obj", [](auto&, auto& q, auto) { return obj(q); }},
+    {"lines.off", [](auto& t, auto&, auto) { return off(t); }},
+    {"words.off", [](auto& t, auto&, auto) { return respaced(off(t), " 0\n", '\n', ' '); }},
+    {"lines.ply", [](auto& t, auto&, auto) { return Ply{.coordinate = "double"}(t); }},
+    {"words.ply", [](auto& t, auto&, auto) { return respaced(Ply{.coordinate = "double"}(t), "end_header\n", ' ', '\n'); }},
+    {"quads.ply", [](auto&, auto& q, auto) { return Ply{.encoding = "binary_little_endian"}(q); }},
+    {"text.vtk", [](auto&, auto& q, auto) { return Vtk{}(q); }},
+    {"text.vtp", [](auto&, auto& q, auto) { return Vtp{}({q}); }},
+    {"one.3mf", [](auto& t, auto&, auto) { return three_mf_sheets(t, 1); }},
+    {"quads.obj.gz", [](auto&, auto& q, auto) { return gzipped(obj(q)); }},
+    {"many.3mf", [](auto& t, auto&, auto) { return three_mf_sheets(t, 20); }, false},
     {"name.stl",
-     [](auto side) { return ascii_stl(numbered_facets(1)) + "solid" + repeated(" of a long name", 4 * side * side) + "\n"; },
+     [](auto&, auto&, auto n) { return text_stl(numbered_facets(1)) + "solid" + repeated(" of a long name", n) + "\n"; },
      false},
-    {"comments.stl", [](auto side) { return ascii_stl(numbered_facets(1)) + repeated("a comment\n", 4 * side * side); },
-     false},
+    {"comments.stl", [](auto&, auto&, auto n) { return text_stl(numbered_facets(1)) + repeated("a comment\n", n); }, false},
 };
 
 }  // namespace lamella::input_test

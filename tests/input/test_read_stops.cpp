@@ -80,7 +80,7 @@ TEST_CASE("a stop that comes at any moment ends the reading of a file within 100
     const TempFolder dir;
     std::mt19937 random(1);
     for (const SheetFile& file : sheet_files) {
-        const std::filesystem::path path = dir.write(file.name, file.bytes(side));
+        const std::filesystem::path path = dir.write(file.name, bytes_of(file, side));
         for (const int threads : {1, 2}) {
             INFO(file.name << " on " << threads << " threads");
             check_stops(path, threads, random);

@@ -1,8 +1,11 @@
-// The XML stream: the same events however the text is cut, and no way to make it take memory or time.
+// The XML stream: the same events however the text is cut, and no way to make it take memory or time. And the plain text of
+// other formats by the eight characters: the same as one by one, wherever it ends.
+#include <charconv>
 #include <stdexcept>
 
 #include <catch2/catch.hpp>
 
+#include "io/text/text.hpp"
 #include "io/xml/xml.hpp"
 
 namespace lamella {
@@ -45,7 +48,8 @@ private:
     std::string text_;
 };
 
-/// The events of `text` fed in pieces of `piece` bytes.
+/// The events of `text` fed in pieces of `piece` bytes; then "!", line and message of a failure, or "?", line, offset and
+/// name of the first one whose prefix is not declared.
 std::string events_of(const std::string& text, std::size_t piece) {
     Recorder recorder;
     bool wanted = true;
@@ -54,75 +58,37 @@ std::string events_of(const std::string& text, std::size_t piece) {
     }
     const bool whole = wanted && recorder.finish();
     CHECK(whole != recorder.failure().has_value());
-    if (recorder.failure()) {
-        const XmlFailure& failure = *recorder.failure();
-        return recorder.events + "!" + std::to_string(failure.line) + " " + failure.what;
+    if (const auto& failure = recorder.failure()) {
+        return recorder.events + "!" + std::to_string(failure->line) + " " + failure->what;
     }
-    return recorder.events;
+    const auto& name = recorder.unbound_name();
+    return recorder.events +
+           (name ? "?" + std::to_string(name->line) + " " + std::to_string(name->offset) + " " + name->name : "");
 }
 
 TEST_CASE("XML gives the same events however it is cut", "[input][xml]") {
-    const std::string text =
-        "<?xml version='1.0'?>\n<!-- a -->\r\n<a xmlns='urn:a' xmlns:p='urn:p' x=' 1\n&lt;' p:x='2'>t&amp;&#66;\r"
-        "<p:b/><![CDATA[<c>]]><d xmlns=''><e x=\"3\"/></d></a>\n";
-    for (std::size_t piece = 1; piece <= text.size(); ++piece) {
-        CHECK(events_of(text, piece) ==
-              "<urn:a:a :x= 1 < urn:p:x=2 3 34..87>t&B\n<urn:p:b 5 99..105></b><c>"
-              "<:d 5 120..132><:e :x=3 5 132..142></e></d></a>");
-    }
-}
-
-TEST_CASE("malformed XML is reported with its line", "[input][xml]") {
-    CHECK(events_of("", 1) == "!1 malformed XML: no element found");
-    CHECK(events_of("<a>\n</b>", 3) == "<:a 1 0..3>!2 malformed XML: mismatched tag");
-    CHECK(events_of("<a>\r\r\n", 1) == "<:a 1 0..3>!3 malformed XML: no element found");
-    CHECK(events_of("<a x='1' x='2'/>", 1) == "!1 malformed XML: duplicate attribute");
-    CHECK(events_of("<a>\n<fail/></a>", 1) == "<:a 1 0..3>\n<:fail 2 4..11>!2 failed");
-    CHECK(events_of("<!DOCTYPE a><a/>", 1) == "!1 a document type declaration, which is refused");
-    CHECK(events_of("<a>&b;</a>", 1) == "<:a 1 0..3>!1 malformed XML: undefined entity");
-}
-
-TEST_CASE("an XML prefix that is not declared is noted, and parsing goes on", "[input][xml]") {
-    const auto unbound_in = [](const std::string& text, const std::string& events) {
-        Recorder recorder;
-        CHECK(recorder.feed(text));
-        CHECK(recorder.finish());
-        CHECK(recorder.events == events);
-        const std::optional<XmlUnboundName>& name = recorder.unbound_name();
-        return name ? std::to_string(name->line) + " " + std::to_string(name->offset) + " " + name->name : "none";
-    };
-    CHECK(unbound_in("<p:a/>", "<:p:a 1 0..6></p:a>") == "1 0 p:a");
-    CHECK(unbound_in("<a>\n<b x='1' p:x='2'/><q:c/></a>", "<:a 1 0..3>\n<:b :x=1 2 4..22></b><:q:c 2 22..28></q:c></a>") ==
-          "2 4 p:x");
-    CHECK(unbound_in("<a xml:x='1'/>", "<:a 1 0..14></a>") == "none");
-    CHECK(unbound_in("<a><b xmlns:p='urn:p'/><c p:x='1'/></a>", "<:a 1 0..3><:b 1 3..23></b><:c 1 23..35></c></a>") ==
-          "1 23 p:x");
-    CHECK(unbound_in("<a xmlns:p='urn:p'><b xmlns:p='' p:x='1'/><p:c/></a>",
-                     "<:a 1 0..19><:b 1 19..42></b><urn:p:c 1 42..48></c></a>") == "1 19 p:x");
-}
-
-constexpr const char* not_real = "elements too deep, names too many or a tag too long to be real";
-
-TEST_CASE("XML that declares more namespaces than any real file is refused", "[input][xml]") {
-    const auto refused = [](int count, std::size_t length, bool nested) {
-        std::string text = "<a";
-        for (int i = 0; i < count; ++i) {
-            text +=
-                (nested && i > 0 ? "><a" : "") + (" xmlns:p" + std::to_string(i) + "='") + std::string(length, 'x') + "'";
+    const std::pair<std::string, std::string> cases[] = {
+        {"<?xml version='1.0'?>\n<!-- a -->\r\n<a xmlns='urn:a' xmlns:p='urn:p' x=' 1\n&lt;' p:x='2'>t&amp;&#66;\r"
+         "<p:b/><![CDATA[<c>]]><d xmlns=''><e x=\"3\"/></d></a>\n",
+         "<urn:a:a :x= 1 < urn:p:x=2 3 34..87>t&B\n<urn:p:b 5 99..105></b><c>"
+         "<:d 5 120..132><:e :x=3 5 132..142></e></d></a>"},
+        {"", "!1 malformed XML: no element found"},
+        {"<a>\n</b>", "<:a 1 0..3>!2 malformed XML: mismatched tag"},
+        {"<a>\r\r\n", "<:a 1 0..3>!3 malformed XML: no element found"},
+        {"<a x='1' x='2'/>", "!1 malformed XML: duplicate attribute"},
+        {"<a>\n<fail/></a>", "<:a 1 0..3>\n<:fail 2 4..11>!2 failed"},
+        {"<!DOCTYPE a><a/>", "!1 a document type declaration, which is refused"},
+        {"<a>&b;</a>", "<:a 1 0..3>!1 malformed XML: undefined entity"},
+        {"<p:a/>", "<:p:a 1 0..6></p:a>?1 0 p:a"},
+        {"<a>\n<b x='1' p:x='2'/><q:c/></a>", "<:a 1 0..3>\n<:b :x=1 2 4..22></b><:q:c 2 22..28></q:c></a>?2 4 p:x"},
+        {"<a xml:x='1'/>", "<:a 1 0..14></a>"},
+        {"<a><b xmlns:p='urn:p'/><c p:x='1'/></a>", "<:a 1 0..3><:b 1 3..23></b><:c 1 23..35></c></a>?1 23 p:x"},
+        {"<a xmlns:p='urn:p'><b xmlns:p='' p:x='1'/><p:c/></a>",
+         "<:a 1 0..19><:b 1 19..42></b><urn:p:c 1 42..48></c></a>?1 19 p:x"}};
+    for (const auto& [text, events] : cases) {
+        for (std::size_t piece = 1; piece <= text.size() + 1; ++piece) {
+            CHECK(events_of(text, piece) == events);
         }
-        Recorder recorder;
-        return !recorder.feed(text + ">") && recorder.failure()->what == not_real;
-    };
-    for (const bool nested : {false, true}) {
-        CHECK_FALSE(refused(256, 10, nested));
-        CHECK(refused(257, 10, nested));
-        CHECK_FALSE(refused(10, 6000, nested));
-        CHECK(refused(11, 6000, nested));
-    }
-    Recorder recorder;
-    CHECK(recorder.feed("<a>"));
-    for (int i = 0; i < 1000; ++i) {
-        CHECK(recorder.feed("<b xmlns:p='urn:p'/>"));
     }
 }
 
@@ -138,27 +104,43 @@ TEST_CASE("XML can be left before its end, and exceptions pass through the parse
     CHECK(throwing.events == "<:a 1 0..3><:throw 1 3..11>");
 }
 
-TEST_CASE("XML that is deeper, has longer tags or more names than any real file is refused", "[input][xml]") {
-    const auto answer = [](const std::string& before, std::size_t count, const auto& piece) {
+TEST_CASE("XML that is deeper, has longer tags, more names or namespaces than any real file is refused", "[input][xml]") {
+    const auto is_refused = [](const std::string& before, std::size_t count, const auto& piece) {
         Recorder recorder;
         bool wanted = recorder.feed(before);
         for (std::size_t i = 0; wanted && i < count; ++i) {
             wanted = recorder.feed(piece(i));
             recorder.events.clear();
         }
-        return recorder.failure() ? recorder.failure()->what : "read";
+        CHECK((!recorder.failure() ||
+               recorder.failure()->what == "elements too deep, names too many or a tag too long to be real"));
+        return recorder.failure().has_value();
     };
     const auto again = [](const std::string& text) { return [text](std::size_t) { return text; }; };
     const auto long_text = again(std::string(XmlReader::longest_tag_bytes / 8, 'x'));
-    CHECK(answer("", XmlReader::most_open_elements, again("<a>")) == "read");
-    CHECK(answer("", XmlReader::most_open_elements + 1, again("<a>")) == not_real);
+    CHECK_FALSE(is_refused("", XmlReader::most_open_elements, again("<a>")));
+    CHECK(is_refused("", XmlReader::most_open_elements + 1, again("<a>")));
     for (const std::string begin : {"<a x='", "<!--", "<a><!--", "<?a "}) {
-        CHECK(answer(begin, 7, long_text) == "read");
-        CHECK(answer(begin, 8, long_text) == not_real);
+        CHECK_FALSE(is_refused(begin, 7, long_text));
+        CHECK(is_refused(begin, 8, long_text));
     }
-    CHECK(answer("<a>", 80, long_text) == "read");
-    CHECK(answer("<a>", 200'000, again("<b/>")) == "read");
-    CHECK(answer("<a>", 1'000'000, [](std::size_t i) { return "<a" + std::to_string(i) + "/>"; }) == not_real);
+    CHECK_FALSE(is_refused("<a>", 80, long_text));
+    CHECK_FALSE(is_refused("<a>", 200'000, again("<b/>")));
+    CHECK_FALSE(is_refused("<a>", 1000, again("<b xmlns:p='urn:p'/>")));
+    CHECK(is_refused("<a>", 1'000'000, [](std::size_t i) { return "<a" + std::to_string(i) + "/>"; }));
+    for (const std::string next : {" ", "><a "}) {  // in one element, and in nested ones
+        for (const std::size_t length : {10U, 6000U}) {
+            const std::size_t most = length == 10 ? 256 : 10;
+            const auto closed = [&](std::size_t count) {
+                return [&, count](std::size_t i) {
+                    const std::string declaration = "xmlns:p" + std::to_string(i) + "='" + std::string(length, 'x') + "'";
+                    return i == count ? ">" : (i > 0 ? next : "") + declaration;
+                };
+            };
+            CHECK_FALSE(is_refused("<a ", most + 1, closed(most)));
+            CHECK(is_refused("<a ", most + 2, closed(most + 1)));
+        }
+    }
 }
 
 TEST_CASE("XML text is plain if it is ASCII without characters of markup", "[input][xml]") {
@@ -191,6 +173,37 @@ TEST_CASE("events after skipped text have their place in the whole document", "[
     REQUIRE(parts.failure());
     CHECK(parts.failure()->line == whole.failure()->line);
     CHECK(parts.failure()->offset == whole.failure()->offset);
+}
+
+// --- Text of other formats
+
+TEST_CASE("digits are read up to the first other character, however many there are", "[input][text]") {
+    const std::string digits = "9081726354091827364509182736";
+    for (std::size_t count = 0; count <= digits.size(); ++count) {
+        for (int next = 0; next < 256; ++next) {
+            std::string text = digits.substr(0, count);
+            const bool ends = is_digit(static_cast<char>(next));
+            text += ends ? std::string() : static_cast<char>(next) + std::string("12345678");
+            std::uint64_t number = 1;
+            const char* const end = text.data() + text.size();
+            CHECK(read_digits(text.data(), end, number) == text.data() + count);
+            std::uint64_t exact = 0;
+            std::from_chars(text.data(), text.data() + std::min<std::size_t>(count, 18), exact);
+            CHECK((count <= 18 ? number == exact : number >= 1'000'000'000'000'000'000));
+        }
+    }
+}
+
+TEST_CASE("lines end at the first LF or CR", "[input][text]") {
+    const std::string other = "\x0B\x0C \x8A\x8D\x09\x0E\xFF";  // one bit from a line end, or around it
+    std::string line;
+    for (std::size_t length = 0; length < 40; ++length) {
+        for (const std::string end : {"", "\n", "\r", "\r\n", "\n\n", "\r\n\n\n\n\n\n\n\n\n\n\n\n\n\n\n\n\n\n\n\n\n\n"}) {
+            const std::string text = line + end;
+            CHECK(skip_line(text.data(), text.data() + text.size()) == text.data() + length);
+        }
+        line += other[length % other.size()];
+    }
 }
 
 }  // namespace

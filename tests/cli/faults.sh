@@ -1,4 +1,4 @@
-# Tests of the tool without memory or disk space, and under signals; sourced by cli.sh.
+# Tests of the tool without memory or disk space, under signals, and of its processes that die; sourced by cli.sh.
 
 # one_line STATUS GOT TEXT WHAT: requires the status, and one line on stderr that contains the text
 one_line() {
@@ -221,4 +221,66 @@ test_stops() {
     stopped_at_random slice bone.stl --layer-height 0.1 --weld 0.0001 -o out.svg
     stopped_at_random slice bone.stl --layer-height 0.1 --report report.json
     expect_files bone.stl
+}
+
+# next_worker BATCH: waits for a process that slices a mesh, and prints its number.
+next_worker() { until pgrep -P "$1"; do kill -0 "$1" 2> /dev/null || fail "the batch has ended"; sleep 0.05; done; }
+
+# writing_worker BATCH: the same, once it writes slow.nii.gz aside: under a name with its number, unlike what others left.
+writing_worker() {
+    local worker
+    worker=$(next_worker "$1") || exit 1
+    until compgen -G "out/.slow*.$worker-*" > /dev/null; do
+        kill -0 "$worker" 2> /dev/null || fail "the process has ended"
+        sleep 0.05
+    done
+    echo "$worker"
+}
+
+# expect_end PROCESS: it ends soon.
+expect_end() {
+    for _ in $(seq 100); do kill -0 "$1" 2> /dev/null || return 0; sleep 0.05; done
+    fail "a process outlives its batch"
+}
+
+# What becomes of a process ends its mesh, and not the batch.
+test_batch_processes() {
+    meshes
+    rm in/bad.stl
+    expect 0 make sphere --triangles 1000 --height 150 -o slow.stl
+    echo '{"path":"slow.stl","spacing":[0.1,0.1,0.1],"subslices":100,"frame":"lps","output":"out/slow.nii.gz"}' > slow.jsonl
+    expect 5 batch in slow.jsonl -o 'out/{stem}.csv' --timeout 2 --retries 0
+    grep -qF "meshes    5: 4 done, 0 unchanged, 1 failed" .stdout || fail "not all others are done"
+    [[ $(result slow.stl reason) == "took longer than 2 s" ]] || fail "no time-out"
+    # A mesh whose process is killed is tried again.
+    "$lamella" batch slow.jsonl -o 'out/{stem}.csv' --retries 1 > .stdout 2> .stderr &
+    local batch=$! worker
+    for _ in 1 2; do
+        worker=$(next_worker "$batch") || exit 1
+        kill -9 "$worker"
+        while kill -0 "$worker" 2> /dev/null; do sleep 0.05; done
+    done
+    wait "$batch"
+    [[ $? == 5 ]] || fail "a killed process: not status 5"
+    [[ $(result slow.stl reason) == "ended by signal 9 (Killed)" ]] || fail "not the signal"
+    # Two batches do not write one results.jsonl.
+    "$lamella" batch slow.jsonl -o 'out/{stem}.csv' > .stdout 2> .stderr &
+    batch=$!
+    worker=$(writing_worker "$batch") || exit 1
+    expect_failure 4 "another lamella batch is at work" batch in/s1.stl -o 'out/{stem}.csv'
+    # Processes die with their batch; the next one removes what they left.
+    kill -9 "$batch"
+    wait "$batch" 2> /dev/null
+    expect_end "$worker"
+    compgen -G 'out/.slow*' > /dev/null || fail "nothing is left to be removed"
+    expect 5 batch slow.jsonl -o 'out/{stem}.csv' --timeout 0.1 --retries 0
+    ! compgen -G 'out/.*.part' > /dev/null || fail "a file aside is left"
+    # SIGTERM ends processes and batch, and leaves nothing half-written.
+    "$lamella" batch slow.jsonl -o 'out/{stem}.csv' > .stdout 2> .stderr &
+    batch=$!
+    writing_worker "$batch" > .worker || exit 1
+    kill -TERM "$batch"
+    wait "$batch"
+    [[ $? == 143 && $(cat .stderr) == "lamella: interrupted" ]] || fail "SIGTERM: not status 143 with one line"
+    ! compgen -G 'out/.*.part' > /dev/null || fail "a file aside is left by SIGTERM"
 }

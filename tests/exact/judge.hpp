@@ -1,5 +1,6 @@
-// Compares the engine's layers with exact ones: the same contours, roles and nesting; every point is the exact crossing
-// rounded to the grid; areas and perimeters are as close as that rounding allows.
+// Judges the engine's layers in exact arithmetic: every point is a crossing of the plane rounded to the grid, and every
+// crossing is a point; contours run around each place as often as the exact segments do, but for a band of a unit along
+// these. The oracle judges how contours are linked, nested, turned and measured.
 #pragma once
 
 #include <span>
@@ -10,7 +11,7 @@
 
 namespace exact {
 
-/// The first difference between `result` and the exact slices of `triangles` at its planes, in words; or empty.
+/// The first fault of `result` as the slices of `triangles` at its planes, in words; or empty.
 std::string difference(const lamella::SliceResult& result, std::span<const oracle::Triangle> triangles);
 
 }  // namespace exact

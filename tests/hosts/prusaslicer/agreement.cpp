@@ -19,8 +19,6 @@ using Layers = std::vector<ExPolygons>;
 
 constexpr double square_mm = SCALING_FACTOR * SCALING_FACTOR;
 
-const std::function<void()> never = [] {};
-
 // What one way of slicing is called, and how far contours may lie apart on average.
 struct Way {
     const char* name;

@@ -1,8 +1,8 @@
 #include "exact/meshes.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <numbers>
 #include <random>
 #include <set>
 
@@ -13,7 +13,6 @@
 namespace exact {
 
 using shapes::append;
-using shapes::quad;
 using shapes::Xyz;
 
 namespace {
@@ -26,48 +25,6 @@ double integer_to(Random& random, std::uint64_t range) {
 
 double fraction(Random& random) {
     return static_cast<double>(random() >> 11) * 0x1p-53;
-}
-
-void add(Soup& soup, Xyz a, Xyz b, Xyz c) {
-    append(soup, shapes::triangle(a, b, c));
-}
-
-Xyz sum(Xyz a, Xyz b) {
-    return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
-}
-
-Xyz times(Xyz a, double factor) {
-    return {a[0] * factor, a[1] * factor, a[2] * factor};
-}
-
-Xyz cross(Xyz a, Xyz b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-Xyz direction(Xyz a) {
-    return times(a, 1 / std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]));
-}
-
-Xyz random_direction(Random& random) {
-    for (;;) {
-        const Xyz p{2 * fraction(random) - 1, 2 * fraction(random) - 1, 2 * fraction(random) - 1};
-        const double square = p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
-        if (square > 0.01 && square < 1) {
-            return direction(p);
-        }
-    }
-}
-
-void add_cell_side(Soup& soup, const int (&place)[3], std::size_t axis, bool upper) {
-    Xyz corner{static_cast<double>(place[0]), static_cast<double>(place[1]), static_cast<double>(place[2])};
-    corner[axis] += upper ? 1 : 0;
-    Xyz next = corner;
-    next[(axis + 1) % 3] += 1;
-    Xyz last = corner;
-    last[(axis + 2) % 3] += 1;
-    Xyz across = next;
-    across[(axis + 2) % 3] += 1;
-    append(soup, quad(corner, upper ? next : last, across, upper ? last : next));
 }
 
 }  // namespace
@@ -113,14 +70,13 @@ Soup shells(std::uint64_t seed, int count) {
     Random random(seed);
     Soup soup;
     for (int cell = 0; cell < count * count * count; ++cell) {
-        const Xyz centre{4.0 * (cell % count), 4.0 * (cell / count % count), 4.0 * (cell / count / count)};
+        const auto [x, y, z] = Xyz{4.0 * (cell % count), 4.0 * (cell / count % count), 4.0 * (cell / count / count)};
         const std::uint64_t depth = 1 + random() % 4;
         const bool is_box = random() % 2 == 0;
         double reach = 0.5 + fraction(random);
         for (std::uint64_t level = 0; level < depth; ++level, reach *= 0.5) {
-            const Xyz corner{reach, reach, reach};
-            const Soup shell = is_box ? shapes::box(sum(centre, times(corner, -1)), sum(centre, corner))
-                                      : shapes::octasphere(centre, reach, static_cast<int>(random() % 2));
+            const Soup shell = is_box ? shapes::box({x - reach, y - reach, z - reach}, {x + reach, y + reach, z + reach})
+                                      : shapes::octasphere({x, y, z}, reach, static_cast<int>(random() % 2));
             append(soup, level % 2 == 0 ? shell : shapes::flipped(shell));
         }
     }
@@ -129,49 +85,36 @@ Soup shells(std::uint64_t seed, int count) {
 
 Soup needles(std::uint64_t seed, int count, double width_mm) {
     constexpr double half_length_mm = 50;
-    constexpr int sides = 5;
     Random random(seed);
     Soup soup;
     for (int needle = 0; needle < count; ++needle) {
-        const Xyz along = random_direction(random);
-        const Xyz u = direction(cross(along, random_direction(random)));
-        const Xyz v = cross(along, u);
-        const Xyz centre{4 * half_length_mm * (needle % 4), 4 * half_length_mm * (needle / 4), integer_to(random, 10)};
-        const auto rim = [&](int side) {
-            const double turn = 2 * std::numbers::pi * side / sides;
-            return sum(centre, sum(times(u, width_mm / 2 * std::cos(turn)), times(v, width_mm / 2 * std::sin(turn))));
-        };
-        const Xyz head = sum(centre, times(along, half_length_mm));
-        const Xyz foot = sum(centre, times(along, -half_length_mm));
-        for (int side = 0; side < sides; ++side) {
-            const Xyz a = rim(side);
-            const Xyz b = rim((side + 1) % sides);
-            add(soup, a, b, head);
-            add(soup, b, a, foot);
+        Soup leaning = shapes::scaled(shapes::octasphere({0, 0, 0}, 1, 0), {width_mm / 2, width_mm / 2, half_length_mm});
+        const double lean_x = 3 * fraction(random) - 1.5;
+        const double lean_y = 3 * fraction(random) - 1.5;
+        for (std::size_t i = 0; i < leaning.size(); i += 3) {
+            leaning[i] += lean_x * leaning[i + 2];
+            leaning[i + 1] += lean_y * leaning[i + 2];
         }
+        append(soup, shapes::moved(leaning, {200.0 * (needle % 4), 200.0 * (needle / 4), integer_to(random, 10)}));
     }
     return soup;
 }
 
 Soup cells(std::uint64_t seed, int size) {
     Random random(seed);
-    const int wide = size + 2;  // with empty cells all around
-    std::vector<char> full(static_cast<std::size_t>(wide * wide * wide), 0);
-    const auto at = [wide](int x, int y, int z) { return static_cast<std::size_t>((z * wide + y) * wide + x); };
+    std::set<std::array<int, 3>> full;
     for (int cell = 0; cell < size * size * size; ++cell) {
-        full[at(1 + cell % size, 1 + cell / size % size, 1 + cell / size / size)] = static_cast<char>(random() % 2);
+        if (random() % 2 == 0) {
+            full.insert({cell % size, cell / size % size, cell / size / size});
+        }
     }
+    constexpr int sides[6][3] = {{0, 0, -1}, {0, 0, 1}, {0, -1, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}};  // as a box has them
     Soup soup;
-    for (std::size_t cell = 0; cell < full.size(); ++cell) {
-        const int place[] = {static_cast<int>(cell) % wide, static_cast<int>(cell) / wide % wide,
-                             static_cast<int>(cell) / wide / wide};
-        for (std::size_t axis = 0; axis < 3 && full[cell] != 0; ++axis) {
-            for (const int step : {-1, 1}) {
-                int beside[] = {place[0], place[1], place[2]};
-                beside[axis] += step;
-                if (full[at(beside[0], beside[1], beside[2])] == 0) {
-                    add_cell_side(soup, place, axis, step > 0);
-                }
+    for (const auto& [x, y, z] : full) {
+        const Soup cell = shapes::box({1.0 * x, 1.0 * y, 1.0 * z}, {x + 1.0, y + 1.0, z + 1.0});
+        for (std::size_t side = 0; side < 6; ++side) {
+            if (full.count({x + sides[side][0], y + sides[side][1], z + sides[side][2]}) == 0) {
+                append(soup, shapes::only(cell, 2 * side, 2));
             }
         }
     }

@@ -21,7 +21,7 @@ Soup crossing_hulls(std::uint64_t seed, int count);
 /// count³ cells, each with up to four nested shells: solid, cavity, solid in the cavity, ...
 Soup shells(std::uint64_t seed, int count);
 
-/// Double pyramids, 100 mm by `width_mm`, that lean in random directions.
+/// Octahedra, 100 mm high and `width_mm` wide, that lean in random directions.
 Soup needles(std::uint64_t seed, int count, double width_mm);
 
 /// The surface of about half the cells of a cube: solids that touch along edges and at corners.

@@ -14,53 +14,35 @@ namespace {
 
 using Points = std::vector<GridVector>;
 
-/// Where the differences a - b lie along every axis that can part two convex sets: on both sides of 0 or on one.
+/// Whether some axis parts two convex sets: on every axis that can, the differences a - b lie on both sides of 0 or on one.
 struct Parting {
     bool apart = false;          ///< no point in common
     bool insides_apart = false;  ///< no point inside both, where they lie in different planes
 };
 
-Parting parting(const Points& a, const Points& b, const std::vector<GridVector>& axes) {
+/// Triangles, which may have no area.
+Parting parting(const Points& a, const Points& b) {
+    std::vector<GridVector> along;  // sides and normals; axes are normal to two of them
+    for (const Points* p : {&a, &b}) {
+        const GridVector sides[] = {(*p)[1] - (*p)[0], (*p)[2] - (*p)[1], (*p)[0] - (*p)[2]};
+        along.insert(along.end(), std::begin(sides), std::end(sides));
+        along.push_back(cross(sides[0], sides[1]));
+    }
     Parting result;
-    for (const GridVector& axis : axes) {
-        if (axis == GridVector{}) {
-            continue;
-        }
-        Int128 low = 0;
-        Int128 high = 0;
-        bool first = true;
-        for (const GridVector& p : a) {
-            for (const GridVector& q : b) {
-                const Int128 at = dot(axis, p - q);
-                low = first ? at : std::min(low, at);
-                high = first ? at : std::max(high, at);
-                first = false;
+    for (std::size_t i = 0; i < along.size(); ++i) {
+        for (std::size_t j = 0; j < i; ++j) {
+            const GridVector axis = cross(along[i], along[j]);
+            std::vector<Int128> differences;
+            for (std::size_t k = 0; k < 9; ++k) {
+                differences.push_back(dot(axis, a[k / 3] - b[k % 3]));
             }
+            const auto [low, high] = std::minmax_element(differences.begin(), differences.end());
+            const bool says_nothing = *low == 0 && *high == 0;  // no axis, or both in one plane
+            result.apart = result.apart || *low > 0 || *high < 0;
+            result.insides_apart = result.insides_apart || (!says_nothing && (*low >= 0 || *high <= 0));
         }
-        const bool all_zero = low == 0 && high == 0;  // both in one plane: says nothing
-        result.apart = result.apart || low > 0 || high < 0;
-        result.insides_apart = result.insides_apart || (!all_zero && (low >= 0 || high <= 0));
     }
     return result;
-}
-
-std::vector<GridVector> axes_of(const Points& a, const Points& b) {
-    const auto sides = [](const Points& p) { return Points{p[1] - p[0], p[2] - p[1], p[0] - p[2]}; };
-    const GridVector normal_a = cross(sides(a)[0], sides(a)[1]);
-    const GridVector normal_b = cross(sides(b)[0], sides(b)[1]);
-    std::vector<GridVector> axes = {normal_a, normal_b};
-    for (const GridVector& side : sides(a)) {
-        axes.push_back(cross(normal_a, side));
-        axes.push_back(cross(normal_b, side));
-        for (const GridVector& other : sides(b)) {
-            axes.push_back(cross(side, other));
-        }
-    }
-    for (const GridVector& side : sides(b)) {
-        axes.push_back(cross(normal_a, side));
-        axes.push_back(cross(normal_b, side));
-    }
-    return axes;
 }
 
 Points corners_of(const ExactFace& face) {
@@ -77,7 +59,7 @@ bool more_than_vertex(const ExactFace& a, std::size_t i, const ExactFace& b, std
         const GridVector out = b.corners[k] - b.corners[j];
         angle.push_back({b.corners[j].x + far * out.x, b.corners[j].y + far * out.y, b.corners[j].z + far * out.z});
     }
-    return !parting(side, angle, axes_of(side, angle)).apart;
+    return !parting(side, angle).apart;
 }
 
 Meeting expected(const ExactFace& a, const ExactFace& b) {
@@ -93,9 +75,7 @@ Meeting expected(const ExactFace& a, const ExactFace& b) {
     }
     const bool one_plane =
         std::all_of(b.corners.begin(), b.corners.end(), [&](const GridVector& p) { return a.height(p) == 0; });
-    const Points p = corners_of(a);
-    const Points q = corners_of(b);
-    const Parting parted = parting(p, q, axes_of(p, q));
+    const Parting parted = parting(corners_of(a), corners_of(b));
     if (shared == 3) {
         return Meeting::none;
     }

@@ -48,23 +48,20 @@ skip() {
     exit 77
 }
 
-# expect_failure STATUS TEXT ARGUMENT...: requires the status, nothing on stdout, and one line on stderr that contains the
-# text.
-expect_failure() {
-    local status=$1 text=$2
-    shift 2
-    expect "$status" "$@"
-    [[ ! -s .stdout ]] || fail "lamella $*: wrote to stdout"
-    expect_message "lamella $*" "$text"
-}
-
-# fails_into STATUS TEXT ARGUMENT...: the same with the caller's standard output.
+# fails_into STATUS TEXT ARGUMENT...: requires the status, and one line on stderr that contains the text. Standard output is the
+# caller's.
 fails_into() {
     local status=$1 text=$2 got=0
     shift 2
     "$lamella" "$@" 2> .stderr || got=$?
     ((got == status)) || fail "lamella $*: exit status $got, not $status"
     expect_message "lamella $*" "$text"
+}
+
+# expect_failure STATUS TEXT ARGUMENT...: the same, and nothing on stdout.
+expect_failure() {
+    fails_into "$@" > .stdout
+    [[ ! -s .stdout ]] || fail "lamella ${*:3}: wrote to stdout"
 }
 
 # expect_message CALL TEXT: requires that stderr is one line of the tool that contains the text. Starts no process: hundreds

@@ -120,31 +120,33 @@ test_signals() {
     done
 }
 
-# interrupted SIGNAL OUTPUT ARGUMENT...: sends the signal when the temporary file appears. Sometimes the tool finishes
-# earlier; then the test is repeated.
-interrupted() {
-    local signal=$1 output=$2 attempt status tool
+# while_writing OUTPUT WORDS ARGUMENT...: runs the words when the tool writes the file aside, and waits for its end with `status`.
+# Where the tool has finished earlier, all is repeated.
+while_writing() {
+    local output=$1 words=$2
     shift 2
-    for attempt in 1 2 3 4 5; do
-        start_tool "$@" -o "$output"
+    for _ in 1 2 3 4 5; do
+        sphere ball.stl 100000
+        rm -f "$output" report.json
+        start_tool "$@"
         until compgen -G ".$output.*" > /dev/null || ! kill -0 "$tool" 2> /dev/null; do :; done
-        kill -s "$signal" "$tool" 2> /dev/null
+        eval "$words" 2> /dev/null
         wait "$tool" 2> /dev/null
         status=$?
         ((status == 0)) || break
-        rm "$output"
     done
-    ((status == 128 + $(kill -l "$signal"))) || fail "$1, $signal: exit status $status"
-    [[ $(cat .stderr) == "lamella: interrupted" ]] || fail "$1, $signal: not one line"
-    expect_files ball.stl
 }
 
 test_interrupt() {
-    sphere ball.stl 20000
-    local signal
+    local signal command status tool
     for signal in INT TERM; do
-        interrupted "$signal" out.svg slice ball.stl --layer-height 0.002
-        interrupted "$signal" made.stl make bone --triangles 1000000
+        for command in "out.svg slice ball.stl --layer-height 0.002" "made.stl make bone --triangles 1000000"; do
+            # shellcheck disable=SC2016,SC2086
+            while_writing ${command%% *} 'kill -s "$signal" "$tool"' ${command#* } -o ${command%% *}
+            ((status == 128 + $(kill -l "$signal"))) || fail "$command, $signal: exit status $status"
+            [[ $(cat .stderr) == "lamella: interrupted" ]] || fail "$command, $signal: not one line"
+            expect_files ball.stl
+        done
     done
 }
 
@@ -178,22 +180,11 @@ test_second_signal() {
     done
 }
 
-# The report reads the mesh again after the SVG. The file is truncated once the SVG is being written. Sometimes the tool
-# finishes earlier; then the test is repeated.
+# The report reads the mesh again after the SVG. The file is truncated once the SVG is being written.
 test_shrinking_map() {
-    local attempt tool status
-    for attempt in 1 2 3 4 5; do
-        sphere ball.stl 100000
-        "$lamella" slice ball.stl --map --layer-height 0.005 -o out.svg --report report.json > .stdout 2> .stderr &
-        tool=$!
-        until compgen -G ".out.svg.*" > /dev/null || ! kill -0 "$tool" 2> /dev/null; do :; done
-        : > ball.stl
-        wait "$tool"
-        status=$?
-        ((status == 0)) || break
-        rm report.json
-    done
-    one_line 3 "$status" "ball.stl: shrank while it was read" "attempt $attempt"
+    local status tool
+    while_writing out.svg ': > ball.stl' slice ball.stl --map --layer-height 0.005 -o out.svg --report report.json
+    one_line 3 "$status" "ball.stl: shrank while it was read" "a mapped file"
     [[ ! -s .stdout ]] || fail "wrote to stdout"
     expect_files ball.stl out.svg
 }

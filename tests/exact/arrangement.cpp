@@ -96,7 +96,7 @@ void Overlay::count_windings() {
     }
 }
 
-std::size_t Overlay::number_solids(const std::function<bool(const FaceData&)>& filled) {
+void Overlay::number_solids(const std::function<bool(const FaceData&)>& filled) {
     for (auto face = arrangement_.faces_begin(); face != arrangement_.faces_end(); ++face) {
         face->data().solid = 0;
     }
@@ -116,7 +116,6 @@ std::size_t Overlay::number_solids(const std::function<bool(const FaceData&)>& f
             });
         }
     }
-    return solids;
 }
 
 regions::Region Overlay::region(const std::function<bool(const FaceData&)>& filled) {

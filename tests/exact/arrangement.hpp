@@ -76,7 +76,7 @@ private:
     };
     void add(const Edges& edges, Kind kind, std::vector<Traits::Curve_2>& curves);
     void count_windings();
-    std::size_t number_solids(const std::function<bool(const FaceData&)>& filled);
+    void number_solids(const std::function<bool(const FaceData&)>& filled);
 
     std::vector<Edge> edges_;
     Arrangement arrangement_;

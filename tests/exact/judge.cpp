@@ -3,7 +3,9 @@
 // turns contours.
 #include "exact/judge.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 #include <set>
 #include <stdexcept>
 
@@ -133,6 +135,33 @@ std::string difference(const lamella::SliceResult& result, std::span<const oracl
         }
     }
     return oracle::difference(result, triangles);
+}
+
+lamella::SliceOptions through_vertices(const shapes::Soup& soup, double grid_mm, std::uint64_t seed, std::size_t most) {
+    std::mt19937_64 random(seed);
+    std::vector<double> heights;
+    for (std::size_t i = 2; i < soup.size(); i += 3) {
+        heights.push_back(soup[i]);
+    }
+    std::sort(heights.begin(), heights.end());
+    heights.erase(std::unique(heights.begin(), heights.end()), heights.end());
+    const double low = heights.front();
+    const double high = heights.back();
+    std::shuffle(heights.begin(), heights.end(), random);
+    heights.resize(std::min(heights.size(), most));
+    for (std::size_t between = heights.size(); between > 0; --between) {
+        heights.push_back(low + (high - low) * (static_cast<double>(random() >> 11) * 0x1p-53));
+    }
+    std::sort(heights.begin(), heights.end());
+    // Planes must still differ after rounding.
+    const auto on_grid = [&](double mm) { return std::nearbyint(mm / (2 * grid_mm)); };
+    const auto equal = [&](double a, double b) { return on_grid(a) == on_grid(b); };
+    heights.erase(std::unique(heights.begin(), heights.end(), equal), heights.end());
+    lamella::SliceOptions options;
+    options.heights_mm = heights;
+    options.planes.side = seed % 2 == 0 ? lamella::PlaneSide::below : lamella::PlaneSide::above;
+    options.frame.grid_mm = grid_mm;
+    return options;
 }
 
 }  // namespace exact

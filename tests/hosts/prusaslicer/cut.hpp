@@ -2,6 +2,7 @@
 // of the adapter, under its licence: AGPL-3.0-or-later (see adapter.cpp).
 #pragma once
 
+#include <tbb/concurrent_queue.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -15,7 +16,6 @@
 #include <lamella/slice.hpp>
 #include <libslic3r/Exception.hpp>
 #include <libslic3r/TriangleMesh.hpp>
-#include <mutex>
 #include <utility>
 
 namespace Slic3r::lamella_adapter {
@@ -38,31 +38,7 @@ static_assert(sizeof(stl_vertex) == 3 * sizeof(float) && sizeof(stl_triangle_ver
               "the library reads the host's arrays where they lie");
 
 // Fresh pages cost a slice more than its arithmetic, so what one call has written the next one writes again.
-class Slicers {
-public:
-    lamella::Slicer take() {
-        const std::lock_guard lock(mutex_);
-        if (idle_.empty()) {
-            return {};
-        }
-        lamella::Slicer kept = std::move(idle_.back());
-        idle_.pop_back();
-        return kept;
-    }
-    void give_back(lamella::Slicer slicer) {
-        const std::lock_guard lock(mutex_);
-        idle_.push_back(std::move(slicer));
-    }
-
-private:
-    std::mutex mutex_;
-    std::vector<lamella::Slicer> idle_;
-};
-
-inline Slicers slicers;
-
-/// Called by several threads at once; may throw.
-using TakeLayer = std::function<void(const lamella::LayerView& layer)>;
+inline tbb::concurrent_queue<lamella::Slicer> idle_slicers;
 
 // What a call asks of the host: whether it is to end. No exception passes through the library: the first is kept until the
 // call is over, and ends it.
@@ -211,10 +187,11 @@ inline std::vector<std::uint64_t> slice(const lamella::MeshView& mesh, const lam
                                         int threads = 0) {
     HostCalls calls(throw_on_cancel);
     const auto take_layer = [&](const lamella::LayerView& layer) noexcept { calls.within([&] { take(layer); }); };
-    lamella::Slicer slicer = slicers.take();
+    lamella::Slicer slicer;
+    idle_slicers.try_pop(slicer);
     auto info = slicer.slice_to(lamella::LayerSink{.take = take_layer, .order = lamella::SinkOrder::any}, mesh, options,
                                 {.threads = threads, .stop = calls});
-    slicers.give_back(std::move(slicer));
+    idle_slicers.push(std::move(slicer));
     return calls.finish(std::move(info)).layer_of;
 }
 
@@ -253,14 +230,15 @@ inline std::vector<lamella::SliceResult> project(const indexed_triangle_set& mes
     lamella::SliceOptions options = options_at(heights);
     const std::vector<stl_vertex> vertices = host_vertices(mesh.vertices, HostVertex(transform));
     const std::vector<stl_triangle_vertex_indices> indices = mirrors(transform) ? turned(mesh.indices) : mesh.indices;
-    lamella::Slicer slicer = slicers.take();
+    lamella::Slicer slicer;
+    idle_slicers.try_pop(slicer);
     std::vector<lamella::SliceResult> projected;
     projected.reserve(faces.size());
     for (const lamella::LayerContent content : faces) {
         options.content = content;
         projected.push_back(calls.finish(slicer.slice(view_of(vertices, indices), options, {.stop = calls})));
     }
-    slicers.give_back(std::move(slicer));
+    idle_slicers.push(std::move(slicer));
     return projected;
 }
 

@@ -12,7 +12,7 @@ test_packages=(libxml2-utils libcgal-dev python3)
 # tools/python: the package needs numpy, the others are for its tests.
 python_packages=(
     python3-dev pybind11-dev python3-numpy python3-setuptools python3-wheel python3-pip python3-venv
-    python3-pytest python3-hypothesis python3-pandas python3-shapely python3-matplotlib python3-tqdm mypy
+    python3-pytest python3-pandas python3-shapely python3-matplotlib python3-tqdm mypy
 )
 # tests/readers: programs that read what lamella::medical writes. A test whose program is missing is skipped.
 reader_packages=(dcmtk dicom3tools python3-nibabel python3-pydicom python3-h5py python3-pandas python3-pil python3-vtk9 plastimatch teem-apps)

@@ -1,14 +1,13 @@
 // Shared by the tests of the diagnosis.
 #pragma once
 
-#include <initializer_list>
 #include <map>
 #include <string>
-#include <utility>
 
 #include <catch2/catch.hpp>
 
 #include "engine/shapes.hpp"
+#include "engine/slicing.hpp"
 #include "lamella/check.hpp"
 #include "lamella/io/check_report.hpp"
 
@@ -21,15 +20,12 @@ using shapes::without;
 using shapes::Xyz;
 
 /// The findings, which must not depend on threads.
-MeshCheck findings_of(const Soup& soup, const CheckOptions& options = {});
-
-/// The counts that are not zero, by key.
-std::map<std::string, std::uint64_t> counts(const MeshCheck& check);
-using Counts = std::map<std::string, std::uint64_t>;
-
-inline const FaultPlace& first(const MeshCheck& check, Fault fault) {
-    REQUIRE_FALSE(check.of(fault).places.empty());
-    return check.of(fault).places.front();
+inline MeshCheck findings_of(const Soup& soup, const CheckOptions& options = {}) {
+    const MeshView view = MeshView::soup(std::span<const double>(soup));
+    MeshCheck one = value_of(check(view, options, {.threads = 1}));
+    const MeshCheck three = value_of(check(view, options, {.threads = 3}));
+    CHECK(make_check_json(one, {}, 1000).value() == make_check_json(three, {}, 1000).value());
+    return one;
 }
 
 }  // namespace lamella::check_test

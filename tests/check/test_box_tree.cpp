@@ -15,13 +15,8 @@ namespace lamella::check_test {
 namespace {
 
 bool overlap(const SpaceBox& a, const SpaceBox& b) {
-    const auto [a_low, a_high] = a.numbers();
-    const auto [b_low, b_high] = b.numbers();
-    bool met = true;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        met = met && a_low[axis] <= b_high[axis] && b_low[axis] <= a_high[axis];
-    }
-    return met;
+    return a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y && a.low.z <= b.high.z &&
+           b.low.z <= a.high.z;
 }
 
 /// Boxes of up to `size` a side, on a lattice, so that many touch.
@@ -47,44 +42,39 @@ Tree tree_of(const std::vector<SpaceBox>& boxes, int threads) {
 
 }  // namespace
 
-TEST_CASE("the tree finds the boxes that meet a box", "[check]") {
-    const std::size_t count = GENERATE(as<std::size_t>(), 0, 1, 7, 8, 9, 64, 65, 700, 5000);
-    const std::vector<SpaceBox> boxes = drawn_boxes(count, 20);
+TEST_CASE("the tree finds the boxes that meet a box, and every pair that meets once", "[check]") {
+    const std::size_t count = GENERATE(as<std::size_t>(), 0, 1, 7, 8, 9, 63, 64, 65, 700, 1500);
+    const std::vector<SpaceBox> boxes = drawn_boxes(count, 15);
     const Tree tree = tree_of(boxes, 2);
-    for (const SpaceBox& query : drawn_boxes(50, 30)) {
-        std::vector<std::size_t> found;
-        tree.search(query, ~std::size_t{0}, [&](std::size_t item) { found.push_back(item); });
-        std::sort(found.begin(), found.end());
-        std::vector<std::size_t> wanted;
-        for (std::size_t i = 0; i < count; ++i) {
-            if (overlap(query, boxes[i])) {
-                wanted.push_back(i);
+    using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
+    const auto meeting = [&](const std::vector<SpaceBox>& queries, bool later_only) {
+        Pairs pairs;
+        for (std::size_t i = 0; i < queries.size(); ++i) {
+            for (std::size_t j = later_only ? i + 1 : 0; j < count; ++j) {
+                if (overlap(queries[i], boxes[j])) {
+                    pairs.push_back({i, j});
+                }
             }
         }
-        CHECK(found == wanted);
+        return pairs;
+    };
+    const auto sorted = [](Pairs pairs) {
+        std::sort(pairs.begin(), pairs.end());
+        return pairs;
+    };
+    const std::vector<SpaceBox> queries = drawn_boxes(50, 30);
+    Pairs found;
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+        tree.search(queries[i], ~std::size_t{0}, [&](std::size_t item) { found.push_back({i, item}); });
     }
-}
-
-TEST_CASE("the tree finds every pair of boxes that meet once", "[check]") {
-    const std::size_t count = GENERATE(as<std::size_t>(), 1, 8, 9, 63, 600, 1500);
-    const std::vector<SpaceBox> boxes = drawn_boxes(count, 12);
-    const Tree tree = tree_of(boxes, 1);
-    std::vector<std::pair<std::size_t, std::size_t>> found;
+    CHECK(sorted(found) == meeting(queries, false));
+    found.clear();
     for (std::size_t group = 0; group < tree.groups(); ++group) {
         tree.search_pairs(group, ~std::size_t{0}, [&](std::size_t item, LaneBits bits) {
             each_lane(bits, [&](std::size_t lane) { found.push_back({tree.group_begin(group) + lane, item}); });
         });
     }
-    std::sort(found.begin(), found.end());
-    std::vector<std::pair<std::size_t, std::size_t>> wanted;
-    for (std::size_t i = 0; i < count; ++i) {
-        for (std::size_t j = i + 1; j < count; ++j) {
-            if (overlap(boxes[i], boxes[j])) {
-                wanted.push_back({i, j});
-            }
-        }
-    }
-    CHECK(found == wanted);
+    CHECK(sorted(found) == meeting(boxes, true));
 }
 
 TEST_CASE("a search of the tree ends soon after its limit", "[check]") {

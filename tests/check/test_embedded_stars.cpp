@@ -24,10 +24,6 @@ struct Stars {
     std::size_t pairs = 0;  ///< faces at embedded vertices
 };
 
-ExactFace exact(const GridMesh& mesh, std::uint32_t face) {
-    return {mesh.faces[face].corners, mesh.corners(mesh.faces[face])};
-}
-
 /// Asserts that faces at a vertex with an embedded star have area, do not meet and are joined in a ring.
 Stars examine(const Soup& soup, int threads) {
     const MeshView view = MeshView::soup(std::span<const double>(soup));
@@ -37,26 +33,22 @@ Stars examine(const Soup& soup, int threads) {
     const GridMesh mesh = make_grid_mesh(view, {}, measured, parallel);
     const EdgeTable edges(mesh, parallel);
     const EmbeddedStars stars(mesh, edges, parallel);
-    std::vector<std::vector<std::uint32_t>> faces_at(mesh.vertices.size());
-    for (std::uint32_t face = 0; face < mesh.faces.size(); ++face) {
-        for (const std::uint32_t vertex : mesh.faces[face].corners) {
-            faces_at[vertex].push_back(face);
+    std::vector<std::vector<ExactFace>> faces_at(mesh.vertices.size());
+    for (const auto& face : mesh.faces) {
+        for (const std::uint32_t vertex : face.corners) {
+            faces_at[vertex].emplace_back(face.corners, mesh.corners(face));
         }
     }
-    Stars found;
-    found.vertices = mesh.vertices.size();
+    Stars found{.vertices = mesh.vertices.size()};
     for (std::uint32_t vertex = 0; vertex < mesh.vertices.size(); ++vertex) {
         if (!stars.contains(vertex)) {
             continue;
         }
         ++found.embedded;
-        for (const std::uint32_t face : faces_at[vertex]) {
-            REQUIRE(exact(mesh, face).has_area());
-            for (const std::uint32_t other : faces_at[vertex]) {
-                if (face < other) {
-                    ++found.pairs;
-                    REQUIRE(meet(exact(mesh, face), exact(mesh, other)) == Meeting::none);
-                }
+        for (auto face = faces_at[vertex].begin(); face != faces_at[vertex].end(); ++face) {
+            REQUIRE(face->has_area());
+            for (auto other = faces_at[vertex].begin(); other != face; ++other, ++found.pairs) {
+                REQUIRE(meet(*face, *other) == Meeting::none);
             }
         }
     }

@@ -48,23 +48,20 @@ skip() {
     exit 77
 }
 
-# expect_failure STATUS TEXT ARGUMENT...: requires the status, nothing on stdout, and one line on stderr that contains the
-# text.
-expect_failure() {
-    local status=$1 text=$2
-    shift 2
-    expect "$status" "$@"
-    [[ ! -s .stdout ]] || fail "lamella $*: wrote to stdout"
-    expect_message "lamella $*" "$text"
-}
-
-# fails_into STATUS TEXT ARGUMENT...: the same with the caller's standard output.
+# fails_into STATUS TEXT ARGUMENT...: requires the status, and one line on stderr that contains the text. Standard output is the
+# caller's.
 fails_into() {
     local status=$1 text=$2 got=0
     shift 2
     "$lamella" "$@" 2> .stderr || got=$?
     ((got == status)) || fail "lamella $*: exit status $got, not $status"
     expect_message "lamella $*" "$text"
+}
+
+# expect_failure STATUS TEXT ARGUMENT...: the same, and nothing on stdout.
+expect_failure() {
+    fails_into "$@" > .stdout
+    [[ ! -s .stdout ]] || fail "lamella ${*:3}: wrote to stdout"
 }
 
 # expect_message CALL TEXT: requires that stderr is one line of the tool that contains the text. Starts no process: hundreds
@@ -94,36 +91,37 @@ json_value() {
     printf '%s\n' "${value#-- }"
 }
 
-expect_json() {
-    local file=$1 want=$2 got
-    shift 2
-    got=$(json_value "$file" "$@") || exit 1
-    [[ "$got" == "$want" ]] || fail "$file: $* is '$got', not '$want'"
+# members FILE KEYS...: prints values, each with its keys, which are separated by blanks.
+members() {
+    local file=$1 keys
+    shift
+    for keys in "$@"; do
+        # shellcheck disable=SC2086
+        echo "$keys: $(json_value "$file" $keys)" || exit 1
+    done
 }
 
-# expect_members FILE KEYS=VALUE...: the same of several values; the keys of one are separated by blanks.
-expect_members() {
-    local file=$1 pair
-    shift
-    for pair in "$@"; do
-        # shellcheck disable=SC2086
-        expect_json "$file" "${pair#*=}" ${pair%%=*}
-    done
+# result MESH KEY...: prints a value of the mesh's line in out/results.jsonl.
+result() {
+    grep -F "{\"mesh\":\"$1\"" out/results.jsonl > .line || fail "no line of $1"
+    json_value .line "${@:2}"
+    rm .line
 }
 
 # settled: the files that are here and what is in them.
 settled() { find . ! -name '.std*' ! -name .actual -printf '%P %l\n' -type f -exec md5sum {} + 2> /dev/null | sort; }
 
-# transcript NAME: runs transcripts/NAME.txt and requires that it is what comes out. A line "% WORDS" makes files, a line
-# "$ WORDS" runs the tool. What it prints follows, but for times, memory and sizes of gzip, with "! " before each message and
-# the exit status before that. Those of `refusals` change no file. LAMELLA_UPDATE_GOLDEN=1 writes the file anew.
+# transcript NAME: runs transcripts/NAME.txt and requires that it is what comes out. A line "% WORDS" runs words of the shell, which
+# must succeed; what they print follows, indented. A line "$ WORDS" runs the tool. What it prints follows, but for times, memory,
+# ranges of layers and sizes of what libraries write, with "! " before each message and the exit status before that. Commands of `refusals` change no file.
+# LAMELLA_UPDATE_GOLDEN=1 writes the file anew.
 transcript() {
-    local file=$here/transcripts/$1.txt line before="" status
-    while IFS= read -r line; do
+    local script=$here/transcripts/$1.txt line before="" status
+    while IFS= read -r line <&3; do
         case "$line" in
             '% '*)
                 [[ -z $before || $before == "$(settled)" ]] || fail "before $line: a refused command changed files"
-                eval "${line#% }"
+                eval "${line#% }" > .std% < /dev/null || fail "$line"
                 before="" ;;
             '$'*)
                 if [[ -z $before && $1 == refusals ]]; then before=$(settled); fi
@@ -134,19 +132,24 @@ transcript() {
             *) continue ;;
         esac
         printf '%s\n' "$line"
-        if [[ $line == '$'* ]]; then
-            grep -avE '^(time|memory) ' .stdout | sed -E 's/^$/(blank)/; s/, [0-9.,]+ (bytes|kB|MB) of gzip/, of gzip/'
-            sed -e "s|$folder|FOLDER|; s/^lamella: /${status#0}! /; t; s/^/${status#0}? /" .stderr
+        if [[ $line == '% '* ]]; then
+            sed 's/^/  /' .std%
+        elif [[ $line == '$'* ]]; then
+            grep -avE '^(time|memory|sliced) ' .stdout | sed -E "s|$folder|FOLDER|g"'
+                    s/^$/(blank)/; s/, [0-9.,]+ (bytes|kB|MB) of gzip/, of gzip/; s/, [0-9.]+ s$//; s/^(ranges +).*(of layers).*/\1\2/
+                    s/^(wrote .*\.(gz|nrrd|dcm|png|h5)), .*/\1/
+                    s/(\.(gz|nrrd|h5)\b.* has )[0-9,]+ bytes, its record says [0-9,]+/\1N bytes, its record says M/'
+            sed -e "s|$folder|FOLDER|g; s/^lamella: /${status#0}! /; t; s/^/${status#0}? /" .stderr
             [[ $status == 0 || -s .stderr ]] || echo "$status!"
         fi
-    done < "$file" > .actual
+    done 3< "$script" > .actual
     [[ -z $before || $before == "$(settled)" ]] || fail "a refused command changed files"
-    [[ -z ${LAMELLA_UPDATE_GOLDEN:-} ]] || cp .actual "$file"
-    diff "$file" .actual >&2 || fail "another transcript of $1"
+    [[ -z ${LAMELLA_UPDATE_GOLDEN:-} ]] || cp .actual "$script"
+    diff "$script" .actual >&2 || fail "another transcript of $1"
 }
 
 hash_of() { sed -n 's/^hash *//p' .stdout; }
 
-for part in fixtures commands output faults medical ranges verify batch; do source "$here/$part.sh"; done
+for part in fixtures output faults; do source "$here/$part.sh"; done
 if [[ -e $here/transcripts/$topic.txt ]]; then transcript "$topic"; else "test_$topic"; fi
 echo "passed"

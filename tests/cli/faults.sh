@@ -1,4 +1,4 @@
-# Tests of the tool without memory or disk space, and under signals; sourced by cli.sh.
+# Tests of the tool without memory or disk space, under signals, and of its processes that die; sourced by cli.sh.
 
 # one_line STATUS GOT TEXT WHAT: requires the status, and one line on stderr that contains the text
 one_line() {
@@ -120,31 +120,33 @@ test_signals() {
     done
 }
 
-# interrupted SIGNAL OUTPUT ARGUMENT...: sends the signal when the temporary file appears. Sometimes the tool finishes
-# earlier; then the test is repeated.
-interrupted() {
-    local signal=$1 output=$2 attempt status tool
+# while_writing OUTPUT WORDS ARGUMENT...: runs the words when the tool writes the file aside, and waits for its end with `status`.
+# Where the tool has finished earlier, all is repeated.
+while_writing() {
+    local output=$1 words=$2
     shift 2
-    for attempt in 1 2 3 4 5; do
-        start_tool "$@" -o "$output"
+    for _ in 1 2 3 4 5; do
+        sphere ball.stl 100000
+        rm -f "$output" report.json
+        start_tool "$@"
         until compgen -G ".$output.*" > /dev/null || ! kill -0 "$tool" 2> /dev/null; do :; done
-        kill -s "$signal" "$tool" 2> /dev/null
+        eval "$words" 2> /dev/null
         wait "$tool" 2> /dev/null
         status=$?
         ((status == 0)) || break
-        rm "$output"
     done
-    ((status == 128 + $(kill -l "$signal"))) || fail "$1, $signal: exit status $status"
-    [[ $(cat .stderr) == "lamella: interrupted" ]] || fail "$1, $signal: not one line"
-    expect_files ball.stl
 }
 
 test_interrupt() {
-    sphere ball.stl 20000
-    local signal
+    local signal command status tool
     for signal in INT TERM; do
-        interrupted "$signal" out.svg slice ball.stl --layer-height 0.002
-        interrupted "$signal" made.stl make bone --triangles 1000000
+        for command in "out.svg slice ball.stl --layer-height 0.002" "made.stl make bone --triangles 1000000"; do
+            # shellcheck disable=SC2016,SC2086
+            while_writing ${command%% *} 'kill -s "$signal" "$tool"' ${command#* } -o ${command%% *}
+            ((status == 128 + $(kill -l "$signal"))) || fail "$command, $signal: exit status $status"
+            [[ $(cat .stderr) == "lamella: interrupted" ]] || fail "$command, $signal: not one line"
+            expect_files ball.stl
+        done
     done
 }
 
@@ -178,22 +180,11 @@ test_second_signal() {
     done
 }
 
-# The report reads the mesh again after the SVG. The file is truncated once the SVG is being written. Sometimes the tool
-# finishes earlier; then the test is repeated.
+# The report reads the mesh again after the SVG. The file is truncated once the SVG is being written.
 test_shrinking_map() {
-    local attempt tool status
-    for attempt in 1 2 3 4 5; do
-        sphere ball.stl 100000
-        "$lamella" slice ball.stl --map --layer-height 0.005 -o out.svg --report report.json > .stdout 2> .stderr &
-        tool=$!
-        until compgen -G ".out.svg.*" > /dev/null || ! kill -0 "$tool" 2> /dev/null; do :; done
-        : > ball.stl
-        wait "$tool"
-        status=$?
-        ((status == 0)) || break
-        rm report.json
-    done
-    one_line 3 "$status" "ball.stl: shrank while it was read" "attempt $attempt"
+    local status tool
+    while_writing out.svg ': > ball.stl' slice ball.stl --map --layer-height 0.005 -o out.svg --report report.json
+    one_line 3 "$status" "ball.stl: shrank while it was read" "a mapped file"
     [[ ! -s .stdout ]] || fail "wrote to stdout"
     expect_files ball.stl out.svg
 }
@@ -221,4 +212,66 @@ test_stops() {
     stopped_at_random slice bone.stl --layer-height 0.1 --weld 0.0001 -o out.svg
     stopped_at_random slice bone.stl --layer-height 0.1 --report report.json
     expect_files bone.stl
+}
+
+# next_worker BATCH: waits for a process that slices a mesh, and prints its number.
+next_worker() { until pgrep -P "$1"; do kill -0 "$1" 2> /dev/null || fail "the batch has ended"; sleep 0.05; done; }
+
+# writing_worker BATCH: the same, once it writes slow.nii.gz aside: under a name with its number, unlike what others left.
+writing_worker() {
+    local worker
+    worker=$(next_worker "$1") || exit 1
+    until compgen -G "out/.slow*.$worker-*" > /dev/null; do
+        kill -0 "$worker" 2> /dev/null || fail "the process has ended"
+        sleep 0.05
+    done
+    echo "$worker"
+}
+
+# expect_end PROCESS: it ends soon.
+expect_end() {
+    for _ in $(seq 100); do kill -0 "$1" 2> /dev/null || return 0; sleep 0.05; done
+    fail "a process outlives its batch"
+}
+
+# What becomes of a process ends its mesh, and not the batch.
+test_batch_processes() {
+    meshes
+    rm in/bad.stl
+    expect 0 make sphere --triangles 1000 --height 150 -o slow.stl
+    echo '{"path":"slow.stl","spacing":[0.1,0.1,0.1],"subslices":100,"frame":"lps","output":"out/slow.nii.gz"}' > slow.jsonl
+    expect 5 batch in slow.jsonl -o 'out/{stem}.csv' --timeout 2 --retries 0
+    grep -qF "meshes    5: 4 done, 0 unchanged, 1 failed" .stdout || fail "not all others are done"
+    [[ $(result slow.stl reason) == "took longer than 2 s" ]] || fail "no time-out"
+    # A mesh whose process is killed is tried again.
+    "$lamella" batch slow.jsonl -o 'out/{stem}.csv' --retries 1 > .stdout 2> .stderr &
+    local batch=$! worker
+    for _ in 1 2; do
+        worker=$(next_worker "$batch") || exit 1
+        kill -9 "$worker"
+        while kill -0 "$worker" 2> /dev/null; do sleep 0.05; done
+    done
+    wait "$batch"
+    [[ $? == 5 ]] || fail "a killed process: not status 5"
+    [[ $(result slow.stl reason) == "ended by signal 9 (Killed)" ]] || fail "not the signal"
+    # Two batches do not write one results.jsonl.
+    "$lamella" batch slow.jsonl -o 'out/{stem}.csv' > .stdout 2> .stderr &
+    batch=$!
+    worker=$(writing_worker "$batch") || exit 1
+    expect_failure 4 "another lamella batch is at work" batch in/s1.stl -o 'out/{stem}.csv'
+    # Processes die with their batch; the next one removes what they left.
+    kill -9 "$batch"
+    wait "$batch" 2> /dev/null
+    expect_end "$worker"
+    compgen -G 'out/.slow*' > /dev/null || fail "nothing is left to be removed"
+    expect 5 batch slow.jsonl -o 'out/{stem}.csv' --timeout 0.1 --retries 0
+    ! compgen -G 'out/.*.part' > /dev/null || fail "a file aside is left"
+    # SIGTERM ends processes and batch, and leaves nothing half-written.
+    "$lamella" batch slow.jsonl -o 'out/{stem}.csv' > .stdout 2> .stderr &
+    batch=$!
+    writing_worker "$batch" > .worker || exit 1
+    kill -TERM "$batch"
+    wait "$batch"
+    [[ $? == 143 && $(cat .stderr) == "lamella: interrupted" ]] || fail "SIGTERM: not status 143 with one line"
+    ! compgen -G 'out/.*.part' > /dev/null || fail "a file aside is left by SIGTERM"
 }

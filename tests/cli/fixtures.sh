@@ -163,3 +163,42 @@ one_ply() {
     printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 2
 property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 0 1\n3 0 1 2\n2 0 1\n#'
 }
+
+# Three spheres, a torus in a folder, and a file that is no mesh.
+meshes() {
+    mkdir -p in/sub
+    for i in 1 2 3; do sphere in/s$i.stl ${i}000; done
+    expect 0 make torus --triangles 2000 -o in/sub/t.stl
+    echo "no mesh" > in/bad.stl
+}
+
+# Outputs of two meshes with their records.
+organs() {
+    mkdir -p in out temporary
+    export TMPDIR=$PWD/temporary  # other tests verify at the same time
+    sphere in/a.stl 2000
+    sphere in/b.stl 500
+    expect 0 slice in/a.stl in/b.stl --spacing 1,1.5,2 --frame ras -o out/m.nii.gz -o out/m.seg.nrrd -o out/m.csv -o out/m.jsonl
+}
+
+# replaced FILE FROM TO: in a copy that takes the file's place.
+replaced() {
+    sed "s|$2|$3|" "$1" > .changed && ! cmp -s .changed "$1" || fail "nothing to replace in $1"
+    mv .changed "$1"
+}
+
+# from_record FROM TO: the record in kept.json with this replaced, as the record of out/m.csv.
+from_record() { cp kept.json out/m.csv.lamella.json && replaced out/m.csv.lamella.json "$@"; }
+
+# needs FORMAT: skips the test where this build does not write it.
+needs() {
+    local -a options=(--spacing 5,5,5 --frame lps)
+    [[ $1 != dcm ]] || options+=(--without-ct)
+    sphere .needed.stl
+    "$lamella" slice .needed.stl "${options[@]}" -o ".needed.$1" > .stdout 2> .stderr ||
+        { grep -qE "this build|without DICOM" .stderr && skip "no $1"; fail "no $1"; }
+    rm .needed*
+}
+
+# A report but for its times, which differ from run to run.
+without_times() { sed '/^  "ms": {$/,/^  },\{0,1\}$/d'; }

@@ -1,4 +1,4 @@
-# What the tool writes and leaves behind, by files and streams; sourced by cli.sh.
+# Help, the progress bar, and what the tool writes and leaves behind, by files and streams; sourced by cli.sh.
 
 # piped STATUS FILE ARGUMENT...: runs the tool with the file on a pipe to its standard input and requires this exit status.
 piped() {
@@ -19,7 +19,7 @@ test_standard_input() {
         piped 0 "$file" slice - -o piped.svg --report piped.json
         [[ ! -s .stderr ]] || fail "$file: stderr is not silent"
         cmp named.svg piped.svg || fail "$file: another SVG"
-        expect_members piped.json mesh=- "output_hash=$hash"
+        [[ $(members piped.json mesh output_hash) == $'mesh: -\noutput_hash: '"$hash" ]] || fail "$file: another mesh or hash in the report"
     done
     piped 0 ball.stl slice - --map --hash
     [[ $(hash_of) == "$hash" ]] || fail "another hash of a mapped pipe"
@@ -59,7 +59,7 @@ test_standard_output() {
     expect 0 slice ball.stl -o - --report report.json
     cmp .stdout ball.svg || fail "another SVG"
     grep -q '^wrote  *standard output$' .stderr || fail "no summary on stderr"
-    expect_json report.json - output
+    [[ $(json_value report.json output) == - ]] || fail "the report names another output"
     "$lamella" make sphere --triangles 1000 --height 20 -o - 2> .stderr | "$lamella" slice - -o - 2>> .stderr > through.svg
     [[ ${PIPESTATUS[*]} == "0 0" ]] || fail "the pipe fails"
     cmp through.svg ball.svg || fail "another SVG through pipes"
@@ -98,4 +98,37 @@ test_no_partial_output() {
     [[ $(cat out.svg) == precious ]] || fail "the old file is gone"
     (ulimit -f 64; expect_failure 4 "other.stl" make sphere --triangles 20000 -o other.stl) || exit 1
     expect_files ball.stl out.svg
+}
+
+test_help() {
+    local command
+    for command in "" slice info check make convert merge verify batch; do
+        # shellcheck disable=SC2086
+        expect_silent $command --help
+    done
+    expect_silent --version
+    expect 0 slice --help
+    tr -s ' \n' ' ' < .stdout | grep -q "end of its name: .svg, .nii.gz, .nii, .seg.nrrd, .nrrd, .dcm, .csv, .jsonl, .png, .h5;" ||
+        fail "--help does not list the ends of names"
+}
+
+test_progress() {
+    sphere ball.stl
+    expect_line stderr 'slicing \[' slice ball.stl --progress always
+    grep -q 'slicing' .stdout && fail "the bar is on stdout"
+    local stage
+    expect 0 slice ball.stl --progress always --weld 0.0001 --fill-rule contours --report report.json -o out.svg
+    for stage in reading welding slicing writing ledger certificate crossings; do
+        grep -q "$stage \[" .stderr || fail "no bar of $stage"
+    done
+    for stage in read parse weld bucket sweep contours nesting write ledger certificate crossings total report; do
+        json_value report.json ms "$stage" > /dev/null || exit 1
+    done
+    [[ $(json_value report.json ms fill) == 0.0 ]] || fail "contours are filled"
+    grep -qE '^time .*, crossings [0-9.]+, report [0-9.]+ ' .stdout || fail "no time of the report"
+    expect_line stdout '^time .*, nesting [0-9.]*, fill [0-9.]* ' slice ball.stl
+    expect_line stderr 'checking \[' check ball.stl --progress always
+    expect_line stderr 'inspecting \[' info ball.stl --progress always
+    expect_silent slice ball.stl --progress auto
+    expect_silent slice ball.stl --progress never
 }

@@ -9,8 +9,6 @@ namespace exact {
 
 namespace {
 
-using Corner = ArrangementKernel::Point_2;
-
 std::int32_t grid_coordinate(const ArrangementKernel::FT& value) {
     const double nearest = std::nearbyint(to_double(value));
     if (value != nearest) {
@@ -32,26 +30,31 @@ regions::Polygon corners_on_grid(const std::vector<Corner>& walk) {
 
 }  // namespace
 
-Overlay::Overlay(const regions::Polygons& given_polygons, const regions::Polygons& found_polygons) {
+Edges edges_of(const regions::Polygons& polygons) {
+    Edges edges;
+    for (const regions::Polygon& polygon : polygons) {
+        rings::each_edge(polygon, [&](regions::Point from, regions::Point to) {
+            edges.emplace_back(Corner(from.x, from.y), Corner(to.x, to.y));
+        });
+    }
+    return edges;
+}
+
+Overlay::Overlay(const Edges& given_edges, const Edges& found_edges) {
     std::vector<Traits::Curve_2> curves;
-    add(given_polygons, given, curves);
-    add(found_polygons, found, curves);
+    add(given_edges, given, curves);
+    add(found_edges, found, curves);
     CGAL::insert(arrangement_, curves.begin(), curves.end());
     count_windings();
 }
 
-void Overlay::add(const regions::Polygons& polygons, Kind kind, std::vector<Traits::Curve_2>& curves) {
-    for (const regions::Polygon& polygon : polygons) {
-        for (std::size_t i = 0; i < polygon.size(); ++i) {
-            const regions::Point from = polygon[i];
-            const regions::Point to = polygon[i + 1 < polygon.size() ? i + 1 : 0];
-            if (from != to) {
-                const auto [low, high] = std::minmax(from, to);
-                const auto number = static_cast<std::uint32_t>(edges_.size());
-                edges_.push_back({kind, from == low});
-                curves.emplace_back(CGAL::Arr_segment_2<ArrangementKernel>(Corner(low.x, low.y), Corner(high.x, high.y)),
-                                    Along{number});
-            }
+void Overlay::add(const Edges& edges, Kind kind, std::vector<Traits::Curve_2>& curves) {
+    for (const auto& [from, to] : edges) {
+        if (const CGAL::Comparison_result order = CGAL::compare_xy(from, to); order != CGAL::EQUAL) {
+            const bool left_to_right = order == CGAL::SMALLER;
+            const CGAL::Arr_segment_2<ArrangementKernel> rising(left_to_right ? from : to, left_to_right ? to : from);
+            curves.emplace_back(rising, Along{static_cast<std::uint32_t>(edges_.size())});
+            edges_.push_back({kind, left_to_right});
         }
     }
 }
@@ -93,7 +96,7 @@ void Overlay::count_windings() {
     }
 }
 
-std::size_t Overlay::number_solids(const std::function<bool(const FaceData&)>& filled) {
+void Overlay::number_solids(const std::function<bool(const FaceData&)>& filled) {
     for (auto face = arrangement_.faces_begin(); face != arrangement_.faces_end(); ++face) {
         face->data().solid = 0;
     }
@@ -113,7 +116,6 @@ std::size_t Overlay::number_solids(const std::function<bool(const FaceData&)>& f
             });
         }
     }
-    return solids;
 }
 
 regions::Region Overlay::region(const std::function<bool(const FaceData&)>& filled) {

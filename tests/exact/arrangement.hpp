@@ -1,4 +1,4 @@
-// CGAL's arrangement of the edges of polygons, of two kinds at once, with the winding numbers of its faces by each kind.
+// CGAL's arrangement of edges of two kinds at once, with the winding numbers of its faces by each kind.
 #pragma once
 
 #include <algorithm>
@@ -7,6 +7,7 @@
 #include <functional>
 #include <iterator>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include <CGAL/Arr_curve_data_traits_2.h>
@@ -19,7 +20,7 @@
 
 namespace exact {
 
-/// Which polygons an edge belongs to.
+/// Which contours an edge belongs to.
 enum Kind : std::size_t { given, found };
 
 /// Numbers of the edges that run along a part, ascending.
@@ -44,6 +45,10 @@ using Traits = CGAL::Arr_curve_data_traits_2<CGAL::Arr_segment_traits_2<Arrangem
 using Arrangement = CGAL::Arrangement_2<Traits, CGAL::Arr_face_extended_dcel<Traits, FaceData>>;
 using Halfedge = Arrangement::Halfedge_handle;
 using Face = Arrangement::Face_handle;
+using Corner = ArrangementKernel::Point_2;
+using Edges = std::vector<std::pair<Corner, Corner>>;
+
+Edges edges_of(const regions::Polygons& polygons);
 
 /// To the last bit: CGAL::to_double() of a number that is not yet computed exactly may be off by 1e-5 of it.
 inline double to_double(const ArrangementKernel::FT& value) {
@@ -52,7 +57,8 @@ inline double to_double(const ArrangementKernel::FT& value) {
 
 class Overlay {
 public:
-    Overlay(const regions::Polygons& given_polygons, const regions::Polygons& found_polygons);
+    /// Edges of a kind form closed contours.
+    Overlay(const Edges& given_edges, const Edges& found_edges);
     Overlay(const Overlay&) = delete;
     Overlay& operator=(const Overlay&) = delete;
 
@@ -68,9 +74,9 @@ private:
         Kind kind;
         bool left_to_right;
     };
-    void add(const regions::Polygons& polygons, Kind kind, std::vector<Traits::Curve_2>& curves);
+    void add(const Edges& edges, Kind kind, std::vector<Traits::Curve_2>& curves);
     void count_windings();
-    std::size_t number_solids(const std::function<bool(const FaceData&)>& filled);
+    void number_solids(const std::function<bool(const FaceData&)>& filled);
 
     std::vector<Edge> edges_;
     Arrangement arrangement_;

@@ -7,7 +7,6 @@
 
 #include "engine/slicing.hpp"
 #include "exact/judge.hpp"
-#include "exact/meshes.hpp"
 #include "exact/region_judge.hpp"
 #include "lamella/check.hpp"
 #include "models_shared/real_meshes.hpp"
@@ -20,16 +19,13 @@ namespace {
 /// The closed contours of layers spread over a mesh.
 std::vector<Polygons> layers_of(const std::filesystem::path& file, std::size_t count) {
     const shapes::Soup soup = soup_of(file);
-    const lamella::SliceResult result = sliced(soup, uniform(0.2));
+    const lamella::Box box = check(view_of(soup), {.counts_only = true})->box;
     std::vector<Polygons> layers(count);
     for (std::size_t i = 0; i < count; ++i) {
-        for (const lamella::Contour& contour :
-             result.contours_of(result.layers[(2 * i + 1) * result.layers.size() / (2 * count)])) {
-            if (contour.role != lamella::Role::open) {
-                const std::span<const lamella::Point> points = result.points_of(contour);
-                layers[i].emplace_back(points.begin(), points.end());
-            }
-        }
+        lamella::SliceOptions options;
+        options.heights_mm = {box.min_mm[2] +
+                              (box.max_mm[2] - box.min_mm[2]) * (static_cast<double>(i) + 0.5) / static_cast<double>(count)};
+        layers[i] = regions::rings_of(sliced(soup, options));
     }
     return layers;
 }

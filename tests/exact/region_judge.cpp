@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "exact/arrangement.hpp"
-
 namespace exact {
 
 using lamella::FillRule;
@@ -19,12 +17,20 @@ struct Spot {
     double x, y;
 };
 
-/// The larger of the differences per axis between a spot and a point of an edge; the least along the edge.
-double distance(Spot spot, regions::Point a, regions::Point b) {
-    const double ax = a.x - spot.x;
-    const double ay = a.y - spot.y;
-    const double dx = static_cast<double>(b.x) - a.x;
-    const double dy = static_cast<double>(b.y) - a.y;
+struct Line {
+    Spot from, to;
+};
+
+Spot spot_at(const Corner& corner) {
+    return {to_double(corner.x()), to_double(corner.y())};
+}
+
+/// The larger of the differences per axis between a spot and a point of a line; the least along the line.
+double distance(Spot spot, const Line& line) {
+    const double ax = line.from.x - spot.x;
+    const double ay = line.from.y - spot.y;
+    const double dx = line.to.x - line.from.x;
+    const double dy = line.to.y - line.from.y;
     const auto at = [&](double along) {
         const double t = std::clamp(along, 0.0, 1.0);
         return std::max(std::abs(ax + t * dx), std::abs(ay + t * dy));
@@ -38,27 +44,24 @@ double distance(Spot spot, regions::Point a, regions::Point b) {
     return least;
 }
 
-double distance(Spot spot, const Polygons& polygons) {
+double distance(Spot spot, const std::vector<Line>& lines) {
     double least = HUGE_VAL;
-    for (const regions::Polygon& polygon : polygons) {
-        rings::each_edge(polygon,
-                         [&](regions::Point a, regions::Point b) { least = std::min(least, distance(spot, a, b)); });
+    for (const Line& line : lines) {
+        least = std::min(least, distance(spot, line));
     }
     return least;
 }
 
-double length(double dx, double dy) {
-    return std::abs(dx) + std::abs(dy);
+double length(const Line& line) {
+    return std::abs(line.to.x - line.from.x) + std::abs(line.to.y - line.from.y);
 }
 
-double length(const Polygons& polygons) {
-    double sum = 0;
-    for (const regions::Polygon& polygon : polygons) {
-        rings::each_edge(polygon, [&](regions::Point a, regions::Point b) {
-            sum += length(static_cast<double>(b.x) - a.x, static_cast<double>(b.y) - a.y);
-        });
-    }
-    return sum;
+std::vector<Line> lines_of(const Edges& edges) {
+    std::vector<Line> lines(edges.size());
+    std::transform(edges.begin(), edges.end(), lines.begin(), [](const auto& edge) {
+        return Line{spot_at(edge.first), spot_at(edge.second)};
+    });
+    return lines;
 }
 
 std::string text(Spot spot) {
@@ -70,9 +73,8 @@ class DifferentFace {
 public:
     DifferentFace(Face face, const Overlay& overlay) {
         around(face, [&](Halfedge halfedge) {
-            const auto spot = [](const auto& point) { return Spot{to_double(point.x()), to_double(point.y())}; };
-            sides_.push_back(
-                {spot(halfedge->source()->point()), spot(halfedge->target()->point()), overlay.runs_along(halfedge, given)});
+            const Line line{spot_at(halfedge->source()->point()), spot_at(halfedge->target()->point())};
+            sides_.push_back({line, overlay.runs_along(halfedge, given)});
         });
     }
 
@@ -89,7 +91,7 @@ public:
     double largest_area() const {
         double sum = tolerance;
         for (const Side& side : sides_) {
-            sum += band * length(side.to.x - side.from.x, side.to.y - side.from.y) + 4 * band * band;
+            sum += band * length(side) + 4 * band * band;
         }
         return sum;
     }
@@ -117,8 +119,7 @@ public:
     }
 
 private:
-    struct Side {
-        Spot from, to;
+    struct Side : Line {
         bool given;
     };
     struct Crossing {
@@ -149,62 +150,81 @@ private:
     std::vector<Side> sides_;
 };
 
-std::string fault_in_faces(const Polygons& polygons, FillRule rule, Overlay& overlay) {
+using Differs = std::function<bool(const FaceData&)>;
+
+/// The fault in the faces that differ: none may lie outside a band of a unit around the given edges.
+std::string fault_in_faces(const Edges& edges, Overlay& overlay, const Differs& differs) {
+    const std::vector<Line> lines = lines_of(edges);
     double area = 0;
     for (auto face = overlay.arrangement().faces_begin(); face != overlay.arrangement().faces_end(); ++face) {
         const FaceData& data = face->data();
-        if (data.winding[found] != 0 && data.winding[found] != 1) {
-            return "a place has the winding number " + std::to_string(data.winding[found]);
-        }
-        if (regions::fills(rule, data.winding[given]) == (data.winding[found] > 0)) {
+        if (!differs(data)) {
             continue;
         }
         const DifferentFace different(face, overlay);
-        const std::string what = data.winding[found] > 0 ? "filled in vain: " : "not filled: ";
+        const std::string what = data.winding[found] > data.winding[given] ? "filled in vain: " : "not filled: ";
         area += different.area();
         if (different.area() > different.largest_area()) {
             return what + std::to_string(different.area()) + " square units, where a band along them would have " +
                    std::to_string(different.largest_area());
         }
         for (const Spot& spot : different.middles()) {
-            if (distance(spot, polygons) > band + tolerance) {
-                return what + text(spot) + ", from all edges " + std::to_string(distance(spot, polygons));
+            if (distance(spot, lines) > band + tolerance) {
+                return what + text(spot) + ", from all edges " + std::to_string(distance(spot, lines));
             }
         }
     }
-    return area > band * length(polygons) + tolerance ? "the region differs by " + std::to_string(area) + " square units"
-                                                      : "";
+    double most = tolerance;
+    for (const Line& line : lines) {
+        most += band * length(line);
+    }
+    return area > most ? "the region differs by " + std::to_string(area) + " square units" : "";
 }
 
-std::string fault_in_rings(const Polygons& polygons, FillRule rule, const Polygons& rings, Overlay& overlay) {
+std::string fault_in_rings(const Edges& edges, FillRule rule, const Polygons& rings, Overlay& overlay) {
+    const std::vector<Line> lines = lines_of(edges);
     for (const regions::Polygon& ring : rings) {
         for (const regions::Point point : ring) {
             const Spot spot{static_cast<double>(point.x), static_cast<double>(point.y)};
-            if (distance(spot, polygons) > band + tolerance) {
+            if (distance(spot, lines) > band + tolerance) {
                 return "a corner lies off all edges: " + text(spot);
             }
         }
     }
-    return fault_in_faces(polygons, rule, overlay);
+    for (auto face = overlay.arrangement().faces_begin(); face != overlay.arrangement().faces_end(); ++face) {
+        if (const std::int64_t winding = face->data().winding[found]; winding != 0 && winding != 1) {
+            return "a place has the winding number " + std::to_string(winding);
+        }
+    }
+    return fault_in_faces(edges, overlay, [&](const FaceData& data) {
+        return regions::fills(rule, data.winding[given]) != (data.winding[found] > 0);
+    });
 }
 
 }  // namespace
 
+std::string fault_in_windings(const Edges& edges, const Polygons& contours) {
+    Overlay overlay(edges, edges_of(contours));
+    return fault_in_faces(edges, overlay, [](const FaceData& data) { return data.winding[given] != data.winding[found]; });
+}
+
 regions::Region region_on_grid(const Polygons& polygons, FillRule rule) {
-    Overlay overlay(polygons, {});
+    Overlay overlay(edges_of(polygons), {});
     regions::Region region = overlay.region([&](const FaceData& face) { return regions::fills(rule, face.winding[given]); });
     return rule == FillRule::outermost ? regions::canonical(regions::without_holes(region)) : region;
 }
 
 std::string fault_in_rings(const Polygons& polygons, FillRule rule, const Polygons& rings) {
-    Overlay overlay(polygons, rings);
-    return fault_in_rings(polygons, rule, rings, overlay);
+    const Edges edges = edges_of(polygons);
+    Overlay overlay(edges, edges_of(rings));
+    return fault_in_rings(edges, rule, rings, overlay);
 }
 
 std::string fault_in_region(const Polygons& polygons, FillRule rule, const lamella::SliceResult& contours) {
     const Polygons rings = regions::rings_of(contours);
-    Overlay overlay(polygons, rings);
-    if (std::string fault = fault_in_rings(polygons, rule, rings, overlay); !fault.empty()) {
+    const Edges edges = edges_of(polygons);
+    Overlay overlay(edges, edges_of(rings));
+    if (std::string fault = fault_in_rings(edges, rule, rings, overlay); !fault.empty()) {
         return fault;
     }
     try {

@@ -12,7 +12,7 @@
 
 #include <string>
 
-#include "regions/region.hpp"
+#include "exact/arrangement.hpp"
 
 namespace exact {
 
@@ -24,5 +24,8 @@ std::string fault_in_region(const regions::Polygons& polygons, lamella::FillRule
 
 /// The same of contours alone, without regard to roles, parents and where they part: closed, solid on the left.
 std::string fault_in_rings(const regions::Polygons& polygons, lamella::FillRule rule, const regions::Polygons& rings);
+
+/// The fault in contours that should run around each place as often as the edges do; where no edge is near.
+std::string fault_in_windings(const Edges& edges, const regions::Polygons& contours);
 
 }  // namespace exact

@@ -7,6 +7,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "engine/polygons.hpp"
 #include "exact/region_judge.hpp"
 
 using lamella::FillRule;
@@ -24,94 +25,72 @@ bool one_in(std::mt19937& random, unsigned times) {
     return random() % times == 0;
 }
 
+std::int32_t on_grid(double value) {
+    constexpr double limit = lamella::grid_limit;
+    return static_cast<std::int32_t>(std::clamp(value, -limit, limit));
+}
+
 /// Where polygons lie: within `reach` of the centre, and never off the grid.
 struct Area {
-    std::int64_t reach;
-    std::int64_t centre_x, centre_y;
+    double reach, centre_x, centre_y;
 
-    Point point(std::int64_t dx, std::int64_t dy) const {
-        const auto within = [](std::int64_t value) {
-            return static_cast<std::int32_t>(std::clamp<std::int64_t>(value, -lamella::grid_limit, lamella::grid_limit));
-        };
-        return {within(centre_x + dx), within(centre_y + dy)};
-    }
+    Point point(double dx, double dy) const { return {on_grid(centre_x + dx), on_grid(centre_y + dy)}; }
     Point random_point(std::mt19937& random) const {
-        return point(draw(random, -reach, reach), draw(random, -reach, reach));
+        return point(polygons::between(random, -reach, reach), polygons::between(random, -reach, reach));
     }
 };
 
 Area random_area(std::mt19937& random, std::size_t points) {
     // Few units only for few points: a lattice full of edges is all crossings.
-    constexpr std::array<std::int64_t, 6> reaches{4, 12, 100, 10'000, 1 << 20, lamella::grid_limit};
+    constexpr std::array<std::int32_t, 6> reaches{4, 12, 100, 10'000, 1 << 20, lamella::grid_limit};
     const std::size_t first = points > 100 ? 3 : (points > 20 ? 1 : 0);
-    const std::int64_t reach = reaches[first + random() % (reaches.size() - first)];
-    const std::int64_t room = lamella::grid_limit - reach;
-    return {reach, draw(random, -room, room), draw(random, -room, room)};
+    const std::int32_t reach = reaches[first + random() % (reaches.size() - first)];
+    const double room = lamella::grid_limit - reach;
+    return {static_cast<double>(reach), std::round(polygons::between(random, -room, room)),
+            std::round(polygons::between(random, -room, room))};
 }
 
-Polygon anywhere(std::mt19937& random, const Area& area, std::size_t points) {
-    Polygon polygon(points);
-    std::generate(polygon.begin(), polygon.end(), [&] { return area.random_point(random); });
-    return polygon;
-}
-
-/// Steps of about a circle's circumference through `points`, so that few of them cross.
-Polygon walk(std::mt19937& random, const Area& area, std::size_t points) {
-    const std::int64_t step = std::max<std::int64_t>(2, 4 * area.reach / static_cast<std::int64_t>(points));
+/// Points around the centre, all the same way round from one to the next: `rounds` times in all, every other one at `inner`
+/// of the radius, each moved by up to `jitter`.
+Polygon points_around(std::mt19937& random, const Area& area, std::size_t points, double rounds, double inner,
+                      double jitter) {
     Polygon polygon;
     for (std::size_t i = 0; i < points; ++i) {
-        const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(points);
-        const double radius = static_cast<double>(area.reach) * 0.8;
-        polygon.push_back(area.point(static_cast<std::int64_t>(radius * std::cos(angle)) + draw(random, -step, step),
-                                     static_cast<std::int64_t>(radius * std::sin(angle)) + draw(random, -step, step)));
+        const double angle = 2 * std::numbers::pi * rounds * static_cast<double>(i) / static_cast<double>(points);
+        const double radius = area.reach * (i % 2 == 0 ? 0.8 : 0.8 * inner);
+        polygon.push_back(area.point(radius * std::cos(angle) + polygons::between(random, -jitter, jitter),
+                                     radius * std::sin(angle) + polygons::between(random, -jitter, jitter)));
     }
     return polygon;
-}
-
-/// Every point the same way round from the one before it: edges cross in rings.
-Polygon star(std::mt19937& random, const Area& area, std::size_t points) {
-    const double turn = 2 * std::numbers::pi * static_cast<double>(draw(random, 1, 4)) / static_cast<double>(points);
-    Polygon polygon;
-    for (std::size_t i = 0; i < points; ++i) {
-        const double radius = static_cast<double>(area.reach) * (i % 2 == 0 ? 1.0 : 0.5);
-        const double angle = turn * static_cast<double>(i);
-        polygon.push_back(area.point(static_cast<std::int64_t>(radius * std::cos(angle)),
-                                     static_cast<std::int64_t>(radius * std::sin(angle))));
-    }
-    return polygon;
-}
-
-Polygon rectangle(std::mt19937& random, const Area& area) {
-    const Point a = area.random_point(random);
-    const Point b = area.random_point(random);
-    return {a, {b.x, a.y}, b, {a.x, b.y}};
 }
 
 Polygon moved(std::mt19937& random, Polygon polygon) {
-    const auto by = [&] { return static_cast<std::int32_t>(draw(random, -2, 2)); };
-    const Point all{by(), by()};
+    const double dx = static_cast<double>(draw(random, -2, 2));
+    const double dy = static_cast<double>(draw(random, -2, 2));
     for (Point& point : polygon) {
-        point = {std::clamp(point.x + all.x, -lamella::grid_limit, lamella::grid_limit),
-                 std::clamp(point.y + all.y, -lamella::grid_limit, lamella::grid_limit)};
+        point = {on_grid(point.x + dx), on_grid(point.y + dy)};
     }
     return polygon;
 }
 
+/// A walk of short steps, a star, whose edges cross in rings, a rectangle, or points anywhere. These last only few: their
+/// crossings would grow with the square.
 Polygon random_polygon(std::mt19937& random, const Area& area, std::size_t points) {
-    if (points > 150) {  // anywhere: their crossings would grow with the square
-        return one_in(random, 2) ? walk(random, area, points) : star(random, area, points);
+    const auto kind = points > 150 ? random() % 3 : random() % 8;
+    if (kind < 2) {
+        return points_around(random, area, points, 1, 1, std::max(2.0, 4 * area.reach / static_cast<double>(points)));
     }
-    switch (random() % 8) {
-        case 0:
-            return rectangle(random, area);
-        case 1:
-            return star(random, area, points);
-        case 2:
-        case 3:
-            return walk(random, area, points);
-        default:
-            return anywhere(random, area, points);
+    if (kind == 2) {
+        return points_around(random, area, points, static_cast<double>(draw(random, 1, 4)), 0.5, 0);
     }
+    if (kind == 3) {
+        const Point a = area.random_point(random);
+        const Point b = area.random_point(random);
+        return polygons::box(a.x, a.y, b.x, b.y);
+    }
+    Polygon polygon(points);
+    std::generate(polygon.begin(), polygon.end(), [&] { return area.random_point(random); });
+    return polygon;
 }
 
 /// Another polygon, or one of those before, which then share their edges or lie close to each other.
@@ -131,9 +110,8 @@ Polygons several(std::mt19937& random, std::int64_t most, const Make& make) {
     return polygons;
 }
 
-/// One to four polygons of together about `points` points, on a range of the grid from a few units up to all of it: random
-/// ones, whose edges cross each other; walks of short steps; stars; rectangles. Some are given twice, a little moved or
-/// backwards.
+/// One to four polygons of together about `points` points, on a range of the grid from a few units up to all of it. Some are
+/// given twice, a little moved or backwards.
 Polygons random_polygons(std::mt19937& random, std::size_t points) {
     const Area area = random_area(random, points);
     const std::int64_t most = points > 400 ? 1 : 4;
@@ -157,20 +135,18 @@ Polygons random_on_small_lattice(std::mt19937& random) {
     });
 }
 
-constexpr std::array winding_rules{FillRule::even_odd, FillRule::non_zero, FillRule::positive};
+constexpr std::array rules{FillRule::even_odd, FillRule::non_zero, FillRule::positive, FillRule::outermost};
 
 /// Empty if all that must hold for a region holds.
 std::string judge(const Polygons& polygons, FillRule rule, std::mt19937& random) {
-    lamella::RegionRules rules;
-    rules.fill_rule = rule;
-    rules.drop_collinear = random() % 2 == 0;
-    const lamella::SliceResult found = regions::region_of(polygons, rules);
+    const lamella::RegionRules asked{.fill_rule = rule, .drop_collinear = random() % 2 == 0};
+    const lamella::SliceResult found = regions::region_of(polygons, asked);
     std::string fault = regions::fault_in(found);
     if (fault.empty()) {
         fault = exact::fault_in_region(polygons, rule, found);
     }
     if (fault.empty()) {
-        fault = regions::dependence_on_order(polygons, rules, found, random);
+        fault = regions::dependence_on_order(polygons, asked, found, random);
     }
     if (fault.empty() && rule == FillRule::non_zero) {
         const regions::Region outermost = regions::canonical(regions::without_holes(regions::region_in(found)));
@@ -180,20 +156,11 @@ std::string judge(const Polygons& polygons, FillRule rule, std::mt19937& random)
     return fault.empty() ? "" : std::string(lamella::name_of(rule)) + ": " + fault + "\nof " + regions::text_of(polygons);
 }
 
-std::size_t between(std::mt19937& random, std::size_t low, std::size_t high) {
-    return low + random() % (high - low + 1);
-}
-
 /// In 1,000 layers 800 have 3 to 12 points, 170 up to 40, 28 up to 150, and two up to 1,000.
 std::size_t random_size(std::mt19937& random) {
     const auto of_thousand = random() % 1'000;
-    if (of_thousand < 800) {
-        return between(random, 3, 12);
-    }
-    if (of_thousand < 970) {
-        return between(random, 13, 40);
-    }
-    return of_thousand < 998 ? between(random, 41, 150) : between(random, 151, 1'000);
+    const auto most = of_thousand < 800 ? 12 : (of_thousand < 970 ? 40 : (of_thousand < 998 ? 150 : 1'000));
+    return static_cast<std::size_t>(draw(random, 3, most));
 }
 
 void judge_random_polygons(std::uint32_t seed, std::size_t layers) {
@@ -201,7 +168,7 @@ void judge_random_polygons(std::uint32_t seed, std::size_t layers) {
     std::size_t points = 0;
     for (std::size_t number = 0; number < layers; ++number) {
         const Polygons polygons = random_polygons(random, random_size(random));
-        const std::string fault = judge(polygons, winding_rules[number % winding_rules.size()], random);
+        const std::string fault = judge(polygons, rules[number % 3], random);
         if (!fault.empty()) {
             FAIL("layer " << number << ", " << fault);
         }
@@ -216,8 +183,7 @@ void judge_small_lattices(std::uint32_t seed, std::size_t layers) {
     std::mt19937 random(seed);
     for (std::size_t number = 0; number < layers; ++number) {
         const Polygons polygons = random_on_small_lattice(random);
-        const FillRule rule =
-            std::array{FillRule::even_odd, FillRule::non_zero, FillRule::positive, FillRule::outermost}[number % 4];
+        const FillRule rule = rules[number % rules.size()];
         const regions::Region found = regions::region_in(regions::region_of(polygons, rule));
         const std::string fault = regions::difference(exact::region_on_grid(polygons, rule), found);
         if (!fault.empty()) {

@@ -116,7 +116,7 @@ keep() {
     done
 }
 
-# run_suites LABEL: results go to LABEL/SUITE.xml; suites.py judges their failures. The suites write meshes and pictures to
+# run_suites LABEL: results go to LABEL/SUITE.xml; tables.py judges their failures. The suites write meshes and pictures to
 # where they are run.
 run_suites() {
     local suite
@@ -163,7 +163,7 @@ status=0
 if [[ -z "$only" || "$only" == adapter ]]; then
     step "PrusaSlicer with the adapter: tests"
     run_suites adapter
-    python3 "$adapter/suites.py" "$work/own" "$work/adapter" "${suites[@]}" | tee "$table/suites.md" || status=1
+    python3 "$adapter/tables.py" suites "$work/own" "$work/adapter" "${suites[@]}" | tee "$table/suites.md" || status=1
 fi
 if [[ -z "$only" || "$only" == agree ]]; then
     step "layers of both"
@@ -174,7 +174,7 @@ if [[ -z "$only" || "$only" == time ]]; then
     compare time | tee "$table/times.md" || status=1
 fi
 if [[ -z "$only" ]]; then
-    python3 "$adapter/page.py" "$table" "$work/build" "$command" > "$results.new"
+    python3 "$adapter/tables.py" page "$table" "$work/build" "$command" > "$results.new"
     mv "$results.new" "$results"
 fi
 ((status == 0)) || stop "tests that PrusaSlicer passes by itself fail, layers differ or bars are missed: see above"

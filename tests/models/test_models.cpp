@@ -1,7 +1,10 @@
-// Generated meshes of every shape are what was asked for.
+// Generated meshes of every shape are what was asked for, and files hold them. The bytes of files: tests/golden; how writing
+// fails or stops: tests/cli.
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
+#include <limits>
 #include <numbers>
 #include <string>
 
@@ -9,6 +12,7 @@
 
 #include "lamella/check.hpp"
 #include "models/models.hpp"
+#include "temp_folder.hpp"
 
 namespace lamella::models::test {
 
@@ -169,6 +173,58 @@ TEST_CASE("the random order is a permutation of the ascending order, by seed", "
     CHECK_FALSE(ascending(shuffled));
     CHECK(sorted_triangles(shuffled) == sorted_triangles(ascending_soup));
     CHECK(make_soup(recipe) == shuffled);
+}
+
+TEST_CASE("a file holds the triangles that make_soup gives, and unit normals", "[models]") {
+    const TempFolder folder;
+    Recipe recipe;
+    recipe.triangles = 5000;
+    recipe.order = GENERATE(Order::z, Order::random);
+    REQUIRE(write_stl(recipe, folder / "a.stl").ok());
+    REQUIRE(write_stl(recipe, folder / "b.stl").ok());
+    CHECK(folder.names().size() == 2);
+    const std::string bytes = bytes_of(folder / "a.stl");
+    CHECK(bytes == bytes_of(folder / "b.stl"));
+
+    const std::vector<float> soup = make_soup(recipe);
+    REQUIRE(bytes.size() == 84 + 50 * soup.size() / 9);
+    std::uint32_t count = 0;
+    std::memcpy(&count, bytes.data() + 80, sizeof count);
+    CHECK(count == soup.size() / 9);
+    for (std::size_t t = 0; t < count; ++t) {
+        std::array<float, 12> record{};
+        std::memcpy(record.data(), bytes.data() + 84 + 50 * t, sizeof record);
+        REQUIRE(std::equal(record.begin() + 3, record.end(), &soup[9 * t]));
+        const auto [x, y, z] = std::array<float, 3>{record[0], record[1], record[2]};
+        REQUIRE(x * x + y * y + z * z == Approx(1).epsilon(1e-5));
+    }
+}
+
+TEST_CASE("an invalid recipe is refused and leaves no file", "[models]") {
+    constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
+    const Shape shape = any_shape();
+    const TempFolder folder;
+    const auto refuses = [&](auto&& spoil) {
+        Recipe bad = recipe_of(shape, 20'000);
+        spoil(bad);
+        const auto written = write_stl(bad, folder / "mesh.stl");
+        return !written && written.error().code == ErrorCode::invalid_argument && make_soup(bad).empty() &&
+               folder.names().empty();
+    };
+    for (const std::uint64_t triangles : {std::uint64_t{0}, fewest_triangles - 1, most_triangles + 1}) {
+        CHECK(refuses([&](Recipe& bad) { bad.triangles = triangles; }));
+    }
+    for (const double length : {0.0, -1.0, 1e7, no_number}) {
+        CHECK(refuses([&](Recipe& bad) { bad.height_mm = length; }));
+        CHECK(refuses([&](Recipe& bad) { bad.width_mm = length; }));
+        CHECK(refuses([&](Recipe& bad) {
+            bad.segments = 200'000;
+            bad.layer_height_mm = length;
+        }));
+    }
+    for (const std::uint64_t segments : {std::uint64_t{0}, std::uint64_t{10}, std::uint64_t{1} << 60}) {
+        CHECK(refuses([&](Recipe& bad) { bad.segments = segments; }));
+    }
 }
 
 }  // namespace lamella::models::test

@@ -104,20 +104,12 @@ def read_table(path):
     return mutants
 
 
-def choose(mutants, names):
-    if unknown := set(names) - {mutant.name for mutant in mutants}:
-        raise Unfit(f"no mutant of the name: {', '.join(sorted(unknown))}")
-    return [mutant for mutant in mutants if not names or mutant.name in names]
-
-
 def unfit_ones(mutants):
-    problems = []
     for mutant in mutants:
         try:
             mutant.mutated()
         except Unfit as problem:
-            problems.append(str(problem))
-    return problems
+            yield str(problem)
 
 
 class Suite:
@@ -228,10 +220,13 @@ def main():
     parser.add_argument("--check", action="store_true", help="only check that each mutant fits the sources; nothing is built")
     arguments = parser.parse_args()
     try:
-        mutants = choose(read_table(arguments.table), arguments.names)
+        mutants = read_table(arguments.table)
     except Unfit as problem:
         sys.exit(str(problem))
-    if problems := unfit_ones(mutants):
+    if unknown := set(arguments.names) - {mutant.name for mutant in mutants}:
+        sys.exit(f"no mutant of the name: {', '.join(sorted(unknown))}")
+    mutants = [mutant for mutant in mutants if not arguments.names or mutant.name in arguments.names]
+    if problems := list(unfit_ones(mutants)):
         sys.exit("\n".join([*problems, f"{len(problems)} of {len(mutants)} mutants do not fit the sources"]))
     if arguments.check:
         print(f"{len(mutants)} mutants fit the sources")

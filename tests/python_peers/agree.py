@@ -87,23 +87,18 @@ def by_package(mesh, heights, layer_mm):
 PEERS = {"numpy": (by_numpy, "numpy"), "vtk": (by_vtk, "vtkmodules.vtkFiltersCore"), "package": (by_package, "lamella")}
 
 
-def differences(peer, path, layer_mm, svg):
-    """Lines that say where a peer differs, and the number of answers compared."""
-    layers = list(layers_of(svg))
-    if len(layers) < FEWEST_LAYERS:
-        return [f"only {len(layers)} layers"], 0
-    answers = list(PEERS[peer][0](meshes.read_stl(path), [height for height, _ in layers], layer_mm))
-    if not answers or len(answers) % len(layers) != 0:
-        return [f"{len(answers)} answers for {len(layers)} layers"], 0
-    found = []
+def differences(answers, layers, apart):
+    """Lines that say where a peer's answers, some for each layer, differ."""
+    if len(layers) < FEWEST_LAYERS or not answers or len(answers) % len(layers) != 0:
+        yield f"{len(answers)} answers for {len(layers)} layers"
+        return
     for i, (name, (count, area, perimeter)) in enumerate(answers):
         height, contours = layers[i * len(layers) // len(answers)]
         own_count, own_area, own_perimeter = measured(contours)
-        within = APART[peer] * (own_perimeter + sum(map(len, contours)))
+        within = apart * (own_perimeter + sum(map(len, contours)))
         if count != own_count or abs(area - own_area) > within or abs(perimeter - own_perimeter) > within:
-            found.append(f"z {height}: {name} has {count} contours, {area} mm2, {perimeter} mm around; "
-                         f"lamella {own_count}, {own_area}, {own_perimeter}")
-    return found, len(answers)
+            yield (f"z {height}: {name} has {count} contours, {area} mm2, {perimeter} mm around; "
+                   f"lamella {own_count}, {own_area}, {own_perimeter}")  # fmt: skip
 
 
 def check_open_mesh(path):
@@ -129,12 +124,6 @@ def check_shared_edge():
     return [] if abs(area - 9) < 1e-9 else [f"two prisms at one edge: {area} mm2 instead of 9"]
 
 
-def report(what, found, compared):
-    print(f"{what}: {compared} answers compared, {len(found)} faults")
-    print("".join(f"  {line}\n" for line in found[:5]), end="")
-    return bool(found)
-
-
 def main():
     if len(sys.argv) != 3 or sys.argv[2] not in PEERS:
         sys.exit(__doc__)
@@ -146,19 +135,18 @@ def main():
             raise
         print(f"skipped: {peer}: {error}")
         return 77
-    failed = False
+    found = check_shared_edge() if peer == "numpy" else []
     with tempfile.TemporaryDirectory() as folder:
-        if peer == "numpy":
-            failed = report("prisms at one edge", check_shared_edge(), 1)
         for shape, triangles, layer_mm in MODELS:
             path = pathlib.Path(folder) / f"{shape}.stl"
             run(tool, "make", shape, "--triangles", triangles, "-o", path)
-            svg = run(tool, "slice", path, "--layer-height", layer_mm, "-o", "-")
-            found, compared = differences(peer, path, layer_mm, svg)
-            if peer == "numpy":
-                found += check_open_mesh(path)
-            failed = report(shape, found, compared) or failed
-    return 1 if failed else 0
+            layers = list(layers_of(run(tool, "slice", path, "--layer-height", layer_mm, "-o", "-")))
+            answers = list(PEERS[peer][0](meshes.read_stl(path), [height for height, _ in layers], layer_mm))
+            print(f"{shape}: {len(answers)} answers compared")
+            found += [f"{shape}, {line}" for line in differences(answers, layers, APART[peer])]
+            found += check_open_mesh(path) if peer == "numpy" else []
+    print(*found, sep="\n")
+    return 1 if found else 0
 
 
 if __name__ == "__main__":

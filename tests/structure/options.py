@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Checks that options are described once: engine/options/options.toml is what the other places follow from.
 
-    options.py ROOT [LAMELLA]    exit status 1 if generate.py would write something else than there is, or if an option lacks
-                                 its C field, its C++ member, its Python keyword or its flag of LAMELLA, the tool
-    options.py --names ROOT      exit status 1 if more files name an option than may
+    options.py ROOT [LAMELLA]    exit status 1 if generate.py would write something else than there is, if an option lacks
+                                 its C field, its C++ member, its Python keyword or its flag of LAMELLA, the tool, or if more
+                                 files name it than may
     options.py --self-test ROOT  breaks each rule in a copy and checks that it is reported
 
 A file names an option by its C++ member, its flag or its Python keyword. Comments, tests, examples and what generate.py writes
@@ -19,7 +19,6 @@ import tempfile
 import tomllib
 
 MOST_FILES = 5
-SHOWN = 5
 ROOM = "engine/slicing"
 HEADER, C_HEADER, TABLE = "include/lamella/options.hpp", "include/lamella/lamella.h", "tools/python/src/lamella/_option_table.py"
 WRITTEN = [HEADER, C_HEADER, TABLE, "engine/options/options.inc", "engine/options/option_words.hpp"]
@@ -97,20 +96,19 @@ def pattern_of(option, files):
     return re.compile("|".join(spelled), re.MULTILINE)
 
 
-def places(root):
-    """The files that name each option."""
+def named_too_often(root):
     files = list(sources(root))
     for option in options_of(root):
         pattern = pattern_of(option, files)
         named = [path for path, code in files if pattern.search(code)]
         inside = [path for path in named if path.is_relative_to(ROOM)]
-        yield option["name"], [path for path in named if path not in inside[1:] or len(inside) > MOST_FILES]
-
-
-def named_too_often(root):
-    for name, named in places(root):
+        named = [path for path in named if path not in inside[1:] or len(inside) > MOST_FILES]
         if len(named) > MOST_FILES:
-            yield f"{name} is named in {len(named)} files, at most {MOST_FILES}: {', '.join(map(str, named))}"
+            yield f"{option['name']} is named in {len(named)} files, at most {MOST_FILES}: {', '.join(map(str, named))}"
+
+
+def complaints(root, tool):
+    return [*stale(root), *missing(root, tool), *named_too_often(root)]
 
 
 # For each rule: a file, what is replaced in it, by what, and a part of the complaint.
@@ -133,22 +131,14 @@ def self_test(root):
             assert old in before, f"{path} has no {old}"
             file.write_text(before.replace(old, new, 1) if old else new)
             if expected is not None:
-                found = [*stale(copy), *missing(copy, None), *named_too_often(copy)]
-                assert any(expected in complaint for complaint in found), f"not reported: {new} in {path}"
+                assert any(expected in complaint for complaint in complaints(copy, None)), f"not reported: {new} in {path}"
                 file.write_text(before)
 
 
 def main():
-    mode, root = ("", sys.argv[1]) if not sys.argv[1].startswith("--") else sys.argv[1:3]
-    root = pathlib.Path(root)
-    if mode == "--self-test":
-        return self_test(root)
-    if mode == "--names":
-        worst = sorted(places(root), key=lambda place: -len(place[1]))[:SHOWN]
-        print("Files that name an option:", ", ".join(f"{name} {len(named)}" for name, named in worst))
-        found = list(named_too_often(root))
-    else:
-        found = [*stale(root), *missing(root, sys.argv[2] if len(sys.argv) > 2 else None)]
+    if sys.argv[1] == "--self-test":
+        return self_test(pathlib.Path(sys.argv[2]))
+    found = complaints(pathlib.Path(sys.argv[1]), sys.argv[2] if len(sys.argv) > 2 else None)
     print(*found, sep="\n", end="\n" if found else "")
     return 1 if found else 0
 

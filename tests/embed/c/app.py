@@ -1,105 +1,62 @@
-"""Cuts a binary STL file from Python, by ctypes and nothing else.
+"""Cuts a binary STL file from Python, by ctypes and the C header alone.
 
-    app.py LIBRARY SAMPLE
+    app.py HEADER LIBRARY SAMPLE
 """
 
 import ctypes
+import pathlib
+import re
 import sys
-from ctypes import POINTER, Structure, byref, c_double, c_int32, c_int64, c_size_t, c_uint8, c_uint16, c_uint32, c_uint64, c_void_p
+from ctypes import byref, c_int32, c_size_t, c_void_p
+
+HEADER = re.sub(r"/\*.*?\*/", "", pathlib.Path(sys.argv[1]).read_text(), flags=re.DOTALL)
 
 
+def type_of(word, structs):
+    if word in structs:
+        return structs[word]
+    return getattr(ctypes, "c_" + (word if word == "size_t" else word.removesuffix("_t")))
+
+
+def fields_of(body, structs):
+    """Pointers, of functions too, are void*."""
+    for declaration in filter(None, map(str.strip, body.split(";"))):
+        if "*" in declaration:
+            yield re.search(r"\*\s*(\w+)", declaration)[1], c_void_p
+            continue
+        word, names = declaration.split(maxsplit=1)
+        for name, count in re.findall(r"(\w+)(?:\[(\d+)\])?", names):
+            yield name, type_of(word, structs) * int(count) if count else type_of(word, structs)
+
+
+def structs_of(header):
+    structs = {}
+    for name, body in re.findall(r"typedef struct (\w+) \{(.*?)\}", header, re.DOTALL):
+        structs[name] = type(name, (ctypes.Structure,), {"_fields_": list(fields_of(body, structs))})
+    return structs
+
+
+STRUCTS = structs_of(HEADER)
 STOP = ctypes.CFUNCTYPE(c_int32, c_void_p)
-# The kinds of structs that lamella_init_sized() knows.
-KINDS = {"Error": 0, "Context": 1, "Mesh": 2, "Source": 3, "Options": 4, "Sink": 8, "Destination": 10}
+TAKE = ctypes.CFUNCTYPE(None, c_void_p, ctypes.POINTER(STRUCTS["lamella_layer_view"]))
 
 
-class Mesh(Structure):
-    _fields_ = [
-        ("struct_size", c_uint32), ("vertex_type", c_int32), ("vertices", c_void_p), ("vertex_count", c_size_t),
-        ("triangle_count", c_size_t), ("indices", c_void_p), ("vertex_stride", c_size_t), ("index_stride", c_size_t),
-        ("mm_per_unit", c_double), ("index_type", c_int32), ("reserved", c_int32),
-    ]  # fmt: skip
+def address(function):
+    return ctypes.cast(function, c_void_p).value
 
 
-class Source(Structure):
-    _fields_ = [
-        ("struct_size", c_uint32), ("reserved", c_int32), ("mesh", POINTER(Mesh)), ("prepared", c_void_p), ("parts", c_void_p),
-        ("part_count", c_size_t),
-    ]  # fmt: skip
-
-
-class Options(Structure):
-    _fields_ = [
-        ("struct_size", c_uint32), ("reserved", c_int32), ("layer_height_mm", c_double), ("heights_mm", POINTER(c_double)),
-        ("height_count", c_size_t), ("stitch_mm", c_double), ("first_height_mm", c_double), ("first_layer", c_uint64),
-        ("end_layer", c_uint64), ("transform", c_double * 12), ("grid_mm", c_double), ("closing_mm", c_double),
-        ("offset_mm", c_double), ("miter_limit", c_double), ("simplify_mm", c_double), ("flag_closing_mm", c_double),
-        ("fill_from", c_void_p), ("fill_from_count", c_size_t), ("at_heights", c_int32), ("stitch_direction", c_int32),
-        ("origins", c_int32), ("unite_parts", c_int32), ("allow_empty", c_int32), ("content", c_int32), ("datum", c_int32),
-        ("side", c_int32), ("coarser_if_needed", c_int32), ("as_mesh_numbers", c_int32), ("fill_rule", c_int32),
-        ("drop_collinear", c_int32), ("largest_only", c_int32), ("reserved_0_3", c_int32),
-    ]  # fmt: skip
-
-
-class Error(Structure):
-    _fields_ = [
-        ("struct_size", c_uint32), ("status", c_int32), ("part", c_int64), ("triangle", c_int64), ("plane", c_int64),
-        ("byte_offset", c_int64), ("message", ctypes.c_char * 512),
-    ]  # fmt: skip
-
-
-class PointOrigin(Structure):
-    _fields_ = [("triangle", c_uint32), ("part", c_uint16), ("edge", c_uint8), ("end_edge", c_uint8)]
-
-
-class Layer(Structure):
-    _fields_ = [
-        ("bottom_mm", c_double), ("plane_mm", c_double), ("top_mm", c_double), ("first_contour", c_uint64),
-        ("contour_count", c_uint64), ("segments", c_uint64), ("plane", c_int32), ("reserved", c_int32),
-    ]  # fmt: skip
-
-
-class LayerView(Structure):
-    _fields_ = [
-        ("struct_size", c_uint32), ("reserved", c_int32), ("index", c_uint64), ("grid_mm", c_double), ("layer", Layer),
-        ("contours", c_void_p), ("points", POINTER(c_int32)), ("point_count", c_uint64), ("first_point", c_uint64),
-        ("origins", POINTER(PointOrigin)), ("stitches", c_void_p), ("stitch_count", c_uint64),
-    ]  # fmt: skip
-
-
-class Context(Structure):
-    _fields_ = [
-        ("struct_size", c_uint32), ("threads", c_int32), ("stop", STOP), ("stop_object", c_void_p), ("progress", c_void_p),
-        ("progress_object", c_void_p), ("memory", c_void_p), ("memory_limit_bytes", c_uint64), ("executor", c_void_p),
-        ("executor_object", c_void_p), ("executor_threads", c_int32), ("reserved", c_int32),
-    ]  # fmt: skip
-
-
-TAKE = ctypes.CFUNCTYPE(None, c_void_p, POINTER(LayerView))
-
-
-class Sink(Structure):
-    _fields_ = [("struct_size", c_uint32), ("order", c_int32), ("take", TAKE), ("begin", c_void_p), ("object", c_void_p)]
-
-
-class Destination(Structure):
-    _fields_ = [
-        ("struct_size", c_uint32), ("reserved", c_int32), ("result", c_void_p), ("sink", POINTER(Sink)), ("arrays", c_void_p),
-    ]  # fmt: skip
-
-
-def made(lamella, kind):
+def made(lamella, name):
     """A struct with its defaults."""
-    struct = kind()
-    lamella.lamella_init_sized(byref(struct), KINDS[kind.__name__], c_size_t(ctypes.sizeof(struct)))
+    struct = STRUCTS[f"lamella_{name}"]()
+    kind = int(re.search(rf"LAMELLA_{name.upper()} = (\d+)", HEADER)[1])
+    lamella.lamella_init_sized(byref(struct), kind, c_size_t(ctypes.sizeof(struct)))
     return struct
 
 
 def slice_to(lamella, take, mesh, options, context, error):
-    source, sink, to = made(lamella, Source), made(lamella, Sink), made(lamella, Destination)
-    source.mesh = ctypes.pointer(mesh)
-    sink.take = TAKE(take)
-    to.sink = ctypes.pointer(sink)
+    source, sink, to = made(lamella, "source"), made(lamella, "sink"), made(lamella, "destination")
+    callback = TAKE(take)
+    source.mesh, sink.take, to.sink = ctypes.addressof(mesh), address(callback), ctypes.addressof(sink)
     return lamella.lamella_slice_to(None, byref(to), byref(source), byref(options), context, None, byref(error))
 
 
@@ -126,8 +83,8 @@ class Kept:
 
 def raise_in_a_sink(lamella, mesh, options, error):
     """The exception ends the call at that layer and comes back."""
-    kept, context, layers = Kept(), made(lamella, Context), []
-    context.stop = kept.stop
+    kept, context, layers = Kept(), made(lamella, "context"), []
+    context.stop = address(kept.stop)
 
     def take(_, view):
         layers.append(view.contents.index)
@@ -143,10 +100,10 @@ def raise_in_a_sink(lamella, mesh, options, error):
 
 
 def main():
-    lamella = ctypes.CDLL(sys.argv[1])
-    with open(sys.argv[2], "rb") as file:
+    lamella = ctypes.CDLL(sys.argv[2])
+    with open(sys.argv[3], "rb") as file:
         stl = file.read()
-    mesh, options, error = made(lamella, Mesh), made(lamella, Options), made(lamella, Error)
+    mesh, options, error = made(lamella, "mesh"), made(lamella, "options"), made(lamella, "error")
     body = ctypes.create_string_buffer(stl[84 + 12 :])
     mesh.vertices = ctypes.addressof(body)
     mesh.vertex_stride = 50
@@ -159,7 +116,8 @@ def main():
     def take(_, view):
         layer = view.contents
         contours.append(layer.layer.contour_count)
-        named.extend(layer.origins[i].triangle for i in range(layer.point_count))
+        origins = ctypes.cast(layer.origins, ctypes.POINTER(STRUCTS["lamella_point_origin"]))
+        named.extend(origins[i].triangle for i in range(layer.point_count))
 
     if slice_to(lamella, take, mesh, options, None, error) != 0:
         sys.exit(error.message.decode())

@@ -24,7 +24,7 @@ cp -L "$libraries/liblamella_c.so" "$folder/liblamella_copy.so"
 check "$folder/plugins" "$libraries/liblamella_c.so" "$folder/liblamella_copy.so" "$folder/libplugin.so"
 shown=$(sed -n '/^```python$/,/^```$/p' "$(dirname "$readme")/tools/docs/embedding.md" | sed '/^```/d')
 [[ -n $shown && $(< "$source_folder/app.py") == *"$shown"* ]] || { echo "embedding.md shows other Python than app.py has"; exit 1; }
-[[ -z $python ]] || check "$python" "$source_folder/app.py" "$libraries/liblamella_c.so"
+[[ -z $python ]] || check "$python" "$source_folder/app.py" "$prefix/include/lamella/lamella.h" "$libraries/liblamella_c.so"
 
 # build NAME PACKAGE COMPILER...: the last word is the source.
 build() {

@@ -9,14 +9,14 @@
 //
 //     heights in any order, repeated          by_height()
 //     empty layers of an empty mesh           SliceOptions::allow_empty
-//     vertices transformed in float           HostVertex in cut.cpp
-//     cancelling by an exception              Exceptions in cut.cpp
+//     vertices transformed in float           HostVertex in cut.hpp
+//     cancelling by an exception              HostCalls in cut.hpp
 //     a vertex on a plane lies above it       PlaneSide::below, the default
-//     coordinates of 32 bits, 1e-6 mm         adapter.hpp: points are copied as bytes
+//     coordinates of 32 bits, 1e-6 mm         contours.hpp: points are copied as bytes
 //     gaps joined up to 2 mm                  SliceOptions::stitch_mm
 //     no collinear points in regions          RegionRules::drop_collinear
 //     loops turned counter-clockwise          Turn::counter_clockwise, then a region of its own per layer
-//     faces turned by a mirroring transform   project() in cut.cpp
+//     faces turned by a mirroring transform   project() in cut.hpp
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -29,7 +29,8 @@
 #include <utility>
 #include <vector>
 
-#include "adapter.hpp"
+#include "contours.hpp"
+#include "cut.hpp"
 
 namespace Slic3r {
 namespace {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <functional>
 #include <libslic3r/ClipperUtils.hpp>
 #include <numeric>
 #include <stdexcept>
@@ -19,14 +20,16 @@ using Layers = std::vector<ExPolygons>;
 
 constexpr double square_mm = SCALING_FACTOR * SCALING_FACTOR;
 
-const std::function<void()> never = [] {};
+using Slicing = std::function<Layers(const Model& model, const std::vector<float>& zs)>;
 
-// What one way of slicing is called, and how far contours may lie apart on average.
+// A way of slicing by both, and how far contours may lie apart on average.
 struct Way {
     const char* name;
-    MeshSlicingParamsEx params;
+    Slicing host;
+    Slicing ours;
     double bound_mm;
     bool by_area = false;  ///< of contours with the same area either may be kept
+    Transform3d trafo = Transform3d::Identity();
 };
 
 // The layer in which the two differ most.
@@ -92,15 +95,6 @@ Transform3d mirrored() {
     return made;
 }
 
-MeshSlicingParamsEx params_of(Mode mode, float closing = 0, float offset = 0, double resolution = 0) {
-    MeshSlicingParamsEx params;
-    params.mode = mode;
-    params.closing_radius = closing;
-    params.extra_offset = offset;
-    params.resolution = resolution;
-    return params;
-}
-
 // Where a plane passes a few units beside a face that is nearly flat, a contour moves by many.
 constexpr double points_mm = 1e-4;
 // The host rounds coordinates to float in units of 1e-6 mm.
@@ -112,111 +106,82 @@ double rounding_mm(const Model& model) {
     return static_cast<double>(farthest) * 0x1p-23;
 }
 
+MeshSlicingParamsEx params_of(Mode mode, float closing = 0, float offset = 0, double resolution = 0) {
+    MeshSlicingParamsEx params;
+    params.mode = mode;
+    params.closing_radius = closing;
+    params.extra_offset = offset;
+    params.resolution = resolution;
+    return params;
+}
+
+Way regions(const char* name, const MeshSlicingParamsEx& params, double bound_mm, bool by_area = false) {
+    return {name,
+            [params](const Model& model, const auto& zs) { return slice_mesh_ex_host(model.mesh, zs, params, never); },
+            [params](const Model& model, const auto& zs) { return slice_mesh_ex(model.mesh, zs, params, never); },
+            bound_mm,
+            by_area,
+            params.trafo};
+}
+
+// The region of what upward or downward faces project.
+Way slabs(bool upward, const Transform3d& trafo) {
+    const auto by = [upward, trafo](const auto& project) {
+        return [upward, trafo, project](const Model& model, const std::vector<float>& zs) {
+            std::vector<Polygons> projected;
+            project(model.mesh, zs, trafo, upward ? &projected : nullptr, upward ? nullptr : &projected, never);
+            Layers made(projected.size());
+            tbb::parallel_for(std::size_t{0}, made.size(), [&](std::size_t at) { made[at] = union_ex(projected[at]); });
+            return made;
+        };
+    };
+    return {upward ? "top slabs" : "bottom slabs", by(slice_mesh_slabs_host), by(slice_mesh_slabs), points_mm, false, trafo};
+}
+
 std::vector<Way> ways() {
     constexpr double corners_mm = 5e-3;  // sharp corners are cut off differently
     constexpr double resolution_mm = 0.01;
-    std::vector<Way> all{
-        {"regular", params_of(Mode::Regular), points_mm},
-        {"closing 0.049", params_of(Mode::Regular, 0.049F), corners_mm},
-        {"even-odd", params_of(Mode::EvenOdd), points_mm},
-        {"positive", params_of(Mode::Positive), points_mm},
-        {"largest contour", params_of(Mode::PositiveLargestContour), points_mm, true},
-        {"offset 0.1", params_of(Mode::Regular, 0, 0.1F), corners_mm},
-        {"offset 0.02, closing 0.049", params_of(Mode::Regular, 0.049F, 0.02F), corners_mm},
-        {"offset -0.1, closing 0.049", params_of(Mode::Regular, 0.049F, -0.1F), corners_mm},
-        {"resolution 0.01", params_of(Mode::Regular, 0, 0, resolution_mm), resolution_mm},
-        {"tilted", params_of(Mode::Regular), points_mm},
-        {"largest contour, regular below layer 5", params_of(Mode::PositiveLargestContour), points_mm, true},
-    };
-    all[9].params.trafo = tilted();
-    all[10].params.slicing_mode_normal_below_layer = 5;
+    MeshSlicingParamsEx turned = params_of(Mode::Regular);
+    turned.trafo = tilted();
+    MeshSlicingParamsEx mixed = params_of(Mode::PositiveLargestContour);
+    mixed.slicing_mode_normal_below_layer = 5;
+    return {regions("regular", params_of(Mode::Regular), points_mm),
+            regions("closing 0.049", params_of(Mode::Regular, 0.049F), corners_mm),
+            regions("even-odd", params_of(Mode::EvenOdd), points_mm),
+            regions("positive", params_of(Mode::Positive), points_mm),
+            regions("largest contour", params_of(Mode::PositiveLargestContour), points_mm, true),
+            regions("offset 0.1", params_of(Mode::Regular, 0, 0.1F), corners_mm),
+            regions("offset 0.02, closing 0.049", params_of(Mode::Regular, 0.049F, 0.02F), corners_mm),
+            regions("offset -0.1, closing 0.049", params_of(Mode::Regular, 0.049F, -0.1F), corners_mm),
+            regions("resolution 0.01", params_of(Mode::Regular, 0, 0, resolution_mm), resolution_mm),
+            regions("tilted", turned, points_mm),
+            regions("largest contour, regular below layer 5", mixed, points_mm, true)};
+}
+
+// Prints a row: the mesh and layer in which both differ most. Any beyond the bound is a line after the table. The lowest
+// plane lies half a layer up, as hosts cut, or a layer up, where flat faces lie.
+bool agree(const std::vector<Model>& models, double first_mm, const Way& way, const char* label, std::string& beyond) {
+    Worst worst;
+    std::string worst_mesh;
+    std::size_t layers = 0;
+    bool all = true;
+    for (const Model& model : models) {
+        const std::vector<float> zs = heights(model, 0.2, first_mm, way.trafo);
+        const Worst found = worst_layer(way.host(model, zs), way.ours(model, zs), zs, way.by_area);
+        layers += zs.size();
+        if (found.apart_mm > way.bound_mm + rounding_mm(model)) {
+            all = false;
+            beyond += "Beyond the bound: " + model.name + ", " + way.name + ", at " + std::to_string(found.height) + ": " +
+                      std::to_string(found.difference_mm2) + " of " + std::to_string(found.area_mm2) + " mm2\n";
+        }
+        if (found.apart_mm >= worst.apart_mm) {
+            worst = found;
+            worst_mesh = model.name;
+        }
+    }
+    std::printf("| %s | %s | %zu | %s | %.2g | %.4g | %.2g | %.0g |\n", label, way.name, layers, worst_mesh.c_str(),
+                worst.difference_mm2, worst.area_mm2, worst.apart_mm, way.bound_mm);
     return all;
-}
-
-struct Case {
-    const Model& model;
-    double first_mm;  ///< of the lowest plane: half a layer up, as hosts cut, or a layer up, where flat faces lie
-};
-
-// A row of the table: the mesh and layer in which both differ most. Any beyond the bound is a line after the table.
-class Row {
-public:
-    Row(const char* way, double bound_mm, std::string& beyond) : way_(way), bound_mm_(bound_mm), beyond_(beyond) {}
-
-    void add(const Model& model, std::size_t layers, const Worst& found) {
-        layers_ += layers;
-        if (found.apart_mm > bound_mm_ + rounding_mm(model)) {
-            all_ = false;
-            beyond_ += "Beyond the bound: " + model.name + ", " + way_ + ", at " + std::to_string(found.height) + ": " +
-                       std::to_string(found.difference_mm2) + " of " + std::to_string(found.area_mm2) + " mm2\n";
-        }
-        if (found.apart_mm >= worst_.apart_mm) {
-            worst_ = found;
-            worst_mesh_ = model.name;
-        }
-    }
-    // Whether all is within the bound.
-    bool print(const char* label) const {
-        std::printf("| %s | %s | %zu | %s | %.2g | %.4g | %.2g | %.0g |\n", label, way_, layers_, worst_mesh_.c_str(),
-                    worst_.difference_mm2, worst_.area_mm2, worst_.apart_mm, bound_mm_);
-        return all_;
-    }
-
-private:
-    const char* way_;
-    double bound_mm_;
-    std::string& beyond_;
-    Worst worst_;
-    std::string worst_mesh_;
-    std::size_t layers_ = 0;
-    bool all_ = true;
-};
-
-bool agree(const std::vector<Case>& cases, const Way& way, const char* label, std::string& beyond) {
-    Row row(way.name, way.bound_mm, beyond);
-    for (const Case& each : cases) {
-        const std::vector<float> zs = heights(each.model, 0.2, each.first_mm, way.params.trafo);
-        row.add(each.model, zs.size(),
-                worst_layer(slice_mesh_ex_host(each.model.mesh, zs, way.params, never),
-                            slice_mesh_ex(each.model.mesh, zs, way.params, never), zs, way.by_area));
-    }
-    return row.print(label);
-}
-
-// What both project onto layers.
-struct SlabLayers {
-    Layers top;
-    Layers bottom;
-};
-
-template <class Project>
-SlabLayers slab_layers(const Project& project) {
-    std::vector<Polygons> top;
-    std::vector<Polygons> bottom;
-    project(&top, &bottom);
-    const auto united = [](const std::vector<Polygons>& layers) {
-        Layers made(layers.size());
-        tbb::parallel_for(std::size_t{0}, layers.size(), [&](std::size_t layer) { made[layer] = union_ex(layers[layer]); });
-        return made;
-    };
-    return {united(top), united(bottom)};
-}
-
-// Two rows: what upward and what downward faces project.
-bool slabs_agree(const std::vector<Case>& cases, const Transform3d& trafo, const char* label, std::string& beyond) {
-    Row top("top slabs", points_mm, beyond);
-    Row bottom("bottom slabs", points_mm, beyond);
-    for (const Case& each : cases) {
-        const std::vector<float> zs = heights(each.model, 0.2, each.first_mm, trafo);
-        const SlabLayers host =
-            slab_layers([&](auto* up, auto* down) { slice_mesh_slabs_host(each.model.mesh, zs, trafo, up, down, never); });
-        const SlabLayers ours =
-            slab_layers([&](auto* up, auto* down) { slice_mesh_slabs(each.model.mesh, zs, trafo, up, down, never); });
-        top.add(each.model, zs.size(), worst_layer(host.top, ours.top, zs, false));
-        bottom.add(each.model, zs.size(), worst_layer(host.bottom, ours.bottom, zs, false));
-    }
-    const bool tops = top.print(label);
-    return bottom.print(label) && tops;
 }
 
 // Every third facet, as if painted: the host projects such patches.
@@ -282,29 +247,26 @@ bool layers_agree(const std::vector<Model>& parts, const std::vector<Model>& org
     bool all = true;
     std::string beyond;
     const std::vector<Way> each_way = ways();
-    const auto cases = [](const std::vector<Model>& models, double first_mm) {
-        std::vector<Case> made;
-        std::transform(models.begin(), models.end(), std::back_inserter(made), [first_mm](const Model& model) {
-            return Case{model, first_mm};
-        });
-        return made;
+    const auto both_slabs = [&](const std::vector<Model>& models, double first_mm, const Transform3d& trafo,
+                                const char* label) {
+        all = agree(models, first_mm, slabs(true, trafo), label, beyond) && all;
+        all = agree(models, first_mm, slabs(false, trafo), label, beyond) && all;
     };
     for (const Way& way : each_way) {
-        all = agree(cases(parts, 0.1), way, "the host's", beyond) && all;
+        all = agree(parts, 0.1, way, "the host's", beyond) && all;
     }
-    all = agree(cases(parts, 0.2), each_way.front(), "the host's, planes on faces", beyond) && all;
+    all = agree(parts, 0.2, each_way.front(), "the host's, planes on faces", beyond) && all;
     const Transform3d as_is = Transform3d::Identity();
-    const std::vector<Model> patches = painted(parts);
-    all = slabs_agree(cases(parts, 0.1), as_is, "the host's", beyond) && all;
-    all = slabs_agree(cases(parts, 0.2), as_is, "the host's, planes on faces", beyond) && all;
-    all = slabs_agree(cases(parts, 0.1), tilted(), "the host's, tilted", beyond) && all;
-    all = slabs_agree(cases(parts, 0.1), mirrored(), "the host's, mirrored", beyond) && all;
-    all = slabs_agree(cases(patches, 0.1), as_is, "every third facet of the host's", beyond) && all;
+    both_slabs(parts, 0.1, as_is, "the host's");
+    both_slabs(parts, 0.2, as_is, "the host's, planes on faces");
+    both_slabs(parts, 0.1, tilted(), "the host's, tilted");
+    both_slabs(parts, 0.1, mirrored(), "the host's, mirrored");
+    both_slabs(painted(parts), 0.1, as_is, "every third facet of the host's");
     for (const Model& organ : organs) {
         for (const Way& way : {each_way[0], each_way[1]}) {
-            all = agree({{organ, 0.1}}, way, organ.name.c_str(), beyond) && all;
+            all = agree({organ}, 0.1, way, organ.name.c_str(), beyond) && all;
         }
-        all = slabs_agree({{organ, 0.1}}, as_is, organ.name.c_str(), beyond) && all;
+        both_slabs({organ}, 0.1, as_is, organ.name.c_str());
     }
     std::printf("\n%s", beyond.c_str());
     for (const std::vector<Model>* models : {&parts, &organs}) {

@@ -21,14 +21,13 @@ set_source_files_properties(${libslic3r_folder}/TriangleMeshSlicer.cpp TARGET_DI
   COMPILE_DEFINITIONS "slice_mesh=slice_mesh_host;slice_mesh_ex=slice_mesh_ex_host;slice_mesh_slabs=slice_mesh_slabs_host")
 
 # A library of its own: the host is C++17.
-add_library(lamella_adapter STATIC
-  ${adapter_folder}/adapter.cpp ${adapter_folder}/contours.cpp ${adapter_folder}/cut.cpp)
+add_library(lamella_adapter STATIC ${adapter_folder}/adapter.cpp)
 target_compile_features(lamella_adapter PRIVATE cxx_std_20)
 target_compile_options(lamella_adapter PRIVATE -O3)
 target_link_libraries(lamella_adapter PRIVATE libslic3r lamella::lamella)
 target_link_libraries(libslic3r lamella_adapter)
 
-add_executable(lamella_compare ${adapter_folder}/compare.cpp ${adapter_folder}/agreement.cpp ${adapter_folder}/timing.cpp)
+add_executable(lamella_compare ${adapter_folder}/compare.cpp ${adapter_folder}/agreement.cpp)
 target_compile_features(lamella_compare PRIVATE cxx_std_20)
 target_compile_options(lamella_compare PRIVATE -O3)
 target_link_libraries(lamella_compare PRIVATE libslic3r)

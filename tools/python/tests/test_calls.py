@@ -35,6 +35,7 @@ def test_parts_keep_their_numbers_and_have_no_ledger(cube, tmp_path):
     united = lamella.slice_parts([cube, cube], transforms=[None, move], heights=[5], unite_parts=True, fill_rule="non-zero")
     assert united.areas == pytest.approx([175])
     assert united.contours["part"].tolist() == [lamella.SEVERAL_PARTS]
+    assert lamella.slice_parts([cube], heights=[5]).hash == lamella.slice(*cube, heights=[5]).hash
     separate.save(tmp_path / "parts.json")
     assert "ledger" not in (tmp_path / "parts.json").read_text()
 

@@ -1,13 +1,19 @@
-"""Options: what they do is the engine's tests' to show; that each arrives, and what is refused, is shown here."""
+"""Options: what they do is the engine's tests' to show; that each arrives, as in the command line tool, is shown here."""
 
 import inspect
+import os
 import pickle
+import re
+import subprocess
 
 import numpy as np
 import pytest
+from support import write_off
 
 import lamella
 from lamella._option_table import OPTIONS
+
+TOOL = os.environ.get("LAMELLA_TOOL")
 
 
 def test_given_heights_come_in_any_order_and_shape(cube):
@@ -19,32 +25,25 @@ def test_given_heights_come_in_any_order_and_shape(cube):
     assert len(lamella.slice(*cube, heights=[])) == 0
 
 
-# For each keyword a value, and what the engine's members hold then.
-ARRIVING = {
-    "layer_height": (2, {"layer_height_mm": 2}),
-    "heights": ([7, 2], {"heights_mm": [7, 2]}),
-    "stitch": (0.5, {"stitch_mm": 0.5}),
-    "stitch_direction": ("any", {"stitch_direction": 1}),
-    "origins": (True, {"origins": True}),
-    "unite_parts": (True, {"unite_parts": True}),
-    "allow_empty": (True, {"allow_empty": True}),
-    "first_height": (0.5, {"first_height_mm": 0.5}),
-    "datum": ("zero", {"datum": 1}),
-    "side": ("above", {"side": 1}),
-    "layers": ((1, 3), {"first_layer": 1, "end_layer": 3}),
-    "transform": (np.diag([2, 2, 2, 1]), {"transform": np.diag([2, 2, 2, 1])[:3].tolist()}),
-    "grid": (2.0**-19, {"grid_mm": 2.0**-19}),
-    "coarser_if_needed": (True, {"coarser_if_needed": True}),
-    "fill_rule": ("positive", {"fill_rule": 3}),
-    "closing": (0.25, {"closing_mm": 0.25}),
-    "offset": (-0.25, {"offset_mm": -0.25}),
-    "miter_limit": (2, {"miter_limit": 2}),
-    "simplify": (0.125, {"simplify_mm": 0.125}),
-    "flag_closing": (0.125, {"flag_closing_mm": 0.125}),
-    "drop_collinear": (True, {"drop_collinear": True}),
-    "largest_only": (True, {"largest_only": True}),
-    "fill_from": ([(2, "even-odd")], {"fill_from": [(2, 1)]}),
+# Values of what is neither a number, a word nor a flag, and what the engine's members hold then.
+STRUCTURED = {
+    "heights": ([7, 2], [[7, 2]]),
+    "layers": ((1, 3), [1, 3]),
+    "transform": (np.diag([2, 2, 2, 1]), [np.diag([2, 2, 2, 1])[:3].tolist()]),
+    "grid": (2.0**-19, [2.0**-19]),
+    "fill_from": ([(2, "even-odd")], [[(2, 1)]]),
 }
+
+
+def another_value(name, option):
+    """Not the default, and what the engine's members hold then."""
+    if name in STRUCTURED:
+        return STRUCTURED[name]
+    if option.kind == "flag":
+        return True, [True]
+    if option.kind == "choice":
+        return option.words[-1], [len(option.words) - 1]
+    return (option.least or 0) + 0.25, [(option.least or 0) + 0.25]
 
 
 def options_of(result):
@@ -53,11 +52,12 @@ def options_of(result):
 
 @pytest.mark.parametrize("name", sorted(OPTIONS.keys() - {"content"}))  # which the next test shows
 def test_each_option_arrives(cube, name):
-    value, expected = ARRIVING[name]
+    value, members = another_value(name, OPTIONS[name])
+    expected = dict(zip(OPTIONS[name].fields, members))
     defaults, given = (options_of(lamella.slice(*cube, **{"stitch": 0, **options})) for options in ({}, {name: value}))
-    assert set(expected) == set(OPTIONS[name].fields)
+    assert len(members) == len(OPTIONS[name].fields)
     assert given == {**defaults, **expected}
-    assert all(defaults[field] != value for field, value in expected.items())
+    assert all(defaults[field] != member for field, member in expected.items())
 
 
 @pytest.mark.parametrize("content", ["upward-faces", "downward-faces"])
@@ -132,3 +132,29 @@ def test_shells_turned_inwards_are_warned_of_and_turned(cube):
     united = lamella.slice(pair, heights=[5], orient_shells=True)
     assert united.areas[0] == pytest.approx(175)
     assert united.hash == lamella.slice(turned, heights=[5]).hash == pickle.loads(pickle.dumps(united)).hash
+
+
+CASES = [
+    (["--layer-height", "0.1"], {"layer_height": 0.1}),
+    (["--layer-height", "0.5", "--layers", "2:6"], {"layer_height": 0.5, "layers": (2, 6)}),
+    (["--stitch-direction", "any", "--grid", "finest"], {"stitch_direction": "any", "grid": "finest"}),
+    (["--planes", "1,-2,3.5"], {"heights": [1, -2, 3.5]}),
+    (["--normal", "1,2,3"], {"normal": [1, 2, 3]}),
+    (["--unit", "in", "--side", "above", "--datum", "zero"], {"unit": "in", "side": "above", "datum": "zero"}),
+    (["--grid", "0.001", "--first-height", "0.5"], {"grid": 0.001, "first_height": 0.5}),
+    (["--fill-rule", "non-zero", "--closing", "0.3", "--offset", "-0.2"], {"fill_rule": "non-zero", "closing": 0.3, "offset": -0.2}),
+    (["--simplify", "0.05", "--flag-closing", "0.4"], {"simplify": 0.05, "flag_closing": 0.4}),
+]
+
+
+@pytest.mark.filterwarnings("ignore::lamella.MeshWarning")
+@pytest.mark.skipif(TOOL is None, reason="LAMELLA_TOOL does not name the command line tool")
+@pytest.mark.parametrize("arguments, options", CASES)
+def test_slices_are_those_of_the_command_line_tool(torus, tmp_path, arguments, options):
+    path = tmp_path / "torus.off"
+    write_off(path, torus[0].astype("f4"), torus[1])
+    printed = subprocess.run([TOOL, "slice", path, "--hash", *arguments], check=True, capture_output=True, text=True).stdout
+    expected = re.search(r"^hash +(\w+)$", printed, re.MULTILINE)[1]
+    assert lamella.slice(path, **options).hash == expected
+    mesh = lamella.read(path)
+    assert lamella.slice(mesh.vertices.copy(), mesh.faces.astype("i8"), **options).hash == expected

@@ -125,33 +125,24 @@ def test_what_a_call_does_not_allow_is_refused(cube, call, error, message):
 
 
 def test_errors_are_of_the_kinds_of_python():
-    assert issubclass(InvalidArgumentError, ValueError)
-    assert issubclass(lamella.MeshTypeError, TypeError)
-    assert issubclass(lamella.UnreadableFileError, OSError)
-    assert issubclass(lamella.UnwritableFileError, OSError)
-    assert issubclass(lamella.ResultTooLargeError, MemoryError)
+    kinds = {"InvalidArgument": ValueError, "MeshType": TypeError, "UnreadableFile": OSError, "UnwritableFile": OSError, "ResultTooLarge": MemoryError}
+    assert all(issubclass(getattr(lamella, f"{name}Error"), kind) for name, kind in kinds.items())
 
 
 @pytest.mark.parametrize("wrong", [8, -1, 2**31 - 1])
 @pytest.mark.parametrize("dtype", ["i4", "i8"])
-def test_an_index_out_of_range_is_named_by_row(cube, wrong, dtype):
-    vertices, faces = cube[0], cube[1].astype(dtype)
+@pytest.mark.parametrize("call", [lamella.slice, lamella.weld, lamella.check, lamella.prepare])
+def test_an_index_out_of_range_is_named_by_row(cube, wrong, dtype, call):
+    vertices, faces = cube[0].astype(dtype), cube[1].astype(dtype)
     faces[7, 2] = wrong
     with pytest.raises(InvalidArgumentError) as raised:
-        lamella.slice(vertices, faces)
+        call(vertices, faces)
     same = pickle.loads(pickle.dumps(raised.value))
     for error in (raised.value, same):
         assert (type(error), error.triangle, error.vertex, error.code) == (InvalidArgumentError, 7, None, "invalid_argument")
         assert str(error) == f"faces[7] = {faces[7].tolist()}: there are 8 vertices"
-
-
-@pytest.mark.parametrize("dtype", ["i4", "i8", "f4", "f8"])
-def test_no_call_reads_beyond_the_vertices(cube, dtype):
-    vertices, faces = cube[0].astype(dtype), cube[1].astype("u4")
-    faces[3, 2] = 2**32 - 1
-    for call in (lamella.slice, lamella.weld, lamella.check, lamella.prepare):
-        with pytest.raises(InvalidArgumentError, match=r"faces\[3\]"):
-            call(vertices, faces)
+    with pytest.raises(InvalidArgumentError, match=r"faces\[7\]"):
+        call(vertices, np.where(faces == wrong, 2**32 - 1, faces).astype("u4"))
 
 
 @pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf, 2e9])

@@ -1,15 +1,20 @@
-// Part of the adapter, under its licence: AGPL-3.0-or-later (see adapter.cpp).
-#include "adapter.hpp"
+// The library's contours as the host's polygons. Part of the adapter, under its licence: AGPL-3.0-or-later (see
+// adapter.cpp).
+#pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <lamella/grid.hpp>
+#include <lamella/layers.hpp>
 #include <lamella/result.hpp>
+#include <libslic3r/ExPolygon.hpp>
+#include <libslic3r/Polygon.hpp>
 #include <span>
 #include <utility>
+#include <vector>
 
 namespace Slic3r::lamella_adapter {
-namespace {
 
 using lamella::Contour;
 using lamella::Role;
@@ -17,11 +22,17 @@ using lamella::Role;
 // Two 32-bit numbers, x first, in both: points in the host's unit are copied as bytes.
 static_assert(sizeof(Point) == sizeof(lamella::Point) && sizeof(coord_t) == sizeof(std::int32_t));
 
-bool is_loop(const Contour& contour) {
+/// Which way loops run.
+enum class Turn {
+    as_facets,          ///< as the mesh's facets turn them
+    counter_clockwise,  ///< all
+};
+
+inline bool is_loop(const Contour& contour) {
     return contour.role == Role::outer || contour.role == Role::hole;
 }
 
-Points host_points(const lamella::LayerView& layer, const Contour& contour) {
+inline Points host_points(const lamella::LayerView& layer, const Contour& contour) {
     const std::span<const lamella::Point> from = layer.points_of(contour);
     const auto host_units = static_cast<coord_t>(layer.grid_mm / lamella::default_grid_mm);
     if (host_units == 1) {
@@ -36,21 +47,20 @@ Points host_points(const lamella::LayerView& layer, const Contour& contour) {
     return points;
 }
 
-Polygon polygon(const lamella::LayerView& layer, const Contour& contour) {
+inline Polygon polygon(const lamella::LayerView& layer, const Contour& contour) {
     Polygon made;
     made.points = host_points(layer, contour);
     return made;
 }
 
 // Whether the library's points run the other way: the sense of an inverted shell is that of its role, not of its facets.
-bool is_reversed(const Contour& contour, Turn turn) {
+inline bool is_reversed(const Contour& contour, Turn turn) {
     const int runs = contour.role == Role::outer ? 1 : -1;
     return turn == Turn::counter_clockwise ? runs < 0 : runs != contour.orientation;
 }
 
-}  // namespace
-
-Polygons polygons(const lamella::LayerView& layer, Turn turn) {
+/// The closed contours that have an area.
+inline Polygons polygons(const lamella::LayerView& layer, Turn turn) {
     Polygons made;
     made.reserve(layer.contours.size());
     for (const Contour& contour : layer.contours) {
@@ -64,7 +74,8 @@ Polygons polygons(const lamella::LayerView& layer, Turn turn) {
     return made;
 }
 
-std::vector<std::vector<lamella::Point>> loops(const lamella::LayerView& layer, Turn turn) {
+/// The same, as the library takes them.
+inline std::vector<std::vector<lamella::Point>> loops(const lamella::LayerView& layer, Turn turn) {
     std::vector<std::vector<lamella::Point>> made;
     for (const Contour& contour : layer.contours) {
         if (is_loop(contour)) {
@@ -78,7 +89,8 @@ std::vector<std::vector<lamella::Point>> loops(const lamella::LayerView& layer, 
     return made;
 }
 
-Polygons largest_polygon(const lamella::LayerView& layer) {
+/// The one with the largest area, counter-clockwise; none of an empty layer.
+inline Polygons largest_polygon(const lamella::LayerView& layer) {
     const auto area = [](const Contour& contour) { return is_loop(contour) ? std::abs(contour.twice_area.to_double()) : 0; };
     const auto largest =
         std::max_element(layer.contours.begin(), layer.contours.end(),
@@ -92,7 +104,8 @@ Polygons largest_polygon(const lamella::LayerView& layer) {
     return made;
 }
 
-ExPolygons expolygons(const lamella::LayerView& layer) {
+/// Outer contours, each with its holes.
+inline ExPolygons expolygons(const lamella::LayerView& layer) {
     const lamella::Islands islands = layer.islands();
     ExPolygons made;
     made.reserve(static_cast<std::size_t>(std::distance(islands.begin(), islands.end())));

@@ -9,9 +9,9 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source tools/packages.sh
 
-install_missing "${build_packages[@]}" "${bench_packages[@]}" libcgal-dev python3
+install_missing "${build_packages[@]}" "${bench_packages[@]}" libcgal-dev
 generator=()
 [[ -e build/CMakeCache.txt ]] || generator=(-G Ninja)
 cmake -S . -B build "${generator[@]}" -DCMAKE_BUILD_TYPE=Release -DLAMELLA_BUILD_BENCH=ON -DLAMELLA_LARGE_UNITS=OFF > /dev/null
 cmake --build build --parallel --target lamella_paper_row lamella_lower_bound lamella_cli lamella_peers | tail -n 1
-exec python3 bench/scripts/paper.py --build build "$@"
+exec bench/scripts/paper.py --build build "$@"

@@ -17,77 +17,67 @@ source tools/packages.sh
 quick=()
 results=bench/results
 runs=build/bench-runs
+cache=build/bench-models
+readme=(bench/README.md)
+triangles=1000000
 if [[ "${1:-}" == --quick ]]; then
     quick=(--quick)
     results=build/bench-quick
     runs=build/bench-quick
+    cache=build/bench-models/quick
+    readme=()
+    triangles=10000
 elif (($# > 0)); then
-    echo "usage: bench/run.sh [--quick]" >&2
-    exit 2
+    stop "usage: bench/run.sh [--quick]"
 fi
 
 stage() { printf '\n== %s (%d s so far)\n' "$1" "$SECONDS"; }
 
 stage "packages and build"
-install_missing "${build_packages[@]}" "${bench_packages[@]}" python3-numpy
+install_missing "${build_packages[@]}" "${bench_packages[@]}"
 generator=()
 [[ -e build/CMakeCache.txt ]] || generator=(-G Ninja)
 cmake -S . -B build "${generator[@]}" -DCMAKE_BUILD_TYPE=Release -DLAMELLA_BUILD_BENCH=ON -DLAMELLA_LARGE_UNITS=OFF > /dev/null
-cmake --build build --parallel --target lamella_bench lamella_partition lamella_peak lamella_cli | tail -n 1
+cmake --build build --parallel --target lamella_bench lamella_peak lamella_first lamella_cli | tail -n 1
 
-# Delete cached meshes that an older version of the generator made.
-cache=build/bench-models
-if [[ -d "$cache" && -n "$(find tools/models -newer "$cache/made" 2> /dev/null || echo unknown)" ]]; then
+# Delete cached meshes that an older generator or catalogue made.
+if [[ -n "$(find tools/models bench/programs/catalogue.cpp -newer "$cache/made" 2> /dev/null || echo unknown)" ]]; then
     rm -rf "$cache"
 fi
-mkdir -p "$cache" "$results" "$runs"
+mkdir -p "$cache/read" "$results" "$runs"
 [[ -e "$cache/made" ]] || touch "$cache/made"
 
-where=("--cache=$cache")
-[[ -d ../shared/models ]] && where+=(--shared=../shared/models)
 pin=()
 [[ -z "${PIN:-}" ]] || pin=(taskset -c "$PIN")
 
 stage "files of every format"
-triangles=$((${#quick[@]} > 0 ? 10000 : 1000000))
-formats=$cache/read-$triangles
-if [[ ! -e "$formats/3mf.3mf" ]]; then
-    mkdir -p "$formats"
-    build/tools/lamella make bone --triangles "$triangles" -o "$formats/mesh.stl" > /dev/null
-    /usr/bin/python3 bench/python/mesh_formats.py "$formats/mesh.stl" "$formats"
+if [[ ! -e "$cache/read/3mf.3mf" ]]; then
+    build/tools/lamella make bone --triangles "$triangles" -o "$cache/read/mesh.stl" > /dev/null
+    /usr/bin/python3 bench/python/mesh_formats.py "$cache/read/mesh.stl" "$cache/read"
 fi
 
 stage "benchmarks"
-"${pin[@]}" build/bench/lamella_bench "${quick[@]}" "${where[@]}" \
-    --benchmark_filter="${FILTER:-.}" --benchmark_out="$runs/bench.json" --benchmark_out_format=json --benchmark_display_aggregates_only=true
+"${pin[@]}" build/bench/lamella_bench "${quick[@]}" --cache="$cache" --shared=../shared/models --benchmark_filter="${FILTER:-.}" \
+    --benchmark_out="$runs/bench.json" --benchmark_out_format=json --benchmark_display_aggregates_only=true
 
-stage "bands and parts by themselves"
-"${pin[@]}" build/bench/lamella_partition "${quick[@]}" "${where[@]}" > "$runs/partition.json"
-
-stage "peak memory"
-meshes=()
-[[ -e ../shared/models/liver.stl ]] && meshes+=(liver=../shared/models/liver.stl)
-if ((${#quick[@]} == 0)); then
-    meshes+=("scan=$(echo "$cache"/bone-3400000-*um.stl)" "figure=$(echo "$cache"/bone-8800000-*um.stl)"
-        "skull=$(echo "$cache"/bone-16700000-*um.stl)")
-else
-    meshes+=("scan=$(echo "$cache"/bone-34000-*mm.stl)")
-fi
-for mesh in "${meshes[@]}"; do
+stage "peak memory and first slices"
+for mesh in ../shared/models/{liver,femur,brain}.stl "$cache"/{scan,figure,skull}.stl; do
+    name=$(basename "$mesh" .stl)
+    [[ -e "$mesh" ]] || continue
     for band_planes in 0 16 1; do
-        build/bench/lamella_peak "${mesh%%=*}" "${mesh#*=}" 0.032 2 "$band_planes"
+        build/bench/lamella_peak "peak/$name/bands_$band_planes/threads:2" "$mesh" 0.032 2 "$band_planes"
     done
-done > "$runs/peaks.json"
+    [[ $name == figure || $name == skull ]] || for _ in {1..15}; do
+        "${pin[@]}" build/bench/lamella_first "first/$name/slice/threads:2" "$mesh" 0.032 2 0
+    done
+done > "$runs/once.jsonl"
 
 stage "tables and plot"
 add=()
 [[ -z "${FILTER:-}" ]] || add=(--add)
-"${pin[@]}" python3 bench/scripts/summarise.py "$runs" "$results" "${add[@]}"
-readme=()
-((${#quick[@]} > 0)) || readme=(bench/README.md)
-python3 bench/scripts/figures.py "$results" "${readme[@]}"
+"${pin[@]}" /usr/bin/python3 bench/scripts/summary.py "$runs" "$results" "${add[@]}"
 status=0
-python3 bench/scripts/bars.py "$results" || status=$?
+/usr/bin/python3 bench/scripts/tables.py "$results" "${readme[@]}" || status=$?
 if ((status == 1 && ${#quick[@]} > 0)); then
     status=0 # bars hold for full sizes only
 fi

@@ -7,7 +7,7 @@ build_packages=(
     libssl-dev libpng-dev libhdf5-dev
 )
 # bench/: the second is only compared with.
-bench_packages=(libbenchmark-dev libpolyclipping-dev)
+bench_packages=(libbenchmark-dev libpolyclipping-dev python3-numpy python3-matplotlib time)
 test_packages=(libxml2-utils libcgal-dev python3)
 # tools/python: the package needs numpy, the others are for its tests.
 python_packages=(

@@ -2,10 +2,10 @@
 // and one line of JSON.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "timing.hpp"
@@ -20,27 +20,16 @@ struct Problem {
     std::size_t triangles() const noexcept { return soup.size() / 9; }
 };
 
-/// The library's answer, counted after the clock has stopped.
-struct Found {
-    std::vector<std::uint64_t> contours;  ///< by plane: number of contours, closed and open
-    std::uint64_t segments = 0;
-};
+/// By plane: number of contours, closed and open. Counted after the clock has stopped.
+using Counts = std::vector<std::uint64_t>;
 
-struct Times {
-    double build_s = 0;  ///< from the soup to the library's own mesh and search tree
-    double slice_s = 0;  ///< from there to the contours of all planes, in memory and linked
-    double sum() const noexcept { return build_s + slice_s; }
-};
+/// From the soup to the library's own mesh and search tree; from there to the contours of all planes, in memory and linked.
+using Seconds = std::array<double, 2>;
 
-struct Peer {
-    std::string name;
-    std::string version;
-    std::string way;  ///< which of the library's slicing methods is used
-    Times (*run)(const Problem&, Found&) = nullptr;
-};
+using Run = Seconds (*)(const Problem&, Counts&);
 
 /// main() of a peer's program. Exit status: 0 done, 75 over the time limit, 1 failed.
-int run_program(const Peer& peer, int count, char** words) noexcept;
+int run_peer(Run run, int count, char** words) noexcept;
 
 using bench::seconds_since;
 using bench::share_out;

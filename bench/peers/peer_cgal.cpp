@@ -53,7 +53,7 @@ SurfaceMesh mesh_of(const Problem& problem) {
     return mesh;
 }
 
-Times run(const Problem& problem, Found& found) {
+Seconds run(const Problem& problem, Counts& counts) {
     const auto start = lamella::Clock::now();
     const SurfaceMesh mesh = mesh_of(problem);
     Tree tree(edges(mesh).first, edges(mesh).second, mesh);
@@ -66,10 +66,7 @@ Times run(const Problem& problem, Found& found) {
     });
     const double all_s = seconds_since(start);
     for (const Polylines& polylines : contours) {
-        found.contours.push_back(polylines.size());
-        for (const auto& polyline : polylines) {
-            found.segments += polyline.size() - 1;  // a closed polyline ends with its first point
-        }
+        counts.push_back(polylines.size());
     }
     return {build_s, all_s - build_s};
 }
@@ -77,5 +74,5 @@ Times run(const Problem& problem, Found& found) {
 }  // namespace
 
 int main(int count, char** words) {
-    return run_program({"CGAL", CGAL_VERSION_STR, "Polygon_mesh_slicer, exact predicates", run}, count, words);
+    return run_peer(run, count, words);
 }

@@ -55,11 +55,6 @@ vtkSmartPointer<vtkPolyData> mesh_of(const Problem& problem) {
     return mesh;
 }
 
-struct Lines {
-    vtkSmartPointer<vtkPoints> points;
-    vtkSmartPointer<vtkCellArray> polylines;
-};
-
 /// A pipeline with its own mesh and tree. If two threads share a mesh, contours sometimes come out in pieces.
 class Pipeline {
 public:
@@ -79,10 +74,12 @@ public:
         stripper_->JoinContiguousSegmentsOn();
     }
 
-    Lines cut(double height_mm) {
+    vtkSmartPointer<vtkPolyData> cut(double height_mm) {
         contour_->SetValue(0, height_mm);
         stripper_->Update();
-        return {stripper_->GetOutput()->GetPoints(), stripper_->GetOutput()->GetLines()};
+        const auto contours = vtkSmartPointer<vtkPolyData>::New();
+        contours->ShallowCopy(stripper_->GetOutput());
+        return contours;
     }
 
 private:
@@ -93,21 +90,19 @@ private:
     vtkNew<vtkStripper> stripper_;
 };
 
-Times run(const Problem& problem, Found& found) {
+Seconds run(const Problem& problem, Counts& counts) {
     const auto start = lamella::Clock::now();
     const vtkSmartPointer<vtkPolyData> mesh = mesh_of(problem);
     std::vector<std::optional<Pipeline>> pipelines(static_cast<std::size_t>(problem.threads));
     share_out(pipelines.size(), problem.threads, [&](std::size_t, std::size_t i) { pipelines[i].emplace(mesh); });
     const double build_s = seconds_since(start);
-    std::vector<Lines> contours(problem.planes_mm.size());
+    std::vector<vtkSmartPointer<vtkPolyData>> contours(problem.planes_mm.size());
     share_out(contours.size(), problem.threads, [&](std::size_t worker, std::size_t plane) {
         contours[plane] = pipelines[worker]->cut(problem.planes_mm[plane]);
     });
     const double all_s = seconds_since(start);
-    for (const Lines& lines : contours) {
-        const vtkIdType polylines = lines.polylines->GetNumberOfCells();
-        found.contours.push_back(static_cast<std::uint64_t>(polylines));
-        found.segments += static_cast<std::uint64_t>(lines.polylines->GetNumberOfConnectivityIds() - polylines);
+    for (const auto& lines : contours) {
+        counts.push_back(static_cast<std::uint64_t>(lines->GetNumberOfLines()));
     }
     return {build_s, all_s - build_s};
 }
@@ -118,6 +113,5 @@ int main(int count, char** words) {
     // VTK starts no threads of its own: planes are already shared out to threads. The header that controls this is not
     // valid C++20.
     setenv("VTK_SMP_BACKEND_IN_USE", "Sequential", 1);
-    return run_program({"VTK", vtkVersion::GetVTKVersion(), "vtkContourFilter, vtkSpanSpace, vtkStripper", run}, count,
-                       words);
+    return run_peer(run, count, words);
 }

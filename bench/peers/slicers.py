@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
 """Times a slicing program as a whole process and prints one line of JSON.
 
-    slicers.py slic3r|prusa-slicer|CuraEngine --mesh FILE --layer-height MM [--threads N] [--limit S] [--lamella PROGRAM]
-               [--definitions FOLDER]
+    slicers.py slic3r|prusa-slicer|CuraEngine MESH --layer-height MM [--threads N] [--limit S] [--lamella PROGRAM] [--definitions FOLDER]
 
 Everything after slicing that can be switched off is off (infill, solid layers, skirt). Stage times are those that the program
 prints. Exit status: 0 done, 75 over the time limit before the slices were made, 77 not installed.
@@ -21,11 +20,11 @@ import time
 
 OVER_LIMIT = 75
 NOT_INSTALLED = 77
-CURA_DEFINITIONS = "/usr/share/cura/resources/definitions"
 
 
-class NotInstalled(Exception):
-    pass
+def not_installed(what):
+    print(f"slicers.py: {what}", file=sys.stderr)
+    sys.exit(NOT_INSTALLED)
 
 
 class Transcript:
@@ -39,57 +38,38 @@ class Transcript:
         self.text += piece
         self.pieces.append((len(self.text), at_s))
 
-    def time_of(self, words):
-        """When these words had been printed; None: not yet."""
-        place = self.text.find(words)
-        return None if place < 0 else next(at_s for length, at_s in self.pieces if length >= place + len(words))
-
     def span(self, begin, end):
-        """Seconds between the printing of two texts."""
-        begin_s, end_s = self.time_of(begin), self.time_of(end)
-        return None if begin_s is None or end_s is None else end_s - begin_s
+        """Seconds between the printing of two texts; None if one has not been printed."""
+        places = [self.text.find(begin) + len(begin), self.text.find(end) + len(end)]
+        if begin not in self.text or end not in self.text:
+            return None
+        begin_s, end_s = (next(at_s for length, at_s in self.pieces if length >= place) for place in places)
+        return end_s - begin_s
 
     def number(self, pattern):
         found = re.search(pattern, self.text)
         return float(found[1]) if found else None
 
 
-class Slicer:
-    """What may differ between the programs: also words(request, engine), stages(transcript) and planes(folder, transcript)."""
+# A program has words(request, engine) of its command line, slice_s(transcript), and planes(file, transcript) of its output file.
 
-    output = "paths.gcode"
-    version_words, version_pattern = ["--help"], None
-
-    def contours(self, _folder):
-        return None  # tool paths are offset, joined and dropped, so contours cannot be counted
-
-
-class Slic3r(Slicer):
-    program = "slic3r"
-    way = "slices exported as SVG"
+class Slic3r:
     output = "slices.svg"
-    version_words, version_pattern = ["--version"], r"^([\d.]+)"
 
     def words(self, request, _engine):
         height = str(request.layer_height)
         return ["--no-gui", "--threads", str(request.threads), "--layer-height", height, "--first-layer-height", height,
                 "--export-svg", "--output", self.output, request.mesh]
 
-    def stages(self, transcript):
-        begin = "Processing triangulated mesh"
-        return transcript.time_of(begin), transcript.span(begin, "Exporting to")
+    def slice_s(self, transcript):
+        return transcript.span("Processing triangulated mesh", "Exporting to")
 
-    def contours(self, folder):
-        return contours_by_layer(os.path.join(folder, self.output))
-
-    def planes(self, folder, _transcript):
-        return len(self.contours(folder))
+    def planes(self, file, _transcript):
+        return len(contours_by_layer(file))
 
 
-class PrusaSlicer(Slicer):
-    program = "prusa-slicer"
-    way = "G-code of one perimeter; gaps are not closed"
-    version_pattern = r"PrusaSlicer-([\d.]+)"
+class PrusaSlicer:
+    output = "paths.gcode"
 
     def words(self, request, _engine):
         height = str(request.layer_height)
@@ -101,24 +81,21 @@ class PrusaSlicer(Slicer):
                 "--perimeters", "1", "--perimeter-generator", "classic", "--fill-density", "0",
                 "--top-solid-layers", "0", "--bottom-solid-layers", "0", "--skirts", "0", request.mesh]
 
-    def stages(self, transcript):
-        begin = "Slicing volumes..."
-        return transcript.time_of(begin), transcript.span(begin, "Generating perimeters")
+    def slice_s(self, transcript):
+        return transcript.span("Slicing volumes...", "Generating perimeters")
 
-    def planes(self, folder, _transcript):
-        with open(os.path.join(folder, self.output), encoding="utf-8") as paths:
+    def planes(self, file, _transcript):
+        with open(file, encoding="utf-8") as paths:
             return sum(line.startswith(";LAYER_CHANGE") for line in paths)
 
 
-class CuraEngine(Slicer):
-    program = "CuraEngine"
-    way = "G-code of one wall"
-    version_words, version_pattern = ["help"], r"version ([\d.]+)"
+class CuraEngine:
+    output = "paths.gcode"
 
     def words(self, request, engine):
         definition = os.path.join(request.definitions, "fdmprinter.def.json")
         if not os.path.exists(definition):
-            raise NotInstalled(f"CuraEngine needs {definition}, of Debian's package cura")
+            not_installed(f"CuraEngine needs {definition}, of Debian's package cura")
         settings = {"layer_height": request.layer_height, "layer_height_0": request.layer_height,
                     # CuraEngine cuts from z = 0 up, wherever the mesh begins.
                     "mesh_position_z": -engine["box_mm"]["min"][2],
@@ -128,16 +105,14 @@ class CuraEngine(Slicer):
         return ["slice", "-v", f"-m{request.threads}", "-j", definition, "-o", self.output, *options, "-e0", *options,
                 "-l", request.mesh]
 
-    def stages(self, transcript):
-        return (transcript.number(r"Loaded from disk in ([\d.]+)s"),
-                transcript.number(r"Progress: slice accomplished in ([\d.]+)s"))
+    def slice_s(self, transcript):
+        return transcript.number(r"Progress: slice accomplished in ([\d.]+)s")
 
-    def planes(self, _folder, transcript):
-        layers = transcript.number(r"Layer count: (\d+)")
-        return None if layers is None else int(layers)
+    def planes(self, _file, transcript):
+        return transcript.number(r"Layer count: (\d+)")
 
 
-PEERS = {peer.program: peer for peer in (Slic3r(), PrusaSlicer(), CuraEngine())}
+PEERS = {"slic3r": Slic3r(), "prusa-slicer": PrusaSlicer(), "CuraEngine": CuraEngine()}
 
 
 def contours_by_layer(svg):
@@ -152,48 +127,23 @@ def contours_by_layer(svg):
     return counts
 
 
-class Runner:
-    """Runs a program on a given number of cores, up to a deadline."""
-
-    def __init__(self, request, folder):
-        self.folder = folder
-        self.deadline = time.monotonic() + request.limit if request.limit else None
-        cores = sorted(os.sched_getaffinity(0))
-        if request.threads > len(cores):
-            sys.exit(f"slicers.py: {request.threads} threads asked for, {len(cores)} cores at hand")
-        self.cores = cores[:request.threads]
-
-    def run(self, words):
-        """The program's transcript and its run time in seconds; None if it was stopped at the deadline."""
-        transcript = Transcript()
-        start = time.monotonic()
-        # Not every program has an option for threads, but all of them respect the set of cores that they may use.
-        process = subprocess.Popen(words, cwd=self.folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                                   stderr=subprocess.STDOUT, preexec_fn=lambda: os.sched_setaffinity(0, self.cores))
-        while select.select([process.stdout], [], [], self.seconds_left())[0]:
+def run(words, folder, cores, deadline):
+    """The program's transcript and its run time in seconds; None if it was stopped at the deadline."""
+    transcript, start = Transcript(), time.monotonic()
+    # Not every program has an option for threads, but all of them respect the set of cores that they may use.
+    with subprocess.Popen(words, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          preexec_fn=lambda: os.sched_setaffinity(0, cores)) as process:
+        while select.select([process.stdout], [], [], deadline and max(0, deadline - time.monotonic()))[0]:
             piece = os.read(process.stdout.fileno(), 1 << 16)
             if not piece:
                 break
             transcript.add(piece.decode("utf-8", "replace"), time.monotonic() - start)
         else:
             process.kill()
-            process.wait()
             return transcript, None
-        status = process.wait()
-        if status != 0:
-            sys.exit(f"slicers.py: {words[0]} ended with status {status}: {transcript.text[-300:]}")
-        return transcript, time.monotonic() - start
-
-    def seconds_left(self):
-        return None if self.deadline is None else max(0, self.deadline - time.monotonic())
-
-
-def version_of(peer):
-    if shutil.which(peer.program) is None:
-        raise NotInstalled(f"{peer.program} is not installed")
-    printed = subprocess.run([peer.program, *peer.version_words], capture_output=True, text=True, check=False)
-    found = re.search(peer.version_pattern, printed.stdout + printed.stderr, re.MULTILINE)
-    return found[1] if found else None
+    if process.returncode != 0:
+        sys.exit(f"slicers.py: {words[0]} ended with status {process.returncode}: {transcript.text[-300:]}")
+    return transcript, time.monotonic() - start
 
 
 def engine_answer(request, folder):
@@ -203,62 +153,58 @@ def engine_answer(request, folder):
     sliced = subprocess.run(words, capture_output=True, text=True, check=False)
     if sliced.returncode != 0:
         sys.exit(sliced.stderr.strip())
-    report = json.loads(sliced.stdout)
     counts = contours_by_layer(svg)
     os.remove(svg)
-    return report, counts
+    return json.loads(sliced.stdout), counts
 
 
-def measure(peer, request, folder):
-    version = version_of(peer)
+def measure(request, folder):
+    peer = PEERS[request.peer]
     engine, expected = engine_answer(request, folder)
-    words = [peer.program, *peer.words(request, engine)]
-    runner = Runner(request, folder)
-    load_s, planes, contours, slice_s, total_s = None, None, None, [], []
+    words = [request.peer, *peer.words(request, engine)]
+    cores = sorted(os.sched_getaffinity(0))[:request.threads]
+    deadline = time.monotonic() + request.limit if request.limit else None
+    row = {"engine_planes": engine["planes"], "engine_contours": engine["contours"], "slice_s": [], "total_s": []}
     wanted = 1
-    while len(total_s) < wanted:
-        transcript, seconds = runner.run(words)
-        if seconds is None and total_s:
+    while len(row["total_s"]) < wanted:
+        transcript, seconds = run(words, folder, cores, deadline)
+        if seconds is None and row["total_s"]:
             break
-        load_s, sliced_s = peer.stages(transcript)
+        sliced_s = peer.slice_s(transcript)
         if sliced_s is None:
-            sys.exit(OVER_LIMIT if seconds is None else f"slicers.py: {peer.program} did not print when it had sliced")
-        slice_s.append(sliced_s)
-        total_s.append(seconds)
+            sys.exit(OVER_LIMIT if seconds is None else f"slicers.py: {request.peer} did not print when it had sliced")
+        row["slice_s"].append(sliced_s)
+        row["total_s"].append(seconds)
         if seconds is None:
             break
-        wanted = 5 if total_s[0] < 2 else 3 if total_s[0] < 10 else 1
-        planes, contours = peer.planes(folder, transcript), peer.contours(folder)
-    apart = [abs(a - b) for a, b in itertools.zip_longest(contours, expected, fillvalue=0)] if contours else None
-    return {"peer": peer.program, "version": version, "way": peer.way, "threads": request.threads,
-            "triangles": engine["triangles"], "planes": planes,
-            "contours": sum(contours) if contours else None, "segments": None,
-            "engine_planes": engine["planes"], "engine_contours": engine["contours"], "engine_segments": engine["segments"],
-            "planes_apart": sum(map(bool, apart)) if apart else None, "contours_apart": sum(apart) if apart else None,
-            "load_s": load_s, "slice_s": slice_s, "total_s": total_s}
+        wanted = 5 if row["total_s"][0] < 2 else 3 if row["total_s"][0] < 10 else 1
+        file = os.path.join(folder, peer.output)
+        row["planes"] = peer.planes(file, transcript)
+        if file.endswith(".svg"):  # tool paths are offset, joined and dropped, so their contours cannot be counted
+            apart = [abs(a - b) for a, b in itertools.zip_longest(contours_by_layer(file), expected, fillvalue=0)]
+            row |= {"planes_apart": sum(map(bool, apart)), "contours_apart": sum(apart)}
+    return row
 
 
 def main():
     here = os.path.dirname(os.path.abspath(__file__))
     parser = argparse.ArgumentParser(description="Times a slicing program as a whole process.")
     parser.add_argument("peer", choices=PEERS)
-    parser.add_argument("--mesh", required=True, type=os.path.abspath)
+    parser.add_argument("mesh", type=os.path.abspath)
     parser.add_argument("--layer-height", type=float, default=0.032, metavar="MM")
     parser.add_argument("--threads", type=int, default=1, metavar="N")
     parser.add_argument("--limit", type=float, default=0, metavar="S", help="seconds for all runs together; 0: none")
     parser.add_argument("--lamella", default=os.path.join(here, "../../build/tools/lamella"), type=os.path.abspath,
                         metavar="PROGRAM", help="the engine to compare with")
-    parser.add_argument("--definitions", default=CURA_DEFINITIONS, type=os.path.abspath, metavar="FOLDER",
+    parser.add_argument("--definitions", default="/usr/share/cura/resources/definitions", type=os.path.abspath, metavar="FOLDER",
                         help="where Cura's fdmprinter.def.json is")
     request = parser.parse_args()
     if not os.path.exists(request.lamella):
         parser.error(f"there is no {request.lamella}: build it, or pass --lamella PROGRAM")
-    try:
-        with tempfile.TemporaryDirectory(prefix="lamella-peer-") as folder:
-            print(json.dumps(measure(PEERS[request.peer], request, folder)))
-    except NotInstalled as absence:
-        print(f"slicers.py: {absence}", file=sys.stderr)
-        sys.exit(NOT_INSTALLED)
+    if shutil.which(request.peer) is None:
+        not_installed(f"{request.peer} is not installed")
+    with tempfile.TemporaryDirectory(prefix="lamella-peer-") as folder:
+        print(json.dumps(measure(request, folder)))
 
 
 if __name__ == "__main__":

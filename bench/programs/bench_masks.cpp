@@ -1,35 +1,25 @@
-// Times label masks of one mesh: lamella_masks MESH.stl THREADS FOLDER [ROUNDS]. Prints JSON.
-//
-// The image has 512 x 512 x 275 voxels around the mesh, as wide and high as its box; the contours are there before the clock
-// starts. Each way is timed in every round, and the median is printed, of wall time and of processor time:
+// Times label masks of one mesh: 512 x 512 x 275 voxels, as wide and high as its box. The contours are there before the
+// clock starts.
 //
 //     raster     contours to voxels in memory, slice by slice into one buffer a thread; nothing is written
-//     nii, nrrd  write_mask(): the same, written to a file in FOLDER; NRRD with gzip
-//
-// Before that the mask is read back and its voxels are counted: the sum must be that of the summary.
+//     nii, nrrd  write_mask(): the same, written to a file; NRRD with gzip
 #include <algorithm>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <iterator>
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
-#include "lamella/io.hpp"
-#include "lamella/lamella.hpp"
 #include "lamella/medical.hpp"
+#include "measure.hpp"
 #include "medical/mask/slice_raster.hpp"
-#include "timing.hpp"
 
 namespace lamella::bench {
 
 namespace {
 
 constexpr std::array<std::uint64_t, 3> size = {512, 512, 275};
-constexpr double voxels = 512.0 * 512 * 275;
+constexpr std::size_t voxels = std::size_t{512} * 512 * 275;
 
 /// Around the box, a thousandth of a voxel wider.
 ImageGeometry image_around(const Box& box) {
@@ -42,96 +32,75 @@ ImageGeometry image_around(const Box& box) {
     return image;
 }
 
-double processor_ms() {
-    timespec now{};
-    ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
-
-struct Times {
-    std::vector<double> wall_ms;
-    std::vector<double> processor_ms;
-
-    void add(const std::function<void()>& call) {
-        const double before = bench::processor_ms();
-        wall_ms.push_back(ms_of(call));
-        processor_ms.push_back(bench::processor_ms() - before);
+/// A mesh sliced at the slices of an image.
+class Masked {
+public:
+    explicit Masked(const std::filesystem::path& file) : folder_(file.parent_path()) {
+        const MeshFile mesh = checked(read_mesh(file));
+        image_ = image_around(checked(Slicer().outline(mesh)).box);
+        SliceOptions options;
+        options.heights_mm = image_.slice_heights_mm();
+        options.frame.transform = image_.slicing_frame(PatientFrame::lps);
+        result_ = checked(slice(mesh, options));
+        check();
     }
-    nlohmann::json json() const {
-        const double wall = median_of(wall_ms);
-        return {{"wall_ms", wall},
-                {"least_wall_ms", *std::min_element(wall_ms.begin(), wall_ms.end())},
-                {"processor_ms", median_of(processor_ms)},
-                {"voxels_per_s", voxels / (1e-3 * wall)}};
+
+    /// Every slice into one buffer a thread.
+    void draw(int threads) const {
+        struct Worker {
+            SliceRaster::Scratch scratch;
+            MaskCounts counts = MaskCounts(1);
+            std::vector<unsigned char> slice;
+        };
+        const MaskOptions options;
+        const MaskLayout layout = layout_of("mask.nii", {&part_, 1}, false);
+        const SliceRaster raster({&part_, 1}, image_, options, layout);
+        std::vector<Worker> workers(static_cast<std::size_t>(threads));
+        share_out(size[2], threads, [&](std::size_t worker, std::size_t k) {
+            Worker& own = workers[worker];
+            own.slice.resize(raster.slice_bytes());
+            raster.draw(k, own.slice.data(), own.scratch, own.counts);
+        });
     }
+    auto write(const char* name, int threads) const {
+        return checked(write_mask({&part_, 1}, image_, folder_ / name, {}, {.threads = threads}));
+    }
+
+private:
+    /// The mask that is written must have as many voxels as its summary says.
+    void check() const {
+        const std::uint64_t expected = write("mask.nii", 1).voxels[0];
+        std::ifstream file(folder_ / "mask.nii", std::ios::binary);
+        file.seekg(352);  // the header
+        const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+        const auto found = static_cast<std::uint64_t>(std::count(bytes.begin(), bytes.end(), '\1'));
+        if (bytes.size() != voxels || found != expected || found == 0) {
+            fail("the mask holds " + std::to_string(found) + " voxels, its summary " + std::to_string(expected));
+        }
+    }
+
+    std::filesystem::path folder_;
+    ImageGeometry image_;
+    SliceResult result_;
+    MaskPart part_{&result_, "bone"};
 };
-
-/// Every slice into one buffer a thread.
-void draw_all(const SliceRaster& raster, int threads) {
-    struct Worker {
-        SliceRaster::Scratch scratch;
-        MaskCounts counts = MaskCounts(1);
-        std::vector<unsigned char> slice;
-    };
-    std::vector<Worker> workers(static_cast<std::size_t>(threads));
-    share_out(size[2], threads, [&](std::size_t worker, std::size_t k) {
-        Worker& own = workers[worker];
-        own.slice.resize(raster.slice_bytes());
-        raster.draw(k, own.slice.data(), own.scratch, own.counts);
-    });
-}
-
-void require_right(const std::filesystem::path& path, std::uint64_t expected) {
-    std::ifstream file(path, std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-    constexpr std::size_t header_bytes = 352;
-    if (bytes.size() != header_bytes + static_cast<std::size_t>(voxels)) {
-        fail("the mask has " + std::to_string(bytes.size()) + " bytes");
-    }
-    const auto found = static_cast<std::uint64_t>(std::count(bytes.begin() + header_bytes, bytes.end(), '\1'));
-    if (found != expected || found == 0) {
-        fail("the mask holds " + std::to_string(found) + " voxels, its summary " + std::to_string(expected));
-    }
-}
-
-nlohmann::json run(const std::vector<std::string>& words) {
-    const int threads = std::stoi(words[1]);
-    const std::filesystem::path folder = words[2];
-    const int rounds = words.size() > 3 ? std::stoi(words[3]) : 15;
-    const MeshFile mesh = checked(read_mesh(words[0]));
-    const ImageGeometry image = image_around(checked(Slicer().outline(mesh)).box);
-    SliceOptions options;
-    options.heights_mm = image.slice_heights_mm();
-    options.frame.transform = image.slicing_frame(PatientFrame::lps);
-    const SliceResult result = checked(slice(mesh, options));
-    const MaskPart part{&result, "bone"};
-    const MaskOptions mask_options;
-    const MaskLayout layout = layout_of("mask.nii", {&part, 1}, false);
-    const SliceRaster raster({&part, 1}, image, mask_options, layout);
-    const auto write = [&](const char* name) {
-        return checked(write_mask({&part, 1}, image, folder / name, mask_options, {.threads = threads}));
-    };
-    require_right(folder / "mask.nii", write("mask.nii").voxels[0]);
-    Times in_memory;
-    Times nii;
-    Times nrrd;
-    for (int round = 0; round < rounds; ++round) {
-        in_memory.add([&] { draw_all(raster, threads); });
-        nii.add([&] { (void)write("mask.nii"); });
-        nrrd.add([&] { (void)write("mask.nrrd"); });
-    }
-    return {{"triangles", mesh.view().triangle_count},
-            {"points", result.points.size()},
-            {"threads", threads},
-            {"raster", in_memory.json()},
-            {"nii", nii.json()},
-            {"nrrd", nrrd.json()}};
-}
 
 }  // namespace
 
-}  // namespace lamella::bench
-
-int main(int count, char** words) {
-    return lamella::bench::run_program(count, words, 3, 4, "MESH.stl THREADS FOLDER [ROUNDS]", lamella::bench::run);
+void add_masks(const Options& options) {
+    const auto add = [&](const char* way, auto work) {
+        for (const int threads : {1, 2}) {
+            add_benchmark(std::string("mask/bone/") + way, threads, options, [=](benchmark::State& state) {
+                const models::Recipe recipe{.triangles = std::uint64_t{options.quick ? 40'000U : 4'000'000U}};
+                static const Masked masked(cached_mesh(options, "mask_bone", recipe));
+                measure(state, [&] { work(masked, threads); });
+                state.counters["voxels/s"] = rate_of(voxels);
+            });
+        }
+    };
+    add("raster", [](const Masked& masked, int threads) { masked.draw(threads); });
+    add("nii", [](const Masked& masked, int threads) { (void)masked.write("mask.nii", threads); });
+    add("nrrd", [](const Masked& masked, int threads) { (void)masked.write("mask.nrrd", threads); });
 }
+
+}  // namespace lamella::bench

@@ -75,7 +75,7 @@ private:
     std::vector<NestItem> items_;
 };
 
-void run_nesting_series(benchmark::State& state, std::uint32_t contours) {
+void run_nesting(benchmark::State& state, std::uint32_t contours) {
     RingLattice lattice(contours);
     lamella::Worker worker;
     Nester nester(worker);
@@ -83,17 +83,17 @@ void run_nesting_series(benchmark::State& state, std::uint32_t contours) {
     if (!lattice.nested()) {
         fail("the rings are not nested as constructed");
     }
-    const double seconds = measure(
+    measure(
         state, [&] { forget(lattice.items()); }, [&] { nester.nest(lattice.items()); });
-    count(state, {.contours = contours}, seconds, 1);
+    state.counters["contours/s"] = rate_of(contours);
 }
 
 }  // namespace
 
-void add_nesting_series(const Options& options) {
+void add_nesting(const Options& options) {
     for (const std::uint32_t contours : {10U, 100U, 1'000U, 10'000U}) {
         add_benchmark("nesting/rings_" + std::to_string(contours) + "/series", 1, options,
-                      [=](benchmark::State& state) { run_nesting_series(state, contours); });
+                      [=](benchmark::State& state) { run_nesting(state, contours); });
     }
 }
 

@@ -17,18 +17,14 @@ namespace lamella::bench {
 
 namespace {
 
-/// Files by how they hold numbers, named after their formats.
+/// Files by how they hold numbers, named after their formats. bench/run.sh has bench/python/mesh_formats.py write them,
+/// beside the mesh that they hold.
 const std::pair<const char*, std::vector<std::filesystem::path>> formats[] = {
     {"text", {"stl_ascii.stl", "obj.obj", "off.off", "ply_ascii.ply", "vtk_ascii.vtk", "vtp_ascii.vtp"}},
     {"binary",
      {"stl_binary.stl", "ply_little_endian.ply", "ply_big_endian.ply", "vtk_binary.vtk", "vtk5_binary.vtk", "vtp_raw.vtp"}},
     {"packed", {"vtp_base64.vtp", "vtp_zlib.vtp", "3mf.3mf"}},
 };
-
-/// Where bench/run.sh has bench/python/mesh_formats.py write the files, beside the mesh that they hold.
-std::filesystem::path folder_of(const Options& options) {
-    return options.cache / (options.quick ? "read-10000" : "read-1000000");
-}
 
 std::array<float, 3> corner_of(const MeshView& view, std::uint64_t triangle, std::size_t corner) {
     const std::byte* const at = view.indices != nullptr ? view.vertex_at(view.vertex_of(triangle, corner))
@@ -113,8 +109,7 @@ void run_read(benchmark::State& state, const std::filesystem::path& path, int th
             pread_seconds += time_pread(input, threads);
         },
         [&] { mesh = read(); });
-    state.counters["share_of_pread"] = benchmark::Counter(pread_seconds / static_cast<double>(state.iterations()) / seconds);
-    state.counters["threads"] = benchmark::Counter(threads);
+    state.counters["share_of_pread"] = pread_seconds / static_cast<double>(state.iterations()) / seconds;
 }
 
 /// Measures the upper bound for a deflate stream: only one thread can inflate it.
@@ -122,16 +117,15 @@ void run_inflate(benchmark::State& state, const std::filesystem::path& path) {
     const std::uint64_t bytes = inflate_model(path);
     measure(state, [&] { benchmark::DoNotOptimize(inflate_model(path)); });
     state.counters["unpacked_bytes/s"] = rate_of(bytes);
-    state.counters["threads"] = benchmark::Counter(1);
 }
 
 }  // namespace
 
 void add_reads(const Options& options) {
-    const std::filesystem::path folder = folder_of(options);
+    const std::filesystem::path folder = options.cache / "read";
     for (const auto& [encoding, files] : formats) {
         for (const std::filesystem::path& file : files) {
-            for (const int threads : thread_counts(options)) {
+            for (const int threads : thread_counts()) {
                 add_benchmark("read/" + file.stem().string() + "/" + encoding, threads, options,
                               [=](benchmark::State& state) { run_read(state, folder / file, threads); });
             }

@@ -2,10 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <optional>
+#include <cstring>
+#include <numbers>
+#include <span>
 #include <thread>
-#include <utility>
+
+#include "base/parallel.hpp"
+#include "lamella/io.hpp"
+#include "lamella/lamella.hpp"
+#include "timing.hpp"
 
 namespace lamella::bench {
 
@@ -16,34 +21,66 @@ constexpr std::uint64_t few_planes_segments = 5'000'000;
 constexpr double few_planes_height_mm = 10;
 constexpr double segments_per_triangle = 5;  // for the linear series and for weak scaling
 
-using PlanOf = std::function<Plan(const Mesh&)>;
-
-PlanOf uniform(double height_mm) {
-    return [=](const Mesh&) { return Plan{{.layer_height_mm = height_mm}}; };
+Plan uniform(const Mesh&) {
+    return {{.layer_height_mm = layer_mm}};
 }
 
-/// Random steps with as many planes as uniform(layer_mm) on average.
-PlanOf irregular() {
-    return [](const Mesh&) { return Plan{{}, {.random_heights = RandomHeights{layer_mm / 2, layer_mm * 3 / 2, 1}}}; };
-}
-
-/// `count` planes, evenly spaced between the lowest and the highest vertex.
-PlanOf few(int count) {
-    return [=](const Mesh& mesh) {
-        std::vector<double> heights_mm;
-        for (int i = 0; i < count; ++i) {
-            heights_mm.push_back(mesh.low_mm + (mesh.high_mm - mesh.low_mm) * (i + 0.5) / count);
-        }
-        return Plan{{.heights_mm = heights_mm}};
-    };
+/// Random steps with as many planes as uniform() on average.
+Plan irregular(const Mesh&) {
+    return {{}, {.random_heights = RandomHeights{layer_mm / 2, layer_mm * 3 / 2, 1}}};
 }
 
 /// Layers of the height that gives `segments_per_triangle`.
-PlanOf constant_ratio() {
-    return [](const Mesh& mesh) {
-        const double crossings = segments_per_triangle * static_cast<double>(mesh.triangles());
-        return Plan{{.layer_height_mm = mesh.rise_mm / crossings}};
-    };
+Plan constant_ratio(const Mesh& mesh) {
+    double rise_mm = 0;  // of all triangles; divided by the layer height, it gives the crossings
+    for (std::size_t t = 0; t < mesh.soup.size(); t += 9) {
+        const auto [low, high] = std::minmax({mesh.soup[t + 2], mesh.soup[t + 5], mesh.soup[t + 8]});
+        rise_mm += static_cast<double>(high) - static_cast<double>(low);
+    }
+    return {{.layer_height_mm = rise_mm / (segments_per_triangle * static_cast<double>(mesh.triangles()))}};
+}
+
+/// `count` planes, evenly spaced between the lowest and the highest vertex.
+Plan few(const Mesh& mesh, int count) {
+    const Box box = checked(Slicer().outline(mesh.view())).box;
+    std::vector<double> heights_mm;
+    for (int i = 0; i < count; ++i) {
+        heights_mm.push_back(box.min_mm[2] + (box.max_mm[2] - box.min_mm[2]) * (i + 0.5) / count);
+    }
+    return {{.heights_mm = heights_mm}};
+}
+
+/// `count` closed columns of `sides` sides on a square lattice of 1 mm. A column has 2 * sides facets over its full
+/// height and sides - 2 at either end.
+Mesh make_columns(std::uint32_t count, std::uint32_t sides) {
+    const auto row = static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(count))));
+    Mesh mesh;
+    mesh.soup.resize_discarding(std::size_t{9} * count * (2 * sides + 2 * (sides - 2)));
+    float* out = mesh.soup.data();
+    for (std::uint32_t column = 0; column < count; ++column) {
+        const std::uint32_t line = column / row;
+        const auto add_corner = [&](std::uint32_t side, bool top) {
+            const double angle = 2 * std::numbers::pi * (side % sides) / sides;
+            const double radius = top ? 0.45 : 0.40;
+            *out++ = static_cast<float>(column % row + radius * std::cos(angle));
+            *out++ = static_cast<float>(line + radius * std::sin(angle));
+            *out++ = static_cast<float>(top ? few_planes_height_mm : 0);
+        };
+        const auto add = [&](std::uint32_t a, bool a_top, std::uint32_t b, bool b_top, std::uint32_t c, bool c_top) {
+            add_corner(a, a_top);
+            add_corner(b, b_top);
+            add_corner(c, c_top);
+        };
+        for (std::uint32_t i = 0; i < sides; ++i) {
+            add(i, false, i + 1, false, i, true);
+            add(i + 1, false, i + 1, true, i, true);
+        }
+        for (std::uint32_t i = 1; i + 1 < sides; ++i) {
+            add(0, false, i + 1, false, i, false);
+            add(0, true, i, true, i + 1, true);
+        }
+    }
+    return mesh;
 }
 
 class CatalogueMaker {
@@ -56,109 +93,119 @@ public:
         add_real("brain", {});
         add_real("hip_femur", {});
         add_bones();
-        add_few_planes();
-        add_linear();
-        add_weak();
+        for (const int planes : {1, 2, 4}) {
+            add_few_planes(planes);
+        }
+        for (int half_decade = 8; half_decade <= 14; ++half_decade) {  // 10^4 to 10^7 triangles
+            const auto triangles = static_cast<std::uint64_t>(std::llround(std::pow(10.0, half_decade / 2.0)));
+            add_torus("linear_" + std::to_string(triangles), std::max<std::uint64_t>(scaled(triangles), 1'000));
+        }
+        for (const int threads : thread_counts()) {  // the same amount of work for each thread
+            add_torus("weak_" + std::to_string(threads),
+                      std::min(scaled(1'000'000) * static_cast<std::uint64_t>(threads), models::most_triangles))
+                .only_threads = threads;
+        }
         return std::move(cases_);
     }
 
 private:
     std::uint64_t scaled(std::uint64_t count) const { return options_.quick ? count / 100 : count; }
 
-    Case& add(const std::string& name, const std::string& mesh_name, std::function<Mesh()> mesh, PlanOf plan,
-              const Measured& measured) {
-        return cases_.emplace_back(Case{name, std::move(mesh), mesh_name, std::move(plan), measured});
-    }
+    Case& add(Case added) { return cases_.emplace_back(std::move(added)); }
 
-    std::function<Mesh()> made(const models::Recipe& recipe) const {
-        return [recipe, cache = options_.cache] { return load_mesh(cached_mesh(recipe, cache)); };
+    std::function<Mesh()> made(const std::string& name, const models::Recipe& recipe) const {
+        return [=, options = options_] { return load_mesh(cached_mesh(options, name, recipe)); };
     }
 
     /// Real meshes. Where one is absent, a bone of about as many triangles replaces it, under a name that says so.
     void add_real(const std::string& name, const std::optional<KnownAnswer>& known) {
         const std::filesystem::path file = options_.shared / (name + ".stl");
         const bool paper = known.has_value();
-        const bool present = !options_.shared.empty() && std::filesystem::exists(file);
-        const Measured all{.partition = paper, .cold = true, .from_file = true};
-        if (present) {
+        if (!options_.shared.empty() && std::filesystem::exists(file)) {
             const auto load = [file] { return load_mesh(file); };
-            add(name, name, load, uniform(layer_mm), all).known = known;
-            add(name + "_irregular", name, load, irregular(), {});
+            const bool hosts = name != "hip_femur";
+            add({.name = name,
+                 .mesh_name = name,
+                 .mesh = load,
+                 .plan = uniform,
+                 .cold = true,
+                 .partition = paper,
+                 .hosts = hosts,
+                 .regions = hosts,
+                 .known = known});
+            add({.name = name + "_irregular", .mesh_name = name, .mesh = load, .plan = irregular});
         } else if (paper) {
-            const auto make = made({.shape = models::Shape::bone, .triangles = 40'000});
-            add("instead_of_" + name, "instead_of_real", make, uniform(layer_mm), all);
+            const auto load = made("instead_of_real", {.shape = models::Shape::bone, .triangles = 40'000});
+            add({.name = "instead_of_" + name,
+                 .mesh_name = "instead_of_real",
+                 .mesh = load,
+                 .plan = uniform,
+                 .cold = true,
+                 .partition = true,
+                 .hosts = true,
+                 .regions = true});
         }
     }
 
     /// A bone of the stated size. With --quick it is smaller, and its number of segments is not controlled.
-    models::Recipe bone(std::uint64_t triangles, double height_mm, std::uint64_t segments) const {
+    Case& add_bone(const std::string& name, std::uint64_t triangles, double height_mm, std::uint64_t segments,
+                   models::Order order = models::Order::z) {
         models::Recipe recipe{.shape = models::Shape::bone, .triangles = scaled(triangles), .height_mm = height_mm};
+        recipe.order = order;
         if (!options_.quick) {
             recipe.segments = segments;
             recipe.layer_height_mm = layer_mm;
         }
-        return recipe;
-    }
-
-    Case& add_bone(const std::string& name, const models::Recipe& recipe, const Measured& measured) {
-        Case& added = add(name, name, made(recipe), uniform(layer_mm), measured);
-        added.triangles = recipe.triangles;
-        added.segments = recipe.segments.value_or(0);
-        return added;
+        return add({.name = name,
+                    .mesh_name = name,
+                    .mesh = made(name, recipe),
+                    .plan = uniform,
+                    .triangles = recipe.triangles,
+                    .segments = recipe.segments.value_or(0),
+                    .cold = order == models::Order::z,
+                    .partition = true});
     }
 
     void add_bones() {
-        models::Recipe scan = bone(3'400'000, 150, 18'000'000);
-        add_bone("scan", scan, {.partition = true, .cold = true, .from_file = true});
-        add("scan_irregular", "scan", made(scan), irregular(), {});
-        scan.order = models::Order::random;
-        add_bone("scan_shuffled", scan, {.partition = true});
-        add_bone("figure", bone(8'800'000, 10, 1'100'000), {.partition = true, .cold = true, .from_file = true});
-        add_bone("skull", bone(16'700'000, 150, 70'000'000), {.partition = true, .cold = true, .from_file = true});
+        const auto scan = add_bone("scan", 3'400'000, 150, 18'000'000).mesh;
+        cases_.back().hosts = true;
+        add({.name = "scan_irregular", .mesh_name = "scan", .mesh = scan, .plan = irregular});
+        add_bone("scan_shuffled", 3'400'000, 150, 18'000'000, models::Order::random);
+        add_bone("figure", 8'800'000, 10, 1'100'000);
+        add_bone("skull", 16'700'000, 150, 70'000'000);
     }
 
-    /// 5 M segments in one, two and four planes: as one contour a plane, and as many small ones.
-    void add_few_planes() {
+    /// 5 M segments in one, two and four planes: as many small contours, and as one contour a plane.
+    void add_few_planes(int planes) {
         constexpr std::uint32_t sides = 64;
         const std::uint64_t all = scaled(few_planes_segments);
-        for (const int planes : {1, 2, 4}) {
-            const std::uint64_t facets = all / static_cast<std::uint64_t>(planes);
-            const auto count = static_cast<std::uint32_t>(facets / (2 * sides));
-            const std::string suffix = "_planes" + std::to_string(planes);
-            add("columns" + suffix, "columns" + suffix, [=] { return make_columns(count, sides, few_planes_height_mm); },
-                few(planes), {})
-                .segments = all;
-            const models::Recipe prism{.shape = models::Shape::prism,
-                                       .triangles = facets * 2,
-                                       .height_mm = few_planes_height_mm,
-                                       .segments = all,
-                                       .layer_height_mm = few_planes_height_mm / planes};
-            add("prism" + suffix, "prism" + suffix, made(prism), few(planes), {}).segments = all;
-        }
+        const std::uint64_t facets = all / static_cast<std::uint64_t>(planes);
+        const models::Recipe prism{.shape = models::Shape::prism,
+                                   .triangles = facets * 2,
+                                   .height_mm = few_planes_height_mm,
+                                   .segments = all,
+                                   .layer_height_mm = few_planes_height_mm / planes};
+        const auto columns = [=] { return make_columns(static_cast<std::uint32_t>(facets / (2 * sides)), sides); };
+        const auto add_one = [&](const std::string& name, std::function<Mesh()> mesh) {
+            add({.name = name,
+                 .mesh_name = name,
+                 .mesh = std::move(mesh),
+                 .plan = [=](const Mesh& at) { return few(at, planes); },
+                 .segments = all,
+                 .partition = true});
+        };
+        add_one("columns_planes" + std::to_string(planes), columns);
+        add_one("prism_planes" + std::to_string(planes), made("prism_planes" + std::to_string(planes), prism));
     }
 
-    void add_constant_ratio(const std::string& name, std::uint64_t triangles, const Measured& measured) {
+    Case& add_torus(const std::string& name, std::uint64_t triangles) {
         const models::Recipe recipe{.shape = models::Shape::torus, .triangles = triangles / 2 * 2};
-        Case& added = add(name, name, made(recipe), constant_ratio(), measured);
-        added.triangles = recipe.triangles;
-        added.segments = static_cast<std::uint64_t>(segments_per_triangle * static_cast<double>(triangles));
-    }
-
-    /// 10^4 to 10^7 triangles by half decades.
-    void add_linear() {
-        for (int half_decade = 8; half_decade <= 14; ++half_decade) {
-            const auto triangles = static_cast<std::uint64_t>(std::llround(std::pow(10.0, half_decade / 2.0)));
-            add_constant_ratio("linear_" + std::to_string(triangles), std::max<std::uint64_t>(scaled(triangles), 1'000), {});
-        }
-    }
-
-    /// The same amount of work for each thread.
-    void add_weak() {
-        for (const int threads : thread_counts(options_)) {
-            add_constant_ratio("weak_" + std::to_string(threads),
-                               std::min(scaled(1'000'000) * static_cast<std::uint64_t>(threads), models::most_triangles),
-                               {.single_use = true, .threads = threads});
-        }
+        return add({.name = name,
+                    .mesh_name = name,
+                    .mesh = made(name, recipe),
+                    .plan = constant_ratio,
+                    .triangles = recipe.triangles,
+                    .segments = static_cast<std::uint64_t>(segments_per_triangle * static_cast<double>(triangles))});
     }
 
     Options options_;
@@ -167,33 +214,37 @@ private:
 
 }  // namespace
 
-bool take_option(std::string_view argument, Options& options) {
-    const std::size_t equals = std::min(argument.find('='), argument.size());
-    const std::string_view name = argument.substr(0, equals);
-    const std::string value(argument.substr(std::min(equals + 1, argument.size())));
-    if (name == "--quick") {
-        options.quick = true;
-    } else if (name == "--cache") {
-        options.cache = value;
-    } else if (name == "--shared") {
-        options.shared = value;
-    } else if (name == "--max-threads") {
-        options.max_threads = std::max(0, std::atoi(value.c_str()));
-    } else {
-        return false;
-    }
-    return true;
-}
-
-std::vector<int> thread_counts(const Options& options) {
-    const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-    const int most = options.max_threads > 0 ? options.max_threads : cores;
+std::vector<int> thread_counts() {
+    const int most = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
     std::vector<int> counts;
     for (int threads = 1; threads < most; threads *= 2) {
         counts.push_back(threads);
     }
     counts.push_back(most);
     return counts;
+}
+
+Mesh load_mesh(const std::filesystem::path& file) {
+    const MeshFile stl = checked(read_mesh(file));
+    const MeshView view = stl.view();
+    Mesh mesh;
+    mesh.file = file;
+    mesh.soup.resize_discarding(9 * stl.triangle_count);
+    Parallel().run_ranges(stl.triangle_count, 1 << 14, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t t = begin; t < end; ++t) {
+            std::memcpy(mesh.soup.data() + 9 * t, view.vertex_at(t), 9 * sizeof(float));
+        }
+    });
+    return mesh;
+}
+
+std::filesystem::path cached_mesh(const Options& options, const std::string& name, const models::Recipe& recipe) {
+    std::filesystem::path file = options.cache / (name + ".stl");
+    if (!std::filesystem::exists(file)) {
+        std::filesystem::create_directories(options.cache);
+        checked(models::write_stl(recipe, file));
+    }
+    return file;
 }
 
 std::vector<Case> make_catalogue(const Options& options) {

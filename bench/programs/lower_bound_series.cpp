@@ -6,10 +6,10 @@
 
 namespace {
 
-nlohmann::ordered_json run(const std::vector<std::string>&) {
+void run(const lamella::bench::Words&) {
     using namespace lamella::baselines;  // NOLINT(google-build-using-namespace)
     constexpr std::uint32_t n = 1 << 18;
-    nlohmann::ordered_json series = nlohmann::ordered_json::array();
+    lamella::bench::Json series;
     for (std::uint32_t k = 1 << 4; k <= 1 << 18; k <<= 2) {
         const SearchInstance instance = make_search_instance(n, k, 1);
         const Problem problem = instance.problem();
@@ -19,11 +19,11 @@ nlohmann::ordered_json run(const std::vector<std::string>&) {
         const ComparisonCount count = count_comparisons(problem);
         series.push_back({{"n", n}, {"k", k}, {"least", count.least}, {"search", count.search}, {"sweep", count.sweep}});
     }
-    return series;
+    lamella::bench::print(series);
 }
 
 }  // namespace
 
 int main(int count, char** words) {
-    return lamella::bench::run_program(count, words, 0, 0, "", run);
+    return lamella::bench::run_program(count, words, "", run);
 }

@@ -1,60 +1,129 @@
 #include "measure.hpp"
 
+#include <cmath>
+#include <cstring>
 #include <exception>
+#include <map>
 #include <utility>
+
+#include "base/parallel.hpp"
+#include "lamella/array.hpp"
 
 namespace lamella::bench {
 
-void count(benchmark::State& state, const Handled& handled, double seconds, int threads) {
-    using benchmark::Counter;
-    const auto rate = [&](const char* name, std::uint64_t items) {
-        if (items != 0) {
-            state.counters[name] = rate_of(items);
-        }
+namespace {
+
+double measure_copy(int threads) {
+    constexpr std::size_t bytes = std::size_t{256} << 20;
+    Array<char> from;
+    Array<char> to;
+    from.resize_discarding(bytes);
+    to.resize_discarding(bytes);
+    std::memset(from.data(), 1, bytes);
+    std::memset(to.data(), 2, bytes);
+    const Parallel parallel({.threads = threads});
+    const auto copy = [&] {
+        parallel.run_ranges(bytes, 1 << 20, [&](std::size_t begin, std::size_t end, int) {
+            std::memcpy(to.data() + begin, from.data() + begin, end - begin);
+        });
     };
-    rate("segments/s", handled.segments);
-    rate("triangles/s", handled.triangles);
-    rate("contours/s", handled.contours);
-    if (handled.bytes != 0) {
-        state.counters["floor"] = Counter(seconds * copy_bandwidth(threads) / static_cast<double>(handled.bytes));
+    return 2e3 * static_cast<double>(bytes) / medians_of({{"copy", copy}}, 9)["copy"];
+}
+
+void require_near(const char* what, std::uint64_t found, std::uint64_t stated, double tolerance) {
+    if (std::abs(static_cast<double>(found) - static_cast<double>(stated)) > tolerance * static_cast<double>(stated)) {
+        fail(std::string(what) + ": " + std::to_string(found) + ", stated " + std::to_string(stated));
     }
-    state.counters["segments"] = Counter(static_cast<double>(handled.segments));
-    state.counters["triangles"] = Counter(static_cast<double>(handled.triangles));
-    state.counters["planes"] = Counter(static_cast<double>(handled.planes));
-    state.counters["threads"] = Counter(threads);
+}
+
+}  // namespace
+
+double copy_bandwidth(int threads) {
+    static std::map<int, double> measured;
+    const auto [at, fresh] = measured.try_emplace(threads, 0.0);
+    if (fresh) {
+        at->second = measure_copy(threads);
+    }
+    return at->second;
+}
+
+Prepared::Prepared(const Case& wanted, std::shared_ptr<const Mesh> of_case)
+    : name(wanted.name), mesh_name(wanted.mesh_name), mesh(std::move(of_case)), plan(wanted.plan(*mesh)) {
+    if (wanted.triangles != 0) {
+        require_near("triangles", mesh->triangles(), wanted.triangles, 0.01);
+    }
+    if (wanted.known) {
+        check_known(*wanted.known);
+    }
+    info = slice(1);
+    const AuditOptions structure{.open = false, .volume = false, .ledger = false, .crossings = false, .structure = true};
+    const Audit audited = checked(audit(result, MeshView{}, structure));
+    if (!*audited.structure) {
+        fail(audited.structure->error().message);
+    }
+    hash_ = result.hash();
+    if (wanted.segments != 0) {
+        require_near("segments", info.segments, wanted.segments, 0.05);
+    }
+}
+
+void Prepared::check_known(const KnownAnswer& known) {
+    const SliceOptions exact{.layer_height_mm = 0.032, .planes = {.first_height_mm = 0.008}, .frame = {.grid_mm = 0.004}};
+    const SliceInfo sliced = checked(slicer.slice_to(result, mesh->view(), exact, {.threads = 1}));
+    require_near("planes", sliced.layers, known.planes, 0);
+    require_near("segments", sliced.segments, known.segments, 0);
+    require_near("contours", sliced.contours, known.contours, 0);
+    require_near("open contours", sliced.open_contours, known.open, 0);
+}
+
+void Prepared::check(int threads) {
+    if (!checked_.contains(threads)) {
+        slice(threads);
+        if (result.hash() != hash_) {
+            fail("the answer differs from that of one thread");
+        }
+        checked_.insert(threads);
+    }
+}
+
+Prepared& prepared(const Case& wanted) {
+    static std::unique_ptr<Prepared> last;
+    if (last == nullptr || last->name != wanted.name) {
+        std::shared_ptr<const Mesh> mesh = last != nullptr && last->mesh_name == wanted.mesh_name ? last->mesh : nullptr;
+        last.reset();  // before another mesh takes memory
+        last = std::make_unique<Prepared>(wanted, mesh != nullptr ? mesh : std::make_shared<const Mesh>(wanted.mesh()));
+    }
+    return *last;
+}
+
+void report(benchmark::State& state, const Figures& figures) {
+    for (auto _ : state) {
+        state.SetIterationTime(1);
+    }
+    for (const auto& [name, figure] : figures) {
+        state.counters[name] = figure;
+    }
 }
 
 benchmark::Counter rate_of(std::uint64_t items) {
     return {static_cast<double>(items), benchmark::Counter::kIsIterationInvariantRate};
 }
 
-void add_benchmark(const std::string& name, int threads, const Options& options,
-                   std::function<void(benchmark::State&)> run) {
-    benchmark::RegisterBenchmark((name + "/threads:" + std::to_string(threads)).c_str(),
-                                 [run = std::move(run)](benchmark::State& state) {
-                                     try {
-                                         run(state);
-                                     } catch (const std::exception& failure) {
-                                         state.SkipWithError(failure.what());
-                                     }
-                                 })
+benchmark::internal::Benchmark* add_benchmark(const std::string& name, int threads, const Options& options,
+                                              std::function<void(benchmark::State&)> run) {
+    const auto run_guarded = [run = std::move(run)](benchmark::State& state) {
+        try {
+            run(state);
+        } catch (const std::exception& failure) {
+            state.SkipWithError(failure.what());
+        }
+    };
+    return benchmark::RegisterBenchmark((name + "/threads:" + std::to_string(threads)).c_str(), run_guarded)
         ->UseManualTime()
+        ->MeasureProcessCPUTime()
         ->Unit(benchmark::kMillisecond)
         ->MinTime(options.quick ? 0.005 : 0.2)
         ->Repetitions(options.quick ? 1 : 5);
-}
-
-void add_copies(const Options& options) {
-    for (const int threads : thread_counts(options)) {
-        add_benchmark("copy/memory/warm", threads, options, [=](benchmark::State& state) {
-            const double bytes_per_s = copy_bandwidth(threads);
-            for (auto _ : state) {
-                state.SetIterationTime(1e-3);
-            }
-            state.counters["bytes/s"] = benchmark::Counter(bytes_per_s);
-            state.counters["threads"] = benchmark::Counter(threads);
-        });
-    }
 }
 
 }  // namespace lamella::bench

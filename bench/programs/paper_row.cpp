@@ -1,169 +1,203 @@
 // Runs one method on one mesh and prints a row of the paper's tables as JSON: the times of every run, and whether the
-// answer equals the engine's. It is a process of its own, so that a method can be stopped and its memory measured
-// alone.
+// answer equals the engine's. It is a process of its own, so that a method can be stopped.
 //
-//     lamella_paper_row --mesh=FILE (--layer-height=MM | --random-heights=MIN:MAX) --method=NAME[+NAME[+rays]]
-//                       [--threads=N] [--limit=S]
+//     lamella_paper_row METHOD MESH SPACING_MM THREADS LIMIT_S
 //
-// NAME is "engine", a whole method, or a slicing method. "+" adds a contour method to a slicing method, and "+rays"
-// then adds the orientation of contours by rays. Exit status 75: over the time limit; 78: the method does not apply to
-// this mesh.
+// METHOD is "engine", a whole method, or a slicing method. "+NAME" adds a contour method to a slicing method, and "+rays"
+// then adds the orientation of contours by rays. SPACING_MM is a layer height, or MIN:MAX for random ones. LIMIT_S bounds
+// each run; 0: nothing does. Exit status 75: over the time limit; 78: the method does not apply to this mesh.
 #include <algorithm>
-#include <exception>
-#include <iostream>
+#include <array>
+#include <cstdlib>
+#include <span>
+#include <sstream>
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
-
-#include "answer.hpp"
+#include "base/numbers.hpp"
+#include "catalogue.hpp"
 #include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
-#include "mesh.hpp"
 #include "methods.hpp"
 #include "slice_incremental.hpp"
 #include "slicing/tuning.hpp"
 #include "timing.hpp"
 
+namespace lamella::bench {
+
 namespace {
 
-using namespace lamella;         // NOLINT(google-build-using-namespace)
-using namespace lamella::bench;  // NOLINT(google-build-using-namespace)
+/// What two methods must have in common in a plane, as sums of hashes. They depend neither on the order of contours nor on
+/// where each begins, and are small enough to be kept for every plane of the largest model.
+struct PlaneAnswer {
+    std::uint64_t segments = 0;           ///< over all segments of non-zero length, whatever their direction
+    std::vector<std::uint64_t> closed{};  ///< one for each closed contour's points in order
+
+    void add(std::span<const Point> points, bool is_closed) {
+        const auto hash = [](Point p) {
+            return std::uint64_t{static_cast<std::uint32_t>(p.x)} << 32 | static_cast<std::uint32_t>(p.y);
+        };
+        const auto hash_of_step = [&](Point from, Point to) {
+            return mix64(mix64(hash(from) + 0x9E3779B97F4A7C15U) + hash(to));
+        };
+        std::uint64_t steps = 0;
+        for (std::size_t i = 1; i < points.size() + (is_closed ? 1 : 0); ++i) {
+            const auto [from, to] = std::pair(points[i - 1], points[i % points.size()]);
+            if (from != to) {  // a contour stores two equal successive points as one
+                segments += hash_of_step(std::min(from, to), std::max(from, to));
+                steps += hash_of_step(from, to);
+            }
+        }
+        if (is_closed) {
+            closed.push_back(mix64(steps));
+        }
+    }
+};
+using Answer = std::vector<PlaneAnswer>;
+
+Answer answer_of(const SliceResult& result) {
+    Answer answer(result.layers.size());
+    for (std::size_t l = 0; l < answer.size(); ++l) {
+        for (const Contour& contour : result.contours_of(result.layers[l])) {
+            answer[l].add(result.points_of(contour), contour.role != Role::open);
+        }
+    }
+    return answer;
+}
+
+Answer answer_of(const baselines::Contours& contours) {
+    Answer answer(contours.size());
+    for (std::size_t l = 0; l < answer.size(); ++l) {
+        for (const baselines::Polyline& contour : contours[l]) {
+            answer[l].add(contour.points, contour.closed);
+        }
+    }
+    return answer;
+}
+
+Answer answer_of(const baselines::SegmentLists& lists) {
+    Answer answer(lists.size());
+    for (std::size_t l = 0; l < answer.size(); ++l) {
+        for (const auto& [from, to] : lists[l]) {
+            answer[l].add(std::array{from, to}, false);
+        }
+    }
+    return answer;
+}
+
+/// Adds the number of planes whose segments differ, and that of closed contours that only one of the answers has.
+void compare(Answer& expected, Answer& found, Json& row) {
+    std::uint64_t planes = 0;
+    std::vector<std::uint64_t> apart;
+    for (std::size_t l = 0; l < expected.size(); ++l) {
+        planes += expected[l].segments != found[l].segments ? 1U : 0U;
+        std::ranges::sort(expected[l].closed);
+        std::ranges::sort(found[l].closed);
+        std::ranges::set_symmetric_difference(expected[l].closed, found[l].closed, std::back_inserter(apart));
+    }
+    row["planes_apart"] = planes;
+    row["contours_apart"] = apart.size();
+}
 
 struct Request {
-    std::string mesh;
     std::string method;
-    double layer_height_mm = 0.032;
-    std::string random_heights;
+    std::string mesh;
+    double layer_height_mm = 0;
+    std::optional<RandomHeights> random_heights;
     int threads = 1;
     unsigned limit_s = 0;
 
-    SliceInfo slice_to(SliceResult& result, Slicer& slicer, const Mesh& mesh, int on_threads) const {
-        Tuning tuning;
-        if (const std::size_t colon = random_heights.find(':'); colon != std::string::npos) {
-            tuning.random_heights = {std::stod(random_heights.substr(0, colon)),
-                                     std::stod(random_heights.substr(colon + 1))};
+    explicit Request(const Words& words) : method(words[0]), mesh(words[1]), threads(std::stoi(words[3])) {
+        layer_height_mm = std::stod(words[2]);
+        if (const std::size_t colon = words[2].find(':'); colon != std::string::npos) {
+            random_heights = {layer_height_mm, std::stod(words[2].substr(colon + 1))};
         }
-        return checked(
-            slice_tuned(slicer, result, mesh.view(), {.layer_height_mm = layer_height_mm}, tuning, {.threads = on_threads}));
+        limit_s = static_cast<unsigned>(std::stoul(words[4]));
+    }
+
+    void slice_to(SliceResult& result, Slicer& slicer, const Mesh& of, int on_threads) const {
+        checked(slice_tuned(slicer, result, of.view(), {.layer_height_mm = layer_height_mm},
+                            {.random_heights = random_heights}, {.threads = on_threads}));
     }
 };
 
-struct Run {
-    double slicing_s = 0;
-    double contours_s = 0;
-    double sense_s = 0;
-    double sum() const noexcept { return slicing_s + contours_s + sense_s; }
-};
+/// The engine's planes as the baselines take them.
+baselines::Problem problem_of(const Mesh& mesh, const SliceResult& result, bool uniform) {
+    baselines::Problem problem;
+    problem.soup = mesh.soup.span();
+    problem.unit_mm = result.info.grid_mm;
+    for (const Layer& layer : result.layers) {
+        problem.planes.push_back(layer.plane.z());
+    }
+    if (uniform && problem.planes.size() > 1) {
+        problem.uniform = true;
+        problem.first = problem.planes.front();
+        problem.step =
+            (static_cast<double>(problem.planes.back()) - problem.first) / static_cast<double>(problem.planes.size() - 1);
+    }
+    return problem;
+}
 
-/// Each run has the full limit.
+/// Seconds of slicing, of joining contours, and of orienting them.
+using Seconds = std::array<double, 3>;
+
+/// Times the method, and adds the times of the steps that it has to the row.
 template <class RunOnce>
-std::vector<Run> repeated_within(unsigned limit_s, const RunOnce& run_once) {
-    return repeated([&] {
-        end_after(limit_s);
-        const Run run = run_once();
+void time_runs(Json& row, unsigned limit_s, std::size_t steps, const RunOnce& run_once) {
+    const auto times = repeated<3>([&] {
+        end_after(limit_s);  // each run has the full limit
+        const Seconds run = run_once();
         end_after(0);
         return run;
     });
+    constexpr std::array names{"slicing_s", "contours_s", "sense_s"};
+    for (std::size_t step = 0; step < steps; ++step) {
+        row[names[step]] = times[step];
+    }
 }
 
-/// The engine's answer, and its planes as the baselines take them.
-class Reference {
-public:
-    Reference(const Mesh& mesh, const Request& request) {
-        SliceResult result;
-        Slicer slicer;
-        info = request.slice_to(result, slicer, mesh, 0);
-        answer = answer_of(result);
-        problem.soup = mesh.soup.span();
-        problem.unit_mm = result.info.grid_mm;
-        for (const LayerView layer : result) {
-            problem.planes.push_back(layer.plane.z());
-        }
-        if (request.random_heights.empty() && problem.planes.size() > 1) {
-            problem.uniform = true;
-            problem.first = problem.planes.front();
-            problem.step = (static_cast<double>(problem.planes.back()) - problem.first) /
-                           static_cast<double>(problem.planes.size() - 1);
-        }
-    }
-
-    Answer answer;
-    SliceInfo info;
-    baselines::Problem problem;
-};
-
-/// The columns of a row other than its times.
-struct Row {
-    std::vector<Run> runs;
-    std::string source;
-    bool joins = true;  ///< false: the method makes only lists of segments
-    bool tells_sense = false;
-    Answer answer;
-};
-
-Row run_engine(const Mesh& mesh, const Request& request) {
+Answer run_engine(const Mesh& mesh, const Request& request, Json& row) {
     Slicer slicer;
     SliceResult result;
     const auto run_once = [&] {
-        const auto start = Clock::now();
-        request.slice_to(result, slicer, mesh, request.threads);
-        const double all = seconds_since(start);
+        const double all = seconds_of([&] { request.slice_to(result, slicer, mesh, request.threads); });
         const double contours = (result.info.ms.contours + result.info.ms.nesting) / 1000;
-        return Run{all - contours, contours};
+        return Seconds{all - contours, contours};
     };
     run_once();  // warms memory, as in all other measurements
-    Row row;
-    row.runs = repeated_within(request.limit_s, run_once);
-    row.source = "this engine";
-    row.answer = answer_of(result);
-    return row;
+    time_runs(row, request.limit_s, 2, run_once);
+    return answer_of(result);
 }
 
-Row run_whole(const baselines::WholeMethod& method, const baselines::Problem& problem, unsigned limit_s) {
+Answer run_whole(const baselines::WholeMethod& method, const baselines::Problem& problem, unsigned limit_s, Json& row) {
     baselines::WholeOutcome outcome;
-    Row row;
-    row.runs = repeated_within(limit_s, [&] {
+    time_runs(row, limit_s, 2, [&] {
         outcome = {};
-        const auto start = Clock::now();
-        outcome = method.run(problem);
-        return Run{outcome.slicing_s, seconds_since(start) - outcome.slicing_s};
+        const double all = seconds_of([&] { outcome = method.run(problem); });
+        return Seconds{outcome.slicing_s, all - outcome.slicing_s};
     });
-    row.source = method.source;
-    row.answer = answer_of(outcome.contours);
-    return row;
+    return answer_of(outcome.contours);
 }
 
-/// Times a slicing method alone, without a contour method.
-Row run_steps(const baselines::SlicingMethod& slicing, const baselines::ContourMethod* contours, bool tells_sense,
-              const baselines::Problem& problem, unsigned limit_s) {
+/// A slicing method alone, with a contour method, or with that and the orientation of contours.
+Answer run_steps(const baselines::SlicingMethod& slicing, const baselines::ContourMethod* contours, std::size_t steps,
+                 const baselines::Problem& problem, unsigned limit_s, Json& row) {
     baselines::SegmentLists lists;
     baselines::Contours joined;
-    Row row;
-    row.runs = repeated_within(limit_s, [&] {
-        lists = {};
+    time_runs(row, limit_s, steps, [&] {
         joined = {};
-        const auto start = Clock::now();
-        lists = slicing.slice(problem);
-        Run run{seconds_since(start)};
-        if (contours != nullptr) {
-            joined = contours->join(lists);
-            run.contours_s = seconds_since(start) - run.slicing_s;
+        lists = {};
+        Seconds run{seconds_of([&] { lists = slicing.slice(problem); })};
+        if (steps > 1) {
+            run[1] = seconds_of([&] { joined = contours->join(lists); });
         }
-        if (tells_sense) {
+        if (steps > 2) {
             lists = {};
-            const auto turn = Clock::now();
-            sense_by_rays(joined);
-            run.sense_s = seconds_since(turn);
+            run[2] = seconds_of([&] { sense_by_rays(joined); });
         }
         return run;
     });
-    row.joins = contours != nullptr;
-    row.tells_sense = tells_sense;
-    row.source = std::string(slicing.source) + (row.joins ? "; " + std::string(contours->source) : "");
-    row.answer = row.joins ? answer_of(joined) : answer_of(lists);
-    return row;
+    return steps > 1 ? answer_of(joined) : answer_of(lists);
 }
 
 template <class Methods>
@@ -172,86 +206,70 @@ auto find(const Methods& methods, const std::string& name) {
     return found == std::end(methods) ? nullptr : *found;
 }
 
-Row run_method(const Mesh& mesh, const Request& request, const baselines::Problem& problem) {
+Answer run_method(const Mesh& mesh, const Request& request, const baselines::Problem& problem, Json& row) {
     if (request.method == "engine") {
-        return run_engine(mesh, request);
+        return run_engine(mesh, request, row);
     }
     if (const auto* whole = find(baselines::whole_methods, request.method)) {
-        return run_whole(*whole, problem, request.limit_s);
+        return run_whole(*whole, problem, request.limit_s, row);
     }
-    const std::vector<std::string> steps = CLI::detail::split(request.method, '+');
+    std::istringstream words(request.method);
+    std::vector<std::string> steps;
+    for (std::string step; std::getline(words, step, '+');) {
+        steps.push_back(step);
+    }
     const auto* slicing = find(baselines::slicing_methods, steps[0]);
     const auto* contours = steps.size() > 1 ? find(baselines::contour_methods, steps[1]) : nullptr;
-    const bool tells_sense = steps.size() == 3 && steps[2] == "rays";
-    if (slicing == nullptr || steps.size() > 3 || (steps.size() > 1 && contours == nullptr) ||
-        (steps.size() == 3 && !tells_sense)) {
+    if (slicing == nullptr || (steps.size() > 1 && contours == nullptr) || (steps.size() > 2 && steps[2] != "rays")) {
         fail("no method is called " + request.method);
     }
-    return run_steps(*slicing, contours, tells_sense, problem, request.limit_s);
-}
-
-nlohmann::ordered_json to_json(const Request& request, const Mesh& mesh, const Reference& reference, const Row& row) {
-    const Difference apart = difference(reference.answer, row.answer);
-    const auto times = [&](double Run::*member, bool measured) {
-        return measured ? nlohmann::ordered_json(values_of(row.runs, member)) : nlohmann::ordered_json();
-    };
-    return {{"method", request.method},
-            {"source", row.source},
-            {"threads", request.threads},
-            {"uniform", reference.problem.uniform},
-            {"n", mesh.triangles()},
-            {"k", reference.problem.planes.size()},
-            {"m", reference.info.segments},
-            {"contours", reference.info.contours},
-            {"open", reference.info.open_contours},
-            {"slicing_s", times(&Run::slicing_s, true)},
-            {"contours_s", times(&Run::contours_s, row.joins)},
-            {"sense_s", times(&Run::sense_s, row.tells_sense)},
-            {"planes_apart", apart.planes},
-            {"contours_apart", row.joins ? nlohmann::ordered_json(apart.contours) : nlohmann::ordered_json()},
-            {"peak_bytes", peak_bytes()}};
+    return run_steps(*slicing, contours, steps.size(), problem, request.limit_s, row);
 }
 
 /// Checks the precondition of the merge in Algorithm 2.
 bool ascends(const Mesh& mesh) {
-    const auto low = [&](std::size_t t) {
-        return std::min({mesh.soup[9 * t + 2], mesh.soup[9 * t + 5], mesh.soup[9 * t + 8]});
-    };
-    for (std::size_t t = 1; t < mesh.triangles(); ++t) {
-        if (low(t) < low(t - 1)) {
+    float last = -std::numeric_limits<float>::infinity();
+    for (std::size_t t = 0; t < mesh.soup.size(); t += 9) {
+        const float low = std::min({mesh.soup[t + 2], mesh.soup[t + 5], mesh.soup[t + 8]});
+        if (low < last) {
             return false;
         }
+        last = low;
     }
     return true;
 }
 
-int run(const Request& request) {
+void run(const Words& words) {
+    const Request request(words);
     const Mesh mesh = load_mesh(request.mesh);
     if (request.method == baselines::presorted_slicing.name && !ascends(mesh)) {
-        std::cerr << "the triangles do not ascend by z_min\n";
         constexpr int not_for_this_mesh = 78;
-        return not_for_this_mesh;
+        std::exit(not_for_this_mesh);
     }
-    const Reference reference(mesh, request);
-    const Row row = run_method(mesh, request, reference.problem);
-    std::cout << to_json(request, mesh, reference, row).dump() << '\n';
-    return 0;
+    SliceResult result;
+    Slicer slicer;
+    request.slice_to(result, slicer, mesh, 0);
+    const SliceInfo& info = result.info;
+    Json row{{"n", mesh.triangles()},
+             {"k", info.layers},
+             {"m", info.segments},
+             {"contours", info.contours},
+             {"open", info.open_contours}};
+    Answer expected = answer_of(result);
+    const baselines::Problem problem = problem_of(mesh, result, !request.random_heights);
+    result = SliceResult();  // its memory is the method's
+    Answer found = run_method(mesh, request, problem, row);
+    compare(expected, found, row);
+    if (!row.contains("contours_s")) {
+        row.erase("contours_apart");
+    }
+    print(row);
 }
 
 }  // namespace
 
-int main(int count, char** words) try {
-    CLI::App app("Runs one method on one mesh and prints its times and whether its answer equals the engine's");
-    Request request;
-    app.add_option("--mesh", request.mesh)->required();
-    app.add_option("--method", request.method)->required();
-    app.add_option("--layer-height", request.layer_height_mm);
-    app.add_option("--random-heights", request.random_heights);
-    app.add_option("--threads", request.threads)->check(CLI::Range(1, 1024));
-    app.add_option("--limit", request.limit_s);
-    CLI11_PARSE(app, count, words);
-    return run(request);
-} catch (const std::exception& failure) {
-    std::cerr << "lamella_paper_row: " << failure.what() << '\n';
-    return 1;
+}  // namespace lamella::bench
+
+int main(int count, char** words) {
+    return lamella::bench::run_program(count, words, "METHOD MESH SPACING_MM THREADS LIMIT_S", lamella::bench::run);
 }

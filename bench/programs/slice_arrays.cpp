@@ -13,8 +13,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "lamella/lamella.hpp"
 #include "timing.hpp"
 
@@ -34,7 +32,7 @@ std::vector<T> numbers_of(const std::string& path) {
 }
 
 /// The time of each call, and what tells that the result is another's. Freeing the result is not timed.
-nlohmann::json time_calls(const MeshView& mesh, const SliceOptions& options, const Context& context, int calls, bool kept) {
+Json time_calls(const MeshView& mesh, const SliceOptions& options, const Context& context, int calls, bool kept) {
     Slicer slicer;
     SliceResult result;
     std::vector<double> times;
@@ -50,7 +48,7 @@ nlohmann::json time_calls(const MeshView& mesh, const SliceOptions& options, con
     return {{"ms", times}, {"layers", result.layers.size()}, {"hash", result.hash()}};
 }
 
-void run(const std::vector<std::string>& words) {
+void run(const Words& words) {
     const auto xyz = numbers_of<float>(words[0]);
     const auto indices = numbers_of<std::uint32_t>(words[1]);
     const MeshView mesh = MeshView::indexed(xyz, indices);
@@ -62,7 +60,7 @@ void run(const std::vector<std::string>& words) {
     std::string how;
     while (std::cin >> layer_mm >> calls >> how) {
         options.layer_height_mm = layer_mm;
-        std::cout << time_calls(mesh, options, {.threads = std::stoi(words[2])}, calls, how == "kept") << std::endl;
+        print(time_calls(mesh, options, {.threads = std::stoi(words[2])}, calls, how == "kept"));
     }
 }
 
@@ -71,5 +69,5 @@ void run(const std::vector<std::string>& words) {
 }  // namespace lamella::bench
 
 int main(int count, char** words) {
-    return lamella::bench::run_program(count, words, 3, 3, "VERTICES FACES THREADS", lamella::bench::run);
+    return lamella::bench::run_program(count, words, "VERTICES FACES THREADS", lamella::bench::run);
 }

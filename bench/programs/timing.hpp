@@ -17,7 +17,6 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -27,6 +26,9 @@
 #include "lamella/error.hpp"
 
 namespace lamella::bench {
+
+using Json = nlohmann::ordered_json;
+using Words = std::vector<std::string>;
 
 [[noreturn]] inline void fail(const std::string& why) {
     throw std::runtime_error(why);
@@ -40,31 +42,25 @@ T checked(Result<T> result) {
     return std::move(result).value();
 }
 
-/// Calls run(words) of the program's arguments, and prints what it returns or throws. The exit status of main(): 2 unless
-/// there are so many words.
+/// A program's main(): run(words) takes as many words as the usage has, and prints a line of JSON.
 template <class Run>
-int run_program(int count, char** words, std::size_t least, std::size_t most, const char* usage, const Run& run) noexcept
-    try {
-    const std::vector<std::string> arguments(words + 1, words + count);
-    if (arguments.size() < least || arguments.size() > most) {
+int run_program(int count, char** words, const char* usage, const Run& run) noexcept try {
+    const auto wanted = usage[0] == '\0' ? 0 : 1 + std::count(usage, usage + std::char_traits<char>::length(usage), ' ');
+    if (count - 1 != wanted) {
         std::fprintf(stderr, "usage: %s %s\n", words[0], usage);
         return 2;
     }
-    if constexpr (std::is_void_v<decltype(run(arguments))>) {
-        run(arguments);
-    } else {
-        std::puts(run(arguments).dump().c_str());
-    }
+    run(Words(words + 1, words + count));
     return 0;
 } catch (const std::exception& failure) {
     std::fprintf(stderr, "%s: %s\n", words[0], failure.what());
     return 1;
 }
 
-struct Timed {
-    std::string name;
-    std::function<void()> work;
-};
+inline void print(const Json& line) {
+    std::puts(line.dump().c_str());
+    std::fflush(stdout);
+}
 
 template <class Work>
 double ms_of(const Work& work) {
@@ -88,20 +84,22 @@ inline double median_of(std::vector<double> times) {
     return *middle;
 }
 
+using Figures = std::map<std::string, double>;
+
 /// Milliseconds by name. Each is run `rounds` times, and once before, which only warms.
-inline nlohmann::ordered_json medians_of(const std::vector<Timed>& all, int rounds) {
+inline Figures medians_of(const std::map<std::string, std::function<void()>>& works, int rounds) {
     std::map<std::string, std::vector<double>> times;
     for (int round = 0; round <= rounds; ++round) {
-        for (const Timed& each : all) {
-            const double ms = ms_of(each.work);
+        for (const auto& [name, work] : works) {
+            const double ms = ms_of(work);
             if (round > 0) {
-                times[each.name].push_back(ms);
+                times[name].push_back(ms);
             }
         }
     }
-    nlohmann::ordered_json medians;
-    for (const Timed& each : all) {
-        medians[each.name] = median_of(times[each.name]);
+    Figures medians;
+    for (const auto& [name, all] : times) {
+        medians[name] = median_of(all);
     }
     return medians;
 }
@@ -117,25 +115,23 @@ inline void end_after(unsigned seconds) {
     alarm(seconds);
 }
 
-/// Runs five times if a run takes less than 2 s, three times if less than 10 s, else once.
-template <class RunOnce>
-auto repeated(const RunOnce& run_once) {
-    std::vector<decltype(run_once())> runs;
-    for (std::size_t wanted = 1; runs.size() < wanted;) {
-        runs.push_back(run_once());
-        wanted = runs[0].sum() < 2 ? 5 : (runs[0].sum() < 10 ? 3 : 1);
+/// Runs five times if a run takes less than 2 s, three times if less than 10 s, else once. The seconds of each run's steps,
+/// step by step.
+template <std::size_t Steps, class RunOnce>
+std::array<std::vector<double>, Steps> repeated(const RunOnce& run_once) {
+    std::array<std::vector<double>, Steps> all;
+    for (std::size_t wanted = 1; all[0].size() < wanted;) {
+        const std::array<double, Steps> run = run_once();
+        double sum = 0;
+        for (std::size_t step = 0; step < Steps; ++step) {
+            all[step].push_back(run[step]);
+            sum += run[step];
+        }
+        if (all[0].size() == 1) {
+            wanted = sum < 2 ? 5 : (sum < 10 ? 3 : 1);
+        }
     }
-    return runs;
-}
-
-/// One member of every run.
-template <class Run>
-std::vector<double> values_of(const std::vector<Run>& runs, double Run::*member) {
-    std::vector<double> values;
-    for (const Run& run : runs) {
-        values.push_back(run.*member);
-    }
-    return values;
+    return all;
 }
 
 /// Calls work(worker, item) for every item below `count`. Each worker runs on a thread of its own; worker 0 runs on the

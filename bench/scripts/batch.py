@@ -13,69 +13,56 @@ one between the markers there. The exit status is 1 if a bar is not met.
 import json
 import os
 import pathlib
-import resource
 import shutil
 import statistics
 import sys
 import tempfile
-import time
 
-from readme_table import compare, markdown_table, run
+from readme_table import compare, markdown_table, run, usage_of
 
-THROUGHPUT_BAR = 1.8
-PROCESSOR_BAR = 1.10
-DISTINCT = 25
-LEAST, MOST = 10_000, 2_000_000
-DAMAGED = 3
-
-
-def processor_seconds():
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
-
-
-def timed(work):
-    """Wall and processor seconds."""
-    wall, processor = time.perf_counter(), processor_seconds()
-    work()
-    return time.perf_counter() - wall, processor_seconds() - processor
-
-
-def options(folder):
-    return ["--like", folder / "like.nii.gz", "--frame", "lps"]
+THROUGHPUT_BAR, PROCESSOR_BAR = 1.8, 1.10
+DISTINCT, LEAST, MOST = 25, 10_000, 2_000_000
+DAMAGED = [f"damaged{i}" for i in range(3)]
+LIKE = ["--like", "like.nii.gz", "--frame", "lps"]
 
 
 def make_meshes(tool, folder, count, large):
     meshes = folder / "meshes"
-    meshes.mkdir(parents=True)
+    meshes.mkdir()
     for i in range(DISTINCT):
         triangles = round(LEAST * (MOST / LEAST) ** (i / (DISTINCT - 1)))
         shape = ["bone", "bone", "torus", "sphere"][i % 4]
         run(tool, "make", shape, "--triangles", str(triangles), "--height", "100", "-o", folder / f"made{i}.stl")
-    for i in range(count - DAMAGED - 1):
+    for i in range(count - len(DAMAGED) - 1):
         os.link(folder / f"made{i % DISTINCT}.stl", meshes / f"mesh{i:03}.stl")
-    for i in range(DAMAGED):
-        (meshes / f"damaged{i}.stl").write_bytes((folder / f"made{i}.stl").read_bytes()[: 84 + 50 * 1000 + 17])
+    for i, name in enumerate(DAMAGED):
+        (meshes / f"{name}.stl").write_bytes((folder / f"made{i}.stl").read_bytes()[: 84 + 50 * 1000 + 17])
     run(tool, "make", "bone", "--triangles", str(large), "--height", "100", "-o", meshes / "large.stl")
     run(tool, "slice", folder / "made3.stl", "--spacing", "1,1,1", "--frame", "lps", "-o", folder / "like.nii.gz")
 
 
-def emptied(folder):
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir()
-    return folder
-
-
 def slice_one_by_one(tool, folder, memory):
-    out = emptied(folder / "single")
+    empty(folder / "single")
     for mesh in sorted((folder / "meshes").iterdir()):
         budget = ["--memory", memory] if mesh.stem == "large" else []
-        run(tool, "slice", mesh, "--threads", "1", *options(folder), "-o", out / f"{mesh.stem}.nii.gz", *budget, may_fail=True)
+        yield usage_of(tool, "slice", mesh, "--threads", "1", *LIKE, "-o", f"single/{mesh.stem}.nii.gz", *budget, may_fail=True, cwd=folder)
 
 
-def slice_batch(tool, folder, jobs, memory):
-    run(tool, "batch", folder / "meshes", *options(folder), "-o", emptied(folder / "out") / "{stem}.nii.gz", "--jobs", str(jobs),
-        "--memory", memory, "--progress", "never", may_fail=True)
+def slice_batch(tool, folder, memory, jobs):
+    empty(folder / "out")
+    yield usage_of(tool, "batch", "meshes", *LIKE, "-o", "out/{stem}.nii.gz", "--jobs", str(jobs), "--memory", memory, "--progress", "never",
+                   may_fail=True, cwd=folder)
+
+
+def seconds_of(usages):
+    """Wall and processor seconds of all programs."""
+    usages = list(usages)
+    return sum(usage.wall_s for usage in usages), sum(usage.processor_s for usage in usages)
+
+
+def empty(folder):
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
 
 
 def wrong_results(folder, count):
@@ -83,30 +70,23 @@ def wrong_results(folder, count):
     lines = [json.loads(line) for line in (folder / "out" / "results.jsonl").read_text().splitlines()]
     failed = [pathlib.Path(line["mesh"]).stem for line in lines if line["status"] == "failed"]
     wrong = [] if len(lines) == count else [f"{len(lines)} lines"]
-    if failed != [f"damaged{i}" for i in range(DAMAGED)]:
-        wrong.append(f"failed: {failed}")
-    for line in lines:
-        for output in line.get("outputs", []) if line["status"] == "done" else []:
-            path = pathlib.Path(output["path"])
-            alone = folder / "single" / path.name
-            if path.name.endswith(".nii.gz") and path.read_bytes() != alone.read_bytes():
-                wrong.append(path.name)
-    return wrong
+    wrong += [] if failed == DAMAGED else [f"failed: {failed}"]
+    masks = list((folder / "out").glob("*.nii.gz"))
+    wrong += [] if len(masks) == count - len(DAMAGED) else [f"{len(masks)} masks"]
+    return wrong + [mask.name for mask in masks if mask.read_bytes() != (folder / "single" / mask.name).read_bytes()]
 
 
 def tables(arguments, bars):
     with tempfile.TemporaryDirectory(dir=arguments.folder or None) as name:
         tool, folder = arguments.tool, pathlib.Path(name)
         make_meshes(tool, folder, arguments.meshes, arguments.large)
-        works = {"single runs, one after the other": lambda: slice_one_by_one(tool, folder, arguments.memory),
-                 "batch, 1 job": lambda: slice_batch(tool, folder, 1, arguments.memory),
-                 f"batch, {arguments.jobs} jobs": lambda: slice_batch(tool, folder, arguments.jobs, arguments.memory)}  # fmt: skip
-        times = {what: [] for what in works}
+        times = {"single runs, one after the other": [], "batch, 1 job": [], f"batch, {arguments.jobs} jobs": []}
         for _ in range(arguments.rounds):
-            for what, work in works.items():
-                now = timed(work)
-                times[what].append(now)
-                print(f"{what}: {now[0]:.1f} s, {now[1]:.1f} s of processors, load {os.getloadavg()[0]:.1f}", file=sys.stderr)
+            works = (slice_one_by_one(tool, folder, arguments.memory), slice_batch(tool, folder, arguments.memory, 1),
+                     slice_batch(tool, folder, arguments.memory, arguments.jobs))
+            for what, work in zip(times, works):
+                times[what].append(seconds_of(work))
+                print(f"{what}: {times[what][-1]} s and s of processors, load {os.getloadavg()[0]:.1f}", file=sys.stderr)
         wrong = wrong_results(folder, arguments.meshes)
     single, one, several = times.values()
     gain = statistics.median(a[0] / b[0] for a, b in zip(one, several))

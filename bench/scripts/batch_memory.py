@@ -10,11 +10,10 @@ table. Peak memory is what /usr/bin/time says, less that of the smallest mesh. N
 import gzip
 import pathlib
 import shutil
-import subprocess
 import sys
 import tempfile
 
-from readme_table import compare, markdown_table, run
+from readme_table import compare, markdown_table, run, usage_of
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "python"))
 import mesh_formats  # noqa: E402
@@ -46,9 +45,7 @@ def write_formats(stl, folder):
 
 
 def peak_bytes(tool, mesh, work, folder):
-    command = ["/usr/bin/time", "-f", "%M", tool, "slice", str(mesh), "--threads", "1", *work]
-    done = subprocess.run(command, check=True, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    return 1024 * int(done.stderr.splitlines()[-1])
+    return usage_of(tool, "slice", mesh, "--threads", "1", *work, cwd=folder).peak_bytes
 
 
 def tables(arguments, _bars):

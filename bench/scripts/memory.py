@@ -10,111 +10,72 @@ into buffers of its own, not mapped, so that no page of the page cache counts. A
 a table; with --readme it also replaces the one between the markers there. The exit status is 1 if a bar is not met.
 """
 
-import os
-import subprocess
 import sys
-import time
 
-from readme_table import compare, markdown_table, name_and_mesh
+from readme_table import compare, in_turn, markdown_table, ms_of, usage_of
 
 HALF_BAR = 1.2  # over the time in memory
 READS_BAR = 3.0  # over the time of two reads
-GIANT_BYTES = 900_000_000
-GIANT_BAR_MB = 1000
+GIANT_BYTES, GIANT_BAR_BYTES = 900_000_000, 1_000_000_000
 PARTS = (2, 10, 50)
 
 
-class Run:
-    """A command's least times so far, and its peak."""
-
-    def __init__(self, command):
-        self.command = command
-        self.wall = self.processor = float("inf")
-        self.peak_mb = 0
-        self.lines = {}
-
-    def again(self):
-        start = time.perf_counter()
-        with subprocess.Popen(self.command, stdout=subprocess.PIPE, text=True) as process:
-            text = process.stdout.read()
-            _, status, used = os.wait4(process.pid, 0)
-            process.returncode = os.waitstatus_to_exitcode(status)
-        if process.returncode != 0:
-            raise subprocess.CalledProcessError(process.returncode, self.command)
-        self.wall = min(self.wall, time.perf_counter() - start)
-        self.processor = min(self.processor, used.ru_utime + used.ru_stime)
-        self.peak_mb = used.ru_maxrss * 1024 / 1e6
-        self.lines = dict(line.split(maxsplit=1) for line in text.splitlines())
+def read_twice(path):
+    buffer = bytearray(8 << 20)
+    for _ in range(2):
+        with open(path, "rb", buffering=0) as file:
+            while file.readinto(buffer):
+                pass
 
 
-class Reads:
-    """Two plain reads of a file."""
-
-    def __init__(self, path):
-        self.path = path
-        self.wall = float("inf")
-
-    def again(self):
-        start = time.perf_counter()
-        buffer = bytearray(8 << 20)
-        for _ in range(2):
-            with open(self.path, "rb", buffering=0) as file:
-                while file.readinto(buffer):
-                    pass
-        self.wall = min(self.wall, time.perf_counter() - start)
+def slicing(arguments, mesh, budget, *more):
+    command = [arguments.tool, "slice", mesh, "--layer-height", arguments.layer_height, "--progress=never", *more]
+    return lambda: usage_of(*command, *(["--memory", str(budget)] if budget else []))
 
 
-def slicing(tool, mesh, layer_mm, budget, *more):
-    command = [tool, "slice", mesh, "--layer-height", layer_mm, "--progress=never", *more]
-    return Run(command if budget is None else [*command, "--memory", str(budget)])
+def lines_of(usage):
+    return dict(line.split(maxsplit=1) for line in usage.text.splitlines())
 
 
-def ranges_of(run):
-    words = run.lines.get("ranges", "1 range").split()
-    return words[0] + (" by a temporary file" if "temporary" in words else "")
+def row(name, budget, usages, ratio):
+    """Of the least times, and the last run's memory."""
+    ranges = lines_of(usages[-1]).get("ranges", "1 range").split()
+    return [name, budget, f"{least_s(usages):.2f} s", ratio, f"{min(usage.processor_s for usage in usages):.2f} s",
+            f"{usages[-1].peak_bytes / 1e6:.0f} MB", ranges[0] + (" by a temporary file" if "temporary" in ranges else "")]
 
 
-def row(name, budget, run, ratio):
-    return [name, budget, f"{run.wall:.2f} s", ratio, f"{run.processor:.2f} s", f"{run.peak_mb:.0f} MB", ranges_of(run)]
+def least_s(usages):
+    return min(usage.wall_s for usage in usages)
 
 
-def measure(tool, name, mesh, arguments, bars):
-    whole = slicing(tool, mesh, arguments.layer_height, None, "--hash")
-    whole.again()
-    budgets = [int(whole.peak_mb * 1e6 / part) for part in PARTS]
-    within = [slicing(tool, mesh, arguments.layer_height, budget, "--hash") for budget in budgets]
-    for _ in range(arguments.rounds + 1):
-        for run in (whole, *within):
-            run.again()
-    bars.met = bars.met and all(run.lines["hash"] == whole.lines["hash"] for run in within)
-    rows = [row(name, "in memory", whole, "1")]
-    for part, budget, run in zip(PARTS, budgets, within):
-        ratio = run.wall / whole.wall
+def measure(name, mesh, arguments, bars):
+    whole = slicing(arguments, mesh, None, "--hash")
+    budgets = {part: whole().peak_bytes // part for part in PARTS}
+    within = {part: slicing(arguments, mesh, budget, "--hash") for part, budget in budgets.items()}
+    usages = in_turn({1: whole, **within}, arguments.rounds)
+    bars.met = bars.met and len({lines_of(usage)["hash"] for runs in usages.values() for usage in runs}) == 1
+    yield row(name, "in memory", usages[1], "1")
+    for part, budget in budgets.items():
+        ratio = least_s(usages[part]) / least_s(usages[1])
         text = bars.most(f"{ratio:.2f}", ratio, HALF_BAR if part == 2 else None)
-        rows.append(row("", f"1/{part}: {budget / 1e6:.0f} MB", run, text))
-    return rows
+        yield row("", f"1/{part}: {budget / 1e6:.0f} MB", usages[part], text)
 
 
-def measure_giant(tool, name, mesh, arguments, bars):
-    reads = Reads(mesh)
-    within = slicing(tool, mesh, arguments.layer_height, GIANT_BYTES)
-    for _ in range(arguments.rounds + 1):
-        reads.again()
-        within.again()
-    ratio = within.wall / reads.wall
+def measure_giant(name, mesh, arguments, bars):
+    reads = lambda: ms_of(lambda: read_twice(mesh))  # noqa: E731
+    found = in_turn({"reads": reads, "within": slicing(arguments, mesh, GIANT_BYTES)}, arguments.rounds)
+    reads_s = min(found["reads"]) / 1000
+    ratio = least_s(found["within"]) / reads_s
     text = bars.most(f"{ratio:.2f}", ratio, READS_BAR)
-    bars.met = bars.met and within.peak_mb <= GIANT_BAR_MB
-    return [row(name, f"{GIANT_BYTES / 1e6:.0f} MB", within, f"{text} of two reads, {reads.wall:.2f} s")]
+    bars.met = bars.met and found["within"][-1].peak_bytes <= GIANT_BAR_BYTES
+    yield row(name, f"{GIANT_BYTES / 1e6:.0f} MB", found["within"], f"{text} of two reads, {reads_s:.2f} s")
 
 
 def table(arguments, bars):
-    rows = []
-    for name, mesh in arguments.meshes:
-        rows += measure(arguments.tool, name, mesh, arguments, bars)
+    rows = [each for name, mesh in arguments.meshes for each in measure(name, mesh, arguments, bars)]
     if arguments.giant:
-        rows += measure_giant(arguments.tool, *name_and_mesh(arguments.giant), arguments, bars)
-    heads = ["mesh", "budget", "time", "over that in memory (a half: at most 1.2; two reads: at most 3)", "processor time", "peak",
-             "ranges"]
+        rows += measure_giant(*arguments.giant.split("=", 1), arguments, bars)
+    heads = ["mesh", "budget", "time", "over that in memory (a half: at most 1.2; two reads: at most 3)", "processor time", "peak", "ranges"]
     return [markdown_table(heads, rows)]
 
 

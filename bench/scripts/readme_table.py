@@ -1,6 +1,5 @@
-"""What scripts share that compare figures with bars and put their tables into bench/README.md."""
+"""What scripts share that measure programs, compare figures with bars and put their tables into bench/README.md."""
 import argparse
-import json
 import os
 import pathlib
 import platform
@@ -9,16 +8,12 @@ import statistics
 import subprocess
 import sys
 import time
-
-
-def name_and_mesh(word):
-    return tuple(word.split("=", 1))
-
+from typing import NamedTuple
 
 WORDS = {
     "build": {"type": pathlib.Path},
     "tool": {"type": os.path.abspath},
-    "meshes": {"nargs": "*", "metavar": "NAME=MESH", "type": name_and_mesh},
+    "meshes": {"nargs": "*", "metavar": "NAME=MESH", "type": lambda word: tuple(word.split("=", 1))},
 }
 
 
@@ -28,13 +23,11 @@ def compare(doc, name, measure, *words, **options):
     The help is the script's own. Returns the exit status: 1 if a bar is not met."""
     parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
     for word in words:
-        parser.add_argument(word, **WORDS.get(word, {}))
+        parser.add_argument(word, **WORDS[word])
     for option, default in options.items():
         parser.add_argument("--" + option.replace("_", "-"), type=type(default), default=default)
     parser.add_argument("--readme", type=pathlib.Path)
     arguments, bars = parser.parse_args(), Bars()
-    if "meshes" in words and not arguments.meshes and not options.keys() & {"giant"}:
-        parser.error("no NAME=MESH is given")
     text = "\n\n".join(measure(arguments, bars)) + "\n"
     print(text, end="")
     if arguments.readme:
@@ -42,14 +35,28 @@ def compare(doc, name, measure, *words, **options):
     return 0 if bars.met else 1
 
 
-def output_of(*command):
-    """The JSON that a program prints."""
-    return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
-
-
 def run(*command, may_fail=False):
     """Runs a program and drops what it prints."""
     subprocess.run(command, check=not may_fail, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL if may_fail else None)
+
+
+class Usage(NamedTuple):
+    """What a program took, and what it printed."""
+    wall_s: float
+    processor_s: float
+    peak_bytes: int
+    text: str
+
+
+def usage_of(*command, may_fail=False, cwd=None):
+    """/usr/bin/time is a small process itself, whose own memory hides no peak."""
+    start = time.perf_counter()
+    done = subprocess.run(["/usr/bin/time", "-q", "-f", "%U %S %M", *command], check=False, cwd=cwd, capture_output=True, text=True)
+    wall = time.perf_counter() - start
+    if done.returncode != 0 and not may_fail:
+        sys.exit(done.stderr)
+    user, system, kilobytes = done.stderr.splitlines()[-1].split()
+    return Usage(wall, float(user) + float(system), 1024 * int(kilobytes), done.stdout)
 
 
 def ms_of(work):
@@ -58,13 +65,16 @@ def ms_of(work):
     return 1000 * (time.perf_counter() - start)
 
 
-def medians_of(works, rounds, time_of=ms_of):
-    """By name. All take turns, so that a change of the machine's load falls on all; the first turn only warms."""
-    times = {name: [] for name in works}
-    for _ in range(rounds + 1):
-        for name, work in works.items():
-            times[name].append(time_of(work))
-    return {name: statistics.median(own[1:]) for name, own in times.items()}
+def in_turn(works, rounds):
+    """What each of some works returned in every round, by name. All take turns, so that a change of the machine's load falls on all;
+    the first turn only warms."""
+    all_rounds = [{name: work() for name, work in works.items()} for _ in range(rounds + 1)]
+    return {name: [each[name] for each in all_rounds[1:]] for name in works}
+
+
+def medians_of(works, rounds):
+    """The medians of what works return, by name."""
+    return {name: statistics.median(own) for name, own in in_turn(works, rounds).items()}
 
 
 class Bars:

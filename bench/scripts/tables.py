@@ -1,0 +1,270 @@
+#!/usr/bin/python3
+"""Makes every table of bench/README.md that bench/run.sh measures, and scaling.svg, from a folder's summary.json.
+
+    tables.py FOLDER [README]
+
+Prints the table of bars; with README, puts all tables whose benchmarks have been run between its marks. Exit status 1 if a bar is not
+met, 2 if a benchmark failed."""
+import math
+import pathlib
+import sys
+
+from drawing import Panel, save
+from readme_table import Bars, markdown_table, replace_table
+from summary import Results, fitted_exponent, ratio
+
+REAL = ("liver", "femur", "brain", "hip_femur", "scan", "scan_shuffled", "figure", "skull")
+PARTITIONS = [2 ** i for i in range(8)]
+
+
+def number(value, unit=""):
+    if value is None:
+        return "-"
+    digits = max(0, 2 - math.floor(math.log10(abs(value)))) if value else 0
+    return f"{value:.{min(digits, 3)}f}{' ' + unit if unit else ''}"
+
+
+def on(threads):
+    return f"{threads} thread{'s' * (threads > 1)}"
+
+
+class BarTable:
+    """A row for each figure and its bar."""
+
+    def __init__(self):
+        self.rows, self.met = [], True
+
+    def _add(self, word, reaches, name, figure, bar, stretch, unit):
+        met = figure is not None and reaches(figure, bar)
+        verdict = "not measured" if figure is None else "NOT met" if not met else "met"
+        if met and stretch is not None and reaches(figure, stretch):
+            verdict = "met, stretch too"
+        self.met = self.met and verdict != "NOT met"
+        self.rows.append([name, number(figure, unit), f"{word} {number(bar, unit)}", number(stretch, unit), verdict])
+
+    def most(self, name, figure, bar, stretch=None, unit=""):
+        self._add("at most", lambda a, b: a <= b, name, figure, bar, stretch, unit)
+
+    def least(self, name, figure, bar, stretch=None, unit=""):
+        self._add("at least", lambda a, b: a >= b, name, figure, bar, stretch, unit)
+
+    def text(self):
+        return markdown_table(["bar", "measured", "bar", "stretch", ""], self.rows)
+
+
+def add_speed(table, results):
+    for case, threads, bar, stretch in (("liver", 1, 200, 300), ("liver", 2, 360, 550), ("femur", 1, 140, 200), ("femur", 2, 250, 360)):
+        rate = ratio(results.figure(f"end_to_end/{case}/warm_swept", threads, "segments/s"), 1e6)
+        table.least(f"{case}, {on(threads)}", rate, bar, stretch, "M segments/s")
+    for name, case, threads, variant, bar, stretch in (
+            ("scan: 3.4 M triangles, 18 M segments", "scan", 1, "warm_swept", 350, 200),
+            ("scan", "scan", 2, "warm_swept", 190, 105),
+            ("figure: 8.8 M triangles in 10 mm", "figure", 2, "warm_swept", 110, 60),
+            ("figure from a file in the page cache", "figure", 2, "file_read", 170, 110),
+            ("skull: 16.7 M triangles, 70 M segments", "skull", 2, "warm_swept", 1050, 500)):
+        table.most(f"{name}, {on(threads)}", results.ms(case, threads, variant), bar, stretch, "ms")
+
+
+def add_ratios(table, results):
+    for threads in (1, 2):
+        table.most(f"scan shuffled over sorted, {on(threads)}", ratio(results.ms("scan_shuffled", threads), results.ms("scan", threads)), 1.4)
+    table.most("skull cold over warm, 2 threads", ratio(results.ms("skull", 2, "cold_swept"), results.ms("skull", 2)), 1.5)
+    for case in results.cases("end_to_end"):
+        uniform = case.removesuffix("_irregular")
+        for threads in (1, 2) if case != uniform else ():
+            table.most(f"{uniform}, irregular planes over uniform, {on(threads)}",
+                       ratio(results.ms(case, threads), results.ms(uniform, threads)), 1.3)
+    for case in results.cases("end_to_end"):
+        if "_planes" in case or case in REAL:
+            table.least(f"{case}, speed-up by 2 threads", ratio(results.ms(case, 1), results.ms(case, 2)), 1.5 if "_planes" in case else 1.8)
+    for threads in (1, 2):
+        names = [f"end_to_end/{case}/warm_swept" for case in results.cases("end_to_end") if case.startswith("linear_")]
+        points = [(sum(results.figure(name, threads, key) for key in ("triangles", "planes", "segments")), results.figure(name, threads))
+                  for name in names if results.figure(name, threads)]
+        table.most(f"exponent of time over n + k + m, 10^4 to 10^7 triangles, {on(threads)}", fitted_exponent(points), 1.05)
+    few, many = (results.figure(f"nesting/rings_{count}/series", 1, "contours/s") for count in (10, 10000))
+    table.most("nesting, time per contour: 10,000 over 10", ratio(few, many), 2.0)
+
+
+def add_reading_and_memory(table, results):
+    for case, variant in results.variants("read"):
+        name = f"read/{case}/{variant}"
+        if variant == "text":
+            table.least(f"read {case}, 2 threads", ratio(results.figure(name, 2, "bytes/s"), 1e6), 500, unit="MB/s")
+        if variant == "binary":
+            table.least(f"read {case}, share of pread, 2 threads", results.figure(name, 2, "share_of_pread"), 0.5)
+    for case, variant in results.variants("peak"):
+        peak, read, crossed, made = (results.figure(f"peak/{case}/{variant}", 2, key)
+                                     for key in ("peak_bytes", "input_bytes", "crossed", "result_bytes"))
+        planes = variant.removeprefix("bands_")
+        cut = "bands by work" if planes == "0" else f"{planes} planes a band"
+        table.most(f"peak memory, {case}, {cut}, 2 threads", peak / 1e6, (read + 48 * crossed + 1.2 * made + 64e6) / 1e6, unit="MB")
+
+
+def bar_table(results):
+    table = BarTable()
+    for add in (add_speed, add_ratios, add_reading_and_memory):
+        add(table, results)
+    return table
+
+
+def machine(results):
+    context = results.context
+    names = {"processor": "processor", "num_cpus": "cores", "memory": "memory", "compiler": "compiler", "flags": "flags",
+             "allocator": "allocator", "pinning": "pinning", "transparent_huge_pages": "transparent huge pages"}
+    rows = [[name, context[key]] for key, name in names.items()] + [["measured", ", ".join(context["dates"])]]
+    for threads in results.thread_counts:
+        speed = ratio(results.figure("copy/memory/warm", threads, "bytes/s"), 1e9)
+        rows.append([f"copy bandwidth, threads: {threads}", "-" if speed is None else f"{speed:.1f} GB/s, read and written"])
+    return markdown_table(["machine", ""], rows)
+
+
+def times(results):
+    """Time by thread count, then speed-up, segments/s and floor at the most threads."""
+    rows = []
+    for case, variant in results.variants("end_to_end"):
+        ms = [results.ms(case, threads, variant) for threads in results.thread_counts]
+        rate, floor = (results.figure(f"end_to_end/{case}/{variant}", results.thread_counts[-1], key) for key in ("segments/s", "floor"))
+        rows.append([case, variant, *map(number, (*ms, ratio(ms[0], ms[-1]), ratio(rate, 1e6), floor))])
+    heads = [f"ms, {threads} thr." for threads in results.thread_counts]
+    return markdown_table(["case", "variant", *heads, f"speed-up, {results.thread_counts[-1]}", "M segments/s", "floor"], rows)
+
+
+def reading(results):
+    rows, counts = [], results.thread_counts
+    for case, variant in results.variants("read"):
+        name = f"read/{case}/{variant}"
+        rates = [ratio(results.figure(name, threads, key), 1e6) for key in ("bytes/s", "unpacked_bytes/s") for threads in counts]
+        rows.append([case, variant, *map(number, (*rates, results.figure(name, counts[-1], "share_of_pread")))])
+    heads = [f"{what}, {threads} thr." for what in ("MB/s", "unpacked") for threads in counts]
+    return markdown_table(["format", "as", *heads, "share of pread"], rows)
+
+
+def nesting(results):
+    names = {case: f"nesting/{case}/series" for case in results.cases("nesting")}
+    rows = [[case, number(results.figure(name, 1)), number(ratio(1e9, results.figure(name, 1, "contours/s")))] for case, name in names.items()]
+    return markdown_table(["layer", "ms", "ns a contour"], rows)
+
+
+def allowed_speedups(results, case):
+    return [results.figure(f"partition/{case}/allowed", 1, f"speedup_{threads}") for threads in PARTITIONS]
+
+
+def allowed(results):
+    rows = [[case, *(f"{each:.1f}" for each in allowed_speedups(results, case)),
+             f"{results.figure(f'partition/{case}/allowed', 1, 'accounted_for'):.2f}"] for case in results.cases("partition")]
+    return markdown_table(["case", *map(str, PARTITIONS), "accounted for"], rows)
+
+
+def figures(results, _bars):
+    return "\n\n".join([
+        machine(results),
+        "### Bars", bar_table(results).text(),
+        "### End to end, in memory and from a file", times(results),
+        "### Reading, by format", reading(results),
+        "### Nesting on lattices of rings; 1 thread", nesting(results),
+        "### Speed-up allowed by the partition: computed, not measured", allowed(results)])
+
+
+def regions(results, bars):
+    slices, layers, cases = [], [], []
+    for name in results.cases("regions"):
+        ms = {key: results.figure(f"regions/{name}/slices", 2, key) for key in ("plain", "non_zero", "closing", "offset")}
+        cells = [(ms[key], ms[key] / ms["plain"], bar) for key, bar in (("non_zero", 1.25), ("closing", 2.5), ("offset", 6.0))]
+        slices.append([name, f"{ms['plain']:.1f} ms",
+                       *(cell for each, over, bar in cells for cell in (f"{each:.1f} ms", bars.most(f"{over:.2f}", over, bar)))])
+        pairs = [[results.figure(f"regions/{name}/layers", 1, prefix + what) for prefix in ("", "library_")] for what in ("union", "closing")]
+        layers.append([name, *(cell for own, theirs in pairs for cell in (f"{own:.1f} ms", f"{theirs:.0f} ms", f"{theirs / own:.1f}"))])
+    most = {"comb_16000": (200, None), "bars_500x500": (3000, 1e9)}  # ms and bytes
+    for case, rule in results.variants("region"):
+        ms, peak = (results.figure(f"region/{case}/{rule}", 1, key) for key in ("real_time", "peak_bytes"))
+        ms_bar, peak_bar = most.get(case, (None, None))
+        cases.append([case, rule, bars.most(f"{ms:.0f} ms", ms, ms_bar), bars.most(f"{peak / 1e6:.0f} MB", peak, peak_bar)])
+    return "\n\n".join([
+        markdown_table(["mesh", "slice", "non-zero", "over the slice (at most 1.25)", "non-zero and closing 0.049 mm",
+                        "over the slice (at most 2.5)", "non-zero and offset 0.2 mm", "over the slice (at most 6)"], slices),
+        markdown_table(["mesh, all layers", "union", "by the library", "times as fast", "closing 0.049 mm", "by the library",
+                        "times as fast"], layers),
+        markdown_table(["layer", "rule", "time", "peak memory"], cases)])
+
+
+def hosts(results, bars):
+    prepared, small, first = [], [], []
+    for name in results.cases("host"):
+        if name == "box":
+            continue
+        ms = {key: results.figure(f"host/{name}/prepared", 2, key)
+              for key in ("prepare", "bytes", "plane_mesh", "plane_prepared", "all_mesh", "all_prepared")}
+        first_ms, warm_ms = (results.figure(f"first/{name}/slice", 2, key) for key in ("real_time", "warm_ms"))
+        over_first, first_over_warm = ms["all_prepared"] / first_ms, first_ms / warm_ms
+        plane_bar, all_bar = {"femur": 0.1, "brain": 0.3}.get(name), {"liver": 0.9}.get(name)
+        prepared.append([name, f"{ms['prepare']:.1f} ms", f"{ms['bytes'] / 1e6:.1f} MB", f"{ms['plane_mesh']:.3f} ms",
+                         bars.most(f"{ms['plane_prepared']:.3f} ms", ms["plane_prepared"], plane_bar),
+                         f"{ms['all_mesh']:.1f} ms", f"{ms['all_prepared']:.1f} ms",
+                         bars.most(f"{over_first:.2f}", over_first, all_bar), f"{ms['all_prepared'] / ms['all_mesh']:.2f}"])
+        first.append([name, f"{warm_ms:.1f} ms", f"{first_ms:.1f} ms",
+                      bars.most(f"{first_over_warm:.2f}", first_over_warm, None if name == "brain" else 1.3)])
+    for threads in (1, 2):
+        kept, blocks, fresh = (results.figure("host/box/small", threads, key) for key in ("kept_us", "blocks", "fresh_us"))
+        small.append([on(threads), bars.most(f"{kept:.2f} us", kept, 2), bars.most(f"{blocks:.0f}", blocks, 0), f"{fresh:.1f} us"])
+    return "\n\n".join([
+        markdown_table(["mesh", "`prepare()`", "memory", "one plane of the mesh", "prepared (femur at most 0.1, brain 0.3 ms)",
+                        "all planes of the mesh", "prepared", "over a first slice (liver at most 0.9)", "over a warm one"], prepared),
+        markdown_table(["12 triangles, one plane", "kept `Slicer` (at most 2 us)", "blocks taken (at most 0)", "without one"], small),
+        markdown_table(["mesh", "warm slice", "first slice of a process", "over the warm one (at most 1.3)"], first)])
+
+
+def masks(results, bars):
+    """Where others use the machine, wall times say little: the raster meets its bar also if it would with all its work on free cores."""
+    rows = []
+    for way, words in {"raster": "contours to voxels in memory", "nii": "`write_mask()`, .nii", "nrrd": "`write_mask()`, .nrrd (gzip)"}.items():
+        for threads in (1, 2):
+            ms, processor_ms, rate = (results.figure(f"mask/bone/{way}", threads, key) for key in ("real_time", "cpu_time", "voxels/s"))
+            by_work = rate * ms / processor_ms * threads
+            best = bars.least(f"{by_work / 1e9:.2f}", max(rate, by_work), 1e9 if way == "raster" and threads == 2 else None)
+            rows.append([words, threads, f"{ms:.0f} ms", f"{processor_ms:.0f} ms", f"{rate / 1e9:.2f}", best])
+    return markdown_table(["way", "threads", "wall time", "processor time", "G voxels/s", "of processor time"], rows)
+
+
+# By name of the marks: what must have been measured, and the tables.
+SECTIONS = {"figures": (["end_to_end"], figures), "regions": (["regions", "region"], regions), "hosts": (["host", "first"], hosts),
+            "masks": (["mask"], masks)}
+
+
+def draw_scaling(results, path):
+    counts, context = results.thread_counts, results.context
+    strong = {case: [(threads, ratio(results.ms(case, 1), results.ms(case, threads))) for threads in counts]
+              for case in (*REAL, "columns_planes1", "columns_planes4", "prism_planes1", "prism_planes4") if results.ms(case, counts[-1])}
+    weak = [(threads, ratio(results.ms("weak_1", 1), results.ms(f"weak_{threads}", threads))) for threads in counts]
+    allowed_lines = {case: list(zip(PARTITIONS, allowed_speedups(results, case))) for case in results.cases("partition")}
+    save(path, [
+        Panel("strong scaling, measured", "threads", "speed-up", strong, [(count, count) for count in counts]),
+        Panel("weak scaling, measured", "threads", "efficiency", {"1 M triangles a thread": [point for point in weak if point[1]]},
+              [(count, 1) for count in counts], top=1.2),
+        Panel("allowed by the partition: computed, not measured", "threads", "speed-up", allowed_lines,
+              [(count, count) for count in PARTITIONS], (2, 2))],
+        heading=f"{context['processor']}, {context['num_cpus']} cores, {context['compiler']}\n{context['flags']}; {context['pinning']}")
+
+
+def main():
+    folder, readme = pathlib.Path(sys.argv[1]), sys.argv[2:]
+    results, table, bars = Results(folder), bar_table(Results(folder)), Bars()
+    if results.cases("end_to_end"):
+        draw_scaling(results, folder / "scaling.svg")
+    for name, (measured, section) in SECTIONS.items():
+        if all(results.cases(what) for what in measured):
+            text = section(results, bars)
+            for page in readme:
+                replace_table(pathlib.Path(page), name, text + "\n")
+            if name != "figures":
+                print(f"{text}\n")
+    if "quick" in results.context["sizes"]:
+        print("Quick sizes: these figures mean nothing.\n")
+    print(table.text())
+    for name, error in results.errors:
+        print(f"failed: {name}: {error}")
+    return 2 if results.errors else 0 if table.met and bars.met else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

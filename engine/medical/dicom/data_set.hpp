@@ -4,12 +4,10 @@
 
 #include <array>
 #include <charconv>
-#include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "lamella/medical/structure_set.hpp"
+#include "base/little_endian.hpp"
 #include "medical/dicom/tags.hpp"
 
 namespace lamella {
@@ -18,6 +16,10 @@ namespace lamella {
 inline std::string padded_uid(std::string_view uid) {
     return std::string(uid) + std::string(uid.size() % 2, '\0');
 }
+
+/// 2.25. and the UUID (version 8, RFC 9562) that the content's SHA-256 and the purpose give, in decimals: at most 44
+/// characters.
+std::string uid_of(const std::array<unsigned char, 32>& content, std::string_view purpose);
 
 class DataSet {
 public:
@@ -63,7 +65,7 @@ public:
         put_explicit(elements, 0x00020001, "OB", std::string("\0\1", 2));
         put_explicit(elements, 0x00020002, "UI", padded_uid(class_uid));
         put_explicit(elements, 0x00020003, "UI", padded_uid(instance_uid));
-        put_explicit(elements, dicom::transfer_syntax_uid, "UI", padded_uid("1.2.840.10008.1.2"));
+        put_explicit(elements, dicom::transfer_syntax_uid, "UI", padded_uid(dicom::implicit_little_endian));
         // Lamella's own: a UUID that was drawn once.
         put_explicit(elements, 0x00020012, "UI", padded_uid("2.25.188650397291203361548463912043171620943"));
         put_explicit(elements, 0x00020013, "SH", "LAMELLA ");
@@ -76,27 +78,20 @@ public:
     }
 
 private:
-    static void put_little(std::string& out, std::uint32_t value, int bytes) {
-        for (int i = 0; i < bytes; ++i) {
-            out += static_cast<char>(value >> 8 * i & 0xff);
-        }
+    static constexpr std::uint32_t undefined = 0xffffffff;
+
+    static void put_little(std::string& out, std::uint32_t value, std::size_t bytes) {
+        out.append(reinterpret_cast<const char*>(&value), bytes);
     }
 
     /// `value`: of even length.
     static void put_explicit(std::string& out, dicom::Tag tag, std::string_view type, const std::string& value) {
         put_little(out, tag >> 16, 2);
         put_little(out, tag & 0xffff, 2);
-        out.append(type);
-        if (type == "OB") {
-            out.append(2, '\0');
-            put_little(out, static_cast<std::uint32_t>(value.size()), 4);
-        } else {
-            put_little(out, static_cast<std::uint32_t>(value.size()), 2);
-        }
+        out.append(type).append(type == "OB" ? 2 : 0, '\0');
+        put_little(out, static_cast<std::uint32_t>(value.size()), type == "OB" ? 4 : 2);
         out.append(value);
     }
-
-    static constexpr std::uint32_t undefined = 0xffffffff;
 
     void put_head(dicom::Tag tag, std::uint32_t length) {
         put_little(bytes_, tag >> 16, 2);
@@ -127,30 +122,5 @@ inline void put_decimal(std::string& out, double value, int decimals) {
         }
     }
 }
-
-/// Who a structure set says that it is: UIDs by what it holds, and texts in one character set.
-struct StructureSetIdentity {
-    std::string instance_uid;
-    std::string series_uid;
-    std::string study_uid;
-    std::string frame_of_reference_uid;
-    std::string date;  ///< empty where none was asked for
-    std::string time;
-    std::string character_set;  ///< Specific Character Set, or nothing for ASCII
-    std::string label;
-    std::vector<std::string> roi_names;  ///< at most 64 characters; none repeats
-};
-
-/// Patient, study and frame of reference are the CT's where there is one, and so is the character set. Names are UTF-8:
-/// where the CT has texts in another set, characters beyond ASCII become _. Throws Refused, Stopped, std::bad_alloc.
-StructureSetIdentity identity_of(std::span<const Roi> rois, const ImageGeometry& image, const StructureSetOptions& options,
-                                 const Context& context);
-
-/// 2.25. and the UUID (version 8, RFC 9562) that the content's SHA-256 and the purpose give, in decimals: at most 44
-/// characters.
-std::string uid_of(const std::array<unsigned char, 32>& content, std::string_view purpose);
-
-/// A text of the CT without control characters but those that switch character sets.
-std::string plain_text(std::string text);
 
 }  // namespace lamella

@@ -4,29 +4,44 @@
 #include <cstring>
 
 #include "base/little_endian.hpp"
-#include "medical/mask/mask_file.hpp"
+#include "lamella/medical/mask.hpp"
 #include "medical/raster/coverage.hpp"
 #include "medical/raster/row_crossings.hpp"
 #include "slicing/grid/box.hpp"
 
 namespace lamella {
 
+enum class MaskForm : std::uint8_t { nifti, nrrd, segmentation };
+
+struct MaskLayout {
+    MaskForm form = MaskForm::nifti;
+    bool compressed = false;
+    bool shares = false;  ///< bytes of which 255 stand for 1, not labels
+    std::size_t voxel_bytes = 1;
+};
+
+/// By the end of the name. Throws Refused.
+MaskLayout layout_of(const std::filesystem::path& path, std::span<const MaskPart> parts, bool shares);
+
 /// Sums over what was drawn: by a thread, or by all.
 struct MaskCounts {
-    std::vector<std::uint64_t> voxels;
+    struct Part {
+        std::uint64_t voxels = 0;
+        double area = 0;    ///< mm2
+        double inside = 0;  ///< of it, what lies within the image
+        double length = 0;  ///< mm: area over width, summed over slices
+    };
+    std::vector<Part> parts;
     std::uint64_t overlapped = 0;
-    std::vector<double> area;    ///< of each part, mm2
-    std::vector<double> inside;  ///< of it, what lies within the image
-    std::vector<double> length;  ///< of each part, mm: area over width, summed over slices
 
-    explicit MaskCounts(std::size_t parts) : voxels(parts), area(parts), inside(parts), length(parts) {}
+    explicit MaskCounts(std::size_t count) : parts(count) {}
     void add(const MaskCounts& other) {
         overlapped += other.overlapped;
-        for (std::size_t i = 0; i < voxels.size(); ++i) {
-            voxels[i] += other.voxels[i];
-            area[i] += other.area[i];
-            inside[i] += other.inside[i];
-            length[i] += other.length[i];
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            parts[i].voxels += other.parts[i].voxels;
+            parts[i].area += other.parts[i].area;
+            parts[i].inside += other.parts[i].inside;
+            parts[i].length += other.parts[i].length;
         }
     }
 };
@@ -61,7 +76,7 @@ public:
         std::memset(to, 0, slice_bytes());
         for (std::size_t i = 0; i < parts_.size(); ++i) {
             for (int subslice = 0; subslice < options_.subslices; ++subslice) {
-                measure(i, (*parts_[i].result)[layer(slice, subslice, i)], counts);
+                measure(i, (*parts_[i].result)[layer(slice, subslice, i)], counts.parts[i]);
             }
         }
         if (layout_.shares) {
@@ -69,19 +84,13 @@ public:
         } else if (layout_.voxel_bytes == 1) {
             draw_spans(slice, to, scratch, counts);
         } else {
-            draw_wide_labels(slice, to, scratch, counts);
+            scratch.wide.assign(image_.size[0] * image_.size[1], 0);
+            draw_spans(slice, scratch.wide.data(), scratch, counts);
+            std::memcpy(to, scratch.wide.data(), slice_bytes());
         }
     }
 
 private:
-    /// The shorter side of a rectangle with that area and perimeter: the thickness of a long wall. Where the shape is
-    /// rounder than a square, the side of a square.
-    static double width_of(double area, double perimeter) noexcept {
-        const double half = perimeter / 4;
-        const double square = half * half - area;
-        return square > 0 ? half - std::sqrt(square) : std::sqrt(area);
-    }
-
     std::uint64_t layer(std::uint64_t slice, int subslice, std::size_t part) const {
         const std::uint64_t height =
             slice * static_cast<std::uint64_t>(options_.subslices) + static_cast<std::uint64_t>(subslice);
@@ -89,7 +98,7 @@ private:
     }
 
     /// Adds the areas of a layer where they are known.
-    void measure(std::size_t part, const LayerView& layer, MaskCounts& counts) const {
+    void measure(std::size_t part, const LayerView& layer, MaskCounts::Part& counts) const {
         const double net = layer.area_mm2();
         if (std::isnan(net)) {
             return;
@@ -98,13 +107,17 @@ private:
         for (const Contour& contour : layer.contours) {
             if (contour.role == Role::outer || contour.role == Role::hole) {
                 const double area = layer.area_mm2(contour);
-                counts.area[part] += area;
+                counts.area += area;
                 perimeter += perimeter_of(layer.points_of(contour)) * layer.grid_mm;
-                counts.inside[part] += reaches_beyond(part, contour) ? area_inside(part, contour) : area;
+                counts.inside += reaches_beyond(part, contour) ? area_inside(part, contour) : area;
             }
         }
         if (net > 0) {
-            counts.length[part] += net / width_of(net, perimeter);
+            // The shorter side of a rectangle with that area and perimeter: the thickness of a long wall. Where the shape is
+            // rounder than a square, the side of a square.
+            const double half = perimeter / 4;
+            const double square = half * half - net;
+            counts.length += net / (square > 0 ? half - std::sqrt(square) : std::sqrt(net));
         }
     }
 
@@ -165,20 +178,14 @@ private:
             scratch.crossings.for_each_span(width, [&](std::size_t row, std::size_t first, std::size_t last) {
                 for (std::size_t at = row * width + first; i > 0 && at < row * width + last; ++at) {
                     if (to[at] != 0) {
-                        --counts.voxels[to[at] - 1U];
+                        --counts.parts[to[at] - 1U].voxels;
                         counts.overlapped += std::exchange(scratch.overlapped[at], 1) != 0 ? 0U : 1U;
                     }
                 }
                 std::fill(to + row * width + first, to + row * width + last, static_cast<Label>(i + 1));
-                counts.voxels[i] += last - first;
+                counts.parts[i].voxels += last - first;
             });
         }
-    }
-
-    void draw_wide_labels(std::uint64_t slice, unsigned char* to, Scratch& scratch, MaskCounts& counts) const {
-        scratch.wide.assign(image_.size[0] * image_.size[1], 0);
-        draw_spans(slice, scratch.wide.data(), scratch, counts);
-        std::memcpy(to, scratch.wide.data(), slice_bytes());
     }
 
     void draw_shares(std::uint64_t slice, unsigned char* to, Scratch& scratch, MaskCounts& counts) const {
@@ -200,7 +207,7 @@ private:
         for (std::size_t i = 0; i < scratch.shares.size(); ++i) {
             if (scratch.shares[i] > 0) {
                 to[i] = static_cast<unsigned char>(std::lround(255 * scratch.shares[i] / options_.subslices));
-                counts.voxels[0] += to[i] != 0 ? 1 : 0;
+                counts.parts[0].voxels += to[i] != 0 ? 1 : 0;
             }
         }
     }

@@ -18,7 +18,7 @@
 
 #include "files/streams.hpp"
 #include "lamella/context.hpp"
-#include "slice/slice_arguments.hpp"
+#include "slice/slice.hpp"
 #include "terminal/stages.hpp"
 
 namespace lamella::cli::batch {
@@ -179,6 +179,13 @@ struct MergedResults {
 /// them: their lines, and those of the results.jsonl that was there which no shard has. Throws Failure, also where a shard
 /// is missing.
 MergedResults merge_shards(const std::vector<std::string>& sources);
+
+inline constexpr double process_bytes = 16e6;  ///< that slicing the smallest mesh takes
+
+/// Memory that slicing a mesh is estimated to take, by the first bytes and the size of its file. O(1). A file that cannot be
+/// read is estimated as empty. Peak resident sizes by format were measured with bench/scripts/batch_memory.py;
+/// bench/README.md has the table.
+double estimate_memory(const std::string& path, std::uint64_t file_bytes);
 
 struct BatchArguments {
     SliceArguments slice;            ///< its meshes are the sources; what it holds else is read from the command

@@ -7,9 +7,8 @@
 
 #include "batch/batch.hpp"
 #include "files/streams.hpp"
-#include "outputs/write_outputs.hpp"
+#include "outputs/outputs.hpp"
 #include "terminal/console.hpp"
-#include "terminal/numbers.hpp"
 
 namespace lamella::cli::batch {
 

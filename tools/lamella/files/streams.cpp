@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "files/mesh_input.hpp"
+#include "io/write/output_file.hpp"
 #include "lamella/io/text_file.hpp"
 #include "terminal/console.hpp"
 
@@ -58,12 +59,6 @@ std::size_t read_some(std::vector<char>& buffer) {
             throw unreadable(errno);
         }
     }
-}
-
-void require_open_output() {
-    const int flags = ::fcntl(STDOUT_FILENO, F_GETFL);
-    refuse_if(flags < 0 || (flags & O_ACCMODE) == O_RDONLY, bad_output,
-              "cannot write to standard output: " + std::generic_category().message(EBADF));
 }
 
 }  // namespace
@@ -123,31 +118,21 @@ Descriptor spooled_input() {
 }
 
 Failure unwritable(const std::string& path, int error_number) {
-    return {bad_output, "cannot write '" + path + "': " + std::generic_category().message(error_number)};
+    return failure_of(lamella::unwritable(path, error_number));
 }
 
 void require_writable(const std::string& path) {
     if (is_standard(path)) {
-        require_open_output();
+        const int flags = ::fcntl(STDOUT_FILENO, F_GETFL);
+        refuse_if(flags < 0 || (flags & O_ACCMODE) == O_RDONLY, bad_output,
+                  "cannot write to standard output: " + std::generic_category().message(EBADF));
         return;
     }
-    const std::filesystem::path file(path);
     std::error_code unknown;
-    if (!file.has_filename() || std::filesystem::is_directory(file, unknown)) {
-        throw unwritable(path, EISDIR);
-    }
-    if (std::filesystem::exists(file, unknown)) {
-        if (::access(path.c_str(), W_OK) != 0) {
-            throw unwritable(path, errno);
-        }
-        return;
-    }
-    const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
-    if (::access(folder.c_str(), W_OK | X_OK) != 0) {
-        throw unwritable(path, errno);
-    }
-    if (!std::filesystem::is_directory(folder, unknown)) {
-        throw unwritable(path, ENOTDIR);
+    if (std::filesystem::is_other(path, unknown)) {  // opened and closed, a pipe would end
+        refuse_if(::access(path.c_str(), W_OK) != 0, bad_output, unwritable(path, errno).what());
+    } else {
+        (void)done_or_thrown(OutputFile::create(path));  // aside, where it is removed at once
     }
 }
 

@@ -1,4 +1,4 @@
-#include "outputs/planned_outputs.hpp"
+#include "outputs/outputs.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,6 @@
 #include "files/streams.hpp"
 #include "lamella/medical.hpp"
 #include "terminal/console.hpp"
-#include "terminal/numbers.hpp"
 
 namespace lamella::cli {
 
@@ -55,7 +54,7 @@ const NamedFormat* format_by_end(const std::string& path) {
 /// The name without the end that tells its format.
 std::string without_format_end(const std::string& path) {
     const NamedFormat* const format = format_by_end(path);
-    return format == nullptr ? path : path.substr(0, path.size() - format->end.size());
+    return path.substr(0, path.size() - (format == nullptr ? 0 : format->end.size()));
 }
 
 constexpr const char* labels_end = ".labels.csv";
@@ -149,7 +148,7 @@ std::optional<std::int64_t> source_date() {
         return std::nullopt;
     }
     std::int64_t seconds = 0;
-    refuse_if(!parse_integer(std::string_view(text), seconds) || seconds < 0 || seconds > end_of_9999, bad_usage,
+    refuse_if(!read_integer(std::string_view(text), seconds) || seconds < 0 || seconds > end_of_9999, bad_usage,
               "SOURCE_DATE_EPOCH: '" + std::string(text) + "' is not a number of seconds since 1970, before the year 10000");
     return seconds;
 }

@@ -1,4 +1,4 @@
-#include "slice/slice_arguments.hpp"
+#include "slice/slice.hpp"
 
 #include <array>
 #include <cmath>
@@ -8,7 +8,6 @@
 
 #include "files/flags.hpp"
 #include "terminal/console.hpp"
-#include "terminal/numbers.hpp"
 
 namespace lamella::cli {
 
@@ -103,26 +102,6 @@ void declare(CLI::App& command, SliceArguments& arguments) {
         exclude(image,
                 {"--layer-height", "--planes", "--random-heights", "--first-height", "--datum", "--normal", "--transform"});
     }
-}
-
-void cut_at(SliceOptions& options, std::vector<double> heights) {
-    options.heights_mm = std::move(heights);
-    options.planes.first_height_mm.reset();
-    options.planes.datum = Datum::mesh_min;
-}
-
-std::optional<double> least_plane_distance(const SliceOptions& options) {
-    if (!options.heights_mm) {
-        return options.layer_height_mm;
-    }
-    std::optional<double> least;
-    std::vector<double> heights = *options.heights_mm;
-    std::sort(heights.begin(), heights.end());
-    heights.erase(std::unique(heights.begin(), heights.end()), heights.end());
-    for (std::size_t i = 1; i < heights.size(); ++i) {
-        least = std::min(least.value_or(heights[i] - heights[i - 1]), heights[i] - heights[i - 1]);
-    }
-    return least;
 }
 
 }  // namespace lamella::cli

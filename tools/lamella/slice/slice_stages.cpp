@@ -1,10 +1,8 @@
-#include "slice/slice_stages.hpp"
+#include "slice/slice.hpp"
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <utility>
@@ -12,35 +10,26 @@
 #include "files/streams.hpp"
 #include "lamella/io/svg.hpp"
 #include "lamella/medical/table.hpp"
-#include "outputs/planned_outputs.hpp"
+#include "outputs/outputs.hpp"
 #include "terminal/console.hpp"
-#include "terminal/numbers.hpp"
 
 namespace lamella::cli {
 
 namespace {
 
-/// For what a mesh larger than memory does not leave in it.
-std::filesystem::path folder_beside(const SliceArguments& arguments) {
-    const char* const asked = std::getenv("TMPDIR");
-    // Else beside the output: the system's own folder is often held in memory.
-    if ((asked == nullptr || *asked == 0) && !arguments.outputs.outputs.empty() && !arguments.output_to_stdout()) {
-        const std::filesystem::path folder = std::filesystem::path(arguments.outputs.outputs.front()).parent_path();
-        return folder.empty() ? "." : folder;
+/// The least distance between two planes at different heights, if there are two.
+std::optional<double> least_plane_distance(const SliceOptions& options) {
+    if (!options.heights_mm) {
+        return options.layer_height_mm;
     }
-    return temporary_folder();
-}
-
-std::string why_nothing_is_cut(const Box& box) {
-    return "no plane meets the mesh, which reaches from " + exact_text(box.min_mm[2]) + " to " + exact_text(box.max_mm[2]) +
-           " mm along the slicing direction";
-}
-
-std::string why_nothing_is_left(const SliceInfo& info) {
-    const double offset_mm = info.options.region.offset_mm;
-    return (offset_mm < 0 ? "an offset of " + exact_text(offset_mm) + " mm" : "the fill rule") + " leaves nothing: " +
-           (info.emptied_layers == 1 ? "the one layer that the mesh crosses is empty"
-                                     : "all " + counted(info.emptied_layers, "layer") + " that the mesh crosses are empty");
+    std::optional<double> least;
+    std::vector<double> heights = *options.heights_mm;
+    std::sort(heights.begin(), heights.end());
+    heights.erase(std::unique(heights.begin(), heights.end()), heights.end());
+    for (std::size_t i = 1; i < heights.size(); ++i) {
+        least = std::min(least.value_or(heights[i] - heights[i - 1]), heights[i] - heights[i - 1]);
+    }
+    return least;
 }
 
 std::vector<std::string> doubts_of(const SliceInfo& info, const SliceArguments& arguments, const MeshFile& mesh,
@@ -115,63 +104,6 @@ void copy_to(Array<T>& array, const std::vector<T>& from) {
 
 }  // namespace
 
-MeshToSlice read_for_slicing(const SliceArguments& arguments, Stages& stages) {
-    MeshToSlice mesh;
-    if (arguments.in_ranges()) {
-        const StreamOptions options{.memory_bytes = arguments.memory_bytes,
-                                    .temporary_folder = folder_beside(arguments),
-                                    .read = {.mm_per_unit = arguments.unit_mm.value_or(1)}};
-        mesh.stream = done_or_thrown(open_mesh(arguments.mesh, options));
-    } else {
-        mesh.file = read_mesh_of(arguments, stages.bar());
-    }
-    mesh.warnings = mesh.about().warnings;
-    const PatientFrame asked = arguments.image.frame;
-    const PatientFrame stated = mesh.about().patient_frame;
-    if (asked != PatientFrame::unstated && stated != PatientFrame::unstated && stated != asked) {
-        mesh.warnings.push_back(arguments.name() + ": states the patient frame " + std::string(name_of(stated)) +
-                                ", which holds instead of --frame " + std::string(name_of(asked)));
-    }
-    return mesh;
-}
-
-void mend(MeshToSlice& mesh, const SliceArguments& arguments, Stages& stages, ToolRun& run) {
-    mesh.welded.reset();
-    mesh.oriented.reset();
-    if (arguments.weld_mm) {
-        const auto join = [&](const Context& context) { return weld(mesh.view(), *arguments.weld_mm, context); };
-        const Stopwatch watch;
-        mesh.welded = done_or_thrown(stages.run("welding", join), arguments.name());
-        run.ms["weld"] = watch.ms();
-    }
-    if (arguments.orient_shells) {
-        const auto turn = [&](const Context& context) { return orient_shells(mesh.view(), 0, context); };
-        mesh.oriented = done_or_thrown(stages.run("turning shells", turn), arguments.name());
-        run.shells = mesh.oriented->shells;
-        run.turned_shells = mesh.oriented->turned_shells;
-    }
-}
-
-ImageGeometry image_for(const std::vector<MeshToSlice>& meshes, const SliceArguments& arguments) {
-    if (!arguments.image.like.empty()) {
-        return done_or_thrown(read_image_geometry(arguments.image.like));
-    }
-    const std::vector<double> spacing = parse_triple(arguments.image.spacing, "--spacing");
-    Box all;
-    for (std::size_t i = 0; i < meshes.size(); ++i) {
-        SliceOptions options = arguments.options;
-        const PatientFrame frame = patient_frame_of(meshes[i].about(), arguments.image, arguments.meshes[i]);
-        cut_at(options, {});
-        options.frame.transform = ImageGeometry{}.slicing_frame(frame);
-        const Box box = done_or_thrown(Slicer().outline(meshes[i].source(), options)).box;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            all.min_mm[axis] = i == 0 ? box.min_mm[axis] : std::min(all.min_mm[axis], box.min_mm[axis]);
-            all.max_mm[axis] = i == 0 ? box.max_mm[axis] : std::max(all.max_mm[axis], box.max_mm[axis]);
-        }
-    }
-    return done_or_thrown(geometry_around(all, {spacing[0], spacing[1], spacing[2]}));
-}
-
 std::vector<std::string> warnings_of(const SlicedPart& part, const SliceArguments& arguments, const MeshFile& mesh,
                                      const std::optional<ImageGeometry>& image) {
     const SliceInfo& info = part.result.info;
@@ -180,10 +112,16 @@ std::vector<std::string> warnings_of(const SlicedPart& part, const SliceArgument
         warnings.push_back(arguments.name() + (arguments.split ? ", " + part.name : "") + ": " + said_of(part.open));
     }
     if (info.segments == 0) {
-        warnings.push_back(why_nothing_is_cut(info.box));
+        warnings.push_back("no plane meets the mesh, which reaches from " + exact_text(info.box.min_mm[2]) + " to " +
+                           exact_text(info.box.max_mm[2]) + " mm along the slicing direction");
     }
     if (info.emptied_layers > 0 && info.contours == 0) {
-        warnings.push_back(why_nothing_is_left(info));
+        const double offset_mm = info.options.region.offset_mm;
+        warnings.push_back((offset_mm < 0 ? "an offset of " + exact_text(offset_mm) + " mm" : "the fill rule") +
+                           " leaves nothing: " +
+                           (info.emptied_layers == 1
+                                ? "the one layer that the mesh crosses is empty"
+                                : "all " + counted(info.emptied_layers, "layer") + " that the mesh crosses are empty"));
     }
     if (info.cancelled_layers > 0) {
         warnings.push_back("in " + counted(info.cancelled_layers, "layer") +
@@ -193,13 +131,6 @@ std::vector<std::string> warnings_of(const SlicedPart& part, const SliceArgument
     const std::vector<std::string> doubts = doubts_of(info, arguments, mesh, image);
     warnings.insert(warnings.end(), doubts.begin(), doubts.end());
     return warnings;
-}
-
-bool can_stream(const std::vector<PlannedOutput>& outputs) {
-    return std::all_of(outputs.begin(), outputs.end(), [](const PlannedOutput& output) {
-        return output.format == OutputFormat::svg || output.format == OutputFormat::csv ||
-               output.format == OutputFormat::json_lines;
-    });
 }
 
 std::function<void()> slice_streamed(const OutputJob& job, SlicedPart& part, const Source& mesh, const SliceOptions& options,

@@ -1,4 +1,4 @@
-#include "slice/slice_stages.hpp"
+#include "slice/slice.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,12 +14,9 @@ namespace lamella::cli {
 namespace {
 
 std::string mesh_line(const SliceInfo& counts, const ReportParts& parts) {
-    std::string text = "mesh      " + input_name(std::string(parts.mesh_name)) + ", " +
-                       counted(counts.triangles, "triangle") + ", " + description(*parts.file);
-    if (counts.degenerate > 0) {
-        text += "; " + grouped(counts.degenerate) + " degenerate, dropped";
-    }
-    return text + "\n";
+    return "mesh      " + input_name(std::string(parts.mesh_name)) + ", " + counted(counts.triangles, "triangle") + ", " +
+           description(*parts.file) +
+           when(counts.degenerate > 0, "; " + grouped(counts.degenerate) + " degenerate, dropped") + "\n";
 }
 
 std::string planes_line(const SliceInfo& info, const ToolRun& run) {
@@ -33,25 +30,19 @@ std::string planes_line(const SliceInfo& info, const ToolRun& run) {
            "\nrounding  as a vertex, then " + side_in_short(info.options) + ", grid " + exact_text(info.grid_mm) + " mm\n";
 }
 
-/// Layers in which nothing is left of what the mesh has there.
-std::string emptied(const SliceResult& result) {
+/// How closed contours became regions, what was left as it is, and layers in which nothing is left of what the mesh has
+/// there.
+std::string regions(const SliceResult& result) {
+    const RegionRules& rules = result.info.options.region;
+    const std::string text = rules_in_short(rules, counted(result.info.would_close_contours, "contour"));
     const std::uint64_t emptied = result.info.emptied_layers;
-    if (emptied == 0) {
-        return {};
+    if (rules.keeps_contours() || emptied == 0) {
+        return text;
     }
     const auto crossed = static_cast<std::uint64_t>(
         std::count_if(result.layers.begin(), result.layers.end(), [](const Layer& layer) { return layer.segments > 0; }));
-    return "emptied   " +
-           (emptied == crossed ? "all " + counted(crossed, "layer")
-                               : grouped(emptied) + " of " + counted(crossed, "layer")) +
+    return text + "emptied   " + (emptied == crossed ? "all " : grouped(emptied) + " of ") + counted(crossed, "layer") +
            " that the mesh crosses\n";
-}
-
-/// How closed contours became regions, and what was left as it is.
-std::string regions(const SliceResult& result) {
-    const RegionRules& rules = result.info.options.region;
-    return rules_in_short(rules, counted(result.info.would_close_contours, "contour")) +
-           (rules.keeps_contours() ? "" : emptied(result));
 }
 
 /// Lines on the work beyond cutting, if any.
@@ -96,18 +87,6 @@ std::string times(const SliceInfo& info, const ToolRun& run) {
            ")\n";
 }
 
-std::string contour_counts(const SliceInfo& info) {
-    std::string text =
-        grouped(info.contours) + ", of them holes " + grouped(info.holes) + ", open " + grouped(info.open_contours);
-    text += when(info.flat_contours > 0, ", without area " + grouped(info.flat_contours));
-    text += when(info.overruled_contours > 0, ", turned against their facets " + grouped(info.overruled_contours));
-    return text;
-}
-
-std::string open_line(const OpenLayers& open) {
-    return open.layers > 0 ? "open      " + said_of(open) + "\n" : std::string();
-}
-
 std::string volume_line(const VolumeCertificate& volume) {
     if (!volume.applies()) {
         return "volume    " + words_for(volume) + "\n";
@@ -127,10 +106,10 @@ std::string volume_line(const VolumeCertificate& volume) {
 
 /// Lines on the report's findings, if there is a report.
 std::string findings(const ReportParts& parts) {
-    std::string text;
     if (parts.audit == nullptr) {
-        return text;
+        return {};
     }
+    std::string text;
     if (const std::optional<Ledger>& books = parts.audit->ledger) {
         text += "unseen    between planes: shells " + grouped(books->shells.count) + ", peaks " +
                 grouped(books->peaks.count) + ", pits " + grouped(books->pits.count) + ", triangles " +
@@ -167,11 +146,15 @@ std::vector<ReportMember> members_of(const ToolRun& run) {
 
 std::string summary(const SlicedPart& part, const ReportParts& parts, const ToolRun& run) {
     const SliceInfo& info = part.result.info;
-    return mesh_line(info, parts) + planes_line(info, run) + mending(part, parts, run) + "segments  " +
-           grouped(info.segments) + "\ncontours  " + contour_counts(info) + "\n" + open_line(part.open) +
-           (run.print_hash && part.hash ? "hash      " + hexadecimal(*part.hash) + "\n" : "") + findings(parts) +
-           times(info, run) + "memory    " + file_size_text(run.peak_rss_bytes) + " at the peak\n" + run.ranges +
-           wrote(run.outputs);
+    std::string text = mesh_line(info, parts) + planes_line(info, run) + mending(part, parts, run);
+    text += "segments  " + grouped(info.segments) + "\ncontours  " + grouped(info.contours) + ", of them holes " +
+            grouped(info.holes) + ", open " + grouped(info.open_contours);
+    text += when(info.flat_contours > 0, ", without area " + grouped(info.flat_contours));
+    text += when(info.overruled_contours > 0, ", turned against their facets " + grouped(info.overruled_contours)) + "\n";
+    text += when(part.open.layers > 0, "open      " + said_of(part.open) + "\n");
+    text += when(run.print_hash && part.hash, "hash      " + hexadecimal(part.hash.value_or(0)) + "\n");
+    return text + findings(parts) + times(info, run) + "memory    " + file_size_text(run.peak_rss_bytes) + " at the peak\n" +
+           run.ranges + wrote(run.outputs);
 }
 
 }  // namespace lamella::cli

@@ -1,10 +1,6 @@
-#include <algorithm>
-#include <cstdint>
 #include <optional>
-#include <string>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include "medical/support.hpp"
 

@@ -2,9 +2,7 @@
 #include <atomic>
 #include <chrono>
 #include <functional>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "medical/support.hpp"
 

@@ -1,12 +1,7 @@
-#include <array>
-#include <cmath>
-#include <cstdint>
 #include <cstdio>
 #include <map>
-#include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "input/files.hpp"
 #include "medical/dicom/tags.hpp"

@@ -1,10 +1,4 @@
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "medical/support.hpp"
 

@@ -1,12 +1,6 @@
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
 #include <cstdlib>
 #include <random>
 #include <span>
-#include <string>
-#include <vector>
 
 #include "medical/dicom/data_set.hpp"
 #include "medical/dicom/keyhole.hpp"

@@ -2,10 +2,7 @@
 // of what follows. Explicit elements hold at most 65,534 bytes of contour data.
 #pragma once
 
-#include <array>
 #include <charconv>
-#include <string>
-#include <string_view>
 
 #include "base/little_endian.hpp"
 #include "medical/dicom/tags.hpp"

@@ -1,10 +1,8 @@
 #include "medical/hdf5/archive_file.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
-#include <type_traits>
 
 namespace lamella {
 

@@ -1,7 +1,5 @@
 #include <algorithm>
-#include <array>
 #include <limits>
-#include <optional>
 #include <utility>
 
 #include <zlib.h>

@@ -1,10 +1,8 @@
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <numeric>
-#include <span>
 #include <utility>
 
 #include <unistd.h>

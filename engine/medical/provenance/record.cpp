@@ -1,10 +1,8 @@
 #include "lamella/medical/record.hpp"
 
-#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <fstream>
-#include <memory>
 #include <system_error>
 
 #include <nlohmann/json.hpp>

@@ -2,20 +2,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <iterator>
 #include <limits>
 #include <memory>
-#include <optional>
-#include <string>
 #include <string_view>
 #include <system_error>
 #include <utility>
-#include <vector>
 
 #include <sched.h>
 
@@ -195,11 +190,8 @@ void slice_meshes(const CLI::App& command, BatchArguments& arguments, Interrupt&
     arguments.memory_bytes = arguments.memory_bytes > 0 ? arguments.memory_bytes : usable_memory();
     const ResultsName name = results_name_of(arguments);
     const ImageArguments& image = arguments.slice.image;
-    if (!image.like.empty()) {  // with a bad one every mesh would fail
-        (void)done_or_thrown(read_image_geometry(image.like));
-    }
-    for (const double side : image.spacing.empty() ? std::vector<double>() : parse_triple(image.spacing, "--spacing")) {
-        refuse_if(!(side > 0), bad_usage, "--spacing: '" + image.spacing + "': a voxel's sides are above 0");
+    if (image.given()) {  // with a bad one every mesh would fail
+        (void)done_or_thrown(image.spacing ? geometry_around(Box{}, *image.spacing) : read_image_geometry(image.like));
     }
     std::vector<std::string> own_files = {name.path(), name.path_of_whole()};
     std::copy_if(sources.begin(), sources.end(), std::back_inserter(own_files), is_named_as_manifest);

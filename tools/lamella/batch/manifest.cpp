@@ -1,9 +1,6 @@
 #include <algorithm>
-#include <cstddef>
 #include <string_view>
 #include <utility>
-
-#include <nlohmann/json.hpp>
 
 #include "batch/batch.hpp"
 #include "files/streams.hpp"

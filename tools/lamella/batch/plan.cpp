@@ -2,7 +2,6 @@
 #include <filesystem>
 #include <memory>
 #include <system_error>
-#include <unordered_map>
 #include <utility>
 
 #include <glob.h>

@@ -7,7 +7,6 @@
 #include <optional>
 #include <system_error>
 #include <utility>
-#include <vector>
 
 #include "options/option_words.hpp"
 #include "terminal/console.hpp"

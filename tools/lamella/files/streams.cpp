@@ -2,9 +2,6 @@
 
 #include <cerrno>
 #include <cstdlib>
-#include <filesystem>
-#include <system_error>
-#include <vector>
 
 #include <fcntl.h>
 #include <poll.h>

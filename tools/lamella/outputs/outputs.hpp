@@ -2,6 +2,7 @@
 // whose slices meshes are cut. Then results become files: masks, tables, SVG, and a record beside each but SVG.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -33,14 +34,14 @@ struct OutputArguments {
 /// The image that sets the planes.
 struct ImageArguments {
     std::string like{};
-    std::string spacing{};
+    std::optional<std::array<double, 3>> spacing{};  ///< mm
     PatientFrame frame = PatientFrame::unstated;
     int subslices = 1;
 
     /// The archives of convert may have been cut for one.
     bool in_archives = false;
 
-    bool given() const noexcept { return in_archives || !like.empty() || !spacing.empty(); }
+    bool given() const noexcept { return in_archives || !like.empty() || spacing; }
 };
 
 /// The flags of results that medicine reads, which slice and convert share.

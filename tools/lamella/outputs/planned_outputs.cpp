@@ -1,9 +1,7 @@
 #include "outputs/outputs.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
-#include <functional>
 #include <iterator>
 #include <set>
 #include <system_error>
@@ -83,8 +81,13 @@ void declare_image(CLI::App& command, ImageArguments& arguments) {
     static constexpr std::array<std::string_view, 2> frames = {"lps", "ras"};
     add_text(command, "--like", arguments.like, "IMAGE",
              "Cut at the slices of this image: NIfTI-1, NRRD, or a folder with a DICOM series");
-    add_text(command, "--spacing", arguments.spacing, "X,Y,Z",
-             "Cut for voxels of this size in mm around the mesh, along left, posterior, superior")
+    const auto take_spacing = [&arguments](const std::string& text) {
+        arguments.spacing = parse_triple(text, "--spacing");
+        return "";
+    };
+    add_parsed(command, "--spacing", "X,Y,Z",
+               "Cut for voxels of this size in mm around the mesh, along left, posterior, superior", take_spacing)
+        ->check(given)
         ->excludes("--like");
     add_choice(command, "--frame", frames, "Patient frame of meshes that do not state one",
                [&arguments](std::size_t i) { arguments.frame = i == 0 ? PatientFrame::lps : PatientFrame::ras; });

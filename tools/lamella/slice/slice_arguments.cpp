@@ -4,7 +4,6 @@
 #include <cmath>
 #include <initializer_list>
 #include <limits>
-#include <string_view>
 
 #include "files/flags.hpp"
 #include "terminal/console.hpp"
@@ -22,7 +21,7 @@ void declare_mending(CLI::App& command, SliceArguments& arguments) {
     command.add_flag("--orient-shells", arguments.orient_shells,
                      "Turn each closed shell outwards, or inwards where it bounds a cavity, before slicing");
     add_parsed(command, "--normal", "X,Y,Z", "Cut perpendicular to this direction", [&arguments](const std::string& text) {
-        const std::vector<double> normal = parse_triple(text, "--normal");
+        const std::array<double, 3> normal = parse_triple(text, "--normal");
         const double length = std::hypot(normal[0], normal[1], normal[2]);
         if (!(length > 0 && std::isfinite(length))) {
             return "'" + text + "' has no direction";

@@ -1,10 +1,7 @@
 // lamella slice: read, slice, write, report.
-#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
-#include <optional>
-#include <string>
 #include <utility>
 
 #include "commands.hpp"
@@ -173,7 +170,6 @@ private:
 
     /// The voxels of --spacing around all meshes.
     ImageGeometry image_around(const std::vector<MeshToSlice>& meshes) const {
-        const std::vector<double> spacing = parse_triple(arguments_.image.spacing, "--spacing");
         Box all;
         for (std::size_t i = 0; i < meshes.size(); ++i) {
             SliceOptions options = arguments_.options;
@@ -186,7 +182,7 @@ private:
                 all.max_mm[axis] = i == 0 ? box.max_mm[axis] : std::max(all.max_mm[axis], box.max_mm[axis]);
             }
         }
-        return done_or_thrown(geometry_around(all, {spacing[0], spacing[1], spacing[2]}));
+        return done_or_thrown(geometry_around(all, *arguments_.image.spacing));
     }
 
     void note(const std::string& warning) {

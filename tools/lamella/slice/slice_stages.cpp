@@ -1,9 +1,7 @@
 #include "slice/slice.hpp"
 
-#include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <functional>
 #include <memory>
 #include <utility>
 

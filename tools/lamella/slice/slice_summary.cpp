@@ -1,8 +1,6 @@
 #include "slice/slice.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <cstdint>
 
 #include "files/mesh_input.hpp"
 #include "files/streams.hpp"

@@ -1,7 +1,6 @@
 #include "terminal/console.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -223,12 +222,10 @@ std::optional<std::vector<double>> parse_list(std::string_view text) {
     return values;
 }
 
-std::vector<double> parse_triple(std::string_view text, const std::string& option) {
-    std::optional<std::vector<double>> values = parse_list(text);
-    if (!values || values->size() != 3) {
-        throw Failure(bad_usage, option + ": '" + std::string(text) + "' is not three numbers X,Y,Z");
-    }
-    return *std::move(values);
+std::array<double, 3> parse_triple(std::string_view text, const std::string& option) {
+    const std::vector<double> values = parse_list(text).value_or(std::vector<double>());
+    refuse_if(values.size() != 3, bad_usage, option + ": '" + std::string(text) + "' is not three numbers X,Y,Z");
+    return {values[0], values[1], values[2]};
 }
 
 std::uint64_t parse_bytes(const std::string& text, const std::string& option) {

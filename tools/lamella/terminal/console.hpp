@@ -3,6 +3,7 @@
 // exit status for a script.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <limits>
@@ -175,7 +176,7 @@ std::optional<double> parse_number(std::string_view text) noexcept;
 std::optional<std::vector<double>> parse_list(std::string_view text);
 
 /// Exactly three numbers with commas between; throws Failure naming `option`.
-std::vector<double> parse_triple(std::string_view text, const std::string& option);
+std::array<double, 3> parse_triple(std::string_view text, const std::string& option);
 
 /// A number of bytes, at least 1: "1500000", "200K", "512M", "2GB", "1TiB", all of powers of 1024. Throws Failure naming
 /// `option`.

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "input/files.hpp"
-#include "medical/dicom/tags.hpp"
+#include "medical/dicom/data_set.hpp"
 #include "medical/support.hpp"
 
 using namespace medical;

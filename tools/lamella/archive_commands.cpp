@@ -106,13 +106,13 @@ public:
             }
         }
         job_.options = recorded_options(command_);
-        const WrittenOutputs written = stages_.run("writing", [this](const Context& context) {
-            return write_outputs(job_, context, [this](const std::string& warning) { stages_.warn(warning); });
+        stages_.run("writing", [this](const Context& context) {
+            write_outputs(job_, context, [this](const std::string& warning) { stages_.warn(warning); });
         });
         const std::vector<std::string>& outputs = arguments_.outputs.outputs;
-        print_words(wrote(written.paths), std::any_of(outputs.begin(), outputs.end(), is_standard));
-        if (written.failure) {
-            throw Failure(*written.failure);
+        print_words(wrote(job_.written), std::any_of(outputs.begin(), outputs.end(), is_standard));
+        if (job_.failure) {
+            throw Failure(*job_.failure);
         }
     }
 

@@ -12,7 +12,7 @@
 #include "base/words.hpp"
 #include "io/read/input_file.hpp"
 #include "lamella/grid.hpp"
-#include "medical/dicom/tags.hpp"
+#include "medical/dicom/data_set.hpp"
 #include "medical/geometry/headers.hpp"
 
 namespace lamella {

@@ -1,8 +1,6 @@
 #include "lamella/medical/mask.hpp"
 
-#include <algorithm>
 #include <array>
-#include <limits>
 #include <memory>
 
 #include <zlib.h>

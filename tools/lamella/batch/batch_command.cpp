@@ -179,10 +179,6 @@ ResultsName results_name_of(const BatchArguments& arguments) {
     return name;
 }
 
-Failure failed_items(std::size_t failed, std::size_t items) {
-    return {some_failed, grouped(failed) + " of " + counted(items, "mesh", "meshes") + " failed"};
-}
-
 void slice_meshes(const CLI::App& command, BatchArguments& arguments, Interrupt& interrupt) {
     const SliceOptionNames names;
     const std::vector<std::string>& sources = arguments.slice.meshes;
@@ -198,24 +194,7 @@ void slice_meshes(const CLI::App& command, BatchArguments& arguments, Interrupt&
     std::vector<Item> items = plan_items(list_sources(sources, names), names.typed(command), own_files);
     std::size_t count = 0;
     std::erase_if(items, [&](const Item&) { return count++ % std::max(name.shards, 1U) != name.shard; });
-    count = items.size();
-    if (const std::size_t failed = run_batch(std::move(items), name, arguments, interrupt); failed > 0) {
-        throw failed_items(failed, count);
-    }
-}
-
-void merge_results(const BatchArguments& arguments) {
-    const MergedResults merged = merge_shards(arguments.slice.meshes);
-    const std::size_t failed = merged.failures.size();
-    std::string text = "meshes    " + grouped(merged.items) + ": " + grouped(merged.items - failed) + " done, " +
-                       grouped(failed) + " failed\nresults   " + printable(merged.path) + "\n";
-    for (const std::string& failure : merged.failures) {
-        text += "failed    " + printable(failure) + "\n";
-    }
-    print(text);
-    if (failed > 0) {
-        throw failed_items(failed, merged.items);
-    }
+    run_batch(std::move(items), name, arguments, interrupt);
 }
 
 }  // namespace
@@ -240,7 +219,8 @@ void add_batch_command(CLI::App& app, Interrupt& interrupt) {
         "A manifest list.csv with the lines \"path,like\", \"liver.stl,ct.nii.gz\": lamella batch list.csv --frame lps -o "
         "'masks/{stem}.nii.gz'");
     command->callback([command, arguments, &interrupt] {
-        arguments->merge ? batch::merge_results(*arguments) : batch::slice_meshes(*command, *arguments, interrupt);
+        arguments->merge ? batch::merge_shards(arguments->slice.meshes)
+                         : batch::slice_meshes(*command, *arguments, interrupt);
     });
 }
 

@@ -119,7 +119,7 @@ public:
     BatchRun(const BatchRun&) = delete;
     BatchRun& operator=(const BatchRun&) = delete;
 
-    std::size_t run() {
+    void run() {
         clean();
         choose_items();
         start_what_fits();
@@ -139,7 +139,8 @@ public:
         results_.finish(items_);
         interrupt_.end_deferring();
         print(summary());
-        return failed_.size();
+        refuse_if(!failed_.empty(), some_failed,
+                  grouped(failed_.size()) + " of " + counted(items_.size(), "mesh", "meshes") + " failed");
     }
 
 private:
@@ -394,9 +395,8 @@ private:
 
 }  // namespace
 
-std::size_t run_batch(std::vector<Item> items, const ResultsName& name, const BatchArguments& options,
-                      Interrupt& interrupt) {
-    return BatchRun(std::move(items), name, options, interrupt).run();
+void run_batch(std::vector<Item> items, const ResultsName& name, const BatchArguments& options, Interrupt& interrupt) {
+    BatchRun(std::move(items), name, options, interrupt).run();
 }
 
 }  // namespace lamella::cli::batch

@@ -295,30 +295,35 @@ void ResultsFile::finish(const std::vector<Item>& items) {
     write_durably(path_, lines_);
 }
 
-MergedResults merge_shards(const std::vector<std::string>& sources) {
+void merge_shards(const std::vector<std::string>& sources) {
     const std::vector<ResultsName> shards = shards_of(sources);
     ResultLines lines;
     for (const ResultsName& shard : shards) {
         (void)add_results(shard.path(), lines);
     }
-    MergedResults merged{.path = shards.front().path_of_whole(), .items = lines.size(), .failures = {}};
+    const std::string path = shards.front().path_of_whole();
+    const std::size_t items = lines.size();
+    std::vector<std::string> failures;
     Names written;
     for (const auto& [key, line] : lines) {
         if (!line.failure.empty()) {
-            merged.failures.push_back(line.mesh + ": " + line.failure);
+            failures.push_back("failed    " + printable(line.mesh + ": " + line.failure) + "\n");
         }
         written.insert(line.outputs.begin(), line.outputs.end());
     }
-    std::sort(merged.failures.begin(), merged.failures.end());
+    std::sort(failures.begin(), failures.end());
     std::error_code unknown;
-    if (std::filesystem::exists(merged.path, unknown)) {
+    if (std::filesystem::exists(path, unknown)) {
         ResultLines earlier;
-        (void)add_results(merged.path, earlier);
+        (void)add_results(path, earlier);
         drop_overwritten(earlier, written, {});
         lines.merge(earlier);
     }
-    write_durably(merged.path, lines);
-    return merged;
+    write_durably(path, lines);
+    print("meshes    " + grouped(items) + ": " + grouped(items - failures.size()) + " done, " + grouped(failures.size()) +
+          " failed\nresults   " + printable(path) + "\n" + joined(failures, ""));
+    refuse_if(!failures.empty(), some_failed,
+              grouped(failures.size()) + " of " + counted(items, "mesh", "meshes") + " failed");
 }
 
 }  // namespace lamella::cli::batch

@@ -16,14 +16,12 @@ namespace lamella::cli {
 
 namespace {
 
-constexpr const char* standard_input = "standard input";
-
 Failure unreadable(int error_number) {
-    return {bad_input, std::string(standard_input) + ": cannot be read: " + std::generic_category().message(error_number)};
+    return {bad_input, "standard input: cannot be read: " + std::generic_category().message(error_number)};
 }
 
 Failure no_spool(int error_number) {
-    return {bad_input, std::string(standard_input) + ": cannot be kept in a temporary file in '" + temporary_folder() +
+    return {bad_input, "standard input: cannot be kept in a temporary file in '" + temporary_folder() +
                            "': " + std::generic_category().message(error_number)};
 }
 
@@ -75,18 +73,6 @@ int write_all(const Descriptor& to, std::string_view bytes) noexcept {
         bytes.remove_prefix(static_cast<std::size_t>(written < 0 ? 0 : written));
     }
     return 0;
-}
-
-std::string input_name(const std::string& path) {
-    return is_standard(path) ? standard_input : path;
-}
-
-std::string output_name(const std::string& path) {
-    return is_standard(path) ? "standard output" : path;
-}
-
-std::string output_path(const std::string& path) {
-    return is_standard(path) ? "/dev/stdout" : path;
 }
 
 void write_text(const std::string& path, const std::string& text) {
@@ -149,37 +135,29 @@ std::string place_of(const std::string& path) {
     return (unknown ? std::filesystem::path(path).lexically_normal() : place).string();
 }
 
-void FilePlan::require_different(const File& output, const File& other) {
-    std::error_code unknown;
-    const bool streams = is_standard(output.path) || is_standard(other.path);
-    refuse_if(is_standard(output.path) && is_standard(other.path) && !other.option.empty(), bad_usage,
-              output.option + ": '-' is " + other.what + " too, and standard output takes one of them");
-    refuse_if(!streams && (output.place == other.place || std::filesystem::equivalent(output.path, other.path, unknown)),
-              bad_usage, output.option + ": '" + output.path + "' is " + other.what + " itself");
-}
-
-void FilePlan::reads(const std::string& path, const std::string& what) {
-    if (!path.empty()) {
-        const File input{path, place_of(path), "", what};
-        for (const File& other : files_) {
-            if (!other.option.empty()) {
-                require_different(other, input);
-            }
-        }
-        files_.push_back(input);
-    }
-}
-
-void FilePlan::require_free(const std::string& path, const std::string& option) const {
+void FilePlan::require_free(const File& file) const {
     for (const File& other : files_) {
-        require_different({path, place_of(path), option, ""}, other);
+        const File& output = file.option.empty() ? other : file;
+        const File& taken = file.option.empty() ? file : other;
+        if (output.option.empty()) {
+            continue;  // two inputs
+        }
+        std::error_code unknown;
+        const bool one_stream = is_standard(output.path) && is_standard(taken.path);
+        const bool no_stream = !is_standard(output.path) && !is_standard(taken.path);
+        refuse_if(one_stream && !taken.option.empty(), bad_usage,
+                  output.option + ": '-' is " + taken.what + " too, and standard output takes one of them");
+        refuse_if(
+            no_stream && (output.place == taken.place || std::filesystem::equivalent(output.path, taken.path, unknown)),
+            bad_usage, output.option + ": '" + output.path + "' is " + taken.what + " itself");
     }
 }
 
-void FilePlan::writes(const std::string& path, const std::string& option, const std::string& what) {
+void FilePlan::add(const std::string& path, const std::string& option, const std::string& what) {
     if (!path.empty()) {
-        require_free(path, option);
-        files_.push_back({path, place_of(path), option, what});
+        const File file{path, place_of(path), option, what};
+        require_free(file);
+        files_.push_back(file);
     }
 }
 

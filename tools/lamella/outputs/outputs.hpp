@@ -48,26 +48,15 @@ struct ImageArguments {
 void declare_outputs(CLI::App& command, OutputArguments& arguments);
 void declare_image(CLI::App& command, ImageArguments& arguments);
 
-enum class OutputFormat : std::uint8_t {
-    svg,
-    nifti,
-    nifti_gz,
-    nrrd,
-    segmentation,
-    structure_set,
-    csv,
-    json_lines,
-    png,
-    hdf5
-};
+/// The end of a mask's or a table's name says which one it is.
+enum class OutputFormat : std::uint8_t { svg, mask, structure_set, table, png, hdf5 };
 
 struct PlannedOutput {
     std::string path;  ///< or - for standard output
     OutputFormat format = OutputFormat::svg;
 
     /// Voxels in the patient: it needs the geometry of an image, and the patient frame of the mesh.
-    bool is_mask() const noexcept;
-    bool is_table() const noexcept { return format == OutputFormat::csv || format == OutputFormat::json_lines; }
+    bool is_mask() const noexcept { return format == OutputFormat::mask; }
     /// True if it takes one mesh only.
     bool one_mesh() const noexcept { return format == OutputFormat::svg || format == OutputFormat::hdf5; }
     /// True if a record is written beside it: beside all but SVG.
@@ -164,11 +153,8 @@ struct OutputJob {
     std::vector<FileSeal> inputs{};
     std::vector<RecordedOption> options{};
     std::function<void()> finish_streamed{};  ///< puts in place what was written while the mesh was sliced; else empty
-};
-
-struct WrittenOutputs {
-    std::vector<std::string> paths;
-    std::optional<Failure> failure;  ///< of the first that could not be written; those of others were complained of
+    std::vector<std::string> written{};       ///< paths, in the end
+    std::optional<Failure> failure{};         ///< of the first that could not be written; those of others were complained of
 };
 
 /// Throws Failure.
@@ -179,7 +165,7 @@ std::string said_of(const OpenLayers& open);
 
 /// Writes all outputs that can be written; `note` takes warnings. Parts whose names repeat are told apart by a number.
 /// Throws Failure where none can be written, and of a stop.
-WrittenOutputs write_outputs(OutputJob& job, const Context& context, const std::function<void(const std::string&)>& note);
+void write_outputs(OutputJob& job, const Context& context, const std::function<void(const std::string&)>& note);
 
 /// The name of a mesh's file without folder and ends: "liver" of "a/liver.stl.gz".
 std::string mesh_name_of(const std::string& path);

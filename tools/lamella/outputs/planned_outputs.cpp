@@ -24,13 +24,13 @@ struct NamedFormat {
 /// Longer ends before those that they end in.
 constexpr std::array<NamedFormat, 10> formats = {{
     {"svg", ".svg", OutputFormat::svg},
-    {"nii.gz", ".nii.gz", OutputFormat::nifti_gz},
-    {"nii", ".nii", OutputFormat::nifti},
-    {"seg.nrrd", ".seg.nrrd", OutputFormat::segmentation},
-    {"nrrd", ".nrrd", OutputFormat::nrrd},
+    {"nii.gz", ".nii.gz", OutputFormat::mask},
+    {"nii", ".nii", OutputFormat::mask},
+    {"seg.nrrd", ".seg.nrrd", OutputFormat::mask},
+    {"nrrd", ".nrrd", OutputFormat::mask},
     {"rtstruct", ".dcm", OutputFormat::structure_set},
-    {"csv", ".csv", OutputFormat::csv},
-    {"jsonl", ".jsonl", OutputFormat::json_lines},
+    {"csv", ".csv", OutputFormat::table},
+    {"jsonl", ".jsonl", OutputFormat::table},
     {"png", ".png", OutputFormat::png},
     {"h5", ".h5", OutputFormat::hdf5},
 }};
@@ -95,14 +95,9 @@ void declare_image(CLI::App& command, ImageArguments& arguments) {
         ->check(CLI::Range(1, 1000));
 }
 
-bool PlannedOutput::is_mask() const noexcept {
-    return format == OutputFormat::nifti || format == OutputFormat::nifti_gz || format == OutputFormat::nrrd ||
-           format == OutputFormat::segmentation;
-}
-
 std::vector<std::string> PlannedOutput::files(bool several_meshes) const {
     std::vector<std::string> all = {path};
-    if (format == OutputFormat::csv) {
+    if (lower_case(path).ends_with(".csv")) {
         all.push_back(without_format_end(path) + ".meshes.csv");
     }
     if (is_mask() && several_meshes) {
@@ -135,8 +130,11 @@ std::vector<PlannedOutput> planned_outputs(const OutputArguments& arguments) {
             std::find_if(formats.begin(), formats.end(), [&](const NamedFormat& known) { return known.name == name; });
         refuse_if(format == formats.end(), bad_usage,
                   "--to: '" + name + "' is not one of " + all_formats(&NamedFormat::name));
-        refuse_if(has_format(planned, format->format), bad_usage, "--to: '" + name + "' stands there twice");
-        planned.push_back({without_format_end(outputs.front()) + std::string(format->end), format->format});
+        const std::string path = without_format_end(outputs.front()) + std::string(format->end);
+        for (const PlannedOutput& other : planned) {
+            refuse_if(other.path == path, bad_usage, "--to: '" + name + "' stands there twice");
+        }
+        planned.push_back({path, format->format});
     }
     return planned;
 }

@@ -118,10 +118,7 @@ void write_one(const OutputJob& job, const PlannedOutput& output, const Context&
                                      {.welded = part.welded ? &*part.welded : nullptr}, context));
             return;
         }
-        case OutputFormat::nifti:
-        case OutputFormat::nifti_gz:
-        case OutputFormat::nrrd:
-        case OutputFormat::segmentation:
+        case OutputFormat::mask:
             return write_mask_of(job, output, context, note);
         case OutputFormat::structure_set:
             write_structure_set_of(job, output, context, note);
@@ -129,8 +126,7 @@ void write_one(const OutputJob& job, const PlannedOutput& output, const Context&
                 note_beyond_slices(job, part, output, note);
             }
             return;
-        case OutputFormat::csv:
-        case OutputFormat::json_lines:
+        case OutputFormat::table:
             return done_or_thrown(write_layer_table(
                 parts_of(job,
                          [](const SlicedPart& part) {
@@ -247,7 +243,7 @@ OpenLayers open_layers_of(const SliceResult& result, const Context& context) {
     return *done_or_thrown(audit(result, MeshView{}, {.volume = false, .ledger = false, .crossings = false}, context)).open;
 }
 
-WrittenOutputs write_outputs(OutputJob& job, const Context& context, const Note& note) {
+void write_outputs(OutputJob& job, const Context& context, const Note& note) {
     const std::vector<std::string> distinct =
         distinct_names(parts_of(job, [](const SlicedPart& part) { return part.name; }));
     for (std::size_t i = 0; i < distinct.size(); ++i) {
@@ -263,7 +259,6 @@ WrittenOutputs write_outputs(OutputJob& job, const Context& context, const Note&
     if (job.finish_streamed) {
         job.finish_streamed();
     }
-    WrittenOutputs written;
     for (const PlannedOutput& output : job.outputs) {
         try {
             if (!job.finish_streamed) {
@@ -272,22 +267,21 @@ WrittenOutputs write_outputs(OutputJob& job, const Context& context, const Note&
             if (takes_record(output)) {
                 write_record_beside(output, record_of(job, output), context);
             }
-            written.paths.push_back(output.path);
+            job.written.push_back(output.path);
         } catch (const Failure& failure) {
             if (context.stop && context.stop()) {
                 throw;
             }
-            if (written.failure) {
+            if (job.failure) {
                 complain(failure.what());
             } else {
-                written.failure = failure;
+                job.failure = failure;
             }
         }
     }
-    if (written.failure && written.paths.empty()) {
-        throw Failure(*written.failure);
+    if (job.failure && job.written.empty()) {
+        throw Failure(*job.failure);
     }
-    return written;
 }
 
 std::string mesh_name_of(const std::string& path) {

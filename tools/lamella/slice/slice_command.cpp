@@ -53,7 +53,7 @@ void cut_at(SliceOptions& options, std::vector<double> heights) {
 
 /// True of formats that take one layer after the other: SVG and tables.
 bool takes_layers(const PlannedOutput& output) {
-    return output.format == OutputFormat::svg || output.is_table();
+    return output.format == OutputFormat::svg || output.format == OutputFormat::table;
 }
 
 class SliceCommand {
@@ -89,8 +89,8 @@ public:
             write();
             print_words(words + wrote(run_.outputs), arguments_.output_to_stdout());
         }
-        if (failure_) {
-            throw Failure(*failure_);
+        if (job_.failure) {
+            throw Failure(*job_.failure);
         }
     }
 
@@ -359,10 +359,7 @@ private:
     }
 
     /// Facts are those of the whole mesh.
-    bool wants_facts() const {
-        return !arguments_.in_ranges() &&
-               std::any_of(job_.outputs.begin(), job_.outputs.end(), std::mem_fn(&PlannedOutput::is_table));
-    }
+    bool wants_facts() const { return !arguments_.in_ranges() && has_format(job_.outputs, OutputFormat::table); }
 
     /// Returns its SHA-256.
     std::string add_input(const std::string& path, std::uint64_t bytes) {
@@ -380,11 +377,10 @@ private:
             }
         }
         const Stopwatch watch;
-        WrittenOutputs written = stages_.run("writing", [this](const Context& context) {
-            return write_outputs(job_, context, [this](const std::string& warning) { note(warning); });
+        stages_.run("writing", [this](const Context& context) {
+            write_outputs(job_, context, [this](const std::string& warning) { note(warning); });
         });
-        run_.outputs = std::move(written.paths);
-        failure_ = std::move(written.failure);
+        run_.outputs = job_.written;
         run_.ms["write"] = watch.ms();
     }
 
@@ -434,7 +430,6 @@ private:
     OutputJob job_;
     FilePlan file_plan_;
     bool streams_ = false;                        ///< within --memory, where all outputs take one layer after the other
-    std::optional<Failure> failure_;              ///< of an output, beside others that were written
     std::optional<std::vector<double>> heights_;  ///< of the file whose objects are being sliced
     ToolRun run_;
     Stopwatch total_;

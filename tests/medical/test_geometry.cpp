@@ -1,10 +1,4 @@
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "medical/support.hpp"
 
@@ -74,9 +68,6 @@ TEST_CASE("geometry: the frame of slicing puts voxels where their indices say, a
                   m[2] * (m[4] * m[9] - m[5] * m[8]) ==
               Approx(1.0));
     }
-}
-
-TEST_CASE("geometry: heights in the patient are along the axis that is nearest to the slices' normal", "[medical]") {
     ImageGeometry coronal;  // i x j points to the front, away from posterior
     coronal.axes = {{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}};
     coronal.origin_mm = {0, 80, 0};

@@ -13,7 +13,7 @@
 #include "files/streams.hpp"
 #include "lamella/io/mesh_writer.hpp"
 #include "lamella/medical.hpp"
-#include "outputs/write_outputs.hpp"
+#include "outputs/outputs.hpp"
 #include "processes/process.hpp"
 #include "terminal/stages.hpp"
 
@@ -25,20 +25,6 @@ struct MergeArguments : MeshArguments {
     std::vector<std::string> parts;
     std::string output;
 };
-
-void record(const MergedArchive& merged, const MergeArguments& arguments, const PlannedOutput& output,
-            const Context& context) {
-    Record record;
-    record.command = "merge";
-    record.patient_frame = name_of(merged.info.frame);
-    record.grid_mm = {merged.grid_mm};
-    record.fill_rule = name_of(merged.fill_rule);
-    record.result_hashes = {hexadecimal(merged.hash)};
-    for (const std::string& part : arguments.parts) {
-        record.inputs.push_back(done_or_thrown(seal_file(part, context)));
-    }
-    write_record_beside(output, std::move(record), context);
-}
 
 void merge_parts(const MergeArguments& arguments, Interrupt& interrupt) {
     const PlannedOutput output{arguments.output, OutputFormat::hdf5};
@@ -62,7 +48,18 @@ void merge_parts(const MergeArguments& arguments, Interrupt& interrupt) {
         throw Failure(failure.status() == bad_usage ? bad_input : failure.status(), merged.error().message);
     }
     if (takes_record(output)) {
-        stages.run("sealing", [&](const Context& context) { record(*merged, arguments, output, context); });
+        stages.run("sealing", [&](const Context& context) {
+            Record record;
+            record.command = "merge";
+            record.patient_frame = name_of(merged->info.frame);
+            record.grid_mm = {merged->grid_mm};
+            record.fill_rule = name_of(merged->fill_rule);
+            record.result_hashes = {hexadecimal(merged->hash)};
+            for (const std::string& part : arguments.parts) {
+                record.inputs.push_back(done_or_thrown(seal_file(part, context)));
+            }
+            write_record_beside(output, std::move(record), context);
+        });
     }
     print_words(counted(parts.size(), "part") + ", " + counted(merged->layers, "layer") + "\n" + wrote({output.path}),
                 false);
@@ -88,34 +85,6 @@ public:
           job_{.arguments = arguments.outputs, .command = command.get_name()} {}
 
     void run() {
-        plan();
-        for (const std::string& archive : arguments_.archives) {
-            read(archive);
-        }
-        if (!arguments_.image.like.empty()) {
-            use_image();
-        }
-        require_image_outputs_possible();
-        require_overlaps();
-        job_.options = recorded_options(command_);
-        const WrittenOutputs written = stages_.run("writing", [this](const Context& context) {
-            return write_outputs(job_, context, [this](const std::string& warning) { stages_.warn(warning); });
-        });
-        const std::vector<std::string>& outputs = arguments_.outputs.outputs;
-        print_words(wrote(written.paths), std::any_of(outputs.begin(), outputs.end(), is_standard));
-        if (written.failure) {
-            throw Failure(*written.failure);
-        }
-    }
-
-private:
-    /// The value that a call on a file makes.
-    template <class Call>
-    auto found(const std::string& what, const Call& call) {
-        return stages_.done("reading " + printable(what), call);
-    }
-
-    void plan() {
         file_plan_.reads(arguments_.image.like, "the file of --like");
         for (const std::string& archive : arguments_.archives) {
             file_plan_.reads(archive, "the archive");
@@ -124,6 +93,34 @@ private:
         // The archives say whether there is an image, and how many planes a slice has.
         job_.outputs = plan_outputs(arguments_.outputs, meshes, {.in_archives = true}, file_plan_);
         stages_.interrupt().tidy(files_of(job_.outputs, meshes > 1));
+        for (const std::string& archive : arguments_.archives) {
+            read(archive);
+        }
+        if (!arguments_.image.like.empty()) {
+            use_image();
+        }
+        require_image_outputs_possible();
+        for (const SlicedPart& part : job_.parts) {
+            if (job_.image) {
+                require_overlap(*job_.image, part.name, part.result.info.box);
+            }
+        }
+        job_.options = recorded_options(command_);
+        stages_.run("writing", [this](const Context& context) {
+            write_outputs(job_, context, [this](const std::string& warning) { stages_.warn(warning); });
+        });
+        const std::vector<std::string>& outputs = arguments_.outputs.outputs;
+        print_words(wrote(job_.written), std::any_of(outputs.begin(), outputs.end(), is_standard));
+        if (job_.failure) {
+            throw Failure(*job_.failure);
+        }
+    }
+
+private:
+    /// The value that a call on a file makes.
+    template <class Call>
+    auto found(const std::string& what, const Call& call) {
+        return stages_.done("reading " + printable(what), call);
     }
 
     void read(const std::string& path) {
@@ -167,12 +164,10 @@ private:
             found(arguments_.image.like, [&](const Context& context) { return seal_file(arguments_.image.like, context); }));
     }
 
-    static bool needs_image(const PlannedOutput& output) {
-        return output.is_mask() || output.format == OutputFormat::structure_set;
-    }
-
     void require_image_outputs_possible() const {
-        const auto first = std::find_if(job_.outputs.begin(), job_.outputs.end(), needs_image);
+        const auto first = std::find_if(job_.outputs.begin(), job_.outputs.end(), [](const PlannedOutput& output) {
+            return output.is_mask() || output.format == OutputFormat::structure_set;
+        });
         if (first == job_.outputs.end()) {
             return;
         }
@@ -188,14 +183,6 @@ private:
             if (result.layers.size() < result.info.planned_layers) {
                 throw Failure(bad_input, arguments_.archives[i] + ": " + counted(result.layers.size(), "layer") + " of " +
                                              grouped(result.info.planned_layers) + "; lamella merge joins such parts");
-            }
-        }
-    }
-
-    void require_overlaps() const {
-        for (const SlicedPart& part : job_.parts) {
-            if (job_.image) {
-                require_overlap(*job_.image, part.name, part.result.info.box);
             }
         }
     }

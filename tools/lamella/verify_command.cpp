@@ -18,9 +18,9 @@
 #include "files/streams.hpp"
 #include "lamella/medical.hpp"
 #include "lamella/version.hpp"
-#include "outputs/write_outputs.hpp"
+#include "outputs/outputs.hpp"
 #include "processes/process.hpp"
-#include "slice/slice_arguments.hpp"
+#include "slice/slice.hpp"
 #include "terminal/console.hpp"
 
 namespace lamella::cli {
@@ -46,15 +46,6 @@ std::string difference(const FileSeal& recorded, const FileSeal& found) {
     }
     const bool known = !recorded.sha256.empty() || !is_standard(recorded.path);
     return known && found.sha256 != recorded.sha256 ? "its SHA-256 is not that of its record" : "";
-}
-
-/// A record of which what follows can be used. Throws Failure (bad_input).
-Record record_at(const fs::path& path) {
-    Record record = done_or_thrown(read_record(path));
-    const fs::path name(record.output.path);
-    refuse_if(name.empty() || name.filename() != name || name == "." || name == "..", bad_input,
-              "its record names the output '" + name.string() + "'");
-    return record;
 }
 
 /// How many of the record's inputs the output was made of: meshes, archives or parts. What options name follows them.
@@ -186,21 +177,17 @@ private:
         }
     }
 
-    void note_unless(bool same, const std::string& finding) {
-        if (!same) {
-            found_.push_back(finding);
-        }
-    }
-
     void compare_records(const Record& again) {
+        const auto compare = [&](const std::string& what, bool same) {
+            if (!same) {
+                found_.push_back("the " + what + " in its record is not that of its layers");
+            }
+        };
         const std::vector<std::string>& hashes = record_.result_hashes;
         for (std::size_t i = 0; i < hashes.size(); ++i) {
-            note_unless(i < again.result_hashes.size() && again.result_hashes[i] == hashes[i],
-                        "the hash of mesh " + std::to_string(i + 1) + " in its record is not that of its layers");
+            compare("hash of mesh " + std::to_string(i + 1),
+                    i < again.result_hashes.size() && again.result_hashes[i] == hashes[i]);
         }
-        const auto compare = [&](const std::string& what, bool same) {
-            note_unless(same, "the " + what + " in its record is not that of its layers");
-        };
         compare("patient frame", record_.patient_frame == again.patient_frame);
         compare("grid", record_.grid_mm == again.grid_mm);
         compare("fill rule", record_.fill_rule == again.fill_rule);
@@ -208,21 +195,21 @@ private:
     }
 
     void compare_files(const fs::path& output) {
-        const auto seal = [this](const fs::path& file) { return done_or_thrown(seal_file(file, context_)); };
+        const auto digest = [this](const fs::path& file) { return done_or_thrown(seal_file(file, context_)).sha256; };
         for (const auto& entry : fs::directory_iterator(top_ / "out")) {
             const fs::path name = entry.path().filename();
             const bool is_output = name == record_.output.path;
             const fs::path other = is_output ? output : output.parent_path() / name;
+            const std::string beside = "'" + name.string() + "' beside it ";
             std::error_code unknown;
             if (name == record_.output.path + std::string(record_end)) {
                 continue;
             }
             if (!fs::exists(other, unknown)) {
-                found_.push_back("'" + name.string() + "' beside it is missing");
-                continue;
+                found_.push_back(beside + "is missing");
+            } else if (digest(entry.path()) != digest(other)) {
+                found_.push_back(is_output ? "made again it has other bytes" : beside + "differs");
             }
-            note_unless(seal(entry.path()).sha256 == seal(other).sha256,
-                        is_output ? "made again it has other bytes" : "'" + name.string() + "' beside it differs");
         }
     }
 
@@ -272,13 +259,18 @@ private:
     /// `output` lies beside its record, `record_path`.
     void verify_output(const fs::path& output, const fs::path& record_path) {
         try {
-            const Record record = record_at(record_path);
+            const Record record = done_or_thrown(read_record(record_path));
+            const fs::path name(record.output.path);
+            refuse_if(name.empty() || name.filename() != name || name == "." || name == "..", bad_input,
+                      "its record names the output '" + name.string() + "'");
             const std::vector<std::string> found = differences(record, output, record_path);
             if (found.empty()) {
                 return say(output, remakes() ? "as recorded, and so are its inputs; equal when made again" : "as recorded");
             }
             ++differing_;
-            say(output, "differs: " + joined(found, "; ") + other_version(record));
+            say(output, "differs: " + joined(found, "; ") +
+                            when(record.version != version,
+                                 " (it was made by lamella " + record.version + ", this is " + version + ")"));
         } catch (const Failure& failure) {
             if (context_.stop()) {
                 throw;
@@ -344,10 +336,6 @@ private:
             found.insert(found.end(), more.begin(), more.end());
         }
         return found;
-    }
-
-    static std::string other_version(const Record& record) {
-        return record.version == version ? "" : " (it was made by lamella " + record.version + ", this is " + version + ")";
     }
 
     /// The meshes given in place of those in the record; else each where its path leads from here or from the record.

@@ -1,16 +1,73 @@
-// A structure set as bytes: implicit, little-endian, sequences and items of undefined length, so that nothing need be known
-// of what follows. Explicit elements hold at most 65,534 bytes of contour data.
+// Attributes of DICOM by the names of PS3.6, and a structure set as bytes: implicit, little-endian, sequences and items of
+// undefined length, so that nothing need be known of what follows. Explicit elements hold at most 65,534 bytes of contour
+// data.
 #pragma once
 
 #include <array>
 #include <charconv>
-#include <span>
+#include <cstdint>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "lamella/medical/structure_set.hpp"
-#include "medical/dicom/tags.hpp"
+#include "base/little_endian.hpp"
+#include "lamella/medical/geometry.hpp"
+
+namespace lamella::dicom {
+
+/// Group and element.
+using Tag = std::uint32_t;
+
+inline constexpr Tag transfer_syntax_uid = 0x00020010;
+inline constexpr Tag last_of_file_meta = 0x0002ffff;
+inline constexpr Tag specific_character_set = 0x00080005;
+inline constexpr Tag sop_class_uid = 0x00080016;
+inline constexpr Tag sop_instance_uid = 0x00080018;
+inline constexpr Tag modality = 0x00080060;
+inline constexpr Tag study_description = 0x00081030;
+inline constexpr Tag series_description = 0x0008103e;
+inline constexpr Tag slice_thickness = 0x00180050;
+inline constexpr Tag study_instance_uid = 0x0020000d;
+inline constexpr Tag series_instance_uid = 0x0020000e;
+inline constexpr Tag image_position_patient = 0x00200032;
+inline constexpr Tag image_orientation_patient = 0x00200037;
+inline constexpr Tag frame_of_reference_uid = 0x00200052;
+inline constexpr Tag number_of_frames = 0x00280008;
+inline constexpr Tag rows = 0x00280010;
+inline constexpr Tag columns = 0x00280011;
+inline constexpr Tag pixel_spacing = 0x00280030;
+
+/// Within sequences, in every transfer syntax (PS3.5, 7.5).
+inline constexpr Tag item = 0xfffee000;
+inline constexpr Tag item_end = 0xfffee00d;
+inline constexpr Tag sequence_end = 0xfffee0dd;
+
+inline constexpr std::string_view implicit_little_endian = "1.2.840.10008.1.2";
+inline constexpr std::string_view media_storage_directory = "1.2.840.10008.1.3.10";  ///< the class of DICOMDIR files
+
+/// A text of a series that its structure sets repeat.
+struct SeriesText {
+    Tag tag;
+    std::string DicomSeries::*text;
+};
+inline constexpr std::array<SeriesText, 15> series_texts = {{
+    {study_instance_uid, &DicomSeries::study_uid},
+    {series_instance_uid, &DicomSeries::series_uid},
+    {frame_of_reference_uid, &DicomSeries::frame_of_reference_uid},
+    {specific_character_set, &DicomSeries::specific_character_set},
+    {0x00100010, &DicomSeries::patient_name},
+    {0x00100020, &DicomSeries::patient_id},
+    {0x00100030, &DicomSeries::patient_birth_date},
+    {0x00100040, &DicomSeries::patient_sex},
+    {0x00080020, &DicomSeries::study_date},
+    {0x00080030, &DicomSeries::study_time},
+    {0x00200010, &DicomSeries::study_id},
+    {study_description, &DicomSeries::study_description},
+    {0x00080050, &DicomSeries::accession_number},
+    {0x00080090, &DicomSeries::referring_physician_name},
+    {0x00201040, &DicomSeries::position_reference_indicator},
+}};
+
+}  // namespace lamella::dicom
 
 namespace lamella {
 
@@ -18,6 +75,10 @@ namespace lamella {
 inline std::string padded_uid(std::string_view uid) {
     return std::string(uid) + std::string(uid.size() % 2, '\0');
 }
+
+/// 2.25. and the UUID (version 8, RFC 9562) that the content's SHA-256 and the purpose give, in decimals: at most 44
+/// characters.
+std::string uid_of(const std::array<unsigned char, 32>& content, std::string_view purpose);
 
 class DataSet {
 public:
@@ -63,7 +124,7 @@ public:
         put_explicit(elements, 0x00020001, "OB", std::string("\0\1", 2));
         put_explicit(elements, 0x00020002, "UI", padded_uid(class_uid));
         put_explicit(elements, 0x00020003, "UI", padded_uid(instance_uid));
-        put_explicit(elements, dicom::transfer_syntax_uid, "UI", padded_uid("1.2.840.10008.1.2"));
+        put_explicit(elements, dicom::transfer_syntax_uid, "UI", padded_uid(dicom::implicit_little_endian));
         // Lamella's own: a UUID that was drawn once.
         put_explicit(elements, 0x00020012, "UI", padded_uid("2.25.188650397291203361548463912043171620943"));
         put_explicit(elements, 0x00020013, "SH", "LAMELLA ");
@@ -76,27 +137,20 @@ public:
     }
 
 private:
-    static void put_little(std::string& out, std::uint32_t value, int bytes) {
-        for (int i = 0; i < bytes; ++i) {
-            out += static_cast<char>(value >> 8 * i & 0xff);
-        }
+    static constexpr std::uint32_t undefined = 0xffffffff;
+
+    static void put_little(std::string& out, std::uint32_t value, std::size_t bytes) {
+        out.append(reinterpret_cast<const char*>(&value), bytes);
     }
 
     /// `value`: of even length.
     static void put_explicit(std::string& out, dicom::Tag tag, std::string_view type, const std::string& value) {
         put_little(out, tag >> 16, 2);
         put_little(out, tag & 0xffff, 2);
-        out.append(type);
-        if (type == "OB") {
-            out.append(2, '\0');
-            put_little(out, static_cast<std::uint32_t>(value.size()), 4);
-        } else {
-            put_little(out, static_cast<std::uint32_t>(value.size()), 2);
-        }
+        out.append(type).append(type == "OB" ? 2 : 0, '\0');
+        put_little(out, static_cast<std::uint32_t>(value.size()), type == "OB" ? 4 : 2);
         out.append(value);
     }
-
-    static constexpr std::uint32_t undefined = 0xffffffff;
 
     void put_head(dicom::Tag tag, std::uint32_t length) {
         put_little(bytes_, tag >> 16, 2);
@@ -127,30 +181,5 @@ inline void put_decimal(std::string& out, double value, int decimals) {
         }
     }
 }
-
-/// Who a structure set says that it is: UIDs by what it holds, and texts in one character set.
-struct StructureSetIdentity {
-    std::string instance_uid;
-    std::string series_uid;
-    std::string study_uid;
-    std::string frame_of_reference_uid;
-    std::string date;  ///< empty where none was asked for
-    std::string time;
-    std::string character_set;  ///< Specific Character Set, or nothing for ASCII
-    std::string label;
-    std::vector<std::string> roi_names;  ///< at most 64 characters; none repeats
-};
-
-/// Patient, study and frame of reference are the CT's where there is one, and so is the character set. Names are UTF-8:
-/// where the CT has texts in another set, characters beyond ASCII become _. Throws Refused, Stopped, std::bad_alloc.
-StructureSetIdentity identity_of(std::span<const Roi> rois, const ImageGeometry& image, const StructureSetOptions& options,
-                                 const Context& context);
-
-/// 2.25. and the UUID (version 8, RFC 9562) that the content's SHA-256 and the purpose give, in decimals: at most 44
-/// characters.
-std::string uid_of(const std::array<unsigned char, 32>& content, std::string_view purpose);
-
-/// A text of the CT without control characters but those that switch character sets.
-std::string plain_text(std::string text);
 
 }  // namespace lamella

@@ -16,10 +16,10 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <limits>
 #include <tuple>
 #include <vector>
 
-#include "base/numbers.hpp"
 #include "lamella/result.hpp"
 
 namespace lamella {
@@ -61,22 +61,15 @@ private:
         return difference(from.x, at.x) * difference(to.y, at.y) > difference(from.y, at.y) * difference(to.x, at.x);
     }
 
+    static constexpr double none = -std::numeric_limits<double>::infinity();
+
     struct Bridge {
         std::uint32_t hole = 0;
         Point start;  ///< of the hole: M
         std::uint32_t contour = 0;
         std::uint32_t vertex = 0;  ///< where the edge begins that B lies on
         bool within = false;       ///< at a vertex: the bridge runs through the region there
-        // x of B: numerator / divisor
-        std::int64_t numerator = 0;
-        std::int64_t divisor = 0;  ///< 0: none was found yet
-
-        RingPoint end() const noexcept {
-            const std::int64_t whole = numerator / divisor - (numerator % divisor < 0 ? 1 : 0);
-            return {
-                static_cast<double>(whole) + static_cast<double>(numerator - whole * divisor) / static_cast<double>(divisor),
-                static_cast<double>(start.y)};
-        }
+        double x = none;           ///< of B
     };
 
     /// By the heights of holes.
@@ -100,11 +93,11 @@ private:
             for (; bridge != bridges_.end() && bridge->start.y <= std::max(a.y, b.y); ++bridge) {
                 const std::int32_t y = bridge->start.y;
                 if (y == a.y) {
-                    offer(*bridge, contour, i, is_right_within(a, point(contour, i + size - 1), b), a.x, 1);
+                    offer(*bridge, contour, i, is_right_within(a, point(contour, i + size - 1), b), a.x);
                 } else if (y != b.y) {  // there the next edge begins
-                    const std::int64_t rise = std::int64_t{b.y} - a.y;
-                    const std::int64_t run = (std::int64_t{b.x} - a.x) * (std::int64_t{y} - a.y) * (rise < 0 ? -1 : 1);
-                    offer(*bridge, contour, i, false, a.x * std::abs(rise) + run, std::abs(rise));
+                    const std::int64_t run = (std::int64_t{b.x} - a.x) * (std::int64_t{y} - a.y);
+                    offer(*bridge, contour, i, false,
+                          a.x + static_cast<double>(run) / static_cast<double>(std::int64_t{b.y} - a.y));
                 }
             }
         }
@@ -112,23 +105,18 @@ private:
 
     /// Takes an end where it is nearer, and on a contour that begins farther left: contours begin at their smallest point,
     /// and the outer one is farthest left.
-    void offer(Bridge& bridge, std::uint32_t contour, std::uint32_t vertex, bool within, std::int64_t numerator,
-               std::int64_t divisor) const {
+    void offer(Bridge& bridge, std::uint32_t contour, std::uint32_t vertex, bool within, double x) const {
         const bool begins_farther_left =
             contour == 0 || std::pair(point(contour, 0), contour) < std::pair(bridge.start, bridge.hole);
-        if (!begins_farther_left || numerator > bridge.start.x * divisor) {
-            return;
-        }
-        const Int128 here = Int128{numerator} * bridge.divisor;
-        const Int128 there = Int128{bridge.numerator} * divisor;
-        if (bridge.divisor == 0 || here > there || (here == there && within && !bridge.within)) {
-            bridge = {bridge.hole, bridge.start, contour, vertex, within, numerator, divisor};
+        const bool is_nearer = x > bridge.x || (x == bridge.x && within && !bridge.within);
+        if (begins_farther_left && x <= bridge.start.x && is_nearer) {
+            bridge = {bridge.hole, bridge.start, contour, vertex, within, x};
         }
     }
 
     /// In the order in which a walk around their contours meets them.
     void sort_bridges() {
-        std::erase_if(bridges_, [](const Bridge& bridge) { return bridge.divisor == 0; });
+        std::erase_if(bridges_, [](const Bridge& bridge) { return bridge.x == none; });
         const auto distance = [&](const Bridge& bridge) {
             return std::abs(std::int64_t{bridge.start.y} - point(bridge.contour, bridge.vertex).y);
         };
@@ -158,7 +146,7 @@ private:
                              bridges_[walk.bridge].vertex + 1 == walk.vertex;
             if (due) {
                 const Bridge& bridge = bridges_[walk.bridge++];
-                const RingPoint end = bridge.end();
+                const RingPoint end{bridge.x, static_cast<double>(bridge.start.y)};
                 put(end);
                 walks.push_back({bridge.hole, 0, first_from_[bridge.hole], end});
             } else if (walk.vertex < contours_[walk.contour].size()) {

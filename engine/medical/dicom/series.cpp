@@ -1,35 +1,256 @@
+// A folder with one series of DICOM images, of which headers are read as far as the place of the image: up to PixelSpacing.
+//
+// Not by DCMTK, which overflows the stack on sequences nested deeply enough, logs by a logger of the whole process, and
+// needs a dictionary that an environment variable finds. A header takes a file's first 64 KiB as a rule, and no recursion.
+#include <map>
+#include <memory>
 #include <system_error>
 
+#include <zlib.h>
+
 #include "base/guard.hpp"
+#include "base/words.hpp"
+#include "io/read/input_file.hpp"
 #include "lamella/grid.hpp"
-#include "medical/dicom/header.hpp"
+#include "medical/dicom/data_set.hpp"
+#include "medical/geometry/headers.hpp"
 
 namespace lamella {
 
 namespace {
 
-constexpr double same_direction = 1e-4;  ///< as the difference of two unit vectors
-constexpr double same_place_mm = 1e-4;
-constexpr double even_share = 0.01;  ///< of the mean distance: so far slices may lie from even places
-// Headers state places with few decimals.
-constexpr double shift_mm = 0.02;      ///< a slice may lie so far aside of the others, and
-constexpr double shift_per_mm = 1e-4;  ///< so much farther for each mm above the first
+constexpr std::size_t preamble_bytes = 132;
+constexpr std::size_t first_window_bytes = std::size_t{1} << 16;
+constexpr std::size_t largest_window_bytes = std::size_t{1} << 26;
 
-/// The plane of a slice.
-struct Slice {
-    const DicomHeader* header = nullptr;
-    std::array<std::uint64_t, 2> size{};  ///< voxels along i, j
-    std::array<double, 2> spacing_mm{};
-    Direction along_i{};  ///< unit vectors
-    Direction along_j{};
-    Direction position{};
-    double height = 0;  ///< along the normal
+/// Text of a file as part of a message: one line of limited length.
+std::string one_line(const std::string& text) {
+    return printable(std::string_view(text).substr(0, 64));
+}
+
+struct DicomHeader {
+    std::string file;
+    std::map<dicom::Tag, std::string> values{};  ///< as in the file, but numbers as text
+
+    /// Throws Refused: malformed_mesh, "FILE: WHAT".
+    [[noreturn]] void refuse(const std::string& what) const { refuse_image(file, what); }
+
+    /// Without the spaces around; empty where the attribute is absent or empty.
+    std::string text(dicom::Tag tag) const {
+        const auto found = values.find(tag);
+        return found == values.end() ? std::string() : std::string(trimmed(found->second, std::string_view("\0 ", 2)));
+    }
+
+    /// The same, or throws Refused, which names the attribute by `keyword`.
+    std::string required_text(dicom::Tag tag, const char* keyword) const {
+        std::string found = text(tag);
+        if (found.empty()) {
+            std::array<char, 16> number{};
+            (void)std::snprintf(number.data(), number.size(), " (%04x,%04x)", tag >> 16, tag & 0xffffU);
+            refuse(std::string("its header states no ") + keyword + number.data());
+        }
+        return found;
+    }
+
+    /// Throws Refused unless the attribute has `count` finite numbers.
+    std::vector<double> required_numbers(dicom::Tag tag, const char* keyword, std::size_t count) const {
+        const std::string all = required_text(tag, keyword);
+        std::optional<std::vector<double>> numbers = numbers_in(all, '\\');
+        if (!numbers || numbers->size() != count) {
+            refuse(std::string(keyword) + " is '" + one_line(all) + "', not " + counted(count, "number"));
+        }
+        return *std::move(numbers);
+    }
+
+    std::uint64_t side(dicom::Tag tag, const char* keyword) const {
+        const double count = required_numbers(tag, keyword, 1)[0];
+        if (!(count >= 1 && count <= 65535)) {
+            refuse(std::string(keyword) + " is " + exact_text(count));
+        }
+        return static_cast<std::uint64_t>(count);
+    }
 };
 
-std::string text_of(double value) {
-    std::array<char, 32> text{};
-    (void)std::snprintf(text.data(), text.size(), "%.6g", value);
-    return text.data();
+/// Inflates `data`, which may be cut off. Throws Refused.
+std::string inflated(const DicomHeader& header, std::string_view data) {
+    z_stream stream{};
+    constexpr int raw_window = -15;
+    if (::inflateInit2(&stream, raw_window) != Z_OK) {
+        throw std::bad_alloc();
+    }
+    const std::unique_ptr<z_stream, int (*)(z_streamp)> ended(&stream, &::inflateEnd);
+    // zlib's type is not const, but it does not write there.
+    stream.next_in =
+        reinterpret_cast<Bytef*>(const_cast<char*>(data.data()));  // NOLINT(cppcoreguidelines-pro-type-const-cast)
+    stream.avail_in = static_cast<uInt>(data.size());
+    std::string text;
+    int answer = Z_OK;
+    while (answer == Z_OK && text.size() < largest_window_bytes) {
+        const std::size_t before = text.size();
+        text.resize(before + first_window_bytes);
+        stream.next_out = reinterpret_cast<Bytef*>(text.data() + before);
+        stream.avail_out = static_cast<uInt>(first_window_bytes);
+        answer = ::inflate(&stream, Z_SYNC_FLUSH);
+        text.resize(text.size() - stream.avail_out);
+    }
+    if (answer != Z_OK && answer != Z_STREAM_END && answer != Z_BUF_ERROR) {
+        header.refuse("damaged deflated data within its header");
+    }
+    return text;
+}
+
+struct Encoding {
+    bool is_explicit = false;  ///< each element names the type of its value
+    bool is_big_endian = false;
+};
+
+/// The elements of a data set, one after the other: PS3.5, chapter 7. An element is its tag, in explicit syntaxes two
+/// letters for its type, the length of its value, the value. A sequence of undefined length ends with an element of its own,
+/// and so do its items.
+class Elements {
+public:
+    /// Puts what is wanted into `header`. `file_offset`: of the first byte, for messages.
+    Elements(std::string_view bytes, Encoding encoding, std::size_t file_offset, DicomHeader& header)
+        : bytes_(bytes), encoding_(encoding), file_offset_(file_offset), header_(header) {}
+
+    /// Up to `last`: where one follows that lies beyond; nothing where the bytes end before. Throws Refused where there is
+    /// no element. Without recursion: sequences may be nested as deeply as a file is long.
+    std::optional<std::size_t> collect(dicom::Tag last) const {
+        std::size_t open = 0;           // sequences and items without an end so far
+        std::size_t implicit_from = 0;  // how many were open where what is unknown began
+        for (std::size_t at = 0; bytes_.size() - at >= 4;) {
+            if (open == 0 && tag_at(at, encoding_.is_big_endian) > last) {
+                return at;
+            }
+            const std::optional<Element> element = element_at(at, implicit_from != 0 ? Encoding{} : encoding_);
+            if (!element) {
+                break;
+            }
+            at = element->value;
+            if (open > 0 && (element->tag == dicom::item_end || element->tag == dicom::sequence_end)) {
+                --open;
+                implicit_from = open < implicit_from ? 0 : implicit_from;
+            } else if (element->length == undefined_length) {
+                ++open;
+                implicit_from = implicit_from == 0 && element->is_unknown ? open : implicit_from;
+            } else if (element->length > bytes_.size() - at) {
+                break;
+            } else {
+                if (open == 0 && element->length <= longest_value) {
+                    keep(*element);
+                }
+                at += element->length;
+            }
+        }
+        return std::nullopt;
+    }
+
+private:
+    static constexpr std::uint32_t undefined_length = 0xffffffff;
+    static constexpr std::uint32_t longest_value = 4096;  ///< longer ones are no texts or numbers that are used
+
+    /// Up to its value.
+    struct Element {
+        dicom::Tag tag = 0;
+        std::uint32_t length = 0;
+        std::size_t value = 0;    ///< where it begins
+        bool is_unknown = false;  ///< of type UN: within, all is implicit and little-endian
+    };
+
+    std::uint32_t number(std::size_t at, std::size_t bytes, bool big_endian) const noexcept {
+        std::uint32_t value = 0;
+        for (std::size_t i = 0; i < bytes; ++i) {
+            value = value << 8 | static_cast<unsigned char>(bytes_[big_endian ? at + i : at + bytes - 1 - i]);
+        }
+        return value;
+    }
+
+    dicom::Tag tag_at(std::size_t at, bool big_endian) const noexcept {
+        return number(at, 2, big_endian) << 16 | number(at + 2, 2, big_endian);
+    }
+
+    void keep(const Element& element) const {
+        if (element.tag != dicom::rows && element.tag != dicom::columns) {
+            header_.values[element.tag] = bytes_.substr(element.value, element.length);
+        } else if (element.length == 2 || element.length == 4) {
+            header_.values[element.tag] = std::to_string(number(element.value, element.length, encoding_.is_big_endian));
+        }
+    }
+
+    /// Nothing where the bytes end before its value.
+    std::optional<Element> element_at(std::size_t at, Encoding encoding) const {
+        // Types whose length takes four bytes, after two that mean nothing.
+        static constexpr std::string_view long_types = "OB OD OF OL OV OW SQ SV UC UN UR UT UV";
+        const bool big = encoding.is_big_endian;
+        if (bytes_.size() - at < 8) {
+            return std::nullopt;
+        }
+        Element element{tag_at(at, big), number(at + 4, 4, big), at + 8, false};
+        if (!encoding.is_explicit || element.tag >> 16 == 0xfffe) {
+            return element;
+        }
+        const std::string_view type = bytes_.substr(at + 4, 2);
+        if (!std::all_of(type.begin(), type.end(), [](char c) { return c >= 'A' && c <= 'Z'; })) {
+            header_.refuse("no DICOM element at byte " + std::to_string(file_offset_ + at));
+        }
+        if (long_types.find(type) == std::string_view::npos) {
+            element.length = number(at + 6, 2, big);
+            return element;
+        }
+        if (bytes_.size() - at < 12) {
+            return std::nullopt;
+        }
+        return Element{element.tag, number(at + 8, 4, big), at + 12, type == "UN"};
+    }
+
+    std::string_view bytes_;
+    Encoding encoding_;
+    std::size_t file_offset_;
+    DicomHeader& header_;
+};
+
+/// Returns whether `bytes` reach beyond the header. Throws Refused.
+bool parse(std::string_view bytes, DicomHeader& header) {
+    const std::optional<std::size_t> meta_bytes =
+        Elements(bytes.substr(preamble_bytes), {.is_explicit = true}, preamble_bytes, header)
+            .collect(dicom::last_of_file_meta);
+    if (!meta_bytes) {
+        return false;
+    }
+    const std::string syntax = header.text(dicom::transfer_syntax_uid);
+    const std::size_t begin = preamble_bytes + *meta_bytes;
+    std::string_view data = bytes.substr(begin);
+    std::string text;
+    if (syntax == "1.2.840.10008.1.2.1.99") {  // deflated
+        text = inflated(header, data);
+        data = text;
+    }
+    const Encoding encoding{.is_explicit = !syntax.empty() && syntax != dicom::implicit_little_endian,
+                            .is_big_endian = syntax == "1.2.840.10008.1.2.2"};
+    return Elements(data, encoding, begin, header).collect(dicom::pixel_spacing) ||
+           header.text(dicom::sop_class_uid) == dicom::media_storage_directory;
+}
+
+/// Nothing where the file is no DICOM file: without "DICM" at byte 128. The transfer syntaxes of PS3.5: implicit and
+/// explicit, of either byte order, deflated, and all that compress pixels only. Throws Refused (unreadable_file,
+/// malformed_mesh) and std::bad_alloc.
+std::optional<DicomHeader> read_dicom_header(const std::filesystem::path& path) {
+    const InputFile file = require(InputFile::open(path));
+    for (const std::size_t size : {first_window_bytes, largest_window_bytes}) {
+        std::string bytes(std::min<std::uint64_t>(size, file.size()), '\0');
+        require(file.read_at(0, std::as_writable_bytes(std::span(bytes))));
+        if (bytes.size() < preamble_bytes || bytes.compare(preamble_bytes - 4, 4, "DICM") != 0) {
+            return std::nullopt;
+        }
+        DicomHeader header{path.string()};
+        if (parse(bytes, header)) {
+            return header;
+        }
+        if (bytes.size() < size) {
+            header.refuse("cut off within its DICOM header");
+        }
+    }
+    refuse_image(path.string(), "its DICOM header is longer than 64 MiB");
 }
 
 std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder) {
@@ -56,7 +277,7 @@ std::vector<DicomHeader> images_in(const std::filesystem::path& folder) {
     for (const std::filesystem::path& file : files_in(folder)) {
         std::optional<DicomHeader> header = read_dicom_header(file);
         any = any || header;
-        if (header && header->has(dicom::rows)) {
+        if (header && !header->text(dicom::rows).empty()) {
             const std::string uid = header->required_text(dicom::series_instance_uid, "SeriesInstanceUID");
             series[uid].push_back(*std::move(header));
         }
@@ -84,21 +305,16 @@ std::vector<DicomHeader> images_in(const std::filesystem::path& folder) {
     refuse_image(folder.string(), std::to_string(series.size()) + " DICOM series in the folder, and one is taken:" + list);
 }
 
-Direction unit_vector(const DicomHeader& header, const std::vector<double>& numbers, std::size_t at) {
-    const Direction along = {numbers[at], numbers[at + 1], numbers[at + 2]};
-    if (std::abs(length(along) - 1) > 1e-3) {
-        header.refuse("ImageOrientationPatient holds no unit vectors");
-    }
-    return scaled(along, 1 / length(along));
-}
-
-std::uint64_t side(const DicomHeader& header, dicom::Tag tag, const char* keyword) {
-    const double count = header.required_numbers(tag, keyword, 1)[0];
-    if (!(count >= 1 && count <= 65535)) {
-        header.refuse(std::string(keyword) + " is " + text_of(count));
-    }
-    return static_cast<std::uint64_t>(count);
-}
+/// The plane of a slice.
+struct Slice {
+    const DicomHeader* header = nullptr;
+    std::array<std::uint64_t, 2> size{};  ///< voxels along i, j
+    std::array<double, 2> spacing_mm{};
+    Direction along_i{};  ///< unit vectors
+    Direction along_j{};
+    Direction position{};
+    double height = 0;  ///< along the normal
+};
 
 Slice slice_of(const DicomHeader& header) {
     const std::string frames = header.text(dicom::number_of_frames);
@@ -108,16 +324,22 @@ Slice slice_of(const DicomHeader& header) {
     }
     Slice slice;
     slice.header = &header;
-    slice.size = {side(header, dicom::columns, "Columns"), side(header, dicom::rows, "Rows")};
+    slice.size = {header.side(dicom::columns, "Columns"), header.side(dicom::rows, "Rows")};
     const std::vector<double> at = header.required_numbers(dicom::image_position_patient, "ImagePositionPatient", 3);
     slice.position = {at[0], at[1], at[2]};
     if (!(length(slice.position) <= largest_coordinate_mm)) {
-        header.refuse("ImagePositionPatient lies farther than " + text_of(largest_coordinate_mm) + " mm away");
+        header.refuse("ImagePositionPatient lies farther than " + exact_text(largest_coordinate_mm) + " mm away");
     }
     const std::vector<double> along =
         header.required_numbers(dicom::image_orientation_patient, "ImageOrientationPatient", 6);
-    slice.along_i = unit_vector(header, along, 0);
-    slice.along_j = unit_vector(header, along, 3);
+    slice.along_i = {along[0], along[1], along[2]};
+    slice.along_j = {along[3], along[4], along[5]};
+    for (Direction* const axis : {&slice.along_i, &slice.along_j}) {
+        if (std::abs(length(*axis) - 1) > 1e-3) {
+            header.refuse("ImageOrientationPatient holds no unit vectors");
+        }
+        *axis = scaled(*axis, 1 / length(*axis));
+    }
     // The first is the distance of rows.
     const std::vector<double> spacing = header.required_numbers(dicom::pixel_spacing, "PixelSpacing", 2);
     slice.spacing_mm = {spacing[1], spacing[0]};
@@ -127,13 +349,12 @@ Slice slice_of(const DicomHeader& header) {
     return slice;
 }
 
-bool same(const Direction& a, const Direction& b) {
-    return std::equal(a.begin(), a.end(), b.begin(),
-                      [](double one, double other) { return std::abs(one - other) <= same_direction; });
-}
-
 void require_alike(const Slice& slice, const Slice& first) {
     const auto frame = [](const Slice& of) { return of.header->text(dicom::frame_of_reference_uid); };
+    const auto same = [](const Direction& a, const Direction& b) {
+        constexpr double most = 1e-4;  // difference of unit vectors
+        return std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) { return std::abs(x - y) <= most; });
+    };
     const char* const other = slice.size != first.size               ? "Rows and Columns"
                               : slice.spacing_mm != first.spacing_mm ? "PixelSpacing"
                               : !same(slice.along_i, first.along_i) || !same(slice.along_j, first.along_j)
@@ -141,7 +362,7 @@ void require_alike(const Slice& slice, const Slice& first) {
                               : frame(slice) != frame(first) ? "FrameOfReferenceUID"
                                                              : nullptr;
     if (other != nullptr) {
-        slice.header->refuse(std::string("other ") + other + " than " + first.header->file() +
+        slice.header->refuse(std::string("other ") + other + " than " + first.header->file +
                              ", which is of the same series");
     }
 }
@@ -149,24 +370,26 @@ void require_alike(const Slice& slice, const Slice& first) {
 /// All slices, sorted along the normal.
 std::vector<Slice> sorted_slices(const std::vector<DicomHeader>& images) {
     std::vector<Slice> slices;
+    slices.reserve(images.size());
     for (const DicomHeader& image : images) {
-        slices.push_back(slice_of(image));
-        require_alike(slices.back(), slices.front());
-    }
-    const Direction normal = cross(slices.front().along_i, slices.front().along_j);
-    for (Slice& slice : slices) {
-        slice.height = dot(normal, slice.position);
+        Slice& slice = slices.emplace_back(slice_of(image));
+        require_alike(slice, slices.front());
+        slice.height = dot(cross(slices.front().along_i, slices.front().along_j), slice.position);
     }
     std::stable_sort(slices.begin(), slices.end(), [](const Slice& a, const Slice& b) { return a.height < b.height; });
     return slices;
 }
 
 void require_stacked(const std::vector<Slice>& slices) {
+    constexpr double same_place_mm = 1e-4;
+    // Headers state places with few decimals.
+    constexpr double shift_mm = 0.02;      // a slice may lie so far aside of the others, and
+    constexpr double shift_per_mm = 1e-4;  // so much farther for each mm above the first
     const Slice& first = slices.front();
     for (std::size_t i = 1; i < slices.size(); ++i) {
         const Slice& slice = slices[i];
         if (slice.height - slices[i - 1].height < same_place_mm) {
-            slice.header->refuse("lies at the same place as " + slices[i - 1].header->file());
+            slice.header->refuse("lies at the same place as " + slices[i - 1].header->file);
         }
         Direction step{};
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -174,28 +397,16 @@ void require_stacked(const std::vector<Slice>& slices) {
         }
         const double aside = std::max(std::abs(dot(step, first.along_i)), std::abs(dot(step, first.along_j)));
         if (aside > shift_mm + shift_per_mm * (slice.height - first.height)) {
-            slice.header->refuse("sheared, as by a tilted gantry: the slice lies " + text_of(aside) + " mm aside of " +
-                                 first.header->file());
+            slice.header->refuse("sheared, as by a tilted gantry: the slice lies " +
+                                 exact_text(std::round(1000 * aside) / 1000) + " mm aside of " + first.header->file);
         }
     }
-}
-
-DicomSeries series_of(const std::vector<Slice>& slices) {
-    const DicomHeader& header = *slices.front().header;
-    DicomSeries series;
-    for (const Slice& slice : slices) {
-        series.slices.push_back(
-            {slice.header->file(), slice.header->text(dicom::sop_class_uid), slice.header->text(dicom::sop_instance_uid)});
-    }
-    for (const dicom::SeriesText& text : dicom::series_texts) {
-        series.*text.text = header.text(text.tag);
-    }
-    return series;
 }
 
 }  // namespace
 
 ImageGeometry read_dicom_folder(const std::filesystem::path& folder) {
+    constexpr double even_share = 0.01;  // of the mean distance: so far slices may lie from even places
     const std::vector<DicomHeader> images = images_in(folder);
     const std::vector<Slice> slices = sorted_slices(images);
     require_stacked(slices);
@@ -204,19 +415,25 @@ ImageGeometry read_dicom_folder(const std::filesystem::path& folder) {
                                 ? (slices.back().height - first.height) / static_cast<double>(slices.size() - 1)
                                 : first.header->required_numbers(dicom::slice_thickness, "SliceThickness", 1)[0];
     const Direction normal = cross(first.along_i, first.along_j);
-    ImageGeometry image = upright(first.header->file(), {first.size[0], first.size[1], slices.size()},
+    ImageGeometry image = upright(first.header->file, {first.size[0], first.size[1], slices.size()},
                                   {scaled(first.along_i, first.spacing_mm[0]), scaled(first.along_j, first.spacing_mm[1]),
                                    scaled(normal, distance / length(normal))},
                                   first.position);
+    DicomSeries& series = image.series.emplace();
     bool even = true;
-    for (std::size_t i = 0; i < slices.size(); ++i) {
-        image.uneven_slices_mm.push_back(slices[i].height - first.height);
-        even = even && std::abs(image.uneven_slices_mm.back() - static_cast<double>(i) * distance) <= even_share * distance;
+    for (const Slice& slice : slices) {
+        const double place = static_cast<double>(series.slices.size()) * distance;
+        image.uneven_slices_mm.push_back(slice.height - first.height);
+        even = even && std::abs(image.uneven_slices_mm.back() - place) <= even_share * distance;
+        series.slices.push_back(
+            {slice.header->file, slice.header->text(dicom::sop_class_uid), slice.header->text(dicom::sop_instance_uid)});
     }
     if (even) {
         image.uneven_slices_mm.clear();
     }
-    image.series = series_of(slices);
+    for (const dicom::SeriesText& text : dicom::series_texts) {
+        series.*text.text = first.header->text(text.tag);
+    }
     return image;
 }
 

@@ -1,37 +1,192 @@
+#include <cstdio>
+#include <ctime>
 #include <map>
+#include <type_traits>
 
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
+#include "base/utf8.hpp"
 #include "io/write/output_file.hpp"
+#include "lamella/io/mesh_file.hpp"
+#include "lamella/medical/structure_set.hpp"
 #include "lamella/version.hpp"
 #include "medical/dicom/data_set.hpp"
 #include "medical/dicom/keyhole.hpp"
 #include "medical/geometry/headers.hpp"
+#include "medical/provenance/sha256.hpp"
 
 namespace lamella {
 
 namespace {
 
-constexpr std::size_t most_slices_a_task = 4;
+// --- who a structure set says that it is
+
+constexpr std::string_view rt_structure_set_storage = "1.2.840.10008.5.1.4.1.1.481.3";
+
+/// Values as bytes, little-endian as the host's.
+class ContentHash {
+public:
+    template <class... Values>
+    void add(const Values&... values) noexcept {
+        (add_one(values), ...);
+    }
+    Sha256::Digest digest() noexcept { return hash_.digest(); }
+
+private:
+    template <class Value>
+    void add_one(const Value& value) noexcept {
+        if constexpr (std::is_arithmetic_v<Value>) {
+            static_assert(sizeof value == 8);
+            hash_.add(&value, sizeof value);
+        } else {  // text, or points
+            add_one(std::uint64_t{std::size(value)});
+            hash_.add(std::data(value), std::size(value) * sizeof(*std::data(value)));
+        }
+    }
+
+    Sha256 hash_;
+};
+
+/// SHA-256 over all that decides the bytes of a structure set.
+Sha256::Digest content_of(std::span<const Roi> rois, const ImageGeometry& image, const StructureSetOptions& options,
+                          const Context& context) {
+    ContentHash hash;
+    hash.add(std::string_view(version), static_cast<std::uint64_t>(options.holes), options.label,
+             std::uint64_t{options.seconds_since_1970.has_value()},
+             static_cast<std::uint64_t>(options.seconds_since_1970.value_or(0)));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto& [x, y, z] = image.axes[axis];
+        hash.add(image.size[axis], image.spacing_mm[axis], image.origin_mm[axis], x, y, z);
+    }
+    for (const double height : image.slice_heights_mm()) {
+        hash.add(height);
+    }
+    hash.add(std::uint64_t{image.series.has_value()});
+    if (image.series) {
+        for (const dicom::SeriesText& text : dicom::series_texts) {
+            hash.add(*image.series.*text.text);
+        }
+        for (const DicomSeries::Instance& slice : image.series->slices) {
+            hash.add(slice.sop_class_uid, slice.sop_instance_uid);
+        }
+    }
+    const PacedStop stop(context.stop);
+    for (const Roi& roi : rois) {
+        stop.stop_if_asked();
+        const auto [red, green, blue] = roi.colour;
+        hash.add(roi.name, std::uint64_t{red}, std::uint64_t{green}, std::uint64_t{blue}, roi.result->info.grid_mm);
+        for (const std::uint64_t index : roi.result->info.layer_of) {
+            const Layer& layer = roi.result->layers[index];
+            hash.add(std::uint64_t{layer.contour_count});
+            for (const Contour& contour : roi.result->contours_of(layer)) {
+                hash.add(static_cast<std::uint64_t>(contour.role), roi.result->points_of(contour));
+            }
+        }
+    }
+    return hash.digest();
+}
+
+bool is_ascii(const std::string& text) {
+    return std::all_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x80; });
+}
+
+/// At most `most` characters; what a text of DICOM must not hold becomes _.
+std::string name_text(const std::string& name, std::size_t most, bool beyond_ascii) {
+    std::string text;
+    std::size_t characters = 0;
+    for (std::size_t at = 0; at < name.size() && characters < most; ++characters) {
+        const std::size_t bytes = character_bytes(name, at);
+        const bool allowed =
+            bytes == 1 ? name[at] >= ' ' && name[at] != '\\' && name[at] != 0x7f : bytes > 1 && beyond_ascii;
+        text += allowed ? name.substr(at, bytes) : "_";
+        at += std::max<std::size_t>(bytes, 1);
+    }
+    return text;
+}
+
+/// A text of the CT without control characters but those that switch character sets.
+std::string plain_text(std::string text) {
+    constexpr char escape = 0x1b;
+    std::replace_if(
+        text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' && c != escape; }, ' ');
+    return text;
+}
+
+/// The date and the time of day, UTC.
+std::array<std::string, 2> date_and_time(std::int64_t seconds_since_1970) {
+    const auto seconds = static_cast<std::time_t>(seconds_since_1970);
+    std::tm utc{};
+    if (::gmtime_r(&seconds, &utc) == nullptr || utc.tm_year < -1900 || utc.tm_year > 9999 - 1900) {
+        throw Refused{{ErrorCode::invalid_argument, "the time of the structure set lies beyond the year 9999"}};
+    }
+    std::array<char, 64> text{};
+    const std::string date(text.data(), std::strftime(text.data(), text.size(), "%Y%m%d", &utc));
+    return {std::string(8 - std::min<std::size_t>(date.size(), 8), '0') + date,
+            {text.data(), std::strftime(text.data(), text.size(), "%H%M%S", &utc)}};
+}
+
+/// Patient, study and frame of reference are the CT's where there is one, and so is the character set. Names are UTF-8:
+/// where the CT has texts in another set, characters beyond ASCII become _.
+struct Identity {
+    Identity(std::span<const Roi> rois, const ImageGeometry& image, const StructureSetOptions& options,
+             const Context& context) {
+        const Sha256::Digest content = content_of(rois, image, options, context);
+        instance_uid = uid_of(content, "instance");
+        series_uid = uid_of(content, "series");
+        study_uid = image.series ? image.series->study_uid : uid_of(content, "study");
+        frame_of_reference_uid = image.series ? image.series->frame_of_reference_uid : uid_of(content, "frame of reference");
+        if (options.seconds_since_1970) {
+            date_and_time = lamella::date_and_time(*options.seconds_since_1970);
+        }
+        const DicomSeries series = image.series.value_or(DicomSeries{});
+        const bool names_in_ascii = is_ascii(options.label) &&
+                                    std::all_of(rois.begin(), rois.end(), [](const Roi& roi) { return is_ascii(roi.name); });
+        const bool ct_in_ascii = std::all_of(dicom::series_texts.begin(), dicom::series_texts.end(),
+                                             [&](const dicom::SeriesText& text) { return is_ascii(series.*text.text); });
+        constexpr const char* utf_8 = "ISO_IR 192";
+        character_set = plain_text(series.specific_character_set);
+        // Texts that switch sets are ASCII by their bytes.
+        if (!names_in_ascii && ct_in_ascii && character_set.find("2022") == std::string::npos) {
+            character_set = utf_8;
+        }
+        constexpr std::size_t most_of_name = 64;
+        label = name_text(options.label, 16, character_set == utf_8);
+        for (const Roi& roi : rois) {
+            roi_names.push_back(name_text(roi.name, most_of_name, character_set == utf_8));
+        }
+        roi_names = distinct_names(roi_names, most_of_name);
+    }
+
+    std::string instance_uid;
+    std::string series_uid;
+    std::string study_uid;
+    std::string frame_of_reference_uid;
+    std::array<std::string, 2> date_and_time;  ///< empty where none was asked for
+    std::string character_set;                 ///< Specific Character Set, or nothing for ASCII
+    std::string label;
+    std::vector<std::string> roi_names;  ///< at most 64 characters; none repeats
+};
+
+// --- the file
 
 /// Modules Patient, General Study, RT Series, General Equipment, Frame of Reference.
-void put_begin(DataSet& out, const StructureSetIdentity& identity, const DicomSeries& series) {
+void put_begin(DataSet& out, const Identity& identity, const DicomSeries& series) {
     std::map<dicom::Tag, std::string> values;  // in the order of tags, as a data set is
     for (const dicom::SeriesText& text : dicom::series_texts) {
         values[text.tag] = plain_text(series.*text.text);
     }
-    for (const dicom::Tag tag : {dicom::operators_name, dicom::series_number}) {
-        values[tag] = "";
-    }
     values[dicom::specific_character_set] = identity.character_set;
-    values[dicom::sop_class_uid] = padded_uid(dicom::rt_structure_set_storage);
+    values[dicom::sop_class_uid] = padded_uid(rt_structure_set_storage);
     values[dicom::sop_instance_uid] = padded_uid(identity.instance_uid);
     values[dicom::study_instance_uid] = padded_uid(identity.study_uid);
     values[dicom::series_instance_uid] = padded_uid(identity.series_uid);
     values[dicom::frame_of_reference_uid] = padded_uid(identity.frame_of_reference_uid);
     values[dicom::modality] = "RTSTRUCT";
-    values[dicom::manufacturer] = values[dicom::manufacturer_model_name] = "lamella";
-    values[dicom::software_versions] = version;
+    values[0x00080070] = "lamella";  // Manufacturer
+    values[0x00081070] = "";         // OperatorsName
+    values[0x00081090] = "lamella";  // ManufacturerModelName
+    values[0x00181020] = version;    // SoftwareVersions
+    values[0x00200011] = "";         // SeriesNumber
     for (const auto& [tag, value] : values) {
         const bool is_left_out = tag == dicom::specific_character_set || tag == dicom::study_description;
         if (!value.empty() || !is_left_out) {
@@ -41,56 +196,57 @@ void put_begin(DataSet& out, const StructureSetIdentity& identity, const DicomSe
 }
 
 void put_reference(DataSet& out, std::string_view class_uid, std::string_view instance_uid) {
-    out.put_uid(dicom::referenced_sop_class_uid, class_uid);
-    out.put_uid(dicom::referenced_sop_instance_uid, instance_uid);
+    out.put_uid(0x00081150, class_uid);     // ReferencedSOPClassUID
+    out.put_uid(0x00081155, instance_uid);  // ReferencedSOPInstanceUID
 }
 
 void put_images(DataSet& out, std::span<const DicomSeries::Instance> slices) {
-    out.put_items(dicom::contour_image_sequence, slices.size(),
-                  [&](std::size_t i) { put_reference(out, slices[i].sop_class_uid, slices[i].sop_instance_uid); });
+    out.put_items(0x30060016, slices.size(), [&](std::size_t i) {  // ContourImageSequence
+        put_reference(out, slices[i].sop_class_uid, slices[i].sop_instance_uid);
+    });
 }
 
 /// Which frame of reference, and which images.
-void put_frame_of_reference(DataSet& out, const StructureSetIdentity& identity, const ImageGeometry& image) {
+void put_frame_of_reference(DataSet& out, const Identity& identity, const ImageGeometry& image) {
     const auto put_series = [&](std::size_t) {
         out.put_uid(dicom::series_instance_uid, image.series->series_uid);
         put_images(out, image.series->slices);
     };
     const auto put_study = [&](std::size_t) {
-        put_reference(out, dicom::detached_study_management, identity.study_uid);
-        out.put_items(dicom::rt_referenced_series_sequence, 1, put_series);
+        put_reference(out, "1.2.840.10008.3.1.2.3.1", identity.study_uid);  // Detached Study Management
+        out.put_items(0x30060014, 1, put_series);                           // RTReferencedSeriesSequence
     };
-    out.put_items(dicom::referenced_frame_of_reference_sequence, 1, [&](std::size_t) {
+    out.put_items(0x30060010, 1, [&](std::size_t) {  // ReferencedFrameOfReferenceSequence
         out.put_uid(dicom::frame_of_reference_uid, identity.frame_of_reference_uid);
         if (image.series) {
-            out.put_items(dicom::rt_referenced_study_sequence, 1, put_study);
+            out.put_items(0x30060012, 1, put_study);  // RTReferencedStudySequence
         }
     });
 }
 
 /// Module Structure Set.
-void put_structure_set(DataSet& out, const StructureSetIdentity& identity, const ImageGeometry& image) {
-    out.put(dicom::structure_set_label, identity.label);
-    out.put(dicom::structure_set_date, identity.date);
-    out.put(dicom::structure_set_time, identity.time);
+void put_structure_set(DataSet& out, const Identity& identity, const ImageGeometry& image) {
+    out.put(0x30060002, identity.label);             // StructureSetLabel
+    out.put(0x30060008, identity.date_and_time[0]);  // StructureSetDate
+    out.put(0x30060009, identity.date_and_time[1]);  // StructureSetTime
     put_frame_of_reference(out, identity, image);
-    out.put_items(dicom::structure_set_roi_sequence, identity.roi_names.size(), [&](std::size_t i) {
-        out.put_number(dicom::roi_number, i + 1);
-        out.put_uid(dicom::referenced_frame_of_reference_uid, identity.frame_of_reference_uid);
-        out.put(dicom::roi_name, identity.roi_names[i]);
-        out.put(dicom::roi_generation_algorithm, "");
+    out.put_items(0x30060020, identity.roi_names.size(), [&](std::size_t i) {  // StructureSetROISequence
+        out.put_number(0x30060022, i + 1);                                     // ROINumber
+        out.put_uid(0x30060024, identity.frame_of_reference_uid);              // ReferencedFrameOfReferenceUID
+        out.put(0x30060026, identity.roi_names[i]);                            // ROIName
+        out.put(0x30060036, "");                                               // ROIGenerationAlgorithm
     });
 }
 
 /// Module RT ROI Observations, and the approval.
 void put_end(DataSet& out, std::size_t rois) {
-    out.put_items(dicom::rt_roi_observations_sequence, rois, [&](std::size_t i) {
-        out.put_number(dicom::observation_number, i + 1);
-        out.put_number(dicom::referenced_roi_number, i + 1);
-        out.put(dicom::rt_roi_interpreted_type, "");
-        out.put(dicom::roi_interpreter, "");
+    out.put_items(0x30060080, rois, [&](std::size_t i) {  // RTROIObservationsSequence
+        out.put_number(0x30060082, i + 1);                // ObservationNumber
+        out.put_number(0x30060084, i + 1);                // ReferencedROINumber
+        out.put(0x300600a4, "");                          // RTROIInterpretedType
+        out.put(0x300600a6, "");                          // ROIInterpreter
     });
-    out.put(dicom::approval_status, "UNAPPROVED");
+    out.put(0x300e0002, "UNAPPROVED");  // ApprovalStatus
 }
 
 void flush(DataSet& data, OutputFile& file) {
@@ -153,27 +309,23 @@ private:
         }
         data_.clear();
         for (const RingPoint& point : ring) {
-            write_point(point, height_mm);
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const double in_slice = roi_.result->info.grid_mm * (axes_[0][axis] * point.x + axes_[1][axis] * point.y);
+                put_decimal(data_, image_.origin_mm[axis] + in_slice + axes_[2][axis] * height_mm, decimals_);
+                data_ += '\\';
+            }
         }
         data_.pop_back();
         out.put_item([&] {
             if (image_.series) {
                 put_images(out, std::span(image_.series->slices).subspan(slice, 1));
             }
-            out.put(dicom::contour_geometric_type, exclusive_or_ ? "CLOSEDPLANAR_XOR" : "CLOSED_PLANAR");
-            out.put_number(dicom::number_of_contour_points, ring.size());
-            out.put(dicom::contour_data, data_);
+            out.put(0x30060042, exclusive_or_ ? "CLOSEDPLANAR_XOR" : "CLOSED_PLANAR");  // ContourGeometricType
+            out.put_number(0x30060046, ring.size());                                    // NumberOfContourPoints
+            out.put(0x30060050, data_);                                                 // ContourData
         });
         ++counts_.contours;
         counts_.points += ring.size();
-    }
-
-    void write_point(const RingPoint& point, double height_mm) {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const double in_slice = roi_.result->info.grid_mm * (axes_[0][axis] * point.x + axes_[1][axis] * point.y);
-            put_decimal(data_, image_.origin_mm[axis] + in_slice + axes_[2][axis] * height_mm, decimals_);
-            data_ += '\\';
-        }
     }
 
     const ImageGeometry& image_;
@@ -188,17 +340,10 @@ private:
     std::vector<std::span<const Point>> points_;  ///< of a region
 };
 
-void add(StructureSetSummary& total, const StructureSetSummary& counts) {
-    total.contours += counts.contours;
-    total.points += counts.points;
-    total.holes += counts.holes;
-    total.open_contours += counts.open_contours;
-    total.nested_contours += counts.nested_contours;
-}
-
 /// The contours of a ROI: slices become text on all threads, and are written in their order.
 void write_contours(const Roi& roi, const ImageGeometry& image, HoleForm holes, const Parallel& parallel, OutputFile& file,
                     StructureSetSummary& total) {
+    constexpr std::size_t most_slices_a_task = 4;
     const std::vector<double> heights = image.slice_heights_mm();
     const std::size_t at_once = most_slices_a_task * static_cast<std::size_t>(parallel.threads());
     std::vector<ContourItems> workers(static_cast<std::size_t>(parallel.threads()), {image, roi, holes});
@@ -213,13 +358,10 @@ void write_contours(const Roi& roi, const ImageGeometry& image, HoleForm holes, 
         }
     }
     for (const ContourItems& worker : workers) {
-        add(total, worker.counts());
-    }
-}
-
-void require_uid(const std::filesystem::path& path, const std::string& uid, const char* keyword, const std::string& where) {
-    if (uid.empty() || uid.size() > 64 || uid.find_first_not_of("0123456789.") != std::string::npos) {
-        refuse_output(path, where + " states no usable " + keyword + ", which a structure set must name");
+        for (const auto count : {&StructureSetSummary::contours, &StructureSetSummary::points, &StructureSetSummary::holes,
+                                 &StructureSetSummary::open_contours, &StructureSetSummary::nested_contours}) {
+            total.*count += worker.counts().*count;
+        }
     }
 }
 
@@ -230,68 +372,84 @@ void require_series(const ImageGeometry& image, const std::filesystem::path& pat
         }
         return;
     }
+    const auto require_uid = [&](const std::string& uid, const char* keyword, const std::string& where) {
+        if (uid.empty() || uid.size() > 64 || uid.find_first_not_of("0123456789.") != std::string::npos) {
+            refuse_output(path, where + " states no usable " + keyword + ", which a structure set must name");
+        }
+    };
     const DicomSeries& series = *image.series;
     if (series.slices.size() != image.size[2]) {
         refuse_output(path, "the CT has other slices than its geometry");
     }
-    require_uid(path, series.study_uid, "StudyInstanceUID", "the CT");
-    require_uid(path, series.series_uid, "SeriesInstanceUID", "the CT");
-    require_uid(path, series.frame_of_reference_uid, "FrameOfReferenceUID", "the CT");
+    require_uid(series.study_uid, "StudyInstanceUID", "the CT");
+    require_uid(series.series_uid, "SeriesInstanceUID", "the CT");
+    require_uid(series.frame_of_reference_uid, "FrameOfReferenceUID", "the CT");
     for (const DicomSeries::Instance& slice : series.slices) {
-        require_uid(path, slice.sop_class_uid, "SOPClassUID", slice.file);
-        require_uid(path, slice.sop_instance_uid, "SOPInstanceUID", slice.file);
+        require_uid(slice.sop_class_uid, "SOPClassUID", slice.file);
+        require_uid(slice.sop_instance_uid, "SOPInstanceUID", slice.file);
     }
-}
-
-void require_contours(std::span<const Roi> rois, const ImageGeometry& image, const std::filesystem::path& path) {
-    if (rois.empty()) {
-        refuse_output(path, "a structure set of no mesh");
-    }
-    for (const Roi& roi : rois) {
-        require_cut(roi.result, roi.name, image.size[2]);
-        if (!has_any(*roi.result, Role::outer)) {
-            refuse_output(path, "'" + roi.name + "' has no closed contour on any slice of the image");
-        }
-    }
-}
-
-Result<StructureSetSummary> write_all(std::span<const Roi> rois, const ImageGeometry& image,
-                                      const std::filesystem::path& path, const StructureSetOptions& options,
-                                      const Context& context) {
-    const StructureSetIdentity identity = identity_of(rois, image, options, context);
-    const Parallel parallel(context);
-    OutputFile file = require(OutputFile::create(path));
-    file.append(DataSet::file_meta(dicom::rt_structure_set_storage, identity.instance_uid));
-    DataSet data;
-    StructureSetSummary total;
-    put_begin(data, identity, image.series.value_or(DicomSeries{}));
-    put_structure_set(data, identity, image);
-    data.put_items(dicom::roi_contour_sequence, rois.size(), [&](std::size_t i) {
-        const auto& colour = rois[i].colour;
-        data.put(dicom::roi_display_color,
-                 std::to_string(colour[0]) + "\\" + std::to_string(colour[1]) + "\\" + std::to_string(colour[2]));
-        data.put_sequence(dicom::contour_sequence, [&] {
-            flush(data, file);
-            write_contours(rois[i], image, options.holes, parallel, file, total);
-        });
-        data.put_number(dicom::referenced_roi_number, i + 1);
-    });
-    put_end(data, rois.size());
-    flush(data, file);
-    require(file.commit());
-    total.roi_names = identity.roi_names;
-    return total;
 }
 
 }  // namespace
+
+std::string uid_of(const std::array<unsigned char, 32>& content, std::string_view purpose) {
+    Sha256 hash;
+    hash.add(content.data(), content.size());
+    hash.add(purpose.data(), purpose.size());
+    Sha256::Digest uuid = hash.digest();  // its first 16 bytes, the most significant one first
+    uuid[6] = static_cast<unsigned char>((uuid[6] & 0x0f) | 0x80);
+    uuid[8] = static_cast<unsigned char>((uuid[8] & 0x3f) | 0x80);
+    std::string decimals;
+    while (std::any_of(uuid.begin(), uuid.begin() + 16, [](unsigned char byte) { return byte != 0; })) {
+        unsigned rest = 0;
+        for (std::size_t i = 0; i < 16; ++i) {
+            const unsigned value = rest << 8 | uuid[i];
+            uuid[i] = static_cast<unsigned char>(value / 10);
+            rest = value % 10;
+        }
+        decimals += static_cast<char>('0' + rest);
+    }
+    std::reverse(decimals.begin(), decimals.end());
+    return "2.25." + decimals;
+}
 
 Result<StructureSetSummary> write_structure_set(std::span<const Roi> rois, const ImageGeometry& image,
                                                 const std::filesystem::path& path, const StructureSetOptions& options,
                                                 const Context& context) noexcept {
     return guarded(context, [&]() -> Result<StructureSetSummary> {
         require_series(image, path, options.without_ct);
-        require_contours(rois, image, path);
-        return write_all(rois, image, path, options, context);
+        if (rois.empty()) {
+            refuse_output(path, "a structure set of no mesh");
+        }
+        for (const Roi& roi : rois) {
+            require_cut(roi.result, roi.name, image.size[2]);
+            if (!has_any(*roi.result, Role::outer)) {
+                refuse_output(path, "'" + roi.name + "' has no closed contour on any slice of the image");
+            }
+        }
+        const Identity identity(rois, image, options, context);
+        const Parallel parallel(context);
+        OutputFile file = require(OutputFile::create(path));
+        file.append(DataSet::file_meta(rt_structure_set_storage, identity.instance_uid));
+        DataSet data;
+        StructureSetSummary total;
+        put_begin(data, identity, image.series.value_or(DicomSeries{}));
+        put_structure_set(data, identity, image);
+        data.put_items(0x30060039, rois.size(), [&](std::size_t i) {  // ROIContourSequence
+            const auto& [red, green, blue] = rois[i].colour;
+            data.put(0x3006002a,  // ROIDisplayColor
+                     std::to_string(red) + "\\" + std::to_string(green) + "\\" + std::to_string(blue));
+            data.put_sequence(0x30060040, [&] {  // ContourSequence
+                flush(data, file);
+                write_contours(rois[i], image, options.holes, parallel, file, total);
+            });
+            data.put_number(0x30060084, i + 1);  // ReferencedROINumber
+        });
+        put_end(data, rois.size());
+        flush(data, file);
+        require(file.commit());
+        total.roi_names = identity.roi_names;
+        return total;
     });
 }
 

@@ -58,13 +58,13 @@ struct ImageHeader {
     [[noreturn]] void refuse(const std::string& what) const;
 };
 
-/// Throws Refused (unreadable_file) and std::bad_alloc.
-ImageHeader read_image_header(const std::filesystem::path& path);
-
 /// Throws Refused: unreadable_file, "cannot read 'NAME': REASON".
 [[noreturn]] void refuse_unreadable(const std::string& name, int error_number);
 /// Throws Refused: malformed_mesh, "NAME: WHAT".
 [[noreturn]] void refuse_image(const std::string& name, const std::string& what);
+inline void ImageHeader::refuse(const std::string& what) const {
+    refuse_image(name, what);
+}
 
 /// Throws Refused: invalid_argument, "'PATH': WHAT".
 [[noreturn]] void refuse_output(const std::filesystem::path& path, const std::string& what);

@@ -74,9 +74,26 @@ constexpr double largest_cosine = 1e-4;  ///< of axes that count as perpendicula
 
 constexpr std::array<const char*, 3> axis_names = {"i", "j", "k"};
 
-/// Which ends a header of text.
-bool has_blank_line(std::string_view text) {
-    return text.find("\n\n") != std::string_view::npos || text.find("\n\r\n") != std::string_view::npos;
+ImageHeader read_image_header(const std::filesystem::path& path) {
+    ImageHeader header{path.string(), {}};
+    errno = 0;
+    const std::unique_ptr<gzFile_s, decltype(&::gzclose)> file(::gzopen(path.c_str(), "rb"), &::gzclose);
+    if (file == nullptr) {
+        refuse_unreadable(header.name, errno != 0 ? errno : ENOMEM);
+    }
+    // Nothing beyond the header is read: it may be a mask of a hundred million voxels.
+    std::string& bytes = header.bytes;
+    std::array<char, 4096> piece{};
+    int count = 0;
+    do {
+        count = ::gzread(file.get(), piece.data(), piece.size());
+        bytes.append(piece.data(), static_cast<std::size_t>(std::max(count, 0)));
+    } while (count > 0 && bytes.size() < most_header_bytes && bytes.starts_with("NRRD") &&
+             bytes.find("\n\n") == std::string::npos && bytes.find("\n\r\n") == std::string::npos);
+    if (count < 0) {
+        header.refuse("damaged gzip data within the header");
+    }
+    return header;
 }
 
 }  // namespace
@@ -102,35 +119,6 @@ Result<ImageGeometry> geometry_around(const Box& box, const std::array<double, 3
         }
         return image;
     });
-}
-
-void ImageHeader::refuse(const std::string& what) const {
-    refuse_image(name, what);
-}
-
-ImageHeader read_image_header(const std::filesystem::path& path) {
-    ImageHeader header{path.string(), {}};
-    std::error_code unknown;
-    if (std::filesystem::is_directory(path, unknown)) {
-        refuse_unreadable(header.name, EISDIR);
-    }
-    errno = 0;
-    const std::unique_ptr<gzFile_s, decltype(&::gzclose)> file(::gzopen(path.c_str(), "rb"), &::gzclose);
-    if (file == nullptr) {
-        refuse_unreadable(header.name, errno != 0 ? errno : ENOMEM);
-    }
-    // Nothing beyond the header is read: it may be a mask of a hundred million voxels.
-    std::string& bytes = header.bytes;
-    std::array<char, 4096> piece{};
-    int count = 0;
-    do {
-        count = ::gzread(file.get(), piece.data(), piece.size());
-        bytes.append(piece.data(), static_cast<std::size_t>(std::max(count, 0)));
-    } while (count > 0 && bytes.size() < most_header_bytes && bytes.starts_with("NRRD") && !has_blank_line(bytes));
-    if (count < 0) {
-        header.refuse("damaged gzip data within the header");
-    }
-    return header;
 }
 
 void refuse_unreadable(const std::string& name, int error_number) {

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -16,7 +17,6 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
-#include <utility>
 #include <variant>
 #include <vector>
 
@@ -24,6 +24,7 @@
 
 #include "base/function_ref.hpp"
 #include "base/guard.hpp"
+#include "base/little_endian.hpp"
 #include "base/parallel.hpp"
 #include "io/read/input_file.hpp"
 #include "lamella/medical/archive.hpp"
@@ -35,22 +36,17 @@ namespace lamella {
 /// While it lives, HDF5 prints nothing of its errors.
 class QuietErrors {
 public:
-    QuietErrors() noexcept : known_(H5Eget_auto2(H5E_DEFAULT, &print_, &context_) >= 0) {
+    QuietErrors() noexcept {
+        H5Eget_auto2(H5E_DEFAULT, &print_, &context_);
         H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
     }
-    ~QuietErrors() {
-        H5Eclear2(H5E_DEFAULT);
-        if (known_) {
-            H5Eset_auto2(H5E_DEFAULT, print_, context_);
-        }
-    }
+    ~QuietErrors() { H5Eset_auto2(H5E_DEFAULT, print_, context_); }
     QuietErrors(const QuietErrors&) = delete;
     QuietErrors& operator=(const QuietErrors&) = delete;
 
 private:
     H5E_auto2_t print_ = nullptr;
     void* context_ = nullptr;
-    bool known_;
 };
 
 /// For calls that fail only where memory or the disk of a temporary file ends.
@@ -65,15 +61,9 @@ class Handle {
 public:
     /// Throws Refused where there is none.
     Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) { checked(id < 0 ? -1 : 0); }
-    Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
-    Handle& operator=(Handle&&) = delete;
     Handle(const Handle&) = delete;
     Handle& operator=(const Handle&) = delete;
-    ~Handle() {
-        if (id_ >= 0) {
-            close_(id_);
-        }
-    }
+    ~Handle() { close_(id_); }
 
     hid_t id() const noexcept { return id_; }
 
@@ -84,46 +74,43 @@ private:
 
 /// How files are opened: as plain files whatever the environment says, and never locked, which file systems of clusters may
 /// refuse.
-inline Handle plain_file_access() {
-    Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-    checked(H5Pset_fapl_sec2(access.id()));
+inline hid_t plain_file_access() {
+    const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    checked(H5Pset_fapl_sec2(access));
 #if H5_VERSION_GE(1, 12, 1) || (H5_VERSION_GE(1, 10, 7) && !H5_VERSION_GE(1, 12, 0))
-    checked(H5Pset_file_locking(access.id(), false, true));
+    checked(H5Pset_file_locking(access, false, true));
 #endif
     return access;
 }
 
-/// Little-endian, whatever the host is.
+/// Little-endian, as hosts are.
 template <class Number>
 hid_t hdf5_type() {
-    constexpr bool is_signed = std::is_signed_v<Number>;
     if constexpr (std::is_same_v<Number, double>) {
         return H5T_IEEE_F64LE;
-    } else if constexpr (sizeof(Number) == 1) {
-        return is_signed ? H5T_STD_I8LE : H5T_STD_U8LE;
-    } else if constexpr (sizeof(Number) == 2) {
-        return is_signed ? H5T_STD_I16LE : H5T_STD_U16LE;
-    } else if constexpr (sizeof(Number) == 4) {
-        return is_signed ? H5T_STD_I32LE : H5T_STD_U32LE;
     } else {
-        return is_signed ? H5T_STD_I64LE : H5T_STD_U64LE;
+        const std::array<hid_t, 4> types = std::is_signed_v<Number>
+                                               ? std::array{H5T_STD_I8LE, H5T_STD_I16LE, H5T_STD_I32LE, H5T_STD_I64LE}
+                                               : std::array{H5T_STD_U8LE, H5T_STD_U16LE, H5T_STD_U32LE, H5T_STD_U64LE};
+        return types[std::countr_zero(sizeof(Number))];
     }
 }
 
 // --- which datasets there are, and which member of a result each holds
 
 /// The things that a column has a row for: columns of one kind are equally long.
-enum class ColumnKind : std::uint8_t { layer, contour, point, origin, stitch, height, fill_change };
+enum ColumnKind : std::uint8_t {
+    layer_rows,
+    contour_rows,
+    point_rows,
+    origin_rows,
+    stitch_rows,
+    height_rows,
+    fill_change_rows
+};
 
 /// How many rows the columns of each kind have.
-class KindRows {
-public:
-    std::uint64_t& operator[](ColumnKind kind) noexcept { return rows_[static_cast<std::size_t>(kind)]; }
-    std::uint64_t operator[](ColumnKind kind) const noexcept { return rows_[static_cast<std::size_t>(kind)]; }
-
-private:
-    std::array<std::uint64_t, static_cast<std::size_t>(ColumnKind::fill_change) + 1> rows_{};
-};
+using KindRows = std::array<std::uint64_t, fill_change_rows + 1>;
 
 struct Column {
     const char* path;
@@ -142,7 +129,7 @@ struct Column {
     bool has_end = false;             ///< a last row tells where the last layer or contour ends
 
     /// Left out where there are no rows.
-    bool is_optional() const noexcept { return kind > ColumnKind::point; }
+    bool is_optional() const noexcept { return kind > point_rows; }
     std::uint64_t rows_among(const KindRows& rows) const noexcept { return rows[kind] + (has_end ? 1 : 0); }
 };
 
@@ -199,7 +186,7 @@ struct ReadTree {
     SliceResult result;  ///< of read_tree() without its rows
     ArchiveInfo info{};
     std::uint64_t hash = 0;
-    std::vector<PlacedColumn> columns{};  ///< those that are there, each within the file, and not more bytes than it has
+    std::vector<PlacedColumn> columns{};  ///< all, each within the file, and not more bytes than it has
     KindRows rows{};
 };
 
@@ -215,9 +202,9 @@ using RowSink = FunctionRef<void(std::span<const std::byte>)>;
 
 /// `give_rows` puts all rows of a column into the sink. `begun`: the progress so far. Throws Refused, Stopped,
 /// std::bad_alloc.
-Status write_columns(const KindRows& rows, FunctionRef<void(const Column&, RowSink)> give_rows,
-                     const std::vector<ArchiveAttribute>& attributes, const std::filesystem::path& path,
-                     const Parallel& parallel, double begun = 0);
+void write_columns(const KindRows& rows, FunctionRef<void(const Column&, RowSink)> give_rows,
+                   const std::vector<ArchiveAttribute>& attributes, const std::filesystem::path& path,
+                   const Parallel& parallel, double begun = 0);
 
 /// The last line of an archive with such a CRC-32.
 std::string closing_line(std::uint32_t crc);

@@ -1,10 +1,6 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <optional>
-#include <span>
-#include <type_traits>
 #include <utility>
 
 #include "lamella/io/name_text.hpp"

@@ -1,10 +1,8 @@
 #include "medical/hdf5/archive_file.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
-#include <type_traits>
 
 namespace lamella {
 
@@ -85,7 +83,7 @@ constexpr const char* grid_unit = "grid unit";
 // A column of what `place` of the result `r` is in row `i`.
 #define MEMBER(path, kind, Row, unit, meaning, place, good) \
     member<Row>(                                            \
-        path, ColumnKind::kind, unit, meaning, [](auto& r, Index i) -> auto& { return r.place; }, good)
+        path, kind##_rows, unit, meaning, [](auto& r, Index i) -> auto& { return r.place; }, good)
 
 constexpr std::array columns = {
     MEMBER("/layers/bottom_mm", layer, double, "mm", "where the slab of material begins", layers[i].bottom_mm, finite),
@@ -93,18 +91,17 @@ constexpr std::array columns = {
            layers[i].plane_mm, finite),
     MEMBER("/layers/top_mm", layer, double, "mm", "where the slab of material ends", layers[i].top_mm, finite),
     column<std::int32_t>(
-        "/layers/plane", ColumnKind::layer, grid_unit, "the height cut", [](In r, Index i) { return r.layers[i].plane.z(); },
+        "/layers/plane", layer_rows, grid_unit, "the height cut", [](In r, Index i) { return r.layers[i].plane.z(); },
         [](Out r, Index i, std::int32_t z) {
             r.layers[i].plane = PlaneHeight(z | 1);
             return (z & 1) != 0;
         }),
     MEMBER("/layers/segments", layer, std::uint64_t, "", "triangles that the plane crosses", layers[i].segments, any),
-    derived<std::uint8_t>("/layers/open", ColumnKind::layer, "",
-                          "1: some contour is open, so that area and centroid are not known",
+    derived<std::uint8_t>("/layers/open", layer_rows, "", "1: some contour is open, so that area and centroid are not known",
                           [](In r, Index i) { return std::isnan(r[i].area_mm2()); }),
-    naming(ColumnKind::contour,
+    naming(contour_rows,
            column<std::uint64_t>(
-               "/layers/first_contour", ColumnKind::layer, "", "of each layer, and where the last one ends",
+               "/layers/first_contour", layer_rows, "", "of each layer, and where the last one ends",
                [](In r, Index i) { return i < r.layers.size() ? r.layers[i].first_contour : Index{r.contours.size()}; },
                [](Out r, Index i, Index v) {
                    if (i == r.layers.size()) {
@@ -114,9 +111,9 @@ constexpr std::array columns = {
                    return true;
                }),
            true),
-    naming(ColumnKind::point,
+    naming(point_rows,
            column<std::uint64_t>(
-               "/contours/first_point", ColumnKind::contour, "", "of each contour, and where the last one ends",
+               "/contours/first_point", contour_rows, "", "of each contour, and where the last one ends",
                [](In r, Index i) { return i < r.contours.size() ? r.contours[i].first_point : Index{r.points.size()}; },
                [](Out r, Index i, Index v) {
                    if (i == r.contours.size()) {
@@ -126,8 +123,8 @@ constexpr std::array columns = {
                    return true;
                }),
            true),
-    naming(ColumnKind::contour, MEMBER("/contours/parent", contour, std::int64_t, "",
-                                       "the smallest contour around it; -1: none", contours[i].parent, any)),
+    naming(contour_rows, MEMBER("/contours/parent", contour, std::int64_t, "", "the smallest contour around it; -1: none",
+                                contours[i].parent, any)),
     MEMBER("/contours/segments", contour, std::uint32_t, "", "triangles that it comes from", contours[i].segments, any),
     MEMBER("/contours/role", contour, std::uint8_t, "", "0 outer, 1 hole, 2 flat, 3 open: a polyline", contours[i].role,
            at_most<static_cast<int>(Role::open)>),
@@ -139,8 +136,7 @@ constexpr std::array columns = {
            at_most<orientation_overruled + orientation_mixed + stitched + would_close>),
     MEMBER("/contours/part", contour, std::uint32_t, "", "the mesh that it comes from; 2^32 - 1: several", contours[i].part,
            [](In r, std::uint32_t v) { return v < r.info.part_count || v == several_parts; }),
-    derived<double>("/contours/area_mm2", ColumnKind::contour, "mm^2",
-                    "positive for outers, negative for holes, 0 for others",
+    derived<double>("/contours/area_mm2", contour_rows, "mm^2", "positive for outers, negative for holes, 0 for others",
                     [](In r, Index i) {
                         LayerView view;
                         view.grid_mm = r.info.grid_mm;
@@ -155,9 +151,8 @@ constexpr std::array columns = {
            origins[i].edge, at_most<no_edge>),
     MEMBER("/origins/end_edge", origin, std::uint8_t, "", "the triangle's edge where the contour's edge ends; 3: none",
            origins[i].end_edge, at_most<no_edge>),
-    naming(ColumnKind::layer,
-           MEMBER("/stitches/layer", stitch, std::uint64_t, "", "where ends of open polylines were joined",
-                  stitches[i].layer, [](In r, Index v) { return v < r.layers.size(); })),
+    naming(layer_rows, MEMBER("/stitches/layer", stitch, std::uint64_t, "", "where ends of open polylines were joined",
+                              stitches[i].layer, [](In r, Index v) { return v < r.layers.size(); })),
     MEMBER("/stitches/from", stitch, Point, grid_unit, "", stitches[i].from, on_grid),
     MEMBER("/stitches/to", stitch, Point, grid_unit, "", stitches[i].to, on_grid),
     MEMBER("/options/heights_mm", height, double, "mm", "the heights asked for, in any order",
@@ -190,27 +185,27 @@ std::vector<RowRange> ranges_of(std::uint64_t rows, const Column& column) {
 KindRows rows_of(const SliceResult& result) noexcept {
     const SliceOptions& options = result.info.options;
     KindRows rows;
-    rows[ColumnKind::layer] = result.layers.size();
-    rows[ColumnKind::contour] = result.contours.size();
-    rows[ColumnKind::point] = result.points.size();
-    rows[ColumnKind::origin] = result.origins.size();
-    rows[ColumnKind::stitch] = result.stitches.size();
-    rows[ColumnKind::height] = options.heights_mm ? options.heights_mm->size() : 0;
-    rows[ColumnKind::fill_change] = options.region.fill_from.size();
+    rows[layer_rows] = result.layers.size();
+    rows[contour_rows] = result.contours.size();
+    rows[point_rows] = result.points.size();
+    rows[origin_rows] = result.origins.size();
+    rows[stitch_rows] = result.stitches.size();
+    rows[height_rows] = options.heights_mm ? options.heights_mm->size() : 0;
+    rows[fill_change_rows] = options.region.fill_from.size();
     return rows;
 }
 
 void resize(SliceResult& result, const KindRows& rows) {
     SliceOptions& options = result.info.options;
-    result.layers.resize_discarding(rows[ColumnKind::layer]);
-    result.contours.resize_discarding(rows[ColumnKind::contour]);
-    result.points.resize_discarding(rows[ColumnKind::point]);
-    result.origins.resize_discarding(rows[ColumnKind::origin]);
-    result.stitches.resize_discarding(rows[ColumnKind::stitch]);
-    options.region.fill_from.resize(rows[ColumnKind::fill_change]);
+    result.layers.resize_discarding(rows[layer_rows]);
+    result.contours.resize_discarding(rows[contour_rows]);
+    result.points.resize_discarding(rows[point_rows]);
+    result.origins.resize_discarding(rows[origin_rows]);
+    result.stitches.resize_discarding(rows[stitch_rows]);
+    options.region.fill_from.resize(rows[fill_change_rows]);
     if (options.heights_mm) {
-        options.heights_mm->resize(rows[ColumnKind::height]);
-        result.info.layer_of.resize(rows[ColumnKind::height]);
+        options.heights_mm->resize(rows[height_rows]);
+        result.info.layer_of.resize(rows[height_rows]);
     }
 }
 

@@ -1,7 +1,5 @@
 #include <algorithm>
-#include <array>
 #include <limits>
-#include <optional>
 #include <utility>
 
 #include <zlib.h>
@@ -49,11 +47,7 @@ std::uint32_t checksum_of(const InputFile& file, std::uint64_t bytes, const Para
 /// The last line says of which version the file is.
 void require_undamaged(const InputFile& file, const Parallel& parallel) {
     constexpr std::string_view signature = "\x89HDF\r\n\x1a\n";
-    const std::string begin = text_at(file, 0, std::min<std::uint64_t>(file.size(), archive_format.size()));
-    if (begin == archive_format) {
-        refuse(file, "written by another version of lamella: an archive of the first form");
-    }
-    if (!begin.starts_with(signature)) {
+    if (text_at(file, 0, std::min<std::uint64_t>(file.size(), signature.size())) != signature) {
         refuse(file, "no HDF5 file");
     }
     const std::string expected = closing_line(0);
@@ -72,11 +66,11 @@ void require_undamaged(const InputFile& file, const Parallel& parallel) {
     }
 }
 
-/// Nothing where no such dataset can be opened. Data that are not in one piece of this file have no offset.
-std::optional<PlacedColumn> find_column(const InputFile& file, hid_t root, const Column& column) {
+/// A column's place. No dataset has no rows. Data that are not in one piece of this file have no offset.
+PlacedColumn find_column(const InputFile& file, hid_t root, const Column& column) {
     const hid_t id = H5Dopen2(root, column.path, H5P_DEFAULT);
     if (id < 0) {
-        return std::nullopt;
+        return {&column, 0, 0};
     }
     const Handle dataset(id, H5Dclose);
     const Handle type(H5Dget_type(id), H5Tclose);
@@ -96,20 +90,16 @@ std::optional<PlacedColumn> find_column(const InputFile& file, hid_t root, const
 
 void find_columns(const InputFile& file, hid_t root, ReadTree& tree) {
     std::uint64_t bytes = 0;
-    const Column* before = nullptr;
+    std::optional<ColumnKind> before;
     for (const Column& column : all_columns()) {
-        const std::optional<PlacedColumn> placed = find_column(file, root, column);
-        const std::uint64_t rows = placed ? placed->rows - (column.has_end ? 1 : 0) : 0;
-        const bool is_alike = before == nullptr || before->kind != column.kind || tree.rows[column.kind] == rows;
-        if ((!placed && !column.is_optional()) || !is_alike) {
+        const PlacedColumn& placed = tree.columns.emplace_back(find_column(file, root, column));
+        const std::uint64_t rows = placed.rows - (column.has_end ? 1 : 0);
+        if (placed.rows < (column.has_end ? 1U : 0U) || (before == column.kind && tree.rows[column.kind] != rows)) {
             refuse_place(file, column.path, "missing, or not as long as the columns that belong to it");
         }
-        if (placed) {
-            tree.columns.push_back(*placed);
-            bytes += placed->bytes();
-        }
+        bytes += placed.bytes();
         tree.rows[column.kind] = rows;
-        before = &column;
+        before = column.kind;
     }
     if (bytes > file.size()) {  // memory is taken for all of them
         refuse(file, "its columns lie over one another");
@@ -126,20 +116,18 @@ void require_row(const InputFile& file, bool holds, const char* path, std::uint6
 
 /// Arrays of the right sizes, their contents unspecified.
 void make_room(const InputFile& file, ReadTree& tree) {
-    const auto count = [&](ColumnKind kind) { return static_cast<std::size_t>(tree.rows[kind]); };
     const auto require = [&](bool holds, const char* place, const char* why) {
         if (!holds) {
             refuse_place(file, place, why);
         }
     };
-    require(count(ColumnKind::origin) == 0 || count(ColumnKind::origin) == count(ColumnKind::point), "/origins",
+    require(tree.rows[origin_rows] == 0 || tree.rows[origin_rows] == tree.rows[point_rows], "/origins",
             "not as many as there are points");
-    SliceResult& result = tree.result;
-    const SliceInfo& info = result.info;
-    require(info.first_layer <= info.planned_layers && count(ColumnKind::layer) <= info.planned_layers - info.first_layer,
+    const SliceInfo& info = tree.result.info;
+    require(info.first_layer <= info.planned_layers && tree.rows[layer_rows] <= info.planned_layers - info.first_layer,
             "/planned_layers", "fewer layers than the file has");
-    resize(result, tree.rows);
-    const KindRows made = rows_of(result);
+    resize(tree.result, tree.rows);
+    const KindRows made = rows_of(tree.result);
     for (const Column& column : all_columns()) {
         require(made[column.kind] == tree.rows[column.kind], column.path, "no heights are asked for");
     }
@@ -181,11 +169,6 @@ void set_row_counts(const InputFile& file, const char* path, Array<T>& rows, std
     }
 }
 
-Int128 size_of(const Contour& contour) {
-    const Int128 area = to_int128(contour.twice_area);
-    return area < 0 ? -area : area;
-}
-
 /// Parents start before their children, or there and are larger, so that no chain of parents runs in a ring.
 bool is_parent(const SliceResult& result, const Layer& layer, const Contour& contour) {
     if (contour.parent < 0) {
@@ -198,7 +181,11 @@ bool is_parent(const SliceResult& result, const Layer& layer, const Contour& con
     const Contour& parent = result.contours[index];
     const Point start = result.points[contour.first_point];
     const Point around = result.points[parent.first_point];
-    return parent.role <= Role::hole && (around < start || (around == start && size_of(parent) > size_of(contour)));
+    const auto size = [](const Contour& of) {
+        const Int128 area = to_int128(of.twice_area);
+        return area < 0 ? -area : area;
+    };
+    return parent.role <= Role::hole && (around < start || (around == start && size(parent) > size(contour)));
 }
 
 void check_layer(const InputFile& file, const SliceResult& result, std::size_t index) {
@@ -258,7 +245,7 @@ ReadTree read_tree(const InputFile& file, const std::filesystem::path& path, con
                    const Memory* memory) {
     require_undamaged(file, parallel);
     const QuietErrors quiet;
-    const Handle access = plain_file_access();
+    const Handle access(plain_file_access(), H5Pclose);
     const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.id());
     if (id < 0) {
         refuse(file, "a damaged HDF5 file");

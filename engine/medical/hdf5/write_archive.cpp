@@ -1,10 +1,8 @@
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <numeric>
-#include <span>
 #include <utility>
 
 #include <unistd.h>
@@ -35,14 +33,10 @@ void require_possible(const SliceResult& result, const ArchiveInfo& info, const 
                 " on, of " + std::to_string(slice.planned_layers) + " in all");
     require(info.name.size() <= longest_name && info.mesh_sha256.size() <= longest_name,
             "an archive's name of the mesh has at most " + std::to_string(longest_name) + " bytes");
-    require(slice.layer_of.size() == rows_of(result)[ColumnKind::height],
-            "the result does not tell the layers of its planes");
+    require(slice.layer_of.size() == rows_of(result)[height_rows], "the result does not tell the layers of its planes");
     require(!info.geometry || info.geometry->uneven_slices_mm.size() <= most_uneven_slices,
             "an image of more than " + std::to_string(most_uneven_slices) + " uneven slices");
 }
-
-/// All attributes and links lie in an object's header, up to so many.
-constexpr unsigned most_in_header = 64;
 
 /// A new file of a name of its own, removed in the end.
 class TemporaryFile {
@@ -98,22 +92,24 @@ void put(hid_t object, const std::string& name, const std::vector<Number>& numbe
 }
 
 /// Properties of files, groups and datasets without times, so that equal contents are equal bytes.
-Handle creation_of(hid_t what) {
-    Handle properties(H5Pcreate(what), H5Pclose);
-    checked(H5Pset_obj_track_times(properties.id(), false));
-    checked(H5Pset_attr_phase_change(properties.id(), most_in_header, 0));
-    if (H5Pisa_class(properties.id(), H5P_GROUP_CREATE) > 0) {
-        checked(H5Pset_link_phase_change(properties.id(), most_in_header, 0));
+class Creation : public Handle {
+public:
+    explicit Creation(hid_t what) : Handle(H5Pcreate(what), H5Pclose) {
+        constexpr unsigned most_in_header = 64;  // all attributes and links lie in an object's header, up to so many
+        checked(H5Pset_obj_track_times(id(), false));
+        checked(H5Pset_attr_phase_change(id(), most_in_header, 0));
+        if (H5Pisa_class(id(), H5P_GROUP_CREATE) > 0) {
+            checked(H5Pset_link_phase_change(id(), most_in_header, 0));
+        }
     }
-    return properties;
-}
+};
 
 /// The group at a path, which is made where it is missing.
 Handle group_at(hid_t file, const std::string& path) {
     if (path == "/" || H5Lexists(file, path.c_str(), H5P_DEFAULT) > 0) {
         return {H5Gopen2(file, path.c_str(), H5P_DEFAULT), H5Gclose};
     }
-    return {H5Gcreate2(file, path.c_str(), H5P_DEFAULT, creation_of(H5P_GROUP_CREATE).id(), H5P_DEFAULT), H5Gclose};
+    return {H5Gcreate2(file, path.c_str(), H5P_DEFAULT, Creation(H5P_GROUP_CREATE).id(), H5P_DEFAULT), H5Gclose};
 }
 
 /// Its rows get a place, and are written later.
@@ -121,7 +117,7 @@ void make_column(hid_t file, PlacedColumn& placed) {
     const Column& column = *placed.column;
     const std::array<hsize_t, 2> extents = {placed.rows, column.width};
     const Handle space(H5Screate_simple(column.width == 1 ? 1 : 2, extents.data(), nullptr), H5Sclose);
-    const Handle properties = creation_of(H5P_DATASET_CREATE);
+    const Creation properties(H5P_DATASET_CREATE);
     checked(H5Pset_layout(properties.id(), H5D_CONTIGUOUS));
     checked(H5Pset_alloc_time(properties.id(), H5D_ALLOC_TIME_EARLY));
     checked(H5Pset_fill_time(properties.id(), H5D_FILL_TIME_NEVER));
@@ -142,10 +138,10 @@ void make_column(hid_t file, PlacedColumn& placed) {
 void write_tree(const std::string& path, const std::vector<ArchiveAttribute>& attributes,
                 std::vector<PlacedColumn>& columns) {
     const QuietErrors quiet;
-    const Handle access = plain_file_access();
+    const Handle access(plain_file_access(), H5Pclose);
     // The oldest form that has no times of its own.
     checked(H5Pset_libver_bounds(access.id(), H5F_LIBVER_V18, H5F_LIBVER_V18));
-    const Handle creation = creation_of(H5P_FILE_CREATE);
+    const Creation creation(H5P_FILE_CREATE);
     const Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), H5Fclose);
     for (const ArchiveAttribute& attribute : attributes) {
         const Handle group = group_at(file.id(), attribute.group);
@@ -169,45 +165,34 @@ InputFile make_tree(const std::vector<ArchiveAttribute>& attributes, std::vector
 }
 
 /// Appends pieces of the tree and rows of columns in the order of the file, and sums them up.
-class ArchiveWriter {
-public:
-    /// The progress being `begun`.
-    ArchiveWriter(OutputFile& file, const InputFile& tree, const Parallel& parallel, double begun)
-        : file_(file), tree_(tree), parallel_(parallel), begun_(begun) {}
+struct ArchiveWriter {
+    OutputFile& file;
+    const InputFile& tree;
+    const Parallel& parallel;
+    double begun;  ///< the progress
+    std::uint64_t at = 0;
+    uLong crc = 0;
 
     /// From where the file ends so far to `end`.
     void append_tree(std::uint64_t end) {
         std::vector<std::byte> piece;
-        while (at_ < end) {
-            piece.resize(static_cast<std::size_t>(std::min(std::uint64_t{OutputFile::buffer_bytes}, end - at_)));
-            require(tree_.read_at(at_, piece));
+        while (at < end) {
+            piece.resize(static_cast<std::size_t>(std::min(std::uint64_t{OutputFile::buffer_bytes}, end - at)));
+            require(tree.read_at(at, piece));
             append(piece);
         }
     }
 
     void append(std::span<const std::byte> bytes) {
-        parallel_.stop_if_asked();
-        file_.append({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-        if (file_.failed()) {
-            require(file_.commit());
+        parallel.stop_if_asked();
+        file.append({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+        if (file.failed()) {
+            require(file.commit());
         }
-        crc_ = ::crc32_z(crc_, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
-        at_ += bytes.size();
-        parallel_.reach(begun_ + (1 - begun_) * static_cast<double>(at_) / static_cast<double>(tree_.size()));
+        crc = ::crc32_z(crc, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+        at += bytes.size();
+        parallel.reach(begun + (1 - begun) * static_cast<double>(at) / static_cast<double>(tree.size()));
     }
-
-    Status finish() {
-        file_.append(closing_line(static_cast<std::uint32_t>(crc_)));
-        return file_.commit();
-    }
-
-private:
-    OutputFile& file_;
-    const InputFile& tree_;
-    const Parallel& parallel_;
-    double begun_;
-    std::uint64_t at_ = 0;
-    uLong crc_ = 0;
 };
 
 }  // namespace
@@ -219,9 +204,9 @@ std::string closing_line(std::uint32_t crc) {
            ", CRC-32 of all before: " + digits.data() + "\n";
 }
 
-Status write_columns(const KindRows& rows, FunctionRef<void(const Column&, RowSink)> give_rows,
-                     const std::vector<ArchiveAttribute>& attributes, const std::filesystem::path& path,
-                     const Parallel& parallel, double begun) {
+void write_columns(const KindRows& rows, FunctionRef<void(const Column&, RowSink)> give_rows,
+                   const std::vector<ArchiveAttribute>& attributes, const std::filesystem::path& path,
+                   const Parallel& parallel, double begun) {
     OutputFile file = require(OutputFile::create(path));  // first: what cannot be written is refused at once
     std::vector<PlacedColumn> columns;
     for (const Column& column : all_columns()) {
@@ -234,17 +219,15 @@ Status write_columns(const KindRows& rows, FunctionRef<void(const Column&, RowSi
     std::sort(columns.begin(), columns.end(),
               [](const PlacedColumn& a, const PlacedColumn& b) { return a.offset < b.offset; });
     parallel.begin_stage(1);
-    ArchiveWriter writer(file, tree, parallel, begun);
+    ArchiveWriter writer{file, tree, parallel, begun};
     for (const PlacedColumn& column : columns) {
         writer.append_tree(column.offset);
         give_rows(*column.column, [&](std::span<const std::byte> piece) { writer.append(piece); });
     }
     writer.append_tree(tree.size());
-    Status written = writer.finish();
-    if (written) {
-        parallel.finish();
-    }
-    return written;
+    file.append(closing_line(static_cast<std::uint32_t>(writer.crc)));
+    require(file.commit());
+    parallel.finish();
 }
 
 bool has_archives() noexcept {
@@ -265,7 +248,8 @@ Status write_archive(const SliceResult& result, const ArchiveInfo& info, const s
                 take(piece);
             }
         };
-        return write_columns(rows, give_rows, attributes_of(result.info, info, result.hash()), path, parallel);
+        write_columns(rows, give_rows, attributes_of(result.info, info, result.hash()), path, parallel);
+        return {};
     });
 }
 

@@ -1,8 +1,12 @@
 #include "lamella/medical/picture.hpp"
 
+#include <charconv>
+#include <limits>
 #include <optional>
+#include <string>
 
 #include "base/parallel.hpp"
+#include "base/words.hpp"
 #include "medical/geometry/headers.hpp"
 #include "medical/picture/canvas.hpp"
 #include "medical/raster/coverage.hpp"
@@ -12,6 +16,20 @@ namespace lamella {
 namespace {
 
 constexpr int most_cells = 4096;
+constexpr Colour page_colour{0xff, 0xff, 0xff};
+constexpr Colour cell_colour{0xf1, 0xf3, 0xf5};
+constexpr Colour text_colour{0x2b, 0x30, 0x36};
+constexpr Colour open_colour{0xd8, 0x1b, 0x1b};
+
+/// Colours repeat after twelve parts.
+Colour colour_of_part(std::size_t part) noexcept {
+    // clang-format off
+    static constexpr std::array<Colour, 12> palette = {{
+        {0x1f, 0x6f, 0xb4}, {0xf2, 0x8e, 0x2b}, {0x2a, 0x9d, 0x5c}, {0x8e, 0x5b, 0xb5}, {0xe5, 0xb8, 0x13}, {0x17, 0xa2, 0xb8},
+        {0xe3, 0x77, 0xa8}, {0x8c, 0x62, 0x45}, {0x9a, 0xb9, 0x3a}, {0x3d, 0x48, 0x9c}, {0x7a, 0x86, 0x92}, {0x0b, 0x5d, 0x4e}}};
+    // clang-format on
+    return palette[part % palette.size()];
+}
 
 void require_that(bool holds, const std::string& what) {
     if (!holds) {
@@ -19,17 +37,20 @@ void require_that(bool holds, const std::string& what) {
     }
 }
 
+std::string size_text(const PictureOptions& options) {
+    return "a picture of " + std::to_string(options.width) + " x " + std::to_string(options.height) + " pixels";
+}
+
 void require_drawable(std::span<const PicturePart> parts, const std::filesystem::path& path, const PictureOptions& options) {
-    const std::string size =
-        "a picture of " + std::to_string(options.width) + " x " + std::to_string(options.height) + " pixels";
     require_that(can_write_pictures(),
                  "cannot write '" + path.string() + "': this build of lamella is without PNG (libpng-dev)");
     for (const int side : {options.width, options.height}) {
-        require_that(
-            side >= least_picture_side && side <= largest_picture_side,
-            size + ": a side has " + std::to_string(least_picture_side) + " to " + std::to_string(largest_picture_side));
+        require_that(side >= least_picture_side && side <= largest_picture_side,
+                     size_text(options) + ": a side has " + std::to_string(least_picture_side) + " to " +
+                         std::to_string(largest_picture_side));
     }
-    require_that(std::int64_t{options.width} * options.height <= most_picture_pixels, size + " is larger than 2^26");
+    require_that(std::int64_t{options.width} * options.height <= most_picture_pixels,
+                 size_text(options) + " is larger than 2^26");
     require_that(!parts.empty() &&
                      std::all_of(parts.begin(), parts.end(), [](const PicturePart& part) { return part.result != nullptr; }),
                  "a picture shows one mesh or more, each with its result");
@@ -37,34 +58,40 @@ void require_drawable(std::span<const PicturePart> parts, const std::filesystem:
                  "a contact sheet shows 1 to " + std::to_string(most_cells) + " layers");
 }
 
+/// With so many decimals, without a sign where it rounds to zero.
+std::string decimal_text(double value, int decimals) {
+    std::array<char, 400> text{};
+    const auto [end, error] =
+        std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed, decimals);
+    std::string all(text.data(), end);
+    return all.find_first_not_of("-0.") == std::string::npos && all.front() == '-' ? all.substr(1) : all;
+}
+
+// --- what is drawn
+
 /// The layers at one height, and where on the canvas they are drawn.
 struct Cell {
     double height_mm = 0;
-    std::vector<std::optional<std::uint64_t>> layers{};  ///< of each part: nothing where it has none there
+    std::vector<LayerView> layers{};  ///< of each part: empty where it has none there
     Rectangle area{};
 };
 
-/// The layer whose slab holds the height, of several the one that is nearest.
-std::optional<std::uint64_t> layer_at(const SliceResult& result, double height_mm) noexcept {
-    std::optional<std::uint64_t> nearest;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < result.layers.size(); ++i) {
-        const Layer& layer = result.layers[i];
-        const double distance = std::abs(layer.plane_mm - height_mm);
-        const bool holds = distance == 0 || (layer.bottom_mm <= height_mm && height_mm <= layer.top_mm);
-        if (holds && distance <= least) {
-            least = distance;
-            nearest = i;
-        }
-    }
-    return nearest;
-}
-
+/// The layer of each part whose slab holds the height, of several the one that is nearest.
 Cell cell_at(std::span<const PicturePart> parts, double height_mm) {
     Cell cell{.height_mm = height_mm};
-    cell.layers.reserve(parts.size());
-    for (const PicturePart& part : parts) {
-        cell.layers.push_back(layer_at(*part.result, height_mm));
+    cell.layers.resize(parts.size());
+    for (std::size_t part = 0; part < parts.size(); ++part) {
+        const SliceResult& result = *parts[part].result;
+        double least = std::numeric_limits<double>::infinity();
+        for (std::size_t i = 0; i < result.layers.size(); ++i) {
+            const Layer& layer = result.layers[i];
+            const double distance = std::abs(layer.plane_mm - height_mm);
+            const bool holds = distance == 0 || (layer.bottom_mm <= height_mm && height_mm <= layer.top_mm);
+            if (holds && distance <= least) {
+                least = distance;
+                cell.layers[part] = result[i];
+            }
+        }
     }
     return cell;
 }
@@ -86,15 +113,18 @@ std::vector<Cell> evenly_spaced(std::span<const PicturePart> parts, std::size_t 
     return cells;
 }
 
-/// Calls use(i, layer) for each part's layer in a cell.
-template <class Use>
-void for_each_layer(std::span<const PicturePart> parts, const Cell& cell, const Use& use) {
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-        if (cell.layers[i]) {
-            use(i, (*parts[i].result)[*cell.layers[i]]);
-        }
+/// In mm, in the frame of the slicing; empty at first.
+struct BoxMm {
+    PointMm min{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+    PointMm max{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+
+    double width() const noexcept { return max.x - min.x; }
+    double height() const noexcept { return max.y - min.y; }
+    void widen(PointMm at) noexcept {
+        min = {std::min(min.x, at.x), std::min(min.y, at.y)};
+        max = {std::max(max.x, at.x), std::max(max.y, at.y)};
     }
-}
+};
 
 /// Around the meshes, and around all that is drawn, which rules may have moved beyond them.
 BoxMm box_of(std::span<const PicturePart> parts, const std::vector<Cell>& cells) {
@@ -107,11 +137,11 @@ BoxMm box_of(std::span<const PicturePart> parts, const std::vector<Cell>& cells)
         }
     }
     for (const Cell& cell : cells) {
-        for_each_layer(parts, cell, [&](std::size_t, const LayerView& layer) {
+        for (const LayerView& layer : cell.layers) {
             for (const Point& point : layer.points) {
                 box.widen(layer.to_mm(point));
             }
-        });
+        }
     }
     if (box.width() < 0) {
         return {{0, 0}, {1, 1}};
@@ -132,40 +162,146 @@ BoxMm box_of(std::span<const PicturePart> parts, const std::vector<Cell>& cells)
 std::vector<std::string> labels_of(const std::vector<Cell>& cells, const ImageGeometry* image) {
     static constexpr std::array<const char*, 3> axes = {"L ", "P ", "S "};
     std::vector<std::string> labels(cells.size());
-    std::transform(cells.begin(), cells.end(), labels.begin(), [&](const Cell& cell) {
-        return decimal_text(image != nullptr ? image->height_lps_mm(cell.height_mm) : cell.height_mm, 3);
-    });
     std::size_t idle = 4;  // zeros at the end of all, and the point before three of them
-    for (const std::string& label : labels) {
-        const std::size_t zeros = label.size() - 1 - label.find_last_not_of('0');
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        const double height_mm = cells[i].height_mm;
+        labels[i] = decimal_text(image != nullptr ? image->height_lps_mm(height_mm) : height_mm, 3);
+        const std::size_t zeros = labels[i].size() - 1 - labels[i].find_last_not_of('0');
         idle = std::min(idle, zeros < 3 ? zeros : 4);
     }
     for (std::string& label : labels) {
         label = (image != nullptr ? axes[image->slice_axis()] : "") + label.substr(0, label.size() - idle) + " mm";
     }
+    if (cells.empty()) {
+        labels.emplace_back("no layers");
+    }
     return labels;
 }
 
-/// Counts all layers, drawn or not.
-std::uint64_t layers_with_open_polylines(std::span<const PicturePart> parts) {
-    std::uint64_t count = 0;
-    for (const PicturePart& part : parts) {
-        for (const LayerView layer : *part.result) {
-            count += std::isnan(layer.area_mm2()) ? 1U : 0U;  // it is not known where there is one
+// --- where it is drawn
+
+/// Cells of one size in rows, below a line with names and scale.
+class Page {
+public:
+    /// Chooses the number of columns that gives the largest scale. Throws Refused where the cells would be too small.
+    Page(const BoxMm& box, const std::vector<std::string>& labels, const PictureOptions& options) {
+        unit_ = std::max(1, std::min(options.width, options.height) / 600);
+        gap_ = 4 * unit_;
+        label_height_ = text_height(unit_) + gap_;
+        const auto count = static_cast<int>(labels.size());
+        int rows = 1;
+        for (int columns = 1; columns <= count; ++columns) {
+            const int rows_then = (count + columns - 1) / columns;
+            const int width = (options.width - gap_ * (columns + 1)) / columns;
+            const int height = (options.height - label_height_ - gap_ - gap_ * rows_then) / rows_then;
+            const double scale =
+                std::min((width - 2 * gap_) / box.width(), (height - label_height_ - 2 * gap_) / box.height());
+            if (columns == 1 || scale > pixels_per_mm_) {
+                pixels_per_mm_ = scale;
+                columns_ = columns;
+                rows = rows_then;
+                cell_width_ = width;
+                cell_height_ = height;
+            }
+        }
+        constexpr int least_pixels = 16;  // the narrowest that still shows something
+        require_that(pixels_per_mm_ * std::max(box.width(), box.height()) >= least_pixels,
+                     size_text(options) + " has no room for " + counted(labels.size(), "layer"));
+        const auto around = [&](double mm) { return static_cast<int>(std::ceil(mm * pixels_per_mm_)) + 2 * gap_; };
+        int wanted_width = around(box.width());
+        for (const std::string& label : labels) {
+            wanted_width = std::max(wanted_width, text_width(label, unit_) + 2 * gap_);
+        }
+        cell_width_ = std::min(cell_width_, wanted_width);
+        cell_height_ = std::min(cell_height_, around(box.height()) + label_height_);
+        // A few narrow cells leave room for the names.
+        width_ = std::max(gap_ + columns_ * (cell_width_ + gap_), std::min(options.width, 200 * unit_));
+        height_ = label_height_ + gap_ + rows * (cell_height_ + gap_);
+    }
+
+    Canvas canvas() const { return {width_, height_, page_colour}; }
+    double line_width() const noexcept { return 1.5 * unit_; }  ///< of open polylines, pixels
+    double pixels_per_mm() const noexcept { return pixels_per_mm_; }
+
+    /// Draws a cell and its label. Returns the part of it that the layer is drawn into.
+    Rectangle draw_cell(Canvas& canvas, std::size_t i, const std::string& label) const {
+        const int x = gap_ + static_cast<int>(i) % columns_ * (cell_width_ + gap_);
+        const int y = label_height_ + gap_ + static_cast<int>(i) / columns_ * (cell_height_ + gap_);
+        canvas.fill({x, y, cell_width_, cell_height_}, cell_colour);
+        canvas.write(x + gap_, y + gap_, label, unit_, text_colour);
+        return {x + 1, y + label_height_, cell_width_ - 2, cell_height_ - label_height_ - 1};
+    }
+
+    /// One line: a coloured square and the name of each part as far as they go, how many layers have open polylines
+    /// if any, and a bar of a round length.
+    void draw_heading(Canvas& canvas, std::span<const PicturePart> parts) const {
+        const int end = draw_scale(canvas) - gap_;
+        const int square = text_height(unit_);
+        int x = gap_;
+        // Returns whether there was room.
+        const auto entry = [&](std::string_view name, Colour colour, int mark_height, int left_over) {
+            const int width = square + 2 * unit_ + text_width(name, unit_) + 2 * gap_;
+            if (x + width + left_over > end) {
+                return false;
+            }
+            canvas.fill({x, gap_ + (square - mark_height) / 2, square, mark_height}, colour);
+            canvas.write(x + square + 2 * unit_, gap_, name, unit_, text_colour);
+            x += width;
+            return true;
+        };
+        std::uint64_t open_layers = 0;  // drawn or not
+        for (const PicturePart& part : parts) {
+            for (const LayerView layer : *part.result) {
+                open_layers += std::isnan(layer.area_mm2()) ? 1U : 0U;  // it is not known where there is one
+            }
+        }
+        if (open_layers > 0) {
+            entry("open in " + counted(open_layers, "layer"), open_colour, 2 * unit_, 0);
+        }
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            const std::string rest = "+" + std::to_string(parts.size() - i);
+            const int left_over = i + 1 < parts.size() ? text_width(rest, unit_) : 0;
+            if (!entry(parts[i].name, colour_of_part(i), square, left_over)) {
+                if (x + text_width(rest, unit_) <= end) {
+                    canvas.write(x, gap_, rest, unit_, text_colour);
+                }
+                return;
+            }
         }
     }
-    return count;
-}
 
-PictureOptions oriented(PictureOptions options) {
-    if (options.image != nullptr) {
-        const NearestAxis x = nearest_axis(options.image->axes[0]);
-        const NearestAxis y = nearest_axis(options.image->axes[1]);
-        options.x_leftward = x.negative;
-        options.y_downward = y.axis == 2 ? y.negative : !y.negative;
+private:
+    /// A bar of 1, 2, 5, 10, 20, ... mm, as long as there is room. Returns where it begins.
+    int draw_scale(Canvas& canvas) const {
+        const double most_mm = std::min(0.5 * cell_width_, 0.25 * width_) / pixels_per_mm_;
+        const double exponent = std::floor(std::log10(most_mm));
+        const double step = std::pow(10, exponent);
+        const double length_mm = step * (5 * step <= most_mm ? 5 : 2 * step <= most_mm ? 2 : 1);
+        const std::string text = decimal_text(length_mm, static_cast<int>(std::clamp(-exponent, 0.0, 9.0))) + " mm";
+        const int length = std::max(1, static_cast<int>(std::lround(length_mm * pixels_per_mm_)));
+        const int right = width_ - gap_ - text_width(text, unit_);
+        const int left = right - 2 * unit_ - length;
+        const int middle = gap_ + text_height(unit_) / 2;
+        canvas.write(right, gap_, text, unit_, text_colour);
+        canvas.fill({left, middle - unit_ / 2, length, unit_}, text_colour);
+        for (const int end : {left, left + length - unit_}) {
+            canvas.fill({end, middle - 2 * unit_, unit_, 4 * unit_}, text_colour);
+        }
+        return left;
     }
-    return options;
-}
+
+    int unit_ = 1;  ///< pixels of a dot of the font
+    int gap_ = 0;
+    int label_height_ = 0;
+    int columns_ = 1;
+    int cell_width_ = 0;
+    int cell_height_ = 0;
+    int width_ = 0;
+    int height_ = 0;
+    double pixels_per_mm_ = 0;
+};
+
+// --- drawing
 
 /// Rows of one cell, so few that a sheet of them takes some MB.
 struct Strip {
@@ -196,38 +332,39 @@ public:
           scale_{options.x_leftward ? -page.pixels_per_mm() : page.pixels_per_mm(),
                  options.y_downward ? page.pixels_per_mm() : -page.pixels_per_mm()},
           middle_{box.min.x + 0.5 * box.width(), box.min.y + 0.5 * box.height()},
-          line_width_(1.5 * page.unit()) {}
+          line_width_(page.line_width()) {}
 
     void draw(const Strip& strip) {
         constexpr double opacity_over_others = 0.75;  // overlaps show, and so does which part is the later one
         const Rectangle& area = strip.cell->area;
-        const auto pixels = [&](PointMm mm) {
+        const std::vector<LayerView>& layers = strip.cell->layers;
+        const auto pixels = [&](const LayerView& layer, const Point& point) {
+            const PointMm mm = layer.to_mm(point);
             return PointMm{scale_.x * (mm.x - middle_.x) + 0.5 * area.width,
                            scale_.y * (mm.y - middle_.y) + 0.5 * area.height};
         };
         sheet_.restart(static_cast<std::size_t>(area.width), static_cast<std::size_t>(strip.begin),
                        static_cast<std::size_t>(strip.end));
-        for_each_layer(parts_, *strip.cell, [&](std::size_t part, const LayerView& layer) {
-            for (const std::span<const Point> contour : solid_.of(*parts_[part].result, layer.index)) {
-                const double sign = scale_.x * scale_.y < 0 ? -1 : 1;
+        for (std::size_t part = 0; part < layers.size(); ++part) {
+            if (layers[part].contours.empty()) {
+                continue;
+            }
+            const double sign = scale_.x * scale_.y < 0 ? -1 : 1;
+            for (const std::span<const Point> contour : solid_.of(*parts_[part].result, layers[part].index)) {
                 sheet_.add(
-                    contour, [&](const Point& point) { return pixels(layer.to_mm(point)); }, sign);
+                    contour, [&](const Point& point) { return pixels(layers[part], point); }, sign);
             }
             mix_rows(strip, colour_of_part(part), opacity_over_others);
-        });
-        bool open = false;
-        for_each_layer(parts_, *strip.cell, [&](std::size_t, const LayerView& layer) {
+        }
+        for (const LayerView& layer : layers) {
             for (const Contour& contour : layer.contours) {
                 const std::span<const Point> points = layer.points_of(contour);
                 for (std::size_t i = 1; contour.role == Role::open && i < points.size(); ++i) {
-                    add_line(pixels(layer.to_mm(points[i - 1])), pixels(layer.to_mm(points[i])));
-                    open = true;
+                    add_line(pixels(layer, points[i - 1]), pixels(layer, points[i]));
                 }
             }
-        });
-        if (open) {
-            mix_rows(strip, colours::open, 1);
         }
+        mix_rows(strip, open_colour, 1);
     }
 
 private:
@@ -252,9 +389,7 @@ private:
             sheet_.take_row(static_cast<std::size_t>(row - strip.begin), shares_);
             for (int column = 0; column < area.width; ++column) {
                 if (const double share = shares_[static_cast<std::size_t>(column)]; share > 0) {
-                    const int x = area.x + column;
-                    const int y = area.y + row;
-                    canvas_.mix(x, y, colour, canvas_.has(x, y, colours::cell) ? share : over_others * share);
+                    canvas_.mix(area.x + column, area.y + row, colour, share, cell_colour, over_others);
                 }
             }
         }
@@ -271,22 +406,20 @@ private:
 };
 
 Status draw(std::span<const PicturePart> parts, std::vector<Cell> cells, const std::filesystem::path& path,
-            const PictureOptions& asked, const Context& context) {
-    const PictureOptions options = oriented(asked);
-    std::vector<std::string> labels = labels_of(cells, options.image);
-    if (cells.empty()) {
-        labels.emplace_back("no layers");
+            PictureOptions options, const Context& context) {
+    if (options.image != nullptr) {
+        const NearestAxis x = nearest_axis(options.image->axes[0]);
+        const NearestAxis y = nearest_axis(options.image->axes[1]);
+        options.x_leftward = x.negative;
+        options.y_downward = y.axis == 2 ? y.negative : !y.negative;
     }
-    int label_width = 0;
-    for (const std::string& label : labels) {
-        label_width = std::max(label_width, text_width(label, 1));
-    }
+    const std::vector<std::string> labels = labels_of(cells, options.image);
     const BoxMm box = box_of(parts, cells);
-    const Page page(box, labels.size(), label_width, options);
+    const Page page(box, labels, options);
     const Parallel parallel(context);
     parallel.begin_stage(0.8);
-    Canvas canvas(page.width(), page.height(), colours::page);
-    page.draw_heading(canvas, parts, layers_with_open_polylines(parts));
+    Canvas canvas = page.canvas();
+    page.draw_heading(canvas, parts);
     for (std::size_t i = 0; i < labels.size(); ++i) {
         const Rectangle area = page.draw_cell(canvas, i, labels[i]);
         if (i < cells.size()) {
@@ -302,14 +435,20 @@ Status draw(std::span<const PicturePart> parts, std::vector<Cell> cells, const s
     parallel.run(strips.size(),
                  [&](std::size_t i, int worker) { brushes[static_cast<std::size_t>(worker)].draw(strips[i]); });
     parallel.stop_if_asked();
-    Status written = canvas.write_png(path);
-    if (written) {
-        parallel.finish();
-    }
-    return written;
+    canvas.write_png(path);
+    parallel.finish();
+    return {};
 }
 
 }  // namespace
+
+bool can_write_pictures() noexcept {
+#ifdef LAMELLA_HAS_PNG
+    return true;
+#else
+    return false;
+#endif
+}
 
 Status write_layer_picture(std::span<const PicturePart> parts, std::uint64_t layer, const std::filesystem::path& path,
                            const PictureOptions& options, const Context& context) noexcept {

@@ -1,10 +1,8 @@
 #include "lamella/medical/record.hpp"
 
-#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <fstream>
-#include <memory>
 #include <system_error>
 
 #include <nlohmann/json.hpp>
@@ -33,22 +31,20 @@ namespace {
 
 constexpr std::uintmax_t most_record_bytes = std::uintmax_t{64} << 20;
 
-Record record_of(const Json& json) {
-    Record record;
-    json.at("lamella").get_to(record.version);
-    json.at("command").get_to(record.command);
-    json.at("inputs").get_to(record.inputs);
-    json.at("output").get_to(record.output);
-    for (const Json& option : json.at("options")) {
-        record.options.push_back(name_of_text(option.get<std::string>()));
-    }
-    json.at("patient_frame").get_to(record.patient_frame);
-    json.at("grid_mm").get_to(record.grid_mm);
-    record.stitch_mm = json.value("stitch_mm", std::vector<double>());
-    json.at("fill_rule").get_to(record.fill_rule);
-    json.at("result_hashes").get_to(record.result_hashes);
-    record.source_date_epoch = json.value("source_date_epoch", "");
-    return record;
+/// Calls exchange(name, member) for all that a record's file says, in its order.
+template <class Exchange>
+void for_each_member(Record& record, Exchange exchange) {
+    exchange("lamella", record.version);
+    exchange("command", record.command);
+    exchange("inputs", record.inputs);
+    exchange("output", record.output);
+    exchange("options", record.options);
+    exchange("patient_frame", record.patient_frame);
+    exchange("grid_mm", record.grid_mm);
+    exchange("stitch_mm", record.stitch_mm);
+    exchange("fill_rule", record.fill_rule);
+    exchange("result_hashes", record.result_hashes);
+    exchange("source_date_epoch", record.source_date_epoch);
 }
 
 [[noreturn]] void refuse_record(const std::filesystem::path& path, const std::string& why) {
@@ -101,22 +97,14 @@ Result<FileSeal> seal_file(const std::filesystem::path& path, const Context& con
 
 Status write_record(const Record& record, const std::filesystem::path& path) noexcept {
     return guarded([&]() -> Status {
-        Json options = Json::array();
-        for (const std::string& option : record.options) {
-            options.push_back(text_of_name(option));
+        Record as_text = record;
+        for (std::string& option : as_text.options) {
+            option = text_of_name(option);
         }
-        Json json = {{"lamella", record.version},
-                     {"command", record.command},
-                     {"inputs", record.inputs},
-                     {"output", record.output},
-                     {"options", options},
-                     {"patient_frame", record.patient_frame},
-                     {"grid_mm", record.grid_mm},
-                     {"stitch_mm", record.stitch_mm},
-                     {"fill_rule", record.fill_rule},
-                     {"result_hashes", record.result_hashes}};
-        if (!record.source_date_epoch.empty()) {
-            json["source_date_epoch"] = record.source_date_epoch;
+        Json json;
+        for_each_member(as_text, [&](const char* name, const auto& value) { json[name] = value; });
+        if (record.source_date_epoch.empty()) {
+            json.erase("source_date_epoch");
         }
         return write_text_file(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
     });
@@ -138,7 +126,15 @@ Result<Record> read_record(const std::filesystem::path& path) noexcept {
             refuse_unreadable(printable(path.native()), EIO);
         }
         try {
-            return record_of(Json::parse(text));
+            Json json = Json::parse(text);
+            json.emplace("stitch_mm", Json::array());  // which records of earlier versions lack
+            json.emplace("source_date_epoch", "");
+            Record record;
+            for_each_member(record, [&](const char* name, auto& value) { json.at(name).get_to(value); });
+            for (std::string& option : record.options) {
+                option = name_of_text(option);
+            }
+            return record;
         } catch (const nlohmann::json::parse_error& error) {
             refuse_record(path, "not JSON at byte " + std::to_string(error.byte));
         } catch (const nlohmann::json::exception&) {

@@ -18,46 +18,41 @@ namespace lamella {
 
 namespace {
 
-/// A named value, as CSV and JSON write it.
-struct Cell {
-    std::string name;
-    std::string csv;
-    std::string json;
-};
-
-Cell count(std::string name, std::uint64_t value) {
-    return {std::move(name), std::to_string(value), std::to_string(value)};
-}
-
-/// NaN is not known: empty, or null.
-Cell number(std::string name, double value) {
-    const std::string text = std::isnan(value) ? "" : exact_text(value + 0.0);  // never -0
-    return {std::move(name), text, text.empty() ? "null" : text};
-}
-
 std::string json_text(const std::string& text) {
     return nlohmann::json(utf8_text(text)).dump();
 }
 
-Cell text(std::string name, const std::string& value) {
-    return {std::move(name), csv_text(value), json_text(value)};
-}
+/// A line of a table: the names of its cells, or the cells as CSV or JSON write them.
+class Row {
+public:
+    enum class Form : std::uint8_t { names, csv, json };
 
-std::string csv_line(const std::vector<Cell>& cells, std::string Cell::*member) {
-    std::string line;
-    for (const Cell& cell : cells) {
-        line.append(&cell == cells.data() ? "" : ",").append(cell.*member);
-    }
-    return line + "\n";
-}
+    Row(Form form, const char* kind)
+        : form_(form), line_(form == Form::json ? std::string("{\"kind\":\"") + kind + "\"" : std::string()) {}
 
-std::string json_line(const char* kind, const std::vector<Cell>& cells) {
-    std::string line = std::string("{\"kind\":\"") + kind + "\"";
-    for (const Cell& cell : cells) {
-        line.append(",\"").append(cell.name).append("\":").append(cell.json);
+    void add(const std::string& name, const std::string& csv, const std::string& json) {
+        if (form_ == Form::json) {
+            line_.append(",\"").append(name).append("\":").append(json);
+        } else {
+            line_.append(any_ ? "," : "").append(form_ == Form::names ? name : csv);
+        }
+        any_ = true;
     }
-    return line + "}\n";
-}
+    void count(const std::string& name, std::uint64_t value) { add(name, std::to_string(value), std::to_string(value)); }
+    /// NaN is not known: empty, or null.
+    void number(const std::string& name, double value) {
+        const std::string text = std::isnan(value) ? "" : exact_text(value + 0.0);  // never -0
+        add(name, text, text.empty() ? "null" : text);
+    }
+    void text(const std::string& name, const std::string& value) { add(name, csv_text(value), json_text(value)); }
+
+    std::string line() const { return line_ + (form_ == Form::json ? "}\n" : "\n"); }
+
+private:
+    Form form_;
+    std::string line_;
+    bool any_ = false;
+};
 
 using Place = std::array<double, 3>;
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
@@ -123,43 +118,42 @@ Measures measure(const LayerView& view, const ImageGeometry* image) {
     return found;
 }
 
-void add_heights(std::vector<Cell>& cells, const LayerView& layer, const ImageGeometry* image) {
-    std::array<std::pair<const char*, double>, 4> heights = {
-        {{"height", layer.plane_mm}, {"cut", layer.cut_mm()}, {"bottom", layer.bottom_mm}, {"top", layer.top_mm}}};
-    if (image != nullptr) {
-        for (auto& [what, mm] : heights) {
-            mm = image->height_lps_mm(mm);
-        }
-        if (heights[2].second > heights[3].second) {  // the slices follow one another downwards
-            std::swap(heights[2].second, heights[3].second);
-        }
-    }
-    for (const auto& [what, mm] : heights) {
-        cells.push_back(number(std::string(what) + (image != nullptr ? "_lps_mm" : "_mm"), mm));
-    }
-}
-
 /// With `image`, heights and places are the patient's, and the names say so.
-std::vector<Cell> cells_of(const std::string& mesh, const LayerView& layer, const ImageGeometry* image) {
+std::string layer_line(Row::Form form, const std::string& mesh, const LayerView& layer, const ImageGeometry* image) {
     const Measures found = measure(layer, image);
     const auto role = [&](Role role) { return found.by_role[static_cast<std::size_t>(role)]; };
-    std::vector<Cell> cells = {text("mesh", text_of_name(mesh)), count("layer", layer.index)};
-    add_heights(cells, layer, image);
-    cells.insert(cells.end(), {number("area_mm2", layer.area_mm2()), number("perimeter_mm", found.perimeter_mm),
-                               count("contours", layer.contour_count), count("holes", role(Role::hole)),
-                               count("open", role(Role::open)), count("flat", role(Role::flat))});
+    const char* const mm = image != nullptr ? "_lps_mm" : "_mm";
+    std::array<std::pair<std::string, double>, 4> heights = {
+        {{"height", layer.plane_mm}, {"cut", layer.cut_mm()}, {"bottom", layer.bottom_mm}, {"top", layer.top_mm}}};
+    for (auto& [what, height] : heights) {
+        height = image != nullptr ? image->height_lps_mm(height) : height;
+    }
+    if (heights[2].second > heights[3].second) {  // the slices follow one another downwards
+        std::swap(heights[2].second, heights[3].second);
+    }
+    Row row(form, "layer");
+    row.text("mesh", text_of_name(mesh));
+    row.count("layer", layer.index);
+    for (const auto& [what, height] : heights) {
+        row.number(what + mm, height);
+    }
+    row.number("area_mm2", layer.area_mm2());
+    row.number("perimeter_mm", found.perimeter_mm);
+    row.count("contours", layer.contour_count);
+    row.count("holes", role(Role::hole));
+    row.count("open", role(Role::open));
+    row.count("flat", role(Role::flat));
     // Three coordinates in the patient, else two in the layer.
-    for (const auto& [what, place] : {std::pair{"centroid", found.centroid}, {"min", found.low}, {"max", found.high}}) {
+    for (const auto& [what, place] : {std::pair{"centroid_", found.centroid}, {"min_", found.low}, {"max_", found.high}}) {
         for (std::size_t axis = 0; axis < (image != nullptr ? 3 : 2); ++axis) {
-            const std::string name = std::string(what) + "_" + "xyz"[axis];
-            cells.push_back(number(name + (image != nullptr ? "_lps_mm" : "_mm"), place[axis]));
+            row.number(std::string(what) + "xyz"[axis] + mm, place[axis]);
         }
     }
-    return cells;
+    return row.line();
 }
 
 /// Of the whole mesh.
-std::vector<Cell> cells_of(const TablePart& part) {
+std::string mesh_line(Row::Form form, const TablePart& part) {
     const MeshFacts& facts = *part.facts;
     std::string line;
     std::string list;
@@ -167,57 +161,42 @@ std::vector<Cell> cells_of(const TablePart& part) {
         line.append(line.empty() ? "" : "; ").append(warning);
         list.append(list.empty() ? "" : ",").append(json_text(warning));
     }
-    return {text("mesh", text_of_name(part.name)),  count("triangles", facts.triangles),
-            number("volume_mm3", facts.volume_mm3), number("surface_mm2", facts.surface_mm2),
-            text("certificate", facts.certificate), {"warnings", csv_text(line), "[" + list + "]"}};
+    Row row(form, "mesh");
+    row.text("mesh", text_of_name(part.name));
+    row.count("triangles", facts.triangles);
+    row.number("volume_mm3", facts.volume_mm3);
+    row.number("surface_mm2", facts.surface_mm2);
+    row.text("certificate", facts.certificate);
+    row.add("warnings", csv_text(line), "[" + list + "]");
+    return row.line();
 }
 
 }  // namespace
 
-/// The head of a table, and its rows.
-class TableText {
-public:
-    /// By the end of the name. Throws Refused where it is not that of a table.
-    TableText(const std::filesystem::path& path, const ImageGeometry* image) {
+/// A table that is being written.
+struct TableFile {
+    bool csv;
+    std::string name;  ///< of the mesh
+    std::optional<ImageGeometry> image;
+    OutputFile out;
+    Status done{};
+
+    /// The format is that of the end of the name. Throws Refused, also where it is not that of a table.
+    static TableFile begin(const std::string& name, const std::filesystem::path& path, const ImageGeometry* image) {
         const std::string end = lower_case(path.extension().string());
-        csv_ = end == ".csv";
-        if (!csv_ && end != ".jsonl") {
+        if (end != ".csv" && end != ".jsonl") {
             refuse_output(path, "a table's name ends in .csv or .jsonl");
         }
-        if (image != nullptr) {
-            image_ = *image;
-        }
+        TableFile table{end == ".csv", name, image != nullptr ? std::optional(*image) : std::nullopt,
+                        require(OutputFile::create(path))};
+        table.out.append(table.csv ? layer_line(Row::Form::names, {}, {}, image) : "");
+        return table;
     }
 
-    bool csv() const noexcept { return csv_; }
-    std::string head() const { return csv_ ? csv_line(cells_of({}, {}, image()), &Cell::name) : ""; }
-    std::string row(const std::string& mesh, const LayerView& layer) const {
-        const std::vector<Cell> cells = cells_of(mesh, layer, image());
-        return csv_ ? csv_line(cells, &Cell::csv) : json_line("layer", cells);
+    void add(const std::string& mesh, const LayerView& layer) {
+        out.append(layer_line(csv ? Row::Form::csv : Row::Form::json, mesh, layer, image ? &*image : nullptr));
     }
-
-private:
-    const ImageGeometry* image() const noexcept { return image_ ? &*image_ : nullptr; }
-
-    bool csv_;
-    std::optional<ImageGeometry> image_;
 };
-
-namespace {
-
-/// NAME.meshes.csv beside NAME.csv, where something is known of a mesh.
-Status write_mesh_csv(std::span<const TablePart> parts, const std::filesystem::path& path) {
-    std::string rows;
-    for (const TablePart& part : parts) {
-        if (part.facts != nullptr) {
-            const std::vector<Cell> cells = cells_of(part);
-            rows += (rows.empty() ? csv_line(cells, &Cell::name) : "") + csv_line(cells, &Cell::csv);
-        }
-    }
-    return rows.empty() ? Status() : write_text_file(std::filesystem::path(path).replace_extension(".meshes.csv"), rows);
-}
-
-}  // namespace
 
 Result<MeshFacts> measure_facts(const MeshView& mesh, const SliceResult& result, const Context& context) noexcept {
     return guarded(context, [&]() -> Result<MeshFacts> {
@@ -235,30 +214,29 @@ Result<MeshFacts> measure_facts(const MeshView& mesh, const SliceResult& result,
 Status write_layer_table(std::span<const TablePart> parts, const std::filesystem::path& path, const ImageGeometry* image,
                          const Context& context) noexcept {
     return guarded(context, [&]() -> Status {
-        const TableText table(path, image);
         const PacedStop stop(context.stop);
-        OutputFile file = require(OutputFile::create(path));
-        file.append(table.head());
+        TableFile table = TableFile::begin({}, path, image);
+        std::string meshes;  // beside NAME.csv as NAME.meshes.csv, where something is known of a mesh
         for (const TablePart& part : parts) {
-            file.append(!table.csv() && part.facts != nullptr ? json_line("mesh", cells_of(part)) : "");
+            if (part.facts != nullptr && table.csv) {
+                meshes += (meshes.empty() ? mesh_line(Row::Form::names, part) : "") + mesh_line(Row::Form::csv, part);
+            } else if (part.facts != nullptr) {
+                table.out.append(mesh_line(Row::Form::json, part));
+            }
         }
         for (const TablePart& part : parts) {
             for (const LayerView layer : *part.result) {
                 stop.stop_if_asked();
-                file.append(table.row(part.name, layer));
+                table.add(part.name, layer);
             }
         }
-        require(file.commit());
-        return table.csv() ? write_mesh_csv(parts, path) : Status();
+        require(table.out.commit());
+        return meshes.empty() ? Status()
+                              : write_text_file(std::filesystem::path(path).replace_extension(".meshes.csv"), meshes);
     });
 }
 
-struct LayerTableStream::State {
-    std::string name;
-    TableText table;
-    OutputFile out;
-    Status done;
-};
+struct LayerTableStream::State : TableFile {};
 
 LayerTableStream::LayerTableStream(std::unique_ptr<State> state) noexcept : state_(std::move(state)) {}
 LayerTableStream::LayerTableStream(LayerTableStream&&) noexcept = default;
@@ -268,10 +246,7 @@ LayerTableStream::~LayerTableStream() = default;
 Result<LayerTableStream> LayerTableStream::begin(const std::string& name, const std::filesystem::path& path,
                                                  const ImageGeometry* image) noexcept {
     return guarded([&]() -> Result<LayerTableStream> {
-        const TableText table(path, image);
-        auto state = std::make_unique<State>(State{name, table, require(OutputFile::create(path)), {}});
-        state->out.append(table.head());
-        return LayerTableStream(std::move(state));
+        return LayerTableStream(std::make_unique<State>(State{TableFile::begin(name, path, image)}));
     });
 }
 
@@ -279,7 +254,7 @@ void LayerTableStream::add(const LayerView& layer) noexcept {
     State& own = *state_;
     if (own.done) {
         own.done = guarded([&]() -> Status {
-            own.out.append(own.table.row(own.name, layer));
+            own.add(own.name, layer);
             return {};
         });
     }

@@ -18,7 +18,7 @@
 
 #include "files/streams.hpp"
 #include "lamella/context.hpp"
-#include "slice/slice_arguments.hpp"
+#include "slice/slice.hpp"
 #include "terminal/stages.hpp"
 
 namespace lamella::cli::batch {
@@ -169,16 +169,17 @@ private:
     ResultLines lines_;
 };
 
-struct MergedResults {
-    std::string path;
-    std::size_t items = 0;
-    std::vector<std::string> failures;  ///< "MESH: REASON"
-};
-
 /// Joins the results of shards. `sources` is a folder with results.I-of-N.jsonl, or those files. Writes results.jsonl beside
-/// them: their lines, and those of the results.jsonl that was there which no shard has. Throws Failure, also where a shard
-/// is missing.
-MergedResults merge_shards(const std::vector<std::string>& sources);
+/// them: their lines, and those of the results.jsonl that was there which no shard has. Prints a summary. Throws Failure,
+/// also where a shard is missing or a mesh has failed.
+void merge_shards(const std::vector<std::string>& sources);
+
+inline constexpr double process_bytes = 16e6;  ///< that slicing the smallest mesh takes
+
+/// Memory that slicing a mesh is estimated to take, by the first bytes and the size of its file. O(1). A file that cannot be
+/// read is estimated as empty. Peak resident sizes by format were measured with bench/scripts/batch_memory.py;
+/// bench/README.md has the table.
+double estimate_memory(const std::string& path, std::uint64_t file_bytes);
 
 struct BatchArguments {
     SliceArguments slice;            ///< its meshes are the sources; what it holds else is read from the command
@@ -194,8 +195,7 @@ struct BatchArguments {
 };
 
 /// Slices what is not done of `items`, those of this shard, and prints a summary. `arguments` say how many jobs and how much
-/// memory. Returns how many failed. Throws Failure where results cannot be kept.
-std::size_t run_batch(std::vector<Item> items, const ResultsName& name, const BatchArguments& arguments,
-                      Interrupt& interrupt);
+/// memory. Throws Failure where results cannot be kept, and where a mesh has failed.
+void run_batch(std::vector<Item> items, const ResultsName& name, const BatchArguments& arguments, Interrupt& interrupt);
 
 }  // namespace lamella::cli::batch

@@ -1,22 +1,25 @@
 // lamella batch: many meshes, each sliced by a process of its own, resumed where it was left.
 #include <algorithm>
-#include <cstddef>
-#include <cstdint>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
 #include <iterator>
+#include <limits>
 #include <memory>
-#include <optional>
-#include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
-#include <vector>
+
+#include <sched.h>
 
 #include "batch/batch.hpp"
-#include "batch/machine.hpp"
 #include "commands.hpp"
-#include "outputs/planned_outputs.hpp"
-#include "slice/slice_arguments.hpp"
+#include "files/flags.hpp"
+#include "outputs/outputs.hpp"
+#include "slice/slice.hpp"
 #include "terminal/console.hpp"
-#include "terminal/numbers.hpp"
 
 namespace lamella::cli {
 
@@ -24,11 +27,113 @@ namespace batch {
 
 namespace {
 
-constexpr const char* own_group = "Batch";
+// --- what the machine grants this process, and how much of it slicing a file takes
 
-/// The options of slice, some with another meaning.
-void declare_slice_options(CLI::App& command, SliceArguments& arguments) {
-    declare(command, arguments);
+constexpr double no_limit = std::numeric_limits<double>::infinity();
+
+/// The least limit that `limit_in` reads from a file of this name in the control groups of this process, its own and those
+/// above it. `controller`: of version 1, or "" for all of version 2.
+double group_limit(const std::string& controller, const std::string& name,
+                   const std::function<double(std::istream&)>& limit_in) {
+    std::ifstream groups("/proc/self/cgroup");
+    double least = no_limit;
+    for (std::string line; std::getline(groups, line);) {  // "9:memory:/user.slice", or "0::/user.slice" for all
+        const std::size_t middle = line.find(':' + controller + ":/");
+        if (middle == std::string::npos) {
+            continue;
+        }
+        std::filesystem::path group = line.substr(middle + controller.size() + 3);
+        const std::filesystem::path top = std::filesystem::path("/sys/fs/cgroup") / controller;
+        for (bool more = true; more; group = group.parent_path()) {
+            more = !group.empty();
+            std::ifstream file(top / group / name);
+            least = std::min(least, limit_in(file));
+        }
+    }
+    return least;
+}
+
+/// A number, or "max".
+double memory_in(std::istream& file) {
+    std::string limit;
+    file >> limit;
+    return parse_number(limit).value_or(no_limit);
+}
+
+/// "200000 100000" in cpu.max: two processors.
+double threads_in(std::istream& file) {
+    std::string quota;
+    double period = 0;
+    file >> quota >> period;
+    return period > 0 ? parse_number(quota).value_or(no_limit) / period : no_limit;
+}
+
+/// A line of /proc/meminfo, in bytes.
+double machine_memory(std::string_view key) {
+    const std::optional<std::uint64_t> kilobytes = system_number("/proc/meminfo", key);
+    return kilobytes ? static_cast<double>(*kilobytes) * 1024 : no_limit;
+}
+
+struct FormatCost {
+    std::string_view end;     ///< of the name
+    std::string_view marker;  ///< in the first bytes; empty: any
+    double memory;            ///< bytes, for each byte of the file
+};
+
+/// The first row that fits holds. Each is the largest of what was measured.
+constexpr std::array<FormatCost, 14> costs = {{
+    {".stl.gz", "", 19},
+    {".gz", "", 22},
+    {".stl", "facet", 1.3},
+    {".stl", "", 2.9},
+    {".obj", "", 3.7},
+    {".off", "", 3.7},
+    {".ply", "format ascii", 3.5},
+    {".ply", "", 7.2},
+    {".vtk", "ASCII", 3.5},
+    {".vtk", "", 6.4},
+    {".vtp", "compressor=", 12.5},
+    {".vtp", "", 6.9},
+    {".3mf", "", 11.1},
+    {"", "", 10},
+}};
+
+/// None if it is no file, as a pipe could keep the batch waiting.
+std::string first_bytes(const std::string& path) {
+    std::error_code unknown;
+    std::string bytes(512, '\0');
+    std::ifstream file;
+    if (std::filesystem::is_regular_file(path, unknown)) {
+        file.open(path, std::ios::binary);
+    }
+    file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    bytes.resize(static_cast<std::size_t>(file.gcount()));
+    return bytes;
+}
+
+/// Processors: the lesser of what the machine has and what this process's control group grants.
+int usable_threads() {
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    const int own = ::sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
+    return static_cast<int>(std::max(1.0, std::min<double>(own, std::ceil(group_limit("", "cpu.max", threads_in)))));
+}
+
+/// Three quarters of the memory that they have, or what is free if that is less.
+std::uint64_t usable_memory() {
+    constexpr double least = 32 << 20;
+    constexpr double most = 1e18;  // where no limit is known
+    const double group =
+        std::min(group_limit("", "memory.max", memory_in), group_limit("memory", "memory.limit_in_bytes", memory_in));
+    const double all = std::min(machine_memory("MemTotal:"), group);
+    return static_cast<std::uint64_t>(std::clamp(std::min(all / 4 * 3, machine_memory("MemAvailable:")), least, most));
+}
+
+// --- the command
+
+/// The options of slice, some with another meaning, and those of a batch.
+void declare(CLI::App& command, BatchArguments& arguments) {
+    cli::declare(command, arguments.slice);
     for (const char* const of_slice : {"--memory", "--hash"}) {
         command.remove_option(command.get_option(of_slice));
     }
@@ -36,9 +141,6 @@ void declare_slice_options(CLI::App& command, SliceArguments& arguments) {
         ->description("Mesh files, folders, globs, manifests (.csv, .jsonl); with --merge, results of shards")
         ->type_name("SOURCE");
     command.get_option("--output")->description("Files to write, with {stem}, {name}, {parent}, {dir} for each mesh");
-}
-
-void declare_own_options(CLI::App& command, BatchArguments& arguments) {
     const std::size_t of_slice = command.get_options().size();
     add(command, "--jobs", arguments.jobs, "N", "Use N processors (0: all)")->check(CLI::Range(0, most_threads));
     add_bytes(command, "--memory", "BYTES", "For all meshes at once, as 16G (three quarters of what there is)",
@@ -55,7 +157,7 @@ void declare_own_options(CLI::App& command, BatchArguments& arguments) {
     command.add_flag("--merge", arguments.merge, "Join the results of all shards into results.jsonl");
     const std::vector<CLI::Option*> all = command.get_options([](const CLI::Option*) { return true; });
     std::for_each(all.begin() + static_cast<std::ptrdiff_t>(of_slice), all.end(),
-                  [](CLI::Option* own) { own->group(own_group); });
+                  [](CLI::Option* own) { own->group("Batch"); });
 }
 
 ResultsName results_name_of(const BatchArguments& arguments) {
@@ -77,55 +179,34 @@ ResultsName results_name_of(const BatchArguments& arguments) {
     return name;
 }
 
-Failure failed_items(std::size_t failed, std::size_t items) {
-    return {some_failed, grouped(failed) + " of " + counted(items, "mesh", "meshes") + " failed"};
-}
-
-/// Throws Failure where every mesh would fail.
-void require_image(const ImageArguments& image) {
-    if (!image.like.empty()) {
-        (void)done_or_thrown(read_image_geometry(image.like));
-    }
-    if (!image.spacing.empty()) {
-        for (const double side : parse_triple(image.spacing, "--spacing")) {
-            refuse_if(!(side > 0), bad_usage, "--spacing: '" + image.spacing + "': a voxel's sides are above 0");
-        }
-    }
-}
-
 void slice_meshes(const CLI::App& command, BatchArguments& arguments, Interrupt& interrupt) {
     const SliceOptionNames names;
     const std::vector<std::string>& sources = arguments.slice.meshes;
     arguments.jobs = arguments.jobs > 0 ? arguments.jobs : usable_threads();
     arguments.memory_bytes = arguments.memory_bytes > 0 ? arguments.memory_bytes : usable_memory();
     const ResultsName name = results_name_of(arguments);
-    require_image(arguments.slice.image);
+    const ImageArguments& image = arguments.slice.image;
+    if (image.given()) {  // with a bad one every mesh would fail
+        (void)done_or_thrown(image.spacing ? geometry_around(Box{}, *image.spacing) : read_image_geometry(image.like));
+    }
     std::vector<std::string> own_files = {name.path(), name.path_of_whole()};
     std::copy_if(sources.begin(), sources.end(), std::back_inserter(own_files), is_named_as_manifest);
     std::vector<Item> items = plan_items(list_sources(sources, names), names.typed(command), own_files);
     std::size_t count = 0;
     std::erase_if(items, [&](const Item&) { return count++ % std::max(name.shards, 1U) != name.shard; });
-    count = items.size();
-    if (const std::size_t failed = run_batch(std::move(items), name, arguments, interrupt); failed > 0) {
-        throw failed_items(failed, count);
-    }
-}
-
-void merge_results(const BatchArguments& arguments) {
-    const MergedResults merged = merge_shards(arguments.slice.meshes);
-    const std::size_t failed = merged.failures.size();
-    std::string text = "meshes    " + grouped(merged.items) + ": " + grouped(merged.items - failed) + " done, " +
-                       grouped(failed) + " failed\nresults   " + printable(merged.path) + "\n";
-    for (const std::string& failure : merged.failures) {
-        text += "failed    " + printable(failure) + "\n";
-    }
-    print(text);
-    if (failed > 0) {
-        throw failed_items(failed, merged.items);
-    }
+    run_batch(std::move(items), name, arguments, interrupt);
 }
 
 }  // namespace
+
+double estimate_memory(const std::string& path, std::uint64_t file_bytes) {
+    const std::string name = lower_case(path);
+    const std::string begin = first_bytes(path);
+    const auto* const cost = std::find_if(costs.begin(), costs.end(), [&](const FormatCost& row) {
+        return name.ends_with(row.end) && begin.find(row.marker) != std::string::npos;
+    });
+    return process_bytes + static_cast<double>(file_bytes) * cost->memory;
+}
 
 }  // namespace batch
 
@@ -133,13 +214,13 @@ void add_batch_command(CLI::App& app, Interrupt& interrupt) {
     CLI::App* const command =
         app.add_subcommand("batch", "Slice many meshes, each into files of its own, and go on where it was left");
     const auto arguments = std::make_shared<batch::BatchArguments>();
-    batch::declare_slice_options(*command, arguments->slice);
-    batch::declare_own_options(*command, *arguments);
+    batch::declare(*command, *arguments);
     command->footer(
         "A manifest list.csv with the lines \"path,like\", \"liver.stl,ct.nii.gz\": lamella batch list.csv --frame lps -o "
         "'masks/{stem}.nii.gz'");
     command->callback([command, arguments, &interrupt] {
-        arguments->merge ? batch::merge_results(*arguments) : batch::slice_meshes(*command, *arguments, interrupt);
+        arguments->merge ? batch::merge_shards(arguments->slice.meshes)
+                         : batch::slice_meshes(*command, *arguments, interrupt);
     });
 }
 

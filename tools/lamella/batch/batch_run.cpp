@@ -4,8 +4,8 @@
 #include <condition_variable>
 #include <exception>
 #include <filesystem>
-#include <map>
 #include <mutex>
+#include <numeric>
 #include <regex>
 #include <set>
 #include <system_error>
@@ -16,7 +16,6 @@
 #include <unistd.h>
 
 #include "batch/batch.hpp"
-#include "batch/machine.hpp"
 #include "files/mesh_input.hpp"
 #include "processes/process.hpp"
 #include "terminal/console.hpp"
@@ -25,7 +24,6 @@ namespace lamella::cli::batch {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds between_lines{30};  ///< of a status without a terminal
 constexpr std::size_t most_listed = 20;            ///< of meshes that failed
 
@@ -107,8 +105,6 @@ struct Job {
     std::jthread thread{};
 };
 
-using Ended = std::vector<std::pair<std::size_t, ProcessEnd>>;  ///< by item
-
 class BatchRun {
 public:
     BatchRun(std::vector<Item> items, const ResultsName& name, const BatchArguments& options, Interrupt& interrupt)
@@ -123,22 +119,16 @@ public:
     BatchRun(const BatchRun&) = delete;
     BatchRun& operator=(const BatchRun&) = delete;
 
-    std::size_t run() {
+    void run() {
         clean();
         choose_items();
         start_what_fits();
         while (!running_.empty()) {
-            const Ended ended = wait();
-            stop_if_asked();
-            std::vector<Job> jobs;
-            jobs.reserve(ended.size());
-            for (const auto& [item, end] : ended) {
-                jobs.push_back(std::move(running_.extract(item).mapped()));
-                learn(jobs.back(), end.peak_bytes);
-            }
-            start_what_fits();  // before the disk is waited for
-            for (std::size_t i = 0; i < jobs.size(); ++i) {
-                take(std::move(jobs[i]), ended[i].second);
+            for (auto& [item, end] : wait()) {
+                Job job = std::move(running_.extract(item).mapped());
+                learn(job, end.peak_bytes);
+                start_what_fits();  // before the disk is waited for
+                take(std::move(job), end);
             }
             show_status();
             start_what_fits();  // what is tried again
@@ -149,7 +139,8 @@ public:
         results_.finish(items_);
         interrupt_.end_deferring();
         print(summary());
-        return failed_.size();
+        refuse_if(!failed_.empty(), some_failed,
+                  grouped(failed_.size()) + " of " + counted(items_.size(), "mesh", "meshes") + " failed");
     }
 
 private:
@@ -164,6 +155,7 @@ private:
 
     void choose_items() {
         for (std::size_t i = 0; i < items_.size(); ++i) {
+            stop_if_asked();
             if (is_unchanged(items_[i])) {
                 ++unchanged_;
                 continue;
@@ -172,7 +164,6 @@ private:
             waiting_.push_back(
                 {.item = i, .file_bytes = static_cast<double>(bytes), .memory = estimate_memory(items_[i].mesh, bytes)});
             all_cost_ += cost_of(waiting_.back());
-            stop_if_asked();
         }
         std::stable_sort(waiting_.begin(), waiting_.end(), [](const Job& a, const Job& b) { return a.memory > b.memory; });
     }
@@ -196,28 +187,16 @@ private:
     bool is_too_large(const Job& job) const { return need_of(job) > static_cast<double>(options_.memory_bytes); }
     bool is_alone(const Job& job) const { return job.alone || is_too_large(job); }
 
-    double held_memory() const {
-        double sum = 0;
-        for (const auto& [item, job] : running_) {
-            sum += job.held_memory;
-        }
-        return sum;
-    }
-
     int free_threads() const {
-        int free = options_.jobs;
-        for (const auto& [item, job] : running_) {
-            free -= job.threads;
-        }
-        return free;
+        return std::accumulate(running_.begin(), running_.end(), options_.jobs,
+                               [](int free, const auto& job) { return free - job.second.threads; });
     }
 
     bool fits(const Job& job) const {
-        if (running_.empty()) {
-            return true;
-        }
-        return !is_alone(running_.begin()->second) && !job.alone && free_threads() > 0 &&
-               held_memory() + need_of(job) <= static_cast<double>(options_.memory_bytes);
+        const double need = std::accumulate(running_.begin(), running_.end(), need_of(job),
+                                            [](double sum, const auto& other) { return sum + other.second.held_memory; });
+        return running_.empty() || (!is_alone(running_.begin()->second) && !job.alone && free_threads() > 0 &&
+                                    need <= static_cast<double>(options_.memory_bytes));
     }
 
     /// All that are left where only few such meshes are left or fit into memory at once; else one or two for a small mesh.
@@ -273,9 +252,10 @@ private:
     }
 
     /// The items whose processes have ended, after a tenth of a second at most.
-    Ended wait() {
+    std::vector<std::pair<std::size_t, ProcessEnd>> wait() {
         std::unique_lock lock(mutex_);
         some_ended_.wait_for(lock, std::chrono::milliseconds(100), [this] { return !ended_.empty(); });
+        stop_if_asked();
         return std::exchange(ended_, {});
     }
 
@@ -304,7 +284,14 @@ private:
             job.alone = end.lacked_memory;
             waiting_.push_back(std::move(job));
         } else {
-            fail(job, reason_of(end.failure, job));
+            const Item& item = items_[job.item];
+            const std::string reason = reason_of(end.failure, job);
+            remove_new_outputs(job);
+            bar_.wipe();
+            complain(item.mesh + ": " + reason);
+            results_.append(ResultLine(item, reason, Json::object()));
+            cost_ += cost_of(job);
+            failed_.emplace(job.item, reason);
         }
     }
 
@@ -323,16 +310,6 @@ private:
         if (over > worth_learning && !job.alone) {
             factor_ = std::clamp(over / std::max(worth_learning / most, job.memory - process_bytes), factor_, most);
         }
-    }
-
-    void fail(const Job& job, const std::string& reason) {
-        const Item& item = items_[job.item];
-        remove_new_outputs(job);
-        bar_.wipe();
-        complain(item.mesh + ": " + reason);
-        results_.append(ResultLine(item, reason, Json::object()));
-        cost_ += cost_of(job);
-        failed_.emplace(job.item, reason);
     }
 
     static double cost_of(const Job& job) { return process_bytes + job.file_bytes; }
@@ -412,15 +389,14 @@ private:
     std::atomic<bool> over_ = false;
     std::mutex mutex_;  ///< of what ended
     std::condition_variable some_ended_;
-    Ended ended_;
-    std::map<std::size_t, Job> running_;  ///< by item; the last member: its threads use the others
+    std::vector<std::pair<std::size_t, ProcessEnd>> ended_;  ///< by item
+    std::map<std::size_t, Job> running_;                     ///< by item; the last member: its threads use the others
 };
 
 }  // namespace
 
-std::size_t run_batch(std::vector<Item> items, const ResultsName& name, const BatchArguments& options,
-                      Interrupt& interrupt) {
-    return BatchRun(std::move(items), name, options, interrupt).run();
+void run_batch(std::vector<Item> items, const ResultsName& name, const BatchArguments& options, Interrupt& interrupt) {
+    BatchRun(std::move(items), name, options, interrupt).run();
 }
 
 }  // namespace lamella::cli::batch

@@ -1,15 +1,11 @@
 #include <algorithm>
-#include <cstddef>
 #include <string_view>
 #include <utility>
 
-#include <nlohmann/json.hpp>
-
 #include "batch/batch.hpp"
 #include "files/streams.hpp"
-#include "outputs/write_outputs.hpp"
+#include "outputs/outputs.hpp"
 #include "terminal/console.hpp"
-#include "terminal/numbers.hpp"
 
 namespace lamella::cli::batch {
 

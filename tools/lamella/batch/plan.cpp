@@ -2,7 +2,6 @@
 #include <filesystem>
 #include <memory>
 #include <system_error>
-#include <unordered_map>
 #include <utility>
 
 #include <glob.h>
@@ -10,7 +9,7 @@
 #include "batch/batch.hpp"
 #include "files/mesh_input.hpp"
 #include "files/streams.hpp"
-#include "outputs/write_outputs.hpp"
+#include "outputs/outputs.hpp"
 #include "terminal/console.hpp"
 
 namespace lamella::cli::batch {
@@ -76,11 +75,10 @@ ParsedOptions parsed(const OptionValues& values) {
     std::vector<std::string> typed = {"mesh"};  // the last word comes first
     for (const auto& [name, all] : values) {
         const bool flag = is_flag(*app.get_option(name));
+        const bool plain = name == "--map" || name == "--band" || name == "--form";
         for (std::size_t i = all.size(); i-- > 0;) {
             typed.push_back(flag ? name : std::string(name).append("=").append(all[i]));
-            if (name == "--map" || name == "--band" || name == "--form") {
-                item.plain.push_back(typed.back());
-            }
+            item.plain.insert(item.plain.end(), plain ? 1 : 0, typed.back());
         }
     }
     try {
@@ -182,9 +180,7 @@ OptionValues SliceOptionNames::typed(const CLI::App& command) const {
 
 std::vector<std::string> Item::all_files() const {
     std::vector<std::string> all = files;
-    if (!report.empty()) {
-        all.push_back(report);
-    }
+    all.insert(all.end(), report.empty() ? 0 : 1, report);
     return all;
 }
 

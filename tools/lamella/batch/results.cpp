@@ -17,7 +17,6 @@
 #include "lamella/io/name_text.hpp"
 #include "lamella/medical/record.hpp"
 #include "terminal/console.hpp"
-#include "terminal/numbers.hpp"
 
 namespace lamella::cli::batch {
 
@@ -51,19 +50,6 @@ Json outputs_of(const Item& item, bool sizes) {
 int write_to_disk(const Descriptor& file, std::string_view text) noexcept {
     const int error_number = write_all(file, text);
     return error_number == 0 && ::fsync(file.number()) != 0 ? errno : error_number;
-}
-
-Descriptor open_locked(const std::string& path) {
-    std::error_code problem;  // shows when the file is opened
-    std::filesystem::create_directories(std::filesystem::path(path).parent_path(), problem);
-    Descriptor file(::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
-    if (file.number() < 0) {
-        throw unwritable(path, errno);
-    }
-    // Where a file system has no locks, that two batches do not meet is up to who starts them.
-    refuse_if(::flock(file.number(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK, bad_output,
-              path + ": another lamella batch is at work on it");
-    return file;
 }
 
 /// Adds all lines of a file but one that is torn; returns the bytes of those. Throws Failure (bad_input) if it cannot be
@@ -100,8 +86,8 @@ void write_durably(const std::string& path, const ResultLines& lines) {
         text += line->json.dump() + "\n";
     }
     const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-    const std::string name = std::filesystem::path(path).filename().string();
-    const std::string aside = (folder / ("." + name + "." + std::to_string(::getpid()) + "-0.part")).string();
+    const std::string name = "." + std::filesystem::path(path).filename().string();
+    const std::string aside = (folder / (name + "." + std::to_string(::getpid()) + "-0.part")).string();
     const Descriptor file(::open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
     int error_number = file.number() < 0 ? errno : write_to_disk(file, text);
     if (error_number == 0 && ::rename(aside.c_str(), path.c_str()) != 0) {
@@ -130,15 +116,13 @@ std::optional<ResultsName> shard_at(const std::filesystem::path& path) {
     constexpr std::string_view begin = "results.";
     constexpr std::string_view end = ".jsonl";
     const std::string name = path.filename().string();
-    if (!name.starts_with(begin) || !name.ends_with(end) || name.size() < begin.size() + end.size()) {
-        return std::nullopt;
-    }
+    const std::size_t size = name.size() - std::min(name.size(), begin.size() + end.size());
     std::optional<ResultsName> shard =
-        parse_shard(std::string_view(name).substr(begin.size(), name.size() - begin.size() - end.size()), "-of-");
+        parse_shard(std::string_view(name).substr(std::min(name.size(), begin.size()), size), "-of-");
     if (shard) {
         shard->folder = path.parent_path().empty() ? "." : path.parent_path().string();
     }
-    return shard;
+    return shard && std::filesystem::path(shard->path()).filename() == name ? shard : std::nullopt;
 }
 
 /// All shards of one batch, in their order.
@@ -146,20 +130,17 @@ std::vector<ResultsName> shards_of(const std::vector<std::string>& sources) {
     std::vector<ResultsName> shards;
     for (const std::string& source : sources) {
         std::error_code problem;
-        if (!std::filesystem::is_directory(source, problem)) {
-            const std::optional<ResultsName> shard = shard_at(source);
-            refuse_if(!shard, bad_usage, source + ": is not named results.I-of-N.jsonl");
-            shards.push_back(*shard);
-            continue;
-        }
         const std::size_t before = shards.size();
-        for (const std::filesystem::directory_entry& entry : entries_of(source, problem)) {
+        const bool is_folder = std::filesystem::is_directory(source, problem);
+        for (const auto& entry :
+             is_folder ? entries_of(source, problem) : std::vector{std::filesystem::directory_entry(source, problem)}) {
             if (const std::optional<ResultsName> shard = shard_at(entry.path())) {
                 shards.push_back(*shard);
             }
         }
-        refuse_if(problem || shards.size() == before, bad_input,
-                  source + (problem ? ": cannot be listed: " + problem.message() : ": no results.I-of-N.jsonl of shards"));
+        refuse_if(is_folder && problem, bad_input, source + ": cannot be listed: " + problem.message());
+        refuse_if(shards.size() == before, is_folder ? bad_input : bad_usage,
+                  source + (is_folder ? ": no results.I-of-N.jsonl of shards" : ": is not named results.I-of-N.jsonl"));
     }
     std::sort(shards.begin(), shards.end(), [](const ResultsName& a, const ResultsName& b) { return a.shard < b.shard; });
     const ResultsName& first = shards.front();
@@ -260,14 +241,22 @@ std::string ResultsName::path() const {
 std::optional<ResultsName> parse_shard(std::string_view text, std::string_view between) {
     const std::size_t middle = text.find(between);
     ResultsName name;
-    return middle != std::string_view::npos && parse_integer(text.substr(0, middle), name.shard) &&
-                   parse_integer(text.substr(middle + between.size()), name.shards) && name.shard < name.shards
+    return middle != std::string_view::npos && read_integer(text.substr(0, middle), name.shard) &&
+                   read_integer(text.substr(middle + between.size()), name.shards) && name.shard < name.shards
                ? std::optional(name)
                : std::nullopt;
 }
 
-ResultsFile::ResultsFile(const ResultsName& name) : path_(name.path()), shard_(name.shards > 0), file_(open_locked(path_)) {
-    std::error_code unknown;
+ResultsFile::ResultsFile(const ResultsName& name) : path_(name.path()), shard_(name.shards > 0), file_(-1) {
+    std::error_code unknown;  // shows when the file is opened
+    std::filesystem::create_directories(name.folder, unknown);
+    file_ = Descriptor(::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
+    if (file_.number() < 0) {
+        throw unwritable(path_, errno);
+    }
+    // Where a file system has no locks, that two batches do not meet is up to who starts them.
+    refuse_if(::flock(file_.number(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK, bad_output,
+              path_ + ": another lamella batch is at work on it");
     if (shard_ && std::filesystem::exists(name.path_of_whole(), unknown)) {
         (void)add_results(name.path_of_whole(), lines_);
     }
@@ -306,30 +295,35 @@ void ResultsFile::finish(const std::vector<Item>& items) {
     write_durably(path_, lines_);
 }
 
-MergedResults merge_shards(const std::vector<std::string>& sources) {
+void merge_shards(const std::vector<std::string>& sources) {
     const std::vector<ResultsName> shards = shards_of(sources);
     ResultLines lines;
     for (const ResultsName& shard : shards) {
         (void)add_results(shard.path(), lines);
     }
-    MergedResults merged{.path = shards.front().path_of_whole(), .items = lines.size(), .failures = {}};
+    const std::string path = shards.front().path_of_whole();
+    const std::size_t items = lines.size();
+    std::vector<std::string> failures;
     Names written;
     for (const auto& [key, line] : lines) {
         if (!line.failure.empty()) {
-            merged.failures.push_back(line.mesh + ": " + line.failure);
+            failures.push_back("failed    " + printable(line.mesh + ": " + line.failure) + "\n");
         }
         written.insert(line.outputs.begin(), line.outputs.end());
     }
-    std::sort(merged.failures.begin(), merged.failures.end());
+    std::sort(failures.begin(), failures.end());
     std::error_code unknown;
-    if (std::filesystem::exists(merged.path, unknown)) {
+    if (std::filesystem::exists(path, unknown)) {
         ResultLines earlier;
-        (void)add_results(merged.path, earlier);
+        (void)add_results(path, earlier);
         drop_overwritten(earlier, written, {});
         lines.merge(earlier);
     }
-    write_durably(merged.path, lines);
-    return merged;
+    write_durably(path, lines);
+    print("meshes    " + grouped(items) + ": " + grouped(items - failures.size()) + " done, " + grouped(failures.size()) +
+          " failed\nresults   " + printable(path) + "\n" + joined(failures, ""));
+    refuse_if(!failures.empty(), some_failed,
+              grouped(failures.size()) + " of " + counted(items, "mesh", "meshes") + " failed");
 }
 
 }  // namespace lamella::cli::batch

@@ -7,11 +7,9 @@
 #include <optional>
 #include <system_error>
 #include <utility>
-#include <vector>
 
 #include "options/option_words.hpp"
 #include "terminal/console.hpp"
-#include "terminal/numbers.hpp"
 
 namespace lamella::cli {
 
@@ -89,45 +87,37 @@ void declare_heights(CLI::App& command, const OptionLine& line, std::optional<st
     add_parsed(command, line.flag, "FILE|Z,Z,...", line.help, take)->check(given);
 }
 
-Transform transform_in(const std::string& path) {
-    const NumberFile file = read_numbers(path);
-    const std::size_t count = file.values.size();
-    Transform transform;
-    refuse_if(count != transform.m.size() && count != 16, bad_input,
-              path + ": " + counted(count, "number") + " where a 3x4 matrix has 12 and a 4x4 one 16");
-    if (count == 16 && (file.values[12] != 0 || file.values[13] != 0 || file.values[14] != 0 || file.values[15] != 1)) {
-        throw Failure(bad_input, path + ":" + std::to_string(file.lines[12]) + ": the last row is not 0 0 0 1");
-    }
-    std::copy_n(file.values.begin(), transform.m.size(), transform.m.begin());
-    refuse_if(transform.is_singular(), bad_input,
-              path + ": the matrix is singular: its determinant is 0, so that it flattens every mesh");
-    return transform;
-}
+constexpr std::array<double, 4> last_row = {0, 0, 0, 1};  ///< of a 4x4 matrix
 
 void declare_transform(CLI::App& command, const OptionLine& line, Transform& transform) {
-    add_parsed(command, line.flag, "FILE", line.help, [&transform](const std::string& path) {
-        transform = transform_in(path);
+    const auto take = [&transform](const std::string& path) {
+        const NumberFile file = read_numbers(path);
+        const std::size_t count = file.values.size();
+        refuse_if(count != transform.m.size() && count != 16, bad_input,
+                  path + ": " + counted(count, "number") + " where a 3x4 matrix has 12 and a 4x4 one 16");
+        const bool is_affine = count == 12 || std::equal(file.values.begin() + 12, file.values.end(), last_row.begin());
+        refuse_if(!is_affine, bad_input,
+                  path + ":" + std::to_string(file.lines[count - 4]) + ": the last row is not 0 0 0 1");
+        std::copy_n(file.values.begin(), transform.m.size(), transform.m.begin());
+        refuse_if(transform.is_singular(), bad_input,
+                  path + ": the matrix is singular: its determinant is 0, so that it flattens every mesh");
         return "";
-    })->check(given);
-}
-
-FillFrom parse_fill_from(const std::string& text, const std::string& flag) {
-    constexpr auto rules = detail::words_of(FillRule{});
-    const std::size_t colon = std::min(text.find(':'), text.size());
-    const auto* const rule = std::find(rules.begin(), rules.end(), text.substr(std::min(colon + 1, text.size())));
-    FillFrom from;
-    if (!parse_integer(text.substr(0, colon), from.first_layer) || rule == rules.end()) {
-        throw CLI::ValidationError(flag, "'" + text + "' is not LAYER:RULE, such as 12:non-zero");
-    }
-    from.rule = static_cast<FillRule>(rule - rules.begin());
-    return from;
+    };
+    add_parsed(command, line.flag, "FILE", line.help, take)->check(given);
 }
 
 void declare_fill_from(CLI::App& command, const OptionLine& line, std::vector<FillFrom>& rules) {
     const auto take = [flag = line.flag, &rules](const std::vector<std::string>& all) {
+        constexpr auto words = detail::words_of(FillRule{});
         rules.clear();
         for (const std::string& text : all) {
-            rules.push_back(parse_fill_from(text, flag));
+            const std::size_t colon = std::min(text.find(':'), text.size());
+            const auto* const rule = std::find(words.begin(), words.end(), text.substr(std::min(colon + 1, text.size())));
+            FillFrom& from = rules.emplace_back();
+            if (!read_integer(text.substr(0, colon), from.first_layer) || rule == words.end()) {
+                throw CLI::ValidationError(flag, "'" + text + "' is not LAYER:RULE, such as 12:non-zero");
+            }
+            from.rule = static_cast<FillRule>(rule - words.begin());
         }
     };
     command.add_option_function<std::vector<std::string>>(line.flag, take, line.help)
@@ -199,7 +189,7 @@ CLI::Option* add_count(CLI::App& command, const std::string& flag, const std::st
                        std::function<void(std::uint64_t)> take) {
     return add_parsed(command, flag, "N", help, [take = std::move(take)](const std::string& text) {
         std::uint64_t count = 0;
-        const bool counts = parse_integer(std::string_view(text), count);
+        const bool counts = read_integer(std::string_view(text), count);
         take(count);
         return counts ? "" : "'" + text + "' is not a whole number that is at least 0";
     });
@@ -247,12 +237,12 @@ SliceOptions tool_options() {
 
 void put_in_words_of_today(std::vector<std::string>& words) {
     for (std::size_t i = 0; i + 1 < words.size(); ++i) {
-        const auto* const older = std::find_if(older_words.begin(), older_words.end(), [&](const OlderWord& word) {
-            return word.name == words[i] && (word.value.empty() || word.value == words[i + 1]);
-        });
-        if (older != older_words.end()) {
-            words[i] = older->name_now;
-            words[i + 1] = older->value.empty() ? words[i + 1] : std::string(older->value_now);
+        for (const OlderWord& older : older_words) {
+            if (older.name == words[i] && (older.value.empty() || older.value == words[i + 1])) {
+                words[i] = older.name_now;
+                words[i + 1] = older.value.empty() ? words[i + 1] : std::string(older.value_now);
+                break;
+            }
         }
     }
 }

@@ -9,7 +9,7 @@
 
 #include <unistd.h>
 
-#include "terminal/numbers.hpp"
+#include "terminal/console.hpp"
 #include "terminal/stages.hpp"
 
 namespace lamella::cli {
@@ -40,24 +40,9 @@ void explain_bus_errors(const std::string& name) {
     (void)std::signal(SIGBUS, end_with_bus_error_line);
 }
 
-Result<MeshFile> read_standard_input(const ReadOptions& options, const Context& context) {
-    const Stopwatch watch;
-    const Descriptor input = spooled_input();
-    const double spool_ms = watch.ms();
-    Result<MeshFile> mesh = read_mesh("/dev/fd/" + std::to_string(input.number()), options, context);
-    if (mesh) {
-        mesh->read_ms += spool_ms;
-    }
-    return mesh;
-}
-
 void add_meshes(const std::filesystem::path& folder, const std::filesystem::path& below, std::vector<ListedMesh>& meshes) {
     std::error_code problem;
-    const std::vector<std::filesystem::directory_entry> entries = entries_of(folder, problem);
-    if (problem) {
-        meshes.push_back({folder.string(), "", "cannot be listed: " + problem.message()});
-    }
-    for (const std::filesystem::directory_entry& entry : entries) {
+    for (const std::filesystem::directory_entry& entry : entries_of(folder, problem)) {
         std::error_code unknown;
         const std::filesystem::path name = entry.path().filename();
         if (name.native().starts_with('.')) {
@@ -71,39 +56,47 @@ void add_meshes(const std::filesystem::path& folder, const std::filesystem::path
             add_meshes(entry.path(), below / name, meshes);
         }
     }
+    if (problem) {
+        meshes.push_back({folder.string(), "", "cannot be listed: " + problem.message()});
+    }
 }
 
 constexpr double longest_mm = 10'000;  // of what is printed, or scanned
 constexpr double shortest_mm = 1;
 
 struct Unit {
-    const char* name;
-    const char* words;
+    std::string_view name;
+    std::string_view words;
     double mm;
 };
-constexpr Unit metre{"m", "metres", 1000};
-constexpr Unit micrometre{"um", "micrometres", 0.001};
-
-/// "in metres? --unit m", unless the mesh would be out of proportion in that unit too.
-std::string question(const Unit& unit, double length_mm) {
-    const double length_so_mm = length_mm * unit.mm;
-    return length_so_mm < shortest_mm || length_so_mm > longest_mm
-               ? "in another unit? see --unit"
-               : std::string("in ") + unit.words + "? --unit " + unit.name;
-}
+constexpr std::array<Unit, 6> units = {{{"um", "micrometres", 0.001},
+                                        {"mm", "millimetres", 1},
+                                        {"cm", "centimetres", 10},
+                                        {"m", "metres", 1000},
+                                        {"in", "inches", 25.4},
+                                        {"ft", "feet", 304.8}}};
+constexpr const Unit& micrometre = units[0];
+constexpr const Unit& metre = units[3];
 
 std::optional<std::string> doubt_of_unit(const MeasuredMesh& mesh) {
     double length_mm = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         length_mm = std::max(length_mm, mesh.box.max_mm[axis] - mesh.box.min_mm[axis]);
     }
+    const auto doubt = [&](double mm, const std::string& words, const Unit& unit) {
+        const double length_so_mm = length_mm * unit.mm;
+        // The mesh may be out of proportion in that unit too.
+        const bool is_likely = length_so_mm >= shortest_mm && length_so_mm <= longest_mm;
+        return "the mesh is " + measure_text(mm) + words + ": in " +
+               (is_likely ? std::string(unit.words) + "? --unit " + std::string(unit.name) : "another unit? see --unit");
+    };
     const double height_mm = mesh.box.max_mm[2] - mesh.box.min_mm[2];
     if (length_mm > longest_mm) {
-        return "the mesh is " + measure_text(length_mm) + " mm long: " + question(micrometre, length_mm);
+        return doubt(length_mm, " mm long", micrometre);
     }
     // A plate may be thinner than a layer. What would be longer than 10 m in metres is not in metres.
     if (mesh.plane_distance_mm && height_mm < *mesh.plane_distance_mm && length_mm * metre.mm <= longest_mm) {
-        return "the mesh is " + measure_text(height_mm) + " mm high, less than a layer: " + question(metre, length_mm);
+        return doubt(height_mm, " mm high, less than a layer", metre);
     }
     return std::nullopt;
 }
@@ -115,12 +108,14 @@ std::string mesh_help(const std::string& what) {
 }
 
 void declare_reading(CLI::App& command, MeshArguments& arguments) {
-    add_parsed(command, "--unit", "mm|um|cm|m|in|ft|MM", "Unit of meshes that do not state one (default mm)",
-               [&arguments](const std::string& text) {
-                   arguments.unit_mm = parse_unit(text);
-                   return arguments.unit_mm ? ""
-                                            : "'" + text + "' is neither mm, um, cm, m, in, ft nor a positive number of mm";
-               })
+    const auto take = [&arguments](const std::string& text) {
+        const auto* const unit = std::find_if(units.begin(), units.end(), [&](const Unit& one) { return one.name == text; });
+        arguments.unit_mm = unit != units.end() ? unit->mm : parse_number(text);
+        return arguments.unit_mm.value_or(0) > 0
+                   ? ""
+                   : "'" + text + "' is neither mm, um, cm, m, in, ft nor a positive number of mm";
+    };
+    add_parsed(command, "--unit", "mm|um|cm|m|in|ft|MM", "Unit of meshes that do not state one (default mm)", take)
         ->transform(lower_case);
     declare_options(command, arguments.options, "--grid");
     declare_running(command, arguments);
@@ -147,7 +142,11 @@ MeshFile read_mesh_of(const MeshArguments& arguments, ProgressBar& bar) {
                               .mm_per_unit = arguments.unit_mm.value_or(1),
                               .name = standard ? std::string_view(name) : ""};
     const Context context{.threads = arguments.threads, .progress = stage.progress()};
-    Result<MeshFile> mesh = standard ? read_standard_input(options, context) : read_mesh(arguments.mesh, options, context);
+    const Stopwatch spooling;
+    const Descriptor spooled = standard ? spooled_input() : Descriptor(-1);
+    const double spool_ms = standard ? spooling.ms() : 0;
+    Result<MeshFile> mesh =
+        read_mesh(standard ? "/dev/fd/" + std::to_string(spooled.number()) : arguments.mesh, options, context);
     if (!mesh) {
         const Failure failure = failure_of(mesh.error());
         // Where memory ran out there was none left to say in which file.
@@ -155,6 +154,7 @@ MeshFile read_mesh_of(const MeshArguments& arguments, ProgressBar& bar) {
             ? Failure(failure.status(), name + ": " + failure.what())
             : failure;
     }
+    mesh->read_ms += spool_ms;
     if (arguments.unit_mm && mesh->states_unit) {
         mesh->warnings.push_back(name + ": states that its unit is " + exact_text(mesh->mm_per_unit) +
                                  " mm, which holds instead of --unit");
@@ -182,10 +182,9 @@ std::string description(const MeshFile& mesh) {
 std::vector<std::string> doubts_of_scale(const MeshArguments& arguments, const MeshFile& file, const MeasuredMesh& mesh) {
     std::vector<std::string> doubts;
     const auto add = [&](const std::string& text) { doubts.push_back(arguments.name() + ": " + text); };
-    if (!file.states_unit && !arguments.unit_mm) {
-        if (const std::optional<std::string> doubt = doubt_of_unit(mesh)) {
-            add(*doubt);
-        }
+    const std::optional<std::string> doubt = doubt_of_unit(mesh);
+    if (doubt && !file.states_unit && !arguments.unit_mm) {
+        add(*doubt);
     }
     const MeshScale scale = judge_scale(mesh.box, file.vertex_type, mesh.grid_mm);
     if (scale.coarse_grid) {

@@ -2,15 +2,13 @@
 
 #include <cerrno>
 #include <cstdlib>
-#include <filesystem>
-#include <system_error>
-#include <vector>
 
 #include <fcntl.h>
 #include <poll.h>
 #include <unistd.h>
 
 #include "files/mesh_input.hpp"
+#include "io/write/output_file.hpp"
 #include "lamella/io/text_file.hpp"
 #include "terminal/console.hpp"
 
@@ -18,14 +16,12 @@ namespace lamella::cli {
 
 namespace {
 
-constexpr const char* standard_input = "standard input";
-
 Failure unreadable(int error_number) {
-    return {bad_input, std::string(standard_input) + ": cannot be read: " + std::generic_category().message(error_number)};
+    return {bad_input, "standard input: cannot be read: " + std::generic_category().message(error_number)};
 }
 
 Failure no_spool(int error_number) {
-    return {bad_input, std::string(standard_input) + ": cannot be kept in a temporary file in '" + temporary_folder() +
+    return {bad_input, "standard input: cannot be kept in a temporary file in '" + temporary_folder() +
                            "': " + std::generic_category().message(error_number)};
 }
 
@@ -60,12 +56,6 @@ std::size_t read_some(std::vector<char>& buffer) {
     }
 }
 
-void require_open_output() {
-    const int flags = ::fcntl(STDOUT_FILENO, F_GETFL);
-    refuse_if(flags < 0 || (flags & O_ACCMODE) == O_RDONLY, bad_output,
-              "cannot write to standard output: " + std::generic_category().message(EBADF));
-}
-
 }  // namespace
 
 Descriptor::~Descriptor() {
@@ -83,18 +73,6 @@ int write_all(const Descriptor& to, std::string_view bytes) noexcept {
         bytes.remove_prefix(static_cast<std::size_t>(written < 0 ? 0 : written));
     }
     return 0;
-}
-
-std::string input_name(const std::string& path) {
-    return is_standard(path) ? standard_input : path;
-}
-
-std::string output_name(const std::string& path) {
-    return is_standard(path) ? "standard output" : path;
-}
-
-std::string output_path(const std::string& path) {
-    return is_standard(path) ? "/dev/stdout" : path;
 }
 
 void write_text(const std::string& path, const std::string& text) {
@@ -123,31 +101,21 @@ Descriptor spooled_input() {
 }
 
 Failure unwritable(const std::string& path, int error_number) {
-    return {bad_output, "cannot write '" + path + "': " + std::generic_category().message(error_number)};
+    return failure_of(lamella::unwritable(path, error_number));
 }
 
 void require_writable(const std::string& path) {
     if (is_standard(path)) {
-        require_open_output();
+        const int flags = ::fcntl(STDOUT_FILENO, F_GETFL);
+        refuse_if(flags < 0 || (flags & O_ACCMODE) == O_RDONLY, bad_output,
+                  "cannot write to standard output: " + std::generic_category().message(EBADF));
         return;
     }
-    const std::filesystem::path file(path);
     std::error_code unknown;
-    if (!file.has_filename() || std::filesystem::is_directory(file, unknown)) {
-        throw unwritable(path, EISDIR);
-    }
-    if (std::filesystem::exists(file, unknown)) {
-        if (::access(path.c_str(), W_OK) != 0) {
-            throw unwritable(path, errno);
-        }
-        return;
-    }
-    const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
-    if (::access(folder.c_str(), W_OK | X_OK) != 0) {
-        throw unwritable(path, errno);
-    }
-    if (!std::filesystem::is_directory(folder, unknown)) {
-        throw unwritable(path, ENOTDIR);
+    if (std::filesystem::is_other(path, unknown)) {  // opened and closed, a pipe would end
+        refuse_if(::access(path.c_str(), W_OK) != 0, bad_output, unwritable(path, errno).what());
+    } else {
+        (void)done_or_thrown(OutputFile::create(path));  // aside, where it is removed at once
     }
 }
 
@@ -167,37 +135,29 @@ std::string place_of(const std::string& path) {
     return (unknown ? std::filesystem::path(path).lexically_normal() : place).string();
 }
 
-void FilePlan::require_different(const File& output, const File& other) {
-    std::error_code unknown;
-    const bool streams = is_standard(output.path) || is_standard(other.path);
-    refuse_if(is_standard(output.path) && is_standard(other.path) && !other.option.empty(), bad_usage,
-              output.option + ": '-' is " + other.what + " too, and standard output takes one of them");
-    refuse_if(!streams && (output.place == other.place || std::filesystem::equivalent(output.path, other.path, unknown)),
-              bad_usage, output.option + ": '" + output.path + "' is " + other.what + " itself");
-}
-
-void FilePlan::reads(const std::string& path, const std::string& what) {
-    if (!path.empty()) {
-        const File input{path, place_of(path), "", what};
-        for (const File& other : files_) {
-            if (!other.option.empty()) {
-                require_different(other, input);
-            }
-        }
-        files_.push_back(input);
-    }
-}
-
-void FilePlan::require_free(const std::string& path, const std::string& option) const {
+void FilePlan::require_free(const File& file) const {
     for (const File& other : files_) {
-        require_different({path, place_of(path), option, ""}, other);
+        const File& output = file.option.empty() ? other : file;
+        const File& taken = file.option.empty() ? file : other;
+        if (output.option.empty()) {
+            continue;  // two inputs
+        }
+        std::error_code unknown;
+        const bool one_stream = is_standard(output.path) && is_standard(taken.path);
+        const bool no_stream = !is_standard(output.path) && !is_standard(taken.path);
+        refuse_if(one_stream && !taken.option.empty(), bad_usage,
+                  output.option + ": '-' is " + taken.what + " too, and standard output takes one of them");
+        refuse_if(
+            no_stream && (output.place == taken.place || std::filesystem::equivalent(output.path, taken.path, unknown)),
+            bad_usage, output.option + ": '" + output.path + "' is " + taken.what + " itself");
     }
 }
 
-void FilePlan::writes(const std::string& path, const std::string& option, const std::string& what) {
+void FilePlan::add(const std::string& path, const std::string& option, const std::string& what) {
     if (!path.empty()) {
-        require_free(path, option);
-        files_.push_back({path, place_of(path), option, what});
+        const File file{path, place_of(path), option, what};
+        require_free(file);
+        files_.push_back(file);
     }
 }
 

@@ -40,11 +40,17 @@ inline bool is_standard(std::string_view path) noexcept {
 }
 
 /// The names of an input and an output in messages.
-std::string input_name(const std::string& path);
-std::string output_name(const std::string& path);
+inline std::string input_name(const std::string& path) {
+    return is_standard(path) ? "standard input" : path;
+}
+inline std::string output_name(const std::string& path) {
+    return is_standard(path) ? "standard output" : path;
+}
 
 /// The path under which the library writes to an output.
-std::string output_path(const std::string& path);
+inline std::string output_path(const std::string& path) {
+    return is_standard(path) ? "/dev/stdout" : path;
+}
 
 /// Writes a report. Throws Failure (bad_output).
 void write_text(const std::string& path, const std::string& text);
@@ -74,11 +80,13 @@ std::string place_of(const std::string& path);
 class FilePlan {
 public:
     /// `what`: as messages call it, "the mesh". Throws Failure (bad_usage).
-    void reads(const std::string& path, const std::string& what);
+    void reads(const std::string& path, const std::string& what) { add(path, "", what); }
     /// The same of a file that `option` names.
-    void writes(const std::string& path, const std::string& option, const std::string& what);
+    void writes(const std::string& path, const std::string& option, const std::string& what) { add(path, option, what); }
     /// Throws Failure (bad_usage) where `path` could not be added.
-    void require_free(const std::string& path, const std::string& option) const;
+    void require_free(const std::string& path, const std::string& option) const {
+        require_free({path, place_of(path), option, ""});
+    }
 
 private:
     struct File {
@@ -87,7 +95,9 @@ private:
         std::string option;  ///< empty: an input
         std::string what;
     };
-    static void require_different(const File& output, const File& other);
+    void require_free(const File& file) const;
+    void add(const std::string& path, const std::string& option, const std::string& what);
+
     std::vector<File> files_;
 };
 

@@ -1,9 +1,7 @@
-#include "outputs/planned_outputs.hpp"
+#include "outputs/outputs.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
-#include <functional>
 #include <iterator>
 #include <set>
 #include <system_error>
@@ -12,7 +10,6 @@
 #include "files/streams.hpp"
 #include "lamella/medical.hpp"
 #include "terminal/console.hpp"
-#include "terminal/numbers.hpp"
 
 namespace lamella::cli {
 
@@ -27,13 +24,13 @@ struct NamedFormat {
 /// Longer ends before those that they end in.
 constexpr std::array<NamedFormat, 10> formats = {{
     {"svg", ".svg", OutputFormat::svg},
-    {"nii.gz", ".nii.gz", OutputFormat::nifti_gz},
-    {"nii", ".nii", OutputFormat::nifti},
-    {"seg.nrrd", ".seg.nrrd", OutputFormat::segmentation},
-    {"nrrd", ".nrrd", OutputFormat::nrrd},
+    {"nii.gz", ".nii.gz", OutputFormat::mask},
+    {"nii", ".nii", OutputFormat::mask},
+    {"seg.nrrd", ".seg.nrrd", OutputFormat::mask},
+    {"nrrd", ".nrrd", OutputFormat::mask},
     {"rtstruct", ".dcm", OutputFormat::structure_set},
-    {"csv", ".csv", OutputFormat::csv},
-    {"jsonl", ".jsonl", OutputFormat::json_lines},
+    {"csv", ".csv", OutputFormat::table},
+    {"jsonl", ".jsonl", OutputFormat::table},
     {"png", ".png", OutputFormat::png},
     {"h5", ".h5", OutputFormat::hdf5},
 }};
@@ -55,7 +52,7 @@ const NamedFormat* format_by_end(const std::string& path) {
 /// The name without the end that tells its format.
 std::string without_format_end(const std::string& path) {
     const NamedFormat* const format = format_by_end(path);
-    return format == nullptr ? path : path.substr(0, path.size() - format->end.size());
+    return path.substr(0, path.size() - (format == nullptr ? 0 : format->end.size()));
 }
 
 constexpr const char* labels_end = ".labels.csv";
@@ -84,8 +81,13 @@ void declare_image(CLI::App& command, ImageArguments& arguments) {
     static constexpr std::array<std::string_view, 2> frames = {"lps", "ras"};
     add_text(command, "--like", arguments.like, "IMAGE",
              "Cut at the slices of this image: NIfTI-1, NRRD, or a folder with a DICOM series");
-    add_text(command, "--spacing", arguments.spacing, "X,Y,Z",
-             "Cut for voxels of this size in mm around the mesh, along left, posterior, superior")
+    const auto take_spacing = [&arguments](const std::string& text) {
+        arguments.spacing = parse_triple(text, "--spacing");
+        return "";
+    };
+    add_parsed(command, "--spacing", "X,Y,Z",
+               "Cut for voxels of this size in mm around the mesh, along left, posterior, superior", take_spacing)
+        ->check(given)
         ->excludes("--like");
     add_choice(command, "--frame", frames, "Patient frame of meshes that do not state one",
                [&arguments](std::size_t i) { arguments.frame = i == 0 ? PatientFrame::lps : PatientFrame::ras; });
@@ -93,14 +95,9 @@ void declare_image(CLI::App& command, ImageArguments& arguments) {
         ->check(CLI::Range(1, 1000));
 }
 
-bool PlannedOutput::is_mask() const noexcept {
-    return format == OutputFormat::nifti || format == OutputFormat::nifti_gz || format == OutputFormat::nrrd ||
-           format == OutputFormat::segmentation;
-}
-
 std::vector<std::string> PlannedOutput::files(bool several_meshes) const {
     std::vector<std::string> all = {path};
-    if (format == OutputFormat::csv) {
+    if (lower_case(path).ends_with(".csv")) {
         all.push_back(without_format_end(path) + ".meshes.csv");
     }
     if (is_mask() && several_meshes) {
@@ -133,8 +130,11 @@ std::vector<PlannedOutput> planned_outputs(const OutputArguments& arguments) {
             std::find_if(formats.begin(), formats.end(), [&](const NamedFormat& known) { return known.name == name; });
         refuse_if(format == formats.end(), bad_usage,
                   "--to: '" + name + "' is not one of " + all_formats(&NamedFormat::name));
-        refuse_if(has_format(planned, format->format), bad_usage, "--to: '" + name + "' stands there twice");
-        planned.push_back({without_format_end(outputs.front()) + std::string(format->end), format->format});
+        const std::string path = without_format_end(outputs.front()) + std::string(format->end);
+        for (const PlannedOutput& other : planned) {
+            refuse_if(other.path == path, bad_usage, "--to: '" + name + "' stands there twice");
+        }
+        planned.push_back({path, format->format});
     }
     return planned;
 }
@@ -149,7 +149,7 @@ std::optional<std::int64_t> source_date() {
         return std::nullopt;
     }
     std::int64_t seconds = 0;
-    refuse_if(!parse_integer(std::string_view(text), seconds) || seconds < 0 || seconds > end_of_9999, bad_usage,
+    refuse_if(!read_integer(std::string_view(text), seconds) || seconds < 0 || seconds > end_of_9999, bad_usage,
               "SOURCE_DATE_EPOCH: '" + std::string(text) + "' is not a number of seconds since 1970, before the year 10000");
     return seconds;
 }

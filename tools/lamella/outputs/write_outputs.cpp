@@ -1,10 +1,8 @@
-#include "outputs/write_outputs.hpp"
+#include "outputs/outputs.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -14,7 +12,6 @@
 #include "lamella/io/svg.hpp"
 #include "lamella/version.hpp"
 #include "terminal/console.hpp"
-#include "terminal/numbers.hpp"
 
 namespace lamella::cli {
 
@@ -30,10 +27,6 @@ auto parts_of(const OutputJob& job, Make make) {
         parts.push_back(make(part));
     }
     return parts;
-}
-
-std::string percent(double share) {
-    return share < 0.0001 ? "less than 0.01 %" : rounded(share * 100, 2) + " %";
 }
 
 void note_beyond_slices(const OutputJob& job, const SlicedPart& part, const PlannedOutput& output, const Note& note) {
@@ -74,7 +67,9 @@ void write_mask_of(const OutputJob& job, const PlannedOutput& output, const Cont
     for (std::size_t i = 0; i < summary.cut_off_share.size(); ++i) {
         const std::string& name = job.parts[i].name;
         if (summary.cut_off_share[i] > 0) {
-            note(output.path + ": the image cuts off " + percent(summary.cut_off_share[i]) + " of the area of " + name);
+            const double share = summary.cut_off_share[i];
+            note(output.path + ": the image cuts off " + (share < 0.0001 ? "less than 0.01" : rounded(share * 100, 2)) +
+                 " % of the area of " + name);
         }
         note_beyond_slices(job, job.parts[i], output, note);
         note_thin_walls(job, job.parts[i], summary.mean_wall_mm[i], output, note);
@@ -114,19 +109,6 @@ void write_structure_set_of(const OutputJob& job, const PlannedOutput& output, c
     }
 }
 
-void write_archive_of(const OutputJob& job, const PlannedOutput& output, const Context& context) {
-    const SlicedPart& part = job.parts.front();
-    ArchiveInfo info{.name = part.name,
-                     .mesh_sha256 = part.mesh_sha256,
-                     .frame = part.frame,
-                     .geometry = job.image,
-                     .subslices = job.subslices};
-    if (part.welded) {
-        info.weld = ArchiveWeld{part.welded->tolerance_mm, part.welded->joined};
-    }
-    done_or_thrown(write_archive(part.result, info, output.path, context));
-}
-
 void write_one(const OutputJob& job, const PlannedOutput& output, const Context& context, const Note& note) {
     const ImageGeometry* const image = job.image ? &*job.image : nullptr;
     switch (output.format) {
@@ -136,10 +118,7 @@ void write_one(const OutputJob& job, const PlannedOutput& output, const Context&
                                      {.welded = part.welded ? &*part.welded : nullptr}, context));
             return;
         }
-        case OutputFormat::nifti:
-        case OutputFormat::nifti_gz:
-        case OutputFormat::nrrd:
-        case OutputFormat::segmentation:
+        case OutputFormat::mask:
             return write_mask_of(job, output, context, note);
         case OutputFormat::structure_set:
             write_structure_set_of(job, output, context, note);
@@ -147,8 +126,7 @@ void write_one(const OutputJob& job, const PlannedOutput& output, const Context&
                 note_beyond_slices(job, part, output, note);
             }
             return;
-        case OutputFormat::csv:
-        case OutputFormat::json_lines:
+        case OutputFormat::table:
             return done_or_thrown(write_layer_table(
                 parts_of(job,
                          [](const SlicedPart& part) {
@@ -161,8 +139,18 @@ void write_one(const OutputJob& job, const PlannedOutput& output, const Context&
             return done_or_thrown(layer ? write_layer_picture(parts, *layer, output.path, {.image = image}, context)
                                         : write_contact_sheet(parts, output.path, {.image = image}, context));
         }
-        case OutputFormat::hdf5:
-            return write_archive_of(job, output, context);
+        case OutputFormat::hdf5: {
+            const SlicedPart& part = job.parts.front();
+            ArchiveInfo info{.name = part.name,
+                             .mesh_sha256 = part.mesh_sha256,
+                             .frame = part.frame,
+                             .geometry = job.image,
+                             .subslices = job.subslices};
+            if (part.welded) {
+                info.weld = ArchiveWeld{part.welded->tolerance_mm, part.welded->joined};
+            }
+            return done_or_thrown(write_archive(part.result, info, output.path, context));
+        }
     }
 }
 
@@ -170,7 +158,18 @@ Record record_of(const OutputJob& job, const PlannedOutput& output) {
     Record record;
     record.command = job.command;
     record.inputs = job.inputs;
-    record.options = record_words(job.options, output);
+    for (const RecordedOption& option : job.options) {
+        const std::string& name = option.name;
+        const bool of_sets = name == "--holes" || name == "--without-ct";
+        if ((of_sets && output.format != OutputFormat::structure_set) || (name == "--coverage" && !output.is_mask()) ||
+            (name == "--picture-layer" && output.format != OutputFormat::png)) {
+            continue;  // it says nothing of this output
+        }
+        record.options.push_back(name);
+        if (option.value) {
+            record.options.push_back(*option.value);
+        }
+    }
     if (const char* const epoch = std::getenv("SOURCE_DATE_EPOCH")) {
         record.source_date_epoch = epoch;
     }
@@ -182,41 +181,6 @@ Record record_of(const OutputJob& job, const PlannedOutput& output) {
         record.result_hashes.push_back(hexadecimal(part.hash ? *part.hash : part.result.hash()));
     }
     return record;
-}
-
-void tell_names_apart(OutputJob& job, const Note& note) {
-    std::vector<SlicedPart>& parts = job.parts;
-    const auto names = parts_of(job, [](const SlicedPart& part) { return part.name; });
-    const std::vector<std::string> distinct = distinct_names(names);
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-        if (distinct[i] != names[i]) {
-            note("the name '" + names[i] + "' repeats: mesh " + std::to_string(i + 1) + " is called '" + distinct[i] + "'");
-        }
-        parts[i].name = distinct[i];
-    }
-}
-
-void require_closed(const OutputJob& job) {
-    for (const SlicedPart& part : job.parts) {
-        if (part.open.layers > 0) {
-            throw Failure(bad_input, part.name + ": --strict: " + said_of(part.open));
-        }
-    }
-}
-
-/// True if the option may stand beside this output alone, and says something of it.
-bool concerns(const std::string& name, const PlannedOutput& output) {
-    if (name == "--holes" || name == "--without-ct") {
-        return output.format == OutputFormat::structure_set;
-    }
-    return (name != "--coverage" || output.is_mask()) && (name != "--picture-layer" || output.format == OutputFormat::png);
-}
-
-/// ", 1.9 MB", or nothing of a pipe and of a device.
-std::string size_after(const std::string& output) {
-    std::error_code unknown;
-    const std::uintmax_t bytes = is_standard(output) ? 0 : std::filesystem::file_size(output, unknown);
-    return is_standard(output) || unknown ? "" : ", " + file_size_text(bytes);
 }
 
 }  // namespace
@@ -260,19 +224,6 @@ std::vector<RecordedOption> recorded_options(const CLI::App& slice_command) {
     return options;
 }
 
-std::vector<std::string> record_words(const std::vector<RecordedOption>& options, const PlannedOutput& output) {
-    std::vector<std::string> words;
-    for (const RecordedOption& option : options) {
-        if (concerns(option.name, output)) {
-            words.push_back(option.name);
-            if (option.value) {
-                words.push_back(*option.value);
-            }
-        }
-    }
-    return words;
-}
-
 bool takes_record(const PlannedOutput& output) {
     return output.has_record() && std::filesystem::is_regular_file(output.path);
 }
@@ -292,15 +243,22 @@ OpenLayers open_layers_of(const SliceResult& result, const Context& context) {
     return *done_or_thrown(audit(result, MeshView{}, {.volume = false, .ledger = false, .crossings = false}, context)).open;
 }
 
-WrittenOutputs write_outputs(OutputJob& job, const Context& context, const Note& note) {
-    tell_names_apart(job, note);
-    if (job.arguments.strict) {
-        require_closed(job);
+void write_outputs(OutputJob& job, const Context& context, const Note& note) {
+    const std::vector<std::string> distinct =
+        distinct_names(parts_of(job, [](const SlicedPart& part) { return part.name; }));
+    for (std::size_t i = 0; i < distinct.size(); ++i) {
+        std::string& name = job.parts[i].name;
+        if (distinct[i] != name) {
+            note("the name '" + name + "' repeats: mesh " + std::to_string(i + 1) + " is called '" + distinct[i] + "'");
+            name = distinct[i];
+        }
+    }
+    for (const SlicedPart& part : job.parts) {
+        refuse_if(job.arguments.strict && part.open.layers > 0, bad_input, part.name + ": --strict: " + said_of(part.open));
     }
     if (job.finish_streamed) {
         job.finish_streamed();
     }
-    WrittenOutputs written;
     for (const PlannedOutput& output : job.outputs) {
         try {
             if (!job.finish_streamed) {
@@ -309,22 +267,21 @@ WrittenOutputs write_outputs(OutputJob& job, const Context& context, const Note&
             if (takes_record(output)) {
                 write_record_beside(output, record_of(job, output), context);
             }
-            written.paths.push_back(output.path);
+            job.written.push_back(output.path);
         } catch (const Failure& failure) {
             if (context.stop && context.stop()) {
                 throw;
             }
-            if (written.failure) {
+            if (job.failure) {
                 complain(failure.what());
             } else {
-                written.failure = failure;
+                job.failure = failure;
             }
         }
     }
-    if (written.failure && written.paths.empty()) {
-        throw Failure(*written.failure);
+    if (job.failure && job.written.empty()) {
+        throw Failure(*job.failure);
     }
-    return written;
 }
 
 std::string mesh_name_of(const std::string& path) {
@@ -341,7 +298,10 @@ std::string mesh_name_of(const std::string& path) {
 std::string wrote(const std::vector<std::string>& outputs) {
     std::string text;
     for (const std::string& output : outputs) {
-        text += "wrote     " + output_name(output) + size_after(output) + "\n";
+        std::error_code unknown;  // of a pipe, and of a device
+        const std::uintmax_t bytes = is_standard(output) ? 0 : std::filesystem::file_size(output, unknown);
+        text +=
+            "wrote     " + output_name(output) + when(!is_standard(output) && !unknown, ", " + file_size_text(bytes)) + "\n";
     }
     return text;
 }

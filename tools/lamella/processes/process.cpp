@@ -23,7 +23,6 @@
 
 #include "files/streams.hpp"
 #include "terminal/console.hpp"
-#include "terminal/numbers.hpp"
 
 namespace lamella::cli {
 

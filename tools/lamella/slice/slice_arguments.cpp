@@ -1,14 +1,12 @@
-#include "slice/slice_arguments.hpp"
+#include "slice/slice.hpp"
 
 #include <array>
 #include <cmath>
 #include <initializer_list>
 #include <limits>
-#include <string_view>
 
 #include "files/flags.hpp"
 #include "terminal/console.hpp"
-#include "terminal/numbers.hpp"
 
 namespace lamella::cli {
 
@@ -23,7 +21,7 @@ void declare_mending(CLI::App& command, SliceArguments& arguments) {
     command.add_flag("--orient-shells", arguments.orient_shells,
                      "Turn each closed shell outwards, or inwards where it bounds a cavity, before slicing");
     add_parsed(command, "--normal", "X,Y,Z", "Cut perpendicular to this direction", [&arguments](const std::string& text) {
-        const std::vector<double> normal = parse_triple(text, "--normal");
+        const std::array<double, 3> normal = parse_triple(text, "--normal");
         const double length = std::hypot(normal[0], normal[1], normal[2]);
         if (!(length > 0 && std::isfinite(length))) {
             return "'" + text + "' has no direction";
@@ -103,26 +101,6 @@ void declare(CLI::App& command, SliceArguments& arguments) {
         exclude(image,
                 {"--layer-height", "--planes", "--random-heights", "--first-height", "--datum", "--normal", "--transform"});
     }
-}
-
-void cut_at(SliceOptions& options, std::vector<double> heights) {
-    options.heights_mm = std::move(heights);
-    options.planes.first_height_mm.reset();
-    options.planes.datum = Datum::mesh_min;
-}
-
-std::optional<double> least_plane_distance(const SliceOptions& options) {
-    if (!options.heights_mm) {
-        return options.layer_height_mm;
-    }
-    std::optional<double> least;
-    std::vector<double> heights = *options.heights_mm;
-    std::sort(heights.begin(), heights.end());
-    heights.erase(std::unique(heights.begin(), heights.end()), heights.end());
-    for (std::size_t i = 1; i < heights.size(); ++i) {
-        least = std::min(least.value_or(heights[i] - heights[i - 1]), heights[i] - heights[i - 1]);
-    }
-    return least;
 }
 
 }  // namespace lamella::cli

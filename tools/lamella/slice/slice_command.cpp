@@ -1,27 +1,60 @@
 // lamella slice: read, slice, write, report.
-#include <algorithm>
-#include <cstddef>
-#include <cstdint>
-#include <functional>
+#include <cstdlib>
+#include <filesystem>
 #include <memory>
-#include <optional>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "commands.hpp"
 #include "files/streams.hpp"
 #include "lamella/io.hpp"
+#include "lamella/io/mesh_stream.hpp"
 #include "lamella/lamella.hpp"
 #include "options/asked.hpp"
-#include "outputs/write_outputs.hpp"
+#include "outputs/outputs.hpp"
 #include "processes/process.hpp"
-#include "slice/slice_stages.hpp"
+#include "slice/slice.hpp"
 #include "terminal/stages.hpp"
 
 namespace lamella::cli {
 
 namespace {
+
+/// The mesh that is sliced: a file, mended or not, or within --memory a stream of it.
+struct MeshToSlice {
+    MeshFile file;
+    std::optional<MeshStream> stream{};      ///< in place of the file
+    std::optional<WeldedMesh> welded{};      ///< in place of the file
+    std::optional<OrientedMesh> oriented{};  ///< after welding
+    std::vector<std::string> warnings{};     ///< of reading
+
+    const MeshFile& about() const noexcept { return stream ? stream->about() : file; }
+    /// The triangles that are sliced. Precondition: no stream.
+    MeshView view() const noexcept { return oriented ? oriented->view() : welded ? welded->view() : file.view(); }
+    Source source() const noexcept { return stream ? stream->view() : Source(view()); }
+};
+
+/// For what a mesh larger than memory does not leave in it.
+std::filesystem::path folder_beside(const SliceArguments& arguments) {
+    const char* const asked = std::getenv("TMPDIR");
+    // Else beside the output: the system's own folder is often held in memory.
+    if ((asked == nullptr || *asked == 0) && !arguments.outputs.outputs.empty() && !arguments.output_to_stdout()) {
+        const std::filesystem::path folder = std::filesystem::path(arguments.outputs.outputs.front()).parent_path();
+        return folder.empty() ? "." : folder;
+    }
+    return temporary_folder();
+}
+
+/// Sets the heights of the planes, whatever the flags say of them.
+void cut_at(SliceOptions& options, std::vector<double> heights) {
+    options.heights_mm = std::move(heights);
+    options.planes.first_height_mm.reset();
+    options.planes.datum = Datum::mesh_min;
+}
+
+/// True of formats that take one layer after the other: SVG and tables.
+bool takes_layers(const PlannedOutput& output) {
+    return output.format == OutputFormat::svg || output.format == OutputFormat::table;
+}
 
 class SliceCommand {
 public:
@@ -56,8 +89,8 @@ public:
             write();
             print_words(words + wrote(run_.outputs), arguments_.output_to_stdout());
         }
-        if (failure_) {
-            throw Failure(*failure_);
+        if (job_.failure) {
+            throw Failure(*job_.failure);
         }
     }
 
@@ -99,8 +132,9 @@ private:
             file_plan_.reads(mesh, "the mesh");
         }
         job_.outputs = plan_outputs(arguments_.outputs, arguments_.mesh_count(), arguments_.image, file_plan_);
-        streams_ =
-            arguments_.in_ranges() && (job_.outputs.empty() || (arguments_.meshes.size() == 1 && can_stream(job_.outputs)));
+        streams_ = arguments_.in_ranges() &&
+                   (job_.outputs.empty() ||
+                    (arguments_.meshes.size() == 1 && std::all_of(job_.outputs.begin(), job_.outputs.end(), takes_layers)));
         std::vector<std::filesystem::path> files = files_of(job_.outputs, arguments_.mesh_count() > 1);
         if (const std::string& report = arguments_.report; !report.empty()) {
             refuse_if(!are_all_layers(arguments_.options), bad_usage,
@@ -119,17 +153,36 @@ private:
         if (!arguments_.image.given()) {
             return meshes;
         }
-        if (!arguments_.image.spacing.empty()) {
+        if (!arguments_.image.like.empty()) {
+            job_.image = done_or_thrown(read_image_geometry(arguments_.image.like));
+        } else {
             for (const std::string& mesh : arguments_.meshes) {
                 meshes.push_back(read(mesh));
             }
+            job_.image = image_around(meshes);
         }
-        job_.image = image_for(meshes, arguments_);
         job_.subslices = arguments_.image.subslices;
         note_all(job_.image->warnings);
         require_image_serves(*job_.image, job_.outputs, arguments_.outputs);
         add_series(*job_.image, file_plan_);
         return meshes;
+    }
+
+    /// The voxels of --spacing around all meshes.
+    ImageGeometry image_around(const std::vector<MeshToSlice>& meshes) const {
+        Box all;
+        for (std::size_t i = 0; i < meshes.size(); ++i) {
+            SliceOptions options = arguments_.options;
+            const PatientFrame frame = patient_frame_of(meshes[i].about(), arguments_.image, arguments_.meshes[i]);
+            cut_at(options, {});
+            options.frame.transform = ImageGeometry{}.slicing_frame(frame);
+            const Box box = done_or_thrown(Slicer().outline(meshes[i].source(), options)).box;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                all.min_mm[axis] = i == 0 ? box.min_mm[axis] : std::min(all.min_mm[axis], box.min_mm[axis]);
+                all.max_mm[axis] = i == 0 ? box.max_mm[axis] : std::max(all.max_mm[axis], box.max_mm[axis]);
+            }
+        }
+        return done_or_thrown(geometry_around(all, *arguments_.image.spacing));
     }
 
     void note(const std::string& warning) {
@@ -145,7 +198,22 @@ private:
 
     MeshToSlice read(const std::string& path) {
         arguments_.mesh = path;
-        MeshToSlice mesh = read_for_slicing(arguments_, stages_);
+        MeshToSlice mesh;
+        if (arguments_.in_ranges()) {
+            const StreamOptions options{.memory_bytes = arguments_.memory_bytes,
+                                        .temporary_folder = folder_beside(arguments_),
+                                        .read = {.mm_per_unit = arguments_.unit_mm.value_or(1)}};
+            mesh.stream = done_or_thrown(open_mesh(path, options));
+        } else {
+            mesh.file = read_mesh_of(arguments_, stages_.bar());
+        }
+        mesh.warnings = mesh.about().warnings;
+        const PatientFrame asked = arguments_.image.frame;
+        const PatientFrame stated = mesh.about().patient_frame;
+        if (asked != PatientFrame::unstated && stated != PatientFrame::unstated && stated != asked) {
+            mesh.warnings.push_back(arguments_.name() + ": states the patient frame " + std::string(name_of(stated)) +
+                                    ", which holds instead of --frame " + std::string(name_of(asked)));
+        }
         note_all(mesh.warnings);
         return mesh;
     }
@@ -190,7 +258,7 @@ private:
         const SliceOptions options = options_for(mesh.about(), part);
         run_.ms["read"] = mesh.about().read_ms;
         run_.ms["parse"] = mesh.about().parse_ms;
-        mend(mesh, arguments_, stages_, run_);
+        mend(mesh);
         Tuning tuning = arguments_.tuning;
         if (heights_) {
             tuning.random_heights.reset();
@@ -212,6 +280,24 @@ private:
         }
         part.welded = std::exchange(mesh.welded, std::nullopt);
         job_.parts.push_back(std::move(part));
+    }
+
+    /// By --weld and --orient-shells.
+    void mend(MeshToSlice& mesh) {
+        mesh.welded.reset();
+        mesh.oriented.reset();
+        if (arguments_.weld_mm) {
+            const auto join = [&](const Context& context) { return weld(mesh.view(), *arguments_.weld_mm, context); };
+            const Stopwatch watch;
+            mesh.welded = done_or_thrown(stages_.run("welding", join), arguments_.name());
+            run_.ms["weld"] = watch.ms();
+        }
+        if (arguments_.orient_shells) {
+            const auto turn = [&](const Context& context) { return orient_shells(mesh.view(), 0, context); };
+            mesh.oriented = done_or_thrown(stages_.run("turning shells", turn), arguments_.name());
+            run_.shells = mesh.oriented->shells;
+            run_.turned_shells = mesh.oriented->turned_shells;
+        }
     }
 
     SliceOptions options_for(const MeshFile& mesh, SlicedPart& part) const {
@@ -273,12 +359,7 @@ private:
     }
 
     /// Facts are those of the whole mesh.
-    bool wants_facts() const {
-        return !arguments_.in_ranges() &&
-               std::any_of(job_.outputs.begin(), job_.outputs.end(), [](const PlannedOutput& output) {
-                   return output.format == OutputFormat::csv || output.format == OutputFormat::json_lines;
-               });
-    }
+    bool wants_facts() const { return !arguments_.in_ranges() && has_format(job_.outputs, OutputFormat::table); }
 
     /// Returns its SHA-256.
     std::string add_input(const std::string& path, std::uint64_t bytes) {
@@ -296,11 +377,10 @@ private:
             }
         }
         const Stopwatch watch;
-        WrittenOutputs written = stages_.run("writing", [this](const Context& context) {
-            return write_outputs(job_, context, [this](const std::string& warning) { note(warning); });
+        stages_.run("writing", [this](const Context& context) {
+            write_outputs(job_, context, [this](const std::string& warning) { note(warning); });
         });
-        run_.outputs = std::move(written.paths);
-        failure_ = std::move(written.failure);
+        run_.outputs = job_.written;
         run_.ms["write"] = watch.ms();
     }
 
@@ -350,7 +430,6 @@ private:
     OutputJob job_;
     FilePlan file_plan_;
     bool streams_ = false;                        ///< within --memory, where all outputs take one layer after the other
-    std::optional<Failure> failure_;              ///< of an output, beside others that were written
     std::optional<std::vector<double>> heights_;  ///< of the file whose objects are being sliced
     ToolRun run_;
     Stopwatch total_;

@@ -1,46 +1,35 @@
-#include "slice/slice_stages.hpp"
+#include "slice/slice.hpp"
 
-#include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <functional>
 #include <memory>
 #include <utility>
 
+#include "files/mesh_input.hpp"
 #include "files/streams.hpp"
 #include "lamella/io/svg.hpp"
 #include "lamella/medical/table.hpp"
-#include "outputs/planned_outputs.hpp"
+#include "options/asked.hpp"
+#include "outputs/outputs.hpp"
 #include "terminal/console.hpp"
-#include "terminal/numbers.hpp"
 
 namespace lamella::cli {
 
 namespace {
 
-/// For what a mesh larger than memory does not leave in it.
-std::filesystem::path folder_beside(const SliceArguments& arguments) {
-    const char* const asked = std::getenv("TMPDIR");
-    // Else beside the output: the system's own folder is often held in memory.
-    if ((asked == nullptr || *asked == 0) && !arguments.outputs.outputs.empty() && !arguments.output_to_stdout()) {
-        const std::filesystem::path folder = std::filesystem::path(arguments.outputs.outputs.front()).parent_path();
-        return folder.empty() ? "." : folder;
+/// The least distance between two planes at different heights, if there are two.
+std::optional<double> least_plane_distance(const SliceOptions& options) {
+    if (!options.heights_mm) {
+        return options.layer_height_mm;
     }
-    return temporary_folder();
-}
-
-std::string why_nothing_is_cut(const Box& box) {
-    return "no plane meets the mesh, which reaches from " + exact_text(box.min_mm[2]) + " to " + exact_text(box.max_mm[2]) +
-           " mm along the slicing direction";
-}
-
-std::string why_nothing_is_left(const SliceInfo& info) {
-    const double offset_mm = info.options.region.offset_mm;
-    return (offset_mm < 0 ? "an offset of " + exact_text(offset_mm) + " mm" : "the fill rule") + " leaves nothing: " +
-           (info.emptied_layers == 1 ? "the one layer that the mesh crosses is empty"
-                                     : "all " + counted(info.emptied_layers, "layer") + " that the mesh crosses are empty");
+    std::optional<double> least;
+    std::vector<double> heights = *options.heights_mm;
+    std::sort(heights.begin(), heights.end());
+    heights.erase(std::unique(heights.begin(), heights.end()), heights.end());
+    for (std::size_t i = 1; i < heights.size(); ++i) {
+        least = std::min(least.value_or(heights[i] - heights[i - 1]), heights[i] - heights[i - 1]);
+    }
+    return least;
 }
 
 std::vector<std::string> doubts_of(const SliceInfo& info, const SliceArguments& arguments, const MeshFile& mesh,
@@ -113,64 +102,121 @@ void copy_to(Array<T>& array, const std::vector<T>& from) {
     std::copy(from.begin(), from.end(), array.begin());
 }
 
-}  // namespace
+// --- the summary
 
-MeshToSlice read_for_slicing(const SliceArguments& arguments, Stages& stages) {
-    MeshToSlice mesh;
-    if (arguments.in_ranges()) {
-        const StreamOptions options{.memory_bytes = arguments.memory_bytes,
-                                    .temporary_folder = folder_beside(arguments),
-                                    .read = {.mm_per_unit = arguments.unit_mm.value_or(1)}};
-        mesh.stream = done_or_thrown(open_mesh(arguments.mesh, options));
-    } else {
-        mesh.file = read_mesh_of(arguments, stages.bar());
-    }
-    mesh.warnings = mesh.about().warnings;
-    const PatientFrame asked = arguments.image.frame;
-    const PatientFrame stated = mesh.about().patient_frame;
-    if (asked != PatientFrame::unstated && stated != PatientFrame::unstated && stated != asked) {
-        mesh.warnings.push_back(arguments.name() + ": states the patient frame " + std::string(name_of(stated)) +
-                                ", which holds instead of --frame " + std::string(name_of(asked)));
-    }
-    return mesh;
+std::string mesh_line(const SliceInfo& counts, const ReportParts& parts) {
+    return "mesh      " + input_name(std::string(parts.mesh_name)) + ", " + counted(counts.triangles, "triangle") + ", " +
+           description(*parts.file) +
+           when(counts.degenerate > 0, "; " + grouped(counts.degenerate) + " degenerate, dropped") + "\n";
 }
 
-void mend(MeshToSlice& mesh, const SliceArguments& arguments, Stages& stages, ToolRun& run) {
-    mesh.welded.reset();
-    mesh.oriented.reset();
-    if (arguments.weld_mm) {
-        const auto join = [&](const Context& context) { return weld(mesh.view(), *arguments.weld_mm, context); };
-        const Stopwatch watch;
-        mesh.welded = done_or_thrown(stages.run("welding", join), arguments.name());
-        run.ms["weld"] = watch.ms();
-    }
-    if (arguments.orient_shells) {
-        const auto turn = [&](const Context& context) { return orient_shells(mesh.view(), 0, context); };
-        mesh.oriented = done_or_thrown(stages.run("turning shells", turn), arguments.name());
-        run.shells = mesh.oriented->shells;
-        run.turned_shells = mesh.oriented->turned_shells;
-    }
+std::string planes_line(const SliceInfo& info, const ToolRun& run) {
+    const bool all = info.layers == info.planned_layers;
+    const std::optional<RandomHeights>& random = run.random_heights;
+    return "planes    " + grouped(info.layers) +
+           (all ? "" : " from " + std::to_string(info.first_layer) + " on, of " + grouped(info.planned_layers)) + ": " +
+           (random ? exact_text(random->min_step_mm) + " to " + exact_text(random->max_step_mm) + " mm apart by seed " +
+                         std::to_string(random->seed) + ", from the mesh's lowest vertex up"
+                   : heights_in_short(info.options)) +
+           "\nrounding  as a vertex, then " + side_in_short(info.options) + ", grid " + exact_text(info.grid_mm) + " mm\n";
 }
 
-ImageGeometry image_for(const std::vector<MeshToSlice>& meshes, const SliceArguments& arguments) {
-    if (!arguments.image.like.empty()) {
-        return done_or_thrown(read_image_geometry(arguments.image.like));
+/// How closed contours became regions, what was left as it is, and layers in which nothing is left of what the mesh has
+/// there.
+std::string regions(const SliceResult& result) {
+    const RegionRules& rules = result.info.options.region;
+    const std::string text = rules_in_short(rules, counted(result.info.would_close_contours, "contour"));
+    const std::uint64_t emptied = result.info.emptied_layers;
+    if (rules.keeps_contours() || emptied == 0) {
+        return text;
     }
-    const std::vector<double> spacing = parse_triple(arguments.image.spacing, "--spacing");
-    Box all;
-    for (std::size_t i = 0; i < meshes.size(); ++i) {
-        SliceOptions options = arguments.options;
-        const PatientFrame frame = patient_frame_of(meshes[i].about(), arguments.image, arguments.meshes[i]);
-        cut_at(options, {});
-        options.frame.transform = ImageGeometry{}.slicing_frame(frame);
-        const Box box = done_or_thrown(Slicer().outline(meshes[i].source(), options)).box;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            all.min_mm[axis] = i == 0 ? box.min_mm[axis] : std::min(all.min_mm[axis], box.min_mm[axis]);
-            all.max_mm[axis] = i == 0 ? box.max_mm[axis] : std::max(all.max_mm[axis], box.max_mm[axis]);
+    const auto crossed = static_cast<std::uint64_t>(
+        std::count_if(result.layers.begin(), result.layers.end(), [](const Layer& layer) { return layer.segments > 0; }));
+    return text + "emptied   " + (emptied == crossed ? "all " : grouped(emptied) + " of ") + counted(crossed, "layer") +
+           " that the mesh crosses\n";
+}
+
+/// Lines on the work beyond cutting, if any.
+std::string mending(const SlicedPart& part, const ReportParts& parts, const ToolRun& run) {
+    const SliceResult& result = part.result;
+    std::string text;
+    if (parts.welded != nullptr) {
+        text += "welded    " + counted(parts.welded->joined, "vertex", "vertices") + " onto others at most " +
+                exact_text(parts.welded->tolerance_mm) + " mm away, the farthest " +
+                measure_text(parts.welded->largest_move_mm) + " mm\n";
+    }
+    text += when(run.shells > 0,
+                 "oriented  " + counted(run.turned_shells, "shell") + " turned, of " + grouped(run.shells) + "\n");
+    if (!result.stitches.empty()) {
+        double longest = 0;
+        for (const auto& [layer, from, to] : result.stitches) {
+            longest = std::max(longest, std::hypot(static_cast<double>(to.x) - from.x, static_cast<double>(to.y) - from.y) *
+                                            result.info.grid_mm);
+        }
+        text += "gaps      " + grouped(result.stitches.size()) + " closed of up to " + measure_text(part.reach_mm()) +
+                " mm, the longest " + measure_text(longest) + " mm\n";
+    }
+    return text + regions(result);
+}
+
+std::string times(const SliceInfo& info, const ToolRun& run) {
+    std::map<std::string_view, double> ms = run.ms;
+    ms["fill"] = info.ms.fill;
+    std::erase_if(ms, [](const auto& stage) { return stage.second == 0; });  // what was not asked for
+    ms.insert({{"bucket", info.ms.bucket},
+               {"sweep", info.ms.sweep},
+               {"contours", info.ms.contours},
+               {"nesting", info.ms.nesting}});
+    std::string text = "time      " + rounded(ms["total"], 1) + " ms: read " + rounded(ms["read"], 1);
+    for (const char* const what : {"parse", "weld", "bucket", "sweep", "contours", "nesting", "fill", "write", "ledger",
+                                   "certificate", "crossings", "report"}) {
+        if (const auto took = ms.find(what); took != ms.end()) {
+            text.append(", ").append(what).append(" ").append(rounded(took->second, 1));
         }
     }
-    return done_or_thrown(geometry_around(all, {spacing[0], spacing[1], spacing[2]}));
+    return text + " (" + counted(static_cast<std::uint64_t>(info.threads), "thread") + ", " + counted(info.bands, "band") +
+           ")\n";
 }
+
+std::string volume_line(const VolumeCertificate& volume) {
+    if (!volume.applies()) {
+        return "volume    " + words_for(volume) + "\n";
+    }
+    std::string text = "volume    " + measure_text(volume.mesh_mm3) + " mm3, ";
+    if (volume.verdict == VolumeVerdict::volumes_differ) {
+        text += "but the slabs between planes sum to " + measure_text(volume.slabs_mm3) + " mm3";
+    } else {
+        text += volume.verdict == VolumeVerdict::holds ? "certified" : "but areas differ";
+    }
+    if (volume.worst_allowed_mm2 > 0) {
+        text += "; areas differ most in layer " + std::to_string(volume.worst_layer) + ", by " +
+                rounded(100 * volume.worst_difference_mm2 / volume.worst_allowed_mm2, 0) + " % of what rounding may do";
+    }
+    return text + "\n";
+}
+
+/// Lines on the report's findings, if there is a report.
+std::string findings(const ReportParts& parts) {
+    if (parts.audit == nullptr) {
+        return {};
+    }
+    std::string text;
+    if (const std::optional<Ledger>& books = parts.audit->ledger) {
+        text += "unseen    between planes: shells " + grouped(books->shells.count) + ", peaks " +
+                grouped(books->peaks.count) + ", pits " + grouped(books->pits.count) + ", triangles " +
+                grouped(books->between) + "\n";
+    }
+    if (parts.audit->volume) {
+        text += volume_line(*parts.audit->volume);
+    }
+    if (const std::optional<Crossings>& found = parts.audit->crossings; found && found->count > 0) {
+        text += "crossings " + std::string(found->at_least ? "at least " : "") + grouped(found->count) +
+                " of contours, in layers " + grouped(found->layers.size()) + "\n";
+    }
+    return text;
+}
+
+}  // namespace
 
 std::vector<std::string> warnings_of(const SlicedPart& part, const SliceArguments& arguments, const MeshFile& mesh,
                                      const std::optional<ImageGeometry>& image) {
@@ -180,10 +226,16 @@ std::vector<std::string> warnings_of(const SlicedPart& part, const SliceArgument
         warnings.push_back(arguments.name() + (arguments.split ? ", " + part.name : "") + ": " + said_of(part.open));
     }
     if (info.segments == 0) {
-        warnings.push_back(why_nothing_is_cut(info.box));
+        warnings.push_back("no plane meets the mesh, which reaches from " + exact_text(info.box.min_mm[2]) + " to " +
+                           exact_text(info.box.max_mm[2]) + " mm along the slicing direction");
     }
     if (info.emptied_layers > 0 && info.contours == 0) {
-        warnings.push_back(why_nothing_is_left(info));
+        const double offset_mm = info.options.region.offset_mm;
+        warnings.push_back((offset_mm < 0 ? "an offset of " + exact_text(offset_mm) + " mm" : "the fill rule") +
+                           " leaves nothing: " +
+                           (info.emptied_layers == 1
+                                ? "the one layer that the mesh crosses is empty"
+                                : "all " + counted(info.emptied_layers, "layer") + " that the mesh crosses are empty"));
     }
     if (info.cancelled_layers > 0) {
         warnings.push_back("in " + counted(info.cancelled_layers, "layer") +
@@ -193,13 +245,6 @@ std::vector<std::string> warnings_of(const SlicedPart& part, const SliceArgument
     const std::vector<std::string> doubts = doubts_of(info, arguments, mesh, image);
     warnings.insert(warnings.end(), doubts.begin(), doubts.end());
     return warnings;
-}
-
-bool can_stream(const std::vector<PlannedOutput>& outputs) {
-    return std::all_of(outputs.begin(), outputs.end(), [](const PlannedOutput& output) {
-        return output.format == OutputFormat::svg || output.format == OutputFormat::csv ||
-               output.format == OutputFormat::json_lines;
-    });
 }
 
 std::function<void()> slice_streamed(const OutputJob& job, SlicedPart& part, const Source& mesh, const SliceOptions& options,
@@ -254,6 +299,36 @@ std::function<void()> slice_streamed(const OutputJob& job, SlicedPart& part, con
         part.hash = hashes->value();
     }
     return [streams] { streams->finish(); };
+}
+
+std::vector<ReportMember> members_of(const ToolRun& run) {
+    decltype(ReportMember::value) output = nullptr;
+    if (run.outputs.size() == 1) {
+        output = std::string_view(run.outputs.front());
+    } else if (!run.outputs.empty()) {
+        output = std::span<const std::string>(run.outputs);
+    }
+    std::vector<ReportMember> members = {{ReportPlace::after_mesh, "output", output}};
+    for (const char* const what : {"read", "parse", "weld", "write", "ledger", "certificate", "crossings", "total"}) {
+        const auto found = run.ms.find(what);
+        members.push_back({ReportPlace::in_times, what, found == run.ms.end() ? 0 : found->second});
+    }
+    members.push_back({ReportPlace::after_times, "peak_rss_bytes", run.peak_rss_bytes});
+    members.push_back({ReportPlace::at_end, "warnings", std::span<const std::string>(run.warnings)});
+    return members;
+}
+
+std::string summary(const SlicedPart& part, const ReportParts& parts, const ToolRun& run) {
+    const SliceInfo& info = part.result.info;
+    std::string text = mesh_line(info, parts) + planes_line(info, run) + mending(part, parts, run);
+    text += "segments  " + grouped(info.segments) + "\ncontours  " + grouped(info.contours) + ", of them holes " +
+            grouped(info.holes) + ", open " + grouped(info.open_contours);
+    text += when(info.flat_contours > 0, ", without area " + grouped(info.flat_contours));
+    text += when(info.overruled_contours > 0, ", turned against their facets " + grouped(info.overruled_contours)) + "\n";
+    text += when(part.open.layers > 0, "open      " + said_of(part.open) + "\n");
+    text += when(run.print_hash && part.hash, "hash      " + hexadecimal(part.hash.value_or(0)) + "\n");
+    return text + findings(parts) + times(info, run) + "memory    " + file_size_text(run.peak_rss_bytes) + " at the peak\n" +
+           run.ranges + wrote(run.outputs);
 }
 
 }  // namespace lamella::cli

@@ -1,16 +1,22 @@
-// Text for people: counts with separators, the progress bar, single-line messages. And how a command fails: by one line for
-// a person and an exit status for a script.
+// Text for people: counts with separators, the progress bar, single-line messages. Numbers and small text files as people
+// write them: on the command line, in manifests, heights, matrices. And how a command fails: by one line for a person and an
+// exit status for a script.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
+#include "base/clock.hpp"
 #include "base/words.hpp"
+#include "io/text/text.hpp"
 #include "lamella/error.hpp"
 #include "lamella/io/name_text.hpp"
 
@@ -59,26 +65,20 @@ inline Failure failure_of(const Error& error) {
     return {bad_input, error.message};
 }
 
-/// Throws Failure unless the library did what it was asked for.
-inline void done_or_thrown(const Status& status) {
-    if (!status) {
-        throw failure_of(status.error());
-    }
-}
-
-/// The same for a mesh: a line on what is wrong with it names it; one on an option says all.
-inline void done_or_thrown(const Status& status, const std::string& mesh) {
+/// Throws Failure unless the library did what it was asked for. A line on what is wrong with `mesh`, where one is given,
+/// names it; one on an option says all.
+inline void done_or_thrown(const Status& status, const std::string& mesh = {}) {
     if (!status) {
         const Failure failure = failure_of(status.error());
-        throw failure.status() == bad_input ? Failure(bad_input, mesh + ": " + failure.what()) : failure;
+        throw failure.status() == bad_input && !mesh.empty() ? Failure(bad_input, mesh + ": " + failure.what()) : failure;
     }
 }
 
-/// The value that the library made. Throws Failure where it made none. `mesh`: likewise.
-template <class T, class... Name>
-T done_or_thrown(Result<T> result, const Name&... mesh) {
+/// The value that the library made. Throws Failure where it made none.
+template <class T>
+T done_or_thrown(Result<T> result, const std::string& mesh = {}) {
     if (!result) {
-        done_or_thrown(Status(result.error()), mesh...);
+        done_or_thrown(Status(result.error()), mesh);
     }
     return std::move(result).value();
 }
@@ -149,18 +149,16 @@ private:
     bool shown_;
     bool drawn_ = false;
     std::string last_what_;
-    std::chrono::steady_clock::time_point next_;
+    Clock::time_point next_;
 };
 
 /// Milliseconds since construction.
 class Stopwatch {
 public:
-    double ms() const {
-        return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin_).count();
-    }
+    double ms() const { return milliseconds_since(begin_); }
 
 private:
-    std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+    Clock::time_point begin_ = Clock::now();
 };
 
 /// The number after `key` in a file of the system, as after "MemTotal:" in /proc/meminfo; none if it is not there.
@@ -168,5 +166,47 @@ std::optional<std::uint64_t> system_number(const std::string& path, std::string_
 
 /// Largest resident size so far.
 std::uint64_t peak_rss_bytes();
+
+// --- what people write
+
+/// All of `text` as one finite number; a leading + is allowed.
+std::optional<double> parse_number(std::string_view text) noexcept;
+
+/// "1,2.5,3" (spaces around numbers allowed), or nothing if any part is not a number.
+std::optional<std::vector<double>> parse_list(std::string_view text);
+
+/// Exactly three numbers with commas between; throws Failure naming `option`.
+std::array<double, 3> parse_triple(std::string_view text, const std::string& option);
+
+/// A number of bytes, at least 1: "1500000", "200K", "512M", "2GB", "1TiB", all of powers of 1024. Throws Failure naming
+/// `option`.
+std::uint64_t parse_bytes(const std::string& text, const std::string& option);
+
+/// "A:B", "A:" or ":B": layers from A up to, but not with, B. False where it is none of these; what is not given stays.
+bool parse_layers(std::string_view text, std::uint64_t& first, std::uint64_t& end);
+
+/// All of the file. Throws Failure (bad_input) of one that cannot be read, or is larger than `most_bytes`.
+std::string read_bytes(const std::string& path, std::size_t most_bytes = std::numeric_limits<std::size_t>::max());
+
+/// All of a file that people write, but for a byte-order mark. Throws Failure (bad_input) also of one larger than 1 GiB, and
+/// of UTF-16.
+std::string read_text(const std::string& path);
+
+/// The pieces between separators, of which one more than of these: text that ends with one has an empty last piece.
+std::vector<std::string_view> split(std::string_view text, char separator);
+
+struct NumberFile {
+    std::vector<double> values;
+    std::vector<std::size_t> lines;  ///< where each value stands, from 1
+};
+
+/// Numbers separated by white space, semicolons or commas; # begins a comment. In columns separated by semicolons or tabs
+/// commas may be decimal ones. Throws Failure naming the file and the line.
+NumberFile read_numbers(const std::string& path);
+
+/// True if all of `text` is digits with one comma between them, as 0,5.
+bool is_decimal_comma(std::string_view text) noexcept;
+/// Its comma as a point.
+std::string with_point(std::string_view text);
 
 }  // namespace lamella::cli

@@ -13,19 +13,15 @@ namespace {
 
 constexpr int wake_up = SIGUSR1;  ///< sent by the destructor to its own thread
 
-/// A caller that ignores a signal (nohup, a shell's background jobs) means it for its children too.
-bool ignored(int signal_number) noexcept {
-    struct sigaction action {};
-    return ::sigaction(signal_number, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
-}
-
 }  // namespace
 
 Interrupt::Interrupt() {
     sigemptyset(&signals_);
     sigaddset(&signals_, wake_up);
     for (const int signal_number : {SIGINT, SIGTERM, SIGHUP}) {
-        if (!ignored(signal_number)) {
+        // A caller that ignores a signal (nohup, a shell's background jobs) means it for its children too.
+        struct sigaction action {};
+        if (::sigaction(signal_number, nullptr, &action) != 0 || action.sa_handler != SIG_IGN) {
             sigaddset(&signals_, signal_number);
         }
     }
@@ -54,7 +50,7 @@ void Interrupt::tidy(std::vector<std::filesystem::path> outputs) {
 
 Callback<bool()> Interrupt::defer() noexcept {
     deferring_ = true;
-    return {this, [](void* own) noexcept { return static_cast<Interrupt*>(own)->stop_.load(); }};
+    return {this, [](void* own) noexcept { return static_cast<Interrupt*>(own)->signal_ != 0; }};
 }
 
 void Interrupt::end_deferring() noexcept {
@@ -72,7 +68,6 @@ void Interrupt::wait_for_signals() {
             die_by(signal_number);
         }
         signal_ = signal_number;
-        stop_ = true;
     }
 }
 

@@ -42,7 +42,6 @@ private:
     void wait_for_signals();
     void die_by(int signal_number) noexcept;
 
-    std::atomic<bool> stop_ = false;
     std::atomic<bool> deferring_ = false;
     std::atomic<bool> finished_ = false;
     std::atomic<int> signal_ = 0;

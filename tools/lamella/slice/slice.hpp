@@ -1,7 +1,10 @@
-// The stages of lamella slice: the mesh that is read and mended, its image, what is warned of, and outputs that are written
-// while it is sliced; and the summary for people, with the members that the tool adds to the report.
+// The flags of `lamella slice`, and what they ask of the engine. Its stages: the mesh that is read and mended, its image,
+// what is warned of, and outputs that are written while it is sliced; and the summary for people, with the members that the
+// tool adds to the report.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -10,16 +13,41 @@
 #include <string_view>
 #include <vector>
 
-#include "lamella/io/mesh_stream.hpp"
+#include <CLI/CLI.hpp>
+
+#include "files/mesh_input.hpp"
 #include "lamella/io/report.hpp"
-#include "lamella/medical/geometry.hpp"
-#include "lamella/weld.hpp"
-#include "outputs/write_outputs.hpp"
-#include "slice/slice_arguments.hpp"
+#include "outputs/outputs.hpp"
 #include "slicing/tuning.hpp"
 #include "terminal/stages.hpp"
 
 namespace lamella::cli {
+
+struct SliceArguments : MeshArguments {
+    std::vector<std::string> meshes;  ///< `mesh` is the one that is worked on
+    OutputArguments outputs;
+    ImageArguments image;
+    std::string report;
+    std::optional<double> weld_mm;
+    bool orient_shells = false;
+    Tuning tuning;
+    std::uint64_t memory_bytes = 0;  ///< 0: the mesh is held
+    bool hash = false;
+    bool split = false;  ///< each object of a file is a mesh
+
+    bool in_ranges() const noexcept { return memory_bytes > 0; }
+    /// At least two where each may hold several.
+    std::size_t mesh_count() const noexcept { return std::max<std::size_t>(split ? 2 : 1, meshes.size()); }
+    bool output_to_stdout() const noexcept {
+        return std::any_of(outputs.outputs.begin(), outputs.outputs.end(), is_standard);
+    }
+};
+
+/// Declares the flags on `command`, to be stored in `arguments`. Values are checked, and files that flags name are read,
+/// when the command line is parsed, which throws CLI::ParseError or Failure.
+void declare(CLI::App& command, SliceArguments& arguments);
+
+// --- the stages
 
 /// The tool's own work on the mesh that was sliced last, and the time that it took.
 struct ToolRun {
@@ -41,36 +69,10 @@ std::vector<ReportMember> members_of(const ToolRun& run);
 /// Some lines, each a keyword and what there is to say, with a final newline.
 std::string summary(const SlicedPart& part, const ReportParts& parts, const ToolRun& run);
 
-/// The mesh that is sliced: a file, mended or not, or within --memory a stream of it.
-struct MeshToSlice {
-    MeshFile file;
-    std::optional<MeshStream> stream{};      ///< in place of the file
-    std::optional<WeldedMesh> welded{};      ///< in place of the file
-    std::optional<OrientedMesh> oriented{};  ///< after welding
-    std::vector<std::string> warnings{};     ///< of reading
-
-    const MeshFile& about() const noexcept { return stream ? stream->about() : file; }
-    /// The triangles that are sliced. Precondition: no stream.
-    MeshView view() const noexcept { return oriented ? oriented->view() : welded ? welded->view() : file.view(); }
-    Source source() const noexcept { return stream ? stream->view() : Source(view()); }
-};
-
-/// The mesh, or within --memory a stream of it. Throws Failure, as all that follow.
-MeshToSlice read_for_slicing(const SliceArguments& arguments, Stages& stages);
-
-/// By --weld and --orient-shells. Fills in `run`.
-void mend(MeshToSlice& mesh, const SliceArguments& arguments, Stages& stages, ToolRun& run);
-
-/// The image of --like, if there is one, or the voxels of --spacing around all meshes.
-ImageGeometry image_for(const std::vector<MeshToSlice>& meshes, const SliceArguments& arguments);
-
 /// Warnings of open layers, layers of which nothing is cut or left, solid that is taken away, doubts of the mesh's scale.
 /// `image`: whose slices were cut.
 std::vector<std::string> warnings_of(const SlicedPart& part, const SliceArguments& arguments, const MeshFile& mesh,
                                      const std::optional<ImageGeometry>& image);
-
-/// True if all outputs are of formats that take one layer after the other: SVG and tables.
-bool can_stream(const std::vector<PlannedOutput>& outputs);
 
 /// Slices a mesh larger than memory: each layer is cut, written, forgotten. The part's result gets layers and stitches only;
 /// its open layers, and its hash where `hash` asks for it or an output has a record, are found on the way. Returns what puts

@@ -1,10 +1,12 @@
 // Which files a command writes, as what, and whether that can be: before any mesh is read, and once the image is known at
-// whose slices meshes are cut.
+// whose slices meshes are cut. Then results become files: masks, tables, SVG, and a record beside each but SVG.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,8 +14,10 @@
 #include <CLI/CLI.hpp>
 
 #include "files/streams.hpp"
-#include "lamella/medical/geometry.hpp"
-#include "lamella/medical/structure_set.hpp"
+#include "lamella/context.hpp"
+#include "lamella/io/mesh_file.hpp"
+#include "lamella/medical.hpp"
+#include "lamella/weld.hpp"
 
 namespace lamella::cli {
 
@@ -30,39 +34,29 @@ struct OutputArguments {
 /// The image that sets the planes.
 struct ImageArguments {
     std::string like{};
-    std::string spacing{};
+    std::optional<std::array<double, 3>> spacing{};  ///< mm
     PatientFrame frame = PatientFrame::unstated;
     int subslices = 1;
 
     /// The archives of convert may have been cut for one.
     bool in_archives = false;
 
-    bool given() const noexcept { return in_archives || !like.empty() || !spacing.empty(); }
+    bool given() const noexcept { return in_archives || !like.empty() || spacing; }
 };
 
 /// The flags of results that medicine reads, which slice and convert share.
 void declare_outputs(CLI::App& command, OutputArguments& arguments);
 void declare_image(CLI::App& command, ImageArguments& arguments);
 
-enum class OutputFormat : std::uint8_t {
-    svg,
-    nifti,
-    nifti_gz,
-    nrrd,
-    segmentation,
-    structure_set,
-    csv,
-    json_lines,
-    png,
-    hdf5
-};
+/// The end of a mask's or a table's name says which one it is.
+enum class OutputFormat : std::uint8_t { svg, mask, structure_set, table, png, hdf5 };
 
 struct PlannedOutput {
     std::string path;  ///< or - for standard output
     OutputFormat format = OutputFormat::svg;
 
     /// Voxels in the patient: it needs the geometry of an image, and the patient frame of the mesh.
-    bool is_mask() const noexcept;
+    bool is_mask() const noexcept { return format == OutputFormat::mask; }
     /// True if it takes one mesh only.
     bool one_mesh() const noexcept { return format == OutputFormat::svg || format == OutputFormat::hdf5; }
     /// True if a record is written beside it: beside all but SVG.
@@ -106,5 +100,77 @@ void require_image_serves(const ImageGeometry& image, const std::vector<PlannedO
 
 /// Throws Failure (bad_input) where the mesh lies outside of the image.
 void require_overlap(const ImageGeometry& image, const std::string& name, const Box& mesh);
+
+// --- what is written
+
+/// An option that decides what comes out, as typed; flags have no value.
+struct RecordedOption {
+    std::string name;  ///< "--layer-height"
+    std::optional<std::string> value;
+
+    /// True if the value is a path of a file that decides the output, such as --like's.
+    bool names_file() const;
+};
+
+/// Those that were given to slice, and those of changed_defaults, in the order of `lamella slice --help`. Left out is what
+/// says only where results go or how they are made.
+std::vector<RecordedOption> recorded_options(const CLI::App& slice_command);
+
+/// True if records hold the option of this name.
+bool is_recorded(const std::string& name);
+
+/// An option that takes no value.
+bool is_flag(const CLI::Option& option);
+
+/// True if the output, now written, is a file of a format with a record.
+bool takes_record(const PlannedOutput& output);
+
+/// Writes it with this version, and what is known of the output. Throws Failure.
+void write_record_beside(const PlannedOutput& output, Record record, const Context& context);
+
+/// A mesh that was sliced.
+struct SlicedPart {
+    std::string name;  ///< of its label, ROI or row
+    SliceResult result;
+    OpenLayers open;  ///< of the result
+    std::optional<MeshFacts> facts;
+    PatientFrame frame = PatientFrame::unstated;
+    std::optional<WeldedMesh> welded;
+    std::string mesh_sha256;            ///< of the mesh's file, where it is known
+    std::optional<std::uint64_t> hash;  ///< SliceResult::hash(), where it is known
+
+    double reach_mm() const noexcept { return result.info.options.stitch_mm; }  ///< of stitches
+};
+
+/// All that is written at the end of a command.
+struct OutputJob {
+    std::vector<PlannedOutput> outputs{};
+    const OutputArguments& arguments;
+    std::vector<SlicedPart> parts{};
+    std::optional<ImageGeometry> image{};
+    int subslices = 1;
+    std::string command;  ///< for the records, as what follows
+    std::vector<FileSeal> inputs{};
+    std::vector<RecordedOption> options{};
+    std::function<void()> finish_streamed{};  ///< puts in place what was written while the mesh was sliced; else empty
+    std::vector<std::string> written{};       ///< paths, in the end
+    std::optional<Failure> failure{};         ///< of the first that could not be written; those of others were complained of
+};
+
+/// Throws Failure.
+OpenLayers open_layers_of(const SliceResult& result, const Context& context);
+
+/// Counts and places of open contours, and the flag that would join them: a line for people.
+std::string said_of(const OpenLayers& open);
+
+/// Writes all outputs that can be written; `note` takes warnings. Parts whose names repeat are told apart by a number.
+/// Throws Failure where none can be written, and of a stop.
+void write_outputs(OutputJob& job, const Context& context, const std::function<void(const std::string&)>& note);
+
+/// The name of a mesh's file without folder and ends: "liver" of "a/liver.stl.gz".
+std::string mesh_name_of(const std::string& path);
+
+/// A line for people for each output that was written.
+std::string wrote(const std::vector<std::string>& outputs);
 
 }  // namespace lamella::cli

@@ -1,5 +1,7 @@
-// lamella info: what a mesh is, and whether it is closed. lamella check: what is wrong with it, and where.
+// lamella info: what a mesh is, and whether it is closed. lamella check: what is wrong with it, and where. lamella make: a
+// sample mesh of any size.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -16,40 +18,13 @@
 #include "lamella/check.hpp"
 #include "lamella/io/check_report.hpp"
 #include "lamella/io/mesh_file.hpp"
-#include "terminal/numbers.hpp"
+#include "models/models.hpp"
+#include "terminal/console.hpp"
 #include "terminal/stages.hpp"
 
 namespace lamella::cli {
 
 namespace {
-
-std::string box(const MeshCheck& info) {
-    std::string text;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        text += std::string(axis == 0 ? "" : ", ") + "xyz"[axis] + " " + exact_text(info.box.min_mm[axis]) + " to " +
-                exact_text(info.box.max_mm[axis]);
-    }
-    return text + " mm";
-}
-
-std::string size(const MeshCheck& info) {
-    std::string text;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        text += (axis == 0 ? "" : " x ") + measure_text(info.box.max_mm[axis] - info.box.min_mm[axis]);
-    }
-    return text + " mm";
-}
-
-/// Planes lie in the middle of their layers.
-std::string layers(const MeshCheck& info) {
-    std::string text;
-    for (const double layer_mm : {0.1, 0.2}) {
-        const double count = std::max(0.0, std::ceil((info.box.max_mm[2] - info.box.min_mm[2]) / layer_mm - 0.5));
-        text +=
-            (text.empty() ? "" : ", ") + grouped(static_cast<std::uint64_t>(count)) + " of " + exact_text(layer_mm) + " mm";
-    }
-    return text;
-}
 
 /// A line for each part, where there are several.
 std::string parts(const MeshFile& mesh) {
@@ -62,36 +37,44 @@ std::string parts(const MeshFile& mesh) {
 }
 
 std::string words(const std::string& path, const MeshFile& mesh, const MeshCheck& info) {
-    return "mesh            " + path + ", " + description(mesh) + "\ntriangles       " + grouped(info.triangles) +
-           "\ndegenerate      " + grouped(info.degenerate) + "\nbox             " + box(info) + "\nsize            " +
-           size(info) + "\nlayers          " + layers(info) + "\narea            " + measure_text(info.area_mm2) +
-           " mm2\nvolume          " + measure_text(info.volume_mm3) + " mm3" +
-           (info.closed ? "" : " (not meaningful: the mesh is not closed)") + "\nedges           " + grouped(info.edges) +
-           "\nboundary edges  " + grouped(info.boundary_edges) + "\nover-full edges " + grouped(info.overfull_edges) +
-           "\nflipped edges   " + grouped(info.mismatched_edges) + "\nshells          " + grouped(info.shell_count) +
-           "\ngrid            " + exact_text(info.grid_mm) + " mm" + joined_by_grid(info) + "\nclosed          " +
-           (info.closed ? "yes" : "no") + "\n" + parts(mesh);
-}
-
-std::string info_words(const MeshArguments& arguments) {
-    ProgressBar bar(arguments.progress);
-    const MeshFile mesh = read_mesh_and_warn(arguments, bar);
-    Stage stage(bar, "inspecting");
-    const Context context{.threads = arguments.threads, .progress = stage.progress()};
-    const MeshCheck info = done_or_thrown(
-        check(mesh.view(), {.frame = arguments.options.frame, .counts_only = true}, context), arguments.name());
-    for (const std::string& doubt : doubts_of_scale(arguments, mesh, {info.box, info.grid_mm})) {
-        bar.wipe();
-        warn(doubt);
+    std::string box;
+    std::string size;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double low = info.box.min_mm[axis];
+        const double high = info.box.max_mm[axis];
+        box += when(axis > 0, ", ") + "xyz"[axis] + " " + exact_text(low) + " to " + exact_text(high);
+        size += when(axis > 0, " x ") + measure_text(high - low);
     }
-    return words(arguments.name(), mesh, info);
+    std::string layers;  // planes lie in the middle of their layers
+    for (const double layer_mm : {0.1, 0.2}) {
+        const double count = std::max(0.0, std::ceil((info.box.max_mm[2] - info.box.min_mm[2]) / layer_mm - 0.5));
+        layers +=
+            when(!layers.empty(), ", ") + grouped(static_cast<std::uint64_t>(count)) + " of " + exact_text(layer_mm) + " mm";
+    }
+    return "mesh            " + path + ", " + description(mesh) + "\ntriangles       " + grouped(info.triangles) +
+           "\ndegenerate      " + grouped(info.degenerate) + "\nbox             " + box + " mm\nsize            " + size +
+           " mm\nlayers          " + layers + "\narea            " + measure_text(info.area_mm2) + " mm2\nvolume          " +
+           measure_text(info.volume_mm3) + " mm3" + (info.closed ? "" : " (not meaningful: the mesh is not closed)") +
+           "\nedges           " + grouped(info.edges) + "\nboundary edges  " + grouped(info.boundary_edges) +
+           "\nover-full edges " + grouped(info.overfull_edges) + "\nflipped edges   " + grouped(info.mismatched_edges) +
+           "\nshells          " + grouped(info.shell_count) + "\ngrid            " + exact_text(info.grid_mm) + " mm" +
+           joined_by_grid(info) + "\nclosed          " + (info.closed ? "yes" : "no") + "\n" + parts(mesh);
 }
 
 void run(const MeshList& meshes, Interrupt& interrupt) {
     bool first = true;
-    const auto print_info = [&first](const MeshArguments& mesh) {
-        const std::string words = info_words(mesh);
-        print((std::exchange(first, false) ? "" : "\n") + words);
+    const auto print_info = [&first](const MeshArguments& arguments) {
+        ProgressBar bar(arguments.progress);
+        const MeshFile mesh = read_mesh_and_warn(arguments, bar);
+        Stage stage(bar, "inspecting");
+        const Context context{.threads = arguments.threads, .progress = stage.progress()};
+        const MeshCheck info = done_or_thrown(
+            check(mesh.view(), {.frame = arguments.options.frame, .counts_only = true}, context), arguments.name());
+        bar.wipe();
+        for (const std::string& doubt : doubts_of_scale(arguments, mesh, {info.box, info.grid_mm})) {
+            warn(doubt);
+        }
+        print(when(!std::exchange(first, false), "\n") + words(arguments.name(), mesh, info));
     };
     if (const auto failure = meshes.for_each(interrupt, print_info, [](const MeshArguments&, const Failure&) {})) {
         throw Failure(*failure);
@@ -108,15 +91,6 @@ struct CheckArguments : MeshList {
     std::size_t places = CheckOptions{}.most_places;
     bool all_kinds = false;
 };
-
-/// An array of values, each of which is text that ends a line.
-std::string json_array(const std::vector<std::string>& values) {
-    std::string text = "[\n";
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        text.append(values[i], 0, values[i].size() - 1).append(i + 1 < values.size() ? ",\n" : "\n");
-    }
-    return text + "]\n";
-}
 
 /// The members that the tool adds to the report. They refer to `mesh`.
 std::vector<ReportMember> members_of(const CheckTimes& ms, const MeshFile& mesh, double write_ms, double total_ms) {
@@ -272,7 +246,13 @@ private:
         const Stopwatch watch;
         ProgressBar bar(mesh.progress);
         MeshFile file = read_mesh_and_warn(mesh, bar);
-        const MeshCheck found = checked(mesh, file, bar);
+        Stage checking(bar, "checking");
+        const std::size_t places = arguments_.marks.empty() ? arguments_.places : std::max(arguments_.places, most_marks);
+        const MeshCheck found = done_or_thrown(
+            check(file.view(), {.frame = mesh.options.frame, .tolerance_mm = arguments_.tolerance_mm, .most_places = places},
+                  {.threads = mesh.threads, .progress = checking.progress()}),
+            mesh.name());
+        bar.wipe();
         for (std::string& doubt : doubts_of_scale(mesh, file, {found.box, found.grid_mm})) {
             warn(doubt);
             file.warnings.push_back(std::move(doubt));
@@ -289,16 +269,6 @@ private:
             reports_.push_back(done_or_thrown(make_check_json(found, parts, arguments_.places)));
         }
         add_words(check_words(mesh.name(), file, found, arguments_.places, arguments_.all_kinds));
-    }
-
-    MeshCheck checked(const MeshArguments& mesh, const MeshFile& file, ProgressBar& bar) const {
-        Stage stage(bar, "checking");
-        const CheckOptions options{
-            .frame = mesh.options.frame,
-            .tolerance_mm = arguments_.tolerance_mm,
-            .most_places = arguments_.marks.empty() ? arguments_.places : std::max(arguments_.places, most_marks)};
-        const Context context{.threads = mesh.threads, .progress = stage.progress()};
-        return done_or_thrown(check(file.view(), options, context), mesh.name());
     }
 
     /// The words of one mesh come when the report is written; of several at once, a blank line before each but the first.
@@ -319,9 +289,14 @@ private:
         reports_.push_back(done_or_thrown(make_mesh_json({.mesh_name = mesh.mesh, .members = {&error, 1}})));
     }
 
+    /// One report, or an array of them, each of which is text that ends a line.
     void write_report() const {
+        std::string text;
+        for (const std::string& report : reports_) {
+            text += when(!text.empty(), ",\n") + report.substr(0, report.size() - 1);
+        }
         if (!arguments_.report.empty()) {
-            write_text(arguments_.report, arguments_.several() ? json_array(reports_) : reports_.front());
+            write_text(arguments_.report, arguments_.several() ? "[\n" + text + "\n]\n" : text + "\n");
         }
     }
 
@@ -331,6 +306,27 @@ private:
     std::string held_words_;
     bool any_words_ = false;
 };
+
+struct MakeArguments {
+    std::string output;
+    models::Recipe recipe;
+};
+
+void make(const MakeArguments& arguments, Interrupt& interrupt) {
+    require_writable(arguments.output);
+    require_extension(arguments.output, "--output", ".stl");
+    interrupt.tidy({arguments.output});
+    const Stopwatch watch;
+    const Result<std::uint64_t> triangles =
+        models::write_stl(arguments.recipe, output_path(arguments.output), interrupt.defer());
+    if (!triangles) {
+        throw failure_of(triangles.error());
+    }
+    print_words(output_name(arguments.output) + ": " +
+                    std::string(models::shape_names[static_cast<std::size_t>(arguments.recipe.shape)]) + ", " +
+                    counted(triangles.value(), "triangle") + ", " + rounded(watch.ms() / 1000, 2) + " s\n",
+                is_standard(arguments.output));
+}
 
 }  // namespace
 
@@ -355,6 +351,26 @@ void add_check_command(CLI::App& app, Interrupt& interrupt) {
         ->check(CLI::Range(0, static_cast<int>(most_marks)));
     command->add_flag("--all", arguments->all_kinds, "List the kinds of faults that were not found, too");
     command->callback([arguments, &interrupt] { CheckCommand(*arguments, interrupt).run(); });
+}
+
+void add_make_command(CLI::App& app, Interrupt& interrupt) {
+    CLI::App* const command = app.add_subcommand("make", "Make a closed sample mesh");
+    const auto arguments = std::make_shared<MakeArguments>();
+    models::Recipe& recipe = arguments->recipe;
+    static constexpr std::array<std::string_view, 2> orders = {"z", "random"};
+    add_choice(*command, "shape", models::shape_names, "Shape to make", recipe.shape)->required();
+    add(*command, "--triangles", recipe.triangles, "N", "Number of triangles, within 1 % (1000000)");
+    add(*command, "--height", recipe.height_mm, "MM", "Height, along z (150)");
+    add(*command, "--width", recipe.width_mm, "MM", "Width, along x (by the shape's proportions)");
+    add(*command, "--segments", recipe.segments, "M", "Number of segments wanted at --layer-height");
+    add(*command, "--layer-height", recipe.layer_height_mm, "MM", "Layer height that --segments counts at (0.032)")
+        ->needs("--segments");
+    add_choice(*command, "--order", orders, "Order of the triangles in the file (z)", recipe.order);
+    add_count(*command, "--seed", "Seed of the shape and of the random order (1)",
+              [&recipe](std::uint64_t seed) { recipe.seed = seed; });
+    add_text(*command, "-o,--output", arguments->output, "FILE.stl|-", "Binary STL file to write; - for standard output")
+        ->required();
+    command->callback([arguments, &interrupt] { make(*arguments, interrupt); });
 }
 
 }  // namespace lamella::cli

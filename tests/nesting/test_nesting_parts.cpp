@@ -8,14 +8,13 @@
 #include "base/vector.hpp"
 #include "layer_sample.hpp"
 #include "slicing/grid/point_tree.hpp"
+#include "slicing/nesting/inside.hpp"
 #include "slicing/nesting/order.hpp"
-#include "slicing/nesting/starts.hpp"
 
 using lamella::Point;
 using lamella::Vector;
 using lamella::nesting::ManyInside;
 using lamella::nesting::SortKey;
-using lamella::nesting::StartLine;
 using lamella::test::below;
 
 namespace {
@@ -101,41 +100,31 @@ TEST_CASE("keys are sorted whatever their number and distribution", "[nesting]")
     }
 }
 
-TEST_CASE("the line and the tree of starts find the starts within a box", "[nesting]") {
+TEST_CASE("the tree of starts finds the starts within a box", "[nesting]") {
     std::mt19937 random(GENERATE(1U, 2U, 3U));
     const int count = GENERATE(1, 15, 16, 17, 300, 5000);
     const int size = GENERATE(3, 60, 1 << 30);
     const double aspect = GENERATE(0.0, 1.0, 1e9);
     const Keys starts = random_starts(random, count, size);
-    StartLine line(nullptr);
     lamella::Worker worker;
     lamella::PointTree tree(worker);
     for (const Keys& keys : {random_starts(random, 6000, size), starts}) {  // earlier contents must leave no trace
-        line.assign(keys);
         tree.assign(
             keys.size(), [&](std::size_t i) { return point_of(keys[i]); }, aspect);
     }
     std::vector<bool> taken_off(starts.size(), false);
     for (int round = 0; round < 40; ++round) {
-        const auto corner = static_cast<std::uint32_t>(below(random, count));  // the line's boxes begin at a start
-        Box box = random_box(random, size);
-        box.min.x = point_of(starts[corner]).x;
-        const StartLine::Window window = line.window(line.first_right_of(corner, corner), box.max.x, box.min.y, box.max.y);
-        Vector<std::uint32_t> in_line;
+        const Box box = random_box(random, size);
         Vector<std::uint32_t> in_tree;
-        line.find(window, box.min.y, box.max.y, in_line);
         tree.find_in(lamella::grown({box.min, box.max}, -1), [&](Point, std::uint32_t start) {
             in_tree.push_back(start);
             return true;
         });
         const std::vector<std::uint32_t> expected = expected_within(starts, taken_off, box);
-        REQUIRE(sorted(in_line) == expected);
         REQUIRE(sorted(in_tree) == expected);
-        REQUIRE(window.occupied == !expected.empty());
         for (const std::uint32_t start : expected) {
             if (below(random, 3) == 0) {
                 taken_off[start] = true;
-                line.take_off(start);
                 tree.take_off(start);
             }
         }

@@ -15,7 +15,6 @@ namespace {
 
 using nesting::Container;
 using nesting::SortKey;
-using nesting::StartLine;
 
 /// From small to large. Equal only if all points are equal.
 std::strong_ordering compare_size(const NestItem& a, const NestItem& b) noexcept {
@@ -119,18 +118,16 @@ void Nester::sort_by_start(std::span<const NestItem> items) {
 
 /// Every ring becomes the parent of the starts inside it that have none yet: the smallest ring first.
 void Nester::find_parents(std::span<const NestItem> items) {
-    starts_.assign(by_start_);
+    list_starts();
     tree_in_use_ = !find_containers(items);
     if (tree_in_use_) {
         tree_.assign(
-            rings_.size(), [this](std::size_t start) { return starts_.at(static_cast<std::uint32_t>(start)); },
-            aspect_of(items));
+            rings_.size(), [this](std::size_t start) { return start_at(start); }, aspect_of(items));
         take_all_for_containers();
     }
     sort_containers(items);
-    for (std::size_t i = 0; i < by_size_.size(); ++i) {
-        fetch_ahead(items, i);
-        const Container& container = containers_[by_size_[i].index];
+    for (const SortKey& key : by_size_) {
+        const Container& container = containers_[key.index];
         const NestItem& contour = items[container.item];
         found_.clear();
         if (tree_in_use_) {
@@ -139,44 +136,48 @@ void Nester::find_parents(std::span<const NestItem> items) {
                 return true;
             });
         } else {
-            starts_.find(container.window, contour.box.low.y, contour.box.high.y, found_);
+            for (std::uint32_t start = container.first; start < container.end; ++start) {
+                if (contour.box.low.y < start_y_[start] && start_y_[start] < contour.box.high.y) {
+                    found_.push_back(start);
+                }
+            }
         }
         take_in(contour, container.ring);
     }
 }
 
-/// Containers are visited by size, which jumps in memory: prefetches the data of the next ones.
-void Nester::fetch_ahead(std::span<const NestItem> items, std::size_t place) const {
-    constexpr std::size_t items_ahead = 16;
-    constexpr std::size_t points_ahead = 8;
-    constexpr std::uint32_t line_points = 8;
-    constexpr std::uint32_t most_points = 8 * line_points;
-    if (place + items_ahead >= by_size_.size()) {
-        return;
-    }
-    __builtin_prefetch(&items[containers_[by_size_[place + items_ahead].index].item]);
-    const NestItem& contour = items[containers_[by_size_[place + points_ahead].index].item];
-    for (std::uint32_t i = 0; i < std::min(contour.count, most_points); i += line_points) {
-        __builtin_prefetch(contour.points + i);
+void Nester::list_starts() {
+    start_x_.clear();
+    start_y_.clear();
+    for (const SortKey& key : by_start_) {
+        start_x_.push_back(nesting::x_of(key.key));
+        start_y_.push_back(nesting::y_of(key.key));
     }
 }
 
-/// False if windows are so long that a tree is faster.
+/// The rings whose boxes hold starts. Those with an x within the box's follow one another:
+///
+///     starts by x   [ . . . . . b . . . . . . e . . . ]      b: the first with x > low.x, e: the first with x >= high.x
+///
+/// False if these stretches are so long that a tree is faster.
 bool Nester::find_containers(std::span<const NestItem> items) {
-    constexpr std::size_t steps_per_ring = 16;
+    constexpr std::size_t most_each = 256;
     containers_.clear();
-    std::size_t steps = 0;
-    std::uint32_t right = 0;  // the first start with a larger x than the ring's
+    std::size_t passed = 0;
+    std::uint32_t first = 0;
     for (std::uint32_t ring = 0; ring < rings_.size(); ++ring) {
         worker_.spend(item_work);
-        const NestItem& contour = items[rings_[ring].item];
-        right = right > ring ? right : starts_.first_right_of(ring, ring + 1);
-        const StartLine::Window window = starts_.window(right, contour.box.high.x, contour.box.low.y, contour.box.high.y);
-        if (window.occupied) {
-            containers_.push_back({ring, rings_[ring].item, window});
+        const FlatBox& box = items[rings_[ring].item].box;
+        for (first = std::max(first, ring + 1); first < rings_.size() && start_x_[first] == box.low.x; ++first) {
         }
-        steps += window.steps();
-        if (steps > 4 * rings_.size() + steps_per_ring * ring) {
+        const auto end = static_cast<std::uint32_t>(std::lower_bound(start_x_.begin() + first, start_x_.end(), box.high.x) -
+                                                    start_x_.begin());
+        const auto within = [&box](std::int32_t y) { return box.low.y < y && y < box.high.y; };
+        if (std::count_if(start_y_.begin() + first, start_y_.begin() + end, within) > 0) {
+            containers_.push_back({ring, rings_[ring].item, first, end});
+        }
+        passed += end - first;
+        if (passed > most_each * (ring + 1) + 64 * rings_.size()) {
             return false;
         }
     }
@@ -199,7 +200,7 @@ double Nester::aspect_of(std::span<const NestItem> items) {
 void Nester::take_all_for_containers() {
     containers_.clear();
     for (std::uint32_t ring = 0; ring < rings_.size(); ++ring) {
-        containers_.push_back({ring, rings_[ring].item, {}});
+        containers_.push_back({ring, rings_[ring].item, 0, 0});
     }
 }
 
@@ -230,7 +231,7 @@ void Nester::take_in(const NestItem& contour, std::uint32_t ring) {
     worker_.spend(item_work + found_.size() * (found_.size() < many ? contour.count / points_per_step : 1));
     if (found_.size() < many) {
         for (const std::uint32_t child : found_) {
-            if (nesting::strictly_inside(add_edges_, contour.points, contour.count, starts_.at(child))) {
+            if (nesting::strictly_inside(add_edges_, contour.points, contour.count, start_at(child))) {
                 adopt(ring, child);
             }
         }
@@ -238,7 +239,7 @@ void Nester::take_in(const NestItem& contour, std::uint32_t ring) {
     }
     many_inside_.clear();
     for (const std::uint32_t child : found_) {
-        many_inside_.add(starts_.at(child), child);
+        many_inside_.add(start_at(child), child);
     }
     found_.clear();
     many_inside_.test(contour.points, contour.count, found_);
@@ -252,7 +253,7 @@ void Nester::adopt(std::uint32_t ring, std::uint32_t child) {
     if (tree_in_use_) {
         tree_.take_off(child);
     } else {
-        starts_.take_off(child);
+        start_y_[child] = taken_off;
     }
 }
 

@@ -8,7 +8,7 @@
 // every point strictly inside is larger, and starts strictly decrease from child to parent.
 //
 // Contours are visited from small to large. Each becomes the parent of the starts strictly inside it that have none yet. The
-// starts in its box are found in a line of all starts, or in a tree if boxes span long stretches of the line. Starts with a
+// starts in its box are found among all starts by x, or in a tree if boxes span long stretches of these. Starts with a
 // parent are taken off, so that a nest of any depth costs one test a contour. Starts in the box of one contour are tested
 // together.
 //
@@ -19,6 +19,7 @@
 
 #include <compare>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -32,7 +33,6 @@
 #include "slicing/grid/point_tree.hpp"
 #include "slicing/nesting/inside.hpp"
 #include "slicing/nesting/order.hpp"
-#include "slicing/nesting/starts.hpp"
 
 namespace lamella {
 
@@ -92,7 +92,8 @@ struct Ring {
 struct Container {
     std::uint32_t ring = 0;
     std::uint32_t item = 0;
-    StartLine::Window window;
+    std::uint32_t first = 0;  // starts [first, end) have an x within the box's
+    std::uint32_t end = 0;
 };
 
 }  // namespace lamella::nesting
@@ -113,14 +114,17 @@ private:
     void reserve_keys(std::size_t count);
     void sort_by_start(std::span<const NestItem> items);
     void find_parents(std::span<const NestItem> items);
+    void list_starts();
+    Point start_at(std::size_t ring) const noexcept { return {start_x_[ring], start_y_[ring]}; }
     bool find_containers(std::span<const NestItem> items);
     double aspect_of(std::span<const NestItem> items);
     void take_all_for_containers();
     void sort_containers(std::span<const NestItem> items);
-    void fetch_ahead(std::span<const NestItem> items, std::size_t place) const;
     void take_in(const NestItem& contour, std::uint32_t ring);
     void adopt(std::uint32_t ring, std::uint32_t child);
     void assign_roles(std::span<NestItem> items);
+
+    static constexpr std::int32_t taken_off = std::numeric_limits<std::int32_t>::min();  // lies in no box
 
     Worker& worker_;
     nesting::AddEdges add_edges_ = best_of(nesting::add_edges_forms());
@@ -128,9 +132,10 @@ private:
     Vector<nesting::SortKey> by_size_{worker_.memory()};   // of containers_: their areas
     Vector<nesting::SortKey> spare_keys_{worker_.memory()};
     Vector<nesting::Ring> rings_{worker_.memory()};
-    nesting::StartLine starts_{worker_.memory()};
+    Vector<std::int32_t> start_x_{worker_.memory()};  // of rings_
+    Vector<std::int32_t> start_y_{worker_.memory()};  // taken_off: the ring has its parent
     PointTree tree_{worker_};
-    bool tree_in_use_ = false;  // instead of windows
+    bool tree_in_use_ = false;  // instead of the starts by x
     Vector<nesting::Container> containers_{worker_.memory()};
     Vector<std::uint32_t> found_{worker_.memory()};  // starts in a container's box
     nesting::ManyInside many_inside_{worker_};

@@ -7,7 +7,7 @@
 #include "base/function_ref.hpp"
 #include "lamella/layers.hpp"
 #include "slicing/nesting/nest.hpp"
-#include "slicing/nesting/ring_facts.hpp"
+#include "slicing/nesting/order.hpp"
 
 namespace lamella {
 

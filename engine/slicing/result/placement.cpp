@@ -94,14 +94,14 @@ BandOutput* Placement::acquire(std::size_t band) {
 /// Where the band's points will lie if each unfinished band before it has a point for each segment. None if the points of
 /// another band may come to lie there.
 std::optional<Placement::Stretch> Placement::find_room(std::size_t band) {
-    if (room_.writer != nullptr || (outgrown_ && band != head_)) {
+    if (room_.writer != nullptr || outgrown_) {
         return {};
     }
     Stretch room{totals_.points, 0};
     for (std::size_t b = head_; b < band; ++b) {
         room.begin += bands_[b].segments;
     }
-    room.end = outgrown_ ? room_.points.size() : room.begin + bands_[band].segments;
+    room.end = room.begin + bands_[band].segments;
     if (room.begin > room.end || room.end > room_.points.size()) {
         return {};
     }

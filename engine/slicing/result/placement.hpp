@@ -134,8 +134,7 @@ private:
     std::vector<Placed> placed_;
     std::size_t head_ = 0;
     std::size_t lead_ = 0;  // how many bands beyond the head may be begun
-    /// Some band had more points than segments, as open polylines do: places can no longer be predicted. Only the head,
-    /// whose place is known, is still swept straight to it.
+    /// Some band had more points than segments, as open polylines do: places can no longer be predicted.
     bool outgrown_ = false;
     LayerTotals totals_;
     bool aborted_ = false;

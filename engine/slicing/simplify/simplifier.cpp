@@ -7,7 +7,7 @@
 #include <new>
 
 #include "base/numbers.hpp"
-#include "slicing/nesting/ring_facts.hpp"
+#include "slicing/nesting/order.hpp"
 #include "slicing/simplify/chain.hpp"
 
 namespace lamella {

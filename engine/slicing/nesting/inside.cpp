@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 
 #include "base/vector.hpp"
 
@@ -135,39 +136,39 @@ std::span<const Form<AddEdges>> add_edges_forms() noexcept {
     return forms;
 }
 
-void ManyInside::move(Level& level, std::int32_t y) const noexcept {
-    const auto y_at = [this](std::size_t query) -> std::int64_t { return queries_[query].y(); };
-    for (; level.up_to < queries_.size() && y_at(level.up_to) <= y; ++level.up_to) {
+/// Between the ends of `ys_`, which are beyond every y.
+ManyInside::Level ManyInside::level_of(std::int32_t y, std::uint32_t near) const noexcept {
+    const std::int32_t* const ys = ys_.data() + 1;
+    std::int64_t up_to = near;
+    for (; ys[up_to] <= y; ++up_to) {
     }
-    for (; level.up_to > 0 && y_at(level.up_to - 1) > y; --level.up_to) {
+    for (; ys[up_to - 1] > y; --up_to) {
     }
-    for (level.lower = std::min(level.lower, level.up_to); level.lower > 0 && y_at(level.lower - 1) >= y; --level.lower) {
+    std::int64_t lower = up_to;
+    for (; ys[lower - 1] == y; --lower) {
     }
-    for (; level.lower < level.up_to && y_at(level.lower) < y; ++level.lower) {
-    }
-    const bool at_query = level.lower < level.up_to;
-    level.lowest = at_query ? y : (level.lower > 0 ? y_at(level.lower - 1) + 1 : INT64_MIN);
-    level.highest = at_query ? y - 1 : (level.up_to < queries_.size() ? y_at(level.up_to) - 1 : INT64_MAX);
+    return {static_cast<std::uint32_t>(lower), static_cast<std::uint32_t>(up_to)};
 }
 
 void ManyInside::test(const Point* points, std::uint32_t count, Vector<std::uint32_t>& inside) {
     std::sort(queries_.begin(), queries_.end(), [](const Query& a, const Query& b) { return a.y() < b.y(); });
-    Level from{};
-    move(from, points[count - 1].y);
+    ys_.assign(1, std::numeric_limits<std::int32_t>::min());
+    for (const Query& query : queries_) {
+        ys_.push_back(query.y());
+    }
+    ys_.push_back(std::numeric_limits<std::int32_t>::max());
     Point a = points[count - 1];
+    Level from = level_of(a.y, 0);
     worker_.in_stretches(0, count, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const Point b = points[i];
-            if (b.y < from.lowest || b.y > from.highest) {
-                Level to = from;
-                move(to, b.y);
-                const std::size_t last = std::max(from.up_to, to.up_to);
-                for (std::size_t query = std::min(from.lower, to.lower); query < last; ++query) {
-                    queries_[query].winding.add(a, b);
-                    worker_.spend(1);
-                }
-                from = to;
+            const Level to = level_of(b.y, from.up_to);
+            const std::uint32_t last = std::max(from.up_to, to.up_to);
+            for (std::uint32_t query = std::min(from.lower, to.lower); query < last; ++query) {
+                queries_[query].winding.add(a, b);
+                worker_.spend(1);
             }
+            from = to;
             a = b;
         }
     });

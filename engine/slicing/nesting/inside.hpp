@@ -86,15 +86,14 @@ private:
     };
     /// Where a y lies among the queries.
     struct Level {
-        std::size_t lower;     // queries that lie lower
-        std::size_t up_to;     // those and the ones at the very y
-        std::int64_t lowest;   // from here ...
-        std::int64_t highest;  // ... to here the level is the same
+        std::uint32_t lower;  // queries that lie lower
+        std::uint32_t up_to;  // those and the ones at the very y
     };
-    void move(Level& level, std::int32_t y) const noexcept;
+    Level level_of(std::int32_t y, std::uint32_t near) const noexcept;
 
     Worker& worker_;
     Vector<Query> queries_{worker_.memory()};
+    Vector<std::int32_t> ys_{worker_.memory()};  // of queries_, ascending, between two that are beyond every other
 };
 
 }  // namespace lamella::nesting

@@ -7,7 +7,7 @@
 
 #include "base/vector.hpp"
 #include "layer_sample.hpp"
-#include "slicing/grid/point_tree.hpp"
+#include "slicing/grid/box_tree.hpp"
 #include "slicing/nesting/inside.hpp"
 #include "slicing/nesting/order.hpp"
 

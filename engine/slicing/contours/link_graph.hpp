@@ -27,7 +27,6 @@
 #include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
-#include "slicing/contours/pairing.hpp"
 #include "slicing/contours/slot_table.hpp"
 
 namespace lamella {

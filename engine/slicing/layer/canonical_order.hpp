@@ -12,8 +12,8 @@
 #include <span>
 
 #include "base/vector.hpp"
+#include "slicing/nesting/nest.hpp"
 #include "slicing/nesting/order.hpp"
-#include "slicing/nesting/path.hpp"
 
 namespace lamella {
 

@@ -6,8 +6,8 @@
 
 #include "base/clock.hpp"
 #include "base/numbers.hpp"
-#include "slicing/grid/origins.hpp"
-#include "slicing/regions/collinear.hpp"
+#include "slicing/nesting/nest.hpp"
+#include "slicing/regions/regions.hpp"
 
 namespace lamella {
 

@@ -19,7 +19,6 @@
 #include "slicing/layer/canonical_order.hpp"
 #include "slicing/layer/ring_reader.hpp"
 #include "slicing/nesting/nest.hpp"
-#include "slicing/nesting/path.hpp"
 #include "slicing/regions/regions.hpp"
 #include "slicing/repair/polylines.hpp"
 #include "slicing/result/band_output.hpp"

@@ -6,8 +6,8 @@
 #include <span>
 
 #include "geometry.hpp"
-#include "slicing/contours/pairing.hpp"
-#include "slicing/grid/vertex_hash.hpp"
+#include "slicing/contours/slot_table.hpp"
+#include "slicing/grid/mesh_edge.hpp"
 
 namespace lamella::baselines {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "slicing/grid/grid_vector.hpp"
-#include "slicing/grid/vertex_hash.hpp"
+#include "slicing/grid/exact.hpp"
+#include "slicing/grid/mesh_edge.hpp"
 
 namespace lamella {
 

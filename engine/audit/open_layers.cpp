@@ -7,7 +7,7 @@
 #include "audit/questions.hpp"
 #include "base/guard.hpp"
 #include "base/words.hpp"
-#include "slicing/repair/gaps.hpp"
+#include "slicing/repair/polylines.hpp"
 
 namespace lamella {
 

@@ -13,8 +13,8 @@
 #include "base/numbers.hpp"
 #include "lamella/audit.hpp"
 #include "slicing/grid/exact.hpp"
+#include "slicing/grid/mesh_edge.hpp"
 #include "slicing/grid/quantise.hpp"
-#include "slicing/grid/vertex_hash.hpp"
 #include "slicing/planes/plane_set.hpp"
 
 namespace lamella {

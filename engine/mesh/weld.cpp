@@ -19,7 +19,7 @@
 #include "mesh/near_vertices.hpp"
 #include "mesh/vertex_numbers.hpp"
 #include "slicing/grid/bounds.hpp"
-#include "slicing/grid/placed_reader.hpp"
+#include "slicing/grid/quantise.hpp"
 
 namespace lamella {
 

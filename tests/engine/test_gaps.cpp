@@ -16,7 +16,6 @@
 #include "engine/counting_memory.hpp"
 #include "engine/slicing.hpp"
 #include "rings.hpp"
-#include "slicing/repair/gaps.hpp"
 #include "slicing/repair/polylines.hpp"
 
 using lamella::Gap;

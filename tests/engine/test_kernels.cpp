@@ -12,7 +12,7 @@
 #include "lamella/result.hpp"
 #include "rings.hpp"
 #include "slicing/contours/kernels.hpp"
-#include "slicing/edges/find_turns.hpp"
+#include "slicing/edges/edge_runs.hpp"
 #include "slicing/planes/plane_set.hpp"
 
 using lamella::Kernels;

@@ -8,7 +8,7 @@
 
 #include "base/parallel.hpp"
 #include "engine/rounds.hpp"
-#include "slicing/result/placement.hpp"
+#include "slicing/result/layer_target.hpp"
 
 using lamella::BandOutput;
 using lamella::Point;

@@ -10,7 +10,6 @@
 #include "engine/counting_memory.hpp"
 #include "engine/polygons.hpp"
 #include "rings.hpp"
-#include "slicing/offset/offset_kernels.hpp"
 #include "slicing/offset/raw_offset.hpp"
 
 using lamella::RawCurve;

@@ -15,7 +15,7 @@
 #include "engine/polygons.hpp"
 #include "engine/region_checks.hpp"
 #include "engine/slicing.hpp"
-#include "slicing/simplify/chain.hpp"
+#include "slicing/simplify/simplifier.hpp"
 
 using lamella::Contour;
 using lamella::FillRule;

@@ -10,7 +10,7 @@
 #include "lamella/medical/archive.hpp"
 #include "medical/hdf5/archive_file.hpp"
 #include "options/asked.hpp"
-#include "slicing/nesting/ring_facts.hpp"
+#include "slicing/nesting/order.hpp"
 #include "slicing/result/band_output.hpp"
 
 namespace lamella {

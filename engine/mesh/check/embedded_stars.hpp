@@ -18,7 +18,7 @@
 
 #include "base/atomic_word.hpp"
 #include "mesh/check/edge_table.hpp"
-#include "slicing/grid/grid_vector.hpp"
+#include "slicing/grid/exact.hpp"
 
 namespace lamella {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "mesh/check/finders.hpp"
-#include "slicing/grid/grid_vector.hpp"
+#include "slicing/grid/exact.hpp"
 
 namespace lamella {
 

@@ -10,7 +10,7 @@
 #include "mesh/check/finders.hpp"
 #include "mesh/check/pair_search.hpp"
 #include "slicing/grid/box_tree.hpp"
-#include "slicing/grid/grid_vector.hpp"
+#include "slicing/grid/exact.hpp"
 
 namespace lamella {
 

@@ -13,7 +13,7 @@
 
 #include "base/numbers.hpp"
 #include "mesh/vertex_numbers.hpp"
-#include "slicing/grid/vertex_hash.hpp"
+#include "slicing/grid/mesh_edge.hpp"
 
 namespace lamella {
 

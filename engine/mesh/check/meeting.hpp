@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "slicing/grid/grid_vector.hpp"
+#include "slicing/grid/exact.hpp"
 
 namespace lamella {
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/vector.hpp"
-#include "slicing/buckets/bucket.hpp"
+#include "slicing/buckets/triangle_source.hpp"
 
 namespace lamella {
 

@@ -14,7 +14,7 @@
 
 #include "lamella/mesh.hpp"
 #include "slicing/buckets/triangle_source.hpp"
-#include "slicing/grid/placed_reader.hpp"
+#include "slicing/grid/quantise.hpp"
 
 namespace lamella {
 

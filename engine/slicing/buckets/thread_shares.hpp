@@ -17,7 +17,7 @@
 #include <utility>
 
 #include "base/parallel.hpp"
-#include "slicing/buckets/bucket.hpp"
+#include "slicing/buckets/triangle_source.hpp"
 #include "slicing/grid/bounds.hpp"
 #include "slicing/planes/plane_set.hpp"
 

@@ -8,7 +8,7 @@
 
 #include "base/dispatch.hpp"
 #include "lamella/grid.hpp"
-#include "slicing/nesting/ring_facts.hpp"
+#include "slicing/nesting/order.hpp"
 
 namespace lamella {
 

@@ -27,7 +27,6 @@
 #include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
-#include "slicing/contours/pairing.hpp"
 #include "slicing/contours/slot_table.hpp"
 
 namespace lamella {
@@ -103,16 +102,6 @@ private:
     static constexpr std::size_t slot_work = 4;         // as StopPace counts it
     static constexpr std::size_t slots_per_change = 3;  // with fewer, runs are too short to copy
 
-    /// A stretch of a contour, from `head` to the next piece's; see walk_pieces.cpp.
-    struct Piece {
-        Slot head;
-        std::uint32_t position;  ///< of the head, in the last order
-        Slot* slots;
-        std::uint32_t count;  ///< 0 once it is part of a contour
-        Slot next_head;
-        std::uint32_t next = 0;  ///< the piece that follows
-    };
-
     void forget_order();
     bool most_changed() const noexcept { return changes_ * slots_per_change > slots_.live(); }
     void break_after(std::uint32_t position) noexcept { breaks_[position >> 6] |= std::uint64_t{1} << (position & 63); }
@@ -130,13 +119,6 @@ private:
     bool follow_links(Slot start);
     void add_contour(std::uint32_t begin, bool closed, bool is_mixed);
 
-    void cut_pieces();
-    void add_piece(std::uint32_t begin, std::uint32_t end);
-    void walk_pieces();
-    void walk_four_at_once();
-    std::uint32_t piece_at(std::uint32_t position) const;
-    void join_pieces();
-
     void walk_any_orientation();
     void walk_polyline(Slot start, int leave_by, bool closed);
     void follow_any_orientation(Slot start, int leave_by, bool closed);
@@ -151,9 +133,6 @@ private:
     Vector<std::uint64_t> breaks_{worker_.memory()};  // bit p: the walk does not go on from position p to p + 1
     Vector<WalkedContour> contours_{worker_.memory()};
     Vector<WalkedContour> old_contours_{worker_.memory()};  // the last plane's, while walking
-    Vector<Piece> pieces_{worker_.memory()};
-    Vector<std::uint64_t> is_head_{worker_.memory()};  // by slot: a piece begins there
-    Vector<Slot> lanes_{worker_.memory()};             // what pieces are walked into
     Vector<std::uint8_t> leave_by_{worker_.memory()};  // of a walk in any orientation: the port by which each slot was left
     std::uint32_t ordered_ = 0;
     std::uint32_t filled_ = 0;  // of order_next_

@@ -13,15 +13,27 @@
 #include <cstdint>
 #include <span>
 
+#include "base/dispatch.hpp"
 #include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "lamella/array.hpp"
 #include "lamella/grid.hpp"
-#include "slicing/edges/find_turns.hpp"
 #include "slicing/grid/box_tree.hpp"
 
 namespace lamella {
+
+// Where a path turns: the loop of the search for edges near one another that goes through all of them.
+
+/// There is room for so many points after the last.
+constexpr std::size_t turn_lanes = 32;
+
+/// Writes the edges before which a path turns: which goes left where one since the last turn went right, or down where one
+/// went up, or the other way round. Edge i leads from points[i] to points[i + 1]. Returns how many; `out` has room for
+/// `edges`.
+using FindTurns = std::size_t (*)(const Point* points, std::size_t edges, std::uint32_t* out);
+
+std::span<const Form<FindTurns>> find_turns_forms() noexcept;
 
 /// A contour's points one after the other, from its start to its start again if it is closed.
 struct EdgePath {

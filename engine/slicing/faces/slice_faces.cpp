@@ -19,7 +19,6 @@
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
 #include "base/words.hpp"
-#include "slicing/faces/edge_sum.hpp"
 #include "slicing/faces/face_pieces.hpp"
 #include "slicing/grid/quantise.hpp"
 #include "slicing/layer/layer_builder.hpp"

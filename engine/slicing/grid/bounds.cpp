@@ -9,7 +9,7 @@
 #include "base/parallel.hpp"
 #include "base/words.hpp"
 #include "lamella/grid.hpp"
-#include "slicing/grid/placed_reader.hpp"
+#include "slicing/grid/quantise.hpp"
 
 namespace lamella {
 

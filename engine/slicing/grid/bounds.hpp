@@ -10,7 +10,7 @@
 #include "lamella/array.hpp"
 #include "lamella/error.hpp"
 #include "lamella/mesh.hpp"
-#include "slicing/grid/placed_reader.hpp"
+#include "slicing/grid/quantise.hpp"
 
 namespace lamella {
 

@@ -6,9 +6,11 @@
 #include <cstring>
 
 #include "base/little_endian.hpp"
+#include "base/numbers.hpp"
 #include "base/rounding.hpp"
 #include "lamella/grid.hpp"
 #include "lamella/layers.hpp"
+#include "slicing/grid/quantise.hpp"
 
 namespace lamella {
 
@@ -83,6 +85,19 @@ inline Point pierced_point(const MeshEdge& edge, std::int32_t z) noexcept {
     const double slope_y = (static_cast<double>(upper.y) - lower.y) / height;
     const auto rise = static_cast<double>(std::int64_t{z} - lower.z);
     return {round_to_int(lower.x + slope_x * rise), round_to_int(lower.y + slope_y * rise)};
+}
+
+// Hashes of a grid vertex, the same on every platform.
+
+inline std::uint64_t hash_of(const GridVertex& v) noexcept {
+    const std::uint64_t xy = std::uint64_t{static_cast<std::uint32_t>(v.x)} << 32 | static_cast<std::uint32_t>(v.y);
+    return mix64(mix64(xy + 0x9E3779B97F4A7C15U) + static_cast<std::uint32_t>(v.z));
+}
+
+/// The same by one multiplication. No factor is 0, as coordinates are even.
+inline std::uint64_t quick_hash_of(const GridVertex& v) noexcept {
+    const std::uint64_t xy = std::uint64_t{static_cast<std::uint32_t>(v.x)} << 32 | static_cast<std::uint32_t>(v.y);
+    return mul_fold(xy ^ 0x9E3779B97F4A7C15U, static_cast<std::uint32_t>(v.z) ^ 0xBF58476D1CE4E5B9U);
 }
 
 }  // namespace lamella

@@ -15,7 +15,6 @@
 #include "base/worker.hpp"
 #include "slicing/nesting/nest.hpp"
 #include "slicing/nesting/order.hpp"
-#include "slicing/nesting/path.hpp"
 
 namespace lamella {
 

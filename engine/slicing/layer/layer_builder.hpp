@@ -19,7 +19,7 @@
 #include "slicing/layer/canonical_order.hpp"
 #include "slicing/layer/layer_region.hpp"
 #include "slicing/layer/ring_reader.hpp"
-#include "slicing/nesting/path.hpp"
+#include "slicing/nesting/nest.hpp"
 #include "slicing/repair/polylines.hpp"
 #include "slicing/result/band_output.hpp"
 

@@ -15,8 +15,7 @@
 #include "slicing/contours/kernels.hpp"
 #include "slicing/contours/link_graph.hpp"
 #include "slicing/contours/slot_table.hpp"
-#include "slicing/grid/origins.hpp"
-#include "slicing/nesting/path.hpp"
+#include "slicing/nesting/nest.hpp"
 
 namespace lamella {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <numeric>
+#include <limits>
 
 #include "base/vector.hpp"
 
@@ -136,129 +136,46 @@ std::span<const Form<AddEdges>> add_edges_forms() noexcept {
     return forms;
 }
 
-namespace {
-
-/// Up to so many queries are tested one by one.
-constexpr std::uint32_t few_queries = 16;
-
-/// Those of a few edges that reach a step with a point.
-struct Reaches {
-    static constexpr std::uint32_t most = 128;
-
-    std::uint32_t edge[most];   ///< from points[edge[i]] to points[edge[i] + 1]
-    std::uint32_t begin[most];  ///< the points whose steps it reaches
-    std::uint32_t end[most];
-
-    /// Of the `count` <= most edges from points[0] to points[count]. Returns how many. No branch on whether an edge reaches
-    /// a point: it would be mispredicted.
-    std::size_t find(const QuerySteps& steps, const Point* points, std::uint32_t count) noexcept {
-        std::size_t found = 0;
-        std::uint32_t from = steps.ends[steps.of(points[0].y)];
-        std::uint32_t to = steps.ends[steps.of(points[0].y) + 1];
-        for (std::uint32_t e = 0; e < count; ++e) {
-            const std::uint32_t step = steps.of(points[e + 1].y);
-            const std::uint32_t next_from = steps.ends[step];
-            const std::uint32_t next_to = steps.ends[step + 1];
-            edge[found] = e;
-            begin[found] = from < next_from ? from : next_from;
-            end[found] = to < next_to ? next_to : to;
-            found += begin[found] < end[found] ? 1U : 0U;
-            from = next_from;
-            to = next_to;
-        }
-        return found;
+/// Between the ends of `ys_`, which are beyond every y.
+ManyInside::Level ManyInside::level_of(std::int32_t y, std::uint32_t near) const noexcept {
+    const std::int32_t* const ys = ys_.data() + 1;
+    std::int64_t up_to = near;
+    for (; ys[up_to] <= y; ++up_to) {
     }
-};
-
-}  // namespace
+    for (; ys[up_to - 1] > y; --up_to) {
+    }
+    std::int64_t lower = up_to;
+    for (; ys[lower - 1] == y; --lower) {
+    }
+    return {static_cast<std::uint32_t>(lower), static_cast<std::uint32_t>(up_to)};
+}
 
 void ManyInside::test(const Point* points, std::uint32_t count, Vector<std::uint32_t>& inside) {
-    if (queries_.empty()) {
-        return;
+    std::sort(queries_.begin(), queries_.end(), [](const Query& a, const Query& b) { return a.y() < b.y(); });
+    ys_.assign(1, std::numeric_limits<std::int32_t>::min());
+    for (const Query& query : queries_) {
+        ys_.push_back(query.y());
     }
-    const QuerySteps steps = sort_by_step();
-    const Point closing[] = {points[count - 1], points[0]};
-    add_edges(steps, points, count - 1);
-    add_edges(steps, closing, 1);
-    for (const Query& query : by_y_) {
+    ys_.push_back(std::numeric_limits<std::int32_t>::max());
+    Point a = points[count - 1];
+    Level from = level_of(a.y, 0);
+    worker_.in_stretches(0, count, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const Point b = points[i];
+            const Level to = level_of(b.y, from.up_to);
+            const std::uint32_t last = std::max(from.up_to, to.up_to);
+            for (std::uint32_t query = std::min(from.lower, to.lower); query < last; ++query) {
+                queries_[query].winding.add(a, b);
+                worker_.spend(1);
+            }
+            from = to;
+            a = b;
+        }
+    });
+    for (const Query& query : queries_) {
         if (query.winding.strictly_inside()) {
             inside.push_back(query.number);
         }
-    }
-}
-
-/// Sorts the queries by y into by_y_. There are several times as many steps as queries, so most hold one or none.
-QuerySteps ManyInside::sort_by_step() {
-    constexpr std::size_t fewest_steps = 64;
-    constexpr std::size_t most_steps = std::size_t{1} << 14;
-    std::int32_t low = grid_limit;
-    std::int32_t high = -grid_limit;
-    for (const Query& query : queries_) {
-        low = std::min(low, query.winding.query().y);
-        high = std::max(high, query.winding.query().y);
-    }
-    const std::size_t count = std::clamp(std::bit_ceil(8 * queries_.size()), fewest_steps, most_steps);
-    const auto range = static_cast<std::uint32_t>(high) - static_cast<std::uint32_t>(low);
-    const int shift = std::max(0, static_cast<int>(std::bit_width(range)) - std::countr_zero(count));
-    ends_.assign(count + 3, 0);
-    // A 64th of the range beyond it: far within 32 bits.
-    const QuerySteps steps{low - (1 << shift), high + (1 << shift), shift, ends_.data()};
-    std::uint32_t longest = 0;
-    for (const Query& query : queries_) {
-        longest = std::max(longest, ++ends_[steps.of(query.winding.query().y) + 1]);
-    }
-    std::exclusive_scan(ends_.begin(), ends_.end(), ends_.begin(), 0U);
-    by_y_.resize(queries_.size());
-    for (const Query& query : queries_) {
-        by_y_[ends_[steps.of(query.winding.query().y) + 1]++] = query;
-    }
-    if (longest > few_queries) {
-        sort_long_steps();
-    }
-    for (std::size_t i = 1; i < by_y_.size(); ++i) {  // only short steps are still unsorted
-        for (std::size_t place = i; place > 0 && lower(by_y_[place], by_y_[place - 1]); --place) {
-            std::swap(by_y_[place], by_y_[place - 1]);
-        }
-    }
-    return steps;
-}
-
-void ManyInside::sort_long_steps() {
-    for (std::size_t step = 0; step + 1 < ends_.size(); ++step) {
-        if (ends_[step + 1] - ends_[step] > few_queries) {
-            std::sort(by_y_.begin() + ends_[step], by_y_.begin() + ends_[step + 1], lower);
-        }
-    }
-}
-
-/// Adds the edges from points[0] to points[count] to the queries whose steps they reach. Those of a run that reach one are
-/// found first.
-void ManyInside::add_edges(const QuerySteps& steps, const Point* points, std::uint32_t count) {
-    Reaches reaches;
-    for (std::uint32_t first = 0; first < count; first += Reaches::most) {
-        const Point* run = points + first;
-        std::size_t met = 0;
-        const std::size_t reaching = reaches.find(steps, run, std::min(count - first, Reaches::most));
-        for (std::size_t i = 0; i < reaching; ++i) {
-            const Point* edge = run + reaches.edge[i];
-            add_edge(edge[0], edge[1], reaches.begin[i], reaches.end[i]);
-            met += reaches.end[i] - reaches.begin[i];
-        }
-        worker_.spend(Reaches::most + met);
-    }
-}
-
-/// Adds the edge to by_y_[begin] to by_y_[end].
-inline void ManyInside::add_edge(Point a, Point b, std::uint32_t begin, std::uint32_t end) {
-    auto from = by_y_.begin() + begin;
-    auto to = by_y_.begin() + end;
-    if (end - begin > few_queries) {
-        const auto [low, high] = std::minmax(a.y, b.y);
-        from = std::partition_point(from, to, [low = low](const Query& query) { return query.winding.query().y < low; });
-        to = std::partition_point(from, to, [high = high](const Query& query) { return query.winding.query().y <= high; });
-    }
-    for (; from != to; ++from) {
-        from->winding.add(a, b);
     }
 }
 

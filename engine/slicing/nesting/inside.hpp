@@ -16,20 +16,6 @@
 
 namespace lamella::nesting {
 
-/// The range of y in steps of 2^shift; the first and the last hold no point and take all y below and above.
-///
-///     ends     step s holds points ends[s] to ends[s + 1], in the order of y
-struct QuerySteps {
-    std::int32_t low, high;
-    int shift;
-    const std::uint32_t* ends;
-
-    std::uint32_t of(std::int32_t y) const noexcept {
-        const std::int32_t within = y < low ? low : (y < high ? y : high);
-        return (static_cast<std::uint32_t>(within) - static_cast<std::uint32_t>(low)) >> shift;
-    }
-};
-
 /// Winding number of a contour around a point, by the ray from the point towards +x: an edge that crosses it upwards counts
 /// one, downwards minus one. Only edges that straddle the point's y, or begin at it, need be added.
 class Winding {
@@ -73,8 +59,14 @@ inline bool strictly_inside(AddEdges add_edges, const Point* points, std::uint32
     return winding.strictly_inside();
 }
 
-/// Tests many points against one contour in a single pass over its edges, most of which reach no point's y.
-/// O(points log points + edges log points + pairs of a point and an edge that share a y).
+/// Tests many points against one contour in a single pass over its edges, most of which reach no point's y. The points are
+/// sorted by y, and a walk along the contour keeps how many of them lie lower:
+///
+///     points, by y     0   1   2   3   4
+///     a and b                    '           the edge from `a` to `b` reaches none
+///     c                    '                 the edge from `b` to `c` is added to 1 and 2
+///
+/// O(points log points + edges + pairs of a point and an edge that share a y).
 class ManyInside {
 public:
     explicit ManyInside(Worker& worker) noexcept : worker_(worker) {}
@@ -82,24 +74,26 @@ public:
     void clear() noexcept { queries_.clear(); }
     /// Throws std::bad_alloc.
     void add(Point point, std::uint32_t number) { queries_.push_back({Winding(point), number}); }
-    /// Appends the numbers of the points added that lie strictly inside to `inside`, in an unspecified but reproducible
-    /// order. Throws std::bad_alloc.
+    /// Appends the numbers of the points added that lie strictly inside to `inside`, in an unspecified order. Throws
+    /// std::bad_alloc.
     void test(const Point* points, std::uint32_t count, Vector<std::uint32_t>& inside);
 
 private:
     struct Query {
         Winding winding;
         std::uint32_t number = 0;
+        std::int32_t y() const noexcept { return winding.query().y; }
     };
-    static bool lower(const Query& a, const Query& b) noexcept { return a.winding.query().y < b.winding.query().y; }
-    QuerySteps sort_by_step();
-    void sort_long_steps();
-    void add_edges(const QuerySteps& steps, const Point* points, std::uint32_t count);
-    void add_edge(Point a, Point b, std::uint32_t begin, std::uint32_t end);
+    /// Where a y lies among the queries.
+    struct Level {
+        std::uint32_t lower;  // queries that lie lower
+        std::uint32_t up_to;  // those and the ones at the very y
+    };
+    Level level_of(std::int32_t y, std::uint32_t near) const noexcept;
 
     Worker& worker_;
-    Vector<Query> queries_{worker_.memory()}, by_y_{worker_.memory()};
-    Vector<std::uint32_t> ends_{worker_.memory()};  // of by_y_; see QuerySteps
+    Vector<Query> queries_{worker_.memory()};
+    Vector<std::int32_t> ys_{worker_.memory()};  // of queries_, ascending, between two that are beyond every other
 };
 
 }  // namespace lamella::nesting

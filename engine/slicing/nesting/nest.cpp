@@ -5,6 +5,7 @@
 #include <compare>
 #include <iterator>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 #include "base/numbers.hpp"
@@ -15,7 +16,6 @@ namespace {
 
 using nesting::Container;
 using nesting::SortKey;
-using nesting::StartLine;
 
 /// From small to large. Equal only if all points are equal.
 std::strong_ordering compare_size(const NestItem& a, const NestItem& b) noexcept {
@@ -119,18 +119,16 @@ void Nester::sort_by_start(std::span<const NestItem> items) {
 
 /// Every ring becomes the parent of the starts inside it that have none yet: the smallest ring first.
 void Nester::find_parents(std::span<const NestItem> items) {
-    starts_.assign(by_start_);
+    list_starts();
     tree_in_use_ = find_containers(items) ? nullptr : &tree_.get(worker_);
     if (tree_in_use_ != nullptr) {
         tree_in_use_->assign(
-            rings_.size(), [this](std::size_t start) { return starts_.at(static_cast<std::uint32_t>(start)); },
-            aspect_of(items));
+            rings_.size(), [this](std::size_t start) { return start_at(start); }, aspect_of(items));
         take_all_for_containers();
     }
     sort_containers(items);
-    for (std::size_t i = 0; i < by_size_.size(); ++i) {
-        fetch_ahead(items, i);
-        const Container& container = containers_[by_size_[i].index];
+    for (const SortKey& key : by_size_) {
+        const Container& container = containers_[key.index];
         const NestItem& contour = items[container.item];
         found_.clear();
         if (tree_in_use_ != nullptr) {
@@ -139,44 +137,48 @@ void Nester::find_parents(std::span<const NestItem> items) {
                 return true;
             });
         } else {
-            starts_.find(container.window, contour.box.low.y, contour.box.high.y, found_);
+            for (std::uint32_t start = container.first; start < container.end; ++start) {
+                if (contour.box.low.y < start_y_[start] && start_y_[start] < contour.box.high.y) {
+                    found_.push_back(start);
+                }
+            }
         }
         take_in(contour, container.ring);
     }
 }
 
-/// Containers are visited by size, which jumps in memory: prefetches the data of the next ones.
-void Nester::fetch_ahead(std::span<const NestItem> items, std::size_t place) const {
-    constexpr std::size_t items_ahead = 16;
-    constexpr std::size_t points_ahead = 8;
-    constexpr std::uint32_t line_points = 8;
-    constexpr std::uint32_t most_points = 8 * line_points;
-    if (place + items_ahead >= by_size_.size()) {
-        return;
-    }
-    __builtin_prefetch(&items[containers_[by_size_[place + items_ahead].index].item]);
-    const NestItem& contour = items[containers_[by_size_[place + points_ahead].index].item];
-    for (std::uint32_t i = 0; i < std::min(contour.count, most_points); i += line_points) {
-        __builtin_prefetch(contour.points + i);
+void Nester::list_starts() {
+    start_x_.clear();
+    start_y_.clear();
+    for (const SortKey& key : by_start_) {
+        start_x_.push_back(nesting::x_of(key.key));
+        start_y_.push_back(nesting::y_of(key.key));
     }
 }
 
-/// False if windows are so long that a tree is faster.
+/// The rings whose boxes hold starts. Those with an x within the box's follow one another:
+///
+///     starts by x   [ . . . . . b . . . . . . e . . . ]      b: the first with x > low.x, e: the first with x >= high.x
+///
+/// False if these stretches are so long that a tree is faster.
 bool Nester::find_containers(std::span<const NestItem> items) {
-    constexpr std::size_t steps_per_ring = 16;
+    constexpr std::size_t most_each = 256;
     containers_.clear();
-    std::size_t steps = 0;
-    std::uint32_t right = 0;  // the first start with a larger x than the ring's
+    std::size_t passed = 0;
+    std::uint32_t first = 0;
     for (std::uint32_t ring = 0; ring < rings_.size(); ++ring) {
         worker_.spend(item_work);
-        const NestItem& contour = items[rings_[ring].item];
-        right = right > ring ? right : starts_.first_right_of(ring, ring + 1);
-        const StartLine::Window window = starts_.window(right, contour.box.high.x, contour.box.low.y, contour.box.high.y);
-        if (window.occupied) {
-            containers_.push_back({ring, rings_[ring].item, window});
+        const FlatBox& box = items[rings_[ring].item].box;
+        for (first = std::max(first, ring + 1); first < rings_.size() && start_x_[first] == box.low.x; ++first) {
         }
-        steps += window.steps();
-        if (steps > 4 * rings_.size() + steps_per_ring * ring) {
+        const auto end = static_cast<std::uint32_t>(std::lower_bound(start_x_.begin() + first, start_x_.end(), box.high.x) -
+                                                    start_x_.begin());
+        const auto within = [&box](std::int32_t y) { return box.low.y < y && y < box.high.y; };
+        if (std::count_if(start_y_.begin() + first, start_y_.begin() + end, within) > 0) {
+            containers_.push_back({ring, rings_[ring].item, first, end});
+        }
+        passed += end - first;
+        if (passed > most_each * (ring + 1) + 64 * rings_.size()) {
             return false;
         }
     }
@@ -199,7 +201,7 @@ double Nester::aspect_of(std::span<const NestItem> items) {
 void Nester::take_all_for_containers() {
     containers_.clear();
     for (std::uint32_t ring = 0; ring < rings_.size(); ++ring) {
-        containers_.push_back({ring, rings_[ring].item, {}});
+        containers_.push_back({ring, rings_[ring].item, 0, 0});
     }
 }
 
@@ -230,7 +232,7 @@ void Nester::take_in(const NestItem& contour, std::uint32_t ring) {
     worker_.spend(item_work + found_.size() * (found_.size() < many ? contour.count / points_per_step : 1));
     if (found_.size() < many) {
         for (const std::uint32_t child : found_) {
-            if (nesting::strictly_inside(add_edges_, contour.points, contour.count, starts_.at(child))) {
+            if (nesting::strictly_inside(add_edges_, contour.points, contour.count, start_at(child))) {
                 adopt(ring, child);
             }
         }
@@ -238,7 +240,7 @@ void Nester::take_in(const NestItem& contour, std::uint32_t ring) {
     }
     many_inside_.clear();
     for (const std::uint32_t child : found_) {
-        many_inside_.add(starts_.at(child), child);
+        many_inside_.add(start_at(child), child);
     }
     found_.clear();
     many_inside_.test(contour.points, contour.count, found_);
@@ -252,7 +254,7 @@ void Nester::adopt(std::uint32_t ring, std::uint32_t child) {
     if (tree_in_use_ != nullptr) {
         tree_in_use_->take_off(child);
     } else {
-        starts_.take_off(child);
+        start_y_[child] = taken_off;
     }
 }
 
@@ -278,6 +280,157 @@ void Nester::assign_roles(std::span<NestItem> items) {
             item.flags = static_cast<std::uint16_t>(item.flags | orientation_overruled);
         }
     }
+}
+
+namespace {
+
+NestItem closed_item(const Point* ring, std::uint32_t count, const RingFacts& facts, const PointOrigin* origins) noexcept {
+    return {.points = ring,
+            .origins = origins,
+            .count = count,
+            .start = static_cast<std::uint32_t>(facts.smallest),
+            .twice_area = to_integer128(facts.twice_area),
+            .box = facts.box,
+            .closed = true};
+}
+
+/// True if the closed ring read from `a` on is smaller than read from `b` on.
+bool rotation_before(const Point* ring, const PointOrigin* origins, std::uint32_t count, std::uint32_t a, std::uint32_t b) {
+    const auto compare = [=](const auto* elements) {
+        for (std::uint32_t i = 0; i < count; ++i) {
+            if (const auto order = elements[(a + i) % count] <=> elements[(b + i) % count]; order != 0) {
+                return order;
+            }
+        }
+        return std::strong_ordering::equal;
+    };
+    const std::strong_ordering by_points = compare(ring);
+    return by_points == 0 && origins != nullptr ? compare(origins) < 0 : by_points < 0;
+}
+
+/// The last of equal consecutive points begins an edge that has a length.
+void keep_last_origins(const Point* points, PointOrigin* origins, std::uint32_t count) {
+    std::uint32_t kept = 0;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        kept += i == 0 || points[i] != points[i - 1] ? 1 : 0;
+        origins[kept - 1] = origins[i];
+    }
+}
+
+/// Keeps one of equal consecutive points. Returns how many are left.
+std::uint32_t drop_repeats(Point* points, PointOrigin* origins, std::uint32_t count, bool closed) {
+    if (origins != nullptr) {
+        keep_last_origins(points, origins, count);
+    }
+    auto kept = static_cast<std::uint32_t>(std::unique(points, points + count) - points);
+    while (closed && kept > 1 && points[kept - 1] == points[0]) {
+        --kept;
+    }
+    return kept;
+}
+
+std::uint32_t pick_start(const Point* ring, const PointOrigin* origins, std::uint32_t count, const RingFacts& facts,
+                         KeyAt key_at) {
+    auto best = static_cast<std::uint32_t>(facts.smallest);
+    for (std::uint32_t other = best + 1; facts.many_smallest && other < count; ++other) {
+        if (ring[other] != ring[facts.smallest]) {
+            continue;
+        }
+        if (key_at(other) != key_at(best)) {
+            best = key_at(other) < key_at(best) ? other : best;
+        } else if (rotation_before(ring, origins, count, other, best)) {
+            best = other;
+        }
+    }
+    return best;
+}
+
+}  // namespace
+
+NestItem closed_item(std::span<const Point> points, const PointOrigin* origins, std::uint32_t part) noexcept {
+    NestItem item = closed_item(points.data(), static_cast<std::uint32_t>(points.size()),
+                                examine_ring(points.data(), points.size()), origins);
+    item.part = part;
+    return item;
+}
+
+Path closed_path(Point* ring, std::uint32_t count, const RingFacts& facts, KeyAt key_at, PointOrigin* origins) {
+    Path path;
+    NestItem& item = path.item;
+    item = closed_item(ring, count, facts, origins);
+    item.start = pick_start(ring, origins, count, facts, key_at);
+    path.start_key = key_at(item.start);
+    path.segments = count;
+    if (facts.has_repeats) {
+        std::rotate(ring, ring + item.start, ring + count);
+        if (origins != nullptr) {
+            std::rotate(origins, origins + item.start, origins + count);
+        }
+        item.start = 0;
+        item.count = drop_repeats(ring, origins, count, true);
+    }
+    return path;
+}
+
+Path closed_path(std::span<Point> ring, PointOrigin* origins) {
+    return closed_path(
+        ring.data(), static_cast<std::uint32_t>(ring.size()), examine_ring(ring.data(), ring.size()),
+        [](std::uint32_t) { return EndKey{}; }, origins);
+}
+
+Path open_path(std::span<Point> points, PointOrigin* origins) {
+    Path path;
+    path.item.points = points.data();
+    path.item.origins = origins;
+    path.item.count = drop_repeats(points.data(), origins, static_cast<std::uint32_t>(points.size()), false);
+    return path;
+}
+
+void turn_round(std::span<Point> points, PointOrigin* origins, bool closed) {
+    std::reverse(points.begin(), points.end());
+    if (origins == nullptr) {
+        return;
+    }
+    PointOrigin* const last = origins + (points.size() - 1);
+    std::reverse(origins, last);
+    std::transform(origins, last, origins, turned);
+    if (closed) {
+        *last = turned(*last);
+    } else if (points.size() > 1) {
+        *last = end_of(last[-1]);
+    }
+}
+
+namespace {
+
+/// By part, triangle and edges of each contour edge. Contours of as many points.
+bool comes_from_less(const NestItem& a, const NestItem& b) {
+    for (std::uint32_t i = 0; i < a.count; ++i) {
+        const PointOrigin& from_a = a.origins[(a.start + i) % a.count];
+        const PointOrigin& from_b = b.origins[(b.start + i) % b.count];
+        if (from_a != from_b) {
+            return from_a.part != from_b.part ? from_a.part < from_b.part : from_a < from_b;
+        }
+    }
+    return false;
+}
+
+}  // namespace
+
+bool comes_before(const Path& path_a, const Path& path_b) {
+    const NestItem& a = path_a.item;
+    const NestItem& b = path_b.item;
+    const auto key = [](const Path& path) {
+        const NestItem& item = path.item;
+        return std::tuple(item.points[item.start], path.start_key, !item.closed, item.count, path.segments);
+    };
+    if (key(path_a) != key(path_b)) {
+        return key(path_a) < key(path_b);
+    }
+    if (const std::strong_ordering by_points = compare_points(a, b); std::is_neq(by_points)) {
+        return std::is_lt(by_points);
+    }
+    return a.flags != b.flags || a.origins == nullptr ? a.flags < b.flags : comes_from_less(a, b);
 }
 
 }  // namespace lamella

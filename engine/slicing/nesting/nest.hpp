@@ -8,7 +8,7 @@
 // every point strictly inside is larger, and starts strictly decrease from child to parent.
 //
 // Contours are visited from small to large. Each becomes the parent of the starts strictly inside it that have none yet. The
-// starts in its box are found in a line of all starts, or in a tree if boxes span long stretches of the line. Starts with a
+// starts in its box are found among all starts by x, or in a tree if boxes span long stretches of these. Starts with a
 // parent are taken off, so that a nest of any depth costs one test a contour. Starts in the box of one contour are tested
 // together.
 //
@@ -17,25 +17,58 @@
 // Boxes that are long and thin in both directions meet up to the square root of q nodes of the tree.
 #pragma once
 
+#include <algorithm>
 #include <compare>
 #include <cstdint>
+#include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "base/function_ref.hpp"
 #include "base/numbers.hpp"
 #include "base/on_demand.hpp"
 #include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "lamella/grid.hpp"
+#include "lamella/layers.hpp"
 #include "lamella/result.hpp"
 #include "slicing/grid/box.hpp"
-#include "slicing/grid/point_tree.hpp"
+#include "slicing/grid/box_tree.hpp"
 #include "slicing/nesting/inside.hpp"
 #include "slicing/nesting/order.hpp"
-#include "slicing/nesting/starts.hpp"
 
 namespace lamella {
+
+// Origins of the edges of a contour while it is rotated, turned round, joined and cut. origins[i] is of the edge from point
+// i to the next one; at the end of an open polyline, of the point alone.
+
+/// Of the edge walked the other way.
+constexpr PointOrigin turned(PointOrigin origin) noexcept {
+    std::swap(origin.edge, origin.end_edge);
+    return origin;
+}
+
+/// Of the last point of an open polyline, by the edge that ends there.
+constexpr PointOrigin end_of(const PointOrigin& last) noexcept {
+    return {last.triangle, last.part, last.end_edge, no_edge};
+}
+
+/// Of a stretch of an edge: its ends are those of the whole, or are made.
+constexpr PointOrigin stretch_of(PointOrigin whole, bool from_begin, bool to_end) noexcept {
+    whole.edge = from_begin ? whole.edge : no_edge;
+    whole.end_edge = to_end ? whole.end_edge : no_edge;
+    return whole;
+}
+
+/// Of what is made of two edges: the smallest part, then the smallest triangle. An edge from none is the larger.
+constexpr PointOrigin origin_of_both(const PointOrigin& a, const PointOrigin& b) noexcept {
+    if (a.triangle == no_triangle || b.triangle == no_triangle) {
+        return b.triangle == no_triangle ? a : b;
+    }
+    return a.part != b.part ? (a.part < b.part ? a : b) : std::min(a, b);
+}
 
 /// One contour of a layer: input and output of nesting.
 struct NestItem {
@@ -93,7 +126,8 @@ struct Ring {
 struct Container {
     std::uint32_t ring = 0;
     std::uint32_t item = 0;
-    StartLine::Window window;
+    std::uint32_t first = 0;  // starts [first, end) have an x within the box's
+    std::uint32_t end = 0;
 };
 
 }  // namespace lamella::nesting
@@ -114,14 +148,17 @@ private:
     void reserve_keys(std::size_t count);
     void sort_by_start(std::span<const NestItem> items);
     void find_parents(std::span<const NestItem> items);
+    void list_starts();
+    Point start_at(std::size_t ring) const noexcept { return {start_x_[ring], start_y_[ring]}; }
     bool find_containers(std::span<const NestItem> items);
     double aspect_of(std::span<const NestItem> items);
     void take_all_for_containers();
     void sort_containers(std::span<const NestItem> items);
-    void fetch_ahead(std::span<const NestItem> items, std::size_t place) const;
     void take_in(const NestItem& contour, std::uint32_t ring);
     void adopt(std::uint32_t ring, std::uint32_t child);
     void assign_roles(std::span<NestItem> items);
+
+    static constexpr std::int32_t taken_off = std::numeric_limits<std::int32_t>::min();  // lies in no box
 
     Worker& worker_;
     nesting::AddEdges add_edges_ = best_of(nesting::add_edges_forms());
@@ -129,12 +166,56 @@ private:
     Vector<nesting::SortKey> by_size_{worker_.memory()};   // of containers_: their areas
     Vector<nesting::SortKey> spare_keys_{worker_.memory()};
     Vector<nesting::Ring> rings_{worker_.memory()};
-    nesting::StartLine starts_{worker_.memory()};
+    Vector<std::int32_t> start_x_{worker_.memory()};  // of rings_
+    Vector<std::int32_t> start_y_{worker_.memory()};  // taken_off: the ring has its parent
     OnDemand<PointTree> tree_{worker_.memory()};
-    PointTree* tree_in_use_ = nullptr;  // instead of windows
+    PointTree* tree_in_use_ = nullptr;  // instead of the starts by x
     Vector<nesting::Container> containers_{worker_.memory()};
     Vector<std::uint32_t> found_{worker_.memory()};  // starts in a container's box
     nesting::ManyInside many_inside_{worker_};
 };
+
+// A contour of a layer from the walk, or wherever else it comes from, until it is appended to the band's output.
+
+/// It is no Contour, which has a place in a result, and neither a start nor a key. A NestItem is the part of it that the
+/// search for parents reads again and again.
+struct Path {
+    NestItem item;               ///< points, area and box; then what nesting decides
+    EndKey start_key{};          ///< the edge that the start lies on; zero where the contour was joined or made
+    std::uint32_t segments = 0;  ///< triangles that it crosses; of a contour that was made its edges
+    bool made = false;           ///< by a fill rule or an offset, of one contour or several
+    bool hole = false;           ///< of a region: clockwise in the result
+    std::uint32_t source = 0;    ///< of an offset curve: index of the path that was moved
+    std::int64_t touched = -1;   ///< of a region: see Arrangement::trace()
+};
+
+/// The edge that the i-th point of a contour lies on.
+using KeyAt = FunctionRef<EndKey(std::uint32_t)>;
+
+/// A closed contour for nesting from its points alone, at least one. `origins`: of each point, or null. O(points).
+NestItem closed_item(std::span<const Point> points, const PointOrigin* origins = nullptr, std::uint32_t part = 0) noexcept;
+
+/// A closed contour of `count` points. Its start is the smallest (x, y, edge key); where the contour passes through one edge
+/// twice, the smaller of the two rotations, by points and then by origins. If consecutive points are equal, the ring is
+/// rewritten without repeats. `origins`: of each point, or null.
+Path closed_path(Point* ring, std::uint32_t count, const RingFacts& facts, KeyAt key_at, PointOrigin* origins);
+
+/// A closed contour whose points lie on no mesh edge.
+Path closed_path(std::span<Point> ring, PointOrigin* origins);
+
+/// An open contour. One of equal consecutive points is kept.
+Path open_path(std::span<Point> points, PointOrigin* origins);
+
+/// By the start point, then by its edge, then by content, origins last: contours equal in all of that are interchangeable.
+bool comes_before(const Path& path_a, const Path& path_b);
+/// Points, and their origins unless null, of a contour walked the other way. A closed one keeps the origin of the edge that
+/// closes it.
+void turn_round(std::span<Point> points, PointOrigin* origins, bool closed);
+
+/// A contour of a caller's own, of which a layer is to be built: its points and origins are copied.
+inline Path given_path(std::span<const Point> points, const PointOrigin* origins = nullptr, bool closed = true) noexcept {
+    const auto count = static_cast<std::uint32_t>(points.size());
+    return {.item = {.points = points.data(), .origins = origins, .count = count, .closed = closed}, .segments = count};
+}
 
 }  // namespace lamella

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "base/rounding.hpp"
-#include "slicing/offset/offset_kernels.hpp"
+#include "slicing/offset/raw_offset.hpp"
 
 namespace lamella {
 

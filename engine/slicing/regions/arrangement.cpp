@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include "slicing/grid/origins.hpp"
+#include "slicing/nesting/nest.hpp"
 
 namespace lamella {
 

@@ -24,7 +24,7 @@
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "lamella/options.hpp"
-#include "slicing/nesting/path.hpp"
+#include "slicing/nesting/nest.hpp"
 #include "slicing/regions/snap_rounding.hpp"
 
 namespace lamella {

@@ -24,9 +24,8 @@
 #include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
-#include "slicing/nesting/path.hpp"
+#include "slicing/nesting/nest.hpp"
 #include "slicing/regions/arrangement.hpp"
-#include "slicing/regions/contacts.hpp"
 #include "slicing/regions/snap_rounding.hpp"
 
 namespace lamella {

@@ -2,19 +2,167 @@
 // first start again.
 #pragma once
 
+#include <cassert>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "lamella/result.hpp"
+#include "lamella/slice.hpp"
 #include "slicing/edges/pair_search.hpp"
-#include "slicing/nesting/path.hpp"
-#include "slicing/repair/gaps.hpp"
+#include "slicing/grid/bounds.hpp"
+#include "slicing/grid/box_tree.hpp"
+#include "slicing/nesting/nest.hpp"
 
 namespace lamella {
+
+// Which ends of a plane's open polylines are joined over gaps: nearest first. Only on request: by default a mesh that lacks
+// faces gives open polylines.
+
+/// The length asked for, or if that is stitch_by_mesh what the mesh's own box makes of it. By operations that round alike
+/// everywhere.
+inline double gap_length_mm(double asked_mm, const Bounds& mesh) noexcept {
+    if (asked_mm != stitch_by_mesh) {
+        return asked_mm;
+    }
+    double squares = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double side = mesh.max_mm[axis] - mesh.min_mm[axis];
+        squares += side * side;
+    }
+    return std::sqrt(squares) / 100;
+}
+
+/// The length up to which joints may cross contours. By the mesh, cracks are closed whatever crosses them, since surfaces
+/// overlap a little there; what lies within a wider gap may be a wall.
+inline double crossing_gap_mm(double asked_mm, double length_mm) noexcept {
+    return asked_mm == stitch_by_mesh ? length_mm / 10 : length_mm;
+}
+
+/// Where a polyline starts and ends, in grid units.
+struct PolylineEnds {
+    Point first;
+    Point last;
+
+    Point at(bool at_last) const noexcept { return at_last ? last : first; }
+};
+
+/// The ends of polylines, from which they are taken one by one. Those at the same point share one site, so that they cost a
+/// search no more than one end does. Sites are in the order of their points.
+class EndTree {
+public:
+    explicit EndTree(Worker& worker) noexcept : worker_(worker) {}
+
+    /// Fills the tree with one end of each polyline, the first or the last point. O(n log n). Throws std::bad_alloc.
+    void assign(std::span<const PolylineEnds> polylines, Point PolylineEnds::*end);
+
+    std::uint32_t site_count() const noexcept { return static_cast<std::uint32_t>(sites_.size()); }
+    Point at(std::uint32_t site) const noexcept { return sites_[site].at; }
+    bool holds(std::uint32_t site) const noexcept { return sites_[site].next != sites_[site].end; }
+    std::uint32_t count_at(std::uint32_t site) const noexcept { return sites_[site].end - sites_[site].next; }
+
+    static constexpr std::uint32_t none = PointTree::none;
+    /// The nearest site that has an end left, at most the square root of `most_squared` away, or none. At equal distances
+    /// the smallest point. The site `but` is passed over.
+    std::uint32_t nearest(Point to, double most_squared, std::uint32_t but = none) const {
+        return tree_.nearest(to, most_squared, but);
+    }
+
+    /// Takes an end off the site and returns its polyline, the first by number. O(log n).
+    std::uint32_t take(std::uint32_t site) noexcept;
+    /// Takes all ends off the site.
+    void take_all(std::uint32_t site) noexcept;
+
+private:
+    struct Site {
+        Point at;
+        std::uint32_t next, end;  // the ends left: a range of polylines_
+    };
+    Worker& worker_;
+    Vector<std::uint32_t> polylines_{worker_.memory()};  // by where they end, then by number
+    Vector<Site> sites_{worker_.memory()};               // ascending
+    PointTree tree_{worker_};                            // of sites_, but for those that no end is left at
+};
+
+/// The first or the last point of a polyline.
+class PolylineEnd {
+public:
+    PolylineEnd(std::uint32_t polyline, bool last) noexcept : number_(2 * polyline + (last ? 1 : 0)) {}
+
+    std::uint32_t polyline() const noexcept { return number_ / 2; }
+    bool last() const noexcept { return number_ % 2 != 0; }
+    /// Among the first and last points of all polylines in turn.
+    std::uint32_t number() const noexcept { return number_; }
+    PolylineEnd other() const noexcept { return {polyline(), !last()}; }
+    friend bool operator==(PolylineEnd a, PolylineEnd b) noexcept { return a.number_ == b.number_; }
+
+private:
+    std::uint32_t number_;
+};
+
+/// Two ends that are joined: a polyline's last point and the first one of the same or another polyline, or, where the sense
+/// may change, two of a kind, the smaller point first.
+struct Gap {
+    PolylineEnd from;
+    PolylineEnd to;
+
+    bool turns() const noexcept { return from.last() == to.last(); }
+};
+
+struct GapRules {
+    double reach = 0;           ///< grid units
+    double crossing_reach = 0;  ///< grid units: joints longer than that cross no contour and no shorter joint
+    StitchDirection sense = StitchDirection::oriented;
+};
+
+/// One per thread; scratch is kept.
+class GapCloser {
+public:
+    explicit GapCloser(Worker& worker) noexcept : worker_(worker) {}
+
+    /// Which of `polylines`, fewer than 2^31, follow each other over gaps of at most `rules.reach`. Pairs of ends are joined
+    /// by distance, the nearest first, if neither is joined yet; at equal distances those that turn no polyline come first,
+    /// then by coordinates. At most about three searches in a tree, or two of them, for each end: O(o log o) for o
+    /// polylines unless they lie so that searches are slow. O(o) memory.
+    std::span<const Gap> close(std::span<const PolylineEnds> polylines, const GapRules& rules);
+
+    /// After close(): leaves those gaps open for which `crossed` is not 0, and returns the others.
+    std::span<const Gap> leave_open(std::span<const std::uint8_t> crossed);
+
+    /// After close(): the end that `end` is joined to, or `end` itself.
+    PolylineEnd joined_to(PolylineEnd end) const noexcept { return joined_to_[end.number()]; }
+    bool is_joined(PolylineEnd end) const noexcept { return !(joined_to(end) == end); }
+
+private:
+    struct Site {
+        std::uint32_t number;
+        bool last;  // in ends_, not starts_
+
+        friend bool operator==(Site a, Site b) noexcept { return a.number == b.number && a.last == b.last; }
+    };
+    static constexpr Site no_site{EndTree::none, false};
+
+    EndTree& tree_of(bool last) noexcept { return last ? ends_ : starts_; }
+    Point at(Site site) noexcept { return tree_of(site.last).at(site.number); }
+    void follow_chains(bool last);
+    void follow_chain(Site first);
+    Site nearest(Site site);
+    void join(Site a, Site b);
+    void sort_gaps(std::span<const PolylineEnds> polylines);
+
+    Worker& worker_;
+    double reach_squared_ = 0;
+    StitchDirection sense_ = StitchDirection::oriented;
+    EndTree ends_{worker_}, starts_{worker_};          // those not joined yet
+    Vector<Site> chain_{worker_.memory()};             // each the nearest to its predecessor
+    Vector<PolylineEnd> joined_to_{worker_.memory()};  // by number
+    Vector<Gap> gaps_{worker_.memory()};
+};
 
 /// A line that is to join two ends.
 struct Joint {

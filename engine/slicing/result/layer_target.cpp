@@ -2,12 +2,304 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cstring>
 #include <string>
+#include <tuple>
+#include <utility>
 
 #include "base/guard.hpp"
+#include "base/parallel.hpp"
+#include "base/vector.hpp"
 #include "base/words.hpp"
 
 namespace lamella {
+
+namespace {
+
+/// Makes `array` hold `count`, the first `kept` of which stay.
+template <class T>
+void extend(Array<T>& array, std::size_t kept, std::size_t count, const StopCheck& stop) {
+    if (count > array.capacity()) {
+        Array<T> larger(array.memory());
+        larger.resize_discarding(count);
+        StopPace pace;
+        pace.follow(stop);
+        pace.in_stretches(0, kept, 1, [&](std::size_t begin, std::size_t end) {
+            std::copy(array.data() + begin, array.data() + end, larger.data() + begin);
+        });
+        array = std::move(larger);
+    }
+    array.set_size(count);
+}
+
+}  // namespace
+
+void Placement::begin(std::span<const Band> bands, std::size_t lead, const PointRoom& room, const StopCheck& stop) {
+    stop_ = stop;
+    bands_ = bands;
+    room_ = room;
+    with_origins_ = !room.origins.empty();
+    keeps_ = false;
+    lead_ = lead;
+    outgrown_ = false;
+    head_ = 0;
+    totals_ = {};
+    aborted_ = false;
+    placed_.erase(placed_.begin() + static_cast<std::ptrdiff_t>(std::min(bands.size(), placed_.size())), placed_.end());
+    for (Placed& placed : placed_) {
+        placed.clear();
+    }
+    placed_.reserve(bands.size());
+    while (placed_.size() < bands.size()) {
+        placed_.emplace_back(memory_);
+    }
+    idle_.clear();
+    for (const auto& buffer : buffers_) {
+        buffer->buffer.set_size(0);
+        idle_.push_back(buffer.get());
+    }
+}
+
+void Placement::begin(std::span<const Band> bands, std::size_t lead, bool origins, SliceResult& result,
+                      const StopCheck& stop) {
+    result.origins.resize_discarding(origins ? result.points.size() : 0);
+    begin(bands, lead, {.points = result.points.span(), .origins = result.origins.span()}, stop);
+    with_origins_ = origins;
+    keeps_ = true;
+}
+
+BandOutput* Placement::acquire(std::size_t band) {
+    std::unique_lock lock(mutex_);
+    head_moved_.wait(lock, [&] { return aborted_ || band <= head_ + lead_; });
+    if (aborted_) {
+        return nullptr;
+    }
+    if (idle_.empty()) {
+        buffers_.push_back(std::make_unique<BandOutput>(memory_));
+        idle_.push_back(buffers_.back().get());
+    }
+    BandOutput* output = idle_.back();
+    idle_.pop_back();
+    placed_[band].output = output;
+    output->first_layer = bands_[band].first;
+    output->with_origins = with_origins_;
+    if (const auto room = placed_[band].room = find_room(band); room) {
+        const std::size_t size = room->end - room->begin;
+        output->begin(room_.points.subspan(room->begin, size),
+                      with_origins_ ? room_.origins.subspan(room->begin, size) : room_.origins);
+        return output;
+    }
+    lock.unlock();
+    output->begin_in_buffer(bands_[band].segments);
+    return output;
+}
+
+/// Where the band's points will lie if each unfinished band before it has a point for each segment. None if the points of
+/// another band may come to lie there.
+std::optional<Placement::Stretch> Placement::find_room(std::size_t band) {
+    if (room_.writer != nullptr || outgrown_) {
+        return {};
+    }
+    Stretch room{totals_.points, 0};
+    for (std::size_t b = head_; b < band; ++b) {
+        room.begin += bands_[b].segments;
+    }
+    room.end = room.begin + bands_[band].segments;
+    if (room.begin > room.end || room.end > room_.points.size()) {
+        return {};
+    }
+    for (const Placed& other : begun()) {
+        if (other.room && other.room->begin < room.end && room.begin < other.room->end) {
+            return {};
+        }
+    }
+    return room;
+}
+
+/// The head and all later bands that may have been begun.
+std::span<Placement::Placed> Placement::begun() {
+    return std::span(placed_).subspan(head_, std::min(lead_ + 1, placed_.size() - head_));
+}
+
+void Placement::give_back(std::size_t band) {
+    const std::lock_guard lock(mutex_);
+    placed_[band].room.reset();
+    idle_.push_back(std::exchange(placed_[band].output, nullptr));
+}
+
+void Placement::submit(std::size_t band) {
+    std::unique_lock lock(mutex_);
+    Placed& own = placed_[band];
+    own.done = true;
+    outgrown_ = outgrown_ || own.output->point_count > bands_[band].segments;
+    if (own.output->in_buffer()) {
+        own.room.reset();
+    }
+    // Places are fixed under the lock and buffers copied outside it; meanwhile another thread may place the next head.
+    const std::size_t begin = head_;
+    while (head_ < placed_.size() && placed_[head_].done &&
+           clear_rooms(totals_.points + placed_[head_].output->point_count)) {
+        place_head();
+    }
+    const std::size_t end = head_;
+    if (begin == end) {
+        return;
+    }
+    lock.unlock();
+    head_moved_.notify_all();
+    for (std::size_t b = begin; b < end; ++b) {
+        if (copy_points(placed_[b]) || !keeps_) {
+            const std::lock_guard relock(mutex_);
+            idle_.push_back(std::exchange(placed_[b].output, nullptr));
+        }
+    }
+}
+
+/// The head has outgrown its room and will reach to `end`: moves later bands that lie in its way to buffers. False if one of
+/// them is still being swept: its thread will try again.
+bool Placement::clear_rooms(std::uint64_t end) {
+    for (Placed& other : begun().subspan(1)) {
+        if (other.room && other.room->begin < end) {
+            assert(outgrown_);
+            if (!other.done) {
+                return false;
+            }
+            other.output->move_to_buffer(0);
+            other.room.reset();
+        }
+    }
+    return true;
+}
+
+void Placement::place_head() {
+    Placed& placed = placed_[head_];
+    placed.first_point = totals_.points;
+    placed.first_contour = totals_.contours;
+    placed.contours.swap(placed.output->contours);
+    placed.layer_contours.swap(placed.output->layer_contours);
+    placed.stitches.swap(placed.output->stitches);
+    if (placed.room && placed.room->begin != totals_.points) {
+        assert(placed.room->begin > totals_.points);
+        const std::size_t count = placed.output->point_count;
+        std::memmove(room_.points.data() + totals_.points, placed.output->points, count * sizeof(Point));
+        if (placed.output->with_origins) {
+            std::memmove(room_.origins.data() + totals_.points, placed.output->origins, count * sizeof(PointOrigin));
+        }
+    }
+    placed.room.reset();
+    totals_.points += placed.output->point_count;
+    totals_.contours += placed.contours.size();
+    totals_.stitches += placed.stitches.size();
+    totals_.counts.add(placed.output->counts);
+    ++head_;
+}
+
+/// From a buffer to the band's place. False if they do not fit there.
+bool Placement::copy_points(const Placed& placed) const {
+    const BandOutput& output = *placed.output;
+    const std::uint64_t capacity = room_.writer != nullptr ? room_.writer->capacity() : room_.points.size();
+    const bool fits = placed.first_point + output.point_count <= capacity;
+    if (fits && output.in_buffer() && output.point_count > 0) {
+        StopPace pace;
+        pace.follow(stop_);
+        pace.in_stretches(0, output.point_count, 1, [&](std::size_t begin, std::size_t end) {
+            if (room_.writer != nullptr) {
+                room_.writer->write(placed.first_point + begin, {output.points + begin, output.points + end});
+            } else {
+                std::copy(output.points + begin, output.points + end, room_.points.data() + placed.first_point + begin);
+            }
+            if (output.with_origins) {
+                std::copy(output.origins + begin, output.origins + end, room_.origins.data() + placed.first_point + begin);
+            }
+        });
+    }
+    return fits;
+}
+
+/// Kept is all that comes after some band: the points before it are where they belong.
+void Placement::finish(const Parallel& parallel, SliceResult& result) {
+    const auto is_kept = [](const Placed& placed) { return placed.output != nullptr; };
+    const auto first = std::find_if(placed_.begin(), placed_.end(), is_kept);
+    const std::uint64_t in_place = first == placed_.end() ? totals_.points : first->first_point;
+    extend(result.points, in_place, totals_.points, stop_);
+    extend(result.origins, with_origins_ ? in_place : 0, with_origins_ ? totals_.points : 0, stop_);
+    room_.points = result.points.span();
+    room_.origins = result.origins.span();
+    result.contours.resize_discarding(totals_.contours);
+    parallel.run(bands_.size(), [&](std::size_t band, int) {
+        Placed& placed = placed_[band];
+        if (placed.output != nullptr) {
+            copy_points(placed);
+            placed.output->release();
+        }
+        write_band(band, result.contours.span(), result.layers.span(), parallel);
+    });
+    result.stitches.resize_discarding(totals_.stitches);
+    write_stitches(result.stitches.span(), stop_);
+}
+
+void Placement::trim() {
+    for (Placed& placed : placed_) {
+        fit(placed.contours);
+        fit(placed.layer_contours);
+        fit(placed.stitches);
+    }
+    for (const auto& buffer : buffers_) {
+        buffer->trim();
+    }
+}
+
+void Placement::abort() {
+    {
+        const std::lock_guard lock(mutex_);
+        aborted_ = true;
+    }
+    head_moved_.notify_all();
+}
+
+void Placement::write_stitches(std::span<Stitch> gaps, const StopCheck& stop) const {
+    StopPace pace;
+    pace.follow(stop);
+    Stitch* out = gaps.data();
+    for (std::size_t b = 0; b < placed_.size(); ++b) {
+        Stitch* const first = out;
+        for (const Stitch& gap : placed_[b].stitches) {
+            *out++ = {bands_[b].first + gap.layer, gap.from, gap.to};
+        }
+        std::sort(first, out, [&pace](const Stitch& a, const Stitch& b) {
+            pace.spend(1);
+            return std::tie(a.layer, a.from, a.to) < std::tie(b.layer, b.from, b.to);
+        });
+    }
+}
+
+void Placement::write_contours(const Parallel& parallel, std::span<Contour> contours, std::span<Layer> layers) const {
+    assert(head_ == bands_.size());
+    parallel.run(bands_.size(), [&](std::size_t band, int) { write_band(band, contours, layers, parallel); });
+}
+
+void Placement::write_band(std::size_t band, std::span<Contour> contours, std::span<Layer> layers,
+                           const Parallel& parallel) const {
+    constexpr std::size_t contours_between_stops = std::size_t{1} << 14;
+    const Placed& placed = placed_[band];
+    Contour* out = contours.data() + placed.first_contour;
+    for (std::size_t c = 0; c < placed.contours.size(); ++c) {
+        const Contour& contour = placed.contours[c];
+        *out = contour;
+        out->first_point += placed.first_point;
+        out->parent += contour.parent < 0 ? 0 : static_cast<std::int64_t>(placed.first_contour);
+        ++out;
+        if (c % contours_between_stops == contours_between_stops - 1) {
+            parallel.stop_if_asked();
+        }
+    }
+    std::uint64_t first = placed.first_contour;
+    for (PlaneIndex plane = bands_[band].first; plane < bands_[band].last; ++plane) {
+        layers[plane].first_contour = first;
+        layers[plane].contour_count = placed.layer_contours[plane - bands_[band].first];
+        first += layers[plane].contour_count;
+    }
+}
 
 void ResultTarget::admit(const OutputPlan& plan, std::uint64_t memory_limit) const {
     const std::uint64_t point_bytes = sizeof(Point) + (plan.origins ? sizeof(PointOrigin) : 0);

@@ -21,7 +21,7 @@
 #include "base/worker.hpp"
 #include "lamella/slice.hpp"
 #include "slicing/bands/bands.hpp"
-#include "slicing/buckets/bucket.hpp"
+#include "slicing/buckets/triangle_source.hpp"
 #include "slicing/contours/link_graph.hpp"
 #include "slicing/layer/layer_builder.hpp"
 

@@ -18,7 +18,7 @@
 #include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
-#include "slicing/buckets/bucket.hpp"
+#include "slicing/buckets/triangle_source.hpp"
 #include "slicing/layer/layer_builder.hpp"
 
 namespace lamella {

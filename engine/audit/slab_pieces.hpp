@@ -110,9 +110,8 @@ private:
     static constexpr std::uint8_t meets_below = 1;
     static constexpr std::uint8_t meets_above = 2;
 
-    /// A vertex, and the edges that leave it.
+    /// For a vertex: the edges that leave it.
     struct Node {
-        GridVertex vertex;
         PlaneIndex slab;
         std::uint32_t triangles;  ///< within the slab, whose first vertex it is
         std::uint32_t piece;      ///< in the root of a set, once all edges are in
@@ -145,11 +144,9 @@ private:
     bool holds(PlaneIndex slab) const noexcept { return first_ <= slab && slab < end_; }
 
     std::uint32_t node_at(const GridVertex& vertex, PlaneIndex slab) {
-        const std::uint32_t node = numbers_.number(
-            quick_hash_of(vertex), [&](std::uint32_t i) { return nodes_[i].vertex == vertex; },
-            [&](std::uint32_t i) { return quick_hash_of(nodes_[i].vertex); });
+        const std::uint32_t node = numbers_.number(vertex);
         if (node == nodes_.size()) {
-            nodes_.push_back({vertex, slab, 0, none, 0});
+            nodes_.push_back({slab, 0, none, 0});
             sets_.add();
         }
         return node;
@@ -162,17 +159,18 @@ private:
         }
         for (std::uint32_t node = 0; node < nodes_.size(); ++node) {
             const Node& own = nodes_[node];
+            const GridVertex& vertex = numbers_.items()[node];
             Node& root = nodes_[sets_.root(node)];
             if (root.meets == (meets_below | meets_above)) {
                 continue;
             }
             if (root.piece == none) {
                 root.piece = static_cast<std::uint32_t>(pieces_.size());
-                pieces_.push_back({own.vertex, own.vertex, own.slab, root.meets, 0});
+                pieces_.push_back({vertex, vertex, own.slab, root.meets, 0});
             }
             Piece& piece = pieces_[root.piece];
-            piece.lowest = is_lower(own.vertex, piece.lowest) ? own.vertex : piece.lowest;
-            piece.highest = is_higher(own.vertex, piece.highest) ? own.vertex : piece.highest;
+            piece.lowest = is_lower(vertex, piece.lowest) ? vertex : piece.lowest;
+            piece.highest = is_higher(vertex, piece.highest) ? vertex : piece.highest;
             piece.triangles += own.triangles;
         }
     }
@@ -198,7 +196,7 @@ private:
     double grid_mm_;
     PlaneIndex first_ = 0;
     PlaneIndex end_ = 0;
-    NumberTable numbers_;  // nodes, by their vertices
+    NumberTable<GridVertex, quick_hash_of> numbers_;  // of nodes
     std::vector<Node> nodes_;
     std::vector<Piece> pieces_;
     DisjointSets sets_;  // nodes, united over the edges within a slab

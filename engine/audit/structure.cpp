@@ -160,7 +160,6 @@ void check_offsets(const SliceResult& result) {
 void check_structure(const SliceResult& result, std::span<const Part> parts, const Parallel& parallel) {
     check_offsets(result);
     check_planes(result);
-    check_origins(result);
     for (std::size_t l = 0; l < result.layers.size(); ++l) {
         parallel.stop_if_asked();
         check_layer(result, l);

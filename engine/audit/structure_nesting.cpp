@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "audit/structure.hpp"
-#include "base/function_ref.hpp"
 #include "slicing/grid/exact.hpp"
 
 namespace lamella {
@@ -37,71 +36,49 @@ struct Edge {
     }
 };
 
-std::vector<Edge> edges_by_low_end(const SliceResult& result, std::span<const Contour> contours) {
-    std::vector<Edge> edges;
-    for (std::size_t c = 0; c < contours.size(); ++c) {
-        if (!has_area(contours[c])) {
-            continue;
-        }
-        const std::span<const Point> points = result.points_of(contours[c]);
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            edges.push_back({points[i], points[i + 1 == points.size() ? 0 : i + 1], c});
-        }
-    }
-    std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.low() < b.low(); });
-    return edges;
-}
-
-/// Starts of closed contours, lowest y first.
-std::vector<std::size_t> queries_by_row(const SliceResult& result, std::span<const Contour> contours) {
-    std::vector<std::size_t> queries;
-    for (std::size_t c = 0; c < contours.size(); ++c) {
-        if (has_area(contours[c])) {
-            queries.push_back(c);
-        }
-    }
-    const auto row = [&](std::size_t c) { return result.points[contours[c].first_point].y; };
-    std::sort(queries.begin(), queries.end(), [&](std::size_t a, std::size_t b) { return row(a) < row(b); });
-    return queries;
-}
-
-/// Calls visit(contour, around) for every closed contour with area of `layer`, where `around` lists the closed contours with
-/// area whose winding number about the contour's start is not zero and that do not pass through it. Both index the layer's
-/// contours. By a ray through the edges in the start's row: O(m log m) and, for each contour, the edges in its row.
-void for_each_enclosure(const SliceResult& result, const Layer& layer,
-                        FunctionRef<void(std::size_t contour, std::span<const std::size_t> around)> visit) {
+/// For each contour with area: the others with area whose winding number about its start is not zero and that do not pass
+/// through it. By a ray through the edges in the start's row: O(m log m) and, for each contour, the edges in its row.
+std::vector<std::vector<std::size_t>> enclosures_of(const SliceResult& result, std::span<const Contour> contours) {
     struct Winding {
         int number = 0;
         bool through = false;
     };
-    const std::span<const Contour> contours = result.contours_of(layer);
-    const std::vector<Edge> edges = edges_by_low_end(result, contours);
+    const auto start = [&](std::size_t c) { return result.points[contours[c].first_point]; };
+    std::vector<Edge> edges;
+    std::vector<std::size_t> queries;
+    for (std::size_t c = 0; c < contours.size(); ++c) {
+        if (has_area(contours[c])) {
+            queries.push_back(c);
+            const std::span<const Point> points = result.points_of(contours[c]);
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                edges.push_back({points[i], points[i + 1 == points.size() ? 0 : i + 1], c});
+            }
+        }
+    }
+    std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.low() < b.low(); });
+    std::sort(queries.begin(), queries.end(), [&](std::size_t a, std::size_t b) { return start(a).y < start(b).y; });
+    std::vector<std::vector<std::size_t>> around(contours.size());
     std::vector<Edge> row;  // the edges that reach the current query's y
     std::size_t next = 0;
-    for (const std::size_t query : queries_by_row(result, contours)) {
-        const Point start = result.points[contours[query].first_point];
-        for (; next < edges.size() && edges[next].low() <= start.y; ++next) {
+    for (const std::size_t query : queries) {
+        const Point at = start(query);
+        for (; next < edges.size() && edges[next].low() <= at.y; ++next) {
             row.push_back(edges[next]);
         }
-        std::erase_if(row, [&](const Edge& edge) { return edge.high() < start.y; });
+        std::erase_if(row, [&](const Edge& edge) { return edge.high() < at.y; });
         std::map<std::size_t, Winding> windings;
         for (const Edge& edge : row) {
-            const int number = edge.winding_about(start);
-            const bool through = edge.passes_through(start);
-            if (number != 0 || through) {
-                Winding& own = windings[edge.contour];
-                own.number += number;
-                own.through = own.through || through;
-            }
+            Winding& own = windings[edge.contour];
+            own.number += edge.winding_about(at);
+            own.through = own.through || edge.passes_through(at);
         }
-        std::vector<std::size_t> around;
         for (const auto& [contour, own] : windings) {
             if (own.number != 0 && !own.through) {
-                around.push_back(contour);
+                around[query].push_back(contour);
             }
         }
-        visit(query, around);
     }
+    return around;
 }
 
 /// One layer's contours of one part, their own promises already checked. Indices are the layer's.
@@ -136,20 +113,21 @@ private:
         return twice_area < 0 ? -twice_area : twice_area;
     }
 
-    void check_parents() const {
-        for_each_enclosure(result_, layer_, [&](std::size_t c, std::span<const std::size_t> around) {
-            at(c).require(is_parent(c, around), "the parent is not the smallest contour around its start");
-        });
-    }
-
     /// Any of several equally small ones will do.
-    bool is_parent(std::size_t c, std::span<const std::size_t> around) const {
-        if (around.empty() || parent(c) == none) {
-            return around.empty() && contours_[c].parent == -1;
+    void check_parents() const {
+        const auto enclosures = enclosures_of(result_, contours_);
+        for (std::size_t c = 0; c < contours_.size(); ++c) {
+            const std::vector<std::size_t>& around = enclosures[c];
+            bool is_parent = around.empty();
+            for (const std::size_t other : around) {
+                is_parent = is_parent || other == parent(c);
+            }
+            for (const std::size_t other : around) {
+                is_parent = is_parent && size(parent(c)) <= size(other);
+            }
+            at(c).require(is_parent && (!around.empty() || contours_[c].parent == -1),
+                          "the parent is not the smallest contour around its start");
         }
-        const auto smallest =
-            std::min_element(around.begin(), around.end(), [&](auto a, auto b) { return size(a) < size(b); });
-        return std::find(around.begin(), around.end(), parent(c)) != around.end() && size(parent(c)) == size(*smallest);
     }
 
     struct Standing {
@@ -226,47 +204,36 @@ private:
     std::span<const Contour> contours_;
 };
 
-/// The same for every part of a layer, whose contours lie side by side.
-void check_parts(const SliceResult& result, std::size_t index) {
+}  // namespace
+
+void check_nesting(const SliceResult& result, std::size_t index) {
     const Layer& layer = result.layers[index];
     const std::uint64_t end = layer.first_contour + layer.contour_count;
-    std::int64_t last_part = -1;
-    Layer own = layer;
+    const auto part_of = [&](std::uint64_t contour) { return result.contours[contour].part; };
+    if (result.info.options.unite_parts) {
+        for (std::uint64_t c = layer.first_contour; c < end; ++c) {
+            ResultPlace{index, c}.require(part_of(c) < result.info.part_count || part_of(c) == several_parts,
+                                          "there is no such part");
+        }
+        LayerCheck(result, index, layer).run();
+        return;
+    }
+    Layer own = layer;  // the contours of one part
     for (std::uint64_t first = layer.first_contour; first < end; first += own.contour_count) {
         const ResultPlace at{index, first};
-        const std::uint32_t part = result.contours[first].part;
-        at.require(part < result.info.part_count && std::int64_t{part} > last_part,
+        const std::uint32_t part = part_of(first);
+        at.require(part < result.info.part_count && (first == layer.first_contour || part > part_of(first - 1)),
                    "the part is none, or not in the order of parts");
-        last_part = part;
         own.first_contour = first;
         own.contour_count = 1;
-        while (first + own.contour_count < end && result.contours[first + own.contour_count].part == part) {
+        while (first + own.contour_count < end && part_of(first + own.contour_count) == part) {
             ++own.contour_count;
         }
         for (const Contour& contour : result.contours_of(own)) {
-            at.require(contour.parent < 0 || result.contours[static_cast<std::size_t>(contour.parent)].part == part,
+            at.require(contour.parent < 0 || part_of(static_cast<std::uint64_t>(contour.parent)) == part,
                        "the parent is of another part");
         }
         LayerCheck(result, index, own).run();
-    }
-}
-
-void check_united(const SliceResult& result, std::size_t index) {
-    const Layer& layer = result.layers[index];
-    for (std::uint64_t c = layer.first_contour; c < layer.first_contour + layer.contour_count; ++c) {
-        const std::uint32_t part = result.contours[c].part;
-        ResultPlace{index, c}.require(part < result.info.part_count || part == several_parts, "there is no such part");
-    }
-    LayerCheck(result, index, layer).run();
-}
-
-}  // namespace
-
-void check_nesting(const SliceResult& result, std::size_t layer) {
-    if (result.info.options.unite_parts) {
-        check_united(result, layer);
-    } else {
-        check_parts(result, layer);
     }
 }
 

@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <numeric>
 #include <span>
 #include <utility>
 
@@ -54,7 +53,6 @@ private:
 // The progress when a step is done.
 constexpr double measured_share = 0.05;
 constexpr double numbered_share = 0.65;
-constexpr double searched_share = 0.85;
 constexpr double joined_share = 0.9;
 
 constexpr std::size_t weld_grain = 8192;
@@ -68,32 +66,24 @@ struct Joining {
     bool is_kept(std::size_t vertex) const noexcept { return target[vertex] == vertex; }
 };
 
-/// The vertices that have another before them within the tolerance are found on all threads; where they are many, most of
-/// the time. They then decide one after the other, since what each finds depends on where those before it have moved.
+/// Vertices decide one after the other, since what each finds depends on which of those before it are kept.
 template <class Real>
 Joining join(std::span<const Place<Real>> places, double tolerance, const Parallel& parallel) {
-    constexpr std::size_t vertices_between_stops = std::size_t{1} << 12;
-    parallel.begin_stage(searched_share, 8);
+    constexpr std::uint32_t vertices_between_stops = 1 << 12;
     NearVertices<Real> near(places, tolerance, parallel);
     Joining joining{Array<std::uint32_t>(parallel.memory())};
     joining.target.resize_discarding(places.size());
-    parallel.run_ranges(places.size(), weld_grain, [&](std::size_t begin, std::size_t end, int) {
-        std::iota(joining.target.begin() + begin, joining.target.begin() + end, static_cast<std::uint32_t>(begin));
-    });
-    const Array<std::uint32_t> waiting = indices_where(places.size(), parallel, parallel.memory(), [&](std::size_t v) {
-        return near.has_earlier(static_cast<std::uint32_t>(v));
-    });
-    for (std::size_t i = 0; i < waiting.size(); ++i) {
-        if (i % vertices_between_stops == 0) {
+    for (std::uint32_t vertex = 0; vertex < places.size(); ++vertex) {
+        if (vertex % vertices_between_stops == 0) {
             parallel.stop_if_asked();
-            parallel.reach(searched_share +
-                           (joined_share - searched_share) * static_cast<double>(i) / static_cast<double>(waiting.size()));
+            parallel.reach(numbered_share + (joined_share - numbered_share) * vertex / static_cast<double>(places.size()));
         }
-        const std::uint32_t vertex = waiting[i];
-        const std::uint32_t nearest = near.nearest_kept(vertex);
-        if (nearest != NearVertices<Real>::none) {
+        const std::uint32_t nearest = near.nearest(vertex);
+        if (nearest == NearVertices<Real>::none) {
+            joining.target[vertex] = vertex;
+            near.keep(vertex);
+        } else {
             joining.target[vertex] = nearest;
-            near.drop(vertex);
             ++joining.joined;
             joining.largest_squared = std::max(joining.largest_squared, near.squared_distance(vertex, nearest));
         }

@@ -73,14 +73,14 @@ struct Share {
 };
 constexpr double measure_share = 0.04;
 constexpr Share faces_share = {0.24, 14};
-constexpr Share edges_share = {0.36, 7};
-constexpr Share joints_share = {0.48, 7};
-constexpr Share tree_share = {0.54, 9};
+constexpr Share edges_share = {0.36, 8};
+constexpr Share joints_share = {0.48, 8};
+constexpr Share tree_share = {0.54, 10};
 constexpr Share shells_share = {0.60, 9};
 constexpr double meeting_share = 0.97;
 constexpr Share gaps_share = {0.99, 40};
 constexpr Share counted_faces_share = {0.5, 14};
-constexpr Share counted_edges_share = {0.99, 12};
+constexpr Share counted_edges_share = {0.99, 13};
 
 /// The stages.
 class Diagnosis {

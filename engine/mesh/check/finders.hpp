@@ -115,7 +115,7 @@ struct FaceTree {
     Array<std::uint32_t> faces;  ///< ascending
     BoxTree<GridVertex> boxes;   ///< items as in `faces`
 
-    /// O(n), in at most 13 calls of run(). Throws std::bad_alloc.
+    /// O(n), in at most 14 calls of run(). Throws std::bad_alloc.
     FaceTree(const GridMesh& mesh, const EmbeddedStars& stars, const Parallel& parallel);
 };
 

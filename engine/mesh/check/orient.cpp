@@ -27,13 +27,13 @@ Result<OrientedMesh> orient_or_throw(const MeshView& view, const Frame& frame, c
     parallel.begin_stage(0.5, 14);
     const GridMesh grid = make_grid_mesh(oriented.view(), frame, found, parallel);
     if (!grid.faces.empty()) {
-        parallel.begin_stage(0.6, 7);
+        parallel.begin_stage(0.6, 8);
         const EdgeTable edges(grid, parallel);
         parallel.begin_stage(0.7, 7);
         const EmbeddedStars stars(grid, edges, parallel);
-        parallel.begin_stage(0.8, 9);
+        parallel.begin_stage(0.8, 10);
         const FaceTree tree(grid, stars, parallel);
-        parallel.begin_stage(0.99, 20);
+        parallel.begin_stage(0.99, 16);
         const FaultCollector faults(grid, 0, found.findings);
         const Array<std::uint32_t> shell_of = find_shells(grid, edges, tree, faults, found, parallel, true);
         for (std::size_t face = 0; face < grid.faces.size(); ++face) {

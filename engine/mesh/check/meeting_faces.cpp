@@ -2,7 +2,6 @@
 // are told apart in double; the rest is tested exactly.
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -78,7 +77,7 @@ public:
           shells_(shells),
           parallel_(parallel),
           blocks_(parallel.memory()),
-          tallies_(kinds.size(), Tally<FacePair>(most, parallel)),
+          tallies_(kinds.size(), Tally<FacePair>(most)),
           meets_other_(shells.size()) {
         blocks_.resize_discarding(tree.boxes.groups());
         parallel.run_ranges(blocks_.size(), grain, [&](std::size_t begin, std::size_t end, int) {
@@ -95,16 +94,11 @@ public:
         BudgetedSearch<Met> search(groups, search_budget(tree_.boxes.size()), parallel_);
         return search.run(
             [&](std::size_t group, std::size_t limit, std::vector<Met>& found) { return meet_group(group, limit, found); },
-            [&](std::size_t, const std::vector<Met>& found, int worker) {
-                for (const Met& met : found) {
-                    note(met, worker);
-                }
-            });
+            [&](const Met& met) { note(met); });
     }
 
-    const Tally<FacePair>& tally(std::size_t kind) const { return tallies_[kind]; }
-
-    std::vector<std::uint8_t> meets_other() const { return {meets_other_.begin(), meets_other_.end()}; }
+    Tally<FacePair>& tally(std::size_t kind) { return tallies_[kind]; }
+    std::vector<std::uint8_t> meets_other() { return std::move(meets_other_); }
 
 private:
     static constexpr std::size_t fan = BoxTree<GridVertex>::fan;
@@ -138,14 +132,13 @@ private:
         }
     }
 
-    void note(const Met& met, int worker) {
-        tallies_[place_among_kinds(met.meeting)].add(met.faces, worker);
+    void note(const Met& met) {
+        tallies_[place_among_kinds(met.meeting)].add(met.faces);
         const auto [face, other] = met.faces;
         const std::uint32_t shell = shell_of_[face];
         const std::uint32_t other_shell = shell_of_[other];
         if (shell != other_shell && shells_[shell].closed && shells_[other_shell].closed) {
-            meets_other_[shell].store(1, std::memory_order_relaxed);
-            meets_other_[other_shell].store(1, std::memory_order_relaxed);
+            meets_other_[shell] = meets_other_[other_shell] = 1;
         }
     }
 
@@ -154,9 +147,9 @@ private:
     const Array<std::uint32_t>& shell_of_;
     const std::vector<MeshShell>& shells_;
     const Parallel& parallel_;
-    Array<StarBlock> blocks_;                             ///< by group
-    std::vector<Tally<FacePair>> tallies_;                ///< as in `kinds`
-    std::vector<std::atomic<std::uint8_t>> meets_other_;  ///< by shell
+    Array<StarBlock> blocks_;                ///< by group
+    std::vector<Tally<FacePair>> tallies_;   ///< as in `kinds`
+    std::vector<std::uint8_t> meets_other_;  ///< by shell
 };
 
 /// For a crossing, the segment in which the faces meet; else the middle of their boxes' intersection.

@@ -55,12 +55,12 @@ public:
 
     bool run() {
         std::vector<std::vector<std::uint32_t>> around(shells_.size());
-        BudgetedSearch<std::uint32_t> search(shells_.size(), search_budget(mesh_.faces.size()), parallel_);
+        BudgetedSearch<ShellPair> search(shells_.size(), search_budget(mesh_.faces.size()), parallel_);
         const bool complete = search.run(
-            [&](std::size_t shell, std::size_t limit, std::vector<std::uint32_t>& found) {
+            [&](std::size_t shell, std::size_t limit, std::vector<ShellPair>& found) {
                 return find_around(static_cast<std::uint32_t>(shell), limit, found);
             },
-            [&](std::size_t shell, const std::vector<std::uint32_t>& found, int) { around[shell] = found; });
+            [&](const ShellPair& pair) { around[pair[0]].push_back(pair[1]); });
         const bool all_tested = !whole_ || drop_crossed(around);
         for (std::uint32_t shell = 0; shell < shells_.size(); ++shell) {
             shells_[shell].depth = static_cast<int>(around[shell].size());
@@ -73,6 +73,8 @@ public:
 
 private:
     static constexpr std::size_t most_samples = 8;
+    /// A shell, and one that is around it.
+    using ShellPair = std::array<std::uint32_t, 2>;
 
     /// For each shell vertices spread over it: of its faces, in order, the first, the last and some between them.
     void choose_samples() {
@@ -96,7 +98,7 @@ private:
 
     /// Appends the closed shells around this one to `around`; returns what it cost. Samples are tried for as long as some
     /// lie on a shell's surface, or all of them.
-    std::size_t find_around(std::uint32_t shell, std::size_t limit, std::vector<std::uint32_t>& around) const {
+    std::size_t find_around(std::uint32_t shell, std::size_t limit, std::vector<ShellPair>& around) const {
         std::vector<Hit> kept;  // on or within which all samples so far lie; `winding` of one within, else 0
         std::vector<Hit> hits;
         std::size_t cost = 0;
@@ -117,14 +119,14 @@ private:
                 if (sum.touches || whole_) {
                     still.push_back({sum.shell, sum.touches ? (known ? before->winding : 0) : sum.winding, sum.touches});
                 } else {
-                    around.push_back(sum.shell);
+                    around.push_back({shell, sum.shell});
                 }
             }
             kept = std::move(still);
         }
         for (const Hit& hit : kept) {
             if (hit.winding != 0) {
-                around.push_back(hit.shell);
+                around.push_back({shell, hit.shell});
             }
         }
         return cost;
@@ -132,34 +134,29 @@ private:
 
     /// Takes from `around` each shell's the others that a face of it crosses. Returns whether all faces were tested.
     bool drop_crossed(std::vector<std::vector<std::uint32_t>>& around) const {
-        BudgetedSearch<std::uint32_t> search(mesh_.faces.size(), search_budget(mesh_.faces.size()), parallel_);
-        std::vector<std::vector<std::array<std::uint32_t, 2>>> crossed(static_cast<std::size_t>(parallel_.threads()));
+        std::vector<ShellPair> crossed;
+        BudgetedSearch<ShellPair> search(mesh_.faces.size(), search_budget(mesh_.faces.size()), parallel_);
         const bool complete = search.run(
-            [&](std::size_t face, std::size_t limit, std::vector<std::uint32_t>& found) {
+            [&](std::size_t face, std::size_t limit, std::vector<ShellPair>& found) {
                 const auto number = static_cast<std::uint32_t>(face);
                 const std::vector<std::uint32_t>& others = around[shell_of_[face]];
-                return others.empty() ? 0 : find_crossed(exact(number), mesh_.faces[face], limit, others, found);
+                return others.empty() ? 0 : find_crossed(number, limit, others, found);
             },
-            [&](std::size_t face, const std::vector<std::uint32_t>& found, int worker) {
-                for (const std::uint32_t other : found) {
-                    crossed[static_cast<std::size_t>(worker)].push_back({shell_of_[face], other});
-                }
-            });
-        for (const auto& own : crossed) {
-            for (const auto& [shell, other] : own) {
-                std::erase(around[shell], other);
-            }
+            [&](const ShellPair& pair) { crossed.push_back(pair); });
+        for (const auto& [shell, other] : crossed) {
+            std::erase(around[shell], other);
         }
         return complete;
     }
 
-    std::size_t find_crossed(const ExactFace& own, const Face& face, std::size_t limit,
-                             const std::vector<std::uint32_t>& others, std::vector<std::uint32_t>& found) const {
-        return tree_.boxes.search(SpaceBox::around(mesh_.corners(face)), limit, [&](std::size_t item) {
+    std::size_t find_crossed(std::uint32_t face, std::size_t limit, const std::vector<std::uint32_t>& others,
+                             std::vector<ShellPair>& found) const {
+        const ExactFace own = exact(face);
+        return tree_.boxes.search(SpaceBox::around(mesh_.corners(mesh_.faces[face])), limit, [&](std::size_t item) {
             const std::uint32_t shell = shell_of_[tree_.faces[item]];
             if (own.has_area() && std::binary_search(others.begin(), others.end(), shell) &&
                 meet(own, exact(tree_.faces[item])) == Meeting::cross) {
-                found.push_back(shell);
+                found.push_back({shell_of_[face], shell});
             }
         });
     }

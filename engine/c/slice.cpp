@@ -49,20 +49,6 @@ private:
     std::vector<Part> parts_;
 };
 
-/// Hands layers to functions of C.
-struct SinkOfC {
-    lamella_sink c;
-
-    void take(const LayerView& layer) const noexcept {
-        const lamella_layer_view view = view_of(layer);
-        c.take(c.object, &view);
-    }
-    void begin(const SliceInfo& info) const noexcept {
-        const lamella_info given = info_of(info);
-        c.begin(c.object, &given);
-    }
-};
-
 lamella_sink read_sink(const lamella_sink* given) {
     const lamella_sink c = read_sized(given);
     if (c.take == nullptr) {
@@ -121,11 +107,17 @@ void slice_to(Kept& kept, const lamella_destination& to, const Source& from, con
             kept.give(kept->slicer.slice_to(result, from, options, context), info, &result);
         });
     } else if (to.sink != nullptr) {
-        SinkOfC sink{read_sink(to.sink)};
-        auto take = [&](const LayerView& layer) noexcept { sink.take(layer); };
-        auto begin = [&](const SliceInfo& found) noexcept { sink.begin(found); };
-        LayerSink cpp{.take = take, .order = sink.c.order == LAMELLA_SINK_ANY ? SinkOrder::any : SinkOrder::ascending};
-        if (sink.c.begin != nullptr) {
+        const lamella_sink c = read_sink(to.sink);
+        auto take = [&](const LayerView& layer) noexcept {
+            const lamella_layer_view view = view_of(layer);
+            c.take(c.object, &view);
+        };
+        auto begin = [&](const SliceInfo& found) noexcept {
+            const lamella_info given = info_of(found);
+            c.begin(c.object, &given);
+        };
+        LayerSink cpp{.take = take, .order = c.order == LAMELLA_SINK_ANY ? SinkOrder::any : SinkOrder::ascending};
+        if (c.begin != nullptr) {
             cpp.begin = begin;
         }
         kept.give(kept->slicer.slice_to(cpp, from, options, context), info);

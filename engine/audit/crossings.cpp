@@ -81,8 +81,7 @@ public:
 
     /// Share `share` of `shares` of all pairs.
     Found run(const EdgeRuns& runs, std::size_t share, std::size_t shares) {
-        constexpr std::uint64_t part =
-            8;  // of a layer's steps: so all shares take at most so many times what one thread would
+        constexpr std::uint64_t part = 8;  // of a layer's steps: all shares take at most 8 times what one thread would
         points_ = runs.points();
         found_ = {};
         const std::span<const EdgePath> paths = runs.paths();
@@ -147,123 +146,90 @@ private:
     Found found_;
 };
 
-/// Shares layers out to threads, and of a wide layer the runs.
-class CrossingSearch {
-public:
-    CrossingSearch(const SliceResult& result, const Parallel& parallel) : result_(result), parallel_(parallel) {}
-
-    Crossings run(const ProgressShare& progress) {
-        std::vector<std::size_t> wide;
-        for (std::size_t layer = 0; layer < result_.layers.size(); ++layer) {
-            if (is_wide(result_.layers[layer])) {
-                wide.push_back(layer);
-            }
-        }
-        constexpr std::size_t runs_of_wide_layer = 6;
-        progress.begin(1, runs_of_wide_layer * wide.size() + 1);
-        for (const std::size_t layer : wide) {
-            search_wide(layer);
-        }
-        search_others();
-        return sum();
+bool is_wide(const SliceResult& result, std::size_t layer) noexcept {
+    std::uint64_t points = 0;
+    for (const Contour& contour : result.contours_of(result.layers[layer])) {
+        points += contour.point_count;
     }
+    return points >= edges_of_wide_layer;
+}
 
-private:
-    bool is_wide(const Layer& layer) const noexcept {
-        std::uint64_t points = 0;
-        for (const Contour& contour : result_.contours_of(layer)) {
-            points += contour.point_count;
-        }
-        return points >= edges_of_wide_layer;
+void add_paths(const SliceResult& result, std::size_t layer, EdgeRuns& runs) {
+    const Layer& of = result.layers[layer];
+    for (std::uint64_t c = of.first_contour; c < of.first_contour + of.contour_count; ++c) {
+        const Contour& contour = result.contours[c];
+        runs.add({{result.points.data() + contour.first_point, contour.point_count}, c, contour.role != Role::open});
     }
+}
 
-    void search_others() {
-        struct Searcher {
-            explicit Searcher(const StopCheck& stop) noexcept : worker(nullptr, stop) {}
-            Worker worker;
-            CrossingsOfShare search{worker};
-            EdgeRuns runs{worker};
-            std::vector<LayerCrossings> found;
-        };
-        std::vector<std::unique_ptr<Searcher>> searchers(static_cast<std::size_t>(parallel_.threads()));
-        parallel_.run(result_.layers.size(), [&](std::size_t layer, int worker) {
-            std::unique_ptr<Searcher>& own = searchers[static_cast<std::size_t>(worker)];
-            if (is_wide(result_.layers[layer])) {
-                return;
-            }
-            if (!own) {
-                own = std::make_unique<Searcher>(parallel_.stop());
-            }
-            own->runs.clear();
-            for_each_path(layer, [&](const EdgePath& path) { own->runs.add(path); });
-            own->runs.cut(0);
-            const Found found = own->search.run(own->runs, 0, 1);
-            keep(layer, found, own->found);
-        });
-        for (const std::unique_ptr<Searcher>& own : searchers) {
-            if (own) {
-                all_.insert(all_.end(), own->found.begin(), own->found.end());
-            }
-        }
+/// By all threads. Its shares do not know of one another, and so do not depend on threads.
+Found search_wide(const SliceResult& result, std::size_t layer, const Parallel& parallel) {
+    Worker caller(nullptr, parallel.stop());
+    EdgeRuns runs(caller);
+    add_paths(result, layer, runs);
+    runs.cut(0, &parallel);
+    std::vector<Found> shares(shares_of_wide_layer);
+    parallel.run(shares.size(), [&](std::size_t share, int) {
+        Worker worker(nullptr, parallel.stop());
+        shares[share] = CrossingsOfShare(worker).run(runs, share, shares.size());
+    });
+    Found found;
+    for (const Found& own : shares) {
+        found.add(own);
     }
+    return found;
+}
 
-    template <class Visit>
-    void for_each_path(std::size_t layer, Visit visit) const {
-        const Layer& of = result_.layers[layer];
-        for (std::uint64_t c = of.first_contour; c < of.first_contour + of.contour_count; ++c) {
-            const Contour& contour = result_.contours[c];
-            visit(
-                EdgePath{{result_.points.data() + contour.first_point, contour.point_count}, c, contour.role != Role::open});
-        }
-    }
-
-    static void keep(std::size_t layer, const Found& found, std::vector<LayerCrossings>& layers) {
-        if (found.count > 0 || found.cut_short) {
-            const std::uint64_t count = std::min(found.count, most_crossings_in_layer);
-            const bool at_least = found.cut_short || count < found.count;
-            layers.push_back({layer, count, at_least, found.first, found.contours});
-        }
-    }
-
-    /// Its shares do not know of one another, and so do not depend on threads.
-    void search_wide(std::size_t layer) {
-        Worker caller(nullptr, parallel_.stop());
-        EdgeRuns runs(caller);
-        for_each_path(layer, [&](const EdgePath& path) { runs.add(path); });
-        runs.cut(0, &parallel_);
-        std::vector<Found> shares(shares_of_wide_layer);
-        parallel_.run(shares.size(), [&](std::size_t share, int) {
-            Worker worker(nullptr, parallel_.stop());
-            shares[share] = CrossingsOfShare(worker).run(runs, share, shares.size());
-        });
-        Found found;
-        for (const Found& own : shares) {
-            found.add(own);
-        }
-        keep(layer, found, all_);
-    }
-
-    Crossings sum() {
-        std::sort(all_.begin(), all_.end(),
-                  [](const LayerCrossings& a, const LayerCrossings& b) { return a.layer < b.layer; });
-        Crossings crossings;
-        for (const LayerCrossings& layer : all_) {
-            crossings.count += layer.count;
-            crossings.at_least = crossings.at_least || layer.at_least;
-        }
-        crossings.layers = std::move(all_);
-        return crossings;
-    }
-
-    const SliceResult& result_;
-    const Parallel& parallel_;
-    std::vector<LayerCrossings> all_;
+/// What a thread needs to search one layer after another.
+struct Searcher {
+    explicit Searcher(const StopCheck& stop) noexcept : worker(nullptr, stop) {}
+    Worker worker;
+    CrossingsOfShare search{worker};
+    EdgeRuns runs{worker};
 };
 
 }  // namespace
 
 Crossings find_crossings(const SliceResult& result, const ProgressShare& progress) {
-    return CrossingSearch(result, progress.parallel).run(progress);
+    constexpr std::size_t runs_of_wide_layer = 6;
+    const Parallel& parallel = progress.parallel;
+    std::vector<std::size_t> wide;
+    for (std::size_t layer = 0; layer < result.layers.size(); ++layer) {
+        if (is_wide(result, layer)) {
+            wide.push_back(layer);
+        }
+    }
+    progress.begin(1, runs_of_wide_layer * wide.size() + 1);
+    std::vector<Found> layers(result.layers.size());
+    for (const std::size_t layer : wide) {
+        layers[layer] = search_wide(result, layer, parallel);
+    }
+    std::vector<std::unique_ptr<Searcher>> searchers(static_cast<std::size_t>(parallel.threads()));
+    parallel.run(layers.size(), [&](std::size_t layer, int worker) {
+        std::unique_ptr<Searcher>& own = searchers[static_cast<std::size_t>(worker)];
+        if (is_wide(result, layer)) {
+            return;
+        }
+        if (!own) {
+            own = std::make_unique<Searcher>(parallel.stop());
+        }
+        own->runs.clear();
+        add_paths(result, layer, own->runs);
+        own->runs.cut(0);
+        layers[layer] = own->search.run(own->runs, 0, 1);
+    });
+    Crossings crossings;
+    for (std::size_t layer = 0; layer < layers.size(); ++layer) {
+        const Found& found = layers[layer];
+        if (found.count > 0 || found.cut_short) {
+            const std::uint64_t count = std::min(found.count, most_crossings_in_layer);
+            const bool at_least = found.cut_short || count < found.count;
+            crossings.count += count;
+            crossings.at_least = crossings.at_least || at_least;
+            crossings.layers.push_back({layer, count, at_least, found.first, found.contours});
+        }
+    }
+    return crossings;
 }
 
 }  // namespace lamella

@@ -32,12 +32,7 @@ inline bool keeps_contours(const SliceResult& result, std::size_t layer) noexcep
            options.region.rule_of(result.info.first_layer + layer) == FillRule::contours;
 }
 
-/// Parents, roles and order of a layer's contours, each of which keeps its own promises.
-void check_nesting(const SliceResult& result, std::size_t layer);
-
-/// Origins by themselves. Precondition: contours lie within the points.
-void check_origins(const SliceResult& result);
-/// Origins by the parts that were sliced: that points come from there. Precondition: check_origins(result).
+/// Origins by themselves and, where there are parts, that points come from there. Precondition: contours lie within the points.
 void check_origins(const SliceResult& result, std::span<const Part> parts);
 
 }  // namespace lamella

@@ -83,35 +83,6 @@ Distributed<T> distribute(std::size_t count, std::size_t parts, const Parallel& 
     return sorted;
 }
 
-/// One call of run(): the indices under `count` for which test(index) holds, ascending. Takes 4 bytes for each of `count`.
-/// Throws std::bad_alloc.
-template <class Test>
-Array<std::uint32_t> indices_where(std::size_t count, const Parallel& parallel, const Memory* memory, Test test) {
-    const std::size_t ranges = count / (std::size_t{1} << 14) + 1;
-    const auto first = [&](std::size_t range) { return count * range / ranges; };
-    Array<std::uint32_t> found(memory);
-    found.resize_discarding(count);
-    std::vector<std::size_t> ends(ranges);  // by range: where what it has found ends, from its beginning on
-    parallel.run(ranges, [&](std::size_t range, int) {
-        std::size_t end = first(range);
-        for (std::size_t i = end; i != first(range + 1); ++i) {
-            if (test(i)) {
-                found[end++] = static_cast<std::uint32_t>(i);
-            }
-        }
-        ends[range] = end;
-    });
-    std::size_t all = 0;
-    for (std::size_t range = 0; range < ranges; ++range) {
-        if (all != first(range)) {
-            std::copy(found.begin() + first(range), found.begin() + ends[range], found.begin() + all);
-        }
-        all += ends[range] - first(range);
-    }
-    found.set_size(all);
-    return found;
-}
-
 /// Two calls of run(): numbers the items under `count` for which is_counted(item) holds in ascending order. Calls room(how
 /// many there are), and then see(item, number of the last one up to it, whether it is one) for all. Throws std::bad_alloc.
 template <class IsCounted, class Room, class See>
@@ -139,6 +110,20 @@ void number_where(std::size_t count, const Parallel& parallel, const IsCounted& 
             see(i, next - 1, counted);
         }
     });
+}
+
+/// The same two calls: the indices under `count` for which test(index) holds, ascending. Throws std::bad_alloc.
+template <class Test>
+Array<std::uint32_t> indices_where(std::size_t count, const Parallel& parallel, const Memory* memory, const Test& test) {
+    Array<std::uint32_t> found(memory);
+    number_where(
+        count, parallel, test, [&](std::size_t room) { found.resize_discarding(room); },
+        [&](std::size_t i, std::uint32_t number, bool holds) {
+            if (holds) {
+                found[number] = static_cast<std::uint32_t>(i);
+            }
+        });
+    return found;
 }
 
 /// Sorts the items of a part by a number that each has, where these lie close together, and then by `less`; its memory is

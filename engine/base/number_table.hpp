@@ -1,4 +1,4 @@
-// Numbers for items that are kept elsewhere, found again by the items' hashes: open addressing, at most half full.
+// Distinct items, numbered in the order in which they come: open addressing, at most half full. Its memory is kept.
 #pragma once
 
 #include <algorithm>
@@ -9,32 +9,36 @@
 
 namespace lamella {
 
-/// Items get the numbers 0, 1, 2, ... in the order in which they come. Slots are taken by the highest bits of hashes.
+/// Slots are taken by the highest bits of an item's hash.
+template <class Item, std::uint64_t (*hash)(const Item&) noexcept>
 class NumberTable {
 public:
-    /// Forgets all items, and makes room for `count`; beyond that it grows. Memory is kept.
+    /// Forgets all items, and makes room for about `count`; beyond that it grows.
     void clear(std::size_t count) {
-        count_ = 0;
-        resize(std::bit_ceil(2 * count + 2));
+        constexpr std::size_t least_room = 512;
+        items_.clear();
+        resize(std::bit_ceil(2 * std::max(count, least_room)));
     }
 
-    /// The number of the item for which is_same(number) holds, among those of this hash, or the next number: then the item
-    /// is new. hash_of(number) is the hash of an item that came before.
-    template <class IsSame, class HashOf>
-    std::uint32_t number(std::uint64_t hash, const IsSame& is_same, const HashOf& hash_of) {
-        std::uint32_t* slot = &find(hash, is_same);
+    /// That of an item equal to this one, or the next number: then the item is new.
+    std::uint32_t number(const Item& item) {
+        std::uint32_t* slot = &slot_of(item);
         if (*slot == 0) {
-            if (2 * (std::size_t{count_} + 1) > slots_.size()) {
+            if (2 * (items_.size() + 1) > slots_.size()) {
                 resize(2 * slots_.size());
-                for (std::uint32_t i = 0; i < count_; ++i) {
-                    find(hash_of(i), [](std::uint32_t) { return false; }) = i + 1;
+                for (std::uint32_t i = 0; i < items_.size(); ++i) {
+                    slot_of(items_[i]) = i + 1;
                 }
-                slot = &find(hash, is_same);
+                slot = &slot_of(item);
             }
-            *slot = ++count_;
+            items_.push_back(item);
+            *slot = static_cast<std::uint32_t>(items_.size());
         }
         return *slot - 1;
     }
+
+    /// By number.
+    const std::vector<Item>& items() const noexcept { return items_; }
 
 private:
     void resize(std::size_t slots) {
@@ -43,19 +47,17 @@ private:
     }
 
     /// The slot of the item, or the free one where it belongs.
-    template <class IsSame>
-    std::uint32_t& find(std::uint64_t hash, const IsSame& is_same) {
-        const std::size_t mask = slots_.size() - 1;
-        std::size_t slot = static_cast<std::size_t>(hash >> shift_);
-        while (slots_[slot] != 0 && !is_same(slots_[slot] - 1)) {
-            slot = (slot + 1) & mask;
+    std::uint32_t& slot_of(const Item& item) {
+        std::size_t slot = static_cast<std::size_t>(hash(item) >> shift_);
+        while (slots_[slot] != 0 && !(items_[slots_[slot] - 1] == item)) {
+            slot = (slot + 1) & (slots_.size() - 1);
         }
         return slots_[slot];
     }
 
+    std::vector<Item> items_;
     std::vector<std::uint32_t> slots_;  ///< 1 + a number, or 0
     int shift_ = 0;
-    std::uint32_t count_ = 0;
 };
 
 }  // namespace lamella

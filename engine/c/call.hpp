@@ -4,6 +4,7 @@
 
 #include <initializer_list>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -48,8 +49,9 @@ private:
     lamella_context c_;
 };
 
-/// These throw Refused where a list is missing; where a choice is none of 0 to `last`; where not exactly one of the pointers
-/// is set, which are the `fields` of a struct.
+/// These throw Refused where something is missing, or a list; where a choice is none of 0 to `last`; where not exactly one
+/// of the pointers is set, which are the `fields` of a struct.
+void require_given(const void* given, const std::string& what);
 void require_list(const void* list, std::size_t count, const char* name);
 void require_choice(std::int32_t given, std::int32_t last, const char* name);
 void require_one(std::initializer_list<const void*> given, const char* fields);
@@ -58,13 +60,6 @@ void require_one(std::initializer_list<const void*> given, const char* fields);
 MeshView read_mesh(const lamella_mesh* given);
 /// All defaults where `given` is null. The lists in `options` keep their memory.
 void read_options(const lamella_options* given, SliceOptions& options);
-
-/// The defaults of each struct; of those not named here all is 0.
-lamella_context default_context() noexcept;
-lamella_mesh default_mesh() noexcept;
-lamella_options default_options() noexcept;
-lamella_arrays default_arrays() noexcept;
-lamella_error empty_error() noexcept;
 
 lamella_info info_of(const SliceInfo& info) noexcept;
 lamella_layer_view view_of(const LayerView& layer) noexcept;
@@ -82,12 +77,17 @@ std::int32_t called(lamella_error* error, Body&& body) noexcept {
                   error);
 }
 
+/// Throws Refused where there is no place for what a call makes.
+inline void require_place(const void* place, const std::string& what, const char* name) {
+    if (place == nullptr) {
+        refuse("there is nowhere to put " + what + ": " + name + " is NULL");
+    }
+}
+
 /// fill(result) of `*result`, or of a new one that is put there once it is filled.
 template <class Fill>
 void fill_result(lamella_result** result, const Fill& fill) {
-    if (result == nullptr) {
-        refuse("there is nowhere to put the result: result is NULL");
-    }
+    require_place(result, "the result", "result");
     std::unique_ptr<lamella_result> fresh;
     if (*result == nullptr) {
         fresh = std::make_unique<lamella_result>();

@@ -64,14 +64,13 @@ void give(const Option& value, Given& to) {
     }
 }
 
-template <class T>
-T sized() noexcept {
-    T it{};
-    it.struct_size = sizeof it;
-    return it;
-}
-
 }  // namespace
+
+void require_given(const void* given, const std::string& what) {
+    if (given == nullptr) {
+        refuse(what + " is NULL");
+    }
+}
 
 void require_list(const void* list, std::size_t count, const char* name) {
     if (list == nullptr && count != 0) {
@@ -92,29 +91,32 @@ void require_one(std::initializer_list<const void*> given, const char* fields) {
     }
 }
 
-lamella_context default_context() noexcept {
-    auto context = sized<lamella_context>();
-    context.executor_threads = 1;
-    return context;
+void set_defaults(lamella_error& error) noexcept {
+    error.part = error.triangle = error.plane = error.byte_offset = -1;
 }
 
-lamella_mesh default_mesh() noexcept {
-    auto mesh = sized<lamella_mesh>();
+void set_defaults(lamella_context& context) noexcept {
+    context.executor_threads = 1;
+}
+
+void set_defaults(lamella_mesh& mesh) noexcept {
     mesh.mm_per_unit = 1;
     mesh.index_type = LAMELLA_U32;
-    return mesh;
 }
 
-lamella_options default_options() noexcept {
-    const SliceOptions defaults;
-    auto options = sized<lamella_options>();
-#define OPTION(kind, name, path, ...) give(defaults.path, options.name);
+void set_defaults(lamella_arrays& arrays) noexcept {
+    arrays.point_type = LAMELLA_I32;
+    arrays.scale = 1;
+}
+
+void set_defaults(lamella_options& options) noexcept {
+    const SliceOptions cpp;
+#define OPTION(kind, name, path, ...) give(cpp.path, options.name);
 #include "options/options.inc"
-    return options;
 }
 
 void read_options(const lamella_options* given, SliceOptions& options) {
-    const lamella_options c = read_sized(given, default_options());
+    const lamella_options c = read_sized(given);
     if (c.reserved_0_3 != 0) {
         refuse("lamella_options has a field set that lamella " + std::string(version) + " does not know");
     }
@@ -123,10 +125,8 @@ void read_options(const lamella_options* given, SliceOptions& options) {
 }
 
 MeshView read_mesh(const lamella_mesh* given) {
-    if (given == nullptr) {
-        refuse("the mesh is NULL");
-    }
-    const lamella_mesh c = read_sized(given, default_mesh());
+    require_given(given, "the mesh");
+    const lamella_mesh c = read_sized(given);
     if (c.index_type != LAMELLA_U32 && c.index_type != LAMELLA_U64) {
         refuse("index_type is " + std::to_string(c.index_type) + ", but the choices are LAMELLA_U32 and LAMELLA_U64");
     }
@@ -143,7 +143,7 @@ MeshView read_mesh(const lamella_mesh* given) {
             .mm_per_unit = c.mm_per_unit};
 }
 
-Host::Host(const lamella_context* given) : c_(read_sized(given, default_context())) {
+Host::Host(const lamella_context* given) : c_(read_sized(given)) {
     context.threads = c_.threads;
     context.memory = as_cpp(c_.memory);
     context.memory_limit_bytes = c_.memory_limit_bytes;

@@ -88,33 +88,16 @@ lamella_view arrays_of(const SliceResult& result) noexcept {
     return view;
 }
 
-/// The struct of `kind`, of as many bytes as the program knows, with its defaults.
+/// If the struct is of kind T: its defaults, of as many bytes as the program knows.
 template <class T>
-bool init_if(std::int32_t kind, void* it, std::size_t size, const T& defaults) noexcept {
-    if (kind != Sized<T>::kind) {
-        return false;
+void init_if(std::int32_t kind, void* it, std::size_t size) noexcept {
+    if (kind == Sized<T>::kind) {
+        const T whole = defaults<T>();
+        std::memcpy(it, &whole, std::min(size, sizeof(T)));
     }
-    std::memcpy(it, &defaults, std::min(size, sizeof(T)));
-    return true;
 }
 
 }  // namespace
-
-lamella_error empty_error() noexcept {
-    lamella_error error{};
-    error.part = -1;
-    error.triangle = -1;
-    error.plane = -1;
-    error.byte_offset = -1;
-    return error;
-}
-
-lamella_arrays default_arrays() noexcept {
-    lamella_arrays arrays{};
-    arrays.point_type = LAMELLA_I32;
-    arrays.scale = 1;
-    return arrays;
-}
 
 lamella_info info_of(const SliceInfo& info) noexcept {
     lamella_info c{};
@@ -163,7 +146,7 @@ lamella_layer_view view_of(const LayerView& layer) noexcept {
 }
 
 std::int32_t report(const Status& status, lamella_error* error) noexcept {
-    lamella_error c = empty_error();
+    auto c = defaults<lamella_error>();
     if (!status) {
         const Error& what = status.error();
         c.status = status_of(what.code);
@@ -179,29 +162,17 @@ std::int32_t report(const Status& status, lamella_error* error) noexcept {
 
 }  // namespace lamella::c
 
-using lamella::Contour;
-using lamella::require;
-using lamella::c::arrays_of;
-using lamella::c::as_c;
-using lamella::c::as_cpp;
-using lamella::c::called;
-using lamella::c::Host;
-using lamella::c::init_if;
-using lamella::c::read_mesh;
-using lamella::c::read_options;
-using lamella::c::refuse;
-using lamella::c::view_of;
-using lamella::c::write_sized;
+namespace api = lamella::c;
 
 void lamella_result_view(const lamella_result* result, lamella_view* view) {
-    write_sized(result == nullptr ? lamella_view{} : arrays_of(result->result), view);
+    api::write_sized(result == nullptr ? lamella_view{} : api::arrays_of(result->result), view);
 }
 
 int32_t lamella_result_layer(const lamella_result* result, uint64_t layer, lamella_layer_view* view) {
     if (result == nullptr || layer >= result->result.size()) {
         return LAMELLA_INVALID_ARGUMENT;
     }
-    write_sized(view_of(result->result[layer]), view);
+    api::write_sized(api::view_of(result->result[layer]), view);
     return LAMELLA_OK;
 }
 
@@ -218,7 +189,7 @@ double lamella_area_mm2(const lamella_layer_view* layer) {
         return 0;
     }
     lamella::LayerView view;
-    view.contours = {as_cpp(layer->contours), layer->layer.contour_count};
+    view.contours = {api::as_cpp(layer->contours), layer->layer.contour_count};
     view.grid_mm = layer->grid_mm;
     return view.area_mm2();
 }
@@ -226,48 +197,46 @@ double lamella_area_mm2(const lamella_layer_view* layer) {
 double lamella_contour_area_mm2(const lamella_contour* contour, double grid_mm) {
     lamella::LayerView view;
     view.grid_mm = grid_mm;
-    return contour == nullptr ? 0 : view.area_mm2(*as_cpp(contour));
+    return contour == nullptr ? 0 : view.area_mm2(*api::as_cpp(contour));
 }
 
 int32_t lamella_next_island(const lamella_contour* contours, uint64_t contour_count, uint64_t* at, lamella_island* island) {
     if (contours == nullptr || at == nullptr || island == nullptr || *at >= contour_count) {
         return 0;
     }
-    const std::span<const Contour> rest(as_cpp(contours) + *at, contour_count - *at);
+    const std::span<const lamella::Contour> rest(api::as_cpp(contours) + *at, contour_count - *at);
     const lamella::Islands islands(rest);
     if (islands.begin() == islands.end()) {
         *at = contour_count;
         return 0;
     }
     const lamella::Island found = *islands.begin();
-    *island = {as_c<lamella_contour>(found.outer), as_c<lamella_contour>(found.holes.data()), found.holes.size()};
+    *island = {api::as_c<lamella_contour>(found.outer), api::as_c<lamella_contour>(found.holes.data()), found.holes.size()};
     *at += static_cast<std::uint64_t>(found.holes.data() + found.holes.size() - rest.data());
     return 1;
 }
 
 int32_t lamella_check(const lamella_mesh* mesh, const lamella_options* options, int32_t counts_only,
                       const lamella_context* context, lamella_check_result* found, lamella_error* error) {
-    return called(error, [&] {
-        const Host host(context);
+    return api::called(error, [&] {
+        const api::Host host(context);
         lamella::SliceOptions frame;
-        read_options(options, frame);
+        api::read_options(options, frame);
         const bool counts = counts_only != 0;
-        const auto check = require(
-            lamella::check(read_mesh(mesh), {.frame = frame.frame, .counts_only = counts, .most_places = 0}, host.context));
-        write_sized(lamella::c::check_of(check, counts), found);
+        const auto check = lamella::require(lamella::check(
+            api::read_mesh(mesh), {.frame = frame.frame, .counts_only = counts, .most_places = 0}, host.context));
+        api::write_sized(api::check_of(check, counts), found);
     });
 }
 
 int32_t lamella_weld(const lamella_mesh* mesh, double tolerance_mm, int32_t orient_shells, const lamella_context* context,
                      lamella_welded** welded, lamella_error* error) {
-    return called(error, [&] {
-        if (welded == nullptr) {
-            refuse("there is nowhere to put the welded mesh: welded is NULL");
-        }
-        const Host host(context);
-        auto made = require(lamella::weld(read_mesh(mesh), tolerance_mm, host.context));
+    return api::called(error, [&] {
+        api::require_place(welded, "the welded mesh", "welded");
+        const api::Host host(context);
+        auto made = lamella::require(lamella::weld(api::read_mesh(mesh), tolerance_mm, host.context));
         if (orient_shells != 0) {
-            made = require(lamella::orient_shells(made.view(), 0, host.context)).mesh;
+            made = lamella::require(lamella::orient_shells(made.view(), 0, host.context)).mesh;
         }
         auto fresh = std::make_unique<lamella_welded>(lamella_welded{std::move(made)});
         lamella_welded_free(std::exchange(*welded, fresh.release()));
@@ -275,7 +244,7 @@ int32_t lamella_weld(const lamella_mesh* mesh, double tolerance_mm, int32_t orie
 }
 
 void lamella_welded_mesh(const lamella_welded* welded, lamella_mesh* mesh) {
-    lamella_mesh c = lamella::c::default_mesh();
+    lamella_mesh c = api::defaults<lamella_mesh>();
     if (welded != nullptr) {
         const lamella::MeshView view = welded->mesh.view();
         c.vertex_type = static_cast<std::int32_t>(view.vertex_type);
@@ -285,7 +254,7 @@ void lamella_welded_mesh(const lamella_welded* welded, lamella_mesh* mesh) {
         c.indices = view.indices;
         c.mm_per_unit = view.mm_per_unit;
     }
-    write_sized(c, mesh);
+    api::write_sized(c, mesh);
 }
 
 void lamella_welded_free(lamella_welded* welded) {
@@ -294,14 +263,12 @@ void lamella_welded_free(lamella_welded* welded) {
 
 int32_t lamella_audit(const lamella_result* result, const lamella_mesh* mesh, const lamella_context* context,
                       lamella_audit_result* found, lamella_error* error) {
-    return called(error, [&] {
-        if (result == nullptr) {
-            refuse("the result is NULL");
-        }
-        const Host host(context);
-        const lamella::MeshView view = mesh == nullptr ? lamella::MeshView{} : read_mesh(mesh);
+    return api::called(error, [&] {
+        api::require_given(result, "the result");
+        const api::Host host(context);
+        const lamella::MeshView view = mesh == nullptr ? lamella::MeshView{} : api::read_mesh(mesh);
         const lamella::AuditOptions all{.volume = mesh != nullptr, .ledger = mesh != nullptr, .structure = true};
-        write_sized(lamella::c::audit_of(require(lamella::audit(result->result, view, all, host.context))), found);
+        api::write_sized(api::audit_of(lamella::require(lamella::audit(result->result, view, all, host.context))), found);
     });
 }
 
@@ -310,8 +277,8 @@ const char* lamella_version(void) {
 }
 
 const char* lamella_status_name(int32_t status) {
-    const bool known = status >= 0 && static_cast<std::size_t>(status) < std::size(lamella::c::status_names);
-    return known ? lamella::c::status_names[status] : "unknown";
+    const bool known = status >= 0 && static_cast<std::size_t>(status) < std::size(api::status_names);
+    return known ? api::status_names[status] : "unknown";
 }
 
 void lamella_init_sized(void* it, int32_t kind, size_t size) {
@@ -319,10 +286,11 @@ void lamella_init_sized(void* it, int32_t kind, size_t size) {
         return;
     }
     std::memset(it, 0, size);
-    static_cast<void>(
-        init_if(kind, it, size, lamella::c::empty_error()) || init_if(kind, it, size, lamella::c::default_context()) ||
-        init_if(kind, it, size, lamella::c::default_mesh()) || init_if(kind, it, size, lamella::c::default_options()) ||
-        init_if(kind, it, size, lamella::c::default_arrays()));
+    api::init_if<lamella_error>(kind, it, size);
+    api::init_if<lamella_context>(kind, it, size);
+    api::init_if<lamella_mesh>(kind, it, size);
+    api::init_if<lamella_options>(kind, it, size);
+    api::init_if<lamella_arrays>(kind, it, size);
     const auto bytes = static_cast<std::uint32_t>(size);
     std::memcpy(it, &bytes, sizeof bytes);
 }

@@ -64,12 +64,28 @@ constexpr void check_sized() {
     throw Refused{{ErrorCode::invalid_argument, std::move(message)}};
 }
 
+/// The defaults that are not 0.
+template <class T>
+void set_defaults(T& /*it*/) noexcept {}
+void set_defaults(lamella_error& error) noexcept;
+void set_defaults(lamella_context& context) noexcept;
+void set_defaults(lamella_mesh& mesh) noexcept;
+void set_defaults(lamella_options& options) noexcept;
+void set_defaults(lamella_arrays& arrays) noexcept;
+
+template <class T>
+T defaults() noexcept {
+    T it{};
+    set_defaults(it);
+    return it;
+}
+
 /// What the program gave, and the defaults beyond; all defaults where it gave nothing. Throws Refused where what the library
 /// does not know is set.
 template <class T>
-T read_sized(const T* given, const T& defaults) {
+T read_sized(const T* given) {
     check_sized<T>();
-    T whole = defaults;
+    T whole = defaults<T>();
     if (given == nullptr) {
         return whole;
     }

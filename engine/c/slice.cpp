@@ -18,10 +18,8 @@ namespace {
 class GivenSource {
 public:
     explicit GivenSource(const lamella_source* given) {
-        if (given == nullptr) {
-            refuse("the source is NULL");
-        }
-        c_ = read_sized(given, {sizeof(lamella_source), 0, nullptr, nullptr, nullptr, 0});
+        require_given(given, "the source");
+        c_ = read_sized(given);
         require_one({c_.mesh, c_.prepared, c_.parts}, "mesh, prepared and parts of a source");
         if (c_.parts != nullptr) {
             read_parts();
@@ -51,22 +49,8 @@ private:
     std::vector<Part> parts_;
 };
 
-/// Hands layers to functions of C.
-struct SinkOfC {
-    lamella_sink c;
-
-    void take(const LayerView& layer) const noexcept {
-        const lamella_layer_view view = view_of(layer);
-        c.take(c.object, &view);
-    }
-    void begin(const SliceInfo& info) const noexcept {
-        const lamella_info given = info_of(info);
-        c.begin(c.object, &given);
-    }
-};
-
 lamella_sink read_sink(const lamella_sink* given) {
-    const lamella_sink c = read_sized(given, {sizeof(lamella_sink), 0, nullptr, nullptr, nullptr});
+    const lamella_sink c = read_sized(given);
     if (c.take == nullptr) {
         refuse("the sink has no function that takes layers");
     }
@@ -75,7 +59,7 @@ lamella_sink read_sink(const lamella_sink* given) {
 }
 
 HostArrays read_arrays(const lamella_arrays* given) {
-    const lamella_arrays c = read_sized(given, default_arrays());
+    const lamella_arrays c = read_sized(given);
     require_choice(c.point_type, LAMELLA_I64, "point_type");
     return {.points = c.points,
             .point_capacity = c.point_capacity,
@@ -123,11 +107,17 @@ void slice_to(Kept& kept, const lamella_destination& to, const Source& from, con
             kept.give(kept->slicer.slice_to(result, from, options, context), info, &result);
         });
     } else if (to.sink != nullptr) {
-        SinkOfC sink{read_sink(to.sink)};
-        auto take = [&](const LayerView& layer) noexcept { sink.take(layer); };
-        auto begin = [&](const SliceInfo& found) noexcept { sink.begin(found); };
-        LayerSink cpp{.take = take, .order = sink.c.order == LAMELLA_SINK_ANY ? SinkOrder::any : SinkOrder::ascending};
-        if (sink.c.begin != nullptr) {
+        const lamella_sink c = read_sink(to.sink);
+        auto take = [&](const LayerView& layer) noexcept {
+            const lamella_layer_view view = view_of(layer);
+            c.take(c.object, &view);
+        };
+        auto begin = [&](const SliceInfo& found) noexcept {
+            const lamella_info given = info_of(found);
+            c.begin(c.object, &given);
+        };
+        LayerSink cpp{.take = take, .order = c.order == LAMELLA_SINK_ANY ? SinkOrder::any : SinkOrder::ascending};
+        if (c.begin != nullptr) {
             cpp.begin = begin;
         }
         kept.give(kept->slicer.slice_to(cpp, from, options, context), info);
@@ -139,22 +129,15 @@ void slice_to(Kept& kept, const lamella_destination& to, const Source& from, con
 }  // namespace
 }  // namespace lamella::c
 
-using lamella::c::called;
-using lamella::c::fill_result;
-using lamella::c::GivenSource;
-using lamella::c::Host;
-using lamella::c::Kept;
-using lamella::c::read_mesh;
-using lamella::c::read_options;
-using lamella::c::refuse;
+namespace api = lamella::c;
 
 int32_t lamella_slice(lamella_slicer* slicer, const lamella_mesh* mesh, const lamella_options* options,
                       lamella_result** result, lamella_error* error) {
-    return called(error, [&] {
-        Kept kept(slicer);
-        read_options(options, kept->options);
-        const lamella::Source from = read_mesh(mesh);
-        fill_result(result, [&](lamella::SliceResult& filled) {
+    return api::called(error, [&] {
+        api::Kept kept(slicer);
+        api::read_options(options, kept->options);
+        const lamella::Source from = api::read_mesh(mesh);
+        api::fill_result(result, [&](lamella::SliceResult& filled) {
             kept.give(kept->slicer.slice_to(filled, from, kept->options), nullptr);
         });
     });
@@ -163,38 +146,36 @@ int32_t lamella_slice(lamella_slicer* slicer, const lamella_mesh* mesh, const la
 int32_t lamella_slice_to(lamella_slicer* slicer, const lamella_destination* to, const lamella_source* from,
                          const lamella_options* options, const lamella_context* context, lamella_info* info,
                          lamella_error* error) {
-    return called(error, [&] {
-        const auto where = lamella::c::read_sized(to, {sizeof(lamella_destination), 0, nullptr, nullptr, nullptr});
-        lamella::c::require_one({where.result, where.sink, where.arrays}, "result, sink and arrays of a destination");
-        Kept kept(slicer);
-        const Host host(context);
-        read_options(options, kept->options);
-        const GivenSource source(from);
-        lamella::c::slice_to(kept, where, source.source(), host.context, info);
+    return api::called(error, [&] {
+        const auto where = api::read_sized(to);
+        api::require_one({where.result, where.sink, where.arrays}, "result, sink and arrays of a destination");
+        api::Kept kept(slicer);
+        const api::Host host(context);
+        api::read_options(options, kept->options);
+        const api::GivenSource source(from);
+        api::slice_to(kept, where, source.source(), host.context, info);
     });
 }
 
 int32_t lamella_outline(lamella_slicer* slicer, const lamella_source* from, const lamella_options* options,
                         const lamella_context* context, lamella_info* info, lamella_error* error) {
-    return called(error, [&] {
-        Kept kept(slicer);
-        const Host host(context);
-        read_options(options, kept->options);
-        const GivenSource source(from);
+    return api::called(error, [&] {
+        api::Kept kept(slicer);
+        const api::Host host(context);
+        api::read_options(options, kept->options);
+        const api::GivenSource source(from);
         kept.give(kept->slicer.outline(source.source(), kept->options, host.context), info);
     });
 }
 
 int32_t lamella_prepare(const lamella_mesh* mesh, const lamella_options* options, const lamella_context* context,
                         lamella_prepared** prepared, lamella_error* error) {
-    return called(error, [&] {
-        if (prepared == nullptr) {
-            refuse("there is nowhere to put the prepared mesh: prepared is NULL");
-        }
-        const Host host(context);
+    return api::called(error, [&] {
+        api::require_place(prepared, "the prepared mesh", "prepared");
+        const api::Host host(context);
         lamella::SliceOptions how;
-        read_options(options, how);
-        auto made = lamella::require(lamella::prepare(read_mesh(mesh), how.frame, host.context));
+        api::read_options(options, how);
+        auto made = lamella::require(lamella::prepare(api::read_mesh(mesh), how.frame, host.context));
         auto fresh = std::make_unique<lamella_prepared>(lamella_prepared{std::move(made)});
         lamella_prepared_free(std::exchange(*prepared, fresh.release()));
     });
@@ -238,17 +219,17 @@ void lamella_slicer_free(lamella_slicer* slicer) {
 
 int32_t lamella_region_of(const lamella_path* contours, size_t count, const lamella_options* options, double grid_mm,
                           const lamella_context* context, lamella_result** result, lamella_error* error) {
-    return called(error, [&] {
-        const Host host(context);
+    return api::called(error, [&] {
+        const api::Host host(context);
         lamella::SliceOptions how;
-        read_options(options, how);
-        lamella::c::require_list(contours, count, "contours");
+        api::read_options(options, how);
+        api::require_list(contours, count, "contours");
         std::vector<std::span<const lamella::Point>> paths;
         for (std::size_t i = 0; i < count; ++i) {
-            paths.emplace_back(lamella::c::as_cpp(contours[i].points), contours[i].count);
+            paths.emplace_back(api::as_cpp(contours[i].points), contours[i].count);
         }
         const double step = grid_mm == 0 ? lamella::default_grid_mm : grid_mm;
-        fill_result(result, [&](lamella::SliceResult& filled) {
+        api::fill_result(result, [&](lamella::SliceResult& filled) {
             filled = lamella::require(lamella::region_of(paths, how.region, step, host.context));
         });
     });
@@ -256,11 +237,11 @@ int32_t lamella_region_of(const lamella_path* contours, size_t count, const lame
 
 int32_t lamella_assemble(const lamella_segment* segments, size_t count, const lamella_context* context,
                          lamella_result** result, lamella_error* error) {
-    return called(error, [&] {
-        const Host host(context);
-        lamella::c::require_list(segments, count, "segments");
-        fill_result(result, [&](lamella::SliceResult& filled) {
-            filled = lamella::require(lamella::assemble({lamella::c::as_cpp(segments), count}, host.context));
+    return api::called(error, [&] {
+        const api::Host host(context);
+        api::require_list(segments, count, "segments");
+        api::fill_result(result, [&](lamella::SliceResult& filled) {
+            filled = lamella::require(lamella::assemble({api::as_cpp(segments), count}, host.context));
         });
     });
 }

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -18,60 +17,11 @@
 
 #include "base/distribute.hpp"
 #include "base/guard.hpp"
+#include "base/number_table.hpp"
 #include "base/parallel_sort.hpp"
 #include "lamella/array.hpp"
 
 namespace lamella {
-
-/// Numbers vertices in the order in which they come: open addressing, at most half full. Its memory is kept.
-template <class Corners>
-class VertexTable {
-public:
-    using Vertex = typename Corners::Vertex;
-
-    void clear() {
-        constexpr std::size_t least_room = 512;
-        resize(std::bit_ceil(2 * std::max(found_.size(), least_room)));  // as many as last time are to be expected
-        found_.clear();
-    }
-
-    std::uint32_t number(const Vertex& vertex) {
-        std::uint32_t* slot = &slot_of(vertex);
-        if (*slot == 0) {
-            if (2 * (found_.size() + 1) > slots_.size()) {
-                resize(2 * slots_.size());
-                for (std::uint32_t i = 0; i < found_.size(); ++i) {
-                    slot_of(found_[i]) = i + 1;
-                }
-                slot = &slot_of(vertex);
-            }
-            found_.push_back(vertex);
-            *slot = static_cast<std::uint32_t>(found_.size());
-        }
-        return *slot - 1;
-    }
-
-    const std::vector<Vertex>& found() const noexcept { return found_; }
-
-private:
-    void resize(std::size_t slots) {
-        slots_.assign(slots, 0);
-        shift_ = 64 - std::countr_zero(slots);
-    }
-
-    /// The slot of the vertex, or the free one where it belongs.
-    std::uint32_t& slot_of(const Vertex& vertex) {
-        std::size_t slot = static_cast<std::size_t>(Corners::hash(vertex) >> shift_);
-        while (slots_[slot] != 0 && !(found_[slots_[slot] - 1] == vertex)) {
-            slot = (slot + 1) & (slots_.size() - 1);
-        }
-        return slots_[slot];
-    }
-
-    std::vector<Vertex> found_;
-    std::vector<std::uint32_t> slots_;  ///< 1 + a number, or 0
-    int shift_ = 0;
-};
 
 /// `Corners` reads the mesh:
 ///
@@ -137,20 +87,20 @@ private:
     /// Leaves each corner its vertex's number among what its range has found.
     void number_ranges() {
         of_corners.resize_discarding(3 * triangles_);
-        std::vector<VertexTable<Corners>> tables(static_cast<std::size_t>(parallel_.threads()));
+        std::vector<NumberTable<Vertex, Corners::hash>> tables(static_cast<std::size_t>(parallel_.threads()));
         parallel_.run(found_.size(), [&](std::size_t range, int worker) {
-            VertexTable<Corners>& table = tables[static_cast<std::size_t>(worker)];
-            table.clear();
+            NumberTable<Vertex, Corners::hash>& table = tables[static_cast<std::size_t>(worker)];
+            table.clear(table.items().size());  // as many as last time are to be expected
             bool joined = false;
             for (std::size_t t = first(range); t != first(range + 1); ++t) {
                 const auto own = corners_(t);
                 for (std::size_t i = 0; i < 3; ++i) {
                     const std::uint32_t number = table.number(own[i]);
-                    joined = joined || Corners::differ(table.found()[number], own[i]);
+                    joined = joined || Corners::differ(table.items()[number], own[i]);
                     of_corners[3 * t + i] = number;
                 }
             }
-            found_[range] = table.found();
+            found_[range] = table.items();
             if (joined) {
                 joined_.store(true, std::memory_order_relaxed);
             }

@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <numeric>
 #include <span>
 #include <utility>
 
@@ -16,7 +15,7 @@
 #include "base/guard.hpp"
 #include "base/numbers.hpp"
 #include "lamella/context.hpp"
-#include "mesh/near_vertices.hpp"
+#include "mesh/measure.hpp"
 #include "mesh/vertex_numbers.hpp"
 #include "slicing/grid/bounds.hpp"
 #include "slicing/grid/quantise.hpp"
@@ -24,6 +23,19 @@
 namespace lamella {
 
 namespace {
+
+/// A vertex as the mesh has it.
+template <class Real>
+struct Place {
+    Real at[3];
+
+    friend bool operator==(const Place& a, const Place& b) noexcept {
+        return a.at[0] == b.at[0] && a.at[1] == b.at[1] && a.at[2] == b.at[2];
+    }
+    friend bool operator<(const Place& a, const Place& b) noexcept {
+        return std::lexicographical_compare(a.at, a.at + 3, b.at, b.at + 3);
+    }
+};
 
 /// Reads vertices as the mesh has them.
 template <class Real>
@@ -51,10 +63,98 @@ private:
     PlacedReader read_;
 };
 
+/// The vertices that are kept, found again by where they lie: in chains, one for each cell of a grid so coarse that a search
+/// seldom has to look into two.
+template <class Real>
+class NearVertices {
+public:
+    using Vertex = std::uint32_t;
+    static constexpr Vertex none = std::numeric_limits<Vertex>::max();
+
+    /// No vertex is kept yet. `places` ascend and outlive this. Throws std::bad_alloc.
+    NearVertices(std::span<const Place<Real>> places, double tolerance, const Parallel& parallel)
+        : places_(places), tolerance_(tolerance), newest_(parallel.memory()), before_(parallel.memory()) {
+        newest_.resize_discarding(std::bit_ceil(places.size() / 2 + 1));
+        std::fill(newest_.begin(), newest_.end(), none);
+        before_.resize_discarding(places.size());
+    }
+
+    /// To be called in ascending order.
+    void keep(Vertex vertex) { before_[vertex] = std::exchange(newest_[chain_of(cell_of(vertex))], vertex); }
+
+    /// The nearest of the vertices that are kept and within the tolerance, the first of those as near; or none. Of a chain,
+    /// which descends, all lie beyond reach from the first on that does in x.
+    Vertex nearest(Vertex vertex) const {
+        Vertex nearest = none;
+        double nearest_squared = tolerance_ * tolerance_;
+        for_each_chain_near(vertex, [&](Vertex other) {
+            for (; other != none && coordinate(vertex, 0) - coordinate(other, 0) <= tolerance_; other = before_[other]) {
+                const double squared = squared_distance(vertex, other);
+                if (squared < nearest_squared || (squared == nearest_squared && other < nearest)) {
+                    nearest = other;
+                    nearest_squared = squared;
+                }
+            }
+        });
+        return nearest;
+    }
+
+    double squared_distance(Vertex a, Vertex b) const noexcept {
+        double sum = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            const double difference = coordinate(a, axis) - coordinate(b, axis);
+            sum += difference * difference;
+        }
+        return sum;
+    }
+
+private:
+    using CellNumbers = std::array<std::int64_t, 3>;
+    static constexpr double cells_per_tolerance = 1.0 / 16;
+
+    double coordinate(Vertex vertex, int axis) const noexcept { return static_cast<double>(places_[vertex].at[axis]); }
+
+    /// Of the place that lies `beside` the vertex on all axes.
+    CellNumbers cell_of(Vertex vertex, double beside = 0) const noexcept {
+        const auto number = [&](int axis) {
+            return static_cast<std::int64_t>(
+                std::floor((coordinate(vertex, axis) + beside) / tolerance_ * cells_per_tolerance));
+        };
+        return {number(0), number(1), number(2)};
+    }
+
+    /// Cells that share a chain are searched together, which does no harm.
+    std::size_t chain_of(const CellNumbers& cell) const noexcept {
+        std::uint64_t hash = 0;
+        for (const std::int64_t number : cell) {
+            hash = mix64(hash ^ static_cast<std::uint64_t>(number));
+        }
+        return static_cast<std::size_t>(hash) & (newest_.size() - 1);
+    }
+
+    /// Calls see(newest vertex of the chain) for each cell that the tolerance around the vertex reaches.
+    template <class See>
+    void for_each_chain_near(Vertex vertex, const See& see) const {
+        const CellNumbers low = cell_of(vertex, -tolerance_);
+        const CellNumbers high = cell_of(vertex, tolerance_);
+        for (std::int64_t x = low[0]; x <= high[0]; ++x) {
+            for (std::int64_t y = low[1]; y <= high[1]; ++y) {
+                for (std::int64_t z = low[2]; z <= high[2]; ++z) {
+                    see(newest_[chain_of({x, y, z})]);
+                }
+            }
+        }
+    }
+
+    std::span<const Place<Real>> places_;
+    double tolerance_;
+    Array<Vertex> newest_;  ///< by chain; none where it is empty
+    Array<Vertex> before_;  ///< by kept vertex: the one before it in its chain
+};
+
 // The progress when a step is done.
 constexpr double measured_share = 0.05;
 constexpr double numbered_share = 0.65;
-constexpr double searched_share = 0.85;
 constexpr double joined_share = 0.9;
 
 constexpr std::size_t weld_grain = 8192;
@@ -65,35 +165,27 @@ struct Joining {
     std::uint64_t joined = 0;
     double largest_squared = 0;
 
-    bool is_kept(std::size_t vertex) const noexcept { return target[vertex] == vertex; }
+    bool is_kept(std::size_t vertex) const noexcept { return joined == 0 || target[vertex] == vertex; }
 };
 
-/// The vertices that have another before them within the tolerance are found on all threads; where they are many, most of
-/// the time. They then decide one after the other, since what each finds depends on where those before it have moved.
+/// Vertices decide one after the other, since what each finds depends on which of those before it are kept.
 template <class Real>
 Joining join(std::span<const Place<Real>> places, double tolerance, const Parallel& parallel) {
-    constexpr std::size_t vertices_between_stops = std::size_t{1} << 12;
-    parallel.begin_stage(searched_share, 8);
+    constexpr std::uint32_t vertices_between_stops = 1 << 12;
     NearVertices<Real> near(places, tolerance, parallel);
     Joining joining{Array<std::uint32_t>(parallel.memory())};
     joining.target.resize_discarding(places.size());
-    parallel.run_ranges(places.size(), weld_grain, [&](std::size_t begin, std::size_t end, int) {
-        std::iota(joining.target.begin() + begin, joining.target.begin() + end, static_cast<std::uint32_t>(begin));
-    });
-    const Array<std::uint32_t> waiting = indices_where(places.size(), parallel, parallel.memory(), [&](std::size_t v) {
-        return near.has_earlier(static_cast<std::uint32_t>(v));
-    });
-    for (std::size_t i = 0; i < waiting.size(); ++i) {
-        if (i % vertices_between_stops == 0) {
+    for (std::uint32_t vertex = 0; vertex < places.size(); ++vertex) {
+        if (vertex % vertices_between_stops == 0) {
             parallel.stop_if_asked();
-            parallel.reach(searched_share +
-                           (joined_share - searched_share) * static_cast<double>(i) / static_cast<double>(waiting.size()));
+            parallel.reach(numbered_share + (joined_share - numbered_share) * vertex / static_cast<double>(places.size()));
         }
-        const std::uint32_t vertex = waiting[i];
-        const std::uint32_t nearest = near.nearest_kept(vertex);
-        if (nearest != NearVertices<Real>::none) {
+        const std::uint32_t nearest = near.nearest(vertex);
+        if (nearest == NearVertices<Real>::none) {
+            joining.target[vertex] = vertex;
+            near.keep(vertex);
+        } else {
             joining.target[vertex] = nearest;
-            near.drop(vertex);
             ++joining.joined;
             joining.largest_squared = std::max(joining.largest_squared, near.squared_distance(vertex, nearest));
         }
@@ -118,20 +210,13 @@ void keep(std::span<const Place<Real>> places, const Joining& joining, const Par
                 std::memcpy(welded.coordinates.data() + number * sizeof places[v], &places[v], sizeof places[v]);
             }
         });
+    if (joining.joined == 0) {
+        return;
+    }
     parallel.run_ranges(welded.indices.size(), weld_grain, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i < end; ++i) {
             welded.indices[i] = number_of[joining.target[welded.indices[i]]];
         }
-    });
-}
-
-template <class Real>
-void keep_all(std::span<const Place<Real>> places, const Parallel& parallel, WeldedMesh& welded) {
-    welded.vertex_count = places.size();
-    welded.coordinates.resize_discarding(places.size_bytes());
-    parallel.run_ranges(places.size(), weld_grain, [&](std::size_t begin, std::size_t end, int) {
-        std::memcpy(welded.coordinates.data() + begin * sizeof places[0], places.data() + begin,
-                    (end - begin) * sizeof places[0]);
     });
 }
 
@@ -149,14 +234,15 @@ WeldedMesh weld_corners(const MeshView& mesh, double tolerance, const Parallel& 
         joining = join(places.span(), tolerance, parallel);
     }
     parallel.begin_stage(1, 3);
-    if (joining.joined == 0) {
-        keep_all(places.span(), parallel, welded);
-    } else {
-        keep(places.span(), joining, parallel, welded);
-    }
+    keep(places.span(), joining, parallel, welded);
     welded.joined = joining.joined;
     welded.largest_move_mm = std::sqrt(joining.largest_squared);
     return welded;
+}
+
+WeldedMesh weld_within(const MeshView& mesh, double tolerance, const Parallel& parallel) {
+    return mesh.vertex_type == Number::f32 ? weld_corners<float>(mesh, tolerance, parallel)
+                                           : weld_corners<double>(mesh, tolerance, parallel);
 }
 
 Result<WeldedMesh> weld_or_throw(const MeshView& mesh, double tolerance_mm, const Context& context) {
@@ -178,8 +264,7 @@ Result<WeldedMesh> weld_or_throw(const MeshView& mesh, double tolerance_mm, cons
     parallel.begin_stage(measured_share);
     BlockTable blocks(parallel.memory());
     require(measure_bounds(mesh, {}, 0, parallel, blocks));  // every index and coordinate can be used
-    WeldedMesh welded = mesh.vertex_type == Number::f32 ? weld_corners<float>(mesh, tolerance, parallel)
-                                                        : weld_corners<double>(mesh, tolerance, parallel);
+    WeldedMesh welded = weld_within(mesh, tolerance, parallel);
     parallel.finish();
     welded.tolerance_mm = tolerance_mm;
     welded.mm_per_unit = mesh.mm_per_unit;
@@ -188,6 +273,10 @@ Result<WeldedMesh> weld_or_throw(const MeshView& mesh, double tolerance_mm, cons
 }
 
 }  // namespace
+
+WeldedMesh weld_equal(const MeshView& mesh, const Parallel& parallel) {
+    return weld_within(mesh, 0, parallel);
+}
 
 Result<WeldedMesh> weld(const MeshView& mesh, double tolerance_mm, const Context& context) noexcept {
     return guarded(context, [&] { return weld_or_throw(mesh, tolerance_mm, context); });

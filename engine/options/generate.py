@@ -18,6 +18,18 @@ ROOT = HERE.parents[1]
 WIDTH = 125
 GROUPS = {"planes": "PlaneOptions", "frame": "Frame", "region": "RegionRules", "": "SliceOptions"}
 ENUMS = {"side": "PlaneSide", "content": "LayerContent"}
+KINDS = {  # their types in C++, in C and in Python
+    "mm": ("double", "double", "float"),
+    "number": ("double", "double", "float"),
+    "flag": ("bool", "int32_t", "bool"),
+    "count": ("std::uint64_t", "uint64_t", "int"),
+    "choice": ("", "int32_t", "str"),
+    "optional_mm": ("std::optional<double>", "double", "float"),
+    "heights": ("std::optional<std::vector<double>>", "const double*", "npt.ArrayLike"),
+    "transform": ("Transform", "double", "npt.ArrayLike"),
+    "fill_from": ("std::vector<FillFrom>", "const lamella_fill_from*", "Sequence[Tuple[int, str]]"),
+}
+MORE_IN_C = {"heights_mm": [("size_t", "height_count"), ("int32_t", "at_heights")], "fill_from": [("size_t", "fill_from_count")]}
 
 
 FIELDS = {"name", "group", "type", "default", "least", "above", "needs", "special", "special_text", "user_default", "since",
@@ -53,17 +65,12 @@ class Option:
         if not (tool and self.python) and "why" not in fields:
             raise SystemExit(f"options.toml: {self.name} is not everywhere, and does not say why")
 
-    @property
-    def enum(self):
-        return ENUMS.get(self.name, "".join(word.capitalize() for word in self.name.split("_")))
-
-    @property
-    def cpp_type(self):
-        return {
-            "mm": "double", "number": "double", "flag": "bool", "count": "std::uint64_t", "choice": self.enum,
-            "optional_mm": "std::optional<double>", "heights": "std::optional<std::vector<double>>", "transform": "Transform",
-            "fill_from": "std::vector<FillFrom>",
-        }[self.kind]  # fmt: skip
+        self.enum = ENUMS.get(self.name, "".join(word.capitalize() for word in self.name.split("_")))
+        self.cpp_type, c_type, self.python_type = KINDS[self.kind]
+        self.c_fields = [(c_type, f"{self.name}[12]" if self.kind == "transform" else self.name), *MORE_IN_C.get(self.name, [])]
+        self.exclusive = "above" in fields
+        self.least = fields["above"] if self.exclusive else fields.get("least", "-no_limit")
+        [(self.special, self.special_value)] = fields.get("special", {"": 0}).items()
 
     @property
     def cpp_default(self):
@@ -72,29 +79,6 @@ class Option:
         if self.kind in ("mm", "number", "count"):
             return f" = {self.fields['default']}"
         return " = false" if self.kind == "flag" else "{}"
-
-    @property
-    def c_fields(self):
-        """(type, declarator) of each."""
-        return {
-            "mm": [("double", self.name)], "number": [("double", self.name)], "count": [("uint64_t", self.name)],
-            "flag": [("int32_t", self.name)], "choice": [("int32_t", self.name)],
-            "optional_mm": [("double", self.name)], "transform": [("double", f"{self.name}[12]")],
-            "heights": [("const double*", self.name), ("size_t", "height_count"), ("int32_t", "at_heights")],
-            "fill_from": [("const lamella_fill_from*", self.name), ("size_t", f"{self.name}_count")],
-        }[self.kind]  # fmt: skip
-
-    @property
-    def limits(self):
-        """Least value, and whether it must be exceeded."""
-        if "above" in self.fields:
-            return self.fields["above"], "true"
-        return self.fields.get("least", "-no_limit"), "false"
-
-    @property
-    def special(self):
-        [(word, value)] = self.fields.get("special", {"": 0}).items()
-        return word, value
 
 
 def comment(text, indent="    ", mark="/// "):
@@ -118,7 +102,7 @@ def cpp_struct(options, group):
     for o in options:
         if o.group == group:
             yield from comment(o.text + (" " + o.fields["more"] if "more" in o.fields else ""))
-            yield f"    {o.cpp_type} {o.name}{o.cpp_default};"
+            yield f"    {o.cpp_type or o.enum} {o.name}{o.cpp_default};"
 
 
 def c_enums(options):
@@ -154,9 +138,9 @@ def quoted(text):
 
 def table(options):
     for o in options:
-        least, exclusive = o.limits
-        word, value = o.special
-        yield f"OPTION({o.kind}, {o.name}, {o.path}, {quoted(o.python)}, {quoted(o.flag)}, {least}, {exclusive}, {quoted(word)}, {value},"
+        limits = f"{o.least}, {str(o.exclusive).lower()}"
+        special = f"{quoted(o.special)}, {o.special_value}"
+        yield f"OPTION({o.kind}, {o.name}, {o.path}, {quoted(o.python)}, {quoted(o.flag)}, {limits}, {special},"
         yield f"       {quoted(o.fields.get('needs', ''))}, {quoted(o.help)})"
 
 
@@ -185,9 +169,7 @@ def keywords(options):
 def python_type(o, count):
     if count > 1:
         return "Tuple[int, int]"
-    kinds = {"flag": "bool", "choice": "str", "count": "int", "heights": "npt.ArrayLike", "transform": "npt.ArrayLike",
-             "fill_from": "Sequence[Tuple[int, str]]"}  # fmt: skip
-    return kinds.get(o.kind, "Union[str, float]" if o.special[0] else "float")
+    return "Union[str, float]" if o.special else o.python_type
 
 
 def python_default(o, count):
@@ -202,8 +184,8 @@ def python_default(o, count):
 def python_text(o, texts):
     """With the meanings of words, as help() shows it."""
     meanings = {word.replace("_", "-"): meaning for word, meaning in o.type.items()} if isinstance(o.type, dict) else {}
-    if o.special[0]:
-        meanings[o.special[0]] = o.fields["special_text"] + "."
+    if o.special:
+        meanings[o.special] = o.fields["special_text"] + "."
     lines = textwrap.wrap(" ".join([*texts, *(f"'{word}': {meaning}" for word, meaning in meanings.items())]), WIDTH - 13)
     return [" " * 8 + quoted(line + " ") for line in lines[:-1]] + [" " * 8 + quoted(lines[-1]) + ","]
 
@@ -217,12 +199,11 @@ def python_options(options):
     yield "OPTIONS: Dict[str, Option] = {"
     for keyword, those in keywords(options):
         o = those[0]
-        least, exclusive = o.limits
         given = [f"kind={quoted(o.kind)}", f"fields={tuple_of([each.name for each in those])}"]
         given += [f"words={tuple_of([word.replace('_', '-') for word in o.words])}"] if o.words else []
-        given += [f"special={{{quoted(o.special[0])}: {o.special[1]}}}"] if o.special[0] else []
-        given += [f"least={least}"] if least != "-no_limit" else []
-        given += ["exclusive=True"] if exclusive == "true" else []
+        given += [f"special={{{quoted(o.special)}: {o.special_value}}}"] if o.special else []
+        given += [f"least={o.least}"] if o.least != "-no_limit" else []
+        given += ["exclusive=True"] if o.exclusive else []
         yield f"    {quoted(keyword)}: Option("
         yield from python_text(o, [each.text for each in those])
         yield f"        {', '.join(given)}, default={python_default(o, len(those))}),"

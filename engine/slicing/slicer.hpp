@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/parallel.hpp"
-#include "base/recycler.hpp"
+#include "base/counted_memory.hpp"
 #include "lamella/slice.hpp"
 #include "slicing/bands/bands.hpp"
 #include "slicing/buckets/triangle_source.hpp"

@@ -48,11 +48,10 @@ struct WeldedMesh {
 /// up, and the answer depends on neither the order of the triangles nor threads. Triangles that lose a corner become
 /// degenerate, which slicing drops and counts.
 ///
-/// O(n log n) time for n triangles, on all threads but for one step: vertices that have another before them within the
-/// tolerance, which are few where it is small, decide one after the other. Beside the answer 96 bytes a triangle for floats
-/// and 192 for doubles, or 60 and 72 a distinct vertex where that is more. Errors: empty_mesh, bad_coordinate (not finite,
-/// or beyond 1e9), invalid_argument (an index out of range, a tolerance that is neither 0 nor at least 1e-9 of the mesh's
-/// units, 2^32 / 3 triangles, negative threads), out_of_memory, cancelled.
+/// O(n log n) time for n triangles, on all threads but for one step: unless the tolerance is 0, vertices decide one after
+/// the other. Beside the answer 96 bytes a triangle for floats and 192 for doubles. Errors: empty_mesh, bad_coordinate (not
+/// finite, or beyond 1e9), invalid_argument (an index out of range, a tolerance that is neither 0 nor at least 1e-9 of the
+/// mesh's units, 2^32 / 3 triangles, negative threads), out_of_memory, cancelled.
 Result<WeldedMesh> weld(const MeshView& mesh, double tolerance_mm = 0.01, const Context& context = {}) noexcept;
 
 struct OrientedMesh {

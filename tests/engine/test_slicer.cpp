@@ -1,7 +1,5 @@
 // Slicers and prepared meshes: what they hold, what they give back, and what they refuse. That they slice as a mesh alone is
-// sliced: test_sources.cpp. And that blocks of the recycler never overlap.
-#include <algorithm>
-#include <cstring>
+// sliced: test_sources.cpp.
 #include <limits>
 #include <random>
 #include <string>
@@ -9,7 +7,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "base/recycler.hpp"
 #include "engine/counting_memory.hpp"
 #include "engine/everywhere.hpp"
 #include "engine/slicing.hpp"
@@ -87,40 +84,6 @@ TEST_CASE("a small slice is done by the calling thread alone", "[engine][slicer]
     const SliceResult pooled = sliced(soup, options, {.executor = pool, .executor_threads = 8});
     CHECK(pooled.hash() == sliced(soup, options).hash());
     CHECK(runs == 0);
-}
-
-TEST_CASE("blocks of a recycler keep what is written to them", "[engine][memory]") {
-    struct Block {
-        std::byte* at;
-        std::size_t bytes;
-        std::byte mark;
-    };
-    lamella::Recycler recycler;
-    const lamella::Memory& memory = *recycler.memory();
-    std::mt19937 random(6);
-    std::vector<Block> blocks;
-    const auto give_back = [&](std::size_t i) {
-        const Block block = blocks[i];
-        CHECK(std::all_of(block.at, block.at + block.bytes, [&](std::byte b) { return b == block.mark; }));
-        memory.release(block.at, block.bytes, 64);
-        blocks.erase(blocks.begin() + static_cast<std::ptrdiff_t>(i));
-    };
-    for (int step = 0; step < 300; ++step) {
-        if (blocks.size() < 12 && random() % 5 < 3) {
-            const std::size_t bytes = random() % 4 == 0 ? 1 + random() % 5000 : (1 << 20) + random() % (3 << 20);
-            auto* const at = static_cast<std::byte*>(memory.allocate(bytes, 64));
-            REQUIRE(at != nullptr);
-            CHECK(reinterpret_cast<std::uintptr_t>(at) % 64 == 0);
-            const auto mark = static_cast<std::byte>(step);
-            std::memset(at, step & 0xFF, bytes);
-            blocks.push_back({at, bytes, mark});
-        } else if (!blocks.empty()) {
-            give_back(random() % blocks.size());
-        }
-    }
-    while (!blocks.empty()) {
-        give_back(0);
-    }
 }
 
 TEST_CASE("a prepared mesh outlives the memory of the mesh", "[engine][prepare]") {

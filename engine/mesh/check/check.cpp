@@ -10,7 +10,6 @@
 
 #include "base/clock.hpp"
 #include "base/guard.hpp"
-#include "base/recycler.hpp"
 #include "mesh/check/finders.hpp"
 #include "mesh/measure.hpp"
 #include "slicing/grid/bounds.hpp"
@@ -73,14 +72,14 @@ struct Share {
 };
 constexpr double measure_share = 0.04;
 constexpr Share faces_share = {0.24, 14};
-constexpr Share edges_share = {0.36, 7};
-constexpr Share joints_share = {0.48, 7};
-constexpr Share tree_share = {0.54, 9};
+constexpr Share edges_share = {0.36, 8};
+constexpr Share joints_share = {0.48, 8};
+constexpr Share tree_share = {0.54, 8};
 constexpr Share shells_share = {0.60, 9};
 constexpr double meeting_share = 0.97;
 constexpr Share gaps_share = {0.99, 40};
 constexpr Share counted_faces_share = {0.5, 14};
-constexpr Share counted_edges_share = {0.99, 12};
+constexpr Share counted_edges_share = {0.99, 13};
 
 /// The stages.
 class Diagnosis {
@@ -138,7 +137,7 @@ private:
         find_flipped_faces(mesh, edges, faults, parallel_);
         check_.ms.joints = lap();
         begin(tree_share);
-        const FaceTree tree(mesh, stars, parallel_);
+        const FaceTree tree = make_face_tree(mesh, stars, parallel_);
         check_.ms.meeting = lap();
         begin(shells_share);
         const Array<std::uint32_t> shell_of = find_shells(mesh, edges, tree, faults, check_, parallel_);
@@ -162,8 +161,11 @@ private:
         check_.mismatched_edges = check_.of(Fault::mismatched_edge).count;
         check_.shell_count = check_.shells.size();
         check_.closed = unbalanced == 0;
-        check_.exact_boundary_edges =
-            mesh.joined ? EdgeTable(make_exact_mesh(view_, parallel_), parallel_).boundary().size() : check_.boundary_edges;
+        check_.exact_boundary_edges = check_.boundary_edges;
+        if (mesh.joined) {
+            const GridMesh exact = make_exact_mesh(weld_equal(view_, parallel_), parallel_);
+            check_.exact_boundary_edges = EdgeTable(exact, parallel_).boundary().size();
+        }
         check_.ms.edges += lap();
     }
 
@@ -181,8 +183,7 @@ Result<MeshCheck> check_or_throw(const MeshView& view, const CheckOptions& optio
     if (view.triangle_count >= std::numeric_limits<std::uint32_t>::max() / 3) {
         return Error{ErrorCode::result_too_large, "check takes at most 1,431,655,764 triangles"};
     }
-    const Recycler recycler;
-    context.memory = recycler.memory();
+    context.memory = nullptr;  // the host's is for what calls return
     const Parallel parallel(context);
     return Diagnosis(view, options, parallel).run();
 }

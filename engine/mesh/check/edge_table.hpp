@@ -18,7 +18,7 @@ public:
         std::uint32_t upper;
     };
 
-    /// O(n log(faces at a vertex)), in seven calls of run(). `mesh` must outlive the table. Throws std::bad_alloc.
+    /// O(n log(faces at a vertex)), in eight calls of run(). `mesh` must outlive the table. Throws std::bad_alloc.
     EdgeTable(const GridMesh& mesh, const Parallel& parallel);
 
     /// By lower vertex, then upper.

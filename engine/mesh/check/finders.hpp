@@ -108,16 +108,11 @@ private:
     Findings& findings_;
 };
 
-/// The faces of a mesh, found by where they lie, without those that have no area. Of several faces on the same vertices,
-/// which follow one another in the mesh, it has the first: so a body that was exported a thousand times costs no more than
-/// once.
-struct FaceTree {
-    Array<std::uint32_t> faces;  ///< ascending
-    BoxTree<GridVertex> boxes;   ///< items as in `faces`
-
-    /// O(n), in at most 13 calls of run(). Throws std::bad_alloc.
-    FaceTree(const GridMesh& mesh, const EmbeddedStars& stars, const Parallel& parallel);
-};
+/// The faces of a mesh, found by where they lie: its items. Those that have no area meet nothing. Of several faces on the
+/// same vertices, which follow one another in the mesh, the first stands for all: so a body that was exported a thousand
+/// times costs little more than once. O(n), in at most 11 calls of run(). Throws std::bad_alloc.
+using FaceTree = BoxTree<GridVertex>;
+FaceTree make_face_tree(const GridMesh& mesh, const EmbeddedStars& stars, const Parallel& parallel);
 
 /// Edges by the faces at each. Returns how many have more faces one way than the other. O(edges), one call of run().
 std::uint64_t find_edge_faults(const GridMesh& mesh, const EdgeTable& edges, FaultCollector& faults,

@@ -124,7 +124,7 @@ private:
     /// Calls visit() for every vertex of the boundary and every item whose box is within reach; it adds to what is found.
     template <class Visit, class MakePlace>
     void search(Fault fault, const BoxTree<GridVertex>& tree, Visit visit, MakePlace make_place) {
-        Tally<Near> tally(faults_.most(), parallel_);
+        Tally<Near> tally(faults_.most());
         FaultFinding& finding = faults_.of(fault);
         BudgetedSearch<Near> search(vertices_.size(), search_budget(vertices_.size()), parallel_);
         finding.at_least = !search.run(
@@ -133,11 +133,7 @@ private:
                 return tree.search(widened(mesh_.vertices[vertex], reach_), limit,
                                    [&](std::size_t item) { visit(vertex, item, found); });
             },
-            [&](std::size_t, const std::vector<Near>& found, int worker) {
-                for (const Near& near : found) {
-                    tally.add(near, worker);
-                }
-            });
+            [&](const Near& near) { tally.add(near); });
         tally.fill_in(finding, make_place);
     }
 

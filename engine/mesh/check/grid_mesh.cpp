@@ -19,42 +19,6 @@ namespace lamella {
 
 namespace {
 
-/// Reads vertices by their coordinates as they are, without grid or transform: the bits of floats, and of doubles a hash of
-/// 96 bits, which two of 10^9 different vertices share by a chance of 10^-11.
-class ExactCorners {
-public:
-    using Vertex = GridVertex;
-    explicit ExactCorners(const MeshView& mesh) noexcept : read_(mesh, {}) {}
-
-    GridTriangle operator()(std::size_t t) const noexcept {
-        const RawTriangle raw = read_(t);
-        return {vertex(raw.v), vertex(raw.v + 3), vertex(raw.v + 6)};
-    }
-    static std::uint64_t hash(const Vertex& vertex) noexcept { return hash_of(vertex); }
-    static std::int32_t key(const Vertex& vertex) noexcept { return vertex.x; }
-    static bool differ(const Vertex& /*a*/, const Vertex& /*b*/) noexcept { return false; }
-
-private:
-    GridVertex vertex(const double* xyz) const noexcept {
-        const double x = xyz[0] + 0.0;  // makes a positive zero of a negative one
-        const double y = xyz[1] + 0.0;
-        const double z = xyz[2] + 0.0;
-        if (read_.number() == Number::f32) {
-            const auto bits = [](double value) { return std::bit_cast<std::int32_t>(static_cast<float>(value)); };
-            return {bits(x), bits(y), bits(z)};
-        }
-        const auto hash = [&](std::uint64_t seed) {
-            return mix64(std::bit_cast<std::uint64_t>(x) ^
-                         mix64(std::bit_cast<std::uint64_t>(y) ^ mix64(std::bit_cast<std::uint64_t>(z) ^ seed)));
-        };
-        const std::uint64_t first = hash(1);
-        return {static_cast<std::int32_t>(first), static_cast<std::int32_t>(first >> 32),
-                static_cast<std::int32_t>(hash(2))};
-    }
-
-    PlacedReader read_;
-};
-
 /// Reads vertices on the grid, each with a hash of its coordinates as they are: that the only difference is missed has a
 /// chance of 2^-32.
 template <class Reader>
@@ -67,20 +31,26 @@ struct GridCorners {
     };
 
     const Reader& rounded;
-    ExactCorners exact;
+    PlacedReader as_it_is;
     MortonOrder order;
 
     std::array<Vertex, 3> operator()(std::size_t t) const noexcept {
         const GridTriangle places = rounded(t);
-        const GridTriangle as_they_are = exact(t);
-        const auto vertex = [&](std::size_t i) {
-            return Vertex{places[i], static_cast<std::uint32_t>(hash_of(as_they_are[i]))};
-        };
-        return {vertex(0), vertex(1), vertex(2)};
+        const RawTriangle raw = as_it_is(t);
+        return {Vertex{places[0], exact_hash(raw.v)}, Vertex{places[1], exact_hash(raw.v + 3)},
+                Vertex{places[2], exact_hash(raw.v + 6)}};
     }
     static std::uint64_t hash(const Vertex& vertex) noexcept { return hash_of(vertex.place); }
     std::uint64_t key(const Vertex& vertex) const noexcept { return order.key(vertex.place); }
     static bool differ(const Vertex& a, const Vertex& b) noexcept { return a.exact != b.exact; }
+
+private:
+    static std::uint32_t exact_hash(const double* xyz) noexcept {
+        const auto bits = [&](int axis) {
+            return std::bit_cast<std::uint64_t>(xyz[axis] + 0.0);  // makes a positive zero of a negative one
+        };
+        return static_cast<std::uint32_t>(mix64(mix64(mix64(bits(0)) ^ bits(1)) ^ bits(2)));
+    }
 };
 
 constexpr std::size_t faces_a_part = std::size_t{1} << 13;
@@ -147,7 +117,7 @@ GridMesh make_grid_mesh(const MeshView& mesh, const Frame& frame, const MeshChec
     GridMesh grid(parallel.memory());
     grid.grid_mm = measured.grid_mm;
     with_reader(mesh, placing_of(mesh, frame), measured.grid_mm, [&](const auto& read) {
-        const GridCorners<std::decay_t<decltype(read)>> corners{read, ExactCorners(mesh), MortonOrder(measured)};
+        const GridCorners<std::decay_t<decltype(read)>> corners{read, PlacedReader(mesh, {}), MortonOrder(measured)};
         const VertexNumbers numbers(corners, mesh.triangle_count, parallel);
         grid.joined = numbers.joined();
         grid.vertices.resize_discarding(numbers.vertices.size());
@@ -161,12 +131,10 @@ GridMesh make_grid_mesh(const MeshView& mesh, const Frame& frame, const MeshChec
     return grid;
 }
 
-GridMesh make_exact_mesh(const MeshView& mesh, const Parallel& parallel) {
-    const ExactCorners corners(mesh);
-    VertexNumbers numbers(corners, mesh.triangle_count, parallel);
+GridMesh make_exact_mesh(const WeldedMesh& mesh, const Parallel& parallel) {
     GridMesh exact(parallel.memory());
-    exact.vertices = std::move(numbers.vertices);
-    put_in_order(numbers.of_corners, exact.vertices.size(), parallel, exact);
+    exact.vertices.resize_discarding(mesh.vertex_count);
+    put_in_order(mesh.indices, mesh.vertex_count, parallel, exact);
     return exact;
 }
 

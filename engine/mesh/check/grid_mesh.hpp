@@ -12,6 +12,7 @@
 #include "base/parallel.hpp"
 #include "lamella/array.hpp"
 #include "lamella/check.hpp"
+#include "lamella/weld.hpp"
 #include "slicing/grid/quantise.hpp"
 
 namespace lamella {
@@ -87,8 +88,7 @@ struct GridMesh {
 /// coordinates within the grid, fewer than 2^32 / 3 triangles. Throws std::bad_alloc.
 GridMesh make_grid_mesh(const MeshView& mesh, const Frame& frame, const MeshCheck& measured, const Parallel& parallel);
 
-/// The same by the coordinates as they are: vertices are joined only where these are equal. What lies in `vertices` are bits
-/// or hashes, and no places.
-GridMesh make_exact_mesh(const MeshView& mesh, const Parallel& parallel);
+/// The faces of a mesh whose equal vertices are one, with vertices that have no place.
+GridMesh make_exact_mesh(const WeldedMesh& mesh, const Parallel& parallel);
 
 }  // namespace lamella

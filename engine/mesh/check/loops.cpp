@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -35,29 +36,26 @@ class LoopWalk {
 public:
     LoopWalk(const GridMesh& mesh, const EdgeTable& edges, const Parallel& parallel) : mesh_(mesh), parallel_(parallel) {
         for (const std::uint32_t edge : edges.boundary()) {
-            ends_.push_back({edges[edge].lower, edges[edge].upper, boundary_count_});
-            ends_.push_back({edges[edge].upper, edges[edge].lower, boundary_count_++});
-            sides_.push_back(edges.sides(edge)[0]);
+            const auto [lower, upper] = edges[edge];
+            ends_.push_back({lower, upper, edges.sides(edge)[0]});
+            ends_.push_back({upper, lower, edges.sides(edge)[0]});
         }
         sort_in_parallel(std::span<End>(ends_), std::less<>{}, parallel);
-        used_.assign(boundary_count_, false);
-        for (std::uint32_t i = 0; i < ends_.size(); ++i) {
-            if (i == 0 || ends_[i].from != ends_[i - 1].from) {
-                stops_.push_back({i, i, not_on_path});
-            }
-        }
+        used_.assign(ends_.size(), false);
+        positions_.assign(ends_.size(), not_on_path);
+        next_.resize(ends_.size());
+        std::iota(next_.begin(), next_.end(), std::size_t{0});
     }
 
     std::vector<Loop> run() {
-        for (std::uint32_t stop = 0; stop < stops_.size(); ++stop) {  // first those at which a chain must end
-            const std::uint32_t end =
-                stop + 1 < stops_.size() ? stops_[stop + 1].first : static_cast<std::uint32_t>(ends_.size());
-            if ((end - stops_[stop].first) % 2 == 1) {
-                walk(stop);
+        for (const bool all : {false, true}) {  // first the vertices at which a chain must end
+            for (std::size_t first = 0; first < ends_.size();) {
+                const std::size_t end = place_of({ends_[first].from + 1, 0, 0});
+                if (all || (end - first) % 2 == 1) {
+                    walk(first);
+                }
+                first = end;
             }
-        }
-        for (std::uint32_t stop = 0; stop < stops_.size(); ++stop) {
-            walk(stop);
         }
         std::sort(loops_.begin(), loops_.end());
         return std::move(loops_);
@@ -65,57 +63,50 @@ public:
 
 private:
     static constexpr std::uint32_t steps_between_stops = 1024;
-    static constexpr std::uint32_t not_on_path = std::numeric_limits<std::uint32_t>::max();
+    static constexpr std::size_t not_on_path = std::numeric_limits<std::size_t>::max();
 
     /// A boundary edge as seen from one of its ends.
     struct End {
         std::uint32_t from;
         std::uint32_t to;
-        std::uint32_t edge;  ///< among boundary edges
+        std::uint32_t side;
         friend auto operator<=>(const End&, const End&) = default;
     };
 
-    struct Stop {
-        std::uint32_t first;     ///< among its ends
-        std::uint32_t next;      ///< end to be tried
-        std::uint32_t position;  ///< on the path, or not_on_path
-    };
-
-    std::uint32_t stop_of(std::uint32_t vertex) const {
-        const auto at = std::lower_bound(stops_.begin(), stops_.end(), vertex,
-                                         [&](const Stop& stop, std::uint32_t v) { return ends_[stop.first].from < v; });
-        return static_cast<std::uint32_t>(at - stops_.begin());
+    std::size_t place_of(const End& end) const {
+        return static_cast<std::size_t>(std::lower_bound(ends_.begin(), ends_.end(), end) - ends_.begin());
     }
+    /// The first of a vertex's ends, by which the vertex is known.
+    std::size_t first_of(std::uint32_t vertex) const { return place_of({vertex, 0, 0}); }
 
-    /// The next unused end at the stop, or null.
-    const End* leave(std::uint32_t stop) {
-        const std::uint32_t vertex = ends_[stops_[stop].first].from;
-        for (std::uint32_t& i = stops_[stop].next; i < ends_.size() && ends_[i].from == vertex; ++i) {
-            if (!used_[ends_[i].edge]) {
-                used_[ends_[i].edge] = true;
+    /// The next unused end of the vertex, or null.
+    const End* leave(std::size_t first) {
+        for (std::size_t& i = next_[first]; i < ends_.size() && ends_[i].from == ends_[first].from; ++i) {
+            if (!used_[i]) {
+                used_[i] = used_[place_of({ends_[i].to, ends_[i].from, ends_[i].side})] = true;
                 return &ends_[i];
             }
         }
         return nullptr;
     }
 
-    void walk(std::uint32_t stop) {
-        const std::uint32_t start = stop;
-        stops_[start].position = 0;
-        while (const End* const end = leave(stop)) {
+    void walk(const std::size_t start) {
+        std::size_t at = start;
+        positions_[start] = 0;
+        while (const End* const end = leave(at)) {
             if (++steps_ % steps_between_stops == 0) {
                 parallel_.stop_if_asked();
             }
             path_.push_back(end);
-            stop = stop_of(end->to);
-            if (stops_[stop].position == not_on_path) {
-                stops_[stop].position = static_cast<std::uint32_t>(path_.size());
+            at = first_of(end->to);
+            if (positions_[at] == not_on_path) {
+                positions_[at] = path_.size();
             } else {
-                take_off(stops_[stop].position, true);
+                take_off(positions_[at], true);
             }
         }
         take_off(0, false);
-        stops_[start].position = not_on_path;
+        positions_[start] = not_on_path;
     }
 
     /// Ends the path at `position`; what followed is a loop or a chain.
@@ -128,11 +119,11 @@ private:
         for (std::size_t i = position; i < path_.size(); ++i) {
             const End& end = *path_[i];
             loop.vertex = std::min({loop.vertex, end.from, end.to});
-            loop.side = std::min(loop.side, sides_[end.edge]);
+            loop.side = std::min(loop.side, end.side);
             ++loop.edges;
             loop.length += length(end);
             if (i + 1 < path_.size() || !closed) {
-                stops_[stop_of(end.to)].position = not_on_path;
+                positions_[first_of(end.to)] = not_on_path;
             }
         }
         path_.resize(position);
@@ -148,11 +139,10 @@ private:
     const GridMesh& mesh_;
     const Parallel& parallel_;
     std::uint32_t steps_ = 0;
-    std::uint32_t boundary_count_ = 0;
-    std::vector<End> ends_;             ///< two an edge, by vertex
-    std::vector<std::uint32_t> sides_;  ///< by boundary edge
-    std::vector<bool> used_;
-    std::vector<Stop> stops_;  ///< one a vertex of the boundary, ascending
+    std::vector<End> ends_;               ///< two an edge, ascending
+    std::vector<bool> used_;              ///< by end
+    std::vector<std::size_t> next_;       ///< by vertex: the end to be tried
+    std::vector<std::size_t> positions_;  ///< by vertex: on the path, or not_on_path
     std::vector<const End*> path_;
     std::vector<Loop> loops_;
 };

@@ -2,12 +2,10 @@
 // are told apart in double; the rest is tested exactly.
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cstddef>
 #include <utility>
 #include <vector>
 
-#include "base/distribute.hpp"
 #include "mesh/check/finders.hpp"
 #include "mesh/check/meeting.hpp"
 #include "mesh/check/pair_search.hpp"
@@ -25,11 +23,11 @@ constexpr std::size_t place_among_kinds(Meeting meeting) {
     return static_cast<std::size_t>(meeting) - static_cast<std::size_t>(Meeting::touch);
 }
 
-ExactFace exact(const GridMesh& mesh, std::uint32_t face) {
+ExactFace exact(const GridMesh& mesh, std::size_t face) {
     return {mesh.faces[face].corners, mesh.corners(mesh.faces[face])};
 }
 
-RealFace real(const GridMesh& mesh, std::uint32_t face) {
+RealFace real(const GridMesh& mesh, std::size_t face) {
     return {mesh.faces[face].corners, mesh.corners(mesh.faces[face])};
 }
 
@@ -78,33 +76,28 @@ public:
           shells_(shells),
           parallel_(parallel),
           blocks_(parallel.memory()),
-          tallies_(kinds.size(), Tally<FacePair>(most, parallel)),
+          tallies_(kinds.size(), Tally<FacePair>(most)),
           meets_other_(shells.size()) {
-        blocks_.resize_discarding(tree.boxes.groups());
+        blocks_.resize_discarding(tree.groups());
         parallel.run_ranges(blocks_.size(), grain, [&](std::size_t begin, std::size_t end, int) {
-            for (std::size_t item = tree.boxes.group_begin(begin); item != tree.boxes.group_end(end - 1); ++item) {
-                blocks_[item / fan].set(item % fan, mesh.faces[tree.faces[item]], stars);
+            for (std::size_t item = tree.group_begin(begin); item != tree.group_end(end - 1); ++item) {
+                blocks_[item / fan].set(item % fan, mesh.faces[item], stars);
             }
         });
     }
 
     /// True if nothing was left out.
     bool run(double progress) {
-        const std::size_t groups = tree_.boxes.groups();
+        const std::size_t groups = tree_.groups();
         parallel_.begin_stage(progress, BudgetedSearch<Met>::runs_for(groups));
-        BudgetedSearch<Met> search(groups, search_budget(tree_.boxes.size()), parallel_);
+        BudgetedSearch<Met> search(groups, search_budget(tree_.size()), parallel_);
         return search.run(
             [&](std::size_t group, std::size_t limit, std::vector<Met>& found) { return meet_group(group, limit, found); },
-            [&](std::size_t, const std::vector<Met>& found, int worker) {
-                for (const Met& met : found) {
-                    note(met, worker);
-                }
-            });
+            [&](const Met& met) { note(met); });
     }
 
-    const Tally<FacePair>& tally(std::size_t kind) const { return tallies_[kind]; }
-
-    std::vector<std::uint8_t> meets_other() const { return {meets_other_.begin(), meets_other_.end()}; }
+    Tally<FacePair>& tally(std::size_t kind) { return tallies_[kind]; }
+    std::vector<std::uint8_t> meets_other() { return std::move(meets_other_); }
 
 private:
     static constexpr std::size_t fan = BoxTree<GridVertex>::fan;
@@ -113,39 +106,39 @@ private:
     /// Compares the faces of a group with all after them in the tree. Returns what it cost.
     std::size_t meet_group(std::size_t group, std::size_t limit, std::vector<Met>& found) const {
         std::array<RealFace, fan> own;
-        const std::size_t begin = tree_.boxes.group_begin(group);
-        for (std::size_t item = begin; item != tree_.boxes.group_end(group); ++item) {
-            own[item - begin] = real(mesh_, tree_.faces[item]);
+        const std::size_t begin = tree_.group_begin(group);
+        for (std::size_t item = begin; item != tree_.group_end(group); ++item) {
+            own[item - begin] = real(mesh_, item);
         }
-        return tree_.boxes.search_pairs(group, limit, [&](std::size_t item, LaneBits bits) {
+        return tree_.search_pairs(group, limit, [&](std::size_t item, LaneBits bits) {
             bits &= ~blocks_[group].share(blocks_[item / fan], item % fan);
             if (bits == 0) {
                 return;
             }
-            const RealFace other = real(mesh_, tree_.faces[item]);
+            const RealFace other = real(mesh_, item);
             each_lane(bits, [&](std::size_t lane) {
                 if (!are_apart(own[lane], other)) {
-                    meet_exactly(tree_.faces[begin + lane], tree_.faces[item], found);
+                    meet_exactly(begin + lane, item, found);
                 }
             });
         });
     }
 
-    void meet_exactly(std::uint32_t face, std::uint32_t other, std::vector<Met>& found) const {
+    void meet_exactly(std::size_t face, std::size_t other, std::vector<Met>& found) const {
         const Meeting meeting = meet(exact(mesh_, face), exact(mesh_, other));
         if (meeting != Meeting::none) {
-            found.push_back({meeting, {std::min(face, other), std::max(face, other)}});
+            const auto [first, second] = std::minmax(face, other);
+            found.push_back({meeting, {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(second)}});
         }
     }
 
-    void note(const Met& met, int worker) {
-        tallies_[place_among_kinds(met.meeting)].add(met.faces, worker);
+    void note(const Met& met) {
+        tallies_[place_among_kinds(met.meeting)].add(met.faces);
         const auto [face, other] = met.faces;
         const std::uint32_t shell = shell_of_[face];
         const std::uint32_t other_shell = shell_of_[other];
         if (shell != other_shell && shells_[shell].closed && shells_[other_shell].closed) {
-            meets_other_[shell].store(1, std::memory_order_relaxed);
-            meets_other_[other_shell].store(1, std::memory_order_relaxed);
+            meets_other_[shell] = meets_other_[other_shell] = 1;
         }
     }
 
@@ -154,9 +147,9 @@ private:
     const Array<std::uint32_t>& shell_of_;
     const std::vector<MeshShell>& shells_;
     const Parallel& parallel_;
-    Array<StarBlock> blocks_;                             ///< by group
-    std::vector<Tally<FacePair>> tallies_;                ///< as in `kinds`
-    std::vector<std::atomic<std::uint8_t>> meets_other_;  ///< by shell
+    Array<StarBlock> blocks_;                ///< by group
+    std::vector<Tally<FacePair>> tallies_;   ///< as in `kinds`
+    std::vector<std::uint8_t> meets_other_;  ///< by shell
 };
 
 /// For a crossing, the segment in which the faces meet; else the middle of their boxes' intersection.
@@ -184,16 +177,17 @@ FaultPlace place_of(const GridMesh& mesh, const FacePair& pair, bool cross) {
 
 }  // namespace
 
-FaceTree::FaceTree(const GridMesh& mesh, const EmbeddedStars& stars, const Parallel& parallel)
-    : faces(indices_where(mesh.faces.size(), parallel, parallel.memory(),
-                          [&](std::size_t face) {
-                              const bool again =
-                                  face > 0 && vertex_set(mesh.faces[face]) == vertex_set(mesh.faces[face - 1]);
-                              return !again && stars.has_area(face);
-                          })),
-      boxes(parallel.memory()) {
-    boxes.assign(
-        faces.size(), [&](std::size_t item) { return SpaceBox::around(mesh.corners(mesh.faces[faces[item]])); }, parallel);
+FaceTree make_face_tree(const GridMesh& mesh, const EmbeddedStars& stars, const Parallel& parallel) {
+    FaceTree tree(parallel.memory());
+    tree.assign(
+        mesh.faces.size(),
+        [&](std::size_t i) {
+            const Face& face = mesh.faces[i];
+            const bool again = i > 0 && vertex_set(face) == vertex_set(mesh.faces[i - 1]);
+            return again || !stars.has_area(i) ? SpaceBox::nothing() : SpaceBox::around(mesh.corners(face));
+        },
+        parallel);
+    return tree;
 }
 
 std::vector<std::uint8_t> find_meeting_faces(const GridMesh& mesh, const FaceTree& tree, const EmbeddedStars& stars,

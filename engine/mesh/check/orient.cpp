@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "base/guard.hpp"
-#include "base/recycler.hpp"
 #include "lamella/check.hpp"
 #include "mesh/check/finders.hpp"
 #include "mesh/measure.hpp"
@@ -17,23 +16,22 @@ namespace lamella {
 namespace {
 
 Result<OrientedMesh> orient_or_throw(const MeshView& view, const Frame& frame, const Context& context) {
-    const Recycler recycler;
-    Context recycled = context;
-    recycled.memory = recycler.memory();
-    const Parallel parallel(recycled);
+    Context own = context;
+    own.memory = nullptr;  // the host's is for the mesh
+    const Parallel parallel(own);
     OrientedMesh oriented{.mesh = require(weld(view, 0, parallel.within(context)))};
     MeshCheck found;
     measure_mesh(oriented.view(), frame, parallel, 0.3, found);
     parallel.begin_stage(0.5, 14);
     const GridMesh grid = make_grid_mesh(oriented.view(), frame, found, parallel);
     if (!grid.faces.empty()) {
-        parallel.begin_stage(0.6, 7);
+        parallel.begin_stage(0.6, 8);
         const EdgeTable edges(grid, parallel);
         parallel.begin_stage(0.7, 7);
         const EmbeddedStars stars(grid, edges, parallel);
         parallel.begin_stage(0.8, 9);
-        const FaceTree tree(grid, stars, parallel);
-        parallel.begin_stage(0.99, 20);
+        const FaceTree tree = make_face_tree(grid, stars, parallel);
+        parallel.begin_stage(0.99, 16);
         const FaultCollector faults(grid, 0, found.findings);
         const Array<std::uint32_t> shell_of = find_shells(grid, edges, tree, faults, found, parallel, true);
         for (std::size_t face = 0; face < grid.faces.size(); ++face) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <map>
 #include <utility>
 
 #include "base/numbers.hpp"
@@ -13,12 +14,10 @@ namespace lamella {
 
 namespace {
 
-/// A ray meets a face of a shell.
-struct Hit {
-    std::uint32_t shell;
-    int winding;   ///< 1 where the ray leaves it, -1 where it enters; summed over faces on the same vertices
-    bool touches;  ///< the ray begins on this face
-    bool operator<(const Hit& other) const { return shell < other.shell; }
+/// The faces of one shell that a ray meets.
+struct Hits {
+    int winding = 0;       ///< 1 for each that the ray leaves by, -1 where it enters
+    bool touches = false;  ///< the ray begins on one of them
 };
 
 /// The orientation of a, b and the ray, seen from above. The ray stands at p moved by (e, e^2), e infinitely small: it
@@ -55,12 +54,12 @@ public:
 
     bool run() {
         std::vector<std::vector<std::uint32_t>> around(shells_.size());
-        BudgetedSearch<std::uint32_t> search(shells_.size(), search_budget(mesh_.faces.size()), parallel_);
+        BudgetedSearch<ShellPair> search(shells_.size(), search_budget(mesh_.faces.size()), parallel_);
         const bool complete = search.run(
-            [&](std::size_t shell, std::size_t limit, std::vector<std::uint32_t>& found) {
+            [&](std::size_t shell, std::size_t limit, std::vector<ShellPair>& found) {
                 return find_around(static_cast<std::uint32_t>(shell), limit, found);
             },
-            [&](std::size_t shell, const std::vector<std::uint32_t>& found, int) { around[shell] = found; });
+            [&](const ShellPair& pair) { around[pair[0]].push_back(pair[1]); });
         const bool all_tested = !whole_ || drop_crossed(around);
         for (std::uint32_t shell = 0; shell < shells_.size(); ++shell) {
             shells_[shell].depth = static_cast<int>(around[shell].size());
@@ -73,6 +72,8 @@ public:
 
 private:
     static constexpr std::size_t most_samples = 8;
+    /// A shell, and one that is around it.
+    using ShellPair = std::array<std::uint32_t, 2>;
 
     /// For each shell vertices spread over it: of its faces, in order, the first, the last and some between them.
     void choose_samples() {
@@ -96,35 +97,30 @@ private:
 
     /// Appends the closed shells around this one to `around`; returns what it cost. Samples are tried for as long as some
     /// lie on a shell's surface, or all of them.
-    std::size_t find_around(std::uint32_t shell, std::size_t limit, std::vector<std::uint32_t>& around) const {
-        std::vector<Hit> kept;  // on or within which all samples so far lie; `winding` of one within, else 0
-        std::vector<Hit> hits;
+    std::size_t find_around(std::uint32_t shell, std::size_t limit, std::vector<ShellPair>& around) const {
+        std::map<std::uint32_t, int> kept;  // shells on or within which all samples so far lie: the winding of one, or 0
         std::size_t cost = 0;
         for (std::size_t number = 0; number < most_samples && cost < limit && (number == 0 || !kept.empty()); ++number) {
+            std::map<std::uint32_t, Hits> hits;
             cost += cast(shell, sample(shell, number), limit - cost, hits);
-            std::vector<Hit> still;
-            for (auto hit = hits.begin(); hit != hits.end();) {
-                Hit sum = *hit;
-                for (++hit; hit != hits.end() && hit->shell == sum.shell; ++hit) {
-                    sum.winding += hit->winding;
-                    sum.touches |= hit->touches;
-                }
-                const auto before = std::lower_bound(kept.begin(), kept.end(), sum);
-                const bool known = before != kept.end() && before->shell == sum.shell;
-                if ((number > 0 && !known) || (!sum.touches && sum.winding == 0)) {
+            std::map<std::uint32_t, int> still;
+            for (const auto& [other, hit] : hits) {
+                const auto before = kept.find(other);
+                const bool known = before != kept.end();
+                if ((number > 0 && !known) || (!hit.touches && hit.winding == 0)) {
                     continue;
                 }
-                if (sum.touches || whole_) {
-                    still.push_back({sum.shell, sum.touches ? (known ? before->winding : 0) : sum.winding, sum.touches});
+                if (hit.touches || whole_) {
+                    still[other] = hit.touches ? (known ? before->second : 0) : hit.winding;
                 } else {
-                    around.push_back(sum.shell);
+                    around.push_back({shell, other});
                 }
             }
             kept = std::move(still);
         }
-        for (const Hit& hit : kept) {
-            if (hit.winding != 0) {
-                around.push_back(hit.shell);
+        for (const auto& [other, winding] : kept) {
+            if (winding != 0) {
+                around.push_back({shell, other});
             }
         }
         return cost;
@@ -132,63 +128,55 @@ private:
 
     /// Takes from `around` each shell's the others that a face of it crosses. Returns whether all faces were tested.
     bool drop_crossed(std::vector<std::vector<std::uint32_t>>& around) const {
-        BudgetedSearch<std::uint32_t> search(mesh_.faces.size(), search_budget(mesh_.faces.size()), parallel_);
-        std::vector<std::vector<std::array<std::uint32_t, 2>>> crossed(static_cast<std::size_t>(parallel_.threads()));
+        std::vector<ShellPair> crossed;
+        BudgetedSearch<ShellPair> search(mesh_.faces.size(), search_budget(mesh_.faces.size()), parallel_);
         const bool complete = search.run(
-            [&](std::size_t face, std::size_t limit, std::vector<std::uint32_t>& found) {
-                const auto number = static_cast<std::uint32_t>(face);
+            [&](std::size_t face, std::size_t limit, std::vector<ShellPair>& found) {
                 const std::vector<std::uint32_t>& others = around[shell_of_[face]];
-                return others.empty() ? 0 : find_crossed(exact(number), mesh_.faces[face], limit, others, found);
+                return others.empty() ? 0 : find_crossed(face, limit, others, found);
             },
-            [&](std::size_t face, const std::vector<std::uint32_t>& found, int worker) {
-                for (const std::uint32_t other : found) {
-                    crossed[static_cast<std::size_t>(worker)].push_back({shell_of_[face], other});
-                }
-            });
-        for (const auto& own : crossed) {
-            for (const auto& [shell, other] : own) {
-                std::erase(around[shell], other);
-            }
+            [&](const ShellPair& pair) { crossed.push_back(pair); });
+        for (const auto& [shell, other] : crossed) {
+            std::erase(around[shell], other);
         }
         return complete;
     }
 
-    std::size_t find_crossed(const ExactFace& own, const Face& face, std::size_t limit,
-                             const std::vector<std::uint32_t>& others, std::vector<std::uint32_t>& found) const {
-        return tree_.boxes.search(SpaceBox::around(mesh_.corners(face)), limit, [&](std::size_t item) {
-            const std::uint32_t shell = shell_of_[tree_.faces[item]];
+    std::size_t find_crossed(std::size_t face, std::size_t limit, const std::vector<std::uint32_t>& others,
+                             std::vector<ShellPair>& found) const {
+        const ExactFace own = exact(face);
+        return tree_.search(SpaceBox::around(mesh_.corners(mesh_.faces[face])), limit, [&](std::size_t item) {
+            const std::uint32_t shell = shell_of_[item];
             if (own.has_area() && std::binary_search(others.begin(), others.end(), shell) &&
-                meet(own, exact(tree_.faces[item])) == Meeting::cross) {
-                found.push_back(shell);
+                meet(own, exact(item)) == Meeting::cross) {
+                found.push_back({shell_of_[face], shell});
             }
         });
     }
 
-    /// Fills `hits` from the ray upwards from p, by shell; returns what it cost.
-    std::size_t cast(std::uint32_t shell, const GridVector& p, std::size_t limit, std::vector<Hit>& hits) const {
+    /// Adds to `hits`, by shell, what the ray upwards from p meets; returns what it cost.
+    std::size_t cast(std::uint32_t shell, const GridVector& p, std::size_t limit,
+                     std::map<std::uint32_t, Hits>& hits) const {
         const auto on_grid = [](std::int64_t value) { return static_cast<std::int32_t>(2 * value); };
         const SpaceBox ray{{on_grid(p.x), on_grid(p.y), on_grid(p.z)}, {on_grid(p.x), on_grid(p.y), grid_limit}};
-        hits.clear();
-        const std::size_t cost = tree_.boxes.search(ray, limit, [&](std::size_t item) {
-            const std::uint32_t first = tree_.faces[item];
-            if (shell_of_[first] == shell || !shells_[shell_of_[first]].closed) {
+        return tree_.search(ray, limit, [&](std::size_t item) {
+            if (shell_of_[item] == shell || !shells_[shell_of_[item]].closed) {
                 return;
             }
-            const bool touches = contains(exact(first), p);
-            int winding = 0;
-            for (std::uint32_t face = first; face < mesh_.faces.size() && are_alike(face, first); ++face) {
-                winding += winding_of(exact(face), p);
+            Hits found{0, contains(exact(item), p)};
+            for (std::size_t face = item; face < mesh_.faces.size() && are_alike(face, item); ++face) {
+                found.winding += winding_of(exact(face), p);
             }
-            if (touches || winding != 0) {
-                hits.push_back({shell_of_[first], winding, touches});
+            if (found.touches || found.winding != 0) {
+                Hits& own = hits[shell_of_[item]];
+                own.winding += found.winding;
+                own.touches = own.touches || found.touches;
             }
         });
-        std::sort(hits.begin(), hits.end());
-        return cost;
     }
 
-    ExactFace exact(std::uint32_t face) const { return {mesh_.faces[face].corners, mesh_.corners(mesh_.faces[face])}; }
-    bool are_alike(std::uint32_t face, std::uint32_t other) const {
+    ExactFace exact(std::size_t face) const { return {mesh_.faces[face].corners, mesh_.corners(mesh_.faces[face])}; }
+    bool are_alike(std::size_t face, std::size_t other) const {
         return vertex_set(mesh_.faces[face]) == vertex_set(mesh_.faces[other]);
     }
 

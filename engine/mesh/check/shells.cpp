@@ -1,6 +1,8 @@
 // Shells: sets of triangles connected over edges; their orientations, and which lies within which.
 #include <algorithm>
 #include <cstddef>
+#include <limits>
+#include <mutex>
 #include <numeric>
 #include <span>
 #include <vector>
@@ -38,9 +40,9 @@ Array<std::uint32_t> number_shells(SharedSets<std::uint32_t>& sets, std::uint32_
 
 using Corners = std::array<GridVertex, 3>;
 
-/// Six times the volume between a face and a point near it, in halves of grid units: summed over a closed shell, exact.
-Int128 six_volumes(const Corners& corners, const GridVector& origin) {
-    return dot(cross(half(corners[0]) - origin, half(corners[1]) - origin), half(corners[2]) - origin);
+/// Six times the volume between a face and zero, in halves of grid units: summed over a closed shell, exact.
+Int128 six_volumes(const Corners& corners) {
+    return dot(cross(half(corners[0]), half(corners[1])), half(corners[2]));
 }
 
 /// A vertex and one of its faces: the smallest is what a shell is known by.
@@ -50,118 +52,75 @@ struct FirstPlace {
     friend auto operator<=>(const FirstPlace&, const FirstPlace&) = default;
 };
 
-FirstPlace first_place(const Corners& corners, std::uint32_t face) {
-    return {std::min({corners[0], corners[1], corners[2]}), face};
+/// Sums over faces of a shell.
+struct ShellSums {
+    std::uint32_t shell;
+    std::uint32_t triangles = 0;
+    Int128 six_volumes = 0;
+    FirstPlace first = {{grid_limit, grid_limit, grid_limit}, std::numeric_limits<std::uint32_t>::max()};
+
+    void add(const ShellSums& other) {
+        triangles += other.triangles;
+        six_volumes += other.six_volumes;
+        first = std::min(first, other.first);
+    }
+};
+
+/// By shell. One call of run(); what a range of faces finds is added up when it ends, which may be in any order.
+std::vector<ShellSums> sums_of(const GridMesh& mesh, const Array<std::uint32_t>& shell_of, std::uint32_t shells,
+                               const Parallel& parallel) {
+    std::vector<ShellSums> sums(shells);
+    std::mutex adding;
+    parallel.run_ranges(shell_of.size(), faces_a_range, [&](std::size_t begin, std::size_t end, int) {
+        std::vector<ShellSums> stretches;  // faces that follow one another in one shell
+        for (std::size_t i = begin; i != end; ++i) {
+            if (stretches.empty() || stretches.back().shell != shell_of[i]) {
+                stretches.push_back({shell_of[i]});
+            }
+            const Corners corners = mesh.corners(mesh.faces[i]);
+            stretches.back().add({shell_of[i],
+                                  1,
+                                  six_volumes(corners),
+                                  {std::min({corners[0], corners[1], corners[2]}), static_cast<std::uint32_t>(i)}});
+        }
+        const std::lock_guard lock(adding);
+        for (const ShellSums& own : stretches) {
+            sums[own.shell].add(own);
+        }
+    });
+    return sums;
 }
 
-/// The sums of faces that follow one another in one shell.
-struct ShellPart {
-    std::uint32_t shell;
-    std::uint32_t triangles;
-    Int128 six_volumes;
-    FirstPlace first;
-};
-
-class ShellMeasure {
-public:
-    ShellMeasure(const GridMesh& mesh, const EdgeTable& edges, const Array<std::uint32_t>& shell_of,
-                 std::vector<MeshShell>& shells, const Parallel& parallel)
-        : mesh_(mesh),
-          edges_(edges),
-          shell_of_(shell_of),
-          shells_(shells),
-          parallel_(parallel),
-          volumes_(shells.size(), 0),
-          firsts_(shells.size()) {}
-
-    /// Five calls of run() or more. Returns what each shell is known by.
-    std::vector<FirstPlace> run(const FaultCollector& faults) {
-        find_origins();
-        add_faces();
-        find_open();
-        const double cube_mm3 = 8 * mesh_.grid_mm * mesh_.grid_mm * mesh_.grid_mm;
-        for (std::size_t i = 0; i < shells_.size(); ++i) {
-            shells_[i].first_mm = faults.mm(firsts_[i].vertex);
-            shells_[i].triangle = mesh_.faces[firsts_[i].face].source;
-            if (shells_[i].closed) {
-                shells_[i].orientation = sign_of(volumes_[i]);
-                shells_[i].volume_mm3 = static_cast<double>(volumes_[i]) / 6 * cube_mm3;
-            }
-        }
-        return std::move(firsts_);
+/// Fills in what each shell measures. Returns what it is known by.
+std::vector<FirstPlace> measure_shells(const GridMesh& mesh, const EdgeTable& edges, const Array<std::uint32_t>& shell_of,
+                                       const FaultCollector& faults, std::vector<MeshShell>& shells,
+                                       const Parallel& parallel) {
+    const auto count = static_cast<std::uint32_t>(shells.size());
+    for (MeshShell& shell : shells) {
+        shell.closed = true;
     }
-
-private:
-    /// A shell's number is first met at its first face.
-    void find_origins() {
-        for (std::uint32_t face = 0; origins_.size() < shells_.size(); ++face) {
-            if (shell_of_[face] != origins_.size()) {
-                continue;
-            }
-            if (origins_.size() % faces_a_range == 0) {
-                parallel_.stop_if_asked();
-            }
-            const Corners corners = mesh_.corners(mesh_.faces[face]);
-            firsts_[origins_.size()] = first_place(corners, face);
-            origins_.push_back(half(corners[0]));
+    for (const std::uint32_t edge : edges.irregular()) {
+        if (!edges.is_balanced(edge)) {
+            shells[shell_of[EdgeTable::face_of(edges.sides(edge)[0])]].closed = false;
         }
     }
-
-    /// Some ranges at a time, so that what they found stays small where every face is a shell.
-    void add_faces() {
-        const std::size_t ranges = shell_of_.size() / faces_a_range + 1;
-        const std::size_t at_once = static_cast<std::size_t>(parallel_.threads()) * 8;
-        std::vector<std::vector<ShellPart>> parts(at_once);
-        for (std::size_t begin = 0; begin < ranges; begin += at_once) {
-            parallel_.run(std::min(at_once, ranges - begin), [&](std::size_t i, int) {
-                add_range(shell_of_.size() * (begin + i) / ranges, shell_of_.size() * (begin + i + 1) / ranges, parts[i]);
-            });
-            for (std::vector<ShellPart>& own : parts) {
-                for (const ShellPart& part : own) {
-                    shells_[part.shell].triangles += part.triangles;
-                    volumes_[part.shell] += part.six_volumes;
-                    firsts_[part.shell] = std::min(firsts_[part.shell], part.first);
-                }
-                own.clear();
-            }
+    const double cube_mm3 = 8 * mesh.grid_mm * mesh.grid_mm * mesh.grid_mm;
+    std::vector<FirstPlace> firsts;
+    firsts.reserve(count);
+    const std::vector<ShellSums> sums = sums_of(mesh, shell_of, count, parallel);
+    for (std::size_t i = 0; i < shells.size(); ++i) {
+        const ShellSums& own = sums[i];
+        firsts.push_back(own.first);
+        shells[i].triangles = own.triangles;
+        shells[i].first_mm = faults.mm(own.first.vertex);
+        shells[i].triangle = mesh.faces[own.first.face].source;
+        if (shells[i].closed) {
+            shells[i].orientation = sign_of(own.six_volumes);
+            shells[i].volume_mm3 = static_cast<double>(own.six_volumes) / 6 * cube_mm3;
         }
     }
-
-    void add_range(std::size_t begin, std::size_t end, std::vector<ShellPart>& parts) const {
-        for (std::size_t i = begin; i != end; ++i) {
-            const std::uint32_t shell = shell_of_[i];
-            const Corners corners = mesh_.corners(mesh_.faces[i]);
-            const FirstPlace first = first_place(corners, static_cast<std::uint32_t>(i));
-            if (parts.empty() || parts.back().shell != shell) {
-                parts.push_back({shell, 0, 0, first});
-            }
-            ShellPart& part = parts.back();
-            ++part.triangles;
-            part.six_volumes += six_volumes(corners, origins_[shell]);
-            part.first = std::min(part.first, first);
-        }
-    }
-
-    void find_open() {
-        for (MeshShell& shell : shells_) {
-            shell.closed = true;
-        }
-        for (const std::uint32_t edge : edges_.irregular()) {
-            if (!edges_.is_balanced(edge)) {
-                shells_[shell_of_[EdgeTable::face_of(edges_.sides(edge)[0])]].closed = false;
-            }
-        }
-    }
-
-    const GridMesh& mesh_;
-    const EdgeTable& edges_;
-    const Array<std::uint32_t>& shell_of_;
-    std::vector<MeshShell>& shells_;
-    const Parallel& parallel_;
-    std::vector<Int128> volumes_;
-    std::vector<GridVector> origins_;  ///< a vertex of each shell
-    std::vector<FirstPlace> firsts_;
-};
+    return firsts;
+}
 
 /// Numbers the shells anew, by what they are known by: where they are not in that order yet, in five calls of run().
 void sort_shells(const std::vector<FirstPlace>& firsts, std::vector<MeshShell>& shells, Array<std::uint32_t>& shell_of,
@@ -217,7 +176,7 @@ Array<std::uint32_t> find_shells(const GridMesh& mesh, const EdgeTable& edges, c
     std::uint32_t count = 0;
     Array<std::uint32_t> shell_of = join_shells(mesh, edges, count, parallel);
     check.shells.resize(count);
-    const std::vector<FirstPlace> firsts = ShellMeasure(mesh, edges, shell_of, check.shells, parallel).run(faults);
+    const std::vector<FirstPlace> firsts = measure_shells(mesh, edges, shell_of, faults, check.shells, parallel);
     sort_shells(firsts, check.shells, shell_of, parallel);
     check.nesting_complete = nest_shells(mesh, tree, shell_of, check.shells, whole, parallel);
     return shell_of;

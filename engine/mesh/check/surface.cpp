@@ -26,49 +26,23 @@ FaultPlace place_of_edge(const GridMesh& mesh, const EdgeTable& edges, std::size
     return place;
 }
 
-/// The patches of a mesh. Each face takes part twice, as it is and reversed, so that faces which agree in orientation are in
-/// one set. Where the reversed first face is in the set of the first face, the patch has one side.
-class Patches {
-public:
-    /// Two calls of run().
-    Patches(const GridMesh& mesh, const EdgeTable& edges, const Parallel& parallel)
-        : sets_(2 * mesh.faces.size(), parallel, parallel.memory()) {
-        constexpr std::size_t grain = 8192;
-        parallel.run_ranges(edges.size(), grain, [&](std::size_t begin, std::size_t end, int) {
-            for (std::size_t edge = begin; edge != end; ++edge) {
-                if (const auto sides = edges.sides(edge); sides.size() == 2) {
-                    const std::uint32_t face = EdgeTable::face_of(sides[0]);
-                    const std::uint32_t next = EdgeTable::face_of(sides[1]);
-                    const bool agree = edges.is_balanced(edge);
-                    sets_.unite(as_is(face), agree ? as_is(next) : reversed(next));
-                    sets_.unite(reversed(face), agree ? reversed(next) : as_is(next));
-                }
+/// The patches of a mesh: each face takes part twice, as it is (2 * face) and reversed (2 * face + 1), so that faces which
+/// agree in orientation are in one set. Where the reversed first face is in the set of the first face, the patch has one
+/// side. Two calls of run().
+SharedSets<std::uint32_t> join_patches(const GridMesh& mesh, const EdgeTable& edges, const Parallel& parallel) {
+    constexpr std::size_t grain = 8192;
+    SharedSets<std::uint32_t> sets(2 * mesh.faces.size(), parallel, parallel.memory());
+    parallel.run_ranges(edges.size(), grain, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t edge = begin; edge != end; ++edge) {
+            if (const auto sides = edges.sides(edge); sides.size() == 2) {
+                const std::uint32_t face = 2 * EdgeTable::face_of(sides[0]);
+                const std::uint32_t next = 2 * EdgeTable::face_of(sides[1]) + (edges.is_balanced(edge) ? 0 : 1);
+                sets.unite(face, next);
+                sets.unite(face + 1, next ^ 1);
             }
-        });
-    }
-
-    std::uint32_t first_face(std::uint32_t face) { return sets_.root(as_is(face)) / 2; }
-    bool is_opposite(std::uint32_t face) { return sets_.root(as_is(face)) % 2 != 0; }
-    bool is_one_sided(std::uint32_t face) { return sets_.root(as_is(face)) == sets_.root(reversed(face)); }
-
-private:
-    static std::uint32_t as_is(std::uint32_t face) { return 2 * face; }
-    static std::uint32_t reversed(std::uint32_t face) { return 2 * face + 1; }
-
-    SharedSets<std::uint32_t> sets_;
-};
-
-/// Faces of each patch (joined over edges with two faces) by orientation relative to its first face: alike, opposite.
-std::vector<std::array<std::uint32_t, 2>> sizes_of(Patches& patches, std::uint32_t faces, const Parallel& parallel) {
-    constexpr std::uint32_t faces_between_stops = 1 << 15;
-    std::vector<std::array<std::uint32_t, 2>> sizes(faces);
-    for (std::uint32_t face = 0; face != faces; ++face) {
-        if (face % faces_between_stops == 0) {
-            parallel.stop_if_asked();
         }
-        ++sizes[patches.first_face(face)][patches.is_opposite(face) ? 1 : 0];
-    }
-    return sizes;
+    });
+    return sets;
 }
 
 /// `corner`: 3 * face + index.
@@ -176,15 +150,25 @@ void find_flipped_faces(const GridMesh& mesh, const EdgeTable& edges, FaultColle
     if (faults.of(Fault::mismatched_edge).count == 0) {
         return;  // all faces of a patch agree
     }
-    Patches patches(mesh, edges, parallel);
-    const auto sizes = sizes_of(patches, static_cast<std::uint32_t>(mesh.faces.size()), parallel);
-    faults.in_ranges(mesh.faces.size(), parallel, [&](std::size_t begin, std::size_t end, FaultCollector& own) {
+    constexpr std::uint32_t faces_between_stops = 1 << 15;
+    const auto count = static_cast<std::uint32_t>(mesh.faces.size());
+    SharedSets<std::uint32_t> sets = join_patches(mesh, edges, parallel);
+    // By the first face of a patch: its faces that agree with it, and those that do not.
+    std::vector<std::array<std::uint32_t, 2>> sizes(count);
+    for (std::uint32_t face = 0; face != count; ++face) {
+        if (face % faces_between_stops == 0) {
+            parallel.stop_if_asked();
+        }
+        const std::uint32_t root = sets.root(2 * face);
+        ++sizes[root / 2][root % 2];
+    }
+    faults.in_ranges(count, parallel, [&](std::size_t begin, std::size_t end, FaultCollector& own) {
         for (auto face = static_cast<std::uint32_t>(begin); face != end; ++face) {
-            const std::uint32_t first = patches.first_face(face);
-            const auto [alike, opposite] = sizes[first];
-            const bool flipped = patches.is_opposite(face) == (opposite <= alike);
-            if (patches.is_one_sided(face)) {
-                if (face == first) {
+            const std::uint32_t root = sets.root(2 * face);
+            const auto [alike, opposite] = sizes[root / 2];
+            const bool flipped = (root % 2 != 0) == (opposite <= alike);
+            if (root == sets.root(2 * face + 1)) {
+                if (face == root / 2) {
                     own.add(Fault::one_sided_patch, [&] { return own.at(mesh.faces[face]); });
                 }
             } else if (flipped) {

@@ -4,21 +4,16 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
-#include <array>
 #include <exception>
 #include <type_traits>
 
+#include "lamella/lamella.h"
 #include "lamella/version.hpp"
 #include "native.hpp"
 
 namespace lamella::python {
 
 namespace {
-
-/// By ErrorCode.
-constexpr std::array names = {"invalid_argument", "unreadable_file",  "malformed_mesh", "empty_mesh", "bad_coordinate",
-                              "bad_planes",       "result_too_large", "out_of_memory",  "cancelled",  "unwritable_file"};
-static_assert(names.size() == static_cast<std::size_t>(ErrorCode::unwritable_file) + 1);
 
 void run_on_threads(void* /*object*/, int workers, Callback<void()> body) noexcept {
     std::vector<std::thread> threads;
@@ -95,7 +90,7 @@ py::str text_of(const std::string& text) {
 
 void raise(const Error& error) {
     const py::object kinds = py::module_::import("lamella._errors").attr("BY_CODE");
-    const py::object kind = kinds[names.at(static_cast<std::size_t>(error.code))];
+    const py::object kind = kinds[lamella_status_name(static_cast<std::int32_t>(error.code) + 1)];
     py::dict evidence("triangle"_a = error.triangle, "layer"_a = error.plane, "byte_offset"_a = error.byte_offset);
     const py::object exception = kind(text_of(error.message), **evidence);
     PyErr_SetObject(kind.ptr(), exception.ptr());

@@ -16,7 +16,7 @@
 #include "base/parallel.hpp"
 #include "measure.hpp"
 #include "slicing/bands/bands.hpp"
-#include "slicing/buckets/bucket.hpp"
+#include "slicing/buckets/triangle_source.hpp"
 #include "slicing/buckets/mesh_source.hpp"
 #include "slicing/planes/plane_set.hpp"
 #include "slicing/slice_layers.hpp"

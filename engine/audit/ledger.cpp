@@ -14,7 +14,7 @@
 #include "base/parallel_sort.hpp"
 #include "slicing/grid/exact.hpp"
 #include "slicing/grid/quantise.hpp"
-#include "slicing/grid/vertex_hash.hpp"
+#include "slicing/grid/mesh_edge.hpp"
 
 namespace lamella {
 

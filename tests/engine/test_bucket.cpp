@@ -16,7 +16,7 @@
 #include "engine/slicing.hpp"
 #include "oracle/compare.hpp"
 #include "slicing/bands/bands.hpp"
-#include "slicing/buckets/bucket.hpp"
+#include "slicing/buckets/triangle_source.hpp"
 #include "slicing/planes/plane_set.hpp"
 
 using lamella::BandPlan;

@@ -5,8 +5,6 @@
 #include <cmath>
 
 #include "base/numbers.hpp"
-#include "slicing/grid/origins.hpp"
-#include "slicing/regions/collinear.hpp"
 
 namespace lamella {
 

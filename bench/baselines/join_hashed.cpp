@@ -107,7 +107,6 @@ std::vector<Polyline> join_plane(const std::vector<Segment>& segments) {
 
 }  // namespace
 
-const ContourMethod hashed_contours{
-    .name = "hashed", .source = "Minetto et al. 2017, Algorithm 4", .join_plane = join_plane};
+const ContourMethod hashed_contours{.name = "hashed", .join_plane = join_plane};
 
 }  // namespace lamella::baselines

@@ -90,7 +90,6 @@ std::vector<Polyline> join_plane(const std::vector<Segment>& segments) {
 
 }  // namespace
 
-const ContourMethod sweepline_contours{
-    .name = "sweep-line", .source = "Park 2003, by CGAL's arrangements", .join_plane = join_plane};
+const ContourMethod sweepline_contours{.name = "sweep-line", .join_plane = join_plane};
 
 }  // namespace lamella::baselines

@@ -55,7 +55,6 @@ std::vector<Polyline> join_plane(const std::vector<Segment>& segments) {
 
 }  // namespace
 
-const ContourMethod trivial_contours{
-    .name = "trivial", .source = "Minetto et al. 2017, section 2.2", .join_plane = join_plane};
+const ContourMethod trivial_contours{.name = "trivial", .join_plane = join_plane};
 
 }  // namespace lamella::baselines

@@ -213,7 +213,6 @@ WholeOutcome run(const Problem& problem) {
 
 const WholeMethod ldni{
     .name = "LDNI, 0.1 mm",
-    .source = "Zeng et al. 2011 and Qi et al. 2013, rays 0.1 mm apart",
     .run = run,
 };
 

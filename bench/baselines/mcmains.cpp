@@ -19,6 +19,7 @@
 #include <algorithm>
 #include <functional>
 #include <numeric>
+#include <unordered_map>
 #include <utility>
 
 #include "geometry.hpp"
@@ -40,60 +41,36 @@ public:
     void link(std::uint32_t edge, std::uint32_t next) noexcept { next_[edge] = next; }
     std::uint32_t ring_of(std::uint32_t edge) const noexcept { return ring_of_[edge]; }
 
-    /// One edge of each ring.
-    const std::vector<std::uint32_t>& all() const noexcept { return edge_in_; }
+    /// One edge of each ring, by its number.
+    const auto& all() const noexcept { return edge_in_; }
 
     /// Adds the edges from `first` to `last`, already linked, to the ring.
-    void put(std::uint32_t first, std::uint32_t last, std::uint32_t ring) noexcept {
+    void put(std::uint32_t first, std::uint32_t last, std::uint32_t ring) {
         for (std::uint32_t edge = first;; edge = next_[edge]) {
             ring_of_[edge] = ring;
             if (edge == last) {
                 break;
             }
         }
-        edge_in_[place_[ring]] = first;  // the ring's former representative may have ended
+        edge_in_[ring] = first;  // the ring's former representative may have ended
     }
 
     /// Makes a ring of the edges linked to this one.
     void begin(std::uint32_t edge) {
-        std::uint32_t ring = static_cast<std::uint32_t>(place_.size());
-        if (free_.empty()) {
-            place_.push_back(none);
-        } else {
-            ring = free_.back();
-            free_.pop_back();
+        std::uint32_t last = edge;
+        while (next_[last] != edge) {
+            last = next_[last];
         }
-        place_[ring] = static_cast<std::uint32_t>(edge_in_.size());
-        edge_in_.push_back(edge);
-        ring_at_.push_back(ring);
-        std::uint32_t walked = edge;
-        do {
-            ring_of_[walked] = ring;
-            walked = next_[walked];
-        } while (walked != edge);
+        put(edge, last, begun_++);
     }
 
-    void end(std::uint32_t ring) {
-        const std::uint32_t place = place_[ring];
-        if (place == none) {
-            return;  // already ended by way of another of its edges
-        }
-        edge_in_[place] = edge_in_.back();
-        ring_at_[place] = ring_at_.back();
-        place_[ring_at_[place]] = place;
-        edge_in_.pop_back();
-        ring_at_.pop_back();
-        place_[ring] = none;
-        free_.push_back(ring);
-    }
+    void end(std::uint32_t ring) { edge_in_.erase(ring); }
 
 private:
     std::vector<std::uint32_t> next_;     // by edge: the next edge that the contour crosses
     std::vector<std::uint32_t> ring_of_;  // by edge
-    std::vector<std::uint32_t> edge_in_;  // by place: one edge of each live ring, without gaps
-    std::vector<std::uint32_t> ring_at_;  // by place: the ring whose edge is there
-    std::vector<std::uint32_t> place_;    // by ring: its place in edge_in_ and ring_at_
-    std::vector<std::uint32_t> free_;
+    std::unordered_map<std::uint32_t, std::uint32_t> edge_in_;
+    std::uint32_t begun_ = 0;
 };
 
 class Sweep {
@@ -104,8 +81,10 @@ public:
           twins_(std::move(twins)),
           fans_(grouped(static_cast<std::uint32_t>(twins_.size()), mesh_.vertices.size(),
                         [&](std::uint32_t h) { return mesh_.from(h); })),
-          rings_(twins_.size()) {
-        order_vertices();
+          rings_(twins_.size()),
+          order_(mesh_.vertices.size()) {
+        std::iota(order_.begin(), order_.end(), 0U);
+        std::ranges::sort(order_, [&](std::uint32_t a, std::uint32_t b) { return is_below(a, b); });
     }
 
     WholeOutcome run() {
@@ -116,7 +95,7 @@ public:
             for (; at < order_.size() && mesh_.vertices[order_[at]].z < planes_[i]; ++at) {
                 pass(order_[at]);
             }
-            for (const std::uint32_t edge : rings_.all()) {
+            for (const auto& [ring, edge] : rings_.all()) {
                 outcome.contours[i].push_back(contour_of(edge, planes_[i]));
                 outcome.segments += outcome.contours[i].back().points.size();
             }
@@ -125,17 +104,9 @@ public:
     }
 
 private:
-    void order_vertices() {
-        order_.resize(mesh_.vertices.size());
-        std::iota(order_.begin(), order_.end(), 0U);
-        std::ranges::sort(order_, {}, [&](std::uint32_t v) { return std::pair(mesh_.vertices[v].z, v); });
-        rank_.resize(order_.size());
-        for (std::uint32_t i = 0; i < order_.size(); ++i) {
-            rank_[order_[i]] = i;
-        }
+    bool is_below(std::uint32_t a, std::uint32_t b) const noexcept {
+        return std::pair(mesh_.vertices[a].z, a) < std::pair(mesh_.vertices[b].z, b);
     }
-
-    bool is_below(std::uint32_t a, std::uint32_t b) const noexcept { return rank_[a] < rank_[b]; }
 
     /// Passes one vertex. In each facet at the vertex, `out` runs from the vertex to corner a, and `in` from corner b
     /// to the vertex:
@@ -221,7 +192,6 @@ private:
     Groups fans_;  // half-edges by their first vertex
     Rings rings_;
     std::vector<std::uint32_t> order_;  // vertices, lowest first
-    std::vector<std::uint32_t> rank_;   // by vertex: its index in order_
     // At the current vertex:
     std::vector<std::uint32_t> ended_;  // rings of the edges that end there
     std::vector<std::uint32_t> begun_;  // edges that begin there
@@ -240,7 +210,6 @@ WholeOutcome run(const Problem& problem) {
 
 const WholeMethod mcmains{
     .name = "McMains",
-    .source = "McMains and Sequin 1999; topology by Bechet, Cuilliere and Trochu 2002",
     .run = run,
 };
 

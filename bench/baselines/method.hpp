@@ -44,14 +44,12 @@ struct Problem {
 
 struct SlicingMethod {
     std::string_view name;
-    std::string_view source;  ///< publication that describes the algorithm
     bool uniform_only = false;
     SegmentLists (*slice)(const Problem&) = nullptr;
 };
 
 struct ContourMethod {
     std::string_view name;
-    std::string_view source;
     std::vector<Polyline> (*join_plane)(const std::vector<Segment>&) = nullptr;
 
     /// Joins the segments plane by plane.
@@ -73,7 +71,6 @@ struct WholeOutcome {
 
 struct WholeMethod {
     std::string_view name;
-    std::string_view source;
     bool takes_open_meshes = false;
     WholeOutcome (*run)(const Problem&) = nullptr;
 };

@@ -9,9 +9,10 @@
 namespace lamella::baselines {
 
 // Slicing. O() for n triangles, k planes, m segments.
-extern const SlicingMethod trivial_slicing;      ///< paper 2.1 and 5.1, timed as the slicing of Park 2003: O(k n)
-extern const SlicingMethod tata_slicing;         ///< groups of facets: O(n log n + k s + m), O(n k) where all heights differ
-extern const SlicingMethod huang_slicing;        ///< uniform planes only: O(n + k + m)
+extern const SlicingMethod trivial_slicing;  ///< Chalasani and Grogan 1991, timed as the slicing of Park 2003: O(k n)
+extern const SlicingMethod
+    tata_slicing;  ///< Tata et al. 1998, groups of facets: O(n log n + k s + m), O(n k) where all heights differ
+extern const SlicingMethod huang_slicing;        ///< Huang et al. 2012, uniform planes only: O(n + k + m)
 extern const SlicingMethod sort_first_slicing;   ///< the paper's second way to build its lists (3.4): O(n log n + k + m)
 extern const SlicingMethod incremental_slicing;  ///< O(n + k + m) by division for uniform planes, else O(n log k + k + m)
 /// The same with srt = true: O(n + k + m) for any planes. Precondition, not checked: the triangles ascend by z_min.

@@ -15,6 +15,7 @@
 #include "methods.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "geometry.hpp"
@@ -68,48 +69,36 @@ std::vector<std::uint32_t> number_edges(const SharedVertices& mesh) {
     return numbers;
 }
 
-class MeshSlicer {
-public:
-    explicit MeshSlicer(const std::vector<Facet>& facets)
-        : mesh_(share_vertices_by_hash(facets)), edge_numbers_(number_edges(mesh_)) {}
-
-    std::vector<Lines> slice(const std::vector<std::int32_t>& planes) const {
-        std::vector<Lines> lines(planes.size());
-        for (std::uint32_t f = 0; f < mesh_.facets.size(); ++f) {
-            const auto [a, b, c] = mesh_.facets[f];
-            const auto [low, high] = std::minmax({mesh_.vertices[a].z, mesh_.vertices[b].z, mesh_.vertices[c].z});
-            const auto first = std::lower_bound(planes.begin(), planes.end(), low);
-            const auto end = std::upper_bound(first, planes.end(), high);
-            for (auto plane = first; plane != end; ++plane) {
-                lines[static_cast<std::size_t>(plane - planes.begin())].push_back(cut_facet(f, *plane));
-            }
+Line cut_facet(const SharedVertices& mesh, const std::vector<std::uint32_t>& edge_numbers, std::uint32_t f,
+               std::int32_t plane) {
+    Line line{};
+    for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h) {
+        const GridVertex& from = mesh.vertices[mesh.from(h)];
+        const GridVertex& to = mesh.vertices[mesh.to(h)];
+        if (is_cut(from, to, plane)) {
+            const bool runs_down = to.z < plane;
+            (runs_down ? line.a : line.b) = crossing(from, to, plane);
+            (runs_down ? line.edge_a : line.edge_b) = edge_numbers[h];
         }
-        return lines;
     }
+    return line;
+}
 
-private:
-    Line cut_facet(std::uint32_t f, std::int32_t plane) const {
-        Line line{};
-        for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h) {
-            const GridVertex& from = mesh_.vertices[mesh_.from(h)];
-            const GridVertex& to = mesh_.vertices[mesh_.to(h)];
-            if (!is_cut(from, to, plane)) {
-                continue;
-            }
-            if (to.z < plane) {
-                line.a = crossing(from, to, plane);
-                line.edge_a = edge_numbers_[h];
-            } else {
-                line.b = crossing(from, to, plane);
-                line.edge_b = edge_numbers_[h];
-            }
+std::vector<Lines> slice(const std::vector<Facet>& facets, const std::vector<std::int32_t>& planes) {
+    const SharedVertices mesh = share_vertices_by_hash(facets);
+    const std::vector<std::uint32_t> edge_numbers = number_edges(mesh);
+    std::vector<Lines> lines(planes.size());
+    for (std::uint32_t f = 0; f < mesh.facets.size(); ++f) {
+        const auto [a, b, c] = mesh.facets[f];
+        const auto [low, high] = std::minmax({mesh.vertices[a].z, mesh.vertices[b].z, mesh.vertices[c].z});
+        const auto first = std::lower_bound(planes.begin(), planes.end(), low);
+        const auto end = std::upper_bound(first, planes.end(), high);
+        for (auto plane = first; plane != end; ++plane) {
+            lines[static_cast<std::size_t>(plane - planes.begin())].push_back(cut_facet(mesh, edge_numbers, f, *plane));
         }
-        return line;
     }
-
-    SharedVertices mesh_;
-    std::vector<std::uint32_t> edge_numbers_;
-};
+    return lines;
+}
 
 /// A chain of lines that did not close.
 struct OpenChain {
@@ -117,47 +106,33 @@ struct OpenChain {
     std::uint32_t edges[2];  ///< the edges on which it begins and ends
 };
 
-/// Joins chains that end on the same edge.
-class ChainJoiner {
-public:
-    explicit ChainJoiner(std::vector<OpenChain> chains)
-        : chains_(std::move(chains)), partner_(2 * chains_.size(), no_end), is_used_(chains_.size()) {
-        std::vector<std::uint32_t> ends(partner_.size());
-        for (std::uint32_t end = 0; end < ends.size(); ++end) {
-            ends[end] = end;
-        }
-        const auto edge_of = [&](std::uint32_t end) { return chains_[end / 2].edges[end % 2]; };
-        std::ranges::sort(ends, {}, edge_of);
-        for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
-            if (edge_of(ends[i]) == edge_of(ends[i + 1])) {  // at most two chain ends share an edge
-                partner_[ends[i]] = ends[i + 1];
-                partner_[ends[i + 1]] = ends[i];
-            }
+/// By chain end, numbered 2 * chain for the first point and 2 * chain + 1 for the last: the other end on its edge, or
+/// no_end.
+constexpr std::uint32_t no_end = 0xFFFFFFFF;
+std::vector<std::uint32_t> partners_of(const std::vector<OpenChain>& chains) {
+    std::vector<std::uint32_t> ends(2 * chains.size());
+    std::iota(ends.begin(), ends.end(), 0U);
+    const auto edge_of = [&](std::uint32_t end) { return chains[end / 2].edges[end % 2]; };
+    std::ranges::sort(ends, {}, edge_of);
+    std::vector<std::uint32_t> partners(ends.size(), no_end);
+    for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
+        if (edge_of(ends[i]) == edge_of(ends[i + 1])) {  // at most two chain ends share an edge
+            partners[ends[i]] = ends[i + 1];
+            partners[ends[i + 1]] = ends[i];
         }
     }
+    return partners;
+}
 
-    /// Starts from free chain ends first, and keeps the lines' orientation where possible.
-    void append_to(std::vector<Polyline>& contours) {
-        for (const std::uint32_t side : {0U, 1U}) {
-            for (std::uint32_t chain = 0; chain < chains_.size(); ++chain) {
-                if (!is_used_[chain] && partner_[2 * chain + side] == no_end) {
-                    contours.push_back(walk(2 * chain + side));
-                }
-            }
-        }
-        for (std::uint32_t chain = 0; chain < chains_.size(); ++chain) {
-            if (!is_used_[chain]) {
-                contours.push_back(walk(2 * chain));
-            }
-        }
-    }
-
-private:
-    Polyline walk(std::uint32_t end) {
-        Polyline joined;
-        for (; end != no_end && !is_used_[end / 2]; end = partner_[end ^ 1U]) {
-            is_used_[end / 2] = true;
-            std::vector<Point>& points = chains_[end / 2].points;
+/// Joins chains that end on the same edge: from free chain ends first, and with the lines' orientation where possible.
+void add_joined(std::vector<OpenChain> chains, std::vector<Polyline>& contours) {
+    const std::vector<std::uint32_t> partners = partners_of(chains);
+    std::vector<bool> is_used(chains.size());
+    const auto add_from = [&](std::uint32_t end) {
+        Polyline& joined = contours.emplace_back();
+        for (; end != no_end && !is_used[end / 2]; end = partners[end ^ 1U]) {
+            is_used[end / 2] = true;
+            std::vector<Point>& points = chains[end / 2].points;
             if (end % 2 == 1) {
                 std::ranges::reverse(points);
             }
@@ -170,84 +145,63 @@ private:
         if (joined.closed) {
             joined.points.pop_back();
         }
-        return joined;
-    }
-
-    static constexpr std::uint32_t no_end = 0xFFFFFFFF;
-    std::vector<OpenChain> chains_;
-    // By chain end, numbered 2 * chain for the first point and 2 * chain + 1 for the last.
-    std::vector<std::uint32_t> partner_;
-    std::vector<bool> is_used_;
-};
-
-class LineChainer {
-public:
-    explicit LineChainer(const Lines& lines) : lines_(lines), by_edge_a_(lines.size()), is_used_(lines.size()) {
-        for (std::uint32_t i = 0; i < lines.size(); ++i) {
-            by_edge_a_[i] = {lines[i].edge_a, i};
-        }
-        std::ranges::sort(by_edge_a_);
-    }
-
-    std::vector<Polyline> chains() {
-        std::vector<Polyline> contours;
-        std::vector<OpenChain> open;
-        for (std::uint32_t first = 0; first < lines_.size(); ++first) {
-            if (is_used_[first]) {
-                continue;
-            }
-            std::vector<Point> points;
-            std::uint32_t last = first;
-            for (std::uint32_t line = first; line != no_line; line = line_after(line)) {
-                is_used_[line] = true;
-                points.push_back(lines_[line].a);
-                last = line;
-            }
-            if (lines_[last].edge_b == lines_[first].edge_a) {
-                contours.push_back({std::move(points), true});
-            } else {
-                points.push_back(lines_[last].b);
-                open.push_back({std::move(points), {lines_[first].edge_a, lines_[last].edge_b}});
-            }
-        }
-        ChainJoiner(std::move(open)).append_to(contours);
-        return contours;
-    }
-
-private:
-    struct Start {
-        std::uint32_t edge_a;
-        std::uint32_t line;
-        auto operator<=>(const Start&) const = default;
     };
-
-    std::uint32_t line_after(std::uint32_t line) const {
-        const std::uint32_t edge = lines_[line].edge_b;
-        auto next = std::lower_bound(by_edge_a_.begin(), by_edge_a_.end(), Start{edge, 0});
-        for (; next != by_edge_a_.end() && next->edge_a == edge; ++next) {
-            if (!is_used_[next->line]) {
-                return next->line;
+    for (const auto& [side, only_free] : {std::pair(0U, true), std::pair(1U, true), std::pair(0U, false)}) {
+        for (std::uint32_t end = side; end < partners.size(); end += 2) {
+            if (!is_used[end / 2] && (partners[end] == no_end || !only_free)) {
+                add_from(end);
             }
         }
-        return no_line;
     }
+}
 
-    static constexpr std::uint32_t no_line = 0xFFFFFFFF;
-    const Lines& lines_;
-    std::vector<Start> by_edge_a_;
-    std::vector<bool> is_used_;
-};
+std::vector<Polyline> chain(const Lines& lines) {
+    constexpr std::uint32_t no_line = 0xFFFFFFFF;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> by_edge_a(lines.size());
+    for (std::uint32_t i = 0; i < lines.size(); ++i) {
+        by_edge_a[i] = {lines[i].edge_a, i};
+    }
+    std::ranges::sort(by_edge_a);
+    std::vector<bool> is_used(lines.size());
+    const auto unused_line_on = [&](std::uint32_t edge) {
+        auto next = std::lower_bound(by_edge_a.begin(), by_edge_a.end(), std::pair(edge, 0U));
+        while (next != by_edge_a.end() && next->first == edge && is_used[next->second]) {
+            ++next;
+        }
+        return next != by_edge_a.end() && next->first == edge ? next->second : no_line;
+    };
+    std::vector<Polyline> contours;
+    std::vector<OpenChain> open;
+    for (std::uint32_t first = 0; first < lines.size(); ++first) {
+        if (is_used[first]) {
+            continue;
+        }
+        std::vector<Point> points;
+        std::uint32_t last = first;
+        for (std::uint32_t line = first; line != no_line; line = unused_line_on(lines[line].edge_b)) {
+            is_used[line] = true;
+            points.push_back(lines[line].a);
+            last = line;
+        }
+        if (lines[last].edge_b == lines[first].edge_a) {
+            contours.push_back({std::move(points), true});
+        } else {
+            points.push_back(lines[last].b);
+            open.push_back({std::move(points), {lines[first].edge_a, lines[last].edge_b}});
+        }
+    }
+    add_joined(std::move(open), contours);
+    return contours;
+}
 
 WholeOutcome run(const Problem& problem) {
-    return in_two_steps([&] { return MeshSlicer(quantised(problem)).slice(problem.planes); },
-                        [](const Lines& lines) { return LineChainer(lines).chains(); });
+    return in_two_steps([&] { return slice(quantised(problem), problem.planes); }, chain);
 }
 
 }  // namespace
 
 const WholeMethod slic3r_way{
     .name = "Slic3r",
-    .source = "TriangleMeshSlicer of Slic3r",
     .takes_open_meshes = true,
     .run = run,
 };

@@ -38,18 +38,19 @@ std::size_t binary_search(const std::vector<std::int32_t>& planes, std::int32_t 
     return r - 1;
 }
 
-/// Algorithm 2, general case.
-template <class Less = std::less<>>
-TriangleLists lists_by_search(const std::vector<Facet>& facets, const Problem& problem, Less less = {}) {
+/// Algorithm 2. first_above(z) is the first plane above a height: by division for uniform planes, else by search.
+template <class FirstAbove>
+TriangleLists lists_by(const FirstAbove& first_above, const std::vector<Facet>& facets, const Problem& problem) {
     TriangleLists lists(problem.planes.size() + 1);
     for (const Facet& facet : facets) {
-        lists[binary_search(problem.planes, z_min(facet), less)].push_front(&facet);
+        lists[first_above(z_min(facet))].push_front(&facet);
     }
     return lists;
 }
-
-/// Algorithm 2, uniform planes.
-TriangleLists lists_by_division(const std::vector<Facet>& facets, const Problem& problem);
+template <class Less = std::less<>>
+TriangleLists lists_by_search(const std::vector<Facet>& facets, const Problem& problem, Less less = {}) {
+    return lists_by([&](std::int32_t z) { return binary_search(problem.planes, z, less); }, facets, problem);
+}
 
 /// Algorithm 2, triangles that ascend by z_min.
 TriangleLists lists_by_merge(const std::vector<Facet>& facets, const Problem& problem);

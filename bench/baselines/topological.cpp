@@ -143,7 +143,6 @@ WholeOutcome run(const Problem& problem) {
 
 const WholeMethod topological{
     .name = "topological",
-    .source = "da Silva, Ramalho, Minetto, Volpato and Stolfi 2024 (TSlicer)",
     .run = run,
 };
 

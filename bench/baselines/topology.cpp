@@ -13,45 +13,73 @@ namespace lamella::baselines {
 
 namespace {
 
-/// Open addressing, at most half full.
+/// Numbers vertices by a hash table: open addressing, at most half full. It begins with room for the vertices of a closed
+/// mesh without handles.
 class VertexTable {
 public:
-    VertexTable(std::vector<GridVertex>& vertices, std::size_t at_most)
-        : vertices_(vertices), slots_(std::bit_ceil(2 * at_most + 1), no_vertex) {}
+    explicit VertexTable(std::size_t facets) : slots_(std::bit_ceil(facets + 5), no_vertex) {}
 
-    std::uint32_t find_or_add(const GridVertex& vertex) {
-        const std::size_t mask = slots_.size() - 1;
-        for (std::size_t i = hash_of(vertex) & mask;; i = (i + 1) & mask) {
-            if (slots_[i] == no_vertex) {
-                slots_[i] = static_cast<std::uint32_t>(vertices_.size());
-                vertices_.push_back(vertex);
-                return slots_[i];
-            }
-            if (vertices_[slots_[i]] == vertex) {
-                return slots_[i];
+    std::uint32_t operator()(const GridVertex& vertex) {
+        if (2 * vertices.size() >= slots_.size()) {
+            slots_.assign(2 * slots_.size(), no_vertex);
+            for (std::uint32_t v = 0; v < vertices.size(); ++v) {
+                slot_of(vertices[v]) = v;
             }
         }
-    }
-
-    bool is_half_full() const noexcept { return 2 * vertices_.size() >= slots_.size(); }
-
-    void double_size() {
-        slots_.assign(2 * slots_.size(), no_vertex);
-        const std::size_t mask = slots_.size() - 1;
-        for (std::size_t v = 0; v < vertices_.size(); ++v) {
-            std::size_t i = hash_of(vertices_[v]) & mask;
-            while (slots_[i] != no_vertex) {
-                i = (i + 1) & mask;
-            }
-            slots_[i] = static_cast<std::uint32_t>(v);
+        std::uint32_t& slot = slot_of(vertex);
+        if (slot == no_vertex) {
+            slot = static_cast<std::uint32_t>(vertices.size());
+            vertices.push_back(vertex);
         }
+        return slot;
     }
+
+    std::vector<GridVertex> vertices;
 
 private:
+    /// Where the vertex is, or where it belongs.
+    std::uint32_t& slot_of(const GridVertex& vertex) {
+        const std::size_t mask = slots_.size() - 1;
+        std::size_t i = hash_of(vertex) & mask;
+        while (slots_[i] != no_vertex && vertices[slots_[i]] != vertex) {
+            i = (i + 1) & mask;
+        }
+        return slots_[i];
+    }
+
     static constexpr std::uint32_t no_vertex = 0xFFFFFFFF;
-    std::vector<GridVertex>& vertices_;
     std::vector<std::uint32_t> slots_;
 };
+
+/// Numbers vertices by a sorted binary tree.
+class VertexTree {
+public:
+    std::uint32_t operator()(const GridVertex& vertex) {
+        const auto [found, is_new] = tree_.try_emplace(vertex, static_cast<std::uint32_t>(vertices.size()));
+        if (is_new) {
+            vertices.push_back(vertex);
+        }
+        return found->second;
+    }
+
+    std::vector<GridVertex> vertices;
+
+private:
+    std::map<GridVertex, std::uint32_t> tree_;
+};
+
+template <class Numbers>
+SharedVertices share_vertices(const std::vector<Facet>& facets, Numbers number_of) {
+    SharedVertices mesh;
+    mesh.facets.reserve(facets.size());
+    for (const Facet& facet : facets) {
+        const std::uint32_t a = number_of(facet[0]);
+        const std::uint32_t b = number_of(facet[1]);
+        mesh.facets.push_back({a, b, number_of(facet[2])});
+    }
+    mesh.vertices = std::move(number_of.vertices);
+    return mesh;
+}
 
 /// Returns false if a half-edge of this edge has no partner of opposite direction.
 bool pair_one_edge(const SharedVertices& mesh, std::span<const std::uint32_t> edge, std::vector<std::uint32_t>& twins) {
@@ -70,37 +98,11 @@ bool pair_one_edge(const SharedVertices& mesh, std::span<const std::uint32_t> ed
 }  // namespace
 
 SharedVertices share_vertices_by_tree(const std::vector<Facet>& facets) {
-    SharedVertices mesh;
-    mesh.facets.reserve(facets.size());
-    std::map<GridVertex, std::uint32_t> tree;
-    for (const Facet& facet : facets) {
-        Corners& corners = mesh.facets.emplace_back();
-        for (std::size_t i = 0; i < 3; ++i) {
-            const auto [found, is_new] = tree.try_emplace(facet[i], static_cast<std::uint32_t>(mesh.vertices.size()));
-            if (is_new) {
-                mesh.vertices.push_back(facet[i]);
-            }
-            corners[i] = found->second;
-        }
-    }
-    return mesh;
+    return share_vertices(facets, VertexTree());
 }
 
 SharedVertices share_vertices_by_hash(const std::vector<Facet>& facets) {
-    SharedVertices mesh;
-    mesh.facets.reserve(facets.size());
-    mesh.vertices.reserve(facets.size() / 2 + 2);  // the number of vertices of a closed mesh without handles
-    VertexTable table(mesh.vertices, mesh.vertices.capacity());
-    for (const Facet& facet : facets) {
-        Corners& corners = mesh.facets.emplace_back();
-        for (std::size_t i = 0; i < 3; ++i) {
-            corners[i] = table.find_or_add(facet[i]);
-        }
-        if (table.is_half_full()) {
-            table.double_size();
-        }
-    }
-    return mesh;
+    return share_vertices(facets, VertexTable(facets.size()));
 }
 
 std::vector<std::pair<std::uint32_t, std::uint32_t>> pair_round_edge(const SharedVertices& mesh,

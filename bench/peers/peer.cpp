@@ -32,6 +32,7 @@ void time_peer(Run run, const bench::Words& words) {
     const bench::Mesh mesh = bench::load_mesh(words[0]);
     const SliceResult expected = bench::checked(slice(mesh.view(), options_of(words[1])));
     Problem problem{mesh.soup.span(), {}, std::stoi(words[2])};
+    problem.planes_mm.reserve(expected.layers.size());
     for (const Layer& layer : expected.layers) {
         problem.planes_mm.push_back(layer.plane.z() * expected.info.grid_mm);
     }
@@ -49,7 +50,7 @@ void time_peer(Run run, const bench::Words& words) {
     for (std::size_t l = 0; l < contours.size(); ++l) {
         const std::uint64_t wanted = expected.layers[l].contour_count;
         contours_apart += std::max(wanted, contours[l]) - std::min(wanted, contours[l]);
-        planes_apart += wanted != contours[l] ? 1 : 0;
+        planes_apart += wanted != contours[l] ? 1U : 0U;
     }
     bench::print({{"planes", contours.size()},
                   {"engine_contours", expected.contours.size()},

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "base/parallel.hpp"
 #include "timing.hpp"
 
 namespace lamella::peers {
@@ -32,6 +33,5 @@ using Run = Seconds (*)(const Problem&, Counts&);
 int run_peer(Run run, int count, char** words) noexcept;
 
 using bench::seconds_since;
-using bench::share_out;
 
 }  // namespace lamella::peers

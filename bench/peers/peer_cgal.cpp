@@ -61,10 +61,12 @@ Seconds run(const Problem& problem, Counts& counts) {
     const Slicer slicer(mesh, tree);
     const double build_s = seconds_since(start);
     std::vector<Polylines> contours(problem.planes_mm.size());
-    share_out(contours.size(), problem.threads, [&](std::size_t, std::size_t plane) {
+    const lamella::Parallel parallel({.threads = problem.threads});
+    parallel.run(contours.size(), [&](std::size_t plane, int) {
         slicer(Kernel::Plane_3(0, 0, 1, -problem.planes_mm[plane]), std::back_inserter(contours[plane]));
     });
     const double all_s = seconds_since(start);
+    counts.reserve(contours.size());
     for (const Polylines& polylines : contours) {
         counts.push_back(polylines.size());
     }

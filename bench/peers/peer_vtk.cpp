@@ -94,13 +94,15 @@ Seconds run(const Problem& problem, Counts& counts) {
     const auto start = lamella::Clock::now();
     const vtkSmartPointer<vtkPolyData> mesh = mesh_of(problem);
     std::vector<std::optional<Pipeline>> pipelines(static_cast<std::size_t>(problem.threads));
-    share_out(pipelines.size(), problem.threads, [&](std::size_t, std::size_t i) { pipelines[i].emplace(mesh); });
+    const lamella::Parallel parallel({.threads = problem.threads});
+    parallel.run(pipelines.size(), [&](std::size_t i, int) { pipelines[i].emplace(mesh); });
     const double build_s = seconds_since(start);
     std::vector<vtkSmartPointer<vtkPolyData>> contours(problem.planes_mm.size());
-    share_out(contours.size(), problem.threads, [&](std::size_t worker, std::size_t plane) {
-        contours[plane] = pipelines[worker]->cut(problem.planes_mm[plane]);
+    parallel.run(contours.size(), [&](std::size_t plane, int worker) {
+        contours[plane] = pipelines[static_cast<std::size_t>(worker)]->cut(problem.planes_mm[plane]);
     });
     const double all_s = seconds_since(start);
+    counts.reserve(contours.size());
     for (const auto& lines : contours) {
         counts.push_back(static_cast<std::uint64_t>(lines->GetNumberOfLines()));
     }

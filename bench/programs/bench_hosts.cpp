@@ -17,46 +17,35 @@ SliceOptions at_height(double mm) {
     return {.heights_mm = std::vector<double>{mm}};
 }
 
-/// A mesh and what was prepared of it, sliced in turn. Both must give the same.
-class SideBySide {
-public:
-    explicit SideBySide(const MeshView& mesh) : mesh_(mesh), prepared_(checked(prepare(mesh, {}, context_))) {}
-
-    Figures medians(const SliceOptions& options, int rounds) {
-        Figures ms = medians_of({{"prepared", [&] { checked(of_prepared_.slice_to(found_, prepared_, options, context_)); }},
-                                 {"mesh", [&] { checked(of_mesh_.slice_to(expected_, mesh_, options, context_)); }}},
-                                rounds);
-        if (found_.hash() != expected_.hash()) {
+/// All planes, and one plane a call at nineteen heights, of which the slowest counts: of a mesh and of what was prepared of
+/// it, which must give the same.
+void run_prepared(benchmark::State& state, const Prepared& of, int rounds) {
+    const Context context{.threads = host_threads};
+    const MeshView mesh = of.mesh->view();
+    const PreparedMesh prepared = checked(prepare(mesh, {}, context));
+    Slicer slicers[2];
+    SliceResult results[2];
+    const auto medians = [&](const SliceOptions& options) {
+        const auto of_prepared = [&] { checked(slicers[0].slice_to(results[0], prepared, options, context)); };
+        const auto of_mesh = [&] { checked(slicers[1].slice_to(results[1], mesh, options, context)); };
+        const Figures ms = medians_of({{"prepared", of_prepared}, {"mesh", of_mesh}}, rounds);
+        if (results[0].hash() != results[1].hash()) {
             fail("the prepared mesh gives another result");
         }
         return ms;
+    };
+    Figures figures = medians_of({{"prepare", [&] { checked(prepare(mesh, {}, context)); }}}, rounds);
+    for (const auto& [which, ms] : medians(of.plan.options)) {
+        figures["all_" + which] = ms;
     }
-    double bytes() const noexcept { return static_cast<double>(prepared_.bytes()); }
-
-private:
-    Context context_{.threads = host_threads};
-    MeshView mesh_;
-    PreparedMesh prepared_;
-    Slicer of_prepared_;
-    Slicer of_mesh_;
-    SliceResult found_;
-    SliceResult expected_;
-};
-
-/// All planes, and one plane a call at nineteen heights, of which the slowest counts.
-void run_prepared(benchmark::State& state, const Prepared& of, int rounds) {
-    const MeshView mesh = of.mesh->view();
-    SideBySide both(mesh);
-    Figures figures = medians_of({{"prepare", [&] { checked(prepare(mesh, {}, {.threads = host_threads})); }}}, rounds);
-    const Figures all = both.medians(of.plan.options, rounds);
-    figures.insert({{"all_prepared", all.at("prepared")}, {"all_mesh", all.at("mesh")}, {"bytes", both.bytes()}});
     const double low = of.info.box.min_mm[2];
     const double high = of.info.box.max_mm[2];
     for (int i = 1; i < 20; ++i) {
-        for (const auto& [which, ms] : both.medians(at_height(low + (high - low) * i / 20), rounds)) {
+        for (const auto& [which, ms] : medians(at_height(low + (high - low) * i / 20))) {
             figures["plane_" + which] = std::max(figures["plane_" + which], ms);
         }
     }
+    figures["bytes"] = static_cast<double>(prepared.bytes());
     report(state, figures);
 }
 

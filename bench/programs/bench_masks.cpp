@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/parallel.hpp"
 #include "lamella/medical.hpp"
 #include "measure.hpp"
 #include "medical/mask/slice_raster.hpp"
@@ -56,8 +57,8 @@ public:
         const MaskLayout layout = layout_of("mask.nii", {&part_, 1}, false);
         const SliceRaster raster({&part_, 1}, image_, options, layout);
         std::vector<Worker> workers(static_cast<std::size_t>(threads));
-        share_out(size[2], threads, [&](std::size_t worker, std::size_t k) {
-            Worker& own = workers[worker];
+        Parallel({.threads = threads}).run(size[2], [&](std::size_t k, int worker) {
+            Worker& own = workers[static_cast<std::size_t>(worker)];
             own.slice.resize(raster.slice_bytes());
             raster.draw(k, own.slice.data(), own.scratch, own.counts);
         });

@@ -1,4 +1,5 @@
 // Times nesting alone, on layers of 10 to 10,000 contours.
+#include <cmath>
 #include <vector>
 
 #include "base/numbers.hpp"
@@ -9,31 +10,40 @@ namespace lamella::bench {
 
 namespace {
 
-/// Resets what nesting writes into an item.
-void forget(std::vector<NestItem>& items) {
-    for (NestItem& item : items) {
-        item.flags = 0;
-        item.parent = -1;
-    }
-}
-
-/// `count` rings on a square lattice. Every second ring is the hole of the ring before it.
+/// `count` square rings on a square lattice, of which every second is the hole of the one before it: outers
+/// counter-clockwise, holes clockwise.
 class RingLattice {
 public:
-    explicit RingLattice(std::uint32_t count) {
-        points_.reserve(std::size_t{count} * ring_points);
-        std::uint32_t row = 1;
-        while (row * row * 2 < count) {
-            ++row;
-        }
+    explicit RingLattice(std::uint32_t count) : points_(std::size_t{count} * 4 * steps), items_(count) {
+        const auto row = static_cast<std::uint32_t>(std::ceil(std::sqrt(count / 2)));
         for (std::uint32_t i = 0; i < count; ++i) {
-            const bool hole = i % 2 == 1;
-            const std::uint32_t cell = i / 2;
-            add_ring(static_cast<std::int32_t>(cell % row) * pitch, static_cast<std::int32_t>(cell / row) * pitch,
-                     hole ? side / 2 : side, hole);
+            const std::int32_t length = i % 2 == 1 ? side / 2 : side;
+            const Point centre{static_cast<std::int32_t>(i / 2 % row) * 2 * side,
+                               static_cast<std::int32_t>(i / 2 / row) * 2 * side};
+            const Point low{centre.x - length / 2, centre.y - length / 2};
+            Point* const ring = points_.data() + std::size_t{i} * 4 * steps;
+            for (std::int32_t at = 0; at < 4 * steps; ++at) {
+                const std::int32_t along = at % steps * (length / steps);
+                const Point turning[] = {{along, 0}, {length, along}, {length - along, length}, {0, length - along}};
+                const auto [x, y] = turning[at / steps];
+                ring[at] = i % 2 == 1 ? Point{low.x + y, low.y + x} : Point{low.x + x, low.y + y};
+            }
+            items_[i].points = ring;
+            items_[i].count = 4 * steps;
+            items_[i].twice_area = to_integer128((i % 2 == 1 ? -2 : 2) * Int128{length} * length);
+            items_[i].box = {low, {low.x + length, low.y + length}};
+            items_[i].closed = true;
         }
     }
-    std::vector<NestItem>& items() noexcept { return items_; }
+
+    /// The items, without what nesting writes into them.
+    std::vector<NestItem>& fresh_items() noexcept {
+        for (NestItem& item : items_) {
+            item.flags = 0;
+            item.parent = -1;
+        }
+        return items_;
+    }
 
     /// Outers have no parent; the parent of a hole is its outer.
     bool nested() const noexcept {
@@ -49,27 +59,7 @@ public:
 
 private:
     static constexpr std::int32_t steps = 16;  // points on each side
-    static constexpr std::uint32_t ring_points = 4 * steps;
     static constexpr std::int32_t side = 64 * steps;
-    static constexpr std::int32_t pitch = 2 * side;
-
-    /// A square from its lower left corner, counter-clockwise; clockwise for a hole.
-    void add_ring(std::int32_t centre_x, std::int32_t centre_y, std::int32_t length, bool hole) {
-        const Point* ring = points_.data() + points_.size();
-        const Point low{centre_x - length / 2, centre_y - length / 2};
-        for (std::int32_t i = 0; i < 4 * steps; ++i) {
-            const std::int32_t along = i % steps * (length / steps);
-            const Point right[] = {{along, 0}, {length, along}, {length - along, length}, {0, length - along}};
-            const Point& at = right[i / steps];
-            points_.push_back(hole ? Point{low.x + at.y, low.y + at.x} : Point{low.x + at.x, low.y + at.y});
-        }
-        NestItem& item = items_.emplace_back();
-        item.points = ring;
-        item.count = ring_points;
-        item.twice_area = to_integer128((hole ? -2 : 2) * Int128{length} * length);
-        item.box = {low, {low.x + length, low.y + length}};
-        item.closed = true;
-    }
 
     std::vector<Point> points_;
     std::vector<NestItem> items_;
@@ -79,12 +69,13 @@ void run_nesting(benchmark::State& state, std::uint32_t contours) {
     RingLattice lattice(contours);
     lamella::Worker worker;
     Nester nester(worker);
-    nester.nest(lattice.items());
+    nester.nest(lattice.fresh_items());
     if (!lattice.nested()) {
         fail("the rings are not nested as constructed");
     }
+    std::vector<NestItem>* items = nullptr;
     measure(
-        state, [&] { forget(lattice.items()); }, [&] { nester.nest(lattice.items()); });
+        state, [&] { items = &lattice.fresh_items(); }, [&] { nester.nest(*items); });
     state.counters["contours/s"] = rate_of(contours);
 }
 

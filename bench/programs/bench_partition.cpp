@@ -149,6 +149,7 @@ double allowed_seconds(const Prepared& of, Stages& stages, int threads, double s
         seconds = std::min(seconds, cut + seconds_of([&] { stages.find_seeds(); }));
     }
     std::vector<double> bands;
+    bands.reserve(stages.bands().size());
     for (const Band& band : stages.bands()) {
         // Every band but the first unfinished one goes through a buffer.
         const double moved = threads > 1 ? 2.0 * sizeof(Point) * static_cast<double>(band.segments) : 0;

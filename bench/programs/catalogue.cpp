@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <numbers>
 #include <span>
 #include <thread>
 
@@ -44,41 +43,24 @@ Plan constant_ratio(const Mesh& mesh) {
 Plan few(const Mesh& mesh, int count) {
     const Box box = checked(Slicer().outline(mesh.view())).box;
     std::vector<double> heights_mm;
+    heights_mm.reserve(static_cast<std::size_t>(count));
     for (int i = 0; i < count; ++i) {
         heights_mm.push_back(box.min_mm[2] + (box.max_mm[2] - box.min_mm[2]) * (i + 0.5) / count);
     }
     return {{.heights_mm = heights_mm}};
 }
 
-/// `count` closed columns of `sides` sides on a square lattice of 1 mm. A column has 2 * sides facets over its full
-/// height and sides - 2 at either end.
+/// `count` prisms of so many sides on a square lattice of 1 mm.
 Mesh make_columns(std::uint32_t count, std::uint32_t sides) {
-    const auto row = static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(count))));
+    const std::vector<float> column = models::make_soup(
+        {.shape = models::Shape::prism, .triangles = 4 * sides - 4, .height_mm = few_planes_height_mm, .width_mm = 0.8});
+    const auto row = static_cast<std::size_t>(std::ceil(std::sqrt(count)));
     Mesh mesh;
-    mesh.soup.resize_discarding(std::size_t{9} * count * (2 * sides + 2 * (sides - 2)));
-    float* out = mesh.soup.data();
-    for (std::uint32_t column = 0; column < count; ++column) {
-        const std::uint32_t line = column / row;
-        const auto add_corner = [&](std::uint32_t side, bool top) {
-            const double angle = 2 * std::numbers::pi * (side % sides) / sides;
-            const double radius = top ? 0.45 : 0.40;
-            *out++ = static_cast<float>(column % row + radius * std::cos(angle));
-            *out++ = static_cast<float>(line + radius * std::sin(angle));
-            *out++ = static_cast<float>(top ? few_planes_height_mm : 0);
-        };
-        const auto add = [&](std::uint32_t a, bool a_top, std::uint32_t b, bool b_top, std::uint32_t c, bool c_top) {
-            add_corner(a, a_top);
-            add_corner(b, b_top);
-            add_corner(c, c_top);
-        };
-        for (std::uint32_t i = 0; i < sides; ++i) {
-            add(i, false, i + 1, false, i, true);
-            add(i + 1, false, i + 1, true, i, true);
-        }
-        for (std::uint32_t i = 1; i + 1 < sides; ++i) {
-            add(0, false, i + 1, false, i, false);
-            add(0, true, i, true, i + 1, true);
-        }
+    mesh.soup.resize_discarding(column.size() * count);
+    for (std::size_t i = 0; i < mesh.soup.size(); ++i) {
+        const std::size_t number = i / column.size();
+        const std::size_t shift = i % 3 == 0 ? number % row : i % 3 == 1 ? number / row : 0;
+        mesh.soup[i] = column[i % column.size()] + static_cast<float>(shift);
     }
     return mesh;
 }

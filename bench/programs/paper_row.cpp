@@ -126,6 +126,7 @@ baselines::Problem problem_of(const Mesh& mesh, const SliceResult& result, bool 
     baselines::Problem problem;
     problem.soup = mesh.soup.span();
     problem.unit_mm = result.info.grid_mm;
+    problem.planes.reserve(result.layers.size());
     for (const Layer& layer : result.layers) {
         problem.planes.push_back(layer.plane.z());
     }

@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
+#include <array>
 #include <csignal>
 #include <cstddef>
 #include <cstdint>
@@ -16,7 +16,6 @@
 #include <map>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -132,23 +131,6 @@ std::array<std::vector<double>, Steps> repeated(const RunOnce& run_once) {
         }
     }
     return all;
-}
-
-/// Calls work(worker, item) for every item below `count`. Each worker runs on a thread of its own; worker 0 runs on the
-/// calling thread.
-template <class Work>
-void share_out(std::size_t count, int threads, const Work& work) {
-    std::atomic<std::size_t> next = 0;
-    const auto take_items = [&](std::size_t worker) {
-        for (std::size_t item = next++; item < count; item = next++) {
-            work(worker, item);
-        }
-    };
-    std::vector<std::jthread> others;
-    for (std::size_t worker = 1; worker < static_cast<std::size_t>(threads); ++worker) {
-        others.emplace_back(take_items, worker);
-    }
-    take_items(0);
 }
 
 /// The peak memory of the process so far.

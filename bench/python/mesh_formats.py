@@ -111,48 +111,34 @@ def zlib_blocks(data):
     return struct.pack(f"<3Q{len(blocks)}Q", len(blocks), VTP_BLOCK, len(data) % VTP_BLOCK, *map(len, blocks)), b"".join(blocks)
 
 
-def vtp(mesh, put, compressor="", appended_encoding=None):
-    """XML polydata. put(words, data, appended) returns what follows an array's attributes and adds to `appended`."""
+def with_length(data):
+    return struct.pack("<Q", len(data)) + data
+
+
+def vtp(mesh, form, pack=with_length, attributes="", encoding="raw"):
+    """XML polydata; the form is ascii, binary (base64 within the arrays' elements) or appended."""
     ends = np.arange(3, mesh.faces.size + 1, 3)
     arrays = [('type="Float32" Name="Points" NumberOfComponents="3"', mesh.points, mesh.vertices.astype("<f4")),
               ('type="Int64" Name="connectivity"', mesh.corners, mesh.faces.astype("<i8")),
               ('type="Int64" Name="offsets"', map(str, ends.tolist()), ends.astype("<i8"))]  # fmt: skip
-    appended = bytearray()
-    points, *polygons = (f"<DataArray {attributes} {put(words, array.tobytes(), appended)}\n</DataArray>\n"
-                         for attributes, words, array in arrays)  # fmt: skip
+    elements, appended = [], b""
+    for what, words, array in arrays:
+        if form == "appended":
+            body = f' offset="{len(appended)}">'
+            appended += pack(array.tobytes())
+        else:
+            body = ">\n" + ("\n".join(words) if form == "ascii" else base64.b64encode(pack(array.tobytes())).decode())
+        elements.append(f'<DataArray {what} format="{form}"{body}\n</DataArray>\n')
     head = ('<?xml version="1.0"?><VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64"'
-            f'{compressor}>\n<PolyData>\n<Piece NumberOfPoints="{len(mesh.vertices)}" NumberOfPolys="{len(mesh.faces)}">\n<Points>\n'
-            f'{points}</Points>\n<Polys>\n{"".join(polygons)}</Polys>\n</Piece>\n</PolyData>\n')  # fmt: skip
-    if appended_encoding:
-        return f'{head}<AppendedData encoding="{appended_encoding}">\n_'.encode() + appended + b"\n</AppendedData>\n</VTKFile>\n"
-    return head + "</VTKFile>\n"
-
-
-def vtp_ascii(mesh):
-    return vtp(mesh, lambda words, data, _: 'format="ascii">\n' + "\n".join(words))
-
-
-def vtp_base64(mesh):
-    return vtp(mesh, lambda words, data, _: 'format="binary">\n' + base64.b64encode(struct.pack("<Q", len(data)) + data).decode())
-
-
-def appended_by(pack):
-    def put(_, data, appended):
-        at = len(appended)
-        appended += pack(data)
-        return f'format="appended" offset="{at}">'
-
-    return put
-
-
-def vtp_raw(mesh):
-    return vtp(mesh, appended_by(lambda data: struct.pack("<Q", len(data)) + data), "", "raw")
+            f'{attributes}>\n<PolyData>\n<Piece NumberOfPoints="{len(mesh.vertices)}" NumberOfPolys="{len(mesh.faces)}">\n<Points>\n'
+            f'{elements[0]}</Points>\n<Polys>\n{"".join(elements[1:])}</Polys>\n</Piece>\n</PolyData>\n')  # fmt: skip
+    tail = f'<AppendedData encoding="{encoding}">\n_'.encode() + appended + b"\n</AppendedData>\n" if appended else b""
+    return head.encode() + tail + b"</VTKFile>\n"
 
 
 def vtp_zlib(mesh, encoding="base64"):
     encode = base64.b64encode if encoding == "base64" else bytes
-    put = appended_by(lambda data: b"".join(map(encode, zlib_blocks(data))))
-    return vtp(mesh, put, ' compressor="vtkZLibDataCompressor"', encoding)
+    return vtp(mesh, "appended", lambda data: b"".join(map(encode, zlib_blocks(data))), ' compressor="vtkZLibDataCompressor"', encoding)
 
 
 def threemf(mesh):
@@ -170,10 +156,11 @@ def threemf(mesh):
 
 FORMATS = {
     "stl_ascii.stl": stl_ascii, "obj.obj": obj, "off.off": off, "ply_ascii.ply": ply_ascii, "vtk_ascii.vtk": vtk_ascii,
-    "vtp_ascii.vtp": vtp_ascii, "stl_binary.stl": stl_binary,
+    "vtp_ascii.vtp": lambda mesh: vtp(mesh, "ascii"), "stl_binary.stl": stl_binary,
     "ply_little_endian.ply": lambda mesh: ply_binary(mesh, "binary_little_endian", "<"),
     "ply_big_endian.ply": lambda mesh: ply_binary(mesh, "binary_big_endian", ">"),
-    "vtk_binary.vtk": vtk_binary, "vtk5_binary.vtk": vtk5_binary, "vtp_raw.vtp": vtp_raw, "vtp_base64.vtp": vtp_base64,
+    "vtk_binary.vtk": vtk_binary, "vtk5_binary.vtk": vtk5_binary, "vtp_raw.vtp": lambda mesh: vtp(mesh, "appended"),
+    "vtp_base64.vtp": lambda mesh: vtp(mesh, "binary"),
     "vtp_zlib.vtp": vtp_zlib, "3mf.3mf": threemf,
 }  # fmt: skip
 

@@ -26,20 +26,19 @@ WORK = {
 }
 
 
-FORMATS = {
-    "text.stl": mesh_formats.stl_ascii, "text.obj": mesh_formats.obj, "text.off": mesh_formats.off, "text.ply": mesh_formats.ply_ascii,
-    "text.vtk": mesh_formats.vtk_ascii, "text.vtp": mesh_formats.vtp_ascii, "binary.stl": mesh_formats.stl_binary,
-    "binary.ply": mesh_formats.FORMATS["ply_little_endian.ply"], "binary.vtk": mesh_formats.vtk_binary, "raw.vtp": mesh_formats.vtp_raw,
-    "zlib.vtp": lambda mesh: mesh_formats.vtp_zlib(mesh, "raw"), "zip.3mf": mesh_formats.threemf,
-}  # fmt: skip
+# By the names in the table: those of mesh_formats.py.
+FORMATS = {"text.stl": "stl_ascii.stl", "text.obj": "obj.obj", "text.off": "off.off", "text.ply": "ply_ascii.ply", "text.vtk": "vtk_ascii.vtk",
+           "text.vtp": "vtp_ascii.vtp", "binary.stl": "stl_binary.stl", "binary.ply": "ply_little_endian.ply", "binary.vtk": "vtk_binary.vtk",
+           "raw.vtp": "vtp_raw.vtp", "zip.3mf": "3mf.3mf"}
 
 
 def write_formats(stl, folder):
     """Files of the same mesh, and those that are not packed by themselves packed by gzip."""
     mesh = mesh_formats.Mesh(stl)
+    mesh_formats.write(mesh_formats.vtp_zlib(mesh, "raw"), folder / "zlib.vtp")
     for name, form in FORMATS.items():
-        mesh_formats.write(form(mesh), folder / name)
-        if name not in ("zlib.vtp", "zip.3mf"):
+        mesh_formats.write(mesh_formats.FORMATS[form](mesh), folder / name)
+        if name != "zip.3mf":
             with open(folder / name, "rb") as plain, gzip.open(folder / (name + ".gz"), "wb", compresslevel=6) as packed:
                 shutil.copyfileobj(plain, packed)
 

@@ -11,65 +11,18 @@ from tables import BarTable
 
 PRINTED = "incremental+hashed+rays"
 SWEEP_LINE = "Huang+sweep-line+rays"
-TEXT = """# The paper's experiments, measured here
+HEAD = """# The paper's experiments, measured here
 
 `bench/paper.sh` made this page. Times are in seconds, from the soup in memory to contours, quantising included, on one
 thread unless stated. They are medians of 5 runs if a run takes less than 2 s, of 3 if less than 10 s, else of 1. Every answer
 was compared with the engine's, plane by plane and contour by contour, before its time was printed. Where it differs, the
 difference stands beside the time. LDNI samples, so its contours differ by design; tests check that their areas agree within
 its resolution. Columns named *paper* are the paper's own figures, from another machine and, for models marked as stand-ins,
-another mesh. Do not divide them by the figures beside them.
-
-{machine}
-
-## Table 1: models
-
-{table_1}
-
-## Table 2: slicing, uniform
-
-{uniform}
-
-## Table 2: slicing, adaptive (random spacing, 0.016 to 0.032 mm)
-
-{adaptive}
-
-## Table 3: contours, uniform
-
-{table_3}
-
-## Table 4: both, uniform
-
-{table_4}
-
-Park is the sum of the trivial slicing and the sweep line, measured separately. The printed algorithms do not orient contours;
-the engine orients and nests them. For that, the paper names point-in-polygon rays as the next step (*sense by rays*).
-
-## Peers, uniform
-
-Programs that a user might choose instead; see [bench/peers](../peers/README.md). CGAL and VTK: from the soup in memory
-to contours, one thread. Slicing programs: the time that they print for their slicing stage.
-
-{peers}
-
-## Fitted exponents
-
-{exponents}
-
-## The lower bound (3.5)
-
-Instances of the multipoint search problem, posed as meshes.
-
-{search}
-
-## Bars
-
-{bars}
-
-## Figures
-
-{figures}
-"""
+another mesh. Do not divide them by the figures beside them."""
+PARK = """Park is the sum of the trivial slicing and the sweep line, measured separately. The printed algorithms do not orient contours;
+the engine orients and nests them. For that, the paper names point-in-polygon rays as the next step (*sense by rays*)."""
+PEERS = """Programs that a user might choose instead; see [bench/peers](../peers/README.md). CGAL and VTK: from the soup in memory
+to contours, one thread. Slicing programs: the time that they print for their slicing stage."""
 
 
 class Rows:
@@ -279,6 +232,15 @@ def page(rows, told, peers, search, pictures):
     found = [[f"{one['n']:,}", f"{one['k']:,}", f"{one['least']:,.0f}", f"{one['search']:,}", f"{one['sweep']:,}",
               f"{(one['search'] + one['sweep']) / one['least']:.2f}"] for one in search]
     heads = ["n", "k", "n log2 k", "comparisons of the search", "of the sweep", "all / n log2 k"]
-    return TEXT.format(machine=machine, table_1=table_1(rows), uniform=table_2(rows, "uniform"), adaptive=table_2(rows, "adaptive"),
-                       table_3=table_3(rows), table_4=table_4(rows), peers=peer_table(rows, peers), exponents=exponents(rows),
-                       search=markdown_table(heads, found), bars=bars(rows), figures="\n".join(f"![{name}]({name})" for name in pictures))
+    return "\n\n".join([
+        HEAD, machine,
+        "## Table 1: models", table_1(rows),
+        "## Table 2: slicing, uniform", table_2(rows, "uniform"),
+        "## Table 2: slicing, adaptive (random spacing, 0.016 to 0.032 mm)", table_2(rows, "adaptive"),
+        "## Table 3: contours, uniform", table_3(rows),
+        "## Table 4: both, uniform", table_4(rows), PARK,
+        "## Peers, uniform", PEERS, peer_table(rows, peers),
+        "## Fitted exponents", exponents(rows),
+        "## The lower bound (3.5)", "Instances of the multipoint search problem, posed as meshes.", markdown_table(heads, found),
+        "## Bars", bars(rows),
+        "## Figures", "\n".join(f"![{name}]({name})" for name in pictures)]) + "\n"

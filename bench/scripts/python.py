@@ -10,6 +10,7 @@ is missing.
 """
 
 import argparse
+import collections
 import contextlib
 import json
 import pathlib
@@ -20,38 +21,42 @@ import statistics
 import subprocess
 import sys
 import tempfile
-import time
 
 import numpy as np
 
-from readme_table import Bars, field, machine_table, markdown_table, medians_of, ms_of
+from readme_table import WORDS, Bars, field, in_turn, machine_table, markdown_table, medians_of, ms_of, run
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "python"))
 import meshes  # noqa: E402
 import plane_by_plane  # noqa: E402
 
-OVER_SHARE, OVER_MS = 0.05, 0.2
-TIMES_NUMPY, TIMES_VTK = 20, 20
-MOST_BLOCKS = 1000
-LEAST_LAYERS_PER_S = 1e6
-CALLS_A_TURN = 3
-TURN_MS = 200
-SMALL_TRIANGLES, SMALL_PLANES, SMALL_MM = 500, 100_000, 150
-HEAD = """# lamella in Python
+CALLS_A_TURN, TURN_MS = 3, 200
+SMALL_TRIANGLES, SMALL_PLANES = 500, 100_000
+APART_MM = {"numpy": 1e-6, "vtk": 2e-5}  # VTK computes in float32
+PAGE = """# lamella in Python
 
 `bench/scripts/python.py` made this page. What is timed is described in [bench/README.md](../README.md#python).
-"""
-TEXTS = ("""## The same slice in C++
+
+{machine}
+
+## The same slice in C++
 
 Vertices are float32, indices int32, in memory. Each side is a process of its own, and they take turns. Freeing results is not
 timed. The bar is met by at most 1.05 times the time in C++ plus 200 us.
-""", """## Many layers of a small mesh
-""", """## Other ways to cut the femur, layers of 0.32 mm
+
+{cpp}
+
+## Many layers of a small mesh
+
+{layers}
+
+## Other ways to cut the femur, layers of 0.32 mm
 
 Times are from mesh to contours. numpy starts at arrays, VTK at a mesh of its own; `prepared` is `lamella.prepare(mesh)`. An answer
 of VTK counts as another one if a polyline is open, or if the number of contours or the area is not lamella's.
-""")
-APART_MM = {"numpy": 1e-6, "vtk": 2e-5}  # VTK computes in float32
+
+{ways}
+"""
 
 
 class WrongAnswer(Exception):
@@ -71,246 +76,163 @@ def turn_of(work):
     return statistics.fmean(times)
 
 
-class InCpp:
-    """The program that slices the same arrays in C++. Waits while Python slices."""
-
-    def __init__(self, build, folder, mesh, threads):
-        paths = [folder / "vertices", folder / "faces"]
+@contextlib.contextmanager
+def in_cpp(build, mesh, threads):
+    """A function that slices the same arrays in a C++ program, which waits while Python slices."""
+    with tempfile.TemporaryDirectory() as folder:
+        paths = [pathlib.Path(folder, name) for name in ("vertices", "faces")]
         for array, path in zip(mesh, paths):
             array.tofile(path)
         command = [build / "bench" / "lamella_slice_arrays", *paths, str(threads)]
-        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+            def slice_there(layer_mm, how):
+                process.stdin.write(f"{layer_mm!r} {CALLS_A_TURN} {how}\n")
+                process.stdin.flush()
+                line = process.stdout.readline()
+                require(line, "lamella_slice_arrays ended")
+                return json.loads(line)
 
-    def slice(self, layer_mm, how):
-        self._process.stdin.write(f"{layer_mm!r} {CALLS_A_TURN} {how}\n")
-        self._process.stdin.flush()
-        line = self._process.stdout.readline()
-        require(line, "lamella_slice_arrays ended")
-        return json.loads(line)
-
-    def close(self):
-        self._process.stdin.close()
-        self._process.stdout.close()
-        self._process.wait()
+            yield slice_there
 
 
-class InPython:
-    """The package. What it gives is freed before the next call, which is not timed."""
-
-    def __init__(self, lamella, mesh, threads):
-        self._lamella, self._mesh, self._threads = lamella, mesh, threads
-        self.result = None
-
-    def slice(self, layer_mm):
-        self.result = self._lamella.slice(*self._mesh, layer_height=layer_mm, threads=self._threads)
-        return self.result
-
-    def turn(self, layer_mm, use):
-        times = []
-        for _ in range(CALLS_A_TURN + 1):
-            self.result = None
-            times.append(ms_of(lambda: use(self.slice(layer_mm))))
-        return times[1:]
+def turn_in_python(slice_here, use):
+    """The time of each call. What one gives is freed before the next, which is not timed."""
+    times, result = [], []
+    for _ in range(CALLS_A_TURN + 1):
+        result.clear()
+        times.append(ms_of(lambda: result.append(use(slice_here()))))
+    return times[1:]
 
 
-def beside_cpp(in_cpp, in_python, layer_mm, rounds):
-    """Medians in ms, after both gave the same result."""
-    result = in_python.slice(layer_mm)
-    require(int(result.hash, 16) == in_cpp.slice(layer_mm, "kept")["hash"], "Python's result is not that of C++")
-    works = {
-        "kept": lambda: in_cpp.slice(layer_mm, "kept")["ms"],
-        "fresh": lambda: in_cpp.slice(layer_mm, "fresh")["ms"],
-        "python": lambda: in_python.turn(layer_mm, lambda result: None),
-        "points": lambda: in_python.turn(layer_mm, lambda result: result.points),
-    }
-    times = {name: [] for name in works}
-    for _ in range(rounds):
-        for name, work in works.items():
-            times[name] += work()
-    return {name: statistics.median(own) for name, own in times.items()}, len(result)
+def cpp_row(name, build, slice_mm, mesh, layer_mm, arguments, bars):
+    """The result, and a row of medians, after both gave the same."""
+    result = slice_mm(mesh, layer_mm)
+    with in_cpp(build, mesh, arguments.threads) as slice_there:
+        require(int(result.hash, 16) == slice_there(layer_mm, "kept")["hash"], "Python's result is not that of C++")
+        times = in_turn({
+            "kept": lambda: slice_there(layer_mm, "kept")["ms"],
+            "fresh": lambda: slice_there(layer_mm, "fresh")["ms"],
+            "python": lambda: turn_in_python(lambda: slice_mm(mesh, layer_mm), lambda result: result),
+            "points": lambda: turn_in_python(lambda: slice_mm(mesh, layer_mm), lambda result: (result, result.points)),
+        }, arguments.rounds)
+    ms = {way: statistics.median(sum(turns, [])) for way, turns in times.items()}
+
+    def over(cpp):
+        return f"{100 * (ms['python'] / cpp - 1):+.1f} %, {1000 * (ms['python'] - cpp):+.0f} us"
+
+    judged = bars.most(over(ms["kept"]), ms["python"], 1.05 * ms["kept"] + 0.2 if name == "liver" else None)
+    cells = {way: f"{each:.2f} ms" for way, each in ms.items()}
+    return result, [name, f"{layer_mm:.3g} mm", f"{len(result):,}", cells["kept"], cells["fresh"], cells["python"], judged,
+                    over(ms["fresh"]), cells["points"]]
 
 
-def over(python, cpp):
-    return f"{100 * (python / cpp - 1):+.1f} %, {1000 * (python - cpp):+.0f} us"
-
-
-def cpp_row(name, layer_mm, layers, ms, bars):
-    most = (1 + OVER_SHARE) * ms["kept"] + OVER_MS
-    text = bars.most(over(ms["python"], ms["kept"]), ms["python"], most if name == "liver" else None)
-    times = {way: f"{each:.2f} ms" for way, each in ms.items()}
-    return [name, f"{layer_mm:.3g} mm", f"{layers:,}", times["kept"], times["fresh"], times["python"], text,
-            over(ms["python"], ms["fresh"]), times["points"]]
-
-
-def blocks_of(in_python, layer_mm):
+def blocks_of(slice_here):
     """Blocks that Python's own allocator holds more, once all arrays of a result have been asked for."""
-    in_python.result = None
     before = sys.getallocatedblocks()
-    result = in_python.slice(layer_mm)
+    result = slice_here()
     arrays = [result.layers, result.contours, result.points_grid, result.points, result.areas, result.perimeters]
     require(all(len(array) > 0 for array in arrays), "an array is empty")
     return sys.getallocatedblocks() - before
 
 
-def walk(result):
-    for _ in result:
-        pass
-
-
-def layer_table(in_python, layer_mm, rounds, bars):
+def layer_table(slice_here, rounds, bars):
     """Layers of the small mesh: objects, and areas as an array and by a loop."""
-    blocks = blocks_of(in_python, layer_mm)
-    result = in_python.result
+    blocks, result = blocks_of(slice_here), slice_here()
     require([layer.area for layer in result] == list(result.areas), "areas of layers are not those of the array")
-    times = {"array": [], "loop": [], "walk": []}
-    for _ in range(rounds):
-        result = in_python.slice(layer_mm)  # a fresh one, as a result keeps its areas
-        times["array"].append(ms_of(lambda: result.areas))
-        walk(result)
-        times["walk"].append(ms_of(lambda: walk(result)))
-        times["loop"].append(ms_of(lambda: [layer.area for layer in result]))
-    ms = {name: statistics.median(own) for name, own in times.items()}
-    rate = 1000 * len(result) / ms["walk"]
-    rows = [["blocks of Python's allocator that the result and all its arrays take (at most 1,000)",
-             bars.most(f"{blocks:,}", blocks, MOST_BLOCKS)],
-            ["`for layer in s` (at least 1 M layers/s)", bars.least(f"{rate / 1e6:.2f} M/s", rate, LEAST_LAYERS_PER_S)],
-            ["areas of all layers, `s.areas` of a new result", f"{ms['array']:.2f} ms"],
-            ["`[layer.area for layer in s]`", f"{ms['loop']:.1f} ms"]]
-    return markdown_table([f"{len(result):,} layers", ""], rows)
+    results = [slice_here() for _ in range(rounds + 1)]  # fresh ones, as a result keeps its areas
+    ms = medians_of({"array": lambda: ms_of(lambda: results.pop().areas),
+                     "walk": lambda: ms_of(lambda: collections.deque(result, maxlen=0)),
+                     "loop": lambda: ms_of(lambda: [layer.area for layer in result])}, rounds)
+    rate = len(result) / ms["walk"] / 1000
+    return markdown_table([f"{len(result):,} layers", ""], [
+        ["blocks of Python's allocator that the result and all its arrays take (at most 1,000)", bars.most(f"{blocks:,}", blocks, 1000)],
+        ["`for layer in s` (at least 1 M layers/s)", bars.least(f"{rate:.2f} M/s", rate, 1)],
+        ["areas of all layers, `s.areas` of a new result", f"{ms['array']:.2f} ms"],
+        ["`[layer.area for layer in s]`", f"{ms['loop']:.1f} ms"]])
 
 
-def check_numpy(mesh, result, heights):
-    """Contours and areas of every layer. The heights are those that were cut."""
-    perimeters = result.perimeters
-    for i, height in enumerate(heights):
-        contours = mesh.contours(height)
-        apart = abs(sum(map(meshes.signed_area, contours)) - result.areas[i])
-        require(len(contours) == result.layers["contour_count"][i] and apart <= APART_MM["numpy"] * (1 + perimeters[i]),
-                f"numpy: layer {i} differs")
+def other_layers(result, heights, contours_at, area_of, apart_mm):
+    """The number of layers in which another way has other contours than the engine. It gives None for a layer with an open one."""
+    def is_same(i):
+        contours = contours_at(heights[i])
+        within = apart_mm * (1 + result.perimeters[i])
+        return (contours is not None and len(contours) == result.layers["contour_count"][i]
+                and abs(area_of(contours) - result.areas[i]) <= within)
+
+    return sum(not is_same(i) for i in range(len(heights)))
 
 
-def other_planes(cutter, vtk_cutters, result, heights):
-    """The number of planes in which VTK has other contours than the engine."""
-    count = 0
-    for i, height in enumerate(heights):
-        lines = vtk_cutters.polylines(cutter.cut([height]))
-        closed = all(np.array_equal(line[0], line[-1]) for line in lines)
-        area = meshes.area_by_nesting([line[:-1, :2].astype(float) for line in lines])
-        within = APART_MM["vtk"] * (1 + result.perimeters[i])
-        same = closed and len(lines) == result.layers["contour_count"][i] and abs(area - result.areas[i]) <= within
-        count += not same
-    return count
-
-
-def each_of(heights, cut):
-    def cut_each():
-        for height in heights:
-            cut(height)
-
-    return cut_each
-
-
-def ways_to_cut(lamella, mesh, result, layer_mm, heights, threads):
-    """By name: what is timed, the least times that the package must be as fast, and what is said of the answer."""
-    import vtk_cutters
-
-    vtk_cutters.use_threads(threads)
+def ways_table(lamella, vtk_cutters, slice_here, mesh, layer_mm, arguments, bars):
+    result, threads = slice_here(), arguments.threads
+    heights = [int(z) * result.grid for z in result.layers["z_grid"]]
     prepared = lamella.prepare(*mesh, threads=threads)
     require(prepared.slice(layer_height=layer_mm).hash == result.hash, "the prepared mesh gives another result")
-    ways = {"`prepared.slice(layer_height=...)`": (lambda: prepared.slice(layer_height=layer_mm, threads=threads), None, ""),
-            "`prepared.slice([z])`, a plane a call": (each_of(heights, lambda z: prepared.slice([z], threads=threads)), None, "")}
-    numpy_mesh = plane_by_plane.Mesh(*mesh)
-    check_numpy(numpy_mesh, result, heights)
-    ways["numpy"] = (lambda: each_of(heights, plane_by_plane.Mesh(*mesh).contours)(), TIMES_NUMPY, "the same")
+    in_numpy = plane_by_plane.Mesh(*mesh)
+    differ = other_layers(result, heights, in_numpy.contours, lambda contours: sum(map(meshes.signed_area, contours)), APART_MM["numpy"])
+    require(differ == 0, f"numpy: {differ} layers differ")
+    vtk_cutters.use_threads(threads)
     data = vtk_cutters.poly_data(*mesh)
-    cutter = vtk_cutters.Cutter(data)
-    said = f"other in {other_planes(cutter, vtk_cutters, result, heights)} planes"
-    ways["vtkCutter, vtkStripper, a plane a pass"] = (each_of(heights, lambda z: cutter.cut([z])), TIMES_VTK, said)
-    all_values = vtk_cutters.Cutter(data)
-    said = f"{all_values.cut(heights).GetNumberOfLines() - len(result.contours):+d} contours"
-    ways["vtkCutter, vtkStripper, all planes in one pass"] = (lambda: all_values.cut(heights), TIMES_VTK, said)
-    return ways
+    one, every = vtk_cutters.Cutter(data), vtk_cutters.Cutter(data)
+
+    def vtk_contours(height):
+        lines = vtk_cutters.polylines(one.cut([height]))
+        return [line[:-1, :2].astype(float) for line in lines] if all(np.array_equal(line[0], line[-1]) for line in lines) else None
+
+    def each(cut):
+        return lambda: [cut(height) for height in heights]
+
+    differ = other_layers(result, heights, vtk_contours, meshes.area_by_nesting, APART_MM["vtk"])
+    more = every.cut(heights).GetNumberOfLines() - len(result.contours)
+    ways = {  # what is timed, the least times that the package must be as fast, and how the answer compares
+        "`lamella.slice`": (slice_here, None, ""),
+        "`prepared.slice(layer_height=...)`": (lambda: prepared.slice(layer_height=layer_mm, threads=threads), None, ""),
+        "`prepared.slice([z])`, a plane a call": (each(lambda z: prepared.slice([z], threads=threads)), None, ""),
+        "numpy": (lambda: each(plane_by_plane.Mesh(*mesh).contours)(), 20, "the same"),
+        "vtkCutter, vtkStripper, a plane a pass": (each(lambda z: one.cut([z])), 20, f"other in {differ} planes"),
+        "vtkCutter, vtkStripper, all planes in one pass": (lambda: every.cut(heights), 20, f"{more:+d} contours"),
+    }
+    ms = medians_of({name: lambda work=work: turn_of(work) for name, (work, _, _) in ways.items()}, min(arguments.rounds, 5))
+    own = ms["`lamella.slice`"]
+    rows = [[name, f"{ms[name]:.1f} ms", f"{1000 * ms[name] / len(heights):.1f} us", bars.least(f"{ms[name] / own:.0f}", ms[name] / own, bar),
+             said] for name, (_, bar, said) in ways.items()]
+    return markdown_table([f"{len(heights)} planes", "all", "a plane", "times as long (numpy and vtkCutter at least 20)", "answer"], rows)
 
 
-def ways_table(lamella, in_python, mesh, layer_mm, threads, rounds, bars):
-    result = in_python.slice(layer_mm)
-    heights = [int(z) * result.grid for z in result.layers["z_grid"]]
-    ways = ways_to_cut(lamella, mesh, result, layer_mm, heights, threads)
-    works = {"`lamella.slice`": lambda: in_python.slice(layer_mm), **{name: way[0] for name, way in ways.items()}}
-    ms = medians_of(works, rounds, turn_of)
-    own, rows = ms["`lamella.slice`"], []
-    for name in works:
-        _, bar, said = ways.get(name, (None, None, ""))
-        rows.append([name, f"{ms[name]:.1f} ms", f"{1000 * ms[name] / len(heights):.1f} us",
-                     bars.least(f"{ms[name] / own:.0f}", ms[name] / own, bar), said])
-    head = [f"{len(heights)} planes", "all", "a plane", "times as long (numpy and vtkCutter at least 20)", "answer"]
-    return markdown_table(head, rows)
+def measure(lamella, vtk_cutters, arguments, bars):
+    """The tables by name."""
+    def slice_mm(mesh, layer_mm):
+        return lamella.slice(*mesh, layer_height=layer_mm, threads=arguments.threads)
 
-
-@contextlib.contextmanager
-def both(build, lamella, mesh, threads):
+    rows, ways, build = [], "", arguments.build
+    for name, path in arguments.meshes:
+        mesh = meshes.read_stl(path)
+        rows.append(cpp_row(name, build, slice_mm, mesh, 3.2 if arguments.quick else 0.032, arguments, bars)[1])
+        if name == "femur":
+            layer_mm = 3.2 if arguments.quick else 0.32
+            ways = ways_table(lamella, vtk_cutters, lambda: slice_mm(mesh, layer_mm), mesh, layer_mm, arguments, bars)
     with tempfile.TemporaryDirectory() as folder:
-        in_cpp = InCpp(build, pathlib.Path(folder), mesh, threads)
-        try:
-            yield in_cpp, InPython(lamella, mesh, threads)
-        finally:
-            in_cpp.close()
-
-
-def small_mesh(build):
-    with tempfile.TemporaryDirectory() as folder:
-        path = pathlib.Path(folder) / "small.stl"
-        shape = ["torus", "--triangles", str(SMALL_TRIANGLES), "--height", str(SMALL_MM)]
-        subprocess.run([build / "tools" / "lamella", "make", *shape, "-o", path], check=True, capture_output=True)
-        return meshes.read_stl(path)
-
-
-def small_layer_mm(vertices, planes):
-    low, high = float(vertices[:, 2].min()), float(vertices[:, 2].max())
-    return (high - low) / planes
-
-
-def measure(lamella, arguments):
-    """Tables in order, and whether all bars are met."""
-    build, threads, rounds = arguments.build, arguments.threads, arguments.rounds
-    named = {name: meshes.read_stl(path) for name, path in (pair.split("=", 1) for pair in arguments.meshes)}
-    cpp_rows, others, bars = [], [], Bars()
-    for name, mesh in named.items():
-        with both(build, lamella, mesh, threads) as (in_cpp, in_python):
-            layer_mm = 3.2 if arguments.quick else 0.032
-            ms, layers = beside_cpp(in_cpp, in_python, layer_mm, rounds)
-            cpp_rows.append(cpp_row(name, layer_mm, layers, ms, bars))
-            if name == "femur":
-                others = [ways_table(lamella, in_python, mesh, 3.2 if arguments.quick else 0.32, threads, min(rounds, 5), bars)]
-    mesh, planes = small_mesh(build), SMALL_PLANES // 100 if arguments.quick else SMALL_PLANES
-    layer_mm = small_layer_mm(mesh[0], planes)
-    with both(build, lamella, mesh, threads) as (in_cpp, in_python):
-        ms, layers = beside_cpp(in_cpp, in_python, layer_mm, rounds)
-        require(layers == planes, f"{layers} layers for {planes}")
-        cpp_rows.append(cpp_row(f"torus of {len(mesh[1])} triangles", layer_mm, layers, ms, bars))
-        of_layers = layer_table(in_python, layer_mm, rounds, bars)
-    head = ["mesh", "layers of", "layers", "C++, memory kept", "C++, fresh memory", "`lamella.slice`",
-            "over C++ with memory kept (liver at most 5 % and 200 us)", "over C++ with fresh memory", "with points in mm"]
-    return [markdown_table(head, cpp_rows), of_layers, *others], bars.met
-
-
-def page(build, versions, command, tables):
-    compiler = field(build / "CMakeCache.txt", r"CMAKE_CXX_COMPILER:\w*")
-    parts = [HEAD, machine_table(compiler, {**versions, "command": f"`{command}`"}) + "\n"]
-    for text, table in zip(TEXTS, tables):
-        parts += [text, table + "\n"]
-    return "\n".join(parts)
+        path = pathlib.Path(folder, "small.stl")
+        run(build / "tools" / "lamella", "make", "torus", "--triangles", str(SMALL_TRIANGLES), "--height", "150", "-o", path)
+        mesh = meshes.read_stl(path)
+    planes = SMALL_PLANES // 100 if arguments.quick else SMALL_PLANES
+    layer_mm = float(np.ptp(mesh[0][:, 2])) / planes
+    result, row = cpp_row(f"torus of {len(mesh[1])} triangles", build, slice_mm, mesh, layer_mm, arguments, bars)
+    require(len(result) == planes, f"{len(result)} layers for {planes}")
+    heads = ["mesh", "layers of", "layers", "C++, memory kept", "C++, fresh memory", "`lamella.slice`",
+             "over C++ with memory kept (liver at most 5 % and 200 us)", "over C++ with fresh memory", "with points in mm"]
+    layers = layer_table(lambda: slice_mm(mesh, layer_mm), arguments.rounds, bars)
+    return {"cpp": markdown_table(heads, [*rows, row]), "layers": layers, "ways": ways}
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("build", type=pathlib.Path)
-    parser.add_argument("meshes", nargs="+", metavar="NAME=MESH")
+    for word in ("build", "meshes"):
+        parser.add_argument(word, **WORDS[word])
     parser.add_argument("--page", type=pathlib.Path)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--rounds", type=int, default=9)
     parser.add_argument("--quick", action="store_true")
-    arguments = parser.parse_args()
+    arguments, bars = parser.parse_args(), Bars()
     sys.path.insert(0, str(arguments.build / "python"))
     try:
         import lamella
@@ -319,19 +241,19 @@ def main():
         print(f"skipped: {error}; build lamella_python_package, and install python3-vtk9")
         return 77
     try:
-        tables, met = measure(lamella, arguments)
+        tables = measure(lamella, vtk_cutters, arguments, bars)
     except (WrongAnswer, plane_by_plane.OpenLayer) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     versions = {"Python": platform.python_version(), "numpy": np.__version__, "VTK": vtk_cutters.VERSION,
-                "lamella": lamella.__version__, "threads": arguments.threads}
-    text = page(arguments.build, versions, shlex.join(sys.argv), tables)
+                "lamella": lamella.__version__, "threads": arguments.threads, "command": f"`{shlex.join(sys.argv)}`"}
+    text = PAGE.format(machine=machine_table(field(arguments.build / "CMakeCache.txt", r"CMAKE_CXX_COMPILER:\w*"), versions), **tables)
     if arguments.quick:
         text = re.sub(r" \((not )?met\)", "", text)  # bars hold for full sizes only
     print(text, end="")
     if arguments.page:
         arguments.page.write_text(text)
-    return 0 if met or arguments.quick else 1
+    return 0 if bars.met or arguments.quick else 1
 
 
 if __name__ == "__main__":

@@ -190,9 +190,7 @@ def regions(results, bars):
 
 def hosts(results, bars):
     prepared, small, first = [], [], []
-    for name in results.cases("host"):
-        if name == "box":
-            continue
+    for name in results.cases("first"):
         ms = {key: results.figure(f"host/{name}/prepared", 2, key)
               for key in ("prepare", "bytes", "plane_mesh", "plane_prepared", "all_mesh", "all_prepared")}
         first_ms, warm_ms = (results.figure(f"first/{name}/slice", 2, key) for key in ("real_time", "warm_ms"))
@@ -251,8 +249,9 @@ def main():
     results, table, bars = Results(folder), bar_table(Results(folder)), Bars()
     if results.cases("end_to_end"):
         draw_scaling(results, folder / "scaling.svg")
+    failed = {name.split("/")[0] for name, _ in results.errors} - {"end_to_end"}
     for name, (measured, section) in SECTIONS.items():
-        if all(results.cases(what) for what in measured):
+        if all(results.cases(what) for what in measured) and not failed & set(measured):
             text = section(results, bars)
             for page in readme:
                 replace_table(pathlib.Path(page), name, text + "\n")

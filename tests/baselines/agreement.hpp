@@ -54,7 +54,7 @@ inline std::vector<float> from_recipe(lamella::models::Shape shape, std::uint64_
     return make_soup(recipe);
 }
 
-/// Layers of random heights.
+/// Random layers.
 inline lamella::Tuning irregular(double least_mm, double most_mm) {
     return {.random_heights = lamella::RandomHeights{least_mm, most_mm, 7}};
 }
@@ -86,15 +86,12 @@ inline Line canonical(std::vector<Point> points, bool closed, bool directed) {
     while (closed && points.size() > 1 && points.front() == points.back()) {
         points.pop_back();
     }
-    const auto from_smallest = [closed](const std::vector<Point>& line) {
-        return closed ? rings::from_smallest(line) : line;
-    };
-    std::vector<Point> forward = from_smallest(points);
-    if (directed) {
-        return {closed, std::move(forward)};
+    std::vector<Point> back(points.rbegin(), points.rend());
+    if (closed) {
+        points = rings::from_smallest(points);
+        back = rings::from_smallest(back);
     }
-    std::reverse(points.begin(), points.end());
-    return {closed, std::min(forward, from_smallest(points))};
+    return {closed, directed ? points : std::min(points, back)};
 }
 
 inline std::vector<Line> lines_of(const std::vector<baselines::Polyline>& plane, bool directed) {
@@ -108,7 +105,7 @@ inline std::vector<Line> lines_of(const std::vector<baselines::Polyline>& plane,
 }
 
 /// The engine's contours, with the orientation of the facets.
-inline std::vector<Line> lines_of(const lamella::SliceResult& result, const lamella::Layer& layer, bool directed) {
+inline std::vector<baselines::Polyline> as_sliced(const lamella::SliceResult& result, const lamella::Layer& layer) {
     std::vector<baselines::Polyline> contours;
     for (const lamella::Contour& contour : result.contours_of(layer)) {
         const auto points = result.points_of(contour);
@@ -117,7 +114,7 @@ inline std::vector<Line> lines_of(const lamella::SliceResult& result, const lame
             std::reverse(contours.back().points.begin(), contours.back().points.end());
         }
     }
-    return lines_of(contours, directed);
+    return contours;
 }
 
 /// Requires that the contours of every plane equal the engine's.
@@ -125,7 +122,7 @@ inline void require_same(const baselines::Contours& contours, const lamella::Sli
     REQUIRE(contours.size() == result.layers.size());
     for (std::size_t i = 0; i < contours.size(); ++i) {
         INFO("plane " << i);
-        REQUIRE((lines_of(contours[i], directed) == lines_of(result, result.layers[i], directed)));
+        REQUIRE((lines_of(contours[i], directed) == lines_of(as_sliced(result, result.layers[i]), directed)));
     }
 }
 

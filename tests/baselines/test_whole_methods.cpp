@@ -110,16 +110,15 @@ TEST_CASE("whole methods accept a soup without facets and a problem without plan
 TEST_CASE("layers sampled by rays have the engine's areas within the resolution", "[baselines]") {
     using lamella::models::Shape;
     for (const Shape shape : {Shape::sphere, Shape::torus, Shape::gyroid, Shape::bone, Shape::prism}) {
-        const std::vector<float> soup = agreement::from_recipe(shape, 12'000);
-        each_plan(soup, 20, [](const Case& expected) {
+        each_plan(agreement::from_recipe(shape, 12'000), 20, [](const Case& expected) {
             const WholeOutcome outcome = ldni.run(expected.problem);
             REQUIRE(outcome.contours.size() == expected.result.layers.size());
             for (std::size_t i = 0; i < outcome.contours.size(); ++i) {
                 double difference = 0;
                 double border = 0;
-                for (const auto& [closed, points] : agreement::lines_of(expected.result, expected.result.layers[i], true)) {
-                    difference -= static_cast<double>(rings::twice_area(points)) / 2;
-                    border += static_cast<double>(rings::perimeter(points));
+                for (const Polyline& contour : agreement::as_sliced(expected.result, expected.result.layers[i])) {
+                    difference -= static_cast<double>(rings::twice_area(contour.points)) / 2;
+                    border += static_cast<double>(rings::perimeter(contour.points));
                 }
                 for (const Polyline& contour : outcome.contours[i]) {
                     CHECK(contour.closed);

@@ -14,9 +14,6 @@ namespace lamella::models {
 
 namespace {
 
-constexpr double half_width = 0.185;
-constexpr double half_depth = 0.125;
-
 // The field of an ellipsoid along one lattice row: c - (a x + b)^2 - (d x + e)^2. It is positive inside; near the
 // surface its value is about the distance from it.
 struct RowQuadric {
@@ -124,9 +121,6 @@ class Bone final : public Field {
 public:
     explicit Bone(const Recipe& recipe) : Bone(recipe, Random(recipe.seed)) {}
 
-    double half_x() const noexcept override { return half_width; }
-    double half_y() const noexcept override { return half_depth; }
-
     void prepare(const Lattice& lattice) override {
         lattice_ = lattice;
         relief_.prepare(lattice);
@@ -157,7 +151,8 @@ private:
     static constexpr double relief_height = 0.0015;
 
     Bone(const Recipe& recipe, Random random)
-        : pore_size_(std::max(0.0063, 11 / std::sqrt(static_cast<double>(recipe.triangles)))),
+        : Field(0.185, 0.125),
+          pore_size_(std::max(0.0063, 11 / std::sqrt(static_cast<double>(recipe.triangles)))),
           cortex_(std::max(0.0075, pore_size_ / 2)),
           relief_(6, std::max(0.07, 4 * pore_size_), 1.5, random),
           pores_(16, pore_size_, 1.5, random),

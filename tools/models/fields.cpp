@@ -15,10 +15,9 @@ namespace {
 // A torus of tube radius `tube` around a circle of radius `ring`. Its axis leans by an angle of the 3-4-5 triangle.
 class Torus final : public Field {
 public:
-    explicit Torus(const Recipe& recipe) : turn_(sincos_turns(Random(recipe.seed).unit())) {}
+    explicit Torus(const Recipe& recipe)
+        : Field(ring_ + tube_, ring_ + tube_), turn_(sincos_turns(Random(recipe.seed).unit())) {}
 
-    double half_x() const noexcept override { return ring_ + tube_; }
-    double half_y() const noexcept override { return ring_ + tube_; }
     void prepare(const Lattice& lattice) override { lattice_ = lattice; }
 
     // With q the squared distance from the centre and rho the distance from the axis, the solid is where (q + ring^2 -
@@ -56,7 +55,7 @@ private:
 // The sheet sin x cos y + sin y cos z + sin z cos x = 0, thickened on both sides, within a ball.
 class Gyroid final : public Field {
 public:
-    explicit Gyroid(const Recipe& recipe) {
+    explicit Gyroid(const Recipe& recipe) : Field(radius_, radius_) {
         // A smooth sheet needs about twelve thousand triangles per period cubed.
         while (periods_ < most_periods_ &&
                12000 * (periods_ + 0.5) * (periods_ + 0.5) * (periods_ + 0.5) < static_cast<double>(recipe.triangles)) {
@@ -67,9 +66,6 @@ public:
             shift = random.unit();
         }
     }
-
-    double half_x() const noexcept override { return radius_; }
-    double half_y() const noexcept override { return radius_; }
 
     void prepare(const Lattice& lattice) override {
         lattice_ = lattice;

@@ -61,8 +61,8 @@ private:
 bool sensible(const Field& field, const Spacing& spacing) {
     constexpr double most_nodes = 4e11;
     constexpr double most_plane_nodes = 2e7;
-    const double plane_nodes = 4 * field.half_x() * field.half_y() / (spacing.dx * spacing.dx);
-    return spacing.dx < 2 * std::min(field.half_x(), field.half_y()) && spacing.dz < 1 && plane_nodes < most_plane_nodes &&
+    const double plane_nodes = 4 * field.half_x * field.half_y / (spacing.dx * spacing.dx);
+    return spacing.dx < 2 * std::min(field.half_x, field.half_y) && spacing.dz < 1 && plane_nodes < most_plane_nodes &&
            plane_nodes < most_nodes * spacing.dz;
 }
 
@@ -92,7 +92,7 @@ Choice choose_spacing(Field& field, const Goal& goal) {
     Spacing spacing;
     spacing.dx = std::sqrt(4 * 3 / (goal.triangles * goal.flatness));
     spacing.dz = spacing.dx * goal.flatness;
-    spacing = {std::min(spacing.dx, field.half_y()), std::min(spacing.dz, 0.5)};
+    spacing = {std::min(spacing.dx, field.half_y), std::min(spacing.dz, 0.5)};
     for (int i = 0; i < most_samples && spacing.dz * 4 * sampled_slabs < 1 && sensible(field, spacing); ++i) {
         const auto stride = static_cast<std::uint32_t>(1 / (spacing.dz * sampled_slabs));
         const SurfaceSize size = measure(field, lattice_around(field, spacing.dx, spacing.dz), stride, extents);

@@ -191,8 +191,8 @@ private:
 Lattice lattice_around(const Field& field, double dx, double dz) noexcept {
     Lattice lattice;
     const auto nodes = [](double length, double step) { return static_cast<std::uint32_t>(length / step) + 4; };
-    lattice.nx = nodes(2 * field.half_x(), dx);
-    lattice.ny = nodes(2 * field.half_y(), dx);
+    lattice.nx = nodes(2 * field.half_x, dx);
+    lattice.ny = nodes(2 * field.half_y, dx);
     lattice.nz = nodes(1, dz);
     lattice.dx = dx;
     lattice.dz = dz;

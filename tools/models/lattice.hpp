@@ -33,13 +33,10 @@ struct Lattice {
 /// A solid: the points where the field is not negative. It lies within |x| < half_x, |y| < half_y, 0 <= z <= 1.
 class Field {
 public:
-    Field() = default;
+    Field(double x, double y) noexcept : half_x(x), half_y(y) {}
     Field(const Field&) = delete;
     Field& operator=(const Field&) = delete;
     virtual ~Field() = default;
-
-    virtual double half_x() const noexcept = 0;
-    virtual double half_y() const noexcept = 0;
 
     /// Makes the tables that fill_row() needs for this lattice.
     virtual void prepare(const Lattice& lattice) = 0;
@@ -47,6 +44,9 @@ public:
     /// Writes the values at the inner nodes of row j of plane k, 0 < i < nx - 1. False, and none is written, where all of
     /// them are outside and next to none that is inside.
     virtual bool fill_row(std::uint32_t k, std::uint32_t j, double* row) = 0;
+
+    const double half_x;
+    const double half_y;
 };
 
 /// Torus, gyroid or bone. Leaves out detail too fine for the recipe's number of triangles.

@@ -135,19 +135,17 @@ std::vector<Triangle> collect(const Recipe& recipe, const Surface& surface) {
 }
 
 Vertex unit_normal(const Triangle& t) noexcept {
-    const auto minus = [](float a, float b) { return static_cast<double>(a) - static_cast<double>(b); };
-    const double ux = minus(t.b.x, t.a.x);
-    const double uy = minus(t.b.y, t.a.y);
-    const double uz = minus(t.b.z, t.a.z);
-    const double vx = minus(t.c.x, t.a.x);
-    const double vy = minus(t.c.y, t.a.y);
-    const double vz = minus(t.c.z, t.a.z);
-    const double x = uy * vz - uz * vy;
-    const double y = uz * vx - ux * vz;
-    const double z = ux * vy - uy * vx;
-    const double length = std::sqrt(x * x + y * y + z * z);
+    const auto from_a = [&](const Vertex& to) {
+        const auto minus = [](float a, float b) { return static_cast<double>(a) - static_cast<double>(b); };
+        return std::array{minus(to.x, t.a.x), minus(to.y, t.a.y), minus(to.z, t.a.z)};
+    };
+    const auto [ux, uy, uz] = from_a(t.b);
+    const auto [vx, vy, vz] = from_a(t.c);
+    const std::array<double, 3> normal{uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx};
+    const double length = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
     const double scale = length > 0 ? 1 / length : 0;
-    return {static_cast<float>(x * scale), static_cast<float>(y * scale), static_cast<float>(z * scale)};
+    return {static_cast<float>(normal[0] * scale), static_cast<float>(normal[1] * scale),
+            static_cast<float>(normal[2] * scale)};
 }
 
 void append_header(std::uint64_t triangles, OutputFile& file) {

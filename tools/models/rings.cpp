@@ -87,23 +87,18 @@ private:
     }
 
     bool emit_row(const std::vector<Vertex>& lower, const std::vector<Vertex>& upper, Emitter& out) const {
+        const auto add = [&](const Triangle& triangle) { sphere_ ? out.add_splittable(triangle) : out.add(triangle); };
+        const auto at = [](const std::vector<Vertex>& ring, std::size_t i) { return ring[i < ring.size() ? i : 0]; };
         for (std::size_t i = 0; i < circle_.size(); ++i) {
-            const std::size_t next = i + 1 == circle_.size() ? 0 : i + 1;
-            if (lower.size() == 1) {
-                out.add_splittable({lower[0], upper[next], upper[i]});
-            } else if (upper.size() == 1) {
-                out.add_splittable({lower[i], lower[next], upper[0]});
-            } else if (sphere_) {
-                out.add_splittable({lower[i], lower[next], upper[i]});
-                out.add_splittable({lower[next], upper[next], upper[i]});
-            } else {
-                out.add({lower[i], lower[next], upper[i]});
-                out.add({lower[next], upper[next], upper[i]});
-                // No facet of a prism is split, so all triangles of a row begin at one height and can be flushed in
-                // parts.
-                if (out.pending() >= batch_triangles && !out.flush()) {
-                    return false;
-                }
+            if (lower.size() > 1) {
+                add({lower[i], at(lower, i + 1), at(upper, i)});
+            }
+            if (upper.size() > 1) {
+                add({at(lower, i + 1), at(upper, i + 1), upper[i]});
+            }
+            // No facet of a prism is split, so all triangles of a row begin at one height and can be flushed in parts.
+            if (!sphere_ && out.pending() >= batch_triangles && !out.flush()) {
+                return false;
             }
         }
         return out.flush();
@@ -115,11 +110,7 @@ private:
         std::size_t right = ring.size() - 1;
         for (bool advance_left = true; right - left >= 2; advance_left = !advance_left) {
             const std::size_t apex = advance_left ? left + 1 : right - 1;
-            if (bottom) {
-                out.add_splittable({ring[left], ring[right], ring[apex]});
-            } else {
-                out.add_splittable({ring[left], ring[apex], ring[right]});
-            }
+            out.add_splittable({ring[left], ring[bottom ? right : apex], ring[bottom ? apex : right]});
             (advance_left ? left : right) = apex;
             if (out.pending() >= batch_triangles && !out.flush()) {
                 return false;

@@ -35,17 +35,6 @@ std::string usage_line(const CLI::App& app, const CLI::ParseError& error) {
            " (see " + command + " --help)";
 }
 
-/// The words after the program's name, last one first as CLI11 takes them. To CLI11 "[a,b]" is a list of a and b where
-/// several words are taken; a path it becomes as "./[a,b]".
-std::vector<std::string> reversed_words(int count, char** words) {
-    std::vector<std::string> reversed;
-    for (int i = count - 1; i > 0; --i) {
-        const std::string_view word = words[i];
-        reversed.push_back((word.starts_with('[') && word.ends_with(']') ? "./" : "") + std::string(word));
-    }
-    return reversed;
-}
-
 /// Throws Failure.
 int run(int count, char** words) {
     Interrupt interrupt;
@@ -60,8 +49,15 @@ int run(int count, char** words) {
     add_batch_command(app, interrupt);
     add_convert_command(app, interrupt);
     add_merge_command(app, interrupt);
+    // The last word comes first. To CLI11 "[a,b]" is a list of a and b where several words are taken; a path it becomes as
+    // "./[a,b]".
+    std::vector<std::string> reversed;
+    for (int i = count - 1; i > 0; --i) {
+        const std::string_view word = words[i];
+        reversed.push_back((word.starts_with('[') && word.ends_with(']') ? "./" : "") + std::string(word));
+    }
     try {
-        app.parse(reversed_words(count, words));
+        app.parse(reversed);
         return done;
     } catch (const CLI::Success& asked) {  // --help and --version
         return app.exit(asked);

@@ -179,16 +179,6 @@ std::string words(const MeshShell& shell) {
            ", triangle " + std::to_string(shell.triangle) + "\n";
 }
 
-std::string shell_words(const MeshCheck& check, std::size_t most) {
-    const std::size_t shown = std::min(most, check.shells.size());
-    std::string text =
-        line("shells", grouped(check.shells.size()) + (check.nesting_complete ? "" : ", nested at least as deep as this"));
-    for (std::size_t i = 0; i < shown; ++i) {
-        text += words(check.shells[i]);
-    }
-    return text + more(check.shells.size(), shown);
-}
-
 /// One line a kind of fault with its count, below it its places, at most so many; then what was examined; the last line is
 /// the verdict. `all_kinds`: also those that were not found.
 std::string check_words(const std::string& path, const MeshFile& mesh, const MeshCheck& check, std::size_t most_places,
@@ -202,7 +192,13 @@ std::string check_words(const std::string& path, const MeshFile& mesh, const Mes
             line("grid", exact_text(check.grid_mm) + " mm" + joined_by_grid(check)) +
             line("tolerance", exact_text(check.tolerance_mm) + " mm") +
             line("slivers", "from " + exact_text(check.sliver_ratio) + " : 1");
-    return text + shell_words(check, most_places) + done_or_thrown(make_verdict(check)) + "\n";
+    const std::size_t shown = std::min(most_places, check.shells.size());
+    text +=
+        line("shells", grouped(check.shells.size()) + (check.nesting_complete ? "" : ", nested at least as deep as this"));
+    for (std::size_t i = 0; i < shown; ++i) {
+        text += words(check.shells[i]);
+    }
+    return text + more(check.shells.size(), shown) + done_or_thrown(make_verdict(check)) + "\n";
 }
 
 class CheckCommand {
@@ -210,20 +206,6 @@ public:
     CheckCommand(const CheckArguments& arguments, Interrupt& interrupt) : arguments_(arguments), interrupt_(interrupt) {}
 
     void run() {
-        require_outputs();
-        interrupt_.tidy({arguments_.report, arguments_.marks});
-        const std::optional<Failure> failure = arguments_.for_each(
-            interrupt_, [this](const MeshArguments& mesh) { examine(mesh); },
-            [this](const MeshArguments& mesh, const Failure& reason) { add_failure(mesh, reason); });
-        write_report();
-        print_words(held_words_, stdout_taken());
-        if (failure) {
-            throw Failure(*failure);
-        }
-    }
-
-private:
-    void require_outputs() const {
         const std::vector<ListedMesh> meshes = arguments_.meshes();
         FilePlan plan;
         for (const ListedMesh& mesh : meshes) {
@@ -238,8 +220,28 @@ private:
             }
         }
         require_extension(arguments_.marks, "--marks", ".ply");
+        interrupt_.tidy({arguments_.report, arguments_.marks});
+        const std::optional<Failure> failure = arguments_.for_each(
+            interrupt_, [this](const MeshArguments& mesh) { examine(mesh); },
+            [this](const MeshArguments& mesh, const Failure& reason) {
+                const ReportMember error{.key = "error", .value = std::string_view(reason.what())};
+                reports_.push_back(done_or_thrown(make_mesh_json({.mesh_name = mesh.mesh, .members = {&error, 1}})));
+            });
+        std::string text;  // one report, or an array of them, each of which is text that ends a line
+        for (const std::string& report : reports_) {
+            text += when(!text.empty(), ",\n") + report.substr(0, report.size() - 1);
+        }
+        if (!arguments_.report.empty()) {
+            write_text(arguments_.report, arguments_.several() ? "[\n" + text + "\n]\n" : text + "\n");
+        }
+        // The words of one mesh come when the report is written.
+        print_words(arguments_.several() ? "" : held_words_, stdout_taken());
+        if (failure) {
+            throw Failure(*failure);
+        }
     }
 
+private:
     bool stdout_taken() const noexcept { return is_standard(arguments_.report) || is_standard(arguments_.marks); }
 
     void examine(const MeshArguments& mesh) {
@@ -268,35 +270,10 @@ private:
             const ReportParts parts{.mesh_name = mesh.mesh, .file = &file, .members = members};
             reports_.push_back(done_or_thrown(make_check_json(found, parts, arguments_.places)));
         }
-        add_words(check_words(mesh.name(), file, found, arguments_.places, arguments_.all_kinds));
-    }
-
-    /// The words of one mesh come when the report is written; of several at once, a blank line before each but the first.
-    void add_words(const std::string& words) {
-        if (!arguments_.several()) {
-            held_words_ = words;
-            return;
-        }
-        print_words((any_words_ ? "\n" : "") + words, stdout_taken());
-        any_words_ = true;
-    }
-
-    void add_failure(const MeshArguments& mesh, const Failure& failure) {
-        if (arguments_.report.empty()) {
-            return;
-        }
-        const ReportMember error{.key = "error", .value = std::string_view(failure.what())};
-        reports_.push_back(done_or_thrown(make_mesh_json({.mesh_name = mesh.mesh, .members = {&error, 1}})));
-    }
-
-    /// One report, or an array of them, each of which is text that ends a line.
-    void write_report() const {
-        std::string text;
-        for (const std::string& report : reports_) {
-            text += when(!text.empty(), ",\n") + report.substr(0, report.size() - 1);
-        }
-        if (!arguments_.report.empty()) {
-            write_text(arguments_.report, arguments_.several() ? "[\n" + text + "\n]\n" : text + "\n");
+        held_words_ += check_words(mesh.name(), file, found, arguments_.places, arguments_.all_kinds);
+        if (arguments_.several()) {  // a blank line before each but the first
+            print_words(held_words_, stdout_taken());
+            held_words_ = "\n";
         }
     }
 
@@ -304,7 +281,6 @@ private:
     Interrupt& interrupt_;
     std::vector<std::string> reports_;  ///< one of each mesh
     std::string held_words_;
-    bool any_words_ = false;
 };
 
 struct MakeArguments {

@@ -66,7 +66,15 @@ public:
     Remaking(const Record& recorded, const std::vector<fs::path>& inputs, const Context& context)
         : record_(recorded), actual_(inputs), context_(context) {
         put_in_words_of_today(record_.options);
-        require_makeable();
+        // What no command of the tool records is refused.
+        const std::string& command = record_.command;
+        refuse_if(command != "slice" && command != "convert" && command != "merge", bad_input,
+                  "its record names the command '" + command + "'");
+        const std::size_t hashes = record_.result_hashes.size();
+        const bool split = std::count(record_.options.begin(), record_.options.end(), "--split") > 0;  // several of a mesh
+        parts_ = count_of_parts(record_);
+        refuse_if(hashes == 0 || parts_ == 0 || (hashes != parts_ && !split && command != "merge"), bad_input,
+                  "its record has " + counted(record_.inputs.size(), "input") + " and " + counted(hashes, "hash", "hashes"));
         std::string name = (fs::path(temporary_folder()) / "lamella-verify-XXXXXX").string();
         refuse_if(::mkdtemp(name.data()) == nullptr, bad_output, "no temporary folder can be made: " + name);
         top_ = fs::canonical(name);
@@ -103,18 +111,6 @@ public:
 private:
     static constexpr int deepest = 64;  ///< folders that a recorded path leads up
 
-    /// Refuses what no command of the tool records.
-    void require_makeable() const {
-        const std::string& command = record_.command;
-        refuse_if(command != "slice" && command != "convert" && command != "merge", bad_input,
-                  "its record names the command '" + command + "'");
-        const std::size_t parts = count_of_parts(record_);
-        const std::size_t hashes = record_.result_hashes.size();
-        const bool split = std::count(record_.options.begin(), record_.options.end(), "--split") > 0;  // several of a mesh
-        refuse_if(hashes == 0 || parts == 0 || (hashes != parts && !split && command != "merge"), bad_input,
-                  "its record has " + counted(record_.inputs.size(), "input") + " and " + counted(hashes, "hash", "hashes"));
-    }
-
     /// The word that names an input for a process that works in the folder.
     std::string link(std::size_t input) {
         const std::string& recorded = record_.inputs[input].path;
@@ -148,9 +144,8 @@ private:
                 words.push_back(std::string(changed.name).append("=").append(changed.before));
             }
         }
-        const std::size_t parts = count_of_parts(record_);
-        add_options(parts, words);
-        for (std::size_t i = 0; i < parts; ++i) {
+        add_options(parts_, words);
+        for (std::size_t i = 0; i < parts_; ++i) {
             words.push_back(link(i));
         }
         return words;
@@ -216,6 +211,7 @@ private:
     Record record_;
     const std::vector<fs::path>& actual_;  ///< inputs, in the order of the record
     const Context& context_;
+    std::size_t parts_ = 0;  ///< inputs that the output was made of
     fs::path top_;
     fs::path inputs_;
     std::vector<std::string> found_;

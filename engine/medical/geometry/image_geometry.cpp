@@ -63,12 +63,6 @@ namespace {
 constexpr double largest_voxel_mm = 1e6;  ///< coordinates end at 1e9
 constexpr double rounding = 1e-3;         ///< of a voxel
 
-/// As a float where that is next to nothing.
-double stored(double at_mm, double spacing_mm) {
-    const auto as_float = static_cast<double>(static_cast<float>(at_mm));
-    return std::abs(as_float - at_mm) <= rounding * spacing_mm ? as_float : at_mm;
-}
-
 constexpr std::size_t most_header_bytes = std::size_t{1} << 20;
 constexpr double largest_cosine = 1e-4;  ///< of axes that count as perpendicular
 
@@ -114,7 +108,9 @@ Result<ImageGeometry> geometry_around(const Box& box, const std::array<double, 3
                 return Error{ErrorCode::invalid_argument, "voxels of that size are too many around the mesh"};
             }
             const double middle = box.min_mm[axis] + extent / 2;
-            image.origin_mm[axis] = stored(middle - (count - 1) / 2 * spacing, spacing);
+            const double origin = middle - (count - 1) / 2 * spacing;
+            const auto as_float = static_cast<double>(static_cast<float>(origin));  // where that is next to nothing
+            image.origin_mm[axis] = std::abs(as_float - origin) <= rounding * spacing ? as_float : origin;
             image.size[axis] = static_cast<std::uint64_t>(count);
         }
         return image;

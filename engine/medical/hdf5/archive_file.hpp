@@ -92,7 +92,7 @@ hid_t hdf5_type() {
         const std::array<hid_t, 4> types = std::is_signed_v<Number>
                                                ? std::array{H5T_STD_I8LE, H5T_STD_I16LE, H5T_STD_I32LE, H5T_STD_I64LE}
                                                : std::array{H5T_STD_U8LE, H5T_STD_U16LE, H5T_STD_U32LE, H5T_STD_U64LE};
-        return types[std::countr_zero(sizeof(Number))];
+        return types[static_cast<std::size_t>(std::countr_zero(sizeof(Number)))];
     }
 }
 

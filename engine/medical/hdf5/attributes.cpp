@@ -79,7 +79,11 @@ public:
                 number(name, *value);
             }
         } else if constexpr (std::is_same_v<Option, std::optional<std::vector<double>>>) {
-            heights(value);
+            bool given = value.has_value();  // the list is a column, and may have no rows
+            whole("at_heights", given, 0, 1);
+            if (given && !value) {
+                value.emplace();
+            }
         } else {
             static_assert(std::is_same_v<Option, std::uint64_t> || std::is_same_v<Option, std::vector<FillFrom>>);
         }
@@ -93,15 +97,6 @@ public:
     }
 
 private:
-    /// A column. Where it has no rows, a list of heights may still be given.
-    void heights(std::optional<std::vector<double>>& value) {
-        bool given = value.has_value();
-        whole("at_heights", given, 0, 1);
-        if (given && !value) {
-            value.emplace();
-        }
-    }
-
     /// Lists `value`, or sets it by an attribute of its type and number of values.
     template <class Value>
     void exchange(const char* name, Value& value) {
@@ -159,12 +154,6 @@ void visit_mesh(AttributeVisitor& visitor, SliceInfo& slice, ArchiveInfo& info) 
     }
 }
 
-void visit_options(AttributeVisitor& visitor, SliceOptions& options) {
-    visitor.begin("/options");
-#define OPTION(kind, name, path, ...) visitor.option(#name, options.path);
-#include "options/options.inc"
-}
-
 void visit_image(AttributeVisitor& visitor, ArchiveInfo& info) {
     visitor.begin("/image");
     if (!visitor.optional("origin_mm", info.geometry)) {
@@ -197,7 +186,9 @@ void visit(AttributeVisitor& visitor, SliceInfo& slice, ArchiveInfo& info, std::
     visitor.require(slice.grid_mm > 0, "grid_mm");
     visitor.whole("grid_doublings", slice.grid_doublings, 0, 1000);
     visit_mesh(visitor, slice, info);
-    visit_options(visitor, slice.options);
+    visitor.begin("/options");
+#define OPTION(kind, name, path, ...) visitor.option(#name, slice.options.path);
+#include "options/options.inc"
     visit_image(visitor, info);
     visitor.begin("/");
     visitor.whole("planned_layers", slice.planned_layers, 0, most);  // last: where options differ, that is what is said

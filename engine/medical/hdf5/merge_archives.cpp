@@ -93,12 +93,6 @@ bool is_of_options(const Column& column) noexcept {
     return column.kind == height_rows || column.kind == fill_change_rows;
 }
 
-std::vector<std::byte> rows_in(const SliceResult& result, const Column& column) {
-    std::vector<std::byte> rows(rows_of(result)[column.kind] * column.row_bytes);
-    column.get(result, 0, rows);
-    return rows;
-}
-
 /// The attributes and hash of the whole: reads and checks all rows of all parts.
 ReadTree read_parts(const std::vector<ArchivePart>& parts, const Parallel& parallel, const Memory* memory) {
     LayerHash hash(parts.front().tree.result.info.planned_layers);
@@ -113,8 +107,13 @@ ReadTree read_parts(const std::vector<ArchivePart>& parts, const Parallel& paral
             whole.info = std::move(loaded.info);
             continue;
         }
+        const auto rows = [](const SliceResult& result, const Column& column) {
+            std::vector<std::byte> bytes(rows_of(result)[column.kind] * column.row_bytes);
+            column.get(result, 0, bytes);
+            return bytes;
+        };
         for (const Column& column : all_columns()) {
-            if (is_of_options(column) && rows_in(whole.result, column) != rows_in(loaded.result, column)) {
+            if (is_of_options(column) && rows(whole.result, column) != rows(loaded.result, column)) {
                 refuse_other(part, parts.front(), column.path);
             }
         }

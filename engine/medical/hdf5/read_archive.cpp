@@ -188,18 +188,6 @@ bool is_parent(const SliceResult& result, const Layer& layer, const Contour& con
     return parent.role <= Role::hole && (around < start || (around == start && size(parent) > size(contour)));
 }
 
-void check_layer(const InputFile& file, const SliceResult& result, std::size_t index) {
-    const Layer& layer = result.layers[index];
-    require_row(file, index == 0 || layer.plane > result.layers[index - 1].plane, "/layers/plane", index,
-                "not above the row before");
-    require_row(file, layer.bottom_mm <= layer.plane_mm && layer.plane_mm <= layer.top_mm, "/layers/plane_mm", index,
-                "not between bottom and top");
-    for (const Contour& contour : result.contours_of(layer)) {
-        require_row(file, is_parent(result, layer, contour), "/contours/parent",
-                    static_cast<std::uint64_t>(&contour - result.contours.data()), "cannot lie around the contour");
-    }
-}
-
 /// Checks offsets, parents and the order of layers, and sets what follows from the columns.
 void check_loaded(const InputFile& file, SliceResult& result, const Parallel& parallel) {
     constexpr std::size_t grain = 256;
@@ -216,7 +204,15 @@ void check_loaded(const InputFile& file, SliceResult& result, const Parallel& pa
     });
     for (std::size_t i = 0; i < result.layers.size(); ++i) {
         parallel.stop_if_asked();
-        check_layer(file, result, i);
+        const Layer& layer = result.layers[i];
+        require_row(file, i == 0 || layer.plane > result.layers[i - 1].plane, "/layers/plane", i,
+                    "not above the row before");
+        require_row(file, layer.bottom_mm <= layer.plane_mm && layer.plane_mm <= layer.top_mm, "/layers/plane_mm", i,
+                    "not between bottom and top");
+        for (const Contour& contour : result.contours_of(layer)) {
+            require_row(file, is_parent(result, layer, contour), "/contours/parent",
+                        static_cast<std::uint64_t>(&contour - result.contours.data()), "cannot lie around the contour");
+        }
     }
 }
 

@@ -155,15 +155,6 @@ void write_tree(const std::string& path, const std::vector<ArchiveAttribute>& at
     checked(H5Fflush(file.id(), H5F_SCOPE_GLOBAL));
 }
 
-/// A file that HDF5 has made: all of an archive but the rows, and the last line. Sets the places of columns.
-InputFile make_tree(const std::vector<ArchiveAttribute>& attributes, std::vector<PlacedColumn>& columns) {
-    const TemporaryFile file;
-    file.require_room(std::accumulate(columns.begin(), columns.end(), std::uint64_t{0},
-                                      [](std::uint64_t sum, const PlacedColumn& column) { return sum + column.bytes(); }));
-    write_tree(file.path(), attributes, columns);
-    return require(InputFile::open(file.path()));
-}
-
 /// Appends pieces of the tree and rows of columns in the order of the file, and sums them up.
 struct ArchiveWriter {
     OutputFile& file;
@@ -214,7 +205,15 @@ void write_columns(const KindRows& rows, FunctionRef<void(const Column&, RowSink
             columns.push_back({&column, column.rows_among(rows), 0});
         }
     }
-    const InputFile tree = make_tree(attributes, columns);
+    // HDF5 makes all of the archive but the rows, and the last line, and sets the places of columns.
+    const InputFile tree = [&] {
+        const TemporaryFile made;  // gone as soon as it is open
+        made.require_room(
+            std::accumulate(columns.begin(), columns.end(), std::uint64_t{0},
+                            [](std::uint64_t sum, const PlacedColumn& column) { return sum + column.bytes(); }));
+        write_tree(made.path(), attributes, columns);
+        return require(InputFile::open(made.path()));
+    }();
     std::erase_if(columns, [](const PlacedColumn& column) { return column.rows == 0; });
     std::sort(columns.begin(), columns.end(),
               [](const PlacedColumn& a, const PlacedColumn& b) { return a.offset < b.offset; });

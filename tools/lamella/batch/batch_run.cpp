@@ -285,7 +285,11 @@ private:
             waiting_.push_back(std::move(job));
         } else {
             const Item& item = items_[job.item];
-            const std::string reason = reason_of(end.failure, job);
+            const std::string need = file_size_text(static_cast<std::uint64_t>(need_of(job)));
+            const std::string name = printable(item.mesh) + ": ";  // which stands beside the reason
+            const std::string reason =
+                when(is_too_large(job), "needs about " + need + " of memory, more than --memory has for all: ") +
+                end.failure.substr(end.failure.starts_with(name) ? name.size() : 0);
             remove_new_outputs(job);
             bar_.wipe();
             complain(item.mesh + ": " + reason);
@@ -293,14 +297,6 @@ private:
             cost_ += cost_of(job);
             failed_.emplace(job.item, reason);
         }
-    }
-
-    /// Without the mesh's name, which stands beside it.
-    std::string reason_of(const std::string& failure, const Job& job) const {
-        const std::string before = printable(items_[job.item].mesh) + ": ";
-        const std::string need = file_size_text(static_cast<std::uint64_t>(need_of(job)));
-        return when(is_too_large(job), "needs about " + need + " of memory, more than --memory has for all: ") +
-               failure.substr(failure.starts_with(before) ? before.size() : 0);
     }
 
     void learn(const Job& job, std::uint64_t peak_bytes) {

@@ -104,12 +104,6 @@ void copy_to(Array<T>& array, const std::vector<T>& from) {
 
 // --- the summary
 
-std::string mesh_line(const SliceInfo& counts, const ReportParts& parts) {
-    return "mesh      " + input_name(std::string(parts.mesh_name)) + ", " + counted(counts.triangles, "triangle") + ", " +
-           description(*parts.file) +
-           when(counts.degenerate > 0, "; " + grouped(counts.degenerate) + " degenerate, dropped") + "\n";
-}
-
 std::string planes_line(const SliceInfo& info, const ToolRun& run) {
     const bool all = info.layers == info.planned_layers;
     const std::optional<RandomHeights>& random = run.random_heights;
@@ -320,7 +314,10 @@ std::vector<ReportMember> members_of(const ToolRun& run) {
 
 std::string summary(const SlicedPart& part, const ReportParts& parts, const ToolRun& run) {
     const SliceInfo& info = part.result.info;
-    std::string text = mesh_line(info, parts) + planes_line(info, run) + mending(part, parts, run);
+    std::string text = "mesh      " + input_name(std::string(parts.mesh_name)) + ", " + counted(info.triangles, "triangle") +
+                       ", " + description(*parts.file) +
+                       when(info.degenerate > 0, "; " + grouped(info.degenerate) + " degenerate, dropped") + "\n";
+    text += planes_line(info, run) + mending(part, parts, run);
     text += "segments  " + grouped(info.segments) + "\ncontours  " + grouped(info.contours) + ", of them holes " +
             grouped(info.holes) + ", open " + grouped(info.open_contours);
     text += when(info.flat_contours > 0, ", without area " + grouped(info.flat_contours));

@@ -267,7 +267,7 @@ TEST_CASE("PLY polygons with a corner that is not finite are refused", "[input][
     const PlyVariant how{GENERATE(as<std::string_view>(), "binary_little_endian", "binary_big_endian")};
     std::vector<double> xyz = corners;
     xyz[7] = GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity());
-    malformed(ply(how, xyz, {{0, 1, 3}, {0, 1, 2, 3}}), "'face' 1: vertex 2 has a coordinate that is not finite");
+    malformed(ply(how, xyz, {{0, 1, 3}, {0, 1, 2, 3}}), ": vertex 2 of this face has a coordinate that is not finite");
 }
 
 }  // namespace lamella::ply_test

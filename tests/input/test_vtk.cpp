@@ -132,7 +132,7 @@ TEST_CASE("malformed binary legacy VTK is refused with the byte", "[input][vtk]"
     refuses(dir.write("a.vtk", Legacy{false, version, "float", "int"}(bad)), "point -2147483648 of POLYGONS does not exist");
     bad = cube();
     bad.points[3][1] = GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity());
-    refuses(dir.write("a.vtk", Legacy{false, version}(bad)), "point 3 of POLYGONS has a coordinate that is not finite");
+    refuses(dir.write("a.vtk", Legacy{false, version}(bad)), "vertex 3 of this face has a coordinate that is not finite");
 }
 
 }  // namespace lamella::vtk_test

@@ -9,11 +9,10 @@ namespace {
 template <class Value, bool swapped>
 void copy_values(const char* from, std::size_t stride, std::size_t count, std::byte* to, std::size_t to_stride) {
     for (std::size_t i = 0; i < count; ++i, from += stride, to += to_stride) {
-        Value xyz[3];
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            xyz[axis] = load_number<Value>(from + axis * sizeof(Value), swapped);
+            const Value value = load_number<Value>(from + axis * sizeof(Value), swapped);
+            std::memcpy(to + axis * sizeof value, &value, sizeof value);
         }
-        std::memcpy(to, xyz, sizeof xyz);
     }
 }
 

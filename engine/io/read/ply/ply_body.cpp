@@ -42,7 +42,12 @@ struct RowRange {
 class BodyReader {
 public:
     BodyReader(FileContents& file, const PlyHeader& header, MeshFile& mesh)
-        : file_(file), source_(file.source), header_(header), mesh_(mesh), budget_(file.source) {}
+        : file_(file),
+          source_(file.source),
+          header_(header),
+          mesh_(mesh),
+          budget_(file.source),
+          vertex_count_(header.element_of(PlyRole::vertices)->count) {}
 
     /// From number to number, on one thread. Throws the first error in the body.
     void read_numbers() {
@@ -115,7 +120,6 @@ private:
         }
         const bool is_faces = element.role == PlyRole::faces || element.role == PlyRole::strips;
         FaceList none(budget_, source_.memory());
-        PlyRows<Numbers> rows(numbers, element);
         Lookout lookout(source_.parallel());
         std::vector<std::uint32_t> corners;
         for (std::uint64_t row = 0; row < element.count; ++row) {
@@ -123,27 +127,25 @@ private:
             if (row % rows_a_list == 0 && is_faces) {
                 lists_.emplace_back(budget_, source_.memory());
             }
-            read_row(rows, element, row, corners, is_faces ? lists_.back() : none);
+            numbers = read_row(numbers, element, row, corners, is_faces ? lists_.back() : none);
         }
-        numbers = rows.numbers();
     }
 
+    /// Returns where the next row begins. By value, so that it is kept in registers.
     template <class Numbers>
-    void read_row(PlyRows<Numbers>& rows, const PlyElement& element, std::uint64_t row, std::vector<std::uint32_t>& corners,
-                  FaceList& faces) {
-        const auto place = static_cast<std::size_t>(rows.numbers().at() - file_.whole.data());
-        switch (element.role) {
-            case PlyRole::vertices:
-                return rows.vertex(mesh_.vertex_type, mesh_.bytes.data() + row * mesh_.stride);
-            case PlyRole::nothing:
-                return rows.skip();
-            case PlyRole::faces:
-                rows.indices(vertex_count(), corners);
-                return faces.add(corners, place);
-            case PlyRole::strips:
-                rows.indices(vertex_count(), corners);
-                return add_strips(corners, place, faces);
+    Numbers read_row(Numbers numbers, const PlyElement& element, std::uint64_t row, std::vector<std::uint32_t>& corners,
+                     FaceList& faces) {
+        const auto place = static_cast<std::size_t>(numbers.at() - file_.whole.data());
+        PlyRows<Numbers> rows(numbers, element, row);
+        if (element.role == PlyRole::vertices) {
+            rows.vertex(mesh_.vertex_type, mesh_.bytes.data() + row * mesh_.stride);
+        } else if (element.role == PlyRole::nothing) {
+            rows.skip();
+        } else {
+            rows.indices(vertex_count_, corners);
+            element.role == PlyRole::faces ? faces.add(corners, place) : add_strips(corners, place, faces);
         }
+        return rows.numbers();
     }
 
     /// Copies the indices of rows that are all triangles. False: others are among them or come later, an index is no
@@ -153,7 +155,7 @@ private:
         constexpr std::size_t triangle_bytes = 3 * sizeof(std::uint32_t);
         const std::size_t stride = triangle_row_bytes(faces);
         if (stride == 0 || faces.count > static_cast<std::uint64_t>(end() - rows) / stride ||
-            vertex_count() > most_ply_vertices || header_.element_of(PlyRole::strips) != nullptr ||
+            vertex_count_ > most_ply_vertices || header_.element_of(PlyRole::strips) != nullptr ||
             !budget_.try_take(faces.count, triangle_bytes)) {
             return false;
         }
@@ -164,7 +166,7 @@ private:
             constexpr std::size_t in_cache = 512;
             for (std::size_t row = first; row < last && good.load(std::memory_order_relaxed); row += in_cache) {
                 if (!copy_triangle_rows(faces, header_.swapped(), rows + row * stride, std::min(in_cache, last - row),
-                                        vertex_count(), mesh_.indices.data() + 3 * row)) {
+                                        vertex_count_, mesh_.indices.data() + 3 * row)) {
                     good.store(false, std::memory_order_relaxed);
                 }
             }
@@ -230,9 +232,8 @@ private:
             const std::uint64_t rows_end = std::min<std::uint64_t>(pieces_[piece].end_item(), range.end);
             for (auto row = std::max<std::uint64_t>(pieces_[piece].first, range.begin); row < rows_end; ++row) {
                 const char* const next = after_line(line, pieces_[piece].end());
-                PlyRows<AsciiNumbers> own({line, next}, *range.element);
-                read_row(own, *range.element, row - range.begin, corners, faces);
-                if (!AsciiNumbers(own.numbers()).at_end()) {
+                AsciiNumbers rest = read_row(AsciiNumbers(line, next), *range.element, row - range.begin, corners, faces);
+                if (!rest.at_end()) {
                     long_rows_[piece].add(line);
                 }
                 line = next;
@@ -275,13 +276,13 @@ private:
 
     const char* begin() const { return file_.whole.data() + header_.body; }
     const char* end() const { return file_.whole.data() + file_.whole.size(); }
-    std::uint64_t vertex_count() const { return header_.element_of(PlyRole::vertices)->count; }
 
     FileContents& file_;
     const FileSource& source_;
     const PlyHeader& header_;
     MeshFile& mesh_;
     MemoryBudget budget_;
+    std::uint64_t vertex_count_;
     const char* rest_ = nullptr;      // after the last element
     std::vector<FaceList> lists_;     // of faces that are not copied
     std::vector<TextPiece> pieces_;   // of lines, each a row

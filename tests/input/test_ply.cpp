@@ -168,7 +168,7 @@ TEST_CASE("PLY polygons with a corner that is not finite are refused", "[input][
     PolygonMesh mesh = with_faces(corners, {{0, 1, 3}, {0, 1, 2, 3}});
     mesh.xyz[7] = GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity());
     malformed_ply(Ply{GENERATE("binary_little_endian", "binary_big_endian")}(mesh),
-                  "'face' 1: vertex 2 has a coordinate that is not finite");
+                  "vertex 2 of this face has a coordinate that is not finite");
 }
 
 }  // namespace lamella::input_test

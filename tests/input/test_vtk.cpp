@@ -118,7 +118,7 @@ TEST_CASE("wrong numbers of binary legacy VTK are refused with the byte", "[inpu
     refused(bad, version == 5 ? "point -2147483648 of POLYGONS does not exist" : "of POLYGONS does not exist");
     bad = cube();
     bad.xyz[10] = GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity());
-    refused(bad, "point 3 of POLYGONS has a coordinate that is not finite");
+    refused(bad, "vertex 3 of this face has a coordinate that is not finite");
 }
 
 // --- VTP

@@ -76,9 +76,9 @@ TEST_CASE("json: objects and lists nest, empty ones too", "[write][json]") {
     text.object([&] {
         text.member("a", 1);
         text.object("empty", [] {});
-        text.list("none", std::vector<int>{});
+        text.member("none", std::vector<int>{});
         text.list("first", std::vector<int>{1, 2, 3}, 2, [&](int i) { text.object([&] { text.member("i", i); }); });
-        text.list("all", std::vector<std::string>{"x", "[", "{"});
+        text.member("all", std::vector<std::string>{"x", "[", "{"});
         text.member_if(false, "unknown", 5);
         text.member("last", std::array{std::array{1, 2}, std::array{3, 4}});
     });

@@ -12,9 +12,8 @@ namespace {
 
 /// Makes triangles of the faces of a list; one for each thread.
 struct FaceCutter {
-    /// The first of `indices` that cannot be cut, if there is any. Places count from `begin`.
-    std::optional<RefusedFace> cut(std::span<std::uint32_t> indices, std::uint64_t begin,
-                                   const VertexCoordinates& vertices) {
+    void cut(std::span<std::uint32_t> indices, const VertexCoordinates& vertices,
+             FunctionRef<TextError(std::uint32_t place, std::string what)> error) {
         for (std::size_t at = 0; at < indices.size();) {
             const bool polygon = indices[at] == polygon_mark;
             if (!polygon && indices[at] != quad_mark) {
@@ -23,19 +22,18 @@ struct FaceCutter {
             }
             const std::span<const std::uint32_t> stored =
                 indices.subspan(at + (polygon ? 3 : 2), polygon ? indices[at + 2] : std::uint32_t{4});
-            const std::uint64_t place = begin + indices[at + 1];
+            const std::uint32_t place = indices[at + 1];
             corners.assign(stored.begin(), stored.end());  // triangles are about to take their place
             const auto odd = std::find_if(corners.begin(), corners.end(),
                                           [&](std::uint32_t vertex) { return !vertices.is_finite(vertex); });
             if (odd != corners.end()) {
-                return RefusedFace{place, corners.size(), *odd};
+                throw error(place, "vertex " + std::to_string(*odd) + " of this face has a coordinate that is not finite");
             }
             if (triangulator.triangulate(corners, vertices, &indices[at]) == 0) {
-                return RefusedFace{place, corners.size(), std::nullopt};
+                throw error(place, "this face is too entangled to be cut into triangles");
             }
             at += 3 * (corners.size() - 2);
         }
-        return std::nullopt;
     }
 
     PolygonTriangulator triangulator;
@@ -98,7 +96,7 @@ std::vector<FaceList> parse_faces(std::size_t pieces, MemoryBudget& budget, cons
 }
 
 void give_faces(std::span<FaceList> lists, const VertexCoordinates& vertices, MemoryBudget& budget, const Parallel& parallel,
-                FunctionRef<void(std::size_t list, const RefusedFace& face)> refuse, MeshFile& mesh) {
+                FaceError error, MeshFile& mesh) {
     std::vector<std::size_t> first(lists.size() + 1);  // index of each
     for (std::size_t i = 0; i < lists.size(); ++i) {
         first[i + 1] = first[i] + 3 * lists[i].triangles();
@@ -117,9 +115,9 @@ void give_faces(std::span<FaceList> lists, const VertexCoordinates& vertices, Me
         if (list.most_corners() == 0) {
             return;
         }
-        if (const auto face = cutters[static_cast<std::size_t>(worker)].cut(own, list.begin(), vertices)) {
-            refuse(i, *face);
-        }
+        cutters[static_cast<std::size_t>(worker)].cut(own, vertices, [&](std::uint32_t place, std::string what) {
+            return error(i, list.begin() + place, std::move(what));
+        });
     });
 }
 
@@ -146,8 +144,8 @@ void read_faces(const FileContents& file, std::size_t vertices, std::size_t piec
     mesh.text = true;
     give_faces(
         lists, coordinates_of(mesh), budget, source.parallel(),
-        [&](std::size_t, const RefusedFace& face) {
-            throw TextError{file.whole.data() + face.place, "this face is too entangled to be cut into triangles"};
+        [&](std::size_t, std::uint64_t place, std::string what) {
+            return TextError{file.whole.data() + place, std::move(what)};
         },
         mesh);
     LeftOut small;

@@ -81,18 +81,11 @@ private:
 std::vector<FaceList> parse_faces(std::size_t pieces, MemoryBudget& budget, const Parallel& parallel,
                                   FunctionRef<void(std::size_t piece, FaceList& faces)> parse);
 
-/// A face of more than three corners that cannot be cut.
-struct RefusedFace {
-    std::uint64_t place;  ///< as given to add()
-    std::size_t corners;
-    std::optional<std::uint32_t>
-        vertex;  ///< has a coordinate that is not finite; none: its outline crosses itself too often
-};
-
-/// Gives `mesh`, which has its vertices, the triangles of all lists, in their order: joined, and cut in parallel. Calls
-/// refuse(list, face), which throws a TextError, for the first face that cannot be cut. Throws Refused.
+/// Gives `mesh`, which has its vertices, the triangles of all lists, in their order: joined, and cut in parallel. For the
+/// first face that cannot be cut it throws error(list, place, what), with the place as given to add(). Throws Refused.
+using FaceError = FunctionRef<TextError(std::size_t list, std::uint64_t place, std::string what)>;
 void give_faces(std::span<FaceList> lists, const VertexCoordinates& vertices, MemoryBudget& budget, const Parallel& parallel,
-                FunctionRef<void(std::size_t list, const RefusedFace& face)> refuse, MeshFile& mesh);
+                FaceError error, MeshFile& mesh);
 
 /// For formats that list vertices and faces as text. Calls parse(piece, coordinates, faces) for every piece, where
 /// `coordinates` are those of vertex 0, three doubles each; and cuts the faces into triangles. Coordinates are doubles, as

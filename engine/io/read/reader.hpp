@@ -90,6 +90,7 @@ struct Reader {
 // The readers, each in its file.
 bool looks_like_stl(const FileSource& source);
 MeshFile read_stl(FileSource& source);
+void parse_ascii_stl(FileContents& file, MeshFile& mesh);
 /// For open_mesh(): all that read_stl() gives of a binary STL file but the bytes.
 bool is_binary_stl(const FileSource& source);
 MeshFile describe_binary_stl(const FileSource& source);
@@ -172,10 +173,5 @@ private:
 };
 
 inline constexpr std::string_view gzip_magic = "\x1F\x8B";
-
-/// All members of the gzip file whose bytes these are, one after the other, and how many bytes after the last are none.
-/// Memory: the contents, once, and a few megabytes; nothing is allocated by what the file says of its size. Throws Refused,
-/// also of what expands beyond the source's memory limit, and std::bad_alloc.
-Array<std::byte> unzip(const FileSource& source, std::span<const std::byte> bytes, std::uint64_t& ignored_bytes);
 
 }  // namespace lamella

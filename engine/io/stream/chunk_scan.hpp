@@ -82,13 +82,16 @@ public:
         found_count_ = 0;
         const MeshView chunk = reader_.read(index);
         const SoupScan soup(chunk, placing_, unit_mm_, planes_);
-        if (soup.usable() && !near && chunk.triangle_count % block_triangles == 0) {
-            for (std::size_t begin = 0; begin < chunk.triangle_count; begin += block_triangles) {
-                found_count_ += soup.append(begin, ~std::uint64_t{0}, found_.data() + found_count_);
-            }
-        } else {
-            scan_measured(chunk, soup);
+        // Else blocks that lie between planes would be left out, which takes longer to find than to read them.
+        measured_ = near || !soup.usable() || chunk.triangle_count % block_triangles != 0;
+        if (measured_) {
+            require(reader_.measure(chunk, placing_, unit_mm_));  // refused where the file has changed meanwhile
         }
+        with_reader(chunk, placing_, unit_mm_, [&](const auto& read) {
+            for (std::size_t begin = 0; begin < chunk.triangle_count; begin += block_triangles) {
+                scan_block(read, soup, begin, std::min<std::size_t>(begin + block_triangles, chunk.triangle_count));
+            }
+        });
         const std::span<const CrossedTriangle> found = std::span(found_).first(found_count_);
         for (const CrossedTriangle& triangle : found) {
             counts_.add(triangle.first, triangle.last);
@@ -100,21 +103,11 @@ public:
     std::uint64_t degenerate() const noexcept { return degenerate_; }
 
 private:
-    /// Blocks that lie between planes are left out.
-    void scan_measured(const MeshView& chunk, const SoupScan& soup) {
-        require(reader_.measure(chunk, placing_, unit_mm_));  // refused where the file has changed meanwhile
-        with_reader(chunk, placing_, unit_mm_, [&](const auto& read) {
-            for (std::size_t begin = 0; begin < chunk.triangle_count; begin += block_triangles) {
-                scan_block(read, soup, begin, std::min<std::size_t>(begin + block_triangles, chunk.triangle_count));
-            }
-        });
-    }
-
     template <class Reader>
     void scan_block(const Reader& read, const SoupScan& soup, std::size_t begin, std::size_t end) {
         const std::size_t block = begin / block_triangles;
-        const bool may_be_degenerate = reader_.table().may_be_degenerate(block, unit_mm_);
-        if (!may_be_degenerate && lies_between_planes(reader_.table().blocks[block], unit_mm_, planes_)) {
+        const bool may_be_degenerate = measured_ && reader_.table().may_be_degenerate(block, unit_mm_);
+        if (measured_ && !may_be_degenerate && lies_between_planes(reader_.table().blocks[block], unit_mm_, planes_)) {
             return;
         }
         std::uint64_t degenerate = 0;
@@ -150,6 +143,7 @@ private:
     const PlaneSet& planes_;
     std::vector<CrossedTriangle> found_;
     std::size_t found_count_ = 0;
+    bool measured_ = false;  ///< the chunk at hand
     PlaneCounts counts_;
     std::uint64_t degenerate_ = 0;
 };

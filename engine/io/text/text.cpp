@@ -39,7 +39,8 @@ std::string coordinate_problem(NumberText got, const std::string& type, const st
 
 std::size_t line_of(std::string_view text, std::size_t offset) {
     const std::size_t ends = count_in(text.substr(0, offset + 1), [](char before, char c) {
-        return static_cast<int>(before == '\n') | (static_cast<int>(before == '\r') & static_cast<int>(c != '\n'));
+        return static_cast<int>(before == '\n') | (static_cast<int>(before == '\r') & static_cast<int>(c != '\n')) |
+               static_cast<int>(before == joined_line_end);
     });
     const bool at_end = offset > 0 && offset == text.size() && ends_line(text.back());
     return 1 + ends + (at_end ? 1 : 0);
@@ -77,22 +78,6 @@ std::size_t count_words(std::string_view text) {
 
 // --- Text whose statements are lines
 
-namespace {
-
-/// Right after the first line end from `from` on that no backslash precedes.
-const char* next_cut(const char* from, const char* end) {
-    for (const char* p = skip_line(from, end); p != end; p = skip_line(p + 1, end)) {
-        // CRLF ends a line with its LF.
-        if (p[-1] != '\\' && !(*p == '\r' && p + 1 != end && p[1] == '\n') &&
-            !(*p == '\n' && p[-1] == '\r' && p[-2] == '\\')) {
-            return p + 1;
-        }
-    }
-    return end;
-}
-
-}  // namespace
-
 std::string_view head_comments(std::string_view text) {
     const char* const end = text.data() + text.size();
     const char* p = skip_space(text.data(), end);
@@ -104,7 +89,11 @@ std::string_view head_comments(std::string_view text) {
 
 std::vector<TextPiece> cut_at_lines(std::string_view text) {
     const char* const end = text.data() + text.size();
-    return cut_text(text, text_piece_bytes, [end](const char*, const char* from) { return next_cut(from, end); });
+    return cut_text(text, text_piece_bytes, [end](const char*, const char* from) {
+        const char* const line_end = skip_line(from, end);
+        const bool two = end - line_end > 1 && line_end[0] == '\r' && line_end[1] == '\n';
+        return line_end + (two ? 2 : line_end != end ? 1 : 0);
+    });
 }
 
 std::string first_line_words(const LeftOut& left_out, std::string_view text) {
@@ -113,21 +102,6 @@ std::string first_line_words(const LeftOut& left_out, std::string_view text) {
 
 std::string first_word_words(const LeftOut& left_out, std::string_view text) {
     return first_line_words(left_out, text) + ": " + word_at(left_out.first, text.data() + text.size());
-}
-
-void LineParser::skip_rest() {
-    if (p_ != end_ && ends_line(*p_)) {
-        return;
-    }
-    const char* const line_end = skip_line(p_, end_);
-    if (continued_ && line_end != p_ && line_end[-1] == '\\') {
-        while (to_word()) {  // stops at a comment, where the backslash joins nothing
-            skip_word();
-        }
-        p_ = skip_line(p_, end_);
-    } else {
-        p_ = line_end;
-    }
 }
 
 void LineParser::vertex(double* xyz, int others) {
@@ -142,7 +116,7 @@ double LineParser::coordinate() {
         fail("expected a coordinate (a vertex has three), found " + found());
     }
     double value = 0;
-    if (const NumberText got = number(value); got != NumberText::read) {
+    if (const NumberText got = read_number(p_, end_, value); got != NumberText::read) {
         fail(coordinate_problem(got, "double", found()));
     }
     return value;
@@ -155,33 +129,20 @@ int LineParser::other_numbers(int most) {
         if (count == most) {
             fail("expected the end of the line, found " + found());
         }
-        if (number(ignored) == NumberText::malformed) {
+        if (read_number(p_, end_, ignored) == NumberText::malformed) {
             fail("expected a number or the end of the line, found " + found());
         }
-        skip_word();  // where the number is not finite
+        p_ = skip_word(p_, end_);  // where the number is not finite
     }
     return count;
-}
-
-NumberText LineParser::number(double& value) {
-    const NumberText got = read_number(p_, end_, value);
-    if (got != NumberText::malformed || !continued_) {
-        return got;
-    }
-    // It may end at a backslash that continues the line.
-    const char* word_end = p_;
-    while (!word_ends(word_end)) {
-        ++word_end;
-    }
-    return read_number(p_, word_end, value);
 }
 
 std::string LineParser::found() const {
     if (p_ != end_ && ends_line(*p_)) {
         return "the end of the line";
     }
-    const char* const word_end = lamella::skip_word(p_, end_);
-    const bool joined = continued_ && word_end != p_ && continuation_at(word_end - 1, end_) != 0;
+    const char* const word_end = skip_word(p_, end_);
+    const bool joined = word_end != p_ && word_end[-1] == '\\' && word_end != end_ && ends_line(*word_end);
     return word_at(p_, end_) + (joined ? ": put a blank before the backslash if the number ends there" : "");
 }
 

@@ -142,6 +142,9 @@ std::string word_at(const char* p, const char* end);
 /// Text of a file in a message: "'abc'", or its beginning.
 std::string in_quotes(std::string_view text);
 
+/// A blank that readers write over line ends which end no statement, and which still ends a line in messages.
+inline constexpr char joined_line_end = '\v';
+
 /// The line that byte `offset` is in, from 1.
 std::size_t line_of(std::string_view text, std::size_t offset);
 
@@ -255,14 +258,6 @@ constexpr bool is_blank(char c) {
     return (c == ' ') | (c == '\t') | (c == '\v') | (c == '\f');
 }
 
-/// The bytes of a backslash and the line end after it, which join two lines; 0 where there is none at `p`.
-inline std::size_t continuation_at(const char* p, const char* end) {
-    if (p == end || *p != '\\' || p + 1 == end || !ends_line(p[1])) {
-        return 0;
-    }
-    return p + 2 != end && p[1] == '\r' && p[2] == '\n' ? 3 : 2;
-}
-
 inline const char* skip_blank(const char* p, const char* end) {
     while (p != end && is_blank(*p)) {
         ++p;
@@ -273,7 +268,7 @@ inline const char* skip_blank(const char* p, const char* end) {
 /// The comments and empty lines that `text` begins with.
 std::string_view head_comments(std::string_view text);
 
-/// Pieces of about 1 MB. Each one ends after a line end that no backslash precedes, or with the text.
+/// Pieces of about 1 MB. Each one ends after a line end, or with the text.
 std::vector<TextPiece> cut_at_lines(std::string_view text);
 
 /// Items that a reader leaves out of a piece or of the whole text.
@@ -297,42 +292,30 @@ std::string first_word_words(const LeftOut& left_out, std::string_view text);
 /// Reads words and numbers line by line.
 class LineParser {
 public:
-    /// Precondition: `end` is right after a line end, or the end of the text.
-    LineParser(const char* begin, const char* end, bool continued) : p_(begin), end_(end), continued_(continued) {}
+    /// Precondition: it ends right after a line end, or with the whole text.
+    explicit LineParser(std::string_view text) : p_(text.data()), end_(text.data() + text.size()) {}
 
 protected:
-    /// To the next word of the line, over line ends that a backslash precedes. False: there is none.
+    /// To the next word of the line. False: there is none.
     bool to_word() {
         p_ = skip_blank(p_, end_);
-        while (continued_ && p_ != end_ && *p_ == '\\' && continuation_at(p_, end_) != 0) {
-            p_ = skip_blank(p_ + continuation_at(p_, end_), end_);
-        }
         return p_ != end_ && !ends_line(*p_) && *p_ != '#';
     }
 
-    /// True if a word may end at `p`. It ends at no backslash that a character follows in the next line: there some readers
-    /// go on with the word, and others begin one.
-    bool word_ends(const char* p) const {
-        if (p == end_ || is_space(*p)) {
-            return true;
-        }
-        const std::size_t joint = continued_ ? continuation_at(p, end_) : 0;
-        return joint != 0 && (p + joint == end_ || is_space(p[joint]));
-    }
-
-    /// To the end of the word at p_.
-    void skip_word() {
-        const char* p = p_;
-        do {
-            while (p != end_ && !is_space(*p) && *p != '\\') {
-                ++p;
+    /// To the next word, over line ends and comments. False: there is none.
+    bool next_word() {
+        for (p_ = skip_space(p_, end_); !to_word(); p_ = skip_space(skip_line(p_, end_), end_)) {
+            if (p_ == end_) {
+                return false;
             }
-        } while (!word_ends(p) && ++p);
-        p_ = p;
+        }
+        return true;
     }
 
-    /// To the end of the line, the lines that continue it included. Comments are not continued.
-    void skip_rest();
+    /// True if a word may end at `p`.
+    bool word_ends(const char* p) const { return p == end_ || is_space(*p); }
+
+    void skip_rest() { p_ = skip_line(p_, end_); }
 
     /// The three coordinates of a vertex, and then at most `others` numbers that are skipped, to the end of the line.
     void vertex(double* xyz, int others);
@@ -347,11 +330,6 @@ protected:
 
     const char* p_;
     const char* end_;
-
-private:
-    NumberText number(double& value);
-
-    bool continued_;  // by a backslash
 };
 
 }  // namespace lamella

@@ -16,35 +16,36 @@ namespace lamella {
 
 namespace {
 
-/// Names of FaultPlace::parts and FaultPlace::measure, or null where the kind has none.
-struct Fields {
-    const char* parts = nullptr;
-    const char* measure = nullptr;
+/// How a kind of fault is shown.
+struct FaultForm {
+    const char* colour;   ///< in PLY
+    const char* parts;    ///< name of FaultPlace::parts, or null where the kind has none
+    const char* measure;  ///< the same of FaultPlace::measure
 };
 
-Fields fields_of(Fault fault) {
-    switch (fault) {
-        case Fault::boundary_edge:
-        case Fault::overfull_balanced:
-        case Fault::overfull_unbalanced:
-        case Fault::mismatched_edge:
-            return {"faces", nullptr};
-        case Fault::boundary_loop:
-            return {"edges", "length_mm"};
-        case Fault::split_vertex:
-            return {"fans", nullptr};
-        case Fault::needle_face:
-        case Fault::cap_face:
-            return {nullptr, "ratio"};
-        case Fault::misoriented_shell:
-            return {nullptr, "volume_mm3"};
-        case Fault::t_junction:
-        case Fault::crack:
-            return {nullptr, "width_mm"};
-        default:
-            return {};
-    }
-}
+/// Reds for boundaries, blues for edges and vertices, greens for faces and shells, yellows for meetings, violets for gaps.
+constexpr std::array<FaultForm, fault_count> forms = {{
+    {"255 0 0", "faces", nullptr},       // boundary_edge
+    {"160 0 0", "edges", "length_mm"},   // boundary_loop
+    {"0 160 255", "faces", nullptr},     // overfull_balanced
+    {"0 0 255", "faces", nullptr},       // overfull_unbalanced
+    {"0 0 140", "faces", nullptr},       // mismatched_edge
+    {"0 255 255", "fans", nullptr},      // split_vertex
+    {"0 128 0", nullptr, nullptr},       // flipped_face
+    {"128 255 128", nullptr, nullptr},   // one_sided_patch
+    {"0 255 0", nullptr, nullptr},       // duplicate_face
+    {"0 200 80", nullptr, nullptr},      // opposite_face
+    {"120 120 0", nullptr, nullptr},     // collapsed_face
+    {"150 150 60", nullptr, nullptr},    // zero_area_face
+    {"160 160 160", nullptr, "ratio"},   // needle_face
+    {"110 110 110", nullptr, "ratio"},   // cap_face
+    {"0 90 60", nullptr, "volume_mm3"},  // misoriented_shell
+    {"255 160 0", nullptr, nullptr},     // crossing_faces
+    {"255 220 0", nullptr, nullptr},     // overlapping_faces
+    {"200 170 90", nullptr, nullptr},    // touching_faces
+    {"255 0 255", nullptr, "width_mm"},  // t_junction
+    {"150 0 200", nullptr, "width_mm"},  // crack
+}};
 
 void write_place(JsonText& json, Fault fault, const FaultPlace& place) {
     json.object([&] {
@@ -53,12 +54,12 @@ void write_place(JsonText& json, Fault fault, const FaultPlace& place) {
         const auto triangles = std::count_if(place.triangles.begin(), place.triangles.end(), [](auto t) { return t >= 0; });
         json.list("triangles", place.triangles, static_cast<std::size_t>(triangles),
                   [&](std::int64_t triangle) { json.value(triangle); });
-        const Fields fields = fields_of(fault);
-        if (fields.parts != nullptr) {
-            json.member(fields.parts, place.parts);
+        const FaultForm& form = forms[static_cast<std::size_t>(fault)];
+        if (form.parts != nullptr) {
+            json.member(form.parts, place.parts);
         }
-        if (fields.measure != nullptr) {
-            json.member(fields.measure, place.measure);
+        if (form.measure != nullptr) {
+            json.member(form.measure, place.measure);
         }
         if (fault == Fault::boundary_loop) {
             json.member("closed", place.closed);
@@ -159,34 +160,16 @@ Result<std::string> make_check_json(const MeshCheck& check, const ReportParts& p
 
 namespace {
 
-struct Colour {
-    int red;
-    int green;
-    int blue;
-};
-
-/// By fault: reds for boundaries, blues for edges and vertices, greens for faces and shells, yellows for meetings, violets
-/// for gaps.
-constexpr std::array<Colour, fault_count> colours = {{
-    {255, 0, 0},     {160, 0, 0},   {0, 160, 255}, {0, 0, 255},    {0, 0, 140},    {0, 255, 255},   {0, 128, 0},
-    {128, 255, 128}, {0, 255, 0},   {0, 200, 80},  {120, 120, 0},  {150, 150, 60}, {160, 160, 160}, {110, 110, 110},
-    {0, 90, 60},     {255, 160, 0}, {255, 220, 0}, {200, 170, 90}, {255, 0, 255},  {150, 0, 200},
-}};
-
 /// Edges between the points of a place: none, one, or a triangle's three.
 int edge_count(const FaultPlace& place) {
     return place.point_count == 3 ? 3 : place.point_count - 1;
-}
-
-std::string text(const Colour& colour) {
-    return std::to_string(colour.red) + " " + std::to_string(colour.green) + " " + std::to_string(colour.blue);
 }
 
 template <class Visit>
 void each_place(const MeshCheck& check, Visit visit) {
     for (std::size_t fault = 0; fault < fault_count; ++fault) {
         for (const FaultPlace& place : check.findings[fault].places) {
-            visit(place, colours[fault]);
+            visit(place, forms[fault].colour);
         }
     }
 }
@@ -194,13 +177,13 @@ void each_place(const MeshCheck& check, Visit visit) {
 std::string header(const MeshCheck& check) {
     std::int64_t points = 0;
     std::int64_t edges = 0;
-    each_place(check, [&](const FaultPlace& place, const Colour&) {
+    each_place(check, [&](const FaultPlace& place, const char* /*colour*/) {
         points += place.point_count;
         edges += edge_count(place);
     });
     std::string head = "ply\nformat ascii 1.0\ncomment unit mm\n";
     for (std::size_t fault = 0; fault < fault_count; ++fault) {
-        head += "comment " + std::string(key_of(static_cast<Fault>(fault))) + " " + text(colours[fault]) + "\n";
+        head += "comment " + std::string(key_of(static_cast<Fault>(fault))) + " " + forms[fault].colour + "\n";
     }
     return head + "element vertex " + std::to_string(points) +
            "\nproperty double x\nproperty double y\nproperty double z\n"
@@ -212,22 +195,22 @@ std::string header(const MeshCheck& check) {
 }
 
 void write_points(const MeshCheck& check, OutputFile& file) {
-    each_place(check, [&](const FaultPlace& place, const Colour& colour) {
+    each_place(check, [&](const FaultPlace& place, std::string_view colour) {
         for (std::size_t i = 0; i < static_cast<std::size_t>(place.point_count); ++i) {
             for (const double mm : place.points_mm[i]) {
                 file.append(exact_text(mm) + " ");
             }
-            file.append(text(colour) + "\n");
+            file.append(std::string(colour) + "\n");
         }
     });
 }
 
 void write_edges(const MeshCheck& check, OutputFile& file) {
     std::int64_t first = 0;
-    each_place(check, [&](const FaultPlace& place, const Colour& colour) {
+    each_place(check, [&](const FaultPlace& place, std::string_view colour) {
         for (int i = 0; i < edge_count(place); ++i) {
             file.append(std::to_string(first + i) + " " + std::to_string(first + (i + 1) % place.point_count) + " " +
-                        text(colour) + "\n");
+                        std::string(colour) + "\n");
         }
         first += place.point_count;
     });

@@ -1,6 +1,5 @@
 #include "io/write/json.hpp"
 
-#include <type_traits>
 #include <variant>
 
 #include <nlohmann/json.hpp>
@@ -39,20 +38,6 @@ void JsonText::put(std::string_view word) {
 
 namespace {
 
-void write_value(JsonText& json, const ReportMember& member) {
-    if (const auto* lines = std::get_if<std::span<const std::string>>(&member.value)) {
-        json.list(member.key, *lines);
-        return;
-    }
-    std::visit(
-        [&](const auto& value) {
-            if constexpr (!std::is_same_v<decltype(value), const std::span<const std::string>&>) {
-                json.member(member.key, value);
-            }
-        },
-        member.value);
-}
-
 void write_file(JsonText& json, const MeshFile& file) {
     json.object("file", [&] {
         json.member("format", name_of(file.format));
@@ -70,7 +55,7 @@ void write_file(JsonText& json, const MeshFile& file) {
 void write_members(JsonText& json, const ReportParts& parts, ReportPlace place) {
     for (const ReportMember& member : parts.members) {
         if (member.place == place) {
-            write_value(json, member);
+            std::visit([&](const auto& value) { json.member(member.key, value); }, member.value);
         }
     }
 }

@@ -2,7 +2,6 @@
 // destroyed, which ends the process where there is none left; this fails by std::bad_alloc.
 #pragma once
 
-#include <array>
 #include <concepts>
 #include <cstddef>
 #include <string>
@@ -40,12 +39,6 @@ public:
             }
         });
     }
-    /// All of `values`.
-    template <class Values>
-    void list(std::string_view name, const Values& values) {
-        list(name, values, static_cast<std::size_t>(-1), [&](const auto& one) { value(one); });
-    }
-
     template <class T>
     void member(std::string_view name, const T& content) {
         key(name);
@@ -71,10 +64,13 @@ public:
     }
     template <std::integral T>
     requires(!std::same_as<T, bool>) void value(T number) { put(std::to_string(number)); }
-    template <class T, std::size_t n>
-    void value(const std::array<T, n>& items) {
+    /// A list of all.
+    template <class Items>
+    requires requires(const Items& items) {
+        items.front();
+    } &&(!std::convertible_to<Items, std::string_view>)void value(const Items& items) {
         nest('[', ']', [&] {
-            for (const T& item : items) {
+            for (const auto& item : items) {
                 value(item);
             }
         });

@@ -208,22 +208,15 @@ private:
 
     void contour(const Contour& contour, std::span<const Point> own_points) {
         const std::uint64_t index = contours_++;
-        switch (contour.role) {
-            case Role::outer:
-                out_.append("<polygon slic3r:type=\"contour\" points=\"");
-                break;
-            case Role::hole:
-                out_.append("<polygon slic3r:type=\"hole\" fill=\"white\" points=\"");
-                break;
-            case Role::flat:
-                out_.append("<polygon slic3r:type=\"flat\" points=\"");
-                break;
-            case Role::open:
-                open_.push_back(index);
-                out_.append("<polyline id=\"open" + std::to_string(index) +
-                            "\" slic3r:type=\"open\" fill=\"none\" stroke=\"" + std::string(warning_colour) +
-                            "\" stroke-width=\"" + mm(warning_stroke * frame_.extent) + "\" points=\"");
-                break;
+        if (contour.role == Role::open) {
+            open_.push_back(index);
+            out_.append("<polyline id=\"open" + std::to_string(index) + "\" slic3r:type=\"open\" fill=\"none\" stroke=\"" +
+                        std::string(warning_colour) + "\" stroke-width=\"" + mm(warning_stroke * frame_.extent) +
+                        "\" points=\"");
+        } else {
+            out_.append(contour.role == Role::outer  ? "<polygon slic3r:type=\"contour\" points=\""
+                        : contour.role == Role::hole ? "<polygon slic3r:type=\"hole\" fill=\"white\" points=\""
+                                                     : "<polygon slic3r:type=\"flat\" points=\"");
         }
         points(own_points);
         out_.append((contour.flags & would_close) != 0 ? "\" class=\"near\"" : "\"");

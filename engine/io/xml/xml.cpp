@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <new>
 
 #include "io/read/input_file.hpp"
@@ -18,6 +17,9 @@ constexpr const char* unreal = "elements too deep, names too many or a tag too l
 // Each name is looked for among all, so that their number bounds the time as well.
 constexpr std::size_t most_bindings = 256;
 constexpr std::size_t most_binding_bytes = std::size_t{1} << 16;
+
+constexpr std::size_t most_names = 10'000;
+constexpr std::size_t most_name_bytes = std::size_t{1} << 20;
 
 /// Bytes for one call of expat: its lengths are ints, and it copies tags that are cut in two.
 constexpr std::size_t piece_bytes = std::size_t{1} << 20;
@@ -131,52 +133,11 @@ std::string_view XmlAttributes::unbound(std::optional<std::string_view> local) c
 
 // --- XmlReader
 
-/// The memory that expat holds, counted: it keeps every name that it has seen, as many as the file likes.
-struct XmlReader::Heap {
-    /// Before each block.
-    struct alignas(std::max_align_t) Header {
-        Heap* owner;
-        std::size_t bytes;
-    };
-
-    static void* reallocate(void* block, std::size_t bytes) noexcept {
-        Header* const old = block == nullptr ? nullptr : static_cast<Header*>(block) - 1;
-        Heap& heap = old == nullptr ? *current : *old->owner;
-        const std::size_t others = heap.in_use - (old == nullptr ? 0 : old->bytes);
-        if (bytes > most_parser_bytes - others) {
-            heap.is_full = true;
-            return nullptr;
-        }
-        void* const raw = std::realloc(old, sizeof(Header) + bytes);
-        if (raw == nullptr) {
-            return nullptr;
-        }
-        heap.in_use = others + bytes;
-        return new (raw) Header{&heap, bytes} + 1;
-    }
-    static void* allocate(std::size_t bytes) noexcept { return reallocate(nullptr, bytes); }
-    static void release(void* block) noexcept {
-        if (block != nullptr) {
-            Header* const header = static_cast<Header*>(block) - 1;
-            header->owner->in_use -= header->bytes;
-            std::free(header);
-        }
-    }
-
-    std::size_t in_use = 0;
-    bool is_full = false;
-    static thread_local Heap* current;  // while expat works on this thread, since its functions take no context
-};
-thread_local XmlReader::Heap* XmlReader::Heap::current = nullptr;
-
 void XmlReader::ParserDeleter::operator()(XML_ParserStruct* parser) const noexcept {
     XML_ParserFree(parser);
 }
 
-XmlReader::XmlReader() : heap_(std::make_unique<Heap>()) {
-    static constexpr XML_Memory_Handling_Suite functions = {Heap::allocate, Heap::reallocate, Heap::release};
-    Heap::current = heap_.get();
-    parser_.reset(XML_ParserCreate_MM(nullptr, &functions, nullptr));
+XmlReader::XmlReader() : parser_(XML_ParserCreate(nullptr)) {
     if (parser_ == nullptr) {
         throw std::bad_alloc();
     }
@@ -213,7 +174,12 @@ void XmlReader::deliver(Event&& event) noexcept {
 }
 
 void XmlReader::begin(std::string_view name, const char* const* attributes) {
-    if (++depth_ > most_open_elements || !declare_namespaces(attributes)) {
+    bool real = ++depth_ <= most_open_elements && note_name(name);
+    for (const char* const* at = attributes; real && *at != nullptr; at += 2) {
+        const std::optional<std::string_view> prefix = declared_prefix(at[0]);
+        real = note_name(at[0]) && (!prefix || namespaces_.declare(*prefix, at[1], depth_));
+    }
+    if (!real) {
         fail(unreal);
     }
     const XmlAttributes list(attributes, namespaces_);
@@ -226,14 +192,12 @@ void XmlReader::end(std::string_view name) {
     namespaces_.close(depth_--);
 }
 
-bool XmlReader::declare_namespaces(const char* const* attributes) {
-    for (const char* const* at = attributes; *at != nullptr; at += 2) {
-        const std::optional<std::string_view> prefix = declared_prefix(at[0]);
-        if (prefix && !namespaces_.declare(*prefix, at[1], depth_)) {
-            return false;
-        }
+bool XmlReader::note_name(std::string_view name) {
+    if (names_.find(name) == names_.end()) {
+        names_.emplace(name);
+        name_bytes_ += name.size();
     }
-    return true;
+    return names_.size() <= most_names && name_bytes_ <= most_name_bytes;
 }
 
 void XmlReader::note_unbound(std::string_view element, const XmlAttributes& attributes) {
@@ -260,20 +224,17 @@ bool XmlReader::finish() {
 }
 
 bool XmlReader::parse(std::string_view bytes, bool last) {
-    Heap* const outer = std::exchange(Heap::current, heap_.get());
     const XML_Status answer = XML_Parse(parser_.get(), bytes.data(), static_cast<int>(bytes.size()), last ? 1 : 0);
-    Heap::current = outer;
     if (thrown_) {
         std::rethrow_exception(std::exchange(thrown_, nullptr));
     }
     parsed_bytes_ += bytes.size();
     if (answer != XML_STATUS_OK && !stopped_) {
         const XML_Error error = XML_GetErrorCode(parser_.get());
-        if (error == XML_ERROR_NO_MEMORY && !heap_->is_full) {
+        if (error == XML_ERROR_NO_MEMORY) {
             throw std::bad_alloc();
         }
-        end_by({event_line(), event_offset(),
-                heap_->is_full ? unreal : std::string("malformed XML: ") + XML_ErrorString(error)});
+        end_by({event_line(), event_offset(), std::string("malformed XML: ") + XML_ErrorString(error)});
     } else if (!stopped_ && !last && parsed_bytes_ + skipped_bytes_ - event_offset() > longest_tag_bytes) {
         end_by({event_line(), event_offset(), unreal});
     }

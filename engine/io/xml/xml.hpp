@@ -7,6 +7,7 @@
 #include <exception>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -121,7 +122,6 @@ public:
 
     static constexpr std::uint64_t most_open_elements = 1000;
     static constexpr std::size_t longest_tag_bytes = std::size_t{4} << 20;  ///< or comment
-    static constexpr std::size_t most_parser_bytes = std::size_t{32} << 20;
 
 protected:
     // The events. They may throw, by fail() too, or call stop(), after which no other event comes.
@@ -144,7 +144,6 @@ protected:
     std::uint64_t event_end() const noexcept;
 
 private:
-    struct Heap;
     struct ParserDeleter {
         void operator()(XML_ParserStruct* parser) const noexcept;
     };
@@ -154,14 +153,16 @@ private:
     static XmlReader& self(void* user) noexcept { return *static_cast<XmlReader*>(user); }
     void begin(std::string_view name, const char* const* attributes);
     void end(std::string_view name);
-    bool declare_namespaces(const char* const* attributes);
+    /// False: there are more than any real file has. expat keeps each as long as it lives.
+    bool note_name(std::string_view name);
     void note_unbound(std::string_view element, const XmlAttributes& attributes);
     bool parse(std::string_view bytes, bool last);
     void end_by(XmlFailure failure);
 
-    std::unique_ptr<Heap> heap_;                               // outlives the parser
     std::unique_ptr<XML_ParserStruct, ParserDeleter> parser_;  // expat.h stays out of the other readers
     std::uint64_t parsed_bytes_ = 0;
+    std::set<std::string, std::less<>> names_;
+    std::size_t name_bytes_ = 0;
     XmlNamespaces namespaces_;
     std::uint64_t depth_ = 0;  // of open elements
     std::optional<XmlUnboundName> unbound_name_;

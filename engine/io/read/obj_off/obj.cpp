@@ -8,18 +8,76 @@ namespace lamella {
 
 namespace {
 
+/// Statements that hold no shape, or are part of one that a warning names. A file may begin with the first of them.
+constexpr std::array<std::string_view, 34> passed_over = {
+    "vt",     "vn",         "vp",        "l",      "p",      "g",    "o",     "s",        "mg",
+    "usemtl", "mtllib",     "usemap",    "maplib", "cstype", "deg",  "bevel", "c_interp", "d_interp",
+    "lod",    "shadow_obj", "trace_obj", "ctech",  "stech",  "bmat", "step",  "parm",     "trim",
+    "hole",   "scrv",       "sp",        "end",    "con",    "res",  "csh"};
+constexpr std::size_t may_begin_file = 15;
+
+/// A vertex or a face.
+enum class Statement { vertex, face, other, none };
+
+/// The statement that begins at `p`, where a character is.
+Statement statement_at(const char* p, const char* end) {
+    const auto length = skip_word(p, end) - p;
+    if (length == 1 && (*p == 'v' || *p == 'f')) {
+        return *p == 'v' ? Statement::vertex : Statement::face;
+    }
+    return length == 2 && p[0] == 'f' && p[1] == 'o' ? Statement::face : Statement::other;
+}
+
+/// Joins lines to the next where they end in a backslash, by writing blanks over both. Comments join no lines. A backslash
+/// stays where some readers go on with the word before it in the next line, and others begin one; and at the end of a name
+/// (`usemtl textures\`) where the next line is a vertex or a face: these are returned.
+LeftOut join_lines(FileContents& file) {
+    LeftOut after_backslash;
+    Lookout lookout(file.source.parallel());
+    const std::string_view text = file.text;
+    const char* const end = text.data() + text.size();
+    bool is_shape = false;   // the statement that goes on
+    std::size_t joined = 0;  // where it does
+    for (std::size_t at = text.find('\\'); at < text.size(); at = text.find('\\', at + 1)) {
+        lookout.pass();
+        if (at + 1 == text.size() || !ends_line(text[at + 1])) {
+            continue;
+        }
+        const std::size_t line_end = text.substr(joined, at - joined).find_last_of("\r\n");
+        const std::size_t line = line_end == std::string_view::npos ? joined : joined + line_end + 1;
+        const char* const begin = skip_blank(text.data() + line, end);
+        is_shape = line == 0 || line != joined ? statement_at(begin, end) != Statement::other : is_shape;
+        const std::size_t next = at + (text.substr(at + 1).starts_with("\r\n") ? 3 : 2);
+        if (text.substr(line, at - line).find('#') != std::string_view::npos) {
+            continue;
+        }
+        if (!is_shape) {
+            const char* const word = skip_blank(text.data() + next, end);
+            if (word != end && statement_at(word, end) != Statement::other) {
+                after_backslash.add(word);
+                continue;
+            }
+        } else if (next < text.size() && !is_space(text[next]) && at > line && !is_blank(text[at - 1])) {
+            continue;
+        }
+        std::byte* const bytes = file.bytes.data() + (text.data() - file.whole.data());
+        std::fill(bytes + at, bytes + next - 1, std::byte{' '});
+        bytes[next - 1] = static_cast<std::byte>(joined_line_end);
+        joined = next;
+    }
+    return after_backslash;
+}
+
 /// Contents of a piece beside vertices and faces.
 struct ObjNotes {
     PartMarks names;
-    LeftOut skipped;          ///< statements that may hold a shape and are not read
-    LeftOut decimals;         ///< vertex numbers with decimals that are 0
-    LeftOut after_backslash;  ///< vertices and faces in a line after one that is not read and ends in a backslash
+    LeftOut skipped;   ///< statements that may hold a shape and are not read
+    LeftOut decimals;  ///< vertex numbers with decimals that are 0
 
     void add(const ObjNotes& next, std::size_t first_triangle) {
         add_marks(names, next.names, first_triangle);
         skipped.add(next.skipped);
         decimals.add(next.decimals);
-        after_backslash.add(next.after_backslash);
     }
 };
 
@@ -29,14 +87,13 @@ struct ObjNotes {
 ///     f CORNER CORNER CORNER ...          with CORNER = V[/[VT][/[VN]]]; also fo, of old
 class ObjParser : private LineParser {
 public:
-    ObjParser(std::string_view piece, ObjNotes& notes)
-        : LineParser(piece.data(), piece.data() + piece.size(), true), notes_(notes) {}
+    ObjParser(std::string_view piece, ObjNotes& notes) : LineParser(piece), notes_(notes) {}
 
     std::size_t count_vertices() {
         std::size_t count = 0;
         for (Statement statement = next(); statement != Statement::none; statement = next()) {
             count += statement == Statement::vertex ? 1 : 0;
-            skip_rest_of(statement);
+            skip_rest();
         }
         return count;
     }
@@ -60,69 +117,25 @@ public:
             } else if (p_ - statement_ == 1 && (*statement_ == 'o' || *statement_ == 'g')) {
                 add_mark(notes_.names, faces.triangles(), *statement_ == 'g', p_, skip_line(p_, end_));
             }
-            skip_rest_of(statement);
+            skip_rest();
         }
     }
 
 private:
-    enum class Statement { vertex, face, other, none };
-
-    /// To the next statement; past its first word if it is one that is read.
+    /// To the next statement, past its first word.
     Statement next() {
-        for (p_ = skip_space(p_, end_); !to_word(); p_ = skip_space(skip_line(p_, end_), end_)) {
-            if (p_ == end_) {
-                return Statement::none;
-            }
+        if (!next_word()) {
+            return Statement::none;
         }
         statement_ = p_;
-        const Statement statement = shape_at(p_);
-        if (statement != Statement::other) {
-            p_ += word_ends(p_ + 1) ? 1 : 2;
-        }
-        return statement;
+        p_ = skip_word(p_, end_);
+        return statement_at(statement_, p_);
     }
 
-    /// Skips the first word of a statement that is not read. Whether the statement holds no shape, or is part of one that a
-    /// warning names.
+    /// Whether a statement that is not read holds no shape, or is part of one that a warning names.
     bool skips_silently() {
-        constexpr std::array<std::string_view, 34> known = {
-            "vt",        "vn",     "vp",     "l",      "p",     "g",        "o",        "s",    "mg",
-            "usemtl",    "mtllib", "usemap", "maplib", "bevel", "c_interp", "d_interp", "lod",  "shadow_obj",
-            "trace_obj", "ctech",  "stech",  "cstype", "deg",   "bmat",     "step",     "parm", "trim",
-            "hole",      "scrv",   "sp",     "end",    "con",   "res",      "csh"};
-        skip_word();
         const std::string_view word(statement_, static_cast<std::size_t>(p_ - statement_));
-        return std::find(known.begin(), known.end(), word) != known.end();
-    }
-
-    /// To the end of a statement that is not read. A backslash at the end of a line is part of a name (`usemtl textures\`)
-    /// where the next line is a vertex or a face. Comments join no lines.
-    void skip_other() {
-        for (;;) {
-            const char* const line_end = skip_line(p_, end_);
-            const std::string_view line(p_, static_cast<std::size_t>(line_end - p_));
-            const bool joined = line_end != end_ && line_end[-1] == '\\' && line.find('#') == std::string_view::npos;
-            p_ = line_end;
-            if (!joined) {
-                return;
-            }
-            const char* const next = skip_blank(line_end - 1 + continuation_at(line_end - 1, end_), end_);
-            if (next != end_ && shape_at(next) != Statement::other) {
-                notes_.after_backslash.add(next);
-                return;
-            }
-            p_ = next;
-        }
-    }
-
-    void skip_rest_of(Statement statement) { statement == Statement::other ? skip_other() : skip_rest(); }
-
-    /// The statement that begins at `p`, where a character is.
-    Statement shape_at(const char* p) const {
-        if (word_ends(p + 1) && (*p == 'v' || *p == 'f')) {
-            return *p == 'v' ? Statement::vertex : Statement::face;
-        }
-        return *p == 'f' && p[1] == 'o' && word_ends(p + 2) ? Statement::face : Statement::other;
+        return std::find(passed_over.begin(), passed_over.end(), word) != passed_over.end();
     }
 
     void face() {
@@ -206,6 +219,7 @@ void warn_of(const LeftOut& found, const std::string& words, const FileContents&
 
 void parse_obj(FileContents& file, MeshFile& mesh) {
     const FileSource& source = file.source;
+    const LeftOut after_backslash = join_lines(file);
     std::vector<TextPiece> pieces = cut_at_lines(file.text);
     source.parallel().run(pieces.size(), [&](std::size_t i, int) {
         ObjNotes parse_takes_them;
@@ -229,8 +243,8 @@ void parse_obj(FileContents& file, MeshFile& mesh) {
     warn_of(all.skipped, "ignored " + counted(all.skipped.count, "statement that is", "statements that are") + " not read",
             file, mesh);
     warn_of(all.decimals, counted(all.decimals.count, "vertex number") + " with decimals, which are 0", file, mesh);
-    warn_of(all.after_backslash,
-            "read " + counted(all.after_backslash.count, "vertex or face", "vertices and faces") +
+    warn_of(after_backslash,
+            "read " + counted(after_backslash.count, "vertex or face", "vertices and faces") +
                 " after a line that ends in a backslash",
             file, mesh);
 }
@@ -239,9 +253,6 @@ void parse_obj(FileContents& file, MeshFile& mesh) {
 
 /// By its first statement, as nothing marks the format.
 bool looks_like_obj(const FileSource& source) {
-    constexpr std::array<std::string_view, 18> statements = {"v",      "vt",     "vn",     "vp",     "f",      "fo",
-                                                             "l",      "p",      "g",      "o",      "s",      "mg",
-                                                             "mtllib", "usemtl", "usemap", "cstype", "maplib", "deg"};
     const std::string_view text = without_byte_order_mark(source.sample());
     const std::string_view head = head_comments(text);
     if (!is_text(text) || head.find("# vtk") != std::string_view::npos) {
@@ -255,7 +266,9 @@ bool looks_like_obj(const FileSource& source) {
     const char* const word_end = skip_word(begin, end);
     const std::string_view word(begin, static_cast<std::size_t>(word_end - begin));
     // A statement goes on after its first word; other text may be a single letter.
-    return word_end != end && std::find(statements.begin(), statements.end(), word) != statements.end();
+    const auto* const last = passed_over.begin() + may_begin_file;
+    return word_end != end &&
+           (statement_at(begin, end) != Statement::other || std::find(passed_over.begin(), last, word) != last);
 }
 
 /// By a vertex further down: what precedes it is then left out with a warning, as a comment without its '#'.

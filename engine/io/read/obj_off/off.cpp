@@ -54,7 +54,7 @@ enum class OffLayout : std::uint8_t {
 class OffParser : private LineParser {
 public:
     OffParser(std::string_view text, OffLayout layout, const Parallel& parallel)
-        : LineParser(text.data(), text.data() + text.size(), false), layout_(layout), lookout_(parallel) {}
+        : LineParser(text), layout_(layout), lookout_(parallel) {}
 
     /// Reads the file's head, which rest() then follows. The number of edges may be absent: it is on the line of the faces'.
     OffCounts header() {
@@ -124,16 +124,6 @@ public:
     }
 
 private:
-    /// To the next word, over line ends and comments. False: there is none.
-    bool next_word() {
-        for (p_ = skip_space(p_, end_); !to_word(); p_ = skip_space(skip_line(p_, end_), end_)) {
-            if (p_ == end_) {
-                return false;
-            }
-        }
-        return true;
-    }
-
     /// To the next word of the item.
     bool to_number() {
         if (layout_ == OffLayout::lines) {

@@ -29,9 +29,9 @@ struct PlyElement {
     PlyRole role = PlyRole::nothing;
     const char* at = nullptr;  ///< its line, for errors
 
-    /// Bytes that each row takes at least: its fixed numbers and, of lists, the counts.
-    std::uint64_t least_row_bytes(PlyEncoding encoding) const noexcept;
-    /// True if all rows are of the same size in a binary file.
+    /// Bytes of a binary row, or of what comes before the property of that use, if all lists are empty.
+    std::size_t row_bytes(std::optional<PlyUse> before = std::nullopt) const noexcept;
+    /// True if rows of a binary file may differ in size.
     bool has_lists() const noexcept;
     const PlyProperty& used(PlyUse use) const noexcept;  ///< Precondition: there is one.
 };
@@ -43,81 +43,40 @@ struct PlyHeader {
     StatedFrame patient_frame;
     LeftOut skipped;  ///< lines that begin with no keyword
 
+    bool swapped() const noexcept { return encoding == PlyEncoding::big_endian; }
     /// One with a count above 0; null where there is none.
     const PlyElement* element_of(PlyRole role) const noexcept;
+    /// Says that `left` bytes cannot hold the element's rows, even at their smallest; empty if they can.
+    std::string why_too_many(const PlyElement& element, std::uint64_t left) const;
+    /// Warns of lines that were skipped, and of `rest` bytes after the last element; gives the patient frame.
+    void describe(const FileSource& file, std::string_view contents, std::uint64_t rest, MeshFile& mesh) const;
 };
 
-/// Reads the header at the beginning of `text`, which names refer into. Throws TextError.
-PlyHeader parse_ply_header(std::string_view text);
-/// Throws Refused where the header counts no faces, or no vertices.
-void check_ply_header(const FileSource& file, const PlyHeader& header);
-
-/// `contents` begin with the header.
-void warn_of_skipped_lines(const FileSource& file, std::string_view contents, const PlyHeader& header,
-                           std::vector<std::string>& warnings);
-
-/// `bytes` after the last element, or none.
-void warn_of_rest(const FileSource& file, std::uint64_t bytes, std::vector<std::string>& warnings);
-
-// --- The body
-
-struct PlyInput {
-    const FileSource& source;
-    std::string_view file;  ///< with the header
-    const PlyHeader& header;
-
-    const Parallel& parallel() const noexcept { return source.parallel(); }
-    bool swapped() const noexcept { return header.encoding == PlyEncoding::big_endian; }
-};
-
-/// Facts of a body beside the mesh.
-struct PlyBody {
-    bool swapped = false;           ///< the file's byte order is not the machine's, and the coordinates are still the file's
-    std::uint64_t small_faces = 0;  ///< left out: of fewer than three vertices
-    LeftOut long_rows;              ///< lines with more words than their row takes, which are ignored
-    std::size_t end = 0;            ///< of the last element in the file
-};
+/// Reads the header at the beginning of `text`, which names refer into. Throws TextError, and Refused where it counts no
+/// faces, or no vertices.
+PlyHeader parse_ply_header(const FileSource& file, std::string_view text);
 
 /// Doubles and integers of 32 bits are kept as doubles.
 Number number_for(const PlyElement& vertices) noexcept;
 
-/// ASCII PLY as nearly everyone writes it, one row a line, parsed in parallel. Lines may have more words than the header
-/// declares, which are ignored and counted. False: rows are no lines, or something is wrong, which a reader that goes from
-/// number to number will find. Whether it succeeds, and what it makes, does not depend on threads.
-bool read_ply_lines(const PlyInput& input, MeshFile& mesh, PlyBody& body);
+// --- Binary rows of one size, which are copied without parsing: ply_binary.cpp.
 
-// Binary rows of one size, which are copied without parsing: ply_binary.cpp.
+/// Copies the coordinates of `count` vertices, `stride` bytes apart, to `to`, `to_stride` apart; may be where they are.
+void copy_coordinates(Number number, bool swapped, const void* from, std::size_t stride, std::size_t count, std::byte* to,
+                      std::size_t to_stride);
 
-/// Where the vertices begin in the file, if their coordinates can be used where they lie, swapped or not.
-std::optional<std::size_t> vertices_in_place(const PlyElement& vertices, std::size_t offset);
+/// True if the coordinates of each row lie side by side, as numbers of the type that they are kept in.
+bool has_packed_coordinates(const PlyElement& vertices);
 
-/// Reverses the bytes of all coordinates in place.
-void swap_vertices(MeshFile& mesh, const Parallel& parallel);
+/// Bytes of a row that is a triangle; 0 if such rows may differ in size, or indices are no whole numbers.
+std::size_t triangle_row_bytes(const PlyElement& faces);
 
-/// Copies the coordinates of vertices without lists, which begin at `rows`, into those of `mesh`.
-void copy_vertices(const PlyInput& input, const PlyElement& vertices, const char* rows, MeshFile& mesh);
-
-/// The same for `count` rows, to packed coordinates at `to`.
-void copy_vertex_rows(const PlyElement& vertices, bool swapped, const char* rows, std::size_t count, Number number,
-                      std::byte* to);
-
-/// Bytes of a row that is a triangle; nothing if such rows may differ in size, or indices are no whole numbers.
-std::optional<std::size_t> triangle_row_bytes(const PlyElement& faces);
+/// Beyond, what is negative could be a vertex.
+inline constexpr std::uint64_t most_ply_vertices = std::uint64_t{1} << 31;
 
 /// Copies the indices of `count` such rows. False: a row has not three, or one that is not below `vertex_count`, which is
 /// at most most_ply_vertices.
 bool copy_triangle_rows(const PlyElement& faces, bool swapped, const char* rows, std::size_t count,
                         std::uint64_t vertex_count, std::uint32_t* to);
-
-/// Beyond, what is negative could be a vertex.
-inline constexpr std::uint64_t most_ply_vertices = std::uint64_t{1} << 31;
-
-/// Where the row's property of this use begins, if all lists before it are empty.
-std::size_t offset_in_row(const PlyElement& element, PlyUse use);
-
-/// Copies the indices of the faces at `rows` to `indices`, if every one is a triangle: rows of one size, whose only list has
-/// three whole numbers. False: there are other rows, an index that is no vertex, or memory does not suffice.
-bool copy_triangle_rows(const PlyInput& input, const PlyElement& faces, const char* rows, MemoryBudget& budget,
-                        Array<std::uint32_t>& indices);
 
 }  // namespace lamella

@@ -1,8 +1,7 @@
-#include "io/read/ply/ply.hpp"
-
 #include <initializer_list>
 
 #include "base/words.hpp"
+#include "io/read/ply/ply.hpp"
 
 namespace lamella {
 
@@ -15,18 +14,17 @@ constexpr std::string_view magic = "ply";
 
 std::optional<NumberType> type_named(std::string_view name) {
     struct Named {
-        std::string_view name;
         NumberType type;
+        std::array<std::string_view, 2> names;
     };
-    constexpr std::array names = {
-        Named{"char", NumberType::int8},      Named{"int8", NumberType::int8},       Named{"uchar", NumberType::uint8},
-        Named{"uint8", NumberType::uint8},    Named{"short", NumberType::int16},     Named{"int16", NumberType::int16},
-        Named{"ushort", NumberType::uint16},  Named{"uint16", NumberType::uint16},   Named{"int", NumberType::int32},
-        Named{"int32", NumberType::int32},    Named{"uint", NumberType::uint32},     Named{"uint32", NumberType::uint32},
-        Named{"float", NumberType::float32},  Named{"float32", NumberType::float32}, Named{"double", NumberType::float64},
-        Named{"float64", NumberType::float64}};
-    const auto* const found = std::find_if(names.begin(), names.end(), [name](const Named& n) { return n.name == name; });
-    return found == names.end() ? std::nullopt : std::optional(found->type);
+    constexpr std::array types = {
+        Named{NumberType::int8, {"char", "int8"}},        Named{NumberType::uint8, {"uchar", "uint8"}},
+        Named{NumberType::int16, {"short", "int16"}},     Named{NumberType::uint16, {"ushort", "uint16"}},
+        Named{NumberType::int32, {"int", "int32"}},       Named{NumberType::uint32, {"uint", "uint32"}},
+        Named{NumberType::float32, {"float", "float32"}}, Named{NumberType::float64, {"double", "float64"}}};
+    const auto* const found = std::find_if(
+        types.begin(), types.end(), [name](const Named& type) { return name == type.names[0] || name == type.names[1]; });
+    return found == types.end() ? std::nullopt : std::optional(found->type);
 }
 
 /// Header lines, word by word.
@@ -69,35 +67,39 @@ private:
     /// False: the header ends.
     bool line() {
         const std::string_view keyword = word();
-        if (keyword == "end_header") {
-            if (!has_format_) {
-                throw expected("a line 'format' before it");
-            }
-            end_of_line();
-            return false;
-        }
         if (keyword == "comment" || keyword == "obj_info") {
             header_.patient_frame.read_header({p_, static_cast<std::size_t>(end_ - p_)});
-        } else if (keyword == "format") {
+            return true;
+        }
+        if (keyword == "end_header" && !has_format_) {
+            throw expected("a line 'format' before it");
+        }
+        if (keyword == "format") {
             format();
         } else if (keyword == "element") {
             element();
         } else if (keyword == "property") {
             property();
-        } else if (!keyword.empty()) {
+        } else if (keyword != "end_header") {
             other_line(keyword);
+            return true;
         }
-        return true;
+        if (!word().empty()) {
+            throw expected("the end of the line");
+        }
+        return keyword != "end_header";
     }
 
     /// Skips a line without a keyword, as a comment is that goes on in the next line. Not numbers, with which the body
     /// begins, and not what may be a keyword in capitals.
     void other_line(std::string_view first) {
+        if (first.empty()) {
+            return;
+        }
         const std::string_view line(word_, static_cast<std::size_t>(end_ - word_));
         const bool is_keyword = begins_in_any_case(first, "element") || begins_in_any_case(first, "propert") ||
                                 begins_in_any_case(first, "end_head") || lower_case(first.substr(0, 16)) == "format";
-        const bool begins_body =
-            is_digit(first.front()) || first.front() == '-' || first.front() == '+' || first.front() == '.';
+        const bool begins_body = is_digit(first[0]) || first[0] == '-' || first[0] == '+' || first[0] == '.';
         const TextError error = expected("'element', 'property', 'comment' or 'end_header'");
         if (is_keyword || begins_body || !is_text(line)) {
             throw error;
@@ -110,10 +112,9 @@ private:
 
     void format() {
         constexpr std::array<std::string_view, 3> names = {"ascii", "binary_little_endian", "binary_big_endian"};
-        if (has_format_) {
+        if (std::exchange(has_format_, true)) {
             throw expected("one format only");
         }
-        has_format_ = true;
         const auto* const found = std::find(names.begin(), names.end(), word());
         if (found == names.end()) {
             throw expected("'ascii', 'binary_little_endian' or 'binary_big_endian'");
@@ -122,19 +123,16 @@ private:
         if (word() != "1.0") {
             throw expected("version '1.0'");
         }
-        end_of_line();
     }
 
     void element() {
         PlyElement element;
         element.at = word_;
-        declare();
         element.name = name();
         if (!read_integer(word(), element.count)) {
             throw expected("the number of elements " + in_quotes(element.name));
         }
         header_.elements.push_back(std::move(element));
-        end_of_line();
     }
 
     void property() {
@@ -142,7 +140,6 @@ private:
         if (header_.elements.empty()) {
             throw expected("an element before its properties");
         }
-        declare();
         const char* const before = p_;
         property.is_list = word() == "list";
         if (property.is_list) {
@@ -153,7 +150,6 @@ private:
         property.type = type();
         property.name = name();
         header_.elements.back().properties.push_back(property);
-        end_of_line();
     }
 
     NumberType type() {
@@ -163,23 +159,15 @@ private:
         throw expected("a type of number");
     }
 
+    /// Of an element or a property.
     std::string_view name() {
+        if (++declarations_ > most_declarations) {
+            throw expected("at most " + std::to_string(most_declarations) + " elements and properties");
+        }
         if (const std::string_view name = word(); !name.empty()) {
             return name;
         }
         throw expected("a name");
-    }
-
-    void declare() {
-        if (++declarations_ > most_declarations) {
-            throw expected("at most " + std::to_string(most_declarations) + " elements and properties");
-        }
-    }
-
-    void end_of_line() {
-        if (!word().empty()) {
-            throw expected("the end of the line");
-        }
     }
 
     std::string_view word() {
@@ -208,9 +196,10 @@ private:
 
 // --- which elements make up the mesh
 
-/// The property of any of these names, if there is one of them.
-PlyProperty& find_property(PlyElement& element, std::initializer_list<std::string_view> names, bool is_list) {
+/// The property of any of these names gets the use.
+void find_property(PlyElement& element, std::initializer_list<std::string_view> names, PlyUse use) {
     const std::string place = " of element " + in_quotes(element.name) + " ";
+    const bool is_list = use == PlyUse::indices;
     for (const std::string_view name : names) {
         const auto named = [name](const PlyProperty& p) { return p.name == name; };
         const auto found = std::find_if(element.properties.begin(), element.properties.end(), named);
@@ -223,19 +212,10 @@ PlyProperty& find_property(PlyElement& element, std::initializer_list<std::strin
         if (std::any_of(found + 1, element.properties.end(), named)) {
             throw TextError{element.at, "property " + in_quotes(name) + place + "is declared twice"};
         }
-        return *found;
+        found->use = use;
+        return;
     }
     throw TextError{element.at, "element " + in_quotes(element.name) + " has no property " + in_quotes(*names.begin())};
-}
-
-void find_uses(PlyElement& element) {
-    if (element.role == PlyRole::vertices) {
-        find_property(element, {"x"}, false).use = PlyUse::x;
-        find_property(element, {"y"}, false).use = PlyUse::y;
-        find_property(element, {"z"}, false).use = PlyUse::z;
-    } else {
-        find_property(element, {"vertex_indices", "vertex_index"}, true).use = PlyUse::indices;
-    }
 }
 
 void find_roles(PlyHeader& header) {
@@ -250,16 +230,25 @@ void find_roles(PlyHeader& header) {
             throw TextError{element.at, "element " + in_quotes(element.name) + " is declared twice"};
         }
         element.role = role;
-        find_uses(element);
+        if (role == PlyRole::vertices) {
+            find_property(element, {"x"}, PlyUse::x);
+            find_property(element, {"y"}, PlyUse::y);
+            find_property(element, {"z"}, PlyUse::z);
+        } else {
+            find_property(element, {"vertex_indices", "vertex_index"}, PlyUse::indices);
+        }
     }
 }
 
 }  // namespace
 
-std::uint64_t PlyElement::least_row_bytes(PlyEncoding encoding) const noexcept {
-    std::uint64_t bytes = 0;
+std::size_t PlyElement::row_bytes(std::optional<PlyUse> before) const noexcept {
+    std::size_t bytes = 0;
     for (const PlyProperty& property : properties) {
-        bytes += encoding == PlyEncoding::ascii ? 2 : size_of(property.is_list ? property.count_type : property.type);
+        if (property.use == before) {
+            break;
+        }
+        bytes += size_of(property.is_list ? property.count_type : property.type);
     }
     return bytes;
 }
@@ -278,12 +267,32 @@ const PlyElement* PlyHeader::element_of(PlyRole role) const noexcept {
     return found == elements.end() ? nullptr : &*found;
 }
 
+std::string PlyHeader::why_too_many(const PlyElement& element, std::uint64_t left) const {
+    const bool text = encoding == PlyEncoding::ascii;  // a digit and a space for each, but for the last in the file
+    const std::uint64_t row = text ? 2 * element.properties.size() : element.row_bytes();
+    return row == 0 || element.count <= (left + (text ? 1 : 0)) / row
+               ? ""
+               : "the header counts " + std::to_string(element.count) + " of element " + in_quotes(element.name) + ", but " +
+                     std::to_string(left) + " bytes are left";
+}
+
+void PlyHeader::describe(const FileSource& file, std::string_view contents, std::uint64_t rest, MeshFile& mesh) const {
+    if (skipped.count > 0) {
+        mesh.warnings.push_back(file.name() + ": ignored " + counted(skipped.count, "line") +
+                                " of the header without a keyword" + first_word_words(skipped, contents));
+    }
+    if (rest > 0) {
+        mesh.warnings.push_back(file.name() + ": ignored " + counted(rest, "byte") + " after the last element");
+    }
+    patient_frame.give(file, mesh);
+}
+
 bool looks_like_ply(const FileSource& source) {
     const std::string_view text = without_byte_order_mark(source.sample());
     return text.starts_with(magic) && text.size() > magic.size() && is_space(text[magic.size()]);
 }
 
-PlyHeader parse_ply_header(std::string_view text) {
+PlyHeader parse_ply_header(const FileSource& file, std::string_view text) {
     HeaderParser parser(text);
     PlyHeader header = parser.parse();
     // Without it, binary rows would have other sizes, and what is missing may be the mesh.
@@ -293,36 +302,24 @@ PlyHeader parse_ply_header(std::string_view text) {
     }
     try {
         find_roles(header);
-    } catch (const TextError&) {
-        if (lost) {
-            throw *lost;
-        }
-        throw;
+    } catch (const TextError& error) {
+        throw lost.value_or(error);
     }
-    return header;
-}
-
-void check_ply_header(const FileSource& file, const PlyHeader& header) {
     if (header.element_of(PlyRole::faces) == nullptr && header.element_of(PlyRole::strips) == nullptr) {
         file.refuse(ErrorCode::empty_mesh, "holds no faces");
     }
     if (header.element_of(PlyRole::vertices) == nullptr) {
         file.refuse(ErrorCode::malformed_mesh, "holds faces but no vertices");
     }
+    return header;
 }
 
-void warn_of_skipped_lines(const FileSource& file, std::string_view contents, const PlyHeader& header,
-                           std::vector<std::string>& warnings) {
-    if (header.skipped.count > 0) {
-        warnings.push_back(file.name() + ": ignored " + counted(header.skipped.count, "line") +
-                           " of the header without a keyword" + first_word_words(header.skipped, contents));
-    }
-}
-
-void warn_of_rest(const FileSource& file, std::uint64_t bytes, std::vector<std::string>& warnings) {
-    if (bytes > 0) {
-        warnings.push_back(file.name() + ": ignored " + counted(bytes, "byte") + " after the last element");
-    }
+Number number_for(const PlyElement& vertices) noexcept {
+    const bool wide = std::any_of(vertices.properties.begin(), vertices.properties.end(), [](const PlyProperty& p) {
+        return p.use != PlyUse::nothing &&
+               (p.type == NumberType::float64 || p.type == NumberType::int32 || p.type == NumberType::uint32);
+    });
+    return wide ? Number::f64 : Number::f32;
 }
 
 }  // namespace lamella

@@ -37,28 +37,19 @@ public:
             p_ += 4;
             return true;
         }
-        const bool whole = most_left(type) > 0 && with_type(type, [&](auto sample) {
-                               const auto number = load_number<decltype(sample)>(p_, swapped_);
-                               if constexpr (std::is_floating_point_v<decltype(sample)>) {
-                                   return to_integer(number, value);
-                               } else {
-                                   // NOLINTNEXTLINE(bugprone-signed-char-misuse): a number, not a character
-                                   value = static_cast<std::int64_t>(number);
-                                   return true;
-                               }
-                           });
+        const bool whole = most_left(type) > 0 && to_integer(next(type), value);
         p_ += whole ? size_of(type) : 0;
         return whole;
     }
 
     template <class Value>
     bool number(NumberType type, Value& value) {
-        if (most_left(type) == 0) {
-            return false;
+        const bool is_there = most_left(type) > 0;
+        if (is_there) {
+            value = static_cast<Value>(next(type));
+            p_ += size_of(type);
         }
-        value = next_as<Value>(type);
-        p_ += size_of(type);
-        return true;
+        return is_there;
     }
 
     bool skip(NumberType type, std::uint64_t count) {
@@ -72,13 +63,14 @@ public:
             return "the end of the file";
         }
         std::array<char, 32> digits;  // the shortest that mean the number take at most 24
-        return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), next_as<double>(type)).ptr};
+        return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), next(type)).ptr};
     }
 
 private:
-    template <class Value>
-    Value next_as(NumberType type) const {
-        return with_type(type, [&](auto sample) { return static_cast<Value>(load_number<decltype(sample)>(p_, swapped_)); });
+    /// Exact, as PLY has no integers of 64 bits.
+    double next(NumberType type) const {
+        return with_type(type,
+                         [&](auto sample) { return static_cast<double>(load_number<decltype(sample)>(p_, swapped_)); });
     }
 
     const char* p_;
@@ -112,13 +104,17 @@ public:
         const bool negative = *p_ == '-';
         const char* const digits = p_ + (negative ? 1 : 0);
         std::uint64_t magnitude = 0;
-        const char* const p = read_digits(digits, end_, magnitude);
-        if (p == digits || p - digits > most_digits || (p != end_ && !is_space(*p))) {
-            return unusual_integer(value);
+        const char* p = read_digits(digits, end_, magnitude);
+        bool whole = p != digits && p - digits <= most_digits && (p == end_ || is_space(*p));
+        if (whole) {
+            value = negative ? -static_cast<std::int64_t>(magnitude) : static_cast<std::int64_t>(magnitude);
+        } else {  // "+3", "3.0", "3e0": what is declared a float may be a count or an index too
+            double number = 0;
+            p = p_;
+            whole = read_number(p, end_, number) == NumberText::read && to_integer(number, value);
         }
-        value = negative ? -static_cast<std::int64_t>(magnitude) : static_cast<std::int64_t>(magnitude);
-        p_ = p;
-        return true;
+        p_ = whole ? p : p_;
+        return whole;
     }
 
     template <class Value>
@@ -141,15 +137,6 @@ public:
     std::string found(NumberType) const { return word_at(skip_space(p_, end_), end_); }
 
 private:
-    /// "+3", "3.0", "3e0": what is declared a float may be a count or an index too.
-    bool unusual_integer(std::int64_t& value) {
-        const char* p = p_;
-        double number = 0;
-        const bool whole = read_number(p, end_, number) == NumberText::read && to_integer(number, value);
-        p_ = whole ? p : p_;
-        return whole;
-    }
-
     const char* p_;
     const char* end_;
 };
@@ -172,22 +159,12 @@ public:
     }
 
     /// Writes the coordinates of the row's vertex to `out`, as numbers of the type.
-    void vertex(Number type, std::byte* out) {
-        if (type == Number::f64) {
-            vertex_as<double>(out);
-        } else {
-            vertex_as<float>(out);
-        }
-    }
+    void vertex(Number type, std::byte* out) { type == Number::f64 ? vertex_as<double>(out) : vertex_as<float>(out); }
 
     /// The row's list of indices, each of one of `vertex_count` vertices or, in strips, strip_end.
     void indices(std::uint64_t vertex_count, std::vector<std::uint32_t>& list) {
         for (const PlyProperty& property : element_.properties) {
-            if (property.use == PlyUse::indices) {
-                index_list(property, vertex_count, list);
-            } else {
-                skip_property(property);
-            }
+            property.use == PlyUse::indices ? index_list(property, vertex_count, list) : skip_property(property);
         }
         ++row_;
     }
@@ -210,6 +187,12 @@ private:
         ++row_;
     }
 
+    void skip_property(const PlyProperty& property) {
+        if (!numbers_.skip(property.type, property.is_list ? list_count(property) : 1)) {
+            fail(property, "expected a number, found " + numbers_.found(property.type));
+        }
+    }
+
     std::uint64_t list_count(const PlyProperty& property) {
         numbers_.go_to_next();
         const char* const begin = numbers_.at();
@@ -223,12 +206,6 @@ private:
                                      : "the file ends within its list of " + std::to_string(count) + " numbers");
         }
         return static_cast<std::uint64_t>(count);
-    }
-
-    void skip_property(const PlyProperty& property) {
-        if (!numbers_.skip(property.type, property.is_list ? list_count(property) : 1)) {
-            fail(property, "expected a number, found " + numbers_.found(property.type));
-        }
     }
 
     void index_list(const PlyProperty& property, std::uint64_t vertex_count, std::vector<std::uint32_t>& list) {

@@ -1,7 +1,7 @@
 // STL, binary and ASCII. Which of the two a file is, is decided by its size and content, never by the word "solid" alone.
 
 #include "base/words.hpp"
-#include "io/read/stl/stl_ascii.hpp"
+#include "io/read/stated.hpp"
 
 namespace lamella {
 
@@ -66,92 +66,6 @@ bool is_ascii_with_nuls(const FileSource& file) {
                                   [](char a, char b) { return lower_case(a) == b; }) != sample.end();
 }
 
-/// True if NUL bytes in [begin, end) of `text` stand between words.
-bool are_between_words(std::string_view text, std::size_t begin, std::size_t end) {
-    return (begin == 0 || is_space(text[begin - 1])) && (end == text.size() || is_space(text[end]));
-}
-
-/// Writes spaces over the NUL bytes, and says so in a warning. An error where they are within words other than those of a
-/// name, as what they replace is then unknown.
-void blank_nuls(FileContents& file, std::vector<std::string>& warnings) {
-    const std::string_view text = file.whole;
-    const char* const text_end = text.data() + text.size();
-    Lookout lookout(file.source.parallel());
-    std::size_t count = 0;
-    std::size_t line_end = 0;
-    const char* word = nullptr;  // the line's first, or white space before it
-    const std::size_t first = text.find('\0');
-    for (std::size_t begin = first; begin != std::string_view::npos; begin = text.find('\0', begin)) {
-        const std::size_t end = std::min(text.find_first_not_of('\0', begin), text.size());
-        lookout.pass();
-        if (begin >= line_end) {
-            word = text.data() + (text.find_last_of("\r\n", begin) + 1);  // 0 where there is no line before
-            line_end = std::min(text.find_first_of("\r\n", begin), text.size());
-        }
-        word = skip_space(word, text_end);
-        const bool is_name = is_word<"solid">(word, text_end) || is_word<"endsolid">(word, text_end);
-        if (!is_name && !are_between_words(text, begin, end)) {
-            throw TextError{text.data() + begin, "a NUL byte within a word of an ASCII STL file: what stood there is lost"};
-        }
-        std::fill_n(file.bytes.data() + begin, end - begin, std::byte{' '});
-        count += end - begin;
-    }
-    warnings.push_back(file.source.name() + ": is an ASCII STL file with " + counted(count, "NUL byte") +
-                       ", read as spaces, the first in line " + std::to_string(line_of(text, first)));
-}
-
-void warn_of_departures(const FileContents& file, const AsciiFacets& facets, std::vector<std::string>& warnings) {
-    const std::string& name = file.source.name();
-    if (const LeftOut& odd = facets.departures.facets; odd.count > 0) {
-        warnings.push_back(name + ": read " + counted(odd.count, "facet") + " by the vertices alone" +
-                           first_line_words(odd, file.whole) + ": " + facets.departures.first_facet);
-    }
-    if (const LeftOut& lines = facets.departures.lines; lines.count > 0) {
-        warnings.push_back(name + ": ignored " + counted(lines.count, "line") + " between facets" +
-                           first_word_words(lines, file.whole));
-    }
-    if (facets.open_end != nullptr) {
-        const std::size_t line = line_of(file.text, static_cast<std::size_t>(facets.open_end - file.text.data()));
-        warnings.push_back(name + ": ends without 'endsolid' after line " + std::to_string(line) +
-                           ": what follows may have been cut off");
-    }
-}
-
-/// Beyond the sample, NUL bytes are looked for only where something is wrong.
-AsciiFacets facets_of(FileContents& file, std::vector<std::string>& warnings) {
-    const FileSource& source = file.source;
-    if (!is_text(source.sample())) {
-        blank_nuls(file, warnings);
-    }
-    try {
-        return parse_ascii_stl(file.text, source.memory(), source.parallel());
-    } catch (const TextError&) {
-        if (file.text.find('\0') == std::string_view::npos) {
-            throw;
-        }
-    }
-    blank_nuls(file, warnings);
-    return parse_ascii_stl(file.text, source.memory(), source.parallel());
-}
-
-void parse_ascii(FileContents& file, MeshFile& mesh) {
-    AsciiFacets facets = facets_of(file, mesh.warnings);
-    if (const LeftOut& lines = facets.departures.lines; facets.count == 0 && lines.count > 0) {
-        throw TextError{lines.first, "expected 'facet', 'solid' or 'endsolid', found " +
-                                         word_at(lines.first, file.whole.data() + file.whole.size())};
-    }
-    if (facets.count == 0) {
-        file.source.refuse(ErrorCode::empty_mesh, "holds no triangles");
-    }
-    mesh.bytes = std::move(facets.coordinates);
-    mesh.stride = 9 * sizeof(float);
-    mesh.triangle_count = facets.count;
-    mesh.text = true;
-    give_parts(facets.solids, false, file.source.name(), mesh);
-    give_stated_frame(file.text.substr(0, file.text.find_first_of("\r\n")), file.source, mesh);
-    warn_of_departures(file, facets, mesh.warnings);
-}
-
 }  // namespace
 
 bool looks_like_stl(const FileSource& source) {
@@ -161,7 +75,7 @@ bool looks_like_stl(const FileSource& source) {
 
 MeshFile read_stl(FileSource& source) {
     if (is_text(source.sample()) || is_ascii_with_nuls(source)) {
-        return read_contents(source, parse_ascii);
+        return read_contents(source, parse_ascii_stl);
     }
     MeshFile mesh = describe_binary_stl(source);
     mesh.bytes = source.take(header_bytes + record_bytes * mesh.triangle_count);

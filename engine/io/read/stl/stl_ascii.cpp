@@ -1,21 +1,85 @@
-#include "io/read/stl/stl_ascii.hpp"
-
+// STL as text, parsed in parallel. Any number of `solid NAME-TO-END-OF-LINE`, `endsolid NAME-TO-END-OF-LINE` and
+//
+//     facet normal N N N  outer loop  vertex X Y Z  vertex X Y Z  vertex X Y Z  endloop  endfacet
+//
+// in any case and with any white space between words. A name ends before its line does where a facet begins. Normals are
+// skipped. Departures from the grammar that leave no doubt about the vertices are read too.
+#include "base/words.hpp"
 #include "io/read/chunk_list.hpp"
+#include "io/read/stated.hpp"
 
 namespace lamella {
 
 namespace {
 
-// --- a facet
+/// A word of at most eight lower-case letters, compared as one integer.
+template <std::size_t N>
+struct Keyword {
+    static constexpr std::size_t length = N - 1;
+    static_assert(length >= 1 && length <= 8, "the word is held in 64 bits");
+    std::uint64_t letters = 0;
+    char text[N] = {};
 
-bool is_number_character(char c) {
-    return (c >= '0' && c <= '9') || c == '.' || c == '-' || c == '+' || c == 'e' || c == 'E';
+    consteval Keyword(const char (&word)[N]) {  // NOLINT(google-explicit-constructor): a template argument
+        for (std::size_t i = 0; i < length; ++i) {
+            letters |= static_cast<std::uint64_t>(word[i]) << (8 * i);
+            text[i] = word[i];
+        }
+    }
+};
+
+/// True if the text at `p` is `keyword`, in any case, and ends there.
+template <Keyword keyword>
+bool is_word(const char* p, const char* end) {
+    constexpr std::size_t length = keyword.length;
+    const auto left = static_cast<std::size_t>(end - p);
+    if (left < length) {
+        return false;
+    }
+    std::uint64_t letters = 0;
+    std::memcpy(&letters, p, left < 8 ? length : 8);
+    letters |= 0x2020202020202020;
+    return (letters ^ keyword.letters) << (8 * (8 - length)) == 0 && (left == length || is_space(p[length]));
+}
+
+template <Keyword... keywords>
+bool is_one_of(const char* p, const char* end) {
+    return (is_word<keywords>(p, end) || ...);
+}
+
+bool is_statement(const char* p, const char* end) {
+    return is_one_of<"facet", "solid", "endsolid">(p, end);
+}
+
+/// True if a facet goes on with the word at `p`.
+bool is_word_in_facet(const char* p, const char* end) {
+    return is_one_of<"normal", "outer", "loop", "vertex", "endloop", "endfacet">(p, end);
+}
+
+const char* next_word(const char* p, const char* end) {
+    return skip_space(skip_word(p, end), end);
+}
+
+/// True if a facet may begin at `p`, by two words: `facet` may be one of a name or of a comment.
+bool may_begin_facet(const char* p, const char* end) {
+    return is_word<"facet">(p, end) && is_one_of<"normal", "outer", "vertex">(next_word(p, end), end);
+}
+
+/// True if `facet normal N N N outer` begins at `p`: `facet normal` alone may be words of a name.
+bool begins_facet(const char* p, const char* end) {
+    if (!is_word<"facet">(p, end) || !is_word<"normal">(next_word(p, end), end)) {
+        return false;
+    }
+    for (int word = 0; word < 5; ++word) {
+        p = next_word(p, end);
+    }
+    return is_word<"outer">(p, end);
 }
 
 /// A component of a normal: digits, or how some C library spells what is not a number ("-nan(ind)", "1.#QNAN", "inf").
 /// Normals are not used, so they are not parsed.
 bool passes_for_number(std::string_view word) {
-    if (std::all_of(word.begin(), word.end(), is_number_character)) {
+    if (word.find_first_not_of("0123456789.-+eE") == std::string_view::npos) {
         return true;
     }
     const std::string lower = lower_case(word.substr(0, 16));
@@ -23,83 +87,51 @@ bool passes_for_number(std::string_view word) {
            lower.find(".#") != std::string::npos;
 }
 
-/// True if `facet normal N N N outer` begins at `p`: `facet normal` alone may be words of a name.
-bool begins_facet(const char* p, const char* end) {
-    if (!is_word<"facet">(p, end)) {
-        return false;
-    }
-    p = skip_space(skip_word(p, end), end);
-    if (!is_word<"normal">(p, end)) {
-        return false;
-    }
-    for (int word = 0; word < 4; ++word) {
-        p = skip_space(skip_word(p, end), end);
-    }
-    return is_word<"outer">(p, end);
-}
+constexpr std::size_t facet_bytes = 9 * sizeof(float);
 
-/// True if a facet goes on with the word at `p`.
-bool is_word_in_facet(const char* p, const char* end) {
-    return is_word<"normal">(p, end) || is_word<"outer">(p, end) || is_word<"loop">(p, end) || is_word<"vertex">(p, end) ||
-           is_word<"endloop">(p, end) || is_word<"endfacet">(p, end);
-}
+/// The facets of a piece of text.
+struct Facets {
+    ChunkList<std::byte, 16 * facet_bytes, 512 * facet_bytes> coordinates;
+    LeftOut odd{};  ///< with an unusable normal, or without a word other than `facet` and `vertex`, read all the same
+    std::string first_odd{};  ///< what is wrong with the first of them
+    LeftOut lines{};          ///< between facets, skipped
+    PartMarks solids{};
+    const char* open_end = nullptr;  ///< after the last statement, if that is not `endsolid`
 
-/// True if the text ends within the first word of a statement.
-bool is_cut_off(const char* p, const char* end) {
-    const std::string_view word(p, static_cast<std::size_t>(end - p));
-    return std::string_view("facet").starts_with(word) || std::string_view("endsolid").starts_with(word) ||
-           std::string_view("solid").starts_with(word);
-}
+    std::uint64_t count() const noexcept { return coordinates.size() / facet_bytes; }
+};
 
-bool is_statement(const char* p, const char* end) {
-    return is_word<"facet">(p, end) || is_word<"solid">(p, end) || is_word<"endsolid">(p, end);
-}
-
-/// True if a facet may begin at `p`, by two words: `facet` may be one of a name or of a comment.
-bool may_begin_facet(const char* p, const char* end) {
-    if (!is_word<"facet">(p, end)) {
-        return false;
-    }
-    p = skip_space(skip_word(p, end), end);
-    return is_word<"normal">(p, end) || is_word<"outer">(p, end) || is_word<"vertex">(p, end);
-}
-
-/// Reads facets from [begin, end) one after the other.
+/// Reads facets one after the other.
 class FacetParser {
 public:
-    FacetParser(const char* begin, const char* end, const Parallel& parallel) : p_(begin), end_(end), lookout_(parallel) {}
+    FacetParser(const char* begin, const char* end, const Parallel& parallel, Facets& facets)
+        : p_(begin), end_(end), lookout_(parallel), facets_(facets) {}
 
-    /// The nine coordinates of the next facet that begins before `stop`. False: there is none. Throws TextError.
-    bool next_facet(const char* stop, float* nine) {
+    /// All that begins before `stop`. Throws TextError.
+    void parse(const char* stop) {
         TextError skipped;  // the line right before
+        bool solid_ended = false;
+        const char* last_end = nullptr;
         for (p_ = skip_space(p_, end_); p_ < stop; p_ = skip_space(p_, end_)) {
             if (!is_statement(p_, end_)) {
                 other_line(skipped);
                 continue;
             }
             skipped = {};
-            solid_ended_ = is_word<"endsolid">(p_, end_);
+            solid_ended = is_word<"endsolid">(p_, end_);
             if (is_word<"facet">(p_, end_)) {
-                facet(nine);
-                ++facets_;
-                last_end_ = p_;
-                return true;
+                facet();
+            } else {
+                const char* const name = skip_word(p_, end_);
+                p_ = name_end();
+                if (!solid_ended) {
+                    add_mark(facets_.solids, facets_.count(), false, name, p_);
+                }
             }
-            const char* const name = skip_word(p_, end_);
-            p_ = last_end_ = name_end();
-            if (!solid_ended_) {
-                add_mark(solids_, facets_, false, name, p_);
-            }
+            last_end = p_;
         }
-        return false;
+        facets_.open_end = solid_ended ? nullptr : last_end;
     }
-
-    const StlDepartures& departures() const { return departures_; }
-    const PartMarks& solids() const { return solids_; }
-
-    /// True if the last statement was `endsolid`, and where the last one ended.
-    bool solid_ended() const { return solid_ended_; }
-    const char* last_end() const { return last_end_; }
 
 private:
     /// The end of the name after `solid` or `endsolid`: the line's end, or where a facet begins on the same line.
@@ -119,9 +151,12 @@ private:
     /// stands in the place of a facet's first line, which `skipped` then tells, or the file is cut off there.
     void other_line(TextError& skipped) {
         const char* const line_end = skip_line(p_, end_);
-        bool harmless = !is_word_in_facet(p_, end_) && !is_cut_off(p_, end_) &&
+        const std::string_view rest(p_, static_cast<std::size_t>(end_ - p_));
+        const bool is_cut_off = std::string_view("facet").starts_with(rest) || std::string_view("solid").starts_with(rest) ||
+                                std::string_view("endsolid").starts_with(rest);
+        bool harmless = !is_word_in_facet(p_, end_) && !is_cut_off &&
                         std::memchr(p_, '\0', static_cast<std::size_t>(line_end - p_)) == nullptr;
-        for (const char* p = p_; harmless && p < line_end; p = skip_space(skip_word(p, end_), end_)) {
+        for (const char* p = p_; harmless && p < line_end; p = next_word(p, end_)) {
             lookout_.pass();
             harmless = !may_begin_facet(p, end_);
         }
@@ -131,49 +166,49 @@ private:
         if (!harmless) {
             throw skipped;
         }
-        departures_.lines.add(p_);
+        facets_.lines.add(p_);
         p_ = line_end;
     }
 
     /// What the normal should be is skipped where it is none, as are words after `endloop`; `outer loop` and `endfacet` may
     /// be absent. The first of several departures is the one that is reported.
-    void facet(float* nine) {
+    void facet() {
         const char* const begin = p_ = skip_word(p_, end_);
         std::optional<TextError> departure;
-        const auto depart = [&](bool read_all_the_same) {
-            departure = departure ? departure : failure_;
-            if (!read_all_the_same) {
+        if (!normal() || !word<"outer">("after the normal") || !word<"loop">("after 'outer'")) {
+            departure = failure_;
+            p_ = begin;
+            if (!skip_to_vertex()) {
                 throw *departure;
             }
-        };
-        if (!normal() || !word<"outer">("after the normal") || !word<"loop">("after 'outer'")) {
-            p_ = begin;
-            depart(skip_to_vertex());
         }
+        float nine[9];
         if (!vertex(nine) || !vertex(nine + 3) || !vertex(nine + 6) || !word<"endloop">("after three vertices")) {
-            depart(false);
+            throw departure.value_or(failure_);
         }
         if (!word<"endfacet">("after 'endloop'")) {
-            depart(skip_to_end());
+            departure = departure.value_or(failure_);
+            if (!skip_to_end()) {
+                throw *departure;
+            }
         }
         if (departure) {
-            departures_.first_facet = departures_.facets.count == 0 ? departure->what : departures_.first_facet;
-            departures_.facets.add(departure->at);
+            facets_.first_odd = facets_.odd.count == 0 ? departure->what : facets_.first_odd;
+            facets_.odd.add(departure->at);
         }
+        std::memcpy(facets_.coordinates.room().data(), nine, sizeof nine);
+        facets_.coordinates.add(sizeof nine);
     }
 
     bool skip_to_vertex() {
-        for (int words = 0;; ++words) {
-            p_ = skip_space(p_, end_);
-            if (is_word<"vertex">(p_, end_)) {
-                return true;
-            }
-            if (words == most_words || is_statement(p_, end_) || is_word<"endloop">(p_, end_) ||
-                is_word<"endfacet">(p_, end_) || p_ == end_) {
+        p_ = skip_space(p_, end_);
+        for (int words = 0; words < most_words && p_ != end_ && !is_word<"vertex">(p_, end_); ++words) {
+            if (is_statement(p_, end_) || is_one_of<"endloop", "endfacet">(p_, end_)) {
                 return false;
             }
-            p_ = skip_word(p_, end_);
+            p_ = next_word(p_, end_);
         }
+        return is_word<"vertex">(p_, end_);
     }
 
     /// To the end of the facet, or where the next statement begins.
@@ -185,10 +220,12 @@ private:
                 p_ = ends ? skip_word(p_, end_) : p_;
                 return ends;
             }
-            p_ = skip_space(skip_word(p_, end_), end_);
+            p_ = next_word(p_, end_);
         }
         return is_statement(p_, end_);
     }
+
+    // What follows is read, or is the failure_.
 
     bool normal() {
         if (!word<"normal">("after 'facet'")) {
@@ -240,111 +277,134 @@ private:
     const char* p_;
     const char* end_;
     Lookout lookout_;
-    const char* last_end_ = nullptr;
-    bool solid_ended_ = false;
+    Facets& facets_;
     TextError failure_;
-    StlDepartures departures_;
-    PartMarks solids_;
-    std::uint64_t facets_ = 0;  // read so far
 };
 
-// --- all facets
-
-constexpr std::size_t facet_floats = 9;
-constexpr std::size_t facet_bytes = facet_floats * sizeof(float);
-
-/// True if [line, p) holds `solid` or `endsolid` as a word: what follows on the line is then a name.
-bool names_something(const char* line, const char* p) {
-    while ((line = skip_space(line, p)) != p) {
-        if (is_word<"solid">(line, p) || is_word<"endsolid">(line, p)) {
-            return true;
-        }
-        line = skip_word(line, p);
-    }
-    return false;
-}
-
-/// The first facet that begins at or after `from`, or `end`. `known` < from is the beginning of a facet or of the text: no
-/// name reaches across it, so the search back stops there and all cuts together take O(text).
-const char* next_facet(const char* known, const char* from, const char* end, const Parallel& parallel) {
-    for (const char* p = from; p != end; ++p) {
-        if ((p - from) % static_cast<std::ptrdiff_t>(text_piece_bytes) == 0) {
-            parallel.stop_if_asked();
-        }
-        if (!may_begin_facet(p, end) || !is_space(p[-1])) {
-            continue;
-        }
-        const char* line = p;
-        while (line != known && !ends_line(line[-1])) {
-            --line;
-        }
-        if (!names_something(line, p)) {
-            return p;
-        }
-        p = std::find_if(p, end, ends_line);
-        if (p == end) {
-            break;
-        }
-    }
-    return end;
-}
-
-/// Each piece begins with a facet (the first one: with the file) and ends where the next one begins.
-std::vector<TextPiece> cut_at_facets(std::string_view text, const Parallel& parallel) {
+/// Each piece but the first begins with a facet at the begin of a line, where no name reaches.
+std::vector<TextPiece> cut_at_facets(std::string_view text) {
     const char* const end = text.data() + text.size();
-    return cut_text(text, text_piece_bytes, [end, &parallel](const char* begin, const char* from) {
-        return next_facet(begin, from, end, parallel);
+    return cut_text(text, text_piece_bytes, [end](const char*, const char* p) {
+        do {
+            p = skip_space(skip_line(p, end), end);
+        } while (p != end && !may_begin_facet(p, end));
+        return p;
     });
 }
 
-/// The facets of a piece of text.
-struct FacetPiece {
-    ChunkList<std::byte, 16 * facet_bytes, 512 * facet_bytes> coordinates;
-    StlDepartures departures{};
-    PartMarks solids{};
-    const char* open_end = nullptr;  // after the last statement, if that is not `endsolid`
-};
-
-/// Parses what begins within the piece. Words are read to the end of the text, so that a cut never looks like the end.
-FacetPiece parse(const TextPiece& piece, const char* text_end, const Memory* memory, const Parallel& parallel) {
-    FacetParser parser(piece.begin(), text_end, parallel);
-    FacetPiece facets{ChunkList<std::byte, 16 * facet_bytes, 512 * facet_bytes>(memory)};
-    float facet[facet_floats];
-    while (parser.next_facet(piece.end(), facet)) {
-        std::memcpy(facets.coordinates.room().data(), facet, facet_bytes);
-        facets.coordinates.add(facet_bytes);
-    }
-    facets.departures = parser.departures();
-    facets.solids = parser.solids();
-    facets.open_end = parser.solid_ended() ? nullptr : parser.last_end();
+/// Words are read to the end of the text, so that a cut never looks like the end.
+std::vector<Facets> parse_facets(std::string_view text, const Parallel& parallel) {
+    const std::vector<TextPiece> pieces = cut_at_facets(text);
+    std::vector<Facets> facets(pieces.size());
+    parse_pieces(pieces.size(), parallel, [&](std::size_t i, int) {
+        Facets own{ChunkList<std::byte, 16 * facet_bytes, 512 * facet_bytes>(parallel.memory())};
+        FacetParser(pieces[i].begin(), text.data() + text.size(), parallel, own).parse(pieces[i].end());
+        facets[i] = std::move(own);
+    });
     return facets;
+}
+
+/// Writes spaces over the NUL bytes, and says so in a warning. An error where they are within words other than those of a
+/// name, as what they replace is then unknown.
+void blank_nuls(FileContents& file, std::vector<std::string>& warnings) {
+    const std::string_view text = file.whole;
+    const char* const text_end = text.data() + text.size();
+    Lookout lookout(file.source.parallel());
+    std::size_t count = 0;
+    std::size_t line_end = 0;
+    const char* word = nullptr;  // the line's first, or white space before it
+    const std::size_t first = text.find('\0');
+    for (std::size_t begin = first; begin != std::string_view::npos; begin = text.find('\0', begin)) {
+        const std::size_t end = std::min(text.find_first_not_of('\0', begin), text.size());
+        lookout.pass();
+        if (begin >= line_end) {
+            word = text.data() + (text.find_last_of("\r\n", begin) + 1);  // 0 where there is no line before
+            line_end = std::min(text.find_first_of("\r\n", begin), text.size());
+        }
+        word = skip_space(word, text_end);
+        const bool between = (begin == 0 || is_space(text[begin - 1])) && (end == text.size() || is_space(text[end]));
+        if (!between && !is_one_of<"solid", "endsolid">(word, text_end)) {
+            throw TextError{text.data() + begin, "a NUL byte within a word of an ASCII STL file: what stood there is lost"};
+        }
+        std::fill_n(file.bytes.data() + begin, end - begin, std::byte{' '});
+        count += end - begin;
+    }
+    warnings.push_back(file.source.name() + ": is an ASCII STL file with " + counted(count, "NUL byte") +
+                       ", read as spaces, the first in line " + std::to_string(line_of(text, first)));
+}
+
+/// Beyond the sample, NUL bytes are looked for only where something is wrong.
+std::vector<Facets> facets_of(FileContents& file, std::vector<std::string>& warnings) {
+    const FileSource& source = file.source;
+    if (is_text(source.sample())) {
+        try {
+            return parse_facets(file.text, source.parallel());
+        } catch (const TextError&) {
+            if (file.text.find('\0') == std::string_view::npos) {
+                throw;
+            }
+        }
+    }
+    blank_nuls(file, warnings);
+    return parse_facets(file.text, source.parallel());
+}
+
+void warn_of_departures(const FileContents& file, const std::vector<Facets>& facets, std::vector<std::string>& warnings) {
+    const std::string& name = file.source.name();
+    LeftOut odd;
+    LeftOut lines;
+    std::string first_odd;
+    for (const Facets& piece : facets) {
+        first_odd = odd.count == 0 ? piece.first_odd : first_odd;
+        odd.add(piece.odd);
+        lines.add(piece.lines);
+    }
+    if (odd.count > 0) {
+        warnings.push_back(name + ": read " + counted(odd.count, "facet") + " by the vertices alone" +
+                           first_line_words(odd, file.whole) + ": " + first_odd);
+    }
+    if (lines.count > 0) {
+        warnings.push_back(name + ": ignored " + counted(lines.count, "line") + " between facets" +
+                           first_word_words(lines, file.whole));
+    }
+    if (const char* const end = facets.back().open_end; end != nullptr) {
+        const std::size_t line = line_of(file.text, static_cast<std::size_t>(end - file.text.data()));
+        warnings.push_back(name + ": ends without 'endsolid' after line " + std::to_string(line) +
+                           ": what follows may have been cut off");
+    }
 }
 
 }  // namespace
 
-AsciiFacets parse_ascii_stl(std::string_view text, const Memory* memory, const Parallel& parallel) {
-    AsciiFacets facets{Array<std::byte>(memory), 0, {}, {}, nullptr};
-    const std::vector<TextPiece> pieces = cut_at_facets(text, parallel);
-    std::vector<FacetPiece> parsed(pieces.size());
-    parse_pieces(pieces.size(), parallel,
-                 [&](std::size_t i, int) { parsed[i] = parse(pieces[i], text.data() + text.size(), memory, parallel); });
-    std::vector<std::size_t> first;
-    first.reserve(parsed.size());
-    for (const FacetPiece& piece : parsed) {
-        add_marks(facets.solids, piece.solids, facets.count);
-        first.push_back(facets.count * facet_bytes);
-        facets.count += piece.coordinates.size() / facet_bytes;
-        facets.open_end = piece.open_end;
-        if (facets.departures.facets.count == 0) {
-            facets.departures.first_facet = piece.departures.first_facet;
-        }
-        facets.departures.facets.add(piece.departures.facets);
-        facets.departures.lines.add(piece.departures.lines);
+void parse_ascii_stl(FileContents& file, MeshFile& mesh) {
+    std::vector<Facets> facets = facets_of(file, mesh.warnings);
+    PartMarks solids;
+    std::vector<std::uint64_t> first;
+    first.reserve(facets.size());
+    for (const Facets& piece : facets) {
+        add_marks(solids, piece.solids, mesh.triangle_count);
+        first.push_back(mesh.triangle_count);
+        mesh.triangle_count += piece.count();
     }
-    facets.coordinates.resize_discarding(facets.count * facet_bytes);
-    parallel.run(parsed.size(),
-                 [&](std::size_t i, int) { parsed[i].coordinates.move_to(facets.coordinates.data() + first[i]); });
-    return facets;
+    if (mesh.triangle_count == 0) {
+        const auto odd =
+            std::find_if(facets.begin(), facets.end(), [](const Facets& piece) { return piece.lines.count > 0; });
+        if (odd != facets.end()) {
+            throw TextError{odd->lines.first, "expected 'facet', 'solid' or 'endsolid', found " +
+                                                  word_at(odd->lines.first, file.whole.data() + file.whole.size())};
+        }
+        file.source.refuse(ErrorCode::empty_mesh, "holds no triangles");
+    }
+    mesh.stride = facet_bytes;
+    mesh.text = true;
+    mesh.bytes = Array<std::byte>(file.source.memory());
+    mesh.bytes.resize_discarding(mesh.triangle_count * facet_bytes);
+    file.source.parallel().run(facets.size(), [&](std::size_t i, int) {
+        facets[i].coordinates.move_to(mesh.bytes.data() + first[i] * facet_bytes);
+    });
+    give_parts(solids, false, file.source.name(), mesh);
+    give_stated_frame(file.text.substr(0, file.text.find_first_of("\r\n")), file.source, mesh);
+    warn_of_departures(file, facets, mesh.warnings);
 }
 
 }  // namespace lamella

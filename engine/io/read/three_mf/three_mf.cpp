@@ -117,8 +117,16 @@ Part Model::part_of(const std::string& name) {
 
 namespace {
 
-/// Fills in `model`: the root part, found by the package's relationships, and all parts that it refers to.
-void read_model(ZipArchive& package, Model& model) {
+/// Fills in `model`: the root part, found by the package's relationships, and all parts that it refers to. Holds the file's
+/// bytes no longer than they are read. Returns when it had them.
+Clock::time_point load(FileSource& file, Model& model) {
+    // Bytes that the parts may expand to. Their text is not held, so that this bounds the time: real files compress by ten.
+    constexpr std::uint64_t largest_ratio = 32;
+    const std::uint64_t text_limit =
+        file.memory_limit() + largest_ratio * std::min(file.size(), std::numeric_limits<std::uint64_t>::max() / 128);
+    const Array<std::byte> bytes = file.take(file.size());
+    const Clock::time_point start = Clock::now();
+    ZipArchive package = ZipArchive::open(file, bytes.span(), text_limit);
     const std::string root = find_root(package, model);
     if (!package.contains(content_types)) {
         model.warnings.push_back("has no part '" + std::string(content_types) + "', as a 3MF package must");
@@ -128,52 +136,29 @@ void read_model(ZipArchive& package, Model& model) {
         read_part(package, model, part);
     }
     apply_settings(package, model);
-}
-
-}  // namespace
-
-}  // namespace three_mf
-
-namespace {
-
-/// Bytes that the parts of a file may expand to. Their text is not held, so that this bounds the time: real files compress
-/// by about ten.
-std::uint64_t text_limit(const FileSource& file) {
-    constexpr std::uint64_t largest_ratio = 32;
-    return file.memory_limit() + largest_ratio * std::min(file.size(), std::numeric_limits<std::uint64_t>::max() / 128);
-}
-
-void warn_of_other_bytes(std::uint64_t bytes, const char* where, three_mf::Model& model) {
-    if (bytes > 0) {
-        model.warnings.push_back("ignored " + std::to_string(bytes) + " bytes " + where + " the zip archive");
+    for (const auto& [count, where] :
+         {std::pair(package.bytes_before(), "before"), std::pair(package.bytes_after(), "after")}) {
+        if (count > 0) {
+            model.warnings.push_back("ignored " + std::to_string(count) + " bytes " + where + " the zip archive");
+        }
     }
-}
-
-/// Holds the file's bytes no longer than they are read. Returns when it had them.
-Clock::time_point load(FileSource& file, three_mf::Model& model) {
-    const Array<std::byte> bytes = file.take(file.size());
-    const Clock::time_point start = Clock::now();
-    ZipArchive package = ZipArchive::open(file, bytes.span(), text_limit(file));
-    three_mf::read_model(package, model);
-    warn_of_other_bytes(package.bytes_before(), "before", model);
-    warn_of_other_bytes(package.bytes_after(), "after", model);
     return start;
 }
 
-MeshFile build(const FileSource& file, three_mf::Model& model) {
+MeshFile build(const FileSource& file, Model& model) {
     if (model.items.empty()) {
         refuse_part(file, ErrorCode::empty_mesh, model.parts.front(), 0,
                     model.unprintable_items == 0 ? "has nothing in its build"
                                                  : "has nothing in its build but items marked as not printable");
     }
     MeshFile mesh;
-    std::vector<three_mf::Instance> instances;
-    three_mf::list_instances(model, file, instances, mesh.parts);
+    std::vector<Instance> instances;
+    list_instances(model, file, instances, mesh.parts);
     if (instances.empty()) {
         file.refuse(ErrorCode::empty_mesh,
                     mesh.parts.empty() ? "holds no triangles" : "holds nothing solid: " + model.warnings.back());
     }
-    three_mf::place(model, instances, file, mesh);
+    place(model, instances, file, mesh);
     mesh.text = true;
     mesh.mm_per_unit = model.mm_per_unit;
     mesh.states_unit = true;
@@ -185,14 +170,16 @@ MeshFile build(const FileSource& file, three_mf::Model& model) {
 
 }  // namespace
 
+}  // namespace three_mf
+
 bool looks_like_3mf(const FileSource& source) {
     return source.sample().starts_with(zip_magic);
 }
 
 MeshFile read_3mf(FileSource& source) {
     three_mf::Model model(source);
-    const Clock::time_point start = load(source, model);
-    MeshFile mesh = build(source, model);
+    const Clock::time_point start = three_mf::load(source, model);
+    MeshFile mesh = three_mf::build(source, model);
     mesh.parse_ms = milliseconds_since(start);
     return mesh;
 }

@@ -53,8 +53,13 @@ private:
         }
         const std::uint32_t index = found->second;
         const Object& object = model_.objects[index];
-        if (const std::string why = why_not_built(object, states_[index]); !why.empty()) {
-            refuse(reference, why);
+        const std::string name = "object " + std::to_string(object.id);
+        if (object.is_other) {
+            refuse(reference, "the build comes to " + name + " of type 'other', which is not to be built");
+        } else if (object.triangles.size() == 0 && object.components.empty() && !object.foreign.empty()) {
+            refuse(reference, name + " is made of " + object.foreign + ", which is not supported");
+        } else if (states_[index] == State::open) {
+            refuse(reference, name + " is a component of itself");
         }
         if (states_[index] == State::empty) {
             return;
@@ -67,17 +72,6 @@ private:
             states_[index] = State::open;
             open_.push_back({instance, 0, instances_.size()});
         }
-    }
-
-    static std::string why_not_built(const Object& object, State state) {
-        const std::string name = "object " + std::to_string(object.id);
-        if (object.is_other) {
-            return "the build comes to " + name + " of type 'other', which is not to be built";
-        }
-        if (object.triangles.size() == 0 && object.components.empty() && !object.foreign.empty()) {
-            return name + " is made of " + object.foreign + ", which is not supported";
-        }
-        return state == State::open ? name + " is a component of itself" : "";
     }
 
     /// Counts one more instance of the object.
@@ -183,44 +177,35 @@ void put_triangles(std::span<const Triangle> triangles, std::uint32_t first_vert
     }
 }
 
-/// Releases the meshes that the build does not reach.
-void release_unused(Model& model, const std::vector<Instance>& instances) {
-    auto next = instances.begin();
-    for (std::uint32_t index = 0; index < model.objects.size(); ++index) {
-        next = std::find_if(next, instances.end(), [index](const Instance& i) { return i.object >= index; });
-        if (next == instances.end() || next->object != index) {
-            model.objects[index].vertices = ChunkList<Vertex>();
-            model.objects[index].triangles = ChunkList<Triangle>();
+/// Calls put(chunk, instance, items before) for each chunk and instance, and releases the chunks, so that memory never holds
+/// the whole mesh twice.
+template <class T, class Put>
+void place_chunks(ChunkList<T>& list, std::size_t instances, const Parallel& parallel, Put put) {
+    Lookout lookout(parallel);
+    std::uint64_t done = 0;
+    for (std::size_t c = 0; c < list.chunk_count(); ++c) {
+        const std::span<const T> chunk = list.chunk(c);
+        for (std::size_t i = 0; i < instances; ++i) {
+            lookout.pass(chunk.size());
+            put(chunk, i, i * list.size() + done);
         }
+        done += chunk.size();
+        list.release(c);
     }
 }
 
-/// Appends the instances of one mesh to `mesh`, chunk by chunk, so that memory never holds the whole mesh twice.
+/// Appends the instances of one mesh to `mesh`.
 void place_object(Object& object, std::span<const Instance> instances, const Parallel& parallel, MeshFile& mesh) {
-    Lookout lookout(parallel);
-    std::uint64_t done = 0;
-    for (std::size_t c = 0; c < object.vertices.chunk_count(); ++c) {
-        const std::span<const Vertex> chunk = object.vertices.chunk(c);
-        for (std::size_t i = 0; i < instances.size(); ++i) {
-            lookout.pass(chunk.size());
-            const std::uint64_t first = mesh.vertex_count + i * object.vertices.size() + done;
-            put_vertices(chunk, instances[i].transform, mesh.bytes.data() + first * sizeof(Vertex));
-        }
-        done += chunk.size();
-        object.vertices.release(c);
-    }
-    done = 0;
-    for (std::size_t c = 0; c < object.triangles.chunk_count(); ++c) {
-        const std::span<const Triangle> chunk = object.triangles.chunk(c);
-        for (std::size_t i = 0; i < instances.size(); ++i) {
-            lookout.pass(chunk.size());
-            const std::uint64_t first = mesh.triangle_count + i * object.triangles.size() + done;
-            put_triangles(chunk, static_cast<std::uint32_t>(mesh.vertex_count + i * object.vertices.size()),
-                          instances[i].mirrored, mesh.indices.data() + 3 * first);
-        }
-        done += chunk.size();
-        object.triangles.release(c);
-    }
+    place_chunks(object.vertices, instances.size(), parallel,
+                 [&](std::span<const Vertex> chunk, std::size_t i, std::uint64_t before) {
+                     put_vertices(chunk, instances[i].transform,
+                                  mesh.bytes.data() + (mesh.vertex_count + before) * sizeof(Vertex));
+                 });
+    place_chunks(object.triangles, instances.size(), parallel,
+                 [&](std::span<const Triangle> chunk, std::size_t i, std::uint64_t before) {
+                     put_triangles(chunk, static_cast<std::uint32_t>(mesh.vertex_count + i * object.vertices.size()),
+                                   instances[i].mirrored, mesh.indices.data() + 3 * (mesh.triangle_count + before));
+                 });
     mesh.vertex_count += instances.size() * object.vertices.size();
     mesh.triangle_count += instances.size() * object.triangles.size();
 }
@@ -245,7 +230,6 @@ void place(Model& model, const std::vector<Instance>& instances, const FileSourc
         vertices += model.objects[instance.object].vertices.size();
         triangles += model.objects[instance.object].triangles.size();
     }
-    release_unused(model, instances);
     MemoryBudget budget(file);  // list_instances() has refused what it does not hold
     allocate_vertices(vertices, Number::f64, budget, file.memory(), mesh);
     mesh.vertex_count = 0;  // so far

@@ -112,23 +112,22 @@ private:
     /// By their ids. One mesh may be several components: each takes the next volume of that id.
     void label_components(Object& object) {
         if (object.components.empty()) {
-            relabel(object, components_.begin()->second.front());
+            return relabel(object, components_.begin()->second.front());
         }
-        std::set<std::uint32_t> unused;
-        for (const auto& [id, labels] : components_) {
-            unused.insert(id);
-        }
+        std::set<std::uint32_t> used;
         for (Reference& component : object.components) {
             if (const auto own = components_.find(component.id); own != components_.end()) {
                 component.label = model_.add_label(own->second.front());
-                unused.erase(component.id);
+                used.insert(component.id);
                 if (own->second.size() > 1) {
                     own->second.pop_front();
                 }
             }
         }
-        for (const std::uint32_t id : object.components.empty() ? std::set<std::uint32_t>() : unused) {
-            warn("settings of part " + std::to_string(id) + ", which object " + std::to_string(object.id) + " has not");
+        for (const auto& [id, labels] : components_) {
+            if (!used.contains(id)) {
+                warn("settings of part " + std::to_string(id) + ", which object " + std::to_string(object.id) + " has not");
+            }
         }
     }
 

@@ -2,14 +2,214 @@
 // skipped; reading ends where they begin, as they are last.
 
 #include "io/read/stated.hpp"
-#include "io/read/vtk/vtk_scanner.hpp"
+#include "io/read/vtk/vtk_file.hpp"
 
 namespace lamella {
 
 namespace {
 
+/// Words and lines, and arrays that are text or binary. Throws TextErrors. Messages of a text file name the line; in a
+/// binary one there are none to count.
+class VtkScanner {
+public:
+    explicit VtkScanner(VtkFile& file)
+        : file_(file), p_(without_byte_order_mark(file.text).data()), end_(file.text.data() + file.text.size()) {}
+
+    /// From here on all is binary, or else text.
+    void set_binary(bool binary) noexcept { binary_ = binary; }
+
+    /// The rest of the line; moves to the next line.
+    std::string_view line() {
+        const char* const begin = p_;
+        p_ = skip_line(p_, end_);
+        const std::string_view line(begin, static_cast<std::size_t>(p_ - begin));
+        const std::string_view rest(p_, static_cast<std::size_t>(end_ - p_));
+        p_ += rest.starts_with("\r\n") ? 2 : (rest.empty() ? 0 : 1);
+        return line;
+    }
+
+    /// The next word, which stays the next; empty at the end.
+    std::string_view peek() {
+        p_ = skip_space(p_, end_);
+        return {p_, static_cast<std::size_t>(skip_word(p_, end_) - p_)};
+    }
+
+    std::string_view word() {
+        const std::string_view word = peek();
+        p_ += word.size();
+        return word;
+    }
+
+    /// Skips the next word if it is `keyword`, in any case.
+    bool accept(std::string_view keyword) {
+        const std::string_view word = peek();
+        if (!is_keyword(word, keyword)) {
+            return false;
+        }
+        p_ += word.size();
+        return true;
+    }
+
+    /// Skips the next word, which must be `keyword`.
+    void require(std::string_view keyword, const std::string& what) {
+        if (!accept(keyword)) {
+            expected(what);
+        }
+    }
+
+    /// An integer that is not negative; `what` names it in messages.
+    std::uint64_t count(const std::string& what) {
+        const std::string_view digits = peek();
+        std::uint64_t value = 0;
+        if (!read_integer(digits, value)) {
+            expected("the number of " + what);
+        }
+        p_ += digits.size();
+        return value;
+    }
+
+    /// The name of a type, or of a type of integers.
+    NumberType type(bool of_integers = false) {
+        const std::string_view name = peek();
+        const std::optional<NumberType> found = type_named(name);
+        if (!found || (of_integers && !is_integer(*found))) {
+            expected(of_integers ? "a type of integers" : "a type of numbers");
+        }
+        p_ += name.size();
+        return *found;
+    }
+
+    /// The `count` numbers that follow. As text they are read as `as`: see read_words().
+    NumberArray numbers(std::uint64_t count, NumberType type, NumberType as, std::string_view name) {
+        return binary_ ? bytes(count, type, name) : read_words(file_, p_, end_, count, as, name);
+    }
+    void skip_numbers(std::uint64_t count, NumberType type, std::string_view name) {
+        if (binary_) {
+            bytes(count, type, name);
+        } else {
+            skip_words(file_, p_, end_, count, name);
+        }
+    }
+
+    /// Eight to a byte, or as words.
+    void skip_bits(std::uint64_t count, std::string_view name) {
+        skip_numbers(binary_ ? count / 8 + (count % 8 != 0 ? 1 : 0) : count, NumberType::uint8, name);
+    }
+
+    /// Skips strings, as text each on a line of its own, as bytes each after its length. Returns the last of them.
+    std::string_view strings(std::uint64_t count, std::string_view name) {
+        std::string_view last;
+        line();
+        Lookout lookout(file_.source.parallel());
+        for (; count > 0; --count) {
+            lookout.pass();
+            need(1, name);
+            last = binary_ ? binary_string(name) : line();
+        }
+        return last;
+    }
+
+    /// Throws an error at the next word.
+    [[noreturn]] void fail(const std::string& what) {
+        peek();
+        fail_here(what);
+    }
+
+    [[noreturn]] void expected(const std::string& what) {
+        peek();
+        fail_here("expected " + what + ", found " + word_at(p_, end_));
+    }
+
+private:
+    /// Besides "vtktype" before a name of VTP's. Sizes are those of 64-bit Unix where they depend on the machine; a
+    /// vtkIdType has 32 bits in these files, whatever it had in memory.
+    static constexpr std::array<std::pair<std::string_view, NumberType>, 12> type_names = {
+        {{"float", NumberType::float32},
+         {"double", NumberType::float64},
+         {"char", NumberType::int8},
+         {"signed_char", NumberType::int8},
+         {"unsigned_char", NumberType::uint8},
+         {"short", NumberType::int16},
+         {"unsigned_short", NumberType::uint16},
+         {"int", NumberType::int32},
+         {"unsigned_int", NumberType::uint32},
+         {"long", NumberType::int64},
+         {"unsigned_long", NumberType::uint64},
+         {"vtkidtype", NumberType::int32}}};
+
+    static std::optional<NumberType> type_named(std::string_view name) {
+        constexpr std::string_view prefix = "vtktype";
+        for (const auto& [known, type] : type_names) {
+            if (is_keyword(name, known)) {
+                return type;
+            }
+        }
+        for (std::size_t i = 0; i < vtk_type_names.size() && begins_in_any_case(name, prefix); ++i) {
+            if (is_keyword(name.substr(prefix.size()), vtk_type_names[i])) {
+                return static_cast<NumberType>(i);
+            }
+        }
+        return std::nullopt;
+    }
+
+    /// True if `word` is `keyword`, in any case.
+    static bool is_keyword(std::string_view word, std::string_view keyword) {
+        return std::equal(word.begin(), word.end(), keyword.begin(), keyword.end(),
+                          [](char a, char b) { return lower_case(a) == lower_case(b); });
+    }
+
+    [[noreturn]] void fail_here(const std::string& what) const { throw TextError{p_, what, !binary_}; }
+    /// Those that follow the end of the line.
+    NumberArray bytes(std::uint64_t count, NumberType type, std::string_view name) {
+        while (p_ != end_ && *p_ != '\n' && is_space(*p_)) {
+            ++p_;
+        }
+        if (p_ == end_ || *p_ != '\n') {
+            expected("the end of the line before the bytes of " + std::string(name));
+        }
+        ++p_;
+        const auto left = static_cast<std::uint64_t>(end_ - p_);
+        if (count > left / size_of(type)) {
+            fail_here("is truncated: expected " + std::to_string(count) + " numbers of " + std::string(name) + " at " +
+                      std::to_string(size_of(type)) + " bytes, found " + std::to_string(left) + " bytes");
+        }
+        const char* const first = p_;
+        p_ += count * size_of(type);
+        return {reinterpret_cast<const std::byte*>(first), count, type, true, NumberArray::Form::bytes, first};
+    }
+
+    /// The first two bits tell how many bytes the length has, of which they are part: 8, 4, 2 or 1.
+    std::string_view binary_string(std::string_view name) {
+        const std::uint64_t length_bytes = std::uint64_t{8} >> (static_cast<unsigned char>(*p_) >> 6);
+        need(length_bytes, name);
+        std::uint64_t length = static_cast<unsigned char>(*p_++) & 0x3F;
+        for (std::uint64_t i = 1; i < length_bytes; ++i) {
+            length = length << 8 | static_cast<unsigned char>(*p_++);
+        }
+        need(length, name);
+        const std::string_view string(p_, length);
+        p_ += length;
+        return string;
+    }
+
+    /// So many bytes of strings must be left.
+    void need(std::uint64_t bytes, std::string_view name) const {
+        if (static_cast<std::uint64_t>(end_ - p_) < bytes) {
+            fail_here("is truncated within the strings of " + std::string(name));
+        }
+    }
+
+    VtkFile& file_;
+    const char* p_;
+    const char* end_;
+    bool binary_ = false;
+};
+
 /// From this major version on, cells are offsets and connectivity; before, each cell's corners follow their number.
 constexpr int offsets_version = 5;
+
+constexpr std::string_view polygons = "POLYGONS";
+constexpr std::string_view strips = "TRIANGLE_STRIPS";
 
 /// The array from its second number on.
 NumberArray without_first(const VtkFile& file, NumberArray numbers) {
@@ -48,23 +248,17 @@ private:
         version();
         patient_frame_.read_header(scanner_.line());
         const bool binary = scanner_.accept("BINARY");
-        if (!binary && !scanner_.accept("ASCII")) {
-            scanner_.expected("'ASCII' or 'BINARY'");
+        if (!binary) {
+            scanner_.require("ASCII", "'ASCII' or 'BINARY'");
         }
-        if (!scanner_.accept("DATASET")) {
-            scanner_.expected("'DATASET'");
-        }
-        if (!scanner_.accept("POLYDATA")) {
-            scanner_.expected("'POLYDATA', the only kind of DATASET that is read");
-        }
+        scanner_.require("DATASET", "'DATASET'");
+        scanner_.require("POLYDATA", "'POLYDATA', the only kind of DATASET that is read");
         scanner_.set_binary(binary);
     }
 
     void version() {
         for (const std::string_view word : {"#", "VTK", "DATAFILE", "VERSION"}) {
-            if (!scanner_.accept(word)) {
-                scanner_.expected("'" + std::string(word) + "'");
-            }
+            scanner_.require(word, "'" + std::string(word) + "'");
         }
         const std::string_view number = scanner_.peek();
         const char* const end = number.data() + number.size();
@@ -81,15 +275,9 @@ private:
         if (scanner_.accept("POINTS")) {
             return point_section();
         }
-        if (scanner_.accept("POLYGONS")) {
-            return cells("POLYGONS", CellKind::polygons);
-        }
-        if (scanner_.accept("TRIANGLE_STRIPS")) {
-            return cells("TRIANGLE_STRIPS", CellKind::strips);
-        }
-        for (const char* name : {"VERTICES", "LINES"}) {
+        for (const std::string_view name : {polygons, strips, std::string_view("VERTICES"), std::string_view("LINES")}) {
             if (scanner_.accept(name)) {
-                return cells(name, std::nullopt);
+                return cells(name, name == polygons || name == strips);
             }
         }
         if (scanner_.accept("FIELD")) {
@@ -113,60 +301,52 @@ private:
         points_ = scanner_.numbers(3 * count, type, type == NumberType::float32 ? type : NumberType::float64, "POINTS");
     }
 
-    /// Without a kind the cells are skipped.
-    void cells(const std::string& name, std::optional<CellKind> kind) {
-        CellArray* array = nullptr;
-        if (kind) {
-            if (std::any_of(cells_.begin(), cells_.end(), [&](const CellArray& other) { return other.kind == *kind; })) {
-                scanner_.fail("expected one section " + name + ", found a second");
-            }
-            array = &cells_.emplace_back();
-            array->name = *kind == CellKind::polygons ? "POLYGONS" : "TRIANGLE_STRIPS";
-            array->kind = *kind;
+    /// They are skipped unless they are wanted.
+    void cells(std::string_view section, bool wanted) {
+        const std::string name(section);
+        CellArray array{.name = section,
+                        .kind = section == polygons ? CellKind::polygons : CellKind::strips,
+                        .counted = version_ < offsets_version};
+        if (std::any_of(cells_.begin(), cells_.end(), [&](const CellArray& other) { return other.name == section; })) {
+            scanner_.fail("expected one section " + name + ", found a second");
         }
-        const std::uint64_t cells = scanner_.count("cells of " + name);
-        const std::uint64_t numbers = scanner_.count("numbers of " + name);
-        if (version_ >= offsets_version) {
-            return ended_cells(array, cells, numbers, name);
+        array.cells = scanner_.count("cells of " + name);
+        const std::uint64_t corners = scanner_.count("numbers of " + name);
+        if (array.counted) {
+            array.corners = numbers(corners, NumberType::int32, NumberType::uint32, name, wanted);
+        } else if (array.cells > 0) {  // else there are neither cells nor any of the arrays
+            array.ends = integers("OFFSETS", array.cells, NumberType::uint64, name, wanted);
+            --array.cells;  // of which each but the first offset ends one
+            array.corners = integers("CONNECTIVITY", corners, NumberType::uint32, name, wanted);
         }
-        if (array == nullptr) {
-            return scanner_.skip_numbers(numbers, NumberType::int32, name);
+        if (wanted) {
+            cells_.push_back(std::move(array));
         }
-        array->cells = cells;
-        array->counted = true;
-        array->corners = scanner_.numbers(numbers, NumberType::int32, NumberType::uint32, name);
     }
 
-    void ended_cells(CellArray* array, std::uint64_t offsets, std::uint64_t corners, const std::string& name) {
-        if (offsets == 0) {
-            return;  // no cells, and neither of the arrays
-        }
-        NumberArray ends = integers("OFFSETS", offsets, NumberType::uint64, name, array == nullptr);
-        NumberArray connectivity = integers("CONNECTIVITY", corners, NumberType::uint32, name, array == nullptr);
-        if (array == nullptr) {
-            return;
+    /// An array after its keyword and type. Offsets are kept without the first.
+    NumberArray integers(std::string_view keyword, std::uint64_t count, NumberType as, const std::string& name,
+                         bool wanted) {
+        scanner_.require(keyword, "'" + std::string(keyword) + "' of " + name);
+        const NumberType type = scanner_.type(true);
+        NumberArray array = numbers(count, type, as, name, wanted);
+        if (!wanted || keyword != "OFFSETS") {
+            return array;
         }
         std::uint64_t first = 0;
-        decode_integers(ends, 0, 1, &first);
+        decode_integers(array, 0, 1, &first);
         if (first != 0) {
-            file_.fail_at(ends, 0, "the offsets of " + name + " do not begin with 0");
+            throw file_.error_at(array, 0, "the offsets of " + name + " do not begin with 0");
         }
-        array->cells = offsets - 1;
-        array->ends = without_first(file_, std::move(ends));
-        array->corners = std::move(connectivity);
+        return without_first(file_, std::move(array));
     }
 
-    /// An array after its keyword and type, which may be skipped.
-    NumberArray integers(std::string_view keyword, std::uint64_t count, NumberType as, const std::string& name, bool skip) {
-        if (!scanner_.accept(keyword)) {
-            scanner_.expected("'" + std::string(keyword) + "' of " + name);
+    NumberArray numbers(std::uint64_t count, NumberType type, NumberType as, const std::string& name, bool wanted) {
+        if (wanted) {
+            return scanner_.numbers(count, type, as, name);
         }
-        const NumberType type = scanner_.type(true);
-        if (skip) {
-            scanner_.skip_numbers(count, type, name);
-            return {};
-        }
-        return scanner_.numbers(count, type, as, name);
+        scanner_.skip_numbers(count, type, name);
+        return {};
     }
 
     void field() {

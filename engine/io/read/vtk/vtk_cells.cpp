@@ -1,6 +1,5 @@
-#include "io/read/vtk/vtk_file.hpp"
-
 #include "io/read/faces.hpp"
+#include "io/read/vtk/vtk_file.hpp"
 
 namespace lamella {
 
@@ -8,10 +7,15 @@ namespace {
 
 constexpr std::uint64_t triangle_bytes = 3 * sizeof(std::uint32_t);
 
+/// A number of a counted array.
+std::uint32_t word_of(const NumberArray& words, std::uint64_t index) {
+    return load_number<std::uint32_t>(words.data + index * sizeof(std::uint32_t), words.big_endian);
+}
+
 // --- The usual case: triangles only, which are copied and checked in one pass.
 
-constexpr std::size_t grain = std::size_t{1} << 14;  // cells
-constexpr std::uint64_t counted_numbers = 4;         // of a triangle in a counted array
+constexpr std::size_t cell_grain = std::size_t{1} << 14;
+constexpr std::uint64_t counted_numbers = 4;  // of a triangle in a counted array
 
 /// Writes three indices a cell. False: some cell has another number of corners, or a corner that is no point.
 template <bool big_endian>
@@ -31,8 +35,7 @@ bool copy_counted(const CellArray& array, std::uint64_t first, std::uint64_t cou
     return differences == 0 && *std::max_element(largest.begin(), largest.end()) < array.point_count;
 }
 
-/// True if these cells end after three corners each.
-bool end_after_three(const CellArray& array, std::uint64_t first, std::uint64_t count) {
+bool copy_ended(const CellArray& array, std::uint64_t first, std::uint64_t count, std::uint32_t* out) {
     std::array<std::uint64_t, 512> ends;
     std::uint64_t differences = 0;
     for (std::uint64_t done = 0; done < count; done += ends.size()) {
@@ -42,24 +45,13 @@ bool end_after_three(const CellArray& array, std::uint64_t first, std::uint64_t 
             differences |= ends[i] ^ 3 * (first + done + i + 1);
         }
     }
-    return differences == 0;
-}
-
-bool copy_ended(const CellArray& array, std::uint64_t first, std::uint64_t count, std::uint32_t* out) {
-    if (!end_after_three(array, first, count) ||
-        decode_indices(array.corners, 3 * first, 3 * count, out) >= array.point_count) {
-        return false;
-    }
-    if (array.first_point != 0) {
-        std::for_each(out, out + 3 * count, [&array](std::uint32_t& point) { point += array.first_point; });
-    }
-    return true;
+    return differences == 0 && decode_points(array, 3 * first, 3 * count, out);
 }
 
 bool copy_triangles(const CellArray& array, const Parallel& parallel, std::uint32_t* out) {
     const auto copy = !array.counted ? copy_ended : array.corners.big_endian ? copy_counted<true> : copy_counted<false>;
     std::atomic<bool> good{true};
-    parallel.run_ranges(array.cells, grain, [&](std::size_t begin, std::size_t end, int) {
+    parallel.run_ranges(array.cells, cell_grain, [&](std::size_t begin, std::size_t end, int) {
         if (good.load(std::memory_order_relaxed) && !copy(array, begin, end - begin, out + 3 * begin)) {
             good.store(false, std::memory_order_relaxed);
         }
@@ -99,176 +91,110 @@ bool copy_triangles(VtkFile& file, std::span<const CellArray> arrays, MeshFile& 
 
 // --- All other cells.
 
-/// Cells that one task reads.
-struct Block {
-    const CellArray* array = nullptr;
-    std::uint64_t first_cell = 0;
-    std::uint64_t cells = 0;
-    std::uint64_t first_number = 0;  ///< in the corners
-};
-
-/// Shares out the cells of an array, checked one after the other.
-class Plan {
+/// Reads the cells of an array one after the other, as each begins where the one before ends.
+class CellReader {
 public:
-    Plan(const CellArray& array, std::vector<Block>& blocks) : array_(array), blocks_(blocks) {}
+    CellReader(VtkFile& file, const CellArray& array)
+        : file_(file), array_(array), name_(array.name), lookout_(file.source.parallel()) {}
 
-    void add(std::uint64_t cell, std::uint64_t corners, std::uint64_t first_number) {
-        constexpr std::uint64_t most = std::uint64_t{1} << 15;  // numbers or cells, unless a single cell has more
-        if (cell == 0 || first_number - blocks_.back().first_number >= most || blocks_.back().cells >= most) {
-            blocks_.push_back({&array_, cell, 0, first_number});
+    /// Adds their faces to `lists`. Throws errors.
+    void read(std::vector<FaceList>& lists, MeshFile& mesh) {
+        constexpr std::uint64_t cells_a_list = 1 << 14;
+        std::uint64_t small = 0;
+        std::uint64_t first_small = 0;
+        for (std::uint64_t cell = 0; cell < array_.cells; ++cell) {
+            if (cell % cells_a_list == 0) {
+                lists.emplace_back(file_.budget, file_.source.memory());
+            }
+            const std::uint64_t count = array_.counted ? counted_corners(cell) : ended_corners(cell);
+            read_face(count, lists.back());
+            at_ += count;
+            if (count < 3 && small++ == 0) {
+                first_small = cell;
+            }
         }
-        ++blocks_.back().cells;
-        if (corners < 3 && without_area_++ == 0) {
-            first_without_area_ = cell;
+        if (at_ != array_.corners.count) {
+            const std::string count = std::to_string(at_);
+            const std::string all = std::to_string(array_.corners.count);
+            throw file_.error_at(
+                array_.corners, at_,
+                "the " + std::to_string(array_.cells) + " cells of " + name_ +
+                    (array_.counted ? " take " + count + " numbers, not the " + all + " counted"
+                                    : " have " + count + " corners, not the " + all + " of their connectivity"));
         }
-    }
-
-    void warn(const FileSource& source, MeshFile& mesh) const {
-        if (without_area_ > 0) {
-            mesh.warnings.push_back(source.name() + ": ignored " + std::to_string(without_area_) + " cells of " +
-                                    std::string(array_.name) + " with fewer than three corners, the first being cell " +
-                                    std::to_string(first_without_area_));
+        if (small > 0) {
+            mesh.warnings.push_back(file_.source.name() + ": ignored " + std::to_string(small) + " cells of " + name_ +
+                                    " with fewer than three corners, the first being cell " + std::to_string(first_small));
         }
     }
 
 private:
-    const CellArray& array_;
-    std::vector<Block>& blocks_;
-    std::uint64_t without_area_ = 0;
-    std::uint64_t first_without_area_ = 0;
-};
-
-/// A number of a counted array.
-std::uint32_t word_of(const NumberArray& words, std::uint64_t index) {
-    return load_number<std::uint32_t>(words.data + index * sizeof(std::uint32_t), words.big_endian);
-}
-
-std::string cell_name(const CellArray& array, std::uint64_t cell) {
-    return "cell " + std::to_string(cell) + " of " + std::string(array.name);
-}
-
-void plan_counted(const VtkFile& file, const CellArray& array, Plan& plan) {
-    const NumberArray& words = array.corners;
-    std::uint64_t at = 0;
-    Lookout lookout(file.source.parallel());
-    for (std::uint64_t cell = 0; cell < array.cells; ++cell) {
-        lookout.pass();
-        const std::uint64_t corners = at < words.count ? word_of(words, at) : 0;
-        if (at + corners >= words.count) {
-            file.fail_at(words, at,
-                         cell_name(array, cell) + " does not lie within the " + std::to_string(words.count) +
-                             " numbers that " + std::string(array.name) + " counts");
+    /// The number of the cell's corners, which are counted right before them: moves past it.
+    std::uint64_t counted_corners(std::uint64_t cell) {
+        const NumberArray& words = array_.corners;
+        const std::uint64_t count = at_ < words.count ? word_of(words, at_) : 0;
+        if (at_ + count >= words.count) {
+            throw file_.error_at(words, at_,
+                                 "cell " + std::to_string(cell) + " of " + name_ + " does not lie within the " +
+                                     std::to_string(words.count) + " numbers that " + name_ + " counts");
         }
-        plan.add(cell, corners, at);
-        at += 1 + corners;
+        ++at_;
+        return count;
     }
-    if (at != words.count) {
-        file.fail_at(words, at,
-                     "the " + std::to_string(array.cells) + " cells of " + std::string(array.name) + " take " +
-                         std::to_string(at) + " numbers, not the " + std::to_string(words.count) + " counted");
-    }
-}
 
-void plan_ended(const VtkFile& file, const CellArray& array, Plan& plan) {
-    std::array<std::uint64_t, 4096> ends;
-    std::uint64_t begin = 0;
-    for (std::uint64_t first = 0; first < array.cells; first += ends.size()) {
-        file.source.parallel().stop_if_asked();
-        const std::uint64_t count = std::min<std::uint64_t>(ends.size(), array.cells - first);
-        decode_integers(array.ends, first, count, ends.data());
-        for (std::uint64_t i = 0; i < count; ++i) {
-            if (ends[i] < begin || ends[i] > array.corners.count) {
-                file.fail_at(array.ends, first + i,
-                             cell_name(array, first + i) + " ends at " + std::to_string(static_cast<std::int64_t>(ends[i])) +
-                                 ", which is not from " + std::to_string(begin) + " to " +
-                                 std::to_string(array.corners.count));
-            }
-            plan.add(first + i, ends[i] - begin, begin);
-            begin = ends[i];
+    std::uint64_t ended_corners(std::uint64_t cell) {
+        if (cell % ends_.size() == 0) {
+            decode_integers(array_.ends, cell, std::min<std::uint64_t>(ends_.size(), array_.cells - cell), ends_.data());
         }
+        const std::uint64_t end = ends_[cell % ends_.size()];
+        if (end < at_ || end > array_.corners.count) {
+            throw file_.error_at(array_.ends, cell,
+                                 "cell " + std::to_string(cell) + " of " + name_ + " ends at " +
+                                     std::to_string(static_cast<std::int64_t>(end)) + ", which is not from " +
+                                     std::to_string(at_) + " to " + std::to_string(array_.corners.count));
+        }
+        return end - at_;
     }
-    if (begin != array.corners.count) {
-        file.fail_at(array.corners, begin,
-                     "the " + std::to_string(array.cells) + " cells of " + std::string(array.name) + " have " +
-                         std::to_string(begin) + " corners, not the " + std::to_string(array.corners.count) +
-                         " of their connectivity");
-    }
-}
 
-/// Calls use(first, count) for each cell of a block, whose corners are `count` numbers from `first` on.
-template <class Use>
-void for_cells(const CellArray& array, const Block& block, Use use) {
-    std::uint64_t at = block.first_number;
-    for (std::uint64_t cell = block.first_cell; cell < block.first_cell + block.cells; ++cell) {
-        std::uint64_t count = 0;
-        if (array.counted) {
-            count = word_of(array.corners, at++);
-        } else {
-            decode_integers(array.ends, cell, 1, &count);
-            count -= at;
+    /// Of so many corners from at_ on.
+    void read_face(std::uint64_t count, FaceList& faces) {
+        lookout_.pass(1 + count);
+        corners_.resize(count);
+        if (!decode_points(array_, at_, count, corners_.data())) {
+            refuse_point();
         }
-        use(at, count);
-        at += count;
-    }
-}
-
-/// Throws an error at a corner that `is_wrong`, one of `count` from `first` on.
-template <class IsWrong>
-[[noreturn]] void fail_at_corner(const VtkFile& file, const CellArray& array, std::uint64_t first, std::uint64_t count,
-                                 IsWrong is_wrong, const std::string& what) {
-    std::vector<std::uint64_t> points(count);
-    decode_integers(array.corners, first, count, points.data());
-    const auto found = std::find_if(points.begin(), points.end(), is_wrong);
-    file.fail_at(array.corners, first + static_cast<std::uint64_t>(found - points.begin()),
-                 "point " + std::to_string(static_cast<std::int64_t>(*found)) + " of " + std::string(array.name) + what);
-}
-
-void read_faces_of(const VtkFile& file, const Block& block, FaceList& faces) {
-    const CellArray& array = *block.array;
-    std::vector<std::uint32_t> corners;
-    for_cells(array, block, [&](std::uint64_t first, std::uint64_t count) {
-        corners.resize(count);
-        if (decode_indices(array.corners, first, count, corners.data()) >= array.point_count && count > 0) {
-            fail_at_corner(
-                file, array, first, count, [&array](std::uint64_t point) { return point >= array.point_count; },
-                " does not exist: there are " + std::to_string(array.point_count));
+        if (array_.kind == CellKind::polygons) {
+            return faces.add(corners_, at_);
         }
-        std::for_each(corners.begin(), corners.end(), [&array](std::uint32_t& point) { point += array.first_point; });
-        if (array.kind == CellKind::polygons) {
-            return faces.add(corners, first);
-        }
-        for (std::size_t i = 2; i < corners.size(); ++i) {
+        for (std::size_t i = 2; i < corners_.size(); ++i) {
             const std::size_t odd = i % 2;  // every other triangle is listed in reverse
-            faces.add(std::array{corners[i - 2 + odd], corners[i - 1 - odd], corners[i]}, first);
+            faces.add(std::array{corners_[i - 2 + odd], corners_[i - 1 - odd], corners_[i]}, at_);
         }
-    });
-}
-
-/// Throws the error of a face that cannot be cut.
-void refuse(const VtkFile& file, const CellArray& array, const RefusedFace& face) {
-    if (face.vertex) {
-        fail_at_corner(
-            file, array, face.place, face.corners,
-            [&](std::uint64_t point) { return point + array.first_point == *face.vertex; },
-            " has a coordinate that is not finite");
     }
-    file.fail_at(array.corners, face.place,
-                 "the polygon that begins here crosses itself too often to be cut into triangles");
-}
 
-std::vector<Block> make_blocks(const VtkFile& file, std::span<const CellArray> arrays, MeshFile& mesh) {
-    std::vector<Block> blocks;
-    for (const CellArray& array : arrays) {
-        Plan plan(array, blocks);
-        if (array.counted) {
-            plan_counted(file, array, plan);
-        } else {
-            plan_ended(file, array, plan);
+    /// The first from at_ on that does not exist.
+    [[noreturn]] void refuse_point() const {
+        std::uint64_t point = 0;
+        std::uint64_t index = at_;
+        for (;; ++index) {
+            decode_integers(array_.corners, index, 1, &point);
+            if (point >= array_.point_count) {
+                break;
+            }
         }
-        plan.warn(file.source, mesh);
+        throw file_.error_at(array_.corners, index,
+                             "point " + std::to_string(static_cast<std::int64_t>(point)) + " of " + name_ +
+                                 " does not exist: there are " + std::to_string(array_.point_count));
     }
-    return blocks;
-}
+
+    VtkFile& file_;
+    const CellArray& array_;
+    std::string name_;
+    Lookout lookout_;
+    std::uint64_t at_ = 0;  // in the array's corners
+    std::array<std::uint64_t, 512> ends_{};
+    std::vector<std::uint32_t> corners_;
+};
 
 }  // namespace
 
@@ -279,14 +205,18 @@ void cut_cells(VtkFile& file, std::span<const CellArray> arrays, MeshFile& mesh)
     if (mesh.vertex_count >= most_vertices) {
         file.source.refuse(ErrorCode::malformed_mesh, "has too many vertices to be numbered beside polygons");
     }
-    const std::vector<Block> blocks = make_blocks(file, arrays, mesh);
-    const Parallel& parallel = file.source.parallel();
-    std::vector<FaceList> lists = parse_faces(blocks.size(), file.budget, parallel, [&](std::size_t i, FaceList& faces) {
-        read_faces_of(file, blocks[i], faces);
-    });
+    std::vector<FaceList> lists;
+    std::vector<const CellArray*> array_of;  // of each list
+    for (const CellArray& array : arrays) {
+        CellReader(file, array).read(lists, mesh);
+        array_of.resize(lists.size(), &array);
+    }
     give_faces(
-        lists, coordinates_of(mesh), file.budget, parallel,
-        [&](std::size_t i, const RefusedFace& face) { refuse(file, *blocks[i].array, face); }, mesh);
+        lists, coordinates_of(mesh), file.budget, file.source.parallel(),
+        [&](std::size_t list, std::uint64_t place, const std::string& what) {
+            return file.error_at(array_of[list]->corners, place, what);
+        },
+        mesh);
     if (mesh.triangle_count == 0) {
         file.source.refuse(ErrorCode::empty_mesh, "holds no triangles");
     }

@@ -90,24 +90,23 @@ void read_run(const WordRun& run, const char* end, std::byte* storage, const Par
 
 /// Calls use(number), where number(i) is that of index first + i, in its type.
 template <class Use>
-void use_numbers(const NumberArray& numbers, std::uint64_t first, const Use& use) {
-    with_type(numbers.type, [&](auto sample) {
+auto use_numbers(const NumberArray& numbers, std::uint64_t first, const Use& use) {
+    return with_type(numbers.type, [&](auto sample) {
         using T = decltype(sample);
         const std::byte* const data = numbers.data + first * sizeof(T);
-        if (numbers.big_endian && sizeof(T) > 1) {
-            use([data](std::uint64_t i) { return load_number<T>(data + i * sizeof(T), true); });
-        } else {
-            use([data](std::uint64_t i) { return load_number<T>(data + i * sizeof(T), false); });
-        }
+        return numbers.big_endian && sizeof(T) > 1
+                   ? use([data](std::uint64_t i) { return load_number<T>(data + i * sizeof(T), true); })
+                   : use([data](std::uint64_t i) { return load_number<T>(data + i * sizeof(T), false); });
     });
 }
 
 template <class Out>
-void decode(const NumberArray& numbers, std::uint64_t first, std::uint64_t count, std::byte* out) {
+void decode(const NumberArray& numbers, std::uint64_t first, std::uint64_t count, void* to) {
     use_numbers(numbers, first, [&](auto number) {
-        for (std::uint64_t i = 0; i < count; ++i) {
-            const Out value = static_cast<Out>(number(i));
-            std::memcpy(out + i * sizeof(Out), &value, sizeof(Out));
+        auto* out = static_cast<std::byte*>(to);
+        for (std::uint64_t i = 0; i < count; ++i, out += sizeof(Out)) {
+            const Out value = static_cast<Out>(number(i));  // NOLINT(bugprone-signed-char-misuse): -1 stays -1
+            std::memcpy(out, &value, sizeof(Out));
         }
     });
 }
@@ -123,16 +122,16 @@ void convert_coordinates(const NumberArray& numbers, Number type, std::byte* out
 
 }  // namespace
 
-void VtkFile::fail_at(const NumberArray& numbers, std::uint64_t index, const std::string& what) const {
+TextError VtkFile::error_at(const NumberArray& numbers, std::uint64_t index, const std::string& what) const {
     switch (numbers.form) {
         case NumberArray::Form::text:
-            throw TextError{find_word(numbers.at, text.data() + text.size(), index), what};
+            return {find_word(numbers.at, text.data() + text.size(), index), what};
         case NumberArray::Form::bytes:
-            throw TextError{numbers.at + index * size_of(numbers.type), what, false};
+            return {numbers.at + index * size_of(numbers.type), what, false};
         case NumberArray::Form::encoded:
             break;
     }
-    throw TextError{numbers.at, "number " + std::to_string(index) + ": " + what};
+    return {numbers.at, "number " + std::to_string(index) + ": " + what};
 }
 
 // --- text
@@ -168,37 +167,20 @@ const char* find_word(const char* p, const char* end, std::uint64_t index) {
 // --- memory
 
 void decode_integers(const NumberArray& numbers, std::uint64_t first, std::uint64_t count, std::uint64_t* out) {
-    use_numbers(numbers, first, [&](auto number) {
-        for (std::uint64_t i = 0; i < count; ++i) {
-            out[i] = static_cast<std::uint64_t>(number(i));  // NOLINT(bugprone-signed-char-misuse): -1 stays -1
-        }
-    });
+    decode<std::uint64_t>(numbers, first, count, out);
 }
 
-std::uint64_t decode_indices(const NumberArray& numbers, std::uint64_t first, std::uint64_t count, std::uint32_t* out) {
-    std::uint64_t largest = 0;
-    use_numbers(numbers, first, [&](auto number) {
-        using Value = decltype(number(0));
-        // In the type's own width, so that vectors hold more of them; four, so that none waits for another.
-        std::array<Bits<Value>, 4> most{};
-        const auto decode_one = [&](std::uint64_t i, std::size_t lane) {
-            const Value value = number(i);
-            out[i] = static_cast<std::uint32_t>(value);  // NOLINT(bugprone-signed-char-misuse): -1 stays -1
-            most[lane] = std::max(most[lane], static_cast<Bits<Value>>(value));
-        };
-        std::uint64_t i = 0;
-        for (; i + most.size() <= count; i += most.size()) {
-            for (std::size_t lane = 0; lane < most.size(); ++lane) {
-                decode_one(i + lane, lane);
-            }
+bool decode_points(const CellArray& cells, std::uint64_t first, std::uint64_t count, std::uint32_t* out) {
+    return use_numbers(cells.corners, first, [&](auto number) {
+        bool exist = true;
+        for (std::uint64_t i = 0; i < count; ++i) {
+            const auto point =
+                static_cast<std::uint64_t>(number(i));  // NOLINT(bugprone-signed-char-misuse): -1 is too large
+            exist &= point < cells.point_count;
+            out[i] = static_cast<std::uint32_t>(point) + cells.first_point;
         }
-        for (; i < count; ++i) {
-            decode_one(i, 0);
-        }
-        const auto signed_most = static_cast<Value>(*std::max_element(most.begin(), most.end()));
-        largest = static_cast<std::uint64_t>(signed_most);  // NOLINT(bugprone-signed-char-misuse): -1 stays -1
+        return exist;
     });
-    return largest;
 }
 
 void give_points(VtkFile& file, std::span<NumberArray> arrays, MeshFile& mesh) {

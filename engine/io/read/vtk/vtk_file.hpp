@@ -6,6 +6,10 @@
 
 namespace lamella {
 
+/// Names of types in the order of NumberType.
+inline constexpr std::array<std::string_view, 10> vtk_type_names = {"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
+                                                                    "UInt32", "Int64", "UInt64", "Float32", "Float64"};
+
 struct NumberArray {
     /// How the numbers stand in the file.
     enum class Form : std::uint8_t {
@@ -29,8 +33,8 @@ struct VtkFile {
 
     std::uint64_t offset_of(const char* p) const noexcept { return static_cast<std::uint64_t>(p - text.data()); }
 
-    /// Throws a TextError at a number of an array.
-    [[noreturn]] void fail_at(const NumberArray& numbers, std::uint64_t index, const std::string& what) const;
+    /// An error at a number of an array.
+    TextError error_at(const NumberArray& numbers, std::uint64_t index, const std::string& what) const;
 
     FileSource& source;
     Array<std::byte>& bytes;  ///< from which the mesh may take points that stay where they are
@@ -55,9 +59,6 @@ const char* find_word(const char* p, const char* end, std::uint64_t index);
 /// Precondition: is_integer(numbers.type), and the range lies within.
 void decode_integers(const NumberArray& numbers, std::uint64_t first, std::uint64_t count, std::uint64_t* out);
 
-/// The same in 32 bits. Returns the largest in 64: if it does not fit, `out` does not hold what is in the array.
-std::uint64_t decode_indices(const NumberArray& numbers, std::uint64_t first, std::uint64_t count, std::uint32_t* out);
-
 /// Gives `mesh` the vertices of all `arrays`, in their order; those of one may stay where they are in the file.
 void give_points(VtkFile& file, std::span<NumberArray> arrays, MeshFile& mesh);
 
@@ -79,6 +80,9 @@ struct CellArray {
     std::uint32_t first_point = 0;  ///< of those that the corners count from, in the mesh
     std::uint32_t point_count = 0;
 };
+
+/// The corners [first, first + count) as vertices of the mesh. False: one of them does not exist.
+bool decode_points(const CellArray& cells, std::uint64_t first, std::uint64_t count, std::uint32_t* out);
 
 /// Gives `mesh`, which has its vertices, the triangles of all `arrays`, in their order. Warns of cells without an area.
 /// Throws errors. Memory: the indices, and little else unless there are polygons of millions of corners.

@@ -1,4 +1,4 @@
-#include "io/read/vtk/vtp_document.hpp"
+#include "io/read/vtk/vtp_data.hpp"
 
 #include <zlib.h>
 
@@ -32,20 +32,16 @@ std::uint32_t value_of(char letter) {
     return values[static_cast<unsigned char>(letter)];
 }
 
-/// Six bits each of four letters, the first being the highest; 2^24 and more if one is no base64.
-std::uint32_t bits_of(const char* letters) {
+/// Writes the three bytes that four letters are. False: one is no base64.
+bool decode_four(const char* letters, std::byte* out) {
     const std::uint32_t a = value_of(letters[0]);
     const std::uint32_t b = value_of(letters[1]);
     const std::uint32_t c = value_of(letters[2]);
     const std::uint32_t d = value_of(letters[3]);
-    const std::uint32_t invalid = (a | b | c | d) & 0x80;
-    return invalid << 24 | a << 18 | b << 12 | c << 6 | d;
-}
-
-void put(std::uint32_t bits, std::byte* out) {
-    out[0] = static_cast<std::byte>(bits >> 16);
-    out[1] = static_cast<std::byte>(bits >> 8);
-    out[2] = static_cast<std::byte>(bits);
+    out[0] = static_cast<std::byte>(a << 2 | b >> 4);
+    out[1] = static_cast<std::byte>(b << 4 | c >> 2);
+    out[2] = static_cast<std::byte>(c << 6 | d);
+    return ((a | b | c | d) & 0x80) == 0;
 }
 
 /// Decodes four letters with white space between them, of which the last one or two may be padding, and moves `p` past them.
@@ -57,13 +53,12 @@ std::size_t decode_quad(const char*& p, const char* end, std::byte* out) {
         p = skip_space(p, end);
         const bool pads = p != end && *p == '=' && i >= 2;
         padding += pads ? 1 : 0;
-        if (p == end || (!pads && (value_of(*p) == no_letter || padding > 0))) {
+        if (p == end || (!pads && padding > 0)) {
             return 0;
         }
         letters[i] = pads ? 'A' : *p;
     }
-    put(bits_of(letters.data()), out);
-    return 3 - padding;
+    return decode_four(letters.data(), out) ? 3 - padding : 0;
 }
 
 /// Fills `out` from the begin of `text`, which may hold several runs, each padded by '=', and white space anywhere. False:
@@ -74,8 +69,8 @@ bool decode_base64(std::string_view text, std::span<std::byte> out, const Parall
     while (!out.empty()) {
         parallel.stop_if_asked();
         std::size_t quads = std::min({out.size() / 3, static_cast<std::size_t>(end - p) / 4, std::size_t{1} << 18});
-        for (; quads > 0 && bits_of(p) >> 24 == 0; --quads, p += 4, out = out.subspan(3)) {
-            put(bits_of(p), out.data());
+        for (; quads > 0 && decode_four(p, out.data()); --quads, p += 4) {
+            out = out.subspan(3);
         }
         std::array<std::byte, 3> three{};
         const std::size_t count = out.empty() ? 0 : std::min(out.size(), decode_quad(p, end, three.data()));
@@ -137,6 +132,8 @@ public:
     }
 
 private:
+    static constexpr std::uint64_t wide = sizeof(std::uint64_t);
+
     const std::byte* read_plain(std::uint64_t total) {
         const std::uint64_t counted = header(1).front();
         if (counted != total) {
@@ -156,12 +153,11 @@ private:
         }
         Array<std::byte> decoded(file_.source.memory());
         const std::byte* const packed = bytes((3 + blocks.ends.size()) * form_.header_bytes, blocks.ends.back(), decoded);
-        narrow_ = inflate_narrow(blocks, packed);
-        if (!narrow_) {
-            file_.budget.take(total, 1);
-            storage_.resize_discarding(total);
-            inflate(blocks, packed);
-        }
+        // Integers of 64 bits compress so well that they would exceed the memory limit of a small file.
+        narrow_ = is_integer(array_.type) && size_of(array_.type) == wide && blocks.bytes % wide == 0 &&
+                  blocks.last_bytes % wide == 0;
+        storage_.resize_discarding(taken(narrow_ ? total / 2 : total));
+        inflate(blocks, packed);
         file_.budget.give_back(decoded.size());
         return storage_.data();
     }
@@ -175,8 +171,7 @@ private:
         if (!is_base64_) {
             return reinterpret_cast<const std::byte*>(text_.data() + begin);
         }
-        file_.budget.take(begin + count, 1);
-        decoded.resize_discarding(begin + count);
+        decoded.resize_discarding(taken(begin + count));
         if (!decode_base64(text_, decoded.span(), file_.source.parallel())) {
             fail_at_end();
         }
@@ -216,59 +211,48 @@ private:
         return blocks;
     }
 
-    /// Holds integers of 64 bits in 32 if all fit, as they nearly always do: they compress so well that they would exceed
-    /// the memory limit of a small file. False: they do not fit or are damaged, and nothing is held.
-    bool inflate_narrow(const Blocks& blocks, const std::byte* packed) {
-        constexpr std::uint64_t wide = sizeof(std::uint64_t);
-        constexpr std::uint64_t most_bytes = std::uint64_t{1} << 20;  // of a block, which each thread holds one of
-        const std::uint64_t count = ((blocks.ends.size() - 1) * blocks.bytes + blocks.last_bytes) / wide;
-        if (!is_integer(array_.type) || size_of(array_.type) != wide || blocks.bytes % wide != 0 ||
-            blocks.last_bytes % wide != 0 || std::max(blocks.bytes, blocks.last_bytes) > most_bytes ||
-            !file_.budget.try_take(count, sizeof(std::uint32_t))) {
-            return false;
-        }
-        storage_.resize_discarding(count * sizeof(std::uint32_t));
-        auto* const out = reinterpret_cast<std::uint32_t*>(storage_.data());
-        const Parallel& parallel = file_.source.parallel();
-        std::vector<std::vector<std::byte>> rooms(static_cast<std::size_t>(parallel.threads()));
-        std::atomic<bool> good{true};
-        parallel.run(blocks.ends.size(), [&](std::size_t i, int worker) {
-            std::vector<std::byte>& room = rooms[static_cast<std::size_t>(worker)];
-            room.resize(std::max(blocks.bytes, blocks.last_bytes));
-            const std::uint64_t numbers = (i + 1 == blocks.ends.size() ? blocks.last_bytes : blocks.bytes) / wide;
-            const NumberArray block{room.data(), numbers, array_.type, form_.big_endian};
-            if (!good.load(std::memory_order_relaxed) || inflate_block(blocks, i, packed, room.data()) != Z_OK ||
-                decode_indices(block, 0, numbers, out + i * blocks.bytes / wide) >
-                    std::numeric_limits<std::uint32_t>::max()) {
-                good.store(false, std::memory_order_relaxed);
-            }
-        });
-        if (!good) {
-            storage_ = Array<std::byte>(file_.source.memory());
-            file_.budget.give_back(count * sizeof(std::uint32_t));
-        }
-        return good;
-    }
-
     void inflate(const Blocks& blocks, const std::byte* packed) {
-        parse_pieces(blocks.ends.size(), file_.source.parallel(), [&](std::size_t i, int) {
-            const int answer = inflate_block(blocks, i, packed, storage_.data() + i * blocks.bytes);
+        const std::size_t count = blocks.ends.size();
+        const Parallel& parallel = file_.source.parallel();
+        const std::uint64_t room_bytes = narrow_ ? std::max(blocks.bytes, blocks.last_bytes) : 0;
+        const std::uint64_t rooms_bytes = taken(room_bytes * parallel.workers_for(count));
+        std::vector<std::vector<std::byte>> rooms(static_cast<std::size_t>(parallel.threads()));
+        parse_pieces(count, parallel, [&](std::size_t i, int worker) {
+            std::vector<std::byte>& room = rooms[static_cast<std::size_t>(worker)];
+            room.resize(room_bytes);
+            const std::uint64_t wanted = i + 1 == count ? blocks.last_bytes : blocks.bytes;
+            const std::uint64_t begin = i == 0 ? 0 : blocks.ends[i - 1];
+            std::byte* const out = narrow_ ? room.data() : storage_.data() + i * blocks.bytes;
+            uLongf got = wanted;
+            const int answer = uncompress(reinterpret_cast<Bytef*>(out), &got,
+                                          reinterpret_cast<const Bytef*>(packed + begin), blocks.ends[i] - begin);
             if (answer == Z_MEM_ERROR) {
                 throw std::bad_alloc();
             }
-            if (answer != Z_OK) {
+            if (answer != Z_OK || got != wanted) {
                 fail("is damaged: its compressed block " + std::to_string(i) + " does not expand to what is counted");
             }
+            if (narrow_) {
+                narrow(out, wanted / wide, storage_.data() + i * blocks.bytes / 2);
+            }
         });
+        file_.budget.give_back(rooms_bytes);
     }
 
-    int inflate_block(const Blocks& blocks, std::size_t block, const std::byte* packed, std::byte* out) const {
-        const std::uint64_t begin = block == 0 ? 0 : blocks.ends[block - 1];
-        const std::uint64_t wanted = block + 1 == blocks.ends.size() ? blocks.last_bytes : blocks.bytes;
-        uLongf got = wanted;
-        const int answer = uncompress(reinterpret_cast<Bytef*>(out), &got, reinterpret_cast<const Bytef*>(packed + begin),
-                                      blocks.ends[block] - begin);
-        return answer == Z_OK && got != wanted ? Z_DATA_ERROR : answer;
+    /// Integers that do not fit become the largest of 32 bits, which is no vertex and ends no cell.
+    void narrow(const std::byte* from, std::uint64_t count, std::byte* to) const {
+        constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();
+        for (std::uint64_t i = 0; i < count; ++i) {
+            const auto value = load_number<std::uint64_t>(from + i * wide, form_.big_endian);
+            const auto narrow = static_cast<std::uint32_t>(std::min(value, most));
+            std::memcpy(to + i * sizeof narrow, &narrow, sizeof narrow);
+        }
+    }
+
+    /// Counts bytes that are about to be allocated.
+    std::uint64_t taken(std::uint64_t bytes) const {
+        file_.budget.take(bytes, 1);
+        return bytes;
     }
 
     [[noreturn]] void fail(const std::string& what) const {

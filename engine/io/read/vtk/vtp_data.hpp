@@ -1,11 +1,8 @@
-// A VTP file: the XML says which pieces it has, and where their arrays are. Arrays are stored as decimals, or as bytes that
-// are raw, in base64 or compressed, where their element is or appended to the document.
+// The arrays of a VTP file: decimals, or bytes that are raw, in base64 or compressed, where their element is or appended to
+// the document.
 #pragma once
 
-#include <deque>
-
 #include "io/read/vtk/vtk_file.hpp"
-#include "io/xml/xml.hpp"
 
 namespace lamella {
 
@@ -28,31 +25,6 @@ struct VtpForm {
     bool appended_as_base64 = true;  ///< else raw
     std::string_view appended;       ///< the appended data, after their underscore
 };
-
-/// Polygons or strips.
-struct VtpCells {
-    std::uint64_t count = 0;
-    std::optional<VtpArray> connectivity;
-    std::optional<VtpArray> offsets;
-};
-
-struct VtpPiece {
-    const char* element = nullptr;  ///< where in the file it begins
-    std::uint64_t point_count = 0;
-    std::optional<VtpArray> points;
-    VtpCells polygons;
-    VtpCells strips;
-};
-
-struct VtpDocument {
-    VtpForm form;
-    std::deque<VtpPiece> pieces;
-    std::optional<XmlUnboundName> unbound_name;
-    std::optional<VtpArray> space;  ///< the string of that name among the field data, as 3D Slicer writes it
-};
-
-/// Reads the document up to the appended data, which are no XML. Throws errors.
-VtpDocument read_vtp_document(VtkFile& file);
 
 /// The numbers of `array`, which must be `count`. Decimals are read as `as`: see read_words(). Throws errors.
 NumberArray load_array(VtkFile& file, const VtpForm& form, const VtpArray& array, std::uint64_t count, NumberType as);

@@ -4,7 +4,6 @@
 #include <iterator>
 #include <limits>
 #include <map>
-#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,7 +20,6 @@ using lamella::MeshView;
 using lamella::Number;
 using lamella::SliceOptions;
 using lamella::SliceResult;
-using lamella::StitchDirection;
 using shapes::octasphere;
 
 namespace {
@@ -63,36 +61,10 @@ std::map<std::string, SliceOptions> asked_of(const shapes::Soup& mesh) {
     return asked;
 }
 
-/// Overlapping balls, one in four inside out.
-shapes::Soup tangle_of_balls() {
-    std::mt19937 random(4);
-    const auto place = [&] { return static_cast<double>(random() % 4000) / 1000.0; };
-    shapes::Soup soup;
-    for (int i = 0; i < 12; ++i) {
-        const shapes::Soup ball = octasphere({place(), place(), place()}, 2, 2);
-        shapes::append(soup, i % 4 == 3 ? shapes::flipped(ball) : ball);
-    }
-    return soup;
-}
-
-/// A ball that lacks some of its facets; with `turned`, a third of the others is turned round.
-shapes::Soup torn_ball(int lost, bool turned) {
-    shapes::Soup soup = octasphere({0, 0, 0}, 10, 4);
-    std::mt19937 random(8);
-    for (; lost > 0; --lost) {
-        soup = shapes::without(soup, random() % (soup.size() / 9), 1);
-    }
-    for (std::size_t t = 0; turned && t < soup.size() / 9; ++t) {
-        if (random() % 3 == 0) {
-            std::swap_ranges(&soup[9 * t], &soup[9 * t] + 3, &soup[9 * t] + 3);
-        }
-    }
-    return soup;
-}
-
 std::vector<Question> questions() {
     std::vector<Question> all;
-    for (const auto& [name, mesh] : shape_cases::meshes()) {
+    const std::map<std::string, shapes::Soup> meshes = shape_cases::meshes();
+    for (const auto& [name, mesh] : meshes) {
         for (const auto& [option, options] : asked_of(mesh)) {
             all.push_back({name + ", " + option, mesh, options});
         }
@@ -112,13 +84,8 @@ std::vector<Question> questions() {
              .fill_from = {{5, FillRule::outermost}, {20, FillRule::even_odd}, {33, FillRule::contours}}}}) {
         all.push_back({"bodies", bodies, {.layer_height_mm = 0.3, .region = rules}, true});
     }
-    const shapes::Soup balls = tangle_of_balls();
     for (const FillRule rule : {FillRule::even_odd, united, FillRule::positive}) {
-        all.push_back({"balls", balls, {.layer_height_mm = 0.05, .region = {.fill_rule = rule}}, true});
-    }
-    for (const LayerContent content : {LayerContent::upward_faces, LayerContent::downward_faces}) {
-        all.push_back({"faces", balls, {.layer_height_mm = 0.3, .content = content}});
-        all.push_back({"torn faces", torn_ball(60, true), {.layer_height_mm = 40, .content = content}});
+        all.push_back({"filled", meshes.at("tetrahedra"), {.layer_height_mm = 0.05, .region = {.fill_rule = rule}}, true});
     }
     const shapes::Soup ball = octasphere({0, 0, 0}, 5, 1);
     const shapes::Soup tangle = shapes::random_tetrahedra(3, 6, 4);
@@ -127,13 +94,11 @@ std::vector<Question> questions() {
                                          shapes::joined({tangle, tangle, shapes::flipped(tangle), tangle})}) {
         all.push_back({"repeated triangles", repeated, uniform(0.25)});
     }
-    for (const StitchDirection direction : {StitchDirection::oriented, StitchDirection::any}) {
-        const bool any = direction == StitchDirection::any;
-        all.push_back({"gaps",
-                       torn_ball(any ? 120 : 60, any),
-                       {.layer_height_mm = 0.05, .stitch_mm = 1, .stitch_direction = direction},
-                       true});
-    }
+    all.push_back({"torn", meshes.at("torn ball"), {.layer_height_mm = 0.05, .stitch_mm = 1}, true});
+    all.push_back({"gaps in any direction",
+                   meshes.at("tangle"),
+                   {.layer_height_mm = 0.05, .stitch_mm = 1, .stitch_direction = lamella::StitchDirection::any},
+                   true});
     return all;
 }
 

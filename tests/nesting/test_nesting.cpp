@@ -82,6 +82,7 @@ void check_against_oracle(const Layer& layer) {
     std::vector<NestItem> items = items_of(layer);
     nester.nest(items);
     std::vector<Answer> answers;
+    answers.reserve(items.size());
     for (const NestItem& item : items) {
         answers.emplace_back(item.parent, item.role, item.orientation, item.flags, item.reverse);
     }

@@ -6,7 +6,6 @@
 #include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
 #include "slicing/tuning.hpp"
-#include "soup.hpp"
 
 using namespace lamella;
 

@@ -7,7 +7,6 @@
 #include "bytes.hpp"
 #include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
-#include "soup.hpp"
 
 using namespace lamella;
 using fuzz::Corner;

@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <vector>
 
 #include "bytes.hpp"
+#include "temp_folder.hpp"
 
 namespace {
 
@@ -22,13 +20,6 @@ std::vector<fs::path> files_in(const fs::path& path) {
     return files;
 }
 
-void replay(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    const std::vector<char> bytes(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>{});
-    fuzz::require(!stream.bad() && stream.is_open(), "the corpus can be read: " + file.string());
-    (void)LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
-}
-
 }  // namespace
 
 int main(int count, char** words) {
@@ -37,7 +28,9 @@ int main(int count, char** words) {
         for (const fs::path& file : files_in(words[i])) {
             // Printed before the run: after a failure, the last name is the input that failed.
             (void)std::fprintf(stderr, "%s\n", file.c_str());
-            replay(file);
+            fuzz::require(fs::is_regular_file(file), "the corpus can be read");
+            const std::string bytes = bytes_of(file);
+            (void)LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
             ++replayed;
         }
     }

@@ -12,17 +12,13 @@ using lamella::SliceResult;
 
 namespace {
 
-Hash& add_point(Hash& hash, lamella::Point point) {
-    return hash.integer(point.x).integer(point.y);
-}
-
 std::uint64_t hash_of_shapes(const SliceResult& result) {
     Hash hash;
     for (const lamella::Layer& layer : result.layers) {
-        hash.integer(layer.plane.z()).word(layer.first_contour).word(layer.contour_count);
+        hash.add(layer.plane.z(), layer.first_contour, layer.contour_count);
     }
     add_contours(hash, result.contours.span(), result.points.span());
-    return hash.word(result.hash()).value();
+    return hash.add(result.hash()).value();
 }
 
 /// The area that closed contours enclose, also where that of the layer is not known.
@@ -44,19 +40,15 @@ std::uint64_t hash_of_numbers(const SliceResult& result) {
     Hash hash;
     const lamella::SliceInfo& info = result.info;
     for (const lamella::LayerView layer : result) {
-        hash.real(layer.bottom_mm).real(layer.plane_mm).real(layer.top_mm).word(layer.segments);
-        hash.real(closed_area(layer));
+        hash.add(layer.bottom_mm, layer.plane_mm, layer.top_mm, layer.segments, closed_area(layer));
     }
     for (const lamella::Stitch& stitch : result.stitches) {
-        add_point(add_point(hash.word(stitch.layer), stitch.from), stitch.to).real(length_mm(stitch, info.grid_mm));
+        hash.add(stitch.layer, stitch.from, stitch.to, length_mm(stitch, info.grid_mm));
     }
-    hash.text(name_of(info.options.region.fill_rule)).real(info.options.stitch_mm).real(info.grid_mm);
-    hash.reals(info.options.frame.transform.m);
-    for (const std::uint64_t count : {info.triangles, info.degenerate, info.crossed, info.segments, info.holes,
-                                      info.open_contours, info.flat_contours, info.overruled_contours}) {
-        hash.word(count);
-    }
-    return hash.reals(info.box.min_mm).reals(info.box.max_mm).value();
+    hash.add(name_of(info.options.region.fill_rule), info.options.stitch_mm, info.grid_mm, info.options.frame.transform.m);
+    hash.add(info.triangles, info.degenerate, info.crossed, info.segments, info.holes, info.open_contours,
+             info.flat_contours, info.overruled_contours);
+    return hash.add(info.box.min_mm, info.box.max_mm).value();
 }
 
 /// Other ways to the result of one thread.
@@ -80,14 +72,10 @@ void add_result(Hashes& hashes, const std::string& name, const SliceResult& resu
 
 Hash& add_contours(Hash& hash, std::span<const lamella::Contour> contours, std::span<const lamella::Point> points) {
     for (const lamella::Contour& contour : contours) {
-        hash.integer(static_cast<int>(contour.role)).integer(contour.orientation).word(contour.flags);
-        hash.word(contour.segments).word(contour.first_point).word(contour.point_count).integer(contour.parent);
-        hash.word(contour.twice_area.low).integer(contour.twice_area.high);
+        hash.add(static_cast<int>(contour.role), contour.orientation, contour.flags, contour.segments, contour.first_point,
+                 contour.point_count, contour.parent, contour.twice_area.low, contour.twice_area.high);
     }
-    for (const lamella::Point point : points) {
-        add_point(hash, point);
-    }
-    return hash;
+    return hash.add(points);
 }
 
 HeldMesh::HeldMesh(const Soup& soup, Form form) : form_(form) {

@@ -9,55 +9,59 @@
 // the failure says "the input differs", and no result is compared.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cstdint>
-#include <cstring>
 #include <map>
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
+
+#include "lamella/grid.hpp"
 
 namespace golden {
 
-/// FNV-1a over 8-byte words. Not the engine's own hash, so that a bug in that one is seen too.
+/// FNV-1a over 8-byte words, and the bytes of text. Not the engine's own hash, so that a bug in that one is seen too.
 class Hash {
 public:
-    Hash& word(std::uint64_t word) noexcept {
-        for (int shift = 0; shift < 64; shift += 8) {
-            value_ = (value_ ^ (word >> shift & 0xFF)) * 0x100000001B3;
-        }
-        return *this;
-    }
-    Hash& integer(std::int64_t number) noexcept { return word(static_cast<std::uint64_t>(number)); }
-    /// By its bits.
-    Hash& real(double number) noexcept {
-        std::uint64_t bits = 0;
-        std::memcpy(&bits, &number, sizeof bits);
-        return word(bits);
-    }
-    Hash& reals(std::span<const double> numbers) noexcept {
-        for (const double number : numbers) {
-            real(number);
-        }
-        return *this;
-    }
-    Hash& text(std::string_view bytes) noexcept {
-        word(bytes.size());
-        for (const char byte : bytes) {
-            value_ = (value_ ^ static_cast<unsigned char>(byte)) * 0x100000001B3;
-        }
+    /// Integers, doubles by their bits, points, ranges of such, and text.
+    template <class... Values>
+    Hash& add(const Values&... values) noexcept {
+        (one(values), ...);
         return *this;
     }
     std::uint64_t value() const noexcept { return value_; }
 
 private:
+    template <class Value>
+    void one(const Value& value) noexcept {
+        if constexpr (std::is_integral_v<Value>) {
+            for (int shift = 0; shift < 64; shift += 8) {
+                byte(static_cast<std::uint64_t>(value) >> shift & 0xFF);
+            }
+        } else if constexpr (std::is_floating_point_v<Value>) {
+            one(std::bit_cast<std::uint64_t>(value));
+        } else if constexpr (std::is_convertible_v<Value, std::string_view>) {
+            const std::string_view text = value;
+            one(text.size());
+            std::for_each(text.begin(), text.end(), [&](char c) { byte(static_cast<unsigned char>(c)); });
+        } else if constexpr (std::is_same_v<Value, lamella::Point>) {
+            add(value.x, value.y);
+        } else {
+            std::for_each(value.begin(), value.end(), [&](const auto& item) { one(item); });
+        }
+    }
+    void byte(std::uint64_t byte) noexcept { value_ = (value_ ^ byte) * 0x100000001B3; }
+
     std::uint64_t value_ = 0xCBF29CE484222325;
 };
 
 inline std::uint64_t hash_of(std::span<const double> numbers) {
-    return Hash().reals(numbers).value();
+    return Hash().add(numbers).value();
 }
 inline std::uint64_t hash_of(std::string_view bytes) {
-    return Hash().text(bytes).value();
+    return Hash().add(bytes).value();
 }
 
 /// By name within the group.

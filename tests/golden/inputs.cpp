@@ -6,7 +6,6 @@
 #include <functional>
 #include <map>
 #include <numeric>
-#include <stdexcept>
 #include <utility>
 
 #include "input/mesh_files.hpp"
@@ -122,10 +121,9 @@ Soup each_so_manieth(Soup soup, std::uint64_t every, Change change) {
 Soup torn(const Soup& soup, std::uint64_t every) {
     SplitMix random(every);
     Soup left;
-    for (std::size_t t = 0; t < soup.size(); t += 9) {
+    for (std::size_t t = 0; t < soup.size() / 9; ++t) {
         if (random.next() % every != 0) {
-            left.insert(left.end(), soup.begin() + static_cast<std::ptrdiff_t>(t),
-                        soup.begin() + static_cast<std::ptrdiff_t>(t + 9));
+            append(left, shapes::only(soup, t, 1));
         }
     }
     return left;
@@ -180,48 +178,19 @@ Soup random_boxes(std::uint64_t seed, int count, int range) {
     return soup;
 }
 
-Xyz lattice_point(SplitMix& random, const Cell& from, int range) {
-    Xyz p{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        p[axis] = from[axis] + random.between(0, 4 * range) / 4.0;
-    }
-    return p;
-}
-
-Cell random_place(SplitMix& random, int range) {
-    const int x = random.between(0, range);
-    const int y = random.between(0, range);
-    return {x, y, random.between(0, range)};
-}
-
-/// Small tetrahedra, outward or inward as it happens, all over a larger cube.
-Soup tetrahedra(std::uint64_t seed, int count, int spread, int range) {
+/// Small tetrahedra, outward or inward as it happens, or triangles, all over a larger cube. Their corners lie on a lattice
+/// of `steps` to a millimetre: on a coarse one they share vertices and edges, many faces an edge.
+Soup on_lattice(std::uint64_t seed, int count, int spread, int range, int steps, bool tetrahedra) {
     SplitMix random(seed);
     Soup soup;
     for (int i = 0; i < count; ++i) {
-        const Cell at = random_place(random, spread);
-        const Xyz a = lattice_point(random, at, range);
-        const Xyz b = lattice_point(random, at, range);
-        const Xyz c = lattice_point(random, at, range);
-        const Xyz d = lattice_point(random, at, range);
-        append(soup, shapes::tetrahedron(a, b, c, d));
-    }
-    return soup;
-}
-
-/// Triangles with corners on a lattice so coarse that they share vertices and edges, many faces an edge.
-Soup lattice_triangles(std::uint64_t seed, int count, int spread, int range) {
-    SplitMix random(seed);
-    Soup soup;
-    for (int i = 0; i < count; ++i) {
-        const Cell at = random_place(random, spread);
-        Soup corners;
-        for (int corner = 0; corner < 3; ++corner) {
-            for (const int from : at) {
-                corners.push_back(from + random.between(0, range));
-            }
+        Cell from{};
+        std::generate(from.begin(), from.end(), [&] { return random.between(0, spread); });
+        std::array<Xyz, 4> p{};
+        for (std::size_t number = 0; number < (tetrahedra ? 12 : 9); ++number) {
+            p[number / 3][number % 3] = from[number % 3] + random.between(0, steps * range) / double(steps);
         }
-        append(soup, corners);
+        append(soup, tetrahedra ? shapes::tetrahedron(p[0], p[1], p[2], p[3]) : shapes::triangle(p[0], p[1], p[2]));
     }
     return soup;
 }
@@ -340,9 +309,9 @@ const std::map<std::string, std::function<Soup()>>& makers() {
         {"overlapping boxes", [] { return random_boxes(7, 120, 24); }},
         {"nested boxes", [] { return nested_boxes(); }},
         {"checkerboard", [] { return checkerboard(); }},
-        {"tetrahedra", [] { return tetrahedra(11, 400, 24, 6); }},
-        {"crowded tetrahedra", [] { return tetrahedra(12, 60, 1, 7); }},
-        {"lattice triangles", [] { return lattice_triangles(13, 1500, 16, 3); }},
+        {"tetrahedra", [] { return on_lattice(11, 400, 24, 6, 4, true); }},
+        {"crowded tetrahedra", [] { return on_lattice(12, 60, 1, 7, 4, true); }},
+        {"lattice triangles", [] { return on_lattice(13, 1500, 16, 3, 1, false); }},
         {"self-crossing prisms", [] { return self_crossing_prisms(); }},
         {"wide comb", [] { return comb(33'000); }},
         {"wide boxes", [] { return wide_boxes(); }},
@@ -373,11 +342,7 @@ lamella::input_test::PolygonMesh polygons_of_all_kinds() {
 }  // namespace
 
 Soup mesh(const std::string& name) {
-    const auto maker = makers().find(name);
-    if (maker == makers().end()) {
-        throw std::invalid_argument("no mesh is called " + name);
-    }
-    return maker->second();
+    return makers().at(name)();
 }
 
 std::vector<std::string> mesh_names() {

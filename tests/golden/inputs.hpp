@@ -18,7 +18,8 @@ Soup mesh(const std::string& name);
 
 std::vector<std::string> mesh_names();
 
-/// One mesh of triangles, quads and larger polygons in every format, by file name. Large enough to be parsed by several tasks.
+/// One mesh of triangles, quads and larger polygons in every format, by file name. Large enough to be parsed by several
+/// tasks.
 std::map<std::string, std::string> mesh_files();
 
 /// Steele, Lea and Flood's generator.

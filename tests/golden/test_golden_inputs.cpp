@@ -24,14 +24,10 @@ std::uint64_t hash_of_file(const lamella::MeshFile& file) {
     const std::size_t rows = view.indices == nullptr ? view.triangle_count : view.vertex_count;
     const std::size_t row_bytes = number * (view.indices == nullptr ? 9 : 3);
     for (std::size_t row = 0; row < rows; ++row) {
-        hash.text({reinterpret_cast<const char*>(view.vertex_at(row)), row_bytes});
+        hash.add(std::string_view(reinterpret_cast<const char*>(view.vertex_at(row)), row_bytes));
     }
-    for (const std::uint32_t index : file.indices) {
-        hash.word(index);
-    }
-    hash.text(name_of(file.format)).word(view.triangle_count).word(view.vertex_count).word(number);
-    hash.word(file.text ? 1 : 0).word(file.compressed ? 1 : 0).real(file.mm_per_unit).word(file.states_unit ? 1 : 0);
-    hash.text(name_of(file.patient_frame)).word(file.warnings.size()).word(file.file_bytes);
+    hash.add(file.indices, name_of(file.format), view.triangle_count, view.vertex_count, number, file.text, file.compressed,
+             file.mm_per_unit, file.states_unit, name_of(file.patient_frame), file.warnings.size(), file.file_bytes);
     return hash.value();
 }
 

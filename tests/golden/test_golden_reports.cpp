@@ -16,48 +16,39 @@ using lamella::SliceResult;
 
 std::uint64_t hash_of_ledger(const lamella::Ledger& ledger) {
     Hash hash;
-    for (const std::uint64_t count :
-         {ledger.triangles, ledger.cut, ledger.between, ledger.degenerate, ledger.horizontal, ledger.shells.count,
-          ledger.shells.triangles, ledger.peaks.count, ledger.peaks.triangles, ledger.pits.count, ledger.pits.triangles}) {
-        hash.word(count);
-    }
-    hash.real(ledger.flat_up_mm2).real(ledger.flat_down_mm2);
+    hash.add(ledger.triangles, ledger.cut, ledger.between, ledger.degenerate, ledger.horizontal, ledger.shells.count,
+             ledger.shells.triangles, ledger.peaks.count, ledger.peaks.triangles, ledger.pits.count, ledger.pits.triangles);
+    hash.add(ledger.flat_up_mm2, ledger.flat_down_mm2);
     for (const lamella::Slab& slab : ledger.slabs) {
-        hash.word(slab.layer).word(slab.triangles).real(slab.flat_up_mm2).real(slab.flat_down_mm2);
-        hash.word(slab.shells).word(slab.peaks).word(slab.pits);
+        hash.add(slab.layer, slab.triangles, slab.flat_up_mm2, slab.flat_down_mm2, slab.shells, slab.peaks, slab.pits);
     }
     for (const lamella::SurfacePiece& piece : ledger.pieces) {
-        hash.text(name_of(piece.kind)).word(piece.layer).reals(piece.at_mm).real(piece.height_mm).word(piece.triangles);
+        hash.add(name_of(piece.kind), piece.layer, piece.at_mm, piece.height_mm, piece.triangles);
     }
-    for (const std::uint64_t layer : ledger.gaps) {
-        hash.word(layer);
-    }
-    return hash.value();
+    return hash.add(ledger.gaps).value();
 }
 
 std::uint64_t hash_of_volume(const lamella::VolumeCertificate& volume) {
-    Hash hash;
-    hash.text(name_of(volume.verdict)).real(volume.mesh_mm3).real(volume.slabs_mm3).reals(volume.slab_mm3);
-    hash.word(volume.worst_layer).real(volume.worst_difference_mm2).real(volume.worst_allowed_mm2);
-    return hash.value();
+    return Hash()
+        .add(name_of(volume.verdict), volume.mesh_mm3, volume.slabs_mm3, volume.slab_mm3, volume.worst_layer,
+             volume.worst_difference_mm2, volume.worst_allowed_mm2)
+        .value();
 }
 
 std::uint64_t hash_of_crossings(const lamella::Crossings& crossings) {
     Hash hash;
-    hash.word(crossings.count).word(crossings.at_least ? 1 : 0);
+    hash.add(crossings.count, crossings.at_least);
     for (const lamella::LayerCrossings& layer : crossings.layers) {
-        hash.word(layer.layer).word(layer.count).word(layer.at_least ? 1 : 0).integer(layer.first.x).integer(layer.first.y);
-        hash.word(layer.contours[0]).word(layer.contours[1]);
+        hash.add(layer.layer, layer.count, layer.at_least, layer.first.x, layer.first.y, layer.contours);
     }
     return hash.value();
 }
 
 std::uint64_t hash_of_counts(const lamella::MeshCheck& mesh) {
-    Hash hash;
-    hash.word(mesh.triangles).word(mesh.degenerate).reals(mesh.box.min_mm).reals(mesh.box.max_mm);
-    hash.real(mesh.volume_mm3).real(mesh.area_mm2).word(mesh.edges).word(mesh.boundary_edges).word(mesh.overfull_edges);
-    hash.word(mesh.mismatched_edges).word(mesh.shell_count).real(mesh.grid_mm).word(mesh.closed ? 1 : 0);
-    return hash.value();
+    return Hash()
+        .add(mesh.triangles, mesh.degenerate, mesh.box.min_mm, mesh.box.max_mm, mesh.volume_mm3, mesh.area_mm2, mesh.edges,
+             mesh.boundary_edges, mesh.overfull_edges, mesh.mismatched_edges, mesh.shell_count, mesh.grid_mm, mesh.closed)
+        .value();
 }
 
 /// Without the lines of what differs from run to run: "threads", "bands", and the object "ms".
@@ -126,12 +117,6 @@ void add_check(Hashes& hashes, const std::string& name, const MeshView& mesh) {
     });
 }
 
-/// A segment between two keys; points are the keys' numbers by some rule of the caller.
-lamella::Segment segment(std::uint64_t from_key, std::uint64_t to_key, std::array<std::int32_t, 2> from,
-                         std::array<std::int32_t, 2> to, std::uint32_t from_rank = 0, std::uint32_t to_rank = 0) {
-    return {{from_key, 0, 0}, {to_key, 0, 0}, {from[0], from[1]}, {to[0], to[1]}, from_rank, to_rank};
-}
-
 void add_assembled(Hashes& hashes, const std::string& name, const Segments& segments) {
     const SliceResult layer = value_of(assemble(segments));
     Hash hash;
@@ -142,16 +127,12 @@ void add_assembled(Hashes& hashes, const std::string& name, const Segments& segm
 /// "NAME, welded" and the slices of the outcome.
 void add_weld(Hashes& hashes, const std::string& name, const MeshView& mesh, double tolerance_mm) {
     const lamella::WeldedMesh welded = value_of(weld(mesh, tolerance_mm));
-    Hash hash;
-    hash.text({reinterpret_cast<const char*>(welded.coordinates.data()), welded.coordinates.size()});
-    for (const std::uint32_t index : welded.indices) {
-        hash.word(index);
-    }
-    hash.integer(static_cast<int>(welded.vertex_type))
-        .word(welded.vertex_count)
-        .word(welded.joined)
-        .real(welded.largest_move_mm);
-    add(hashes, name + ", welded", hash.value());
+    const std::string_view coordinates(reinterpret_cast<const char*>(welded.coordinates.data()), welded.coordinates.size());
+    add(hashes, name + ", welded",
+        Hash()
+            .add(coordinates, welded.indices, static_cast<int>(welded.vertex_type), welded.vertex_count, welded.joined,
+                 welded.largest_move_mm)
+            .value());
     add_slices(hashes, name + ", slices", welded.view(), uniform(0.375));
 }
 
@@ -172,14 +153,6 @@ const std::vector<std::string> all_kinds = {
     "crossing bodies",   "overlapping boxes",   "nested boxes", "checkerboard",         "tetrahedra",
     "lattice triangles", "self-crossing prisms"};
 
-/// A closed polygon, its corners keyed from `first` on.
-void add_polygon(Segments& segments, const std::vector<std::array<std::int32_t, 2>>& corners, std::uint64_t first) {
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-        const std::size_t next = (i + 1) % corners.size();
-        segments.push_back(segment(first + i, first + next, corners[i], corners[next]));
-    }
-}
-
 /// Squares within squares, every third one clockwise.
 Segments nested_squares() {
     Segments segments;
@@ -187,9 +160,13 @@ Segments nested_squares() {
         const std::int32_t a = 3 * i;
         const std::int32_t b = 400 - 3 * i;
         const bool backwards = i % 3 == 1;
-        add_polygon(segments,
-                    {{a, a}, {backwards ? a : b, backwards ? b : a}, {b, b}, {backwards ? b : a, backwards ? a : b}},
-                    static_cast<std::uint64_t>(4 * i));
+        const lamella::Point corners[] = {
+            {a, a}, {backwards ? a : b, backwards ? b : a}, {b, b}, {backwards ? b : a, backwards ? a : b}};
+        for (std::uint64_t corner = 0; corner < 4; ++corner) {
+            const std::uint64_t first = 4 * static_cast<std::uint64_t>(i);
+            const std::uint64_t next = (corner + 1) % 4;
+            segments.push_back({{first + corner, 0, 0}, {first + next, 0, 0}, corners[corner], corners[next], 0, 0});
+        }
     }
     return segments;
 }
@@ -197,14 +174,17 @@ Segments nested_squares() {
 /// Segments between random points of a lattice, so that many meet at a key, some both ways, and some at no other.
 Segments random_segments(std::uint64_t seed, int count, int range) {
     SplitMix random(seed);
-    const auto key = [&](const std::array<std::int32_t, 2>& p) { return static_cast<std::uint64_t>(p[0] * 1000 + p[1]); };
-    Segments segments;
-    for (int i = 0; i < count; ++i) {
-        const std::array<std::int32_t, 2> from{random.between(0, range), random.between(0, range)};
-        const std::array<std::int32_t, 2> to{random.between(0, range), random.between(0, range)};
-        const auto from_rank = static_cast<std::uint32_t>(random.between(0, 5));
-        segments.push_back(
-            segment(key(from), key(to), from, to, from_rank, static_cast<std::uint32_t>(random.between(0, 5))));
+    const auto drawn = [&](int end) { return random.between(0, end); };
+    Segments segments(static_cast<std::size_t>(count));
+    for (lamella::Segment& segment : segments) {
+        segment.from.x = drawn(range);
+        segment.from.y = drawn(range);
+        segment.to.x = drawn(range);
+        segment.to.y = drawn(range);
+        segment.from_key.a = static_cast<std::uint64_t>(segment.from.x * 1000 + segment.from.y);
+        segment.to_key.a = static_cast<std::uint64_t>(segment.to.x * 1000 + segment.to.y);
+        segment.from_rank = static_cast<std::uint32_t>(drawn(5));
+        segment.to_rank = static_cast<std::uint32_t>(drawn(5));
     }
     return segments;
 }

@@ -1,7 +1,5 @@
 #include "input/mesh_files.hpp"
 
-#include <optional>
-#include <type_traits>
 #include <utility>
 
 namespace lamella::input_test {
@@ -21,36 +19,28 @@ std::string little16(std::size_t number) {
 
 enum class Coding : std::uint8_t { text, little_endian, big_endian };
 
-/// A word, or bytes. What an integer does not hold wraps round.
-template <class Type, class Number>
-std::string written(Number value, Coding coding) {
-    Type number{};
-    if constexpr (std::is_floating_point_v<Type> || std::is_integral_v<Number>) {
-        number = static_cast<Type>(value);
-    } else {
-        number = static_cast<Type>(static_cast<std::int64_t>(value));
-    }
-    return coding == Coding::text ? std::to_string(number) + " " : bytes_of(number, coding == Coding::big_endian);
-}
-
-/// `value` as the type of that name in PLY, legacy VTK or VTP.
+/// `value` as the type of that name in PLY, legacy VTK or VTP: a word, or bytes. What an integer does not hold wraps round.
 template <class Number>
 std::string encoded(const std::string& type, Number value, Coding coding) {
     const auto has = [&](const char* part) { return type.find(part) != std::string::npos; };
+    const auto written = [coding](auto number) {
+        return coding == Coding::text ? std::to_string(number) + " " : bytes_of(number, coding == Coding::big_endian);
+    };
     const bool is_unsigned = type[0] == 'u' || type[0] == 'U';
-    if (has("double") || has("loat")) {
-        return has("double") || has("64") ? written<double>(value, coding) : written<float>(value, coding);
+    if (has("loat") || has("double")) {
+        return has("double") || has("64") ? written(static_cast<double>(value)) : written(static_cast<float>(value));
     }
-    if (has("long") || has("64")) {
-        return is_unsigned ? written<std::uint64_t>(value, coding) : written<std::int64_t>(value, coding);
+    const auto whole = static_cast<std::int64_t>(value);
+    switch (has("long") || has("64") ? 8 : has("short") || has("16") ? 2 : has("char") || has("8") ? 1 : 4) {
+        case 8:
+            return is_unsigned ? written(static_cast<std::uint64_t>(whole)) : written(whole);
+        case 4:
+            return is_unsigned ? written(static_cast<std::uint32_t>(whole)) : written(static_cast<std::int32_t>(whole));
+        case 2:
+            return is_unsigned ? written(static_cast<std::uint16_t>(whole)) : written(static_cast<std::int16_t>(whole));
+        default:
+            return is_unsigned ? written(static_cast<std::uint8_t>(whole)) : written(static_cast<std::int8_t>(whole));
     }
-    if (has("short") || has("16")) {
-        return is_unsigned ? written<std::uint16_t>(value, coding) : written<std::int16_t>(value, coding);
-    }
-    if (has("char") || has("8")) {
-        return is_unsigned ? written<std::uint8_t>(value, coding) : written<std::int8_t>(value, coding);
-    }
-    return is_unsigned ? written<std::uint32_t>(value, coding) : written<std::int32_t>(value, coding);
 }
 
 /// In text each row is a line.
@@ -215,9 +205,8 @@ struct PlyWriter {
     std::string body{};
 
     void number(const std::string& type, double value) { body += encoded(type, value, coding); }
-    void list(const std::string& count, const std::string& type, const auto& values,
-              std::optional<double> false_count = {}) {
-        number(count, false_count.value_or(static_cast<double>(values.size())));
+    void list(const std::string& count, const std::string& type, const auto& values) {
+        number(count, static_cast<double>(values.size()));
         for (const auto value : values) {
             number(type, static_cast<double>(value));
         }
@@ -273,7 +262,7 @@ struct PlyWriter {
         declare_extra("after");
         for (std::size_t f = 0; f < rows.size(); ++f) {
             extra(f);
-            list(form.count, form.index, rows[f], form.false_count);
+            list(form.count, form.index, rows[f]);
             extra(f + 1);
             end_row();
         }
@@ -306,10 +295,6 @@ std::string Vtk::rows(const std::string& type, const std::vector<Row>& all) cons
     return encoded_rows(type, all, text ? Coding::text : Coding::big_endian) + (text ? "" : "\n");
 }
 
-std::string Vtk::array(const std::string& type, const std::vector<double>& values) const {
-    return rows(type, std::vector<std::vector<double>>{values});
-}
-
 std::string Vtk::cells(const std::string& name, const Rows& cells) const {
     if (cells.empty()) {
         return "";
@@ -333,6 +318,8 @@ std::string Vtk::operator()(const PolygonMesh& mesh) const {
 
 // --- VTP
 
+namespace {
+
 std::string base64(const std::string& bytes) {
     constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     std::string text;
@@ -347,6 +334,8 @@ std::string base64(const std::string& bytes) {
     }
     return text;
 }
+
+}  // namespace
 
 std::string Vtp::header(const std::vector<std::uint64_t>& numbers) const {
     std::string bytes;

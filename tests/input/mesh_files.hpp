@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -53,10 +52,9 @@ struct Ply {
     std::string comment{};
     std::array<std::size_t, 3> axes = {0, 1, 2};  ///< the order in which x, y and z come
     bool faces_first = false;
-    bool extra_numbers = false;           ///< between and around the properties that are used
-    bool extra_lists = false;             ///< so too, also among the vertices
-    bool extra_elements = false;          ///< before, between and after
-    std::optional<double> false_count{};  ///< what each face says instead of how many corners it has
+    bool extra_numbers = false;   ///< between and around the properties that are used
+    bool extra_lists = false;     ///< so too, also among the vertices
+    bool extra_elements = false;  ///< before, between and after
 
     std::string operator()(const PolygonMesh& mesh) const;
 };
@@ -70,16 +68,13 @@ struct Vtk {
     std::string extra{};                    ///< between points and cells
     std::string title = "a title";
 
-    std::string array(const std::string& type, const std::vector<double>& values) const;
-    std::string cells(const std::string& name, const Rows& cells) const;
     std::string operator()(const PolygonMesh& mesh) const;
 
 private:
+    std::string cells(const std::string& name, const Rows& cells) const;
     template <class Row>
     std::string rows(const std::string& type, const std::vector<Row>& all) const;
 };
-
-std::string base64(const std::string& bytes);
 
 /// How meshes are written as VTP, each as a piece. All arrays are stored in one way.
 struct Vtp {

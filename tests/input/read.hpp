@@ -109,14 +109,8 @@ inline void check_place(const Error& error, const std::filesystem::path& path) {
     CHECK(std::to_string(error.byte_offset) == place[2]);
     if (place[1].matched) {
         const std::string before = ::bytes_of(path).substr(0, static_cast<std::size_t>(error.byte_offset));
-        const auto ends = [&](const std::string& end) {
-            std::size_t count = 0;
-            for (std::size_t at = before.find(end); at != std::string::npos; at = before.find(end, at + 1)) {
-                ++count;
-            }
-            return count;
-        };
-        CHECK(std::to_string(1 + ends("\n") + ends("\r") - ends("\r\n")) == place[1]);
+        const std::string lines = replaced(replaced(before, "\r\n", "\n"), "\r", "\n");
+        CHECK(std::to_string(1 + std::count(lines.begin(), lines.end(), '\n')) == place[1]);
     }
 }
 

@@ -229,6 +229,7 @@ void check_row(const GoodFile& good, std::string row) {
 }
 
 void check_cases(const std::string& name) {
+    INFO(name);
     std::istringstream in(::bytes_of(std::string(LAMELLA_TESTS_DIR) + "/input/cases/" + name));
     GoodFile good;
     std::size_t rows = 0;
@@ -245,33 +246,8 @@ void check_cases(const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("text STL is read, read with a warning or refused", "[input][stl]") {
-    check_cases("stl.txt");
-}
-
-TEST_CASE("OBJ is read, read with a warning or refused", "[input][obj]") {
-    check_cases("obj.txt");
-}
-
-TEST_CASE("OFF is read, read with a warning or refused", "[input][off]") {
-    check_cases("off.txt");
-}
-
-TEST_CASE("PLY is read, read with a warning or refused", "[input][ply]") {
-    check_cases("ply.txt");
-}
-
-TEST_CASE("legacy VTK is read, read with a warning or refused", "[input][vtk]") {
-    check_cases("vtk.txt");
-}
-
-TEST_CASE("VTP is read, read with a warning or refused", "[input][vtp]") {
-    check_cases("vtp.txt");
-}
-
-TEST_CASE("3MF is read, read with a warning or refused", "[input][3mf]") {
-    check_cases("3mf.txt");
-    check_cases("packages.txt");
+TEST_CASE("files of every format are read, read with a warning or refused", "[input][stl][obj][off][ply][vtk][vtp][3mf]") {
+    check_cases(GENERATE("stl.txt", "obj.txt", "off.txt", "ply.txt", "vtk.txt", "vtp.txt", "3mf.txt", "packages.txt"));
 }
 
 }  // namespace lamella::input_test

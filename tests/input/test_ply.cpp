@@ -1,6 +1,5 @@
-// PLY in all its forms. Text that is refused or warned of: cases/ply.txt.
+// PLY in all its forms. What is refused or warned of: cases/ply.txt.
 #include <algorithm>
-#include <limits>
 #include <random>
 
 #include "read.hpp"
@@ -9,19 +8,8 @@ namespace lamella::input_test {
 
 namespace {
 
-const PolygonMesh corners = {{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, {}};
-
 Contents read_ply(const std::string& bytes) {
     return read(dir.write("a.ply", bytes));
-}
-
-Error malformed_ply(const std::string& bytes, const std::string& says) {
-    return refuses(dir.write("a.ply", bytes), says);
-}
-
-PolygonMesh with_faces(PolygonMesh mesh, const Rows& faces) {
-    mesh.faces = faces;
-    return mesh;
 }
 
 Ply drawn_form(std::mt19937& random) {
@@ -125,50 +113,6 @@ TEST_CASE("text PLY parsed in many pieces gives every face once, in order", "[in
     }
     CHECK(contents.warnings.size() == 1);
     CHECK((read_ply(replaced(by_lines, "end_header\n", "end_header\n\n")).triangles == contents.triangles));
-}
-
-TEST_CASE("PLY lists with a wrong length are refused", "[input][ply]") {
-    Ply form{GENERATE(from_range(ply_encodings)), "float", "int"};
-    const PolygonMesh mesh = with_faces(corners, {{0, 1, 2}});
-    const std::string good = form(mesh);
-    const std::size_t face = form.encoding == "ascii" ? good.rfind("3 0 1 2") : good.size() - 16;
-    for (const double count : {4.0, 5.0, 100000.0, 2147483647.0, -1.0, -3.0, -2147483648.0}) {
-        form.false_count = count;
-        const std::string says = "a list of " + std::to_string(static_cast<long>(count)) + " numbers";
-        const Error error = malformed_ply(form(mesh), "property 'vertex_indices' of 'face' 0: " + (count < 0 ? says : ""));
-        CHECK((error.byte_offset == static_cast<std::int64_t>(face) ||
-               (count > 0 && error.byte_offset > static_cast<std::int64_t>(face))));
-    }
-    form.count = "double";
-    for (const double bad : {2.5, double{INFINITY}, std::nan(""), 1e300}) {
-        form.false_count = bad;
-        malformed_ply(form(mesh), "expected the length of a list, found ");
-    }
-}
-
-TEST_CASE("PLY indices out of range are refused", "[input][ply]") {
-    const Ply form{GENERATE(from_range(ply_encodings))};
-    const std::size_t count = GENERATE(3U, 4U);
-    const std::int64_t index = GENERATE(4, -1, 2147483647, -2147483648);
-    for (std::size_t corner = 0; corner < count; ++corner) {
-        std::vector<std::int64_t> face = {0, 1, 3, 2};
-        face.resize(count);
-        face[corner] = index;
-        const std::string bytes = form(with_faces(corners, {face}));
-        const std::string number = std::to_string(index);
-        const Error error =
-            malformed_ply(bytes, "property 'vertex_indices' of 'face' 0: index " + number + ", but there are 4 vertices");
-        const auto offset = static_cast<std::size_t>(error.byte_offset);
-        CHECK((form.encoding == "ascii" ? bytes.compare(offset, 1, number, 0, 1) == 0
-                                        : offset == bytes.size() - 4 * (count - corner)));
-    }
-}
-
-TEST_CASE("PLY polygons with a corner that is not finite are refused", "[input][ply]") {
-    PolygonMesh mesh = with_faces(corners, {{0, 1, 3}, {0, 1, 2, 3}});
-    mesh.xyz[7] = GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity());
-    malformed_ply(Ply{GENERATE("binary_little_endian", "binary_big_endian")}(mesh),
-                  "vertex 2 of this face has a coordinate that is not finite");
 }
 
 }  // namespace lamella::input_test

@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "engine/counting_memory.hpp"
-#include "engine/slicing.hpp"
+#include "engine/everywhere.hpp"
 #include "input/read.hpp"
 #include "lamella/io.hpp"
 
@@ -67,26 +67,6 @@ std::string refusal_of(const std::filesystem::path& path, const StreamOptions& s
     return sliced ? "" : error_of(sliced).message;
 }
 
-void require_same(const SliceResult& whole, const SliceResult& result) {
-    const auto counts_of = [](const SliceInfo& info) {
-        return std::tuple(info.triangles, info.degenerate, info.crossed, info.layers, info.segments, info.contours,
-                          info.points, info.stitches, info.holes, info.open_contours, info.flat_contours,
-                          info.overruled_contours, info.would_close_contours, info.emptied_layers, info.cancelled_layers,
-                          info.first_layer, info.planned_layers, info.grid_doublings);
-    };
-    REQUIRE(result.hash() == whole.hash());
-    CHECK((counts_of(result.info) == counts_of(whole.info)));
-    CHECK(result.info.options == whole.info.options);
-    CHECK(result.info.box == whole.info.box);
-    CHECK(result.info.grid_mm == whole.info.grid_mm);
-    CHECK(result.info.layer_of == whole.info.layer_of);
-    CHECK(std::equal(result.layers.begin(), result.layers.end(), whole.layers.begin(), [](const auto& a, const auto& b) {
-        return a.bottom_mm == b.bottom_mm && a.plane_mm == b.plane_mm && a.top_mm == b.top_mm && a.segments == b.segments;
-    }));
-    CHECK(std::equal(result.stitches.begin(), result.stitches.end(), whole.stitches.begin(), whole.stitches.end(),
-                     [](const auto& a, const auto& b) { return a.layer == b.layer && a.from == b.from && a.to == b.to; }));
-}
-
 /// The budget that the refusal of a byte names, or that the vertices alone need.
 std::uint64_t least_budget(const std::filesystem::path& path, const SliceOptions& options, const Context& context,
                            const Tuning& tuning = {}) {
@@ -115,7 +95,9 @@ void require_same_at_all_budgets(const std::filesystem::path& path, const SliceO
             const Context context{.threads = threads};
             const std::uint64_t budget = std::max(need / part, least_budget(path, options, context, tuning));
             INFO("1/" << part << " of the need, " << budget << " bytes, " << threads << " threads");
-            require_same(whole, in_ranges(path, {.memory_bytes = budget}, options, context, tuning).result);
+            const SliceResult result = in_ranges(path, {.memory_bytes = budget}, options, context, tuning).result;
+            require_same(result, whole);
+            CHECK(result.info.options == whole.info.options);
         }
     }
 }
@@ -382,16 +364,11 @@ TEST_CASE("a file in ranges can be stopped and reports its progress", "[slice_fi
     CHECK(refusal_of(path, stream, {}, {.stop = stop}) == "cancelled");
 }
 
-TEST_CASE("a file is sliced to a result, to arrays and by two slicers at once", "[slice_file][threads]") {
+TEST_CASE("a file is sliced to every destination, and by two slicers at once", "[slice_file][threads]") {
     const auto path = made(models::Shape::bone, models::Order::random, 20'000);
     const MeshStream file = value_of(open_mesh(path, {.memory_bytes = 1'000'000}));
-    const SliceResult whole = sliced(file, uniform(0.5));
-    std::vector<Point> points(whole.points.size());
-    std::vector<Contour> contours(whole.contours.size());
-    std::vector<Layer> layers(whole.layers.size());
-    sliced_to(HostArrays{.points = points.data(), .point_capacity = points.size(), .contours = contours, .layers = layers},
-              file, uniform(0.5));
-    CHECK(std::equal(points.begin(), points.end(), whole.points.begin()));
+    const SliceResult whole = sliced(value_of(read_mesh(path)), uniform(0.5));
+    require_at_every_destination(whole, file, uniform(0.5));
     std::uint64_t hashes[2] = {};
     std::thread other([&] { hashes[0] = slice(file, uniform(0.5)).value().hash(); });
     hashes[1] = slice(file, uniform(0.5)).value().hash();

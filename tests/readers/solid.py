@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""One meaning of solid: solid.py LAMELLA [ROUNDS]. Ends with 77 where numpy or Pillow is missing.
+"""One meaning of solid: solid.py LAMELLA [ROUNDS]. Ends with 77 where nibabel, numpy or Pillow is missing.
 
 Random unions of boxes, spheres and pockets that touch, cross and repeat. Mask, coverage, table, certificate, picture and
 structure set are compared with winding numbers, counted along vertical rays through the triangles.
@@ -11,7 +11,7 @@ import sys
 
 import support
 
-numpy, Image = support.need("numpy", "PIL.Image")
+nibabel, numpy, Image = support.need("nibabel", "numpy", "PIL.Image")
 
 SIDE, HIGH, PICTURE_LAYER, FINE = 26, 16, 7, 4  # voxels of 1 mm, slices, the layer drawn, samples along a voxel
 ORIGIN = (-0.75, -0.75, 0.5)  # quarters: FINE samples a voxel lie between the planes of boxes
@@ -72,22 +72,6 @@ def winding(triangles, xs, ys, zs):
     return numbers
 
 
-def write_image(path):
-    """An empty NIfTI-1 image in RAS."""
-    header = bytearray(352)
-    struct.pack_into("<i", header, 0, 348)
-    struct.pack_into("<8h", header, 40, 3, SIDE, SIDE, HIGH, 1, 1, 1, 1)
-    struct.pack_into("<2h", header, 70, 2, 8)
-    struct.pack_into("<4f", header, 76, 1, 1, 1, 1)
-    struct.pack_into("<f", header, 108, 352)
-    header[123] = 2
-    struct.pack_into("<2h", header, 252, 0, 1)
-    for axis in range(3):
-        struct.pack_into("<4f", header, 280 + 16 * axis, *(float(axis == i) for i in range(3)), ORIGIN[axis])
-    header[344:348] = b"n+1\0"
-    path.write_bytes(bytes(header) + bytes(SIDE * SIDE * HIGH))
-
-
 def picture_area(path):
     """In mm2, of all but the marker, which lies at the left: x runs to the patient's right."""
     shares = ((255.0 - numpy.asarray(Image.open(path))[HEADING:]) / (255 - COLOUR)).clip(0, 1)
@@ -146,16 +130,16 @@ def test(run):
     (run.folder / "in").mkdir()
     for stem, triangles in meshes.items():
         (run.folder / "in" / f"{stem}.stl").write_bytes(support.stl(triangles))
-    write_image(run.folder / "like.nii")
+    affine = numpy.eye(4)
+    affine[:3, 3] = ORIGIN
+    nibabel.save(nibabel.Nifti1Image(numpy.zeros((SIDE, SIDE, HIGH), numpy.uint8), affine), run.folder / "like.nii")
     common = ["batch", "in", "--like", "like.nii", "--frame", "ras", "-o"]
     run(*common, "out/{stem}", "--to", "nii,csv,png,rtstruct", "--without-ct", "--picture-layer", str(PICTURE_LAYER))
     run(*common, "cov/{stem}.nii", "--coverage")
     found = []
     for i, (stem, triangles) in enumerate(meshes.items()):
-        try:
-            found.append(check(stem, triangles, i % 2 == 0, run.folder / "out", run.folder / "cov"))
-        except AssertionError as problem:
-            raise SystemExit(f"round {i}: {problem}") from problem
+        print("round", i)
+        found.append(check(stem, triangles, i % 2 == 0, run.folder / "out", run.folder / "cov"))
     below, above = numpy.sum(found, axis=0)
     assert below > rounds // 10 and above > rounds // 4, (below, above)
     return f"{rounds} meshes, {above} with winding numbers above 1, {below} below 0"

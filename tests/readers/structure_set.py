@@ -72,15 +72,10 @@ def contours_of(path):
     names = {roi.ROINumber: roi.ROIName for roi in data.StructureSetROISequence}
     found = {}
     for roi in data.ROIContourSequence:
-        found[names[roi.ReferencedROINumber]] = [
-            (
-                numpy.array(contour.ContourData, float).reshape(-1, 3),
-                contour.ContourGeometricType,
-                contour.ContourImageSequence[0].ReferencedSOPInstanceUID if "ContourImageSequence" in contour else None,
-            )
-            for contour in roi.ContourSequence
-        ]
+        contours = found[names[roi.ReferencedROINumber]] = []
         for contour in roi.ContourSequence:
+            image = contour.ContourImageSequence[0].ReferencedSOPInstanceUID if "ContourImageSequence" in contour else None
+            contours.append((numpy.array(contour.ContourData, float).reshape(-1, 3), contour.ContourGeometricType, image))
             assert contour.NumberOfContourPoints * 3 == len(contour.ContourData)
             assert all(len(str(x.original_string).strip()) <= 16 for x in contour.ContourData)
     return data, found
@@ -92,14 +87,14 @@ def area(points, along_i, along_j):
 
 
 def even_odd(rings, at, along_i, along_j):
-    count = 0
+    crossings = 0
     px, py = at @ along_i, at @ along_j
     for ring in rings:
         x, y = ring @ along_i, ring @ along_j
         u, v = numpy.roll(x, -1), numpy.roll(y, -1)
         spans = (y <= py) != (v <= py)
-        count += int((x[spans] + (py - y[spans]) / (v - y)[spans] * (u - x)[spans] > px).sum())
-    return count % 2 == 1
+        crossings += int((x[spans] + (py - y[spans]) / (v - y)[spans] * (u - x)[spans] > px).sum())
+    return crossings % 2 == 1
 
 
 def conforms(run, name):
@@ -185,27 +180,31 @@ def refusals(run):
     write_ct(run.folder / "far", straight[0], straight[1], (500, -25, 9), even)
     (run.folder / "none").mkdir()
     (run.folder / "none" / "empty.dcm").write_bytes(b"")
-    body = ("slice", "body.stl", "--frame", "lps", "-o", "r.dcm", "--like")
-    run(*body, "two", status=3, says="498.1 'series 1' (9 slices); 1.2.826.0.1.3680043.8.498.2 'series 2' (4 slices)")
-    run(*body, "tilted", status=3, says="tilted gantry")
-    run(*body, "frames", status=3, says="several frames (5)")
-    run(*body, "none", status=3, says="without DICOM")
-    run(*body, "far", status=3, says="lies outside of the image")
-    run("slice", "body.stl", "--frame", "lps", "-o", "r.nii", "--like", "far", status=3, says="lies outside of the image")
-    run("slice", "body.stl", "--frame", "lps", "-o", "r.nii", "--like", "uneven", status=3, says="not evenly spaced")
-    run("slice", "body.stl", "--frame", "lps", "--spacing", "1,1,2", "-o", "r.dcm", status=3, says="--without-ct")
-    run("slice", "body.stl", "-o", "r.dcm", status=2, says="needs --like")
-    run(*body, "uneven", "--subslices", "2", status=2, says="on the slices themselves")
-    run("slice", "body.stl", "-o", "r.csv", "--holes", "xor", status=2, says="no output is a structure set")
+    mesh = "slice body.stl --frame lps "
+    for words, status, says in (
+        (mesh + "--like two -o r.dcm", 3,
+         "498.1 'series 1' (9 slices); 1.2.826.0.1.3680043.8.498.2 'series 2' (4 slices)"),
+        (mesh + "--like tilted -o r.dcm", 3, "tilted gantry"),
+        (mesh + "--like frames -o r.dcm", 3, "several frames (5)"),
+        (mesh + "--like none -o r.dcm", 3, "without DICOM"),
+        (mesh + "--like far -o r.dcm", 3, "lies outside of the image"),
+        (mesh + "--like far -o r.nii", 3, "lies outside of the image"),
+        (mesh + "--like uneven -o r.nii", 3, "not evenly spaced"),
+        (mesh + "--spacing 1,1,2 -o r.dcm", 3, "--without-ct"),
+        ("slice body.stl -o r.dcm", 2, "needs --like"),
+        (mesh + "--like uneven --subslices 2 -o r.dcm", 2, "on the slices themselves"),
+        ("slice body.stl -o r.csv --holes xor", 2, "no output is a structure set"),
+        # A structure set may lie in the folder of the CT, and replaces none of its slices.
+        (mesh + "--like axial -o body.h5", 0, ""),
+        (mesh + "--like axial -o axial/3.dcm", 2, "'axial/3.dcm' is a slice of --like itself"),
+        ("convert body.h5 --like axial -o axial/3.dcm", 2, "'axial/3.dcm' is a slice of --like itself"),
+        (mesh + "--like axial -o axial/body.dcm", 0, ""),
+        (mesh + "--like axial -o axial/body.dcm", 0, ""),
+        (mesh + "--like uneven -o u.csv", 0, ""),
+    ):  # fmt: skip
+        run(*words.split(), status=status, says=says)
     assert not list(run.folder.glob("r.*")), "something was written"
-    # A structure set may lie in the folder of the CT, and replaces none of its slices.
-    run("slice", "body.stl", "--frame", "lps", "--like", "axial", "-o", "body.h5")
-    for words in (("slice", "body.stl", "--frame", "lps"), ("convert", "body.h5")):
-        run(*words, "--like", "axial", "-o", "axial/3.dcm", status=2, says="'axial/3.dcm' is a slice of --like itself")
     assert pydicom.dcmread(run.folder / "axial" / "3.dcm").Modality == "CT"
-    run("slice", "body.stl", "--frame", "lps", "--like", "axial", "-o", "axial/body.dcm")
-    run("slice", "body.stl", "--frame", "lps", "--like", "axial", "-o", "axial/body.dcm")
-    run("slice", "body.stl", "--frame", "lps", "--like", "uneven", "-o", "u.csv")
     heights = [float(line.split(",")[2]) for line in (run.folder / "u.csv").read_text().splitlines()[1:]]
     assert numpy.allclose(heights, [9, 12, 15, 16.5, 18, 23]), heights
 
@@ -215,24 +214,22 @@ def test_all(run):
     (folder / "body.stl").write_bytes(stl(HOLLOW))
     i, j, k = numpy.eye(3)
     even = [2.87 * n for n in range(10)]
-    write_ct(folder / "axial", i, j, (-25.2, -25.3, 9.1), even)
-    for height, found in slices(run, "axial", i, j).items():
-        assert abs(found - area_at(height)) < 1e-4, (height, found, area_at(height))
-    masks(run, "axial")
-    write_ct(folder / "uneven", i, j, (-25.2, -25.3, 9.1), [0, 2.8, 5.8, 7.5, 9, 14.1])
-    slices(run, "uneven", i, j)
-    write_ct(folder / "feet", i, -j, (-25.2, 25.3, 35.1), even)  # the normal leads to the feet
-    slices(run, "feet", i, -j)
-    masks(run, "feet")
-    write_ct(folder / "sagittal", j, -k, (32.3, -28.4, 40.2), [4.1 * n for n in range(13)])
-    slices(run, "sagittal", j, -k)
-    masks(run, "sagittal")
     turn = numpy.linalg.qr(numpy.array([[1.0, 0.2, 0.1], [-0.1, 1, 0.3], [0.2, -0.4, 1]]))[0]
     turn *= numpy.sign(numpy.diag(turn))
     a, b = turn[:, 0], turn[:, 1]
-    write_ct(folder / "oblique", a, b, -25.3 * a - 25.4 * b + 3.3 * numpy.cross(a, b), [2.7 * n for n in range(14)])
-    slices(run, "oblique", a, b)
-    masks(run, "oblique")
+    for name, along_i, along_j, origin, heights in (
+        ("axial", i, j, (-25.2, -25.3, 9.1), even),
+        ("uneven", i, j, (-25.2, -25.3, 9.1), [0, 2.8, 5.8, 7.5, 9, 14.1]),
+        ("feet", i, -j, (-25.2, 25.3, 35.1), even),  # the normal leads to the feet
+        ("sagittal", j, -k, (32.3, -28.4, 40.2), [4.1 * n for n in range(13)]),
+        ("oblique", a, b, -25.3 * a - 25.4 * b + 3.3 * numpy.cross(a, b), [2.7 * n for n in range(14)]),
+    ):
+        write_ct(folder / name, along_i, along_j, origin, heights)
+        areas = slices(run, name, along_i, along_j)
+        if name == "axial":
+            assert all(abs(found - area_at(height)) < 1e-4 for height, found in areas.items()), areas
+        if name != "uneven":
+            masks(run, name)
     refusals(run)
     run("slice", "body.stl", "--frame", "lps", "--spacing", "1,1,2", "--without-ct", "-o", "w.dcm")
     conforms(run, "w.dcm")

@@ -1,7 +1,4 @@
 // Meshes that are written come back as they were.
-#include <string>
-#include <vector>
-
 #include <catch2/catch.hpp>
 
 #include "engine/slicing.hpp"
@@ -20,65 +17,50 @@ MeshFile read_back(const std::filesystem::path& path) {
     return mesh;
 }
 
-/// A tetrahedron of doubles with a vertex that no float is.
-std::string off_of(const std::string& number) {
-    return "OFF\n4 4 0\n0 0 0\n" + number + " 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
+/// A tetrahedron of doubles with a vertex that may be no float, in a patient frame.
+MeshFile tetrahedron(const TempFolder& folder, const std::string& number) {
+    return read_back(folder.write(
+        "a.off", "# SPACE=RAS\nOFF\n4 4 0\n0 0 0\n" + number + " 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n"));
 }
 
 }  // namespace
 
-TEST_CASE("a mesh written as PLY keeps its vertices, indices and doubles", "[write][mesh_writer]") {
+TEST_CASE("a mesh written as PLY keeps its vertices, indices and doubles, and soup gets three vertices a triangle",
+          "[write][mesh_writer]") {
     const TempFolder folder;
-    const MeshFile mesh = read_back(folder.write("a.off", off_of("1.1")));
-    const WrittenMesh written = value_of(write_mesh(mesh, folder / "b.PLY"));
-    CHECK_FALSE(written.rounded);
+    const MeshFile mesh = tetrahedron(folder, "1.1");
+    CHECK_FALSE(value_of(write_mesh(mesh, folder / "b.PLY")).rounded);
     const MeshFile back = read_back(folder / "b.PLY");
     CHECK(back.vertex_type == Number::f64);
     CHECK(back.vertex_count == 4);
+    CHECK(back.patient_frame == PatientFrame::ras);
     CHECK(std::equal(back.indices.begin(), back.indices.end(), mesh.indices.begin(), mesh.indices.end()));
     CHECK(triangles_of(back) == triangles_of(mesh));
+    REQUIRE(write_mesh(mesh, folder / "soup.stl").ok());
+    const MeshFile soup = read_back(folder / "soup.stl");
+    REQUIRE(write_mesh(soup, folder / "c.ply").ok());
+    CHECK(read_back(folder / "c.ply").vertex_count == 12);
+    CHECK(triangles_of(read_back(folder / "c.ply")) == triangles_of(soup));
 }
 
 TEST_CASE("a mesh written as STL is one of floats, and says whether that rounded it", "[write][mesh_writer]") {
     const TempFolder folder;
-    for (const auto& [number, rounded] : {std::pair<std::string, bool>{"1.5", false}, {"1.1", true}}) {
-        const MeshFile mesh = read_back(folder.write("a.off", off_of(number)));
-        const WrittenMesh written = value_of(write_mesh(mesh, folder / "b.stl"));
-        CHECK(written.rounded == rounded);
-        input_test::Triangles expected = triangles_of(mesh);
-        for (auto& triangle : expected) {
-            for (double& coordinate : triangle) {
-                coordinate = static_cast<double>(static_cast<float>(coordinate));
-            }
+    const std::string number = GENERATE("1.5", "1.1");
+    const MeshFile mesh = tetrahedron(folder, number);
+    CHECK(value_of(write_mesh(mesh, folder / "b.stl")).rounded == (number == "1.1"));
+    input_test::Triangles expected = triangles_of(mesh);
+    for (auto& triangle : expected) {
+        for (double& coordinate : triangle) {
+            coordinate = static_cast<double>(static_cast<float>(coordinate));
         }
-        CHECK(triangles_of(read_back(folder / "b.stl")) == expected);
     }
-}
-
-TEST_CASE("soup written as PLY has three vertices a triangle", "[write][mesh_writer]") {
-    const TempFolder folder;
-    const MeshFile mesh = read_back(folder.write("a.off", off_of("2")));
-    REQUIRE(write_mesh(mesh, folder / "soup.stl").ok());
-    const MeshFile soup = read_back(folder / "soup.stl");
-    REQUIRE(write_mesh(soup, folder / "b.ply").ok());
-    const MeshFile back = read_back(folder / "b.ply");
-    CHECK(back.vertex_count == 12);
-    CHECK(triangles_of(back) == triangles_of(soup));
-}
-
-TEST_CASE("a written mesh states the patient frame of the one read", "[write][mesh_writer]") {
-    const TempFolder folder;
-    const MeshFile mesh = read_back(folder.write("a.obj", "# SPACE=RAS\nv 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\n"));
-    REQUIRE(mesh.patient_frame == PatientFrame::ras);
-    for (const char* const name : {"b.stl", "b.ply"}) {
-        REQUIRE(write_mesh(mesh, folder / name).ok());
-        CHECK(read_back(folder / name).patient_frame == PatientFrame::ras);
-    }
+    CHECK(triangles_of(read_back(folder / "b.stl")) == expected);
+    CHECK(read_back(folder / "b.stl").patient_frame == PatientFrame::ras);
 }
 
 TEST_CASE("a mesh that cannot be written leaves no file", "[write][mesh_writer]") {
     const TempFolder folder;
-    const MeshFile mesh = read_back(folder.write("a.off", off_of("1e39")));
+    const MeshFile mesh = tetrahedron(folder, "1e39");
     const Error beyond = write_mesh(mesh, folder / "b.stl").error();
     CHECK(beyond.code == ErrorCode::invalid_argument);
     CHECK(beyond.message == "cannot write '" + (folder / "b.stl").string() +

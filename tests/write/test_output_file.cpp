@@ -1,5 +1,5 @@
-#include <filesystem>
-#include <string>
+// Files that are written appear whole or not at all; and any name as UTF-8.
+#include <set>
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -8,14 +8,16 @@
 
 #include "engine/slicing.hpp"
 #include "io/write/output_file.hpp"
+#include "lamella/io/name_text.hpp"
 #include "lamella/io/svg.hpp"
 #include "lamella/io/text_file.hpp"
 #include "temp_folder.hpp"
-#include "write/samples.hpp"
 
 using namespace lamella;
 
 namespace {
+
+using Names = std::vector<std::string>;
 
 void require_unwritable(const Status& status, const std::filesystem::path& path, const std::string& reason) {
     CHECK(error_of(status).code == ErrorCode::unwritable_file);
@@ -24,25 +26,18 @@ void require_unwritable(const Status& status, const std::filesystem::path& path,
 
 }  // namespace
 
-TEST_CASE("output: the file holds the text, and no other file is left", "[write]") {
+TEST_CASE("output: until it is committed the old file stands, and an abandoned one leaves no trace", "[write]") {
     const TempFolder folder;
     const std::string text(3 * OutputFile::buffer_bytes + 17, 'x');
     REQUIRE(write_text_file(folder / "a", text).ok());
-    CHECK(bytes_of(folder / "a") == text);
-    CHECK(folder.names() == std::vector<std::string>{"a"});
-}
-
-TEST_CASE("output: until it is committed the old file stands, and an abandoned one leaves no trace", "[write]") {
-    const TempFolder folder;
-    REQUIRE(write_text_file(folder / "a", "old").ok());
     {
         OutputFile file = value_of(OutputFile::create(folder / "a"));
         file.append("new");
         CHECK(folder.names().size() == 2);
-        CHECK(bytes_of(folder / "a") == "old");
+        CHECK(bytes_of(folder / "a") == text);
     }
-    CHECK(folder.names() == std::vector<std::string>{"a"});
-    CHECK(bytes_of(folder / "a") == "old");
+    CHECK(folder.names() == Names{"a"});
+    CHECK(bytes_of(folder / "a") == text);
 }
 
 TEST_CASE("output: what is unfinished of one file can be removed, and nothing else", "[write]") {
@@ -58,7 +53,7 @@ TEST_CASE("output: what is unfinished of one file can be removed, and nothing el
     remove_unfinished(folder / "b");
     remove_unfinished(folder / "none" / "c");
     remove_unfinished("");
-    CHECK(folder.names() == std::vector<std::string>{".a.1-2.part", "a", "link"});
+    CHECK(folder.names() == Names{".a.1-2.part", "a", "link"});
     CHECK(bytes_of(folder / "a") == "old");
 }
 
@@ -72,7 +67,7 @@ TEST_CASE("output: two writers of one file do not disturb each other", "[write]"
     CHECK(bytes_of(folder / "a") == "one");
     require_ok(two.commit());
     CHECK(bytes_of(folder / "a") == "two");
-    CHECK(folder.names() == std::vector<std::string>{"a"});
+    CHECK(folder.names() == Names{"a"});
 }
 
 TEST_CASE("output: a replaced file keeps its mode, a link keeps pointing", "[write]") {
@@ -96,41 +91,54 @@ TEST_CASE("output: an open descriptor is written on from where it stands, and st
     REQUIRE(::write(descriptor, "after", 5) == 5);
     ::close(descriptor);
     CHECK(bytes_of(folder / "a") == "before written after");
-    CHECK(folder.names() == std::vector<std::string>{"a"});
+    CHECK(folder.names() == Names{"a"});
     require_unwritable(write_text_file(path, "x"), path, "Bad file descriptor");
 }
 
-TEST_CASE("output: what cannot be written is known before the end", "[write]") {
-    OutputFile file = value_of(OutputFile::create("/dev/full"));
+TEST_CASE("output: what cannot be written is known before the end, with the file and the reason", "[write]") {
+    OutputFile full = value_of(OutputFile::create("/dev/full"));
     const std::string text(OutputFile::buffer_bytes, 'x');
-    file.append(text);
-    CHECK_FALSE(file.failed());
-    file.append(text);
-    CHECK(file.failed());
+    full.append(text);
+    CHECK_FALSE(full.failed());
+    full.append(text);
+    CHECK(full.failed());
+    const TempFolder folder;
+    require_ok(write_text_file(folder / "a", "x"));
+    for (const auto& [path, reason] :
+         {std::pair<std::filesystem::path, const char*>{folder / "none" / "a", "No such file or directory"},
+          {folder.path(), "Is a directory"},
+          {folder / "a" / "b", "Not a directory"},
+          {"/dev/full", "No space left on device"}}) {
+        require_unwritable(write_text_file(path, "x"), path, reason);
+    }
+    require_unwritable(write_svg(SliceResult(), "/dev/full"), "/dev/full", "No space left on device");
+    CHECK(std::filesystem::is_character_file("/dev/full"));
+    // The folder goes away meanwhile.
+    const auto path = folder / "gone" / "a";
+    std::filesystem::create_directory(path.parent_path());
+    OutputFile file = value_of(OutputFile::create(path));
+    std::filesystem::remove_all(path.parent_path());
+    require_unwritable(file.commit(), path, "No such file or directory");
+    CHECK(folder.names() == Names{"a"});
 }
 
-TEST_CASE("output: errors name the file and the reason", "[write]") {
-    const TempFolder folder;
-    const auto refused = [](const std::filesystem::path& path, const std::string& reason) {
-        require_unwritable(write_text_file(path, "x"), path, reason);
-    };
-    SECTION("a folder that is none") {
-        refused(folder / "none" / "a", "No such file or directory");
-        refused(folder.path(), "Is a directory");
-        require_ok(write_text_file(folder / "a", "x"));
-        refused(folder / "a" / "b", "Not a directory");
+TEST_CASE("names: any bytes become UTF-8 and come back", "[write]") {
+    CHECK(text_of_name("l\xe4rm.stl") == "l\\xe4rm.stl");
+    CHECK(text_of_name("l\xc3\xa4rm\\a.stl") == "l\xc3\xa4rm\\a.stl");
+    CHECK(text_of_name("\\xe4") == "\\x5cxe4");
+    CHECK(text_of_name("\\x5cxe4") == "\\x5cx5cxe4");
+    CHECK(name_of_text("\\x41\\xE4\\xg0\\x5") == "\\x41\xe4\\xg0\\x5");
+    const std::string parts[] = {"\\", "x", "e4", "5c", "\xe4", "\xc3\xa4", "4", "\xff", "-"};
+    std::set<std::string> texts;
+    std::set<std::string> names;
+    for (int code = 0; code < 9 * 9 * 9 * 9; ++code) {
+        const std::string name = parts[code % 9] + parts[code / 9 % 9] + parts[code / 81 % 9] + parts[code / 729];
+        const std::string text = text_of_name(name);
+        REQUIRE(name_of_text(text) == name);
+        REQUIRE(utf8_text(text) == text);
+        names.insert(name);
+        texts.insert(text);
     }
-    SECTION("a full disk, in the SVG writer too") {
-        refused("/dev/full", "No space left on device");
-        require_unwritable(write_svg(write_test::square_with_hole(), "/dev/full"), "/dev/full", "No space left on device");
-        CHECK(std::filesystem::is_character_file("/dev/full"));
-    }
-    SECTION("the folder goes away meanwhile") {
-        const auto path = folder / "gone" / "a";
-        std::filesystem::create_directory(path.parent_path());
-        OutputFile file = value_of(OutputFile::create(path));
-        std::filesystem::remove_all(path.parent_path());
-        require_unwritable(file.commit(), path, "No such file or directory");
-    }
-    CHECK(folder.names().size() <= 1);
+    CHECK(texts.size() == names.size());
+    CHECK(printable("a\n\xff\x7f\xc3\xa4") == "a?\\xff?\xc3\xa4");
 }

@@ -1,8 +1,8 @@
-// The report and the marks, and that they do not depend on the order of triangles and vertices. Their bytes: tests/golden.
+// The report and the marks, and that they do not depend on the order of triangles and vertices. Their bytes: tests/golden;
+// files that cannot be written: tests/cli.
 #include <nlohmann/json.hpp>
 
 #include "check/findings.hpp"
-#include "temp_folder.hpp"
 
 namespace lamella::check_test {
 
@@ -107,13 +107,6 @@ TEST_CASE("a finding cut short is reported as at least so many", "[check]") {
     check.findings[static_cast<std::size_t>(Fault::crossing_faces)] = {.count = 7, .at_least = true, .places = {}};
     CHECK(make_verdict(check).value() == "not clean: at least 7 crossings of faces, as far as was searched");
     CHECK(make_verdict(findings_of(shapes::box({0, 0, 0}, {1, 1, 200}))).value() == "closed and clean, with 8 needles");
-}
-
-TEST_CASE("marks that cannot be written are an error that names the file", "[check]") {
-    const Status status = write_marks(MeshCheck{}, "no/such/folder/marks.ply");
-    REQUIRE_FALSE(status.ok());
-    CHECK(status.error().code == ErrorCode::unwritable_file);
-    CHECK_THAT(status.error().message, Catch::Contains("marks.ply"));
 }
 
 TEST_CASE("keys and words of faults are distinct", "[check]") {

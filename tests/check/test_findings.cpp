@@ -91,10 +91,10 @@ Soup moebius_strip(int quads) {
     return soup;
 }
 
-/// Twelve shells within one another and twelve beside each other, by turns.
+/// Six shells within one another and six beside each other, by turns.
 Soup nest() {
     Soup soup;
-    for (int i = 0; i < 12; ++i) {
+    for (int i = 0; i < 6; ++i) {
         const Soup shell = box({1.0 * i, 1.0 * i, 1.0 * i}, {40.0 - i, 40.0 - i, 40.0 - i});
         soup = joined({i % 2 == 0 ? shell : flipped(shell), soup, box({100.0 + 3 * i, 0, 0}, {101.0 + 3 * i, 1, 1})});
     }
@@ -113,7 +113,6 @@ TEST_CASE("faults of edges and vertices are found", "[check]") {
     check_rows({
         {"a closed box has none", box({1, 2, 3}, {3, 4, 5}), "shell 8"},
         {"a sphere", shapes::octasphere({1, 2, 3}, 30, 5), "shell 112929"},
-        {"a prism", shapes::prism(16, 20, 30), "shell 37631.1"},
         {"however close the sheets", box({0, 0, 0}, {9, 9, 1.0 / 1024}),
          "8 needles at 0,0,0 0,0,0.000976562 0,9,0 #10 measure 9216; shell 0.0791016"},
         {"a missing side is four boundary edges in a loop", without(cube(2), 2, 2),
@@ -169,8 +168,6 @@ TEST_CASE("faults of single faces are found", "[check]") {
          "3 boundary edges, 1 boundary loop, 1 cap at 0,0,0 100,0,0 50,1,0 #0 measure 100"},
         {"a cap below the ratio", triangle({0, 0, 0}, {99, 0, 0}, {50, 1, 0}),
          "3 boundary edges, 1 boundary loop at 0,0,0 #0 x3 measure 198.02 closed"},
-        {"a cap is measured", triangle({0, 0, 0}, {1000, 0, 0}, {500, 0, 2}),
-         "3 boundary edges, 1 boundary loop, 1 cap at 0,0,0 1000,0,0 500,0,2 #0 measure 500"},
         {"needles of a box", box({0, 0, 0}, {1, 1, 200}), "8 needles at 0,0,0 0,0,200 0,1,0 #10 measure 200.005; shell 200"},
     });
     check_rows({{"none by another ratio", box({0, 0, 0}, {1, 1, 200}), "shell 200"}}, {.sliver_ratio = 201});
@@ -249,10 +246,8 @@ TEST_CASE("shells, their orientations and nesting are found", "[check]") {
          "1 shell of wrong sense at 3,3,3 #10 measure 27; shell 729; shell 27 depth 1 in 0"},
         {"an inverted solid", flipped(cube(9)), "1 shell of wrong sense at 0,0,0 #10 measure -729; shell -729"},
         {"a nest", nest(),
-         "shell 64000; shell -54872 depth 1 in 0; shell 46656 depth 2 in 1; shell -39304 depth 3 in 2; shell 32768 depth "
-         "4 in 3; shell -27000 depth 5 in 4; shell 21952 depth 6 in 5; shell -17576 depth 7 in 6; shell 13824 depth 8 in 7; "
-         "shell -10648 depth 9 in 8; shell 8000 depth 10 in 9; shell -5832 depth 11 in 10; shell 1; shell 1; shell 1; shell "
-         "1; shell 1; shell 1; shell 1; shell 1; shell 1; shell 1; shell 1; shell 1"},
+         "shell 64000; shell -54872 depth 1 in 0; shell 46656 depth 2 in 1; shell -39304 depth 3 in 2; shell 32768 depth 4 "
+         "in 3; shell -27000 depth 5 in 4; shell 1; shell 1; shell 1; shell 1; shell 1; shell 1"},
         {"a cavity whose first vertices all lie on the outer shell", joined({cube(9), flipped(box({0, 3, 3}, {4, 5, 5}))}),
          "3 overlaps of faces, 10 touches of faces at 0,3,4 #10 #17; shell 729; shell -16 depth 1 in 0"},
         {"a solid that touches from outside", joined({cube(9), box({9, 3, 3}, {12, 5, 5})}),
@@ -276,8 +271,8 @@ TEST_CASE("shells, their orientations and nesting are found", "[check]") {
         {"an open shell within a closed one", joined({cube(9), triangle({3, 3, 3}, {4, 3, 3}, {3, 4, 3})}),
          "3 boundary edges, 1 boundary loop at 3,3,3 #12 x3 measure 3.41421 closed; shell 729; open shell 0 depth 1 in 0"},
     });
-    check_rows({{"a volume at the ends of the grid", all_of_the_grid, "shell 8.56479e+09"}},
-               {.frame = {.grid_mm = default_grid_mm}});
+    const MeshCheck largest = findings_of(all_of_the_grid, {.frame = {.grid_mm = default_grid_mm}});
+    CHECK(largest.shells.at(0).volume_mm3 == 2046.0 * 2046.0 * 2046.0);
 }
 
 TEST_CASE("rays through edges and vertices of the shell around count once", "[check]") {

@@ -32,9 +32,9 @@ Parting parting(const Points& a, const Points& b) {
     for (std::size_t i = 0; i < along.size(); ++i) {
         for (std::size_t j = 0; j < i; ++j) {
             const GridVector axis = cross(along[i], along[j]);
-            std::vector<Int128> differences;
-            for (std::size_t k = 0; k < 9; ++k) {
-                differences.push_back(dot(axis, a[k / 3] - b[k % 3]));
+            std::array<Int128, 9> differences{};
+            for (std::size_t k = 0; k < differences.size(); ++k) {
+                differences[k] = dot(axis, a[k / 3] - b[k % 3]);
             }
             const auto [low, high] = std::minmax_element(differences.begin(), differences.end());
             const bool says_nothing = *low == 0 && *high == 0;  // no axis, or both in one plane

@@ -7,7 +7,6 @@
 
 #include "engine/slicing.hpp"
 #include "exact/judge.hpp"
-#include "exact/region_judge.hpp"
 #include "lamella/check.hpp"
 #include "models_shared/real_meshes.hpp"
 

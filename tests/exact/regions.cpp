@@ -8,7 +8,7 @@
 #include <catch2/catch.hpp>
 
 #include "engine/polygons.hpp"
-#include "exact/region_judge.hpp"
+#include "exact/judge.hpp"
 
 using lamella::FillRule;
 using regions::Point;
@@ -142,12 +142,8 @@ std::string judge(const Polygons& polygons, FillRule rule, std::mt19937& random)
     const lamella::RegionRules asked{.fill_rule = rule, .drop_collinear = random() % 2 == 0};
     const lamella::SliceResult found = regions::region_of(polygons, asked);
     std::string fault = regions::fault_in(found);
-    if (fault.empty()) {
-        fault = exact::fault_in_region(polygons, rule, found);
-    }
-    if (fault.empty()) {
-        fault = regions::dependence_on_order(polygons, asked, found, random);
-    }
+    fault = fault.empty() ? exact::fault_in_region(polygons, rule, found) : fault;
+    fault = fault.empty() ? regions::dependence_on_order(polygons, asked, found, random) : fault;
     if (fault.empty() && rule == FillRule::non_zero) {
         const regions::Region outermost = regions::canonical(regions::without_holes(regions::region_in(found)));
         fault = regions::difference(outermost, regions::region_in(regions::region_of(polygons, FillRule::outermost)));

@@ -31,9 +31,8 @@ def enough(fraction):
 
 
 def read(mesh, progress):
-    vertices, faces = mesh
     with tempfile.NamedTemporaryFile(suffix=".stl") as file:
-        write_stl(file.name, vertices[faces])
+        write_stl(file.name, mesh[0][mesh[1]])
         return lamella.read(file.name, progress=progress)
 
 

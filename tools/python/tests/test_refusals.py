@@ -37,8 +37,6 @@ OPTIONS = [
     ({"layer_height": 10**400}, "layer_height must be a number that 64 bits hold"),
     ({"layer_height": "0.2"}, "layer_height must be a number, not '0.2'"),
     ({"layer_height": 0.2, "heights": [1]}, "heights and layer_height exclude each other"),
-    ({"first_height": 0.2, "heights": [1]}, "heights and first_height exclude each other"),
-    ({"datum": "zero", "heights": [1]}, "heights and datum exclude each other"),
     ({"heights": [[1]]}, r"heights must have one dimension, and have shape \(1, 1\)"),
     ({"heights": ["a"]}, "heights must be numbers"),
     ({"layers": 3}, "layers must be the first one and one past the last"),

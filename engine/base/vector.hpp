@@ -60,5 +60,12 @@ template <class T>
 void fit(Vector<T>& array) {
     array.shrink_to_fit();
 }
+/// Several, one after the other.
+template <class First, class Second, class... More>
+void fit(First& first, Second& second, More&... more) {
+    fit(first);
+    fit(second);
+    (fit(more), ...);
+}
 
 }  // namespace lamella

@@ -7,7 +7,7 @@
 #include "medical/mask/mask_file.hpp"
 #include "medical/raster/coverage.hpp"
 #include "medical/raster/row_crossings.hpp"
-#include "slicing/grid/box.hpp"
+#include "slicing/grid/exact.hpp"
 
 namespace lamella {
 

@@ -60,6 +60,13 @@ template <class T>
 void fit(Vector<T>& array) {
     array.shrink_to_fit();
 }
+/// Several, one after the other.
+template <class First, class Second, class... More>
+void fit(First& first, Second& second, More&... more) {
+    fit(first);
+    fit(second);
+    (fit(more), ...);
+}
 
 /// Room for `size` elements, and for somewhat more where there was less: the next layer has about as many.
 template <class T>

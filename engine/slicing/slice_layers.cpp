@@ -13,7 +13,6 @@
 //       for each band             result     points to their place
 //     LayerTarget::finish       result     contours and layers to their place, or what the output is
 #include "slicing/slice_layers.hpp"
-#include "options/option_words.hpp"
 
 #include <algorithm>
 #include <atomic>

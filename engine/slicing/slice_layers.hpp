@@ -1,10 +1,12 @@
 // Slicing for callers within the library: from any source, for any target.
 #pragma once
 
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "base/guard.hpp"
+#include "lamella/source.hpp"
 #include "slicing/buckets/triangle_source.hpp"
 #include "slicing/grid/bounds.hpp"
 #include "slicing/grid/quantise.hpp"
@@ -15,6 +17,8 @@
 #include "slicing/tuning.hpp"
 
 namespace lamella {
+
+class SinkTarget;
 
 /// All that is asked and lent.
 struct SliceCall {
@@ -84,4 +88,40 @@ inline void begin_info(const SliceOptions& options, const Bounds& box, const Cho
     info.box = box_of(box);
 }
 
+/// Preconditions: options were checked. Throws Refused, Stopped, std::bad_alloc.
+void slice_parts(std::span<const Part> parts, const SliceCall& call, LayerTarget& target, SliceResult& result);
+
+/// The layers of a slice that was made whole, of one part. `result` gets its summary. Throws Refused, Stopped,
+/// std::bad_alloc.
+void hand_over_whole(SliceResult& whole, const SliceCall& call, LayerTarget& target, SliceResult& result);
+
+/// What is known before anything is cut: of all parts together.
+void outline_parts(std::span<const Part> parts, const SliceCall& call, SliceInfo& info);
+
+/// Refuses sources that have no faces, and rules that pieces cannot have.
+void check_faces(const Source& from, const SliceOptions& options);
+
+/// Precondition: options were checked. Throws Refused, Stopped, std::bad_alloc. n triangles, m pieces, q points left of a
+/// layer when its edges between pieces have cancelled: O(n + k + m) for k uniform planes, O(n log k + k + m) otherwise, and
+/// O(q log q) a layer. Memory: 8 bytes a piece, about 200 a piece of the largest layer for each thread, and the result.
+void slice_faces(const MeshView& mesh, const SliceCall& call, LayerTarget& target, SliceResult& result);
+
+/// The stages up to the count of pieces.
+void outline_faces(const MeshView& mesh, const SliceCall& call, SliceInfo& info);
+
 }  // namespace lamella
+
+namespace lamella::detail {
+
+/// A source of another room, such as a file, as a Slicer sees it.
+/// The functions throw Refused, Stopped, std::bad_alloc.
+class SourceImpl {
+public:
+    virtual ~SourceImpl() = default;
+    /// All layers to the sink, in its order. SinkTarget::announce() is called before the first. Fills in `info`.
+    virtual void slice(SinkTarget& target, const SliceCall& call, SliceInfo& info) const = 0;
+    /// See Slicer::outline().
+    virtual void outline(const SliceCall& call, SliceInfo& info) const = 0;
+};
+
+}  // namespace lamella::detail

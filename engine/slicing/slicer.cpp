@@ -1,28 +1,25 @@
 // Where calls of slices enter: from any source, to any destination.
 #include "slicing/slicer.hpp"
 
+#include <unistd.h>
 #include <algorithm>
+#include <exception>
 #include <new>
 #include <optional>
 #include <string>
 #include <utility>
 #include <variant>
 
-#include <unistd.h>
-
 #include "base/guard.hpp"
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "lamella/destination.hpp"
 #include "lamella/slice.hpp"
 #include "lamella/source.hpp"
 #include "slicing/buckets/mesh_source.hpp"
 #include "slicing/buckets/prepared_source.hpp"
-#include "slicing/faces/slice_faces.hpp"
-#include "slicing/handover/host_target.hpp"
 #include "slicing/handover/sink_target.hpp"
-#include "slicing/parts/slice_parts.hpp"
 #include "slicing/slice_layers.hpp"
-#include "slicing/source_impl.hpp"
 
 namespace lamella {
 
@@ -76,11 +73,6 @@ void check(const Source& from, const SliceCall& call) {
 }
 
 template <class T>
-void append(Vector<T>& to, std::span<const T> more) {
-    to.insert(to.end(), more.begin(), more.end());
-}
-
-template <class T>
 void copy_to(Array<T>& to, const Vector<T>& from) {
     to.resize_discarding(from.size());
     std::copy(from.begin(), from.end(), to.data());
@@ -89,28 +81,22 @@ void copy_to(Array<T>& to, const Vector<T>& from) {
 /// Layers come in ascending order, and count contours and points from their own first.
 class Collecting {
 public:
-    Collecting(const Memory* memory, std::uint64_t limit)
-        : limit_(limit), layers_(memory), contours_(memory), points_(memory), stitches_(memory) {}
+    Collecting(const Memory* memory, std::uint64_t limit) : memory_(memory), limit_(limit) {}
 
     void take(const LayerView& view) noexcept {
         try {
-            add(view);
-        } catch (const std::bad_alloc&) {
-            is_full_ = true;
+            if (failure_ == nullptr) {
+                add(view);
+            }
+        } catch (...) {
+            failure_ = std::current_exception();
         }
     }
     /// Throws where some layer did not fit.
-    void check() const {
-        if (is_too_large_) {
-            throw Refused{{ErrorCode::result_too_large,
-                           "the result exceeds the memory limit of " + std::to_string(limit_) + " bytes"}};
-        }
-        if (is_full_) {
-            throw std::bad_alloc();
-        }
-    }
-
     void move_to(SliceResult& result) const {
+        if (failure_ != nullptr) {
+            std::rethrow_exception(failure_);
+        }
         copy_to(result.layers, layers_);
         copy_to(result.contours, contours_);
         copy_to(result.points, points_);
@@ -120,35 +106,32 @@ public:
 
 private:
     void add(const LayerView& view) {
-        if (is_full_) {
-            return;
-        }
-        Layer layer = view;
-        layer.first_contour = contours_.size();
-        const std::uint64_t first_point = points_.size();
-        for (Contour contour : view.contours) {
-            contour.first_point += first_point - view.first_point;
-            contour.parent += contour.parent < 0 ? 0 : static_cast<std::int64_t>(layer.first_contour - view.first_contour);
-            contours_.push_back(contour);
-        }
-        const std::uint64_t bytes = (layers_.size() + 1) * sizeof(Layer) + contours_.size() * sizeof(Contour) +
+        const std::uint64_t bytes = (layers_.size() + 1) * sizeof(Layer) +
+                                    (contours_.size() + view.contours.size()) * sizeof(Contour) +
                                     (points_.size() + view.points.size()) * sizeof(Point);
-        is_full_ = is_too_large_ = bytes > limit_;
-        if (is_full_) {
-            return;
+        if (bytes > limit_) {
+            throw Refused{{ErrorCode::result_too_large,
+                           "the result exceeds the memory limit of " + std::to_string(limit_) + " bytes"}};
         }
-        append(points_, view.points);
-        append(stitches_, view.stitches);
-        layers_.push_back(layer);
+        layers_.push_back(view);
+        layers_.back().first_contour = contours_.size();
+        for (const Contour& own : view.contours) {
+            Contour& contour = contours_.emplace_back(own);
+            contour.first_point += points_.size() - view.first_point;
+            contour.parent +=
+                own.parent < 0 ? 0 : static_cast<std::int64_t>(layers_.back().first_contour - view.first_contour);
+        }
+        points_.insert(points_.end(), view.points.begin(), view.points.end());
+        stitches_.insert(stitches_.end(), view.stitches.begin(), view.stitches.end());
     }
 
+    const Memory* memory_;
     std::uint64_t limit_;
-    Vector<Layer> layers_;
-    Vector<Contour> contours_;
-    Vector<Point> points_;
-    Vector<Stitch> stitches_;
-    bool is_full_ = false;
-    bool is_too_large_ = false;
+    Vector<Layer> layers_{memory_};
+    Vector<Contour> contours_{memory_};
+    Vector<Point> points_{memory_};
+    Vector<Stitch> stitches_{memory_};
+    std::exception_ptr failure_;
 };
 
 /// All of `result`, from layers that the source hands over one by one.
@@ -158,7 +141,6 @@ void collect_layers(const SourceImpl& source, const SliceCall& call, SliceResult
     const LayerSink sink{.take = take};
     SinkTarget target(sink);
     source.slice(target, call, result.info);
-    collecting.check();
     collecting.move_to(result);
 }
 
@@ -306,7 +288,7 @@ void SlicerImpl::trim() {
     }
     sweeps_made_regions = last_made_regions;
     output.placement.trim();
-    output.outputs.clear();
+    output.pool.outputs.clear();
     bands.trim();
     buckets.trim();
     planes.trim();
@@ -335,6 +317,38 @@ void Slicer::trim() noexcept {
 
 void Slicer::reset() noexcept {
     impl_.reset();
+}
+
+PreparedMesh::PreparedMesh(std::unique_ptr<const detail::PreparedImpl> impl) noexcept : impl_(std::move(impl)) {}
+PreparedMesh::~PreparedMesh() = default;
+PreparedMesh::PreparedMesh(PreparedMesh&&) noexcept = default;
+PreparedMesh& PreparedMesh::operator=(PreparedMesh&&) noexcept = default;
+
+std::size_t PreparedMesh::bytes() const noexcept {
+    return impl_->bytes();
+}
+
+const Frame& PreparedMesh::frame() const noexcept {
+    return impl_->asked;
+}
+
+Result<PreparedMesh> prepare(const MeshView& mesh, const Frame& frame, const Context& context) noexcept {
+    return guarded(context, [&]() -> Result<PreparedMesh> {
+        const Parallel parallel(context);
+        parallel.begin_stage(1, 5);
+        auto made = std::make_unique<detail::PreparedImpl>(context.memory);
+        made->frame = choose_frame(mesh, frame, true, {}, parallel);
+        made->bounds = made->frame.bounds;
+        made->asked = frame;
+        made->asked_grid_mm = frame.grid_mm;
+        made->asked.grid_mm = made->frame.unit.mm;
+        made->build(mesh, parallel);
+        if (made->triangles.empty()) {
+            made->frame.bounds = {};  // the box of nothing chooses no planes
+        }
+        parallel.finish();
+        return PreparedMesh(std::move(made));
+    });
 }
 
 }  // namespace lamella

@@ -38,7 +38,8 @@ TEST_CASE("bands with more or fewer points than segments are placed in order", "
     lamella::SliceResult result;
     result.layers.resize_discarding(bands.size());
     result.points.resize_discarding(draw(2) == 0 ? segments + segments / 8 : draw(static_cast<std::uint32_t>(segments)));
-    lamella::Placement placement(nullptr);
+    lamella::OutputPool pool{nullptr};
+    lamella::Placement placement(pool);
     constexpr std::size_t threads = 3;
     placement.begin(bands, 2 * threads, with_origins, result, {});
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "slicing/grid/box.hpp"
+#include "slicing/grid/exact.hpp"
 
 namespace regions {
 

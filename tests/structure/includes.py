@@ -32,8 +32,7 @@ SLICING = [
     ["sweep"],
     ["slicer.hpp"],
     ["slice_layers.hpp"],
-    ["slice_layers.cpp", "prepare.cpp", "parts", "handover", "faces"],
-    ["source_impl.hpp"],
+    ["slice_layers.cpp", "parts", "handover", "faces"],
     ["slicer.cpp"],
 ]
 
@@ -150,7 +149,7 @@ PLANTED = [
     ("engine/base/parallel.hpp", '#include "lamella/result.hpp"', "base must not include slicing"),
     ("include/lamella/lamella.hpp", '#include "lamella/io.hpp"', "audit must not include io"),
     ("engine/slicing/grid/bounds.hpp", '#include "slicing/planes/plane_set.hpp"', "slicing/planes, which is beside or above"),
-    ("engine/slicing/nesting/nest.cpp", '#include "slicing/result/placement.hpp"', "slicing/result, which"),
+    ("engine/slicing/nesting/nest.cpp", '#include "slicing/result/layer_target.hpp"', "slicing/result, which"),
     ("engine/slicing/sweep/band_sweep.cpp", '#include "slicing/sweep/wide_plane.hpp"', "peers"),
     ("engine/slicing/grid/bounds.cpp", '#include "gird/blocks.hpp"', "no file of"),
     ("engine/slicing/sweep/band_sweep.cpp", "#include <tbb/parallel_for.h>", "only base/parallel.cpp"),

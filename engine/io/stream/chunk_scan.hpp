@@ -7,7 +7,7 @@
 #include "base/guard.hpp"
 #include "io/stream/triangle_file.hpp"
 #include "io/stream/triangle_store.hpp"
-#include "slicing/buckets/soup_scan.hpp"
+#include "slicing/buckets/mesh_source.hpp"
 #include "slicing/buckets/triangle_source.hpp"
 #include "slicing/grid/bounds.hpp"
 

@@ -11,7 +11,6 @@
 #include "options/asked.hpp"
 #include "slicing/handover/sink_target.hpp"
 #include "slicing/slice_layers.hpp"
-#include "slicing/source_impl.hpp"
 
 namespace lamella {
 

@@ -19,8 +19,8 @@
 
 #include "base/parallel.hpp"
 #include "lamella/array.hpp"
-#include "slicing/buckets/crossed_triangle.hpp"
 #include "slicing/buckets/listed_triangles.hpp"
+#include "slicing/buckets/triangle_source.hpp"
 #include "slicing/planes/plane_set.hpp"
 
 namespace lamella {

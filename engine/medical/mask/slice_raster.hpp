@@ -15,7 +15,7 @@
 #include "lamella/grid.hpp"
 #include "lamella/medical/mask.hpp"
 #include "medical/raster/coverage.hpp"
-#include "slicing/grid/box.hpp"
+#include "slicing/grid/exact.hpp"
 
 namespace lamella {
 

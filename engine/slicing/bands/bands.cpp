@@ -145,13 +145,7 @@ void BandPlan::find_seeds(PlaneIndex planes, std::size_t reaching_count, const S
 }
 
 void BandPlan::trim() {
-    fit(bands);
-    fit(band_end);
-    fit(reaching);
-    fit(seed_begin);
-    fit(seeds);
-    fit(band_of_);
-    fit(next_seed_);
+    fit(bands, band_end, reaching, seed_begin, seeds, band_of_, next_seed_);
 }
 
 void BandPlan::forget_many_seeds() {

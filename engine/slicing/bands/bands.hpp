@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <limits>
 #include <span>
-#include <vector>
 
 #include "base/vector.hpp"
 #include "slicing/buckets/triangle_source.hpp"
@@ -23,20 +22,17 @@ struct Band {
 };
 
 struct BandPlan {
-    explicit BandPlan(const Memory* memory)
-        : bands(memory),
-          band_end(memory),
-          reaching(memory),
-          seed_begin(memory),
-          seeds(memory),
-          band_of_(memory),
-          next_seed_(memory) {}
+private:
+    const Memory* memory_;
 
-    Vector<Band> bands;
-    Vector<PlaneIndex> band_end;       ///< k + 1: the end of each plane's band, and k
-    Array<Reaching> reaching;          ///< room for the triangles that scatter_triangles() finds to reach beyond their band
-    Vector<std::uint64_t> seed_begin;  ///< bands + 1: where each band's seeds begin
-    Array<std::uint32_t> seeds;        ///< indices of records
+public:
+    explicit BandPlan(const Memory* memory) : memory_(memory) {}
+
+    Vector<Band> bands{memory_};
+    Vector<PlaneIndex> band_end{memory_};  ///< k + 1: the end of each plane's band, and k
+    Array<Reaching> reaching{memory_};  ///< room for the triangles that scatter_triangles() finds to reach beyond their band
+    Vector<std::uint64_t> seed_begin{memory_};  ///< bands + 1: where each band's seeds begin
+    Array<std::uint32_t> seeds{memory_};        ///< indices of records
 
     std::span<const std::uint32_t> seeds_of(std::size_t band) const noexcept {
         return {seeds.data() + seed_begin[band], seeds.data() + seed_begin[band + 1]};
@@ -66,8 +62,8 @@ private:
                   std::uint64_t most_segments);
 
     // scratch of find_seeds()
-    Vector<std::uint32_t> band_of_;  // of each plane
-    Vector<std::uint64_t> next_seed_;
+    Vector<std::uint32_t> band_of_{memory_};  // of each plane
+    Vector<std::uint64_t> next_seed_{memory_};
 };
 
 }  // namespace lamella

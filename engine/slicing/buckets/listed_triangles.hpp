@@ -11,7 +11,6 @@
 
 #include "base/parallel.hpp"
 #include "lamella/array.hpp"
-#include "slicing/buckets/crossed_triangle.hpp"
 #include "slicing/buckets/triangle_source.hpp"
 
 namespace lamella {

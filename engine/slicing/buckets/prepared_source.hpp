@@ -21,7 +21,6 @@
 #include "lamella/array.hpp"
 #include "lamella/context.hpp"
 #include "lamella/mesh.hpp"
-#include "slicing/buckets/crossed_triangle.hpp"
 #include "slicing/buckets/triangle_source.hpp"
 #include "slicing/grid/bounds.hpp"
 

@@ -1,4 +1,4 @@
-#include "slicing/buckets/soup_scan.hpp"
+#include "slicing/buckets/mesh_source.hpp"
 
 #include <array>
 #include <cmath>

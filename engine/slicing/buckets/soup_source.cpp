@@ -3,7 +3,6 @@
 
 #include "base/guard.hpp"
 #include "slicing/buckets/mesh_source.hpp"
-#include "slicing/buckets/soup_scan.hpp"
 #include "slicing/buckets/thread_shares.hpp"
 
 namespace lamella {

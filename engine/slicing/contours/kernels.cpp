@@ -223,39 +223,6 @@ LAMELLA_AVX512 __m256i upper_half(__m512i v) {
     return _mm512_maskz_extracti64x4_epi64(0xF, v, 1);
 }
 
-/// The smallest of eight streams of points: as numbers of 64 bits with x above y, they compare as points do.
-struct SmallestOfEight {
-    __m512i point;
-    __m512i index;
-    __mmask8 many = 0;  // lanes that met theirs more than once
-
-    LAMELLA_AVX512 void add(__m512i points, std::size_t first, __mmask8 lanes) {
-        const __m512i y_sign = _mm512_set1_epi64(0x80000000);  // the half below compares without a sign
-        const __m512i key = _mm512_xor_si512(_mm512_maskz_rol_epi64(0xFF, points, 32), y_sign);
-        const __mmask8 smaller = _mm512_mask_cmplt_epi64_mask(lanes, key, point);
-        const __mmask8 equal = _mm512_mask_cmpeq_epi64_mask(lanes, key, point);
-        many = static_cast<__mmask8>((many & ~smaller) | equal);
-        point = _mm512_mask_mov_epi64(point, smaller, key);
-        index = _mm512_mask_mov_epi64(index, smaller, _mm512_set1_epi64(static_cast<std::int64_t>(first)));
-    }
-
-    LAMELLA_AVX512 void finish(RingFacts& facts) const {
-        const __m256i four = _mm256_min_epi64(lower_half(point), upper_half(point));
-        const __m256i two = _mm256_min_epi64(four, _mm256_permute4x64_epi64(four, 0x4E));
-        const __m256i one = _mm256_min_epi64(two, _mm256_shuffle_epi32(two, 0x4E));
-        const unsigned lanes =
-            _mm512_cmpeq_epi64_mask(point, _mm512_maskz_broadcastq_epi64(0xFF, _mm256_castsi256_si128(one)));
-        alignas(64) std::int64_t steps[8];
-        _mm512_store_si512(steps, index);
-        facts.smallest = SIZE_MAX;
-        for (unsigned left = lanes; left != 0; left &= left - 1) {
-            const auto lane = static_cast<std::size_t>(std::countr_zero(left));
-            facts.smallest = std::min(facts.smallest, static_cast<std::size_t>(steps[lane]) + lane);
-        }
-        facts.many_smallest = (many & lanes) != 0 || std::popcount(lanes) > 1;
-    }
-};
-
 /// Eight points a step. Neighbours come from shifting the vectors before and after into this one, not from loading them
 /// back from the ring, which would wait for the stores; x lies in the low half of each 64-bit lane and y in the high one:
 ///
@@ -270,7 +237,6 @@ LAMELLA_AVX512 RingFacts trace_avx512(const Point* points, const std::uint32_t* 
     __m512i low_sum = _mm512_setzero_si512();
     __m512i high_sum = _mm512_setzero_si512();
     unsigned repeats = 0;
-    SmallestOfEight smallest{_mm512_set1_epi64(INT64_MAX), _mm512_setzero_si512()};
     __m512i before = _mm512_set1_epi64(std::bit_cast<std::int64_t>(points[slots[count - 1]]));
     __m512i here = gather_eight(points, slots);
     for (std::size_t i = 0; i < count; i += 8) {
@@ -279,7 +245,6 @@ LAMELLA_AVX512 RingFacts trace_avx512(const Point* points, const std::uint32_t* 
         const __m512i next = left > 8 ? gather_eight(points, slots + i + 8) : first;
         here = _mm512_mask_blend_epi64(lanes, first, here);  // the first point follows the last
         _mm512_storeu_si512(ring + i, here);
-        smallest.add(here, i, lanes);
         const __m512i previous = _mm512_maskz_alignr_epi64(0xFF, here, before, 7);
         const __m512i after = _mm512_maskz_alignr_epi64(0xFF, next, here, 1);
         low = _mm512_maskz_min_epi32(0xFFFF, low, here);
@@ -298,7 +263,7 @@ LAMELLA_AVX512 RingFacts trace_avx512(const Point* points, const std::uint32_t* 
                  _mm256_max_epi32(lower_half(high), upper_half(high)),
                  _mm256_add_epi64(lower_half(low_sum), upper_half(low_sum)),
                  _mm256_add_epi64(lower_half(high_sum), upper_half(high_sum)));
-    smallest.finish(facts);
+    find_smallest(ring, count, facts);
     return fits_halves(facts) ? facts : trace_portable(points, slots, count, ring);
 }
 

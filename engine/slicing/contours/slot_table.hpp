@@ -20,7 +20,6 @@
 #include <cstdint>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "base/function_ref.hpp"
 #include "base/parallel.hpp"
@@ -28,7 +27,7 @@
 #include "base/worker.hpp"
 #include "lamella/grid.hpp"
 #include "lamella/result.hpp"
-#include "slicing/buckets/crossed_triangle.hpp"
+#include "slicing/buckets/triangle_source.hpp"
 #include "slicing/contours/kernels.hpp"
 #include "slicing/planes/plane_set.hpp"
 

@@ -5,7 +5,6 @@
 //     share_pieces                            pieces, by 8 bytes each, to the layers that they project to
 //     build_layers                            for each layer: the border of its pieces, and the region within it
 //     LayerTarget::finish      result         layers to their place
-#include "slicing/faces/slice_faces.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -113,19 +112,153 @@ private:
         planes_.build(call_.options, call_.tuning.random_heights, frame_, call_.memory_limit());
         layers_ = planes_.range_of(asked.first_layer, asked.end_layer);
     }
-    void check_size(std::uint64_t pieces) const;
-    template <class Reader, class Use>
-    std::uint64_t for_each_face(const Reader& read, std::size_t begin, std::size_t end, Use use) const;
-    PieceCounts count_pieces() const;
     std::size_t tasks() const noexcept { return std::clamp<std::size_t>(layers_.size(), 1, most_tasks); }
     std::size_t task_of(PlaneIndex layer) const noexcept {
         return part_of_number(layer - layers_.first, layers_.size(), tasks());
     }
-    Distributed<FacePiece> share_pieces() const;
-    void build_layers(Distributed<FacePiece>& pieces, LayerTarget& target, SliceResult& result);
-    void build_task(const Band& layers, std::span<FacePiece> pieces, FaceWorker& worker, BandOutput& output);
-    void build_layer(std::span<const FacePiece> pieces, FaceWorker& worker, BandOutput& output) const;
-    PieceRing ring_of(const GridTriangle& face, PlaneIndex layer) const noexcept;
+
+    void check_size(std::uint64_t pieces) const {
+        const std::uint64_t limit = call_.memory_limit();
+        const std::uint64_t bytes = layers_.size() * sizeof(Layer) +
+                                    planes_.plane_of_listed().size() * sizeof(std::uint64_t) + pieces * sizeof(FacePiece);
+        if (bytes > limit) {
+            throw Refused{{ErrorCode::result_too_large,
+                           counted(layers_.size(), "layer") + " with " + counted(pieces, "piece") + " of faces need " +
+                               std::to_string(bytes) + " bytes, more than the memory limit of " + std::to_string(limit)}};
+        }
+    }
+
+    /// Calls use(t, layers) for each of the faces [begin, end) that look the way asked for and project to some. Returns how
+    /// many are degenerate.
+    template <class Reader, class Use>
+    std::uint64_t for_each_face(const Reader& read, std::size_t begin, std::size_t end, Use use) const {
+        std::uint64_t degenerate = 0;
+        for (std::size_t t = begin; t < end; ++t) {
+            if ((t - begin) % faces_a_range == 0) {
+                parallel_.stop_if_asked();
+            }
+            const GridTriangle face = read(t);
+            degenerate += is_degenerate(face) ? 1 : 0;
+            if (sense_of(face, mirrored_) == sense_) {
+                const SlabRange all = slabs_of(face, sense_, planes_);
+                const SlabRange asked{std::max(all.first, layers_.first), std::min(all.last, layers_.end)};
+                if (asked.first < asked.last) {
+                    use(t, asked);
+                }
+            }
+        }
+        return degenerate;
+    }
+
+    PieceCounts count_pieces() const {
+        PerWorker<PieceCounts> counts(parallel_.workers_for(mesh_.triangle_count / faces_a_range));
+        with_reader(mesh_, placing_, frame_.unit.mm, [&](const auto& read) {
+            parallel_.run_ranges(mesh_.triangle_count, faces_a_range, [&](std::size_t begin, std::size_t end, int worker) {
+                PieceCounts own;
+                own.degenerate = for_each_face(read, begin, end, [&](std::size_t, SlabRange slabs) {
+                    ++own.faces;
+                    own.pieces += slabs.last - slabs.first;
+                });
+                counts[static_cast<std::size_t>(worker)].add(own);
+            });
+        });
+        PieceCounts all;
+        counts.for_each([&](const PieceCounts& own) { all.add(own); });
+        return all;
+    }
+
+    Distributed<FacePiece> share_pieces() const {
+        return with_reader(mesh_, placing_, frame_.unit.mm, [&](const auto& read) {
+            const auto each = [&](std::size_t begin, std::size_t end, const auto& emit) {
+                for_each_face(read, begin, end, [&](std::size_t t, SlabRange slabs) {
+                    for (PlaneIndex layer = slabs.first; layer < slabs.last; ++layer) {
+                        emit(task_of(layer), FacePiece{static_cast<std::uint32_t>(t), layer});
+                    }
+                });
+            };
+            return distribute<FacePiece>(mesh_.triangle_count, tasks(), parallel_, each, parallel_.memory());
+        });
+    }
+
+    void build_layers(Distributed<FacePiece>& pieces, LayerTarget& target, SliceResult& result) {
+        std::vector<std::unique_ptr<FaceWorker>> workers(static_cast<std::size_t>(parallel_.threads()));
+        for (std::size_t task = 0; task < tasks(); ++task) {
+            const auto first_of = [&](std::size_t t) { return (t * layers_.size() + tasks() - 1) / tasks(); };
+            tasks_.push_back({static_cast<PlaneIndex>(first_of(task)), static_cast<PlaneIndex>(first_of(task + 1)), 0});
+        }
+        piece_counts_.resize_discarding(layers_.size());
+        const auto layer_at = [this](PlaneIndex layer) {
+            return describe_layer(planes_, layers_.first + layer, piece_counts_[layer]);
+        };
+        const LayerRules layer_rules{.region = &rules_, .grid_mm = frame_.unit.mm};
+        const OutputPlan plan{.layers = layers_.size(),
+                              .layer_at = layer_at,
+                              .segments = 0,  // how many points pieces leave is not known
+                              .cutting = 0,
+                              .bands = tasks_,
+                              .parallel = parallel_,
+                              .scratch = call_.kept.output,
+                              .origins = false,
+                              .result = result,
+                              .lead = tasks()};
+        BandTarget& bands = target.begin(plan);
+        parallel_.run(tasks(), [&](std::size_t task, int number) {
+            auto& worker = workers[static_cast<std::size_t>(number)];
+            if (worker == nullptr) {
+                worker = std::make_unique<FaceWorker>(parallel_.memory(), parallel_.stop());
+                worker->builder.rules = &layer_rules;
+            }
+            fill_band(bands, task, [&](BandOutput& output) { build_task(tasks_[task], pieces.of(task), *worker, output); });
+        });
+        parallel_.begin_stage(0.99, 2);
+        target.finish(plan);
+    }
+
+    void build_task(const Band& layers, std::span<FacePiece> pieces, FaceWorker& worker, BandOutput& output) {
+        if (layers.last - layers.first > 1) {
+            std::sort(pieces.begin(), pieces.end(),
+                      [](const FacePiece& a, const FacePiece& b) { return a.layer < b.layer; });
+        }
+        for (PlaneIndex number = layers.first; number < layers.last; ++number) {
+            const PlaneIndex layer = layers_.first + number;
+            const auto past =
+                std::find_if(pieces.begin(), pieces.end(), [&](const FacePiece& p) { return p.layer != layer; });
+            const auto count = static_cast<std::size_t>(past - pieces.begin());
+            piece_counts_[number] = count;
+            build_layer(pieces.first(count), worker, output);
+            output.finish_layer();
+            pieces = pieces.subspan(count);
+        }
+    }
+
+    void build_layer(std::span<const FacePiece> pieces, FaceWorker& worker, BandOutput& output) const {
+        worker.given.clear();
+        if (!pieces.empty()) {
+            worker.sum.begin(static_cast<std::size_t>(edges_a_piece * static_cast<double>(pieces.size())));
+            with_reader(mesh_, placing_, frame_.unit.mm, [&](const auto& read) {
+                for (const FacePiece& piece : pieces) {
+                    worker.sum.add(ring_of(read(piece.triangle), piece.layer).points());
+                }
+            });
+            worker.sum.link();
+            std::size_t begin = 0;
+            for (const std::size_t end : worker.sum.ring_ends()) {
+                worker.given.push_back(given_path(worker.sum.points().subspan(begin, end - begin)));
+                begin = end;
+            }
+        }
+        if (worker.given.empty()) {
+            output.add_empty_layer();
+        } else {
+            worker.builder.build_given(worker.given, output);
+        }
+    }
+
+    PieceRing ring_of(const GridTriangle& face, PlaneIndex layer) const noexcept {
+        const std::int32_t* const plane = planes_.heights() + layer;
+        return sense_ == FaceSense::up ? PieceRing(face, sense_, mirrored_, plane[0], plane[1])
+                                       : PieceRing(face, sense_, mirrored_, plane[-1], plane[0]);
+    }
 
     const MeshView& mesh_;
     const SliceCall& call_;
@@ -140,147 +273,6 @@ private:
     std::vector<Band> tasks_;
     Array<std::uint64_t> piece_counts_{parallel_.memory()};  // of each layer that was built
 };
-
-void FaceSlicing::check_size(std::uint64_t pieces) const {
-    const std::uint64_t limit = call_.memory_limit();
-    const std::uint64_t bytes = layers_.size() * sizeof(Layer) + planes_.plane_of_listed().size() * sizeof(std::uint64_t) +
-                                pieces * sizeof(FacePiece);
-    if (bytes > limit) {
-        throw Refused{{ErrorCode::result_too_large, counted(layers_.size(), "layer") + " with " + counted(pieces, "piece") +
-                                                        " of faces need " + std::to_string(bytes) +
-                                                        " bytes, more than the memory limit of " + std::to_string(limit)}};
-    }
-}
-
-/// Calls use(t, layers) for each of the faces [begin, end) that look the way asked for and project to some. Returns how many
-/// are degenerate.
-template <class Reader, class Use>
-std::uint64_t FaceSlicing::for_each_face(const Reader& read, std::size_t begin, std::size_t end, Use use) const {
-    std::uint64_t degenerate = 0;
-    for (std::size_t t = begin; t < end; ++t) {
-        if ((t - begin) % faces_a_range == 0) {
-            parallel_.stop_if_asked();
-        }
-        const GridTriangle face = read(t);
-        degenerate += is_degenerate(face) ? 1 : 0;
-        if (sense_of(face, mirrored_) == sense_) {
-            const SlabRange all = slabs_of(face, sense_, planes_);
-            const SlabRange asked{std::max(all.first, layers_.first), std::min(all.last, layers_.end)};
-            if (asked.first < asked.last) {
-                use(t, asked);
-            }
-        }
-    }
-    return degenerate;
-}
-
-PieceCounts FaceSlicing::count_pieces() const {
-    PerWorker<PieceCounts> counts(parallel_.workers_for(mesh_.triangle_count / faces_a_range));
-    with_reader(mesh_, placing_, frame_.unit.mm, [&](const auto& read) {
-        parallel_.run_ranges(mesh_.triangle_count, faces_a_range, [&](std::size_t begin, std::size_t end, int worker) {
-            PieceCounts own;
-            own.degenerate = for_each_face(read, begin, end, [&](std::size_t, SlabRange slabs) {
-                ++own.faces;
-                own.pieces += slabs.last - slabs.first;
-            });
-            counts[static_cast<std::size_t>(worker)].add(own);
-        });
-    });
-    PieceCounts all;
-    counts.for_each([&](const PieceCounts& own) { all.add(own); });
-    return all;
-}
-
-Distributed<FacePiece> FaceSlicing::share_pieces() const {
-    return with_reader(mesh_, placing_, frame_.unit.mm, [&](const auto& read) {
-        const auto each = [&](std::size_t begin, std::size_t end, const auto& emit) {
-            for_each_face(read, begin, end, [&](std::size_t t, SlabRange slabs) {
-                for (PlaneIndex layer = slabs.first; layer < slabs.last; ++layer) {
-                    emit(task_of(layer), FacePiece{static_cast<std::uint32_t>(t), layer});
-                }
-            });
-        };
-        return distribute<FacePiece>(mesh_.triangle_count, tasks(), parallel_, each, parallel_.memory());
-    });
-}
-
-void FaceSlicing::build_layers(Distributed<FacePiece>& pieces, LayerTarget& target, SliceResult& result) {
-    std::vector<std::unique_ptr<FaceWorker>> workers(static_cast<std::size_t>(parallel_.threads()));
-    for (std::size_t task = 0; task < tasks(); ++task) {
-        const auto first_of = [&](std::size_t t) { return (t * layers_.size() + tasks() - 1) / tasks(); };
-        tasks_.push_back({static_cast<PlaneIndex>(first_of(task)), static_cast<PlaneIndex>(first_of(task + 1)), 0});
-    }
-    piece_counts_.resize_discarding(layers_.size());
-    const auto layer_at = [this](PlaneIndex layer) {
-        return describe_layer(planes_, layers_.first + layer, piece_counts_[layer]);
-    };
-    const LayerRules layer_rules{.region = &rules_, .grid_mm = frame_.unit.mm};
-    const OutputPlan plan{.layers = layers_.size(),
-                          .layer_at = layer_at,
-                          .segments = 0,  // how many points pieces leave is not known
-                          .cutting = 0,
-                          .bands = tasks_,
-                          .parallel = parallel_,
-                          .scratch = call_.kept.output,
-                          .origins = false,
-                          .result = result,
-                          .lead = tasks()};
-    BandTarget& bands = target.begin(plan);
-    parallel_.run(tasks(), [&](std::size_t task, int number) {
-        auto& worker = workers[static_cast<std::size_t>(number)];
-        if (worker == nullptr) {
-            worker = std::make_unique<FaceWorker>(parallel_.memory(), parallel_.stop());
-            worker->builder.rules = &layer_rules;
-        }
-        fill_band(bands, task, [&](BandOutput& output) { build_task(tasks_[task], pieces.of(task), *worker, output); });
-    });
-    parallel_.begin_stage(0.99, 2);
-    target.finish(plan);
-}
-
-void FaceSlicing::build_task(const Band& layers, std::span<FacePiece> pieces, FaceWorker& worker, BandOutput& output) {
-    if (layers.last - layers.first > 1) {
-        std::sort(pieces.begin(), pieces.end(), [](const FacePiece& a, const FacePiece& b) { return a.layer < b.layer; });
-    }
-    for (PlaneIndex number = layers.first; number < layers.last; ++number) {
-        const PlaneIndex layer = layers_.first + number;
-        const auto past = std::find_if(pieces.begin(), pieces.end(), [&](const FacePiece& p) { return p.layer != layer; });
-        const auto count = static_cast<std::size_t>(past - pieces.begin());
-        piece_counts_[number] = count;
-        build_layer(pieces.first(count), worker, output);
-        output.finish_layer();
-        pieces = pieces.subspan(count);
-    }
-}
-
-void FaceSlicing::build_layer(std::span<const FacePiece> pieces, FaceWorker& worker, BandOutput& output) const {
-    worker.given.clear();
-    if (!pieces.empty()) {
-        worker.sum.begin(static_cast<std::size_t>(edges_a_piece * static_cast<double>(pieces.size())));
-        with_reader(mesh_, placing_, frame_.unit.mm, [&](const auto& read) {
-            for (const FacePiece& piece : pieces) {
-                worker.sum.add(ring_of(read(piece.triangle), piece.layer).points());
-            }
-        });
-        worker.sum.link();
-        std::size_t begin = 0;
-        for (const std::size_t end : worker.sum.ring_ends()) {
-            worker.given.push_back(given_path(worker.sum.points().subspan(begin, end - begin)));
-            begin = end;
-        }
-    }
-    if (worker.given.empty()) {
-        output.add_empty_layer();
-    } else {
-        worker.builder.build_given(worker.given, output);
-    }
-}
-
-PieceRing FaceSlicing::ring_of(const GridTriangle& face, PlaneIndex layer) const noexcept {
-    const std::int32_t* const plane = planes_.heights() + layer;
-    return sense_ == FaceSense::up ? PieceRing(face, sense_, mirrored_, plane[0], plane[1])
-                                   : PieceRing(face, sense_, mirrored_, plane[-1], plane[0]);
-}
 
 }  // namespace
 

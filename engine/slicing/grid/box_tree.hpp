@@ -24,7 +24,7 @@
 #include "base/worker.hpp"
 #include "lamella/array.hpp"
 #include "lamella/grid.hpp"
-#include "slicing/grid/box.hpp"
+#include "slicing/grid/exact.hpp"
 
 namespace lamella {
 

@@ -23,22 +23,9 @@ struct RawTriangle {
     double v[9];
 };
 
-#ifdef __SSE2__
-/// From any alignment.
-inline __m128d load_double(const std::byte* at) noexcept {
-    double value;
-    std::memcpy(&value, at, sizeof value);
-    return _mm_set_sd(value);
-}
-inline __m128 load_float(const std::byte* at) noexcept {
-    float value;
-    std::memcpy(&value, at, sizeof value);
-    return _mm_set_ss(value);
-}
-inline __m128 load_two_floats(const std::byte* at) noexcept {
-    return _mm_castpd_ps(load_double(at));
-}
-#endif
+// Numbers that compilers keep side by side in a register.
+using TwoDoubles = double __attribute__((vector_size(16)));
+using FourFloats = float __attribute__((vector_size(16)));
 
 /// From a mesh's coordinates to the space of planes and points.
 struct Placing {
@@ -71,11 +58,10 @@ class PlacedReader {
 public:
     PlacedReader(const MeshView& mesh, const Placing& placing) noexcept
         : mesh_(mesh), identity_(placing.transform.is_identity()), in_floats_(placed_number(mesh, placing) == Number::f32) {
-        for (std::size_t column = 0; column < 4; ++column) {
-            for (std::size_t row = 0; row < 3; ++row) {
-                doubles_[column][row] = placing.transform.m[4 * row + column];
-                floats_[column][row] = static_cast<float>(doubles_[column][row]);
-            }
+        const auto& m = placing.transform.m;
+        for (std::size_t c = 0; c < 4; ++c) {
+            doubles_[c] = {TwoDoubles{m[c], m[4 + c]}, TwoDoubles{m[8 + c], 0}};
+            floats_[c] = FourFloats{static_cast<float>(m[c]), static_cast<float>(m[4 + c]), static_cast<float>(m[8 + c]), 0};
         }
     }
 
@@ -96,126 +82,76 @@ public:
         return xyz;
     }
 
-#ifdef __SSE2__
     struct Vertex {
-        __m128d xy;
-        __m128d z;  ///< and an unused lane
+        TwoDoubles xy;
+        TwoDoubles z;  ///< and an unused lane
     };
 
     Vertex vertex(std::size_t t, std::size_t corner) const noexcept {
         if (number() == Number::f64) {
-            const std::byte* at = vertex_at(t, corner, 3 * sizeof(double));
-            const Vertex given{_mm_loadu_pd(reinterpret_cast<const double*>(at)), load_double(at + 2 * sizeof(double))};
-            return identity_ ? given : moved(given);
+            return placed(in_doubles(coordinates<double>(t, corner)));
         }
         if (number() != Number::f32) {
-            const Vertex given =
-                number() == Number::i32 ? of_integers<std::int32_t>(t, corner) : of_integers<std::int64_t>(t, corner);
-            return identity_ ? given : moved(given);
+            return placed(number() == Number::i32 ? in_doubles(coordinates<std::int32_t>(t, corner))
+                                                  : in_doubles(coordinates<std::int64_t>(t, corner)));
         }
-        const std::byte* at = vertex_at(t, corner, 3 * sizeof(float));
-        const __m128 given = _mm_movelh_ps(load_two_floats(at), load_float(at + 2 * sizeof(float)));
-        if (in_floats_) {
-            return in_doubles(identity_ ? given : moved(given));
-        }
-        return moved(in_doubles(given));
+        const auto given = coordinates<float>(t, corner);
+        return in_floats_ && !identity_ ? moved(given) : placed(in_doubles(given));
     }
-#endif
 
 private:
-    template <class Number>
-    using Columns = std::array<std::array<Number, 4>, 4>;  // the last row is unused
-
-    /// Where a vertex of `vertex_bytes` lies.
-    const std::byte* vertex_at(std::size_t t, std::size_t corner, std::size_t vertex_bytes) const noexcept {
-        return mesh_.indices != nullptr ? mesh_.vertex_at(mesh_.vertex_of(t, corner))
-                                        : mesh_.vertex_at(t) + corner * vertex_bytes;
-    }
-
-#ifdef __SSE2__
-    void place(std::size_t t, std::size_t corner, double* to) const noexcept {
-        const Vertex placed = vertex(t, corner);
-        _mm_storeu_pd(to, placed.xy);
-        _mm_store_sd(to + 2, placed.z);
-    }
-
-    template <class Integer>
-    Vertex of_integers(std::size_t t, std::size_t corner) const noexcept {
-        Integer xyz[3];
-        std::memcpy(xyz, vertex_at(t, corner, sizeof xyz), sizeof xyz);
-        return {_mm_set_pd(static_cast<double>(xyz[1]), static_cast<double>(xyz[0])),
-                _mm_set_sd(static_cast<double>(xyz[2]))};
-    }
-
-    static Vertex in_doubles(__m128 xyz) noexcept {
-        return {_mm_cvtps_pd(xyz), _mm_cvtps_pd(_mm_movehl_ps(xyz, xyz))};
-    }
-
-    __m128 moved(__m128 v) const noexcept {
-        const auto product = [this](std::size_t column, __m128 number) {
-            return _mm_mul_ps(_mm_loadu_ps(floats_[column].data()), number);
-        };
-        const __m128 xy = _mm_add_ps(product(0, _mm_shuffle_ps(v, v, _MM_SHUFFLE(0, 0, 0, 0))),
-                                     product(1, _mm_shuffle_ps(v, v, _MM_SHUFFLE(1, 1, 1, 1))));
-        const __m128 xyz = _mm_add_ps(xy, product(2, _mm_shuffle_ps(v, v, _MM_SHUFFLE(2, 2, 2, 2))));
-        return _mm_add_ps(xyz, _mm_loadu_ps(floats_[3].data()));
-    }
-
-    Vertex moved(const Vertex& v) const noexcept {
-        const __m128d x = _mm_unpacklo_pd(v.xy, v.xy);
-        const __m128d y = _mm_unpackhi_pd(v.xy, v.xy);
-        const __m128d z = _mm_unpacklo_pd(v.z, v.z);
-        const auto rows = [&](std::size_t first) {
-            const auto column = [&](std::size_t c) { return _mm_loadu_pd(doubles_[c].data() + first); };
-            const __m128d xy = _mm_add_pd(_mm_mul_pd(column(0), x), _mm_mul_pd(column(1), y));
-            return _mm_add_pd(_mm_add_pd(xy, _mm_mul_pd(column(2), z)), column(3));
-        };
-        return {rows(0), rows(2)};
-    }
-#else
-    void place(std::size_t t, std::size_t corner, double* to) const noexcept {
-        switch (number()) {
-            case Number::f32:
-                read<float>(t, corner, to);
-                break;
-            case Number::f64:
-                read<double>(t, corner, to);
-                break;
-            case Number::i32:
-                read<std::int32_t>(t, corner, to);
-                break;
-            case Number::i64:
-                read<std::int64_t>(t, corner, to);
-                break;
+    /// One by one: a copy of all three would be stored before it is loaded.
+    template <class T>
+    class Coordinates {
+    public:
+        explicit Coordinates(const std::byte* at) noexcept : at_(at) {}
+        T operator[](std::size_t axis) const noexcept {
+            T value;
+            std::memcpy(&value, at_ + axis * sizeof value, sizeof value);
+            return value;
         }
-        if (!identity_) {
-            in_floats_ ? move(floats_, to) : move(doubles_, to);
-        }
+
+    private:
+        const std::byte* at_;
+    };
+    template <class T>
+    Coordinates<T> coordinates(std::size_t t, std::size_t corner) const noexcept {
+        return Coordinates<T>(mesh_.indices != nullptr ? mesh_.vertex_at(mesh_.vertex_of(t, corner))
+                                                       : mesh_.vertex_at(t) + corner * 3 * sizeof(T));
     }
 
     template <class T>
-    void read(std::size_t t, std::size_t corner, double* to) const noexcept {
-        T xyz[3];
-        std::memcpy(xyz, vertex_at(t, corner, sizeof xyz), sizeof xyz);
-        std::transform(xyz, xyz + 3, to, [](T number) { return static_cast<double>(number); });
+    static Vertex in_doubles(const T& xyz) noexcept {
+        return {TwoDoubles{static_cast<double>(xyz[0]), static_cast<double>(xyz[1])},
+                TwoDoubles{static_cast<double>(xyz[2]), 0}};
     }
 
-    template <class Number>
-    static void move(const Columns<Number>& columns, double* p) noexcept {
-        const auto x = static_cast<Number>(p[0]);
-        const auto y = static_cast<Number>(p[1]);
-        const auto z = static_cast<Number>(p[2]);
-        for (std::size_t row = 0; row < 3; ++row) {
-            p[row] = columns[0][row] * x + columns[1][row] * y + columns[2][row] * z + columns[3][row];
-        }
+    Vertex placed(const Vertex& given) const noexcept { return identity_ ? given : moved(given); }
+
+    void place(std::size_t t, std::size_t corner, double* to) const noexcept {
+        const Vertex placed = vertex(t, corner);
+        std::memcpy(to, &placed.xy, sizeof placed.xy);
+        to[2] = placed.z[0];
     }
-#endif
+
+    Vertex moved(const Coordinates<float>& xyz) const noexcept {
+        return in_doubles(floats_[0] * xyz[0] + floats_[1] * xyz[1] + floats_[2] * xyz[2] + floats_[3]);
+    }
+
+    Vertex moved(const Vertex& v) const noexcept {
+        const TwoDoubles x{v.xy[0], v.xy[0]};
+        const TwoDoubles y{v.xy[1], v.xy[1]};
+        const TwoDoubles z{v.z[0], v.z[0]};
+        const auto& d = doubles_;
+        return {d[0].xy * x + d[1].xy * y + d[2].xy * z + d[3].xy, d[0].z * x + d[1].z * y + d[2].z * z + d[3].z};
+    }
 
     MeshView mesh_;
     bool identity_;
     bool in_floats_;
-    Columns<double> doubles_{};
-    Columns<float> floats_{};
+    // The columns of the matrix:
+    std::array<Vertex, 4> doubles_{};
+    std::array<FourFloats, 4> floats_{};
 };
 
 using GridTriangle = std::array<GridVertex, 3>;
@@ -309,8 +245,9 @@ private:
     }
 
     __m128i vertex(std::size_t index) const noexcept {
-        const std::byte* at = mesh_.vertex_at(index);
-        return round_even(_mm_movelh_ps(load_two_floats(at), load_float(at + 2 * sizeof(float))));
+        float xyz[3];
+        std::memcpy(xyz, mesh_.vertex_at(index), sizeof xyz);
+        return round_even(_mm_setr_ps(xyz[0], xyz[1], xyz[2], 0));
     }
 
     GridTriangle indexed(std::size_t t) const noexcept {

@@ -1,4 +1,4 @@
-#include "slicing/handover/host_target.hpp"
+#include "slicing/handover/sink_target.hpp"
 
 #include <algorithm>
 #include <array>

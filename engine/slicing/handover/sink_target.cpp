@@ -13,11 +13,7 @@ namespace lamella {
 namespace {
 
 constexpr std::size_t window_bytes = std::size_t{1} << 26;
-constexpr std::size_t parcel_bytes = std::size_t{1} << 20;
-constexpr std::size_t parcel_points = parcel_bytes / sizeof(Point);
-
-/// Outputs that are not in use keep at most so much memory.
-constexpr std::size_t most_idle_bytes = window_bytes / 2;
+constexpr std::size_t few_points = std::size_t{1} << 17;
 
 /// Takes the layers of an output one by one: contours, points and gaps then count from the layer's own first.
 struct LayerCursor {
@@ -66,125 +62,47 @@ struct LayerCursor {
 }  // namespace
 
 SinkBands::SinkBands(const LayerSink& sink, const OutputPlan& plan)
-    : sink_(sink), plan_(plan), ascending_(sink.order == SinkOrder::ascending), bands_(plan.bands.size()) {
-    for (const auto& output : plan.scratch.outputs) {
-        put_idle(output.get());
-    }
+    : BandQueue(plan.scratch.pool),
+      sink_(sink),
+      plan_(plan),
+      ascending_(sink.order == SinkOrder::ascending),
+      share_(share_of_band(plan.parallel.threads())),
+      totals_of_(plan.bands.size()) {
+    const auto threads = static_cast<std::size_t>(plan.parallel.threads());
+    begin(plan.bands, ascending_ ? threads : plan.bands.size(), plan.origins);
 }
 
-std::uint64_t SinkBands::most_segments(int threads) noexcept {
-    return threads == 1 ? BandPlan::no_limit : 4 * window_bytes / sizeof(Point) / static_cast<std::uint64_t>(threads);
+std::size_t SinkBands::share_of_band(int threads) noexcept {
+    return window_bytes / (static_cast<std::size_t>(threads) + 1);
 }
 
-BandOutput* SinkBands::acquire(std::size_t band) {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return aborted_ || !ascending_ || band <= head_ + plan_.lead; });
-    if (aborted_) {
-        return nullptr;
-    }
-    BandOutput* const output = take_idle();
-    output->first_layer = plan_.bands[band].first;
-    output->reader = this;
-    output->band = band;
-    output->with_origins = plan_.origins;
-    bands_[band].output = output;
-    // All layers of a wide plane's band, which is one; of others a parcel, or the largest layer as it comes.
-    const std::uint64_t segments = plan_.bands[band].segments;
-    output->begin_in_buffer(plan_.bands[band].wide ? segments : std::min<std::uint64_t>(segments, parcel_points));
-    return output;
-}
-
-BandOutput* SinkBands::take_idle() {
-    auto& outputs = plan_.scratch.outputs;
-    if (idle_.empty()) {
-        outputs.push_back(std::make_unique<BandOutput>(plan_.scratch.memory));
-        return outputs.back().get();
-    }
-    BandOutput* const output = idle_.back();
-    idle_.pop_back();
-    idle_bytes_ -= output->bytes_held();
-    return output;
-}
-
-void SinkBands::put_idle(BandOutput* output) {
-    output->drop_layers();
-    output->reader = nullptr;
-    if (idle_bytes_ + output->bytes_held() > most_idle_bytes) {
-        output->release();
-    }
-    idle_bytes_ += output->bytes_held();
-    idle_.push_back(output);
-}
-
-void SinkBands::give_back(std::size_t band) {
-    const std::lock_guard lock(mutex_);
-    put_idle(std::exchange(bands_[band].output, nullptr));
-}
-
-void SinkBands::abort() {
-    {
-        const std::lock_guard lock(mutex_);
-        aborted_ = true;
-    }
-    changed_.notify_all();
-}
-
-void SinkBands::end_band(std::size_t band) {
-    OwnBand& own = bands_[band];
-    own.totals.counts = own.output->counts;
-    totals_.add(own.totals);
-    put_idle(std::exchange(own.output, nullptr));
+/// All of a wide plane's band, which is one layer; of others what the band may keep, or as the head a few layers.
+void SinkBands::make_room(std::size_t band, BandOutput& output, std::unique_lock<std::mutex>& lock) {
+    const std::size_t point_bytes = sizeof(Point) + (with_origins_ ? sizeof(PointOrigin) : 0);
+    const std::uint64_t room = is_head(band) ? few_points : share_ / point_bytes;
+    lock.unlock();
+    output.reader = this;
+    output.begin_in_buffer(bands_[band].wide ? bands_[band].segments : std::min(bands_[band].segments, room));
 }
 
 void SinkBands::layer_done(BandOutput& output) {
-    if (is_head(output.band)) {
-        hand_over(bands_[output.band]);
-    } else if (output.bytes_used() >= parcel_bytes) {
-        put_aside(output);
-    }
-}
-
-/// Waits until there is memory, or the band is the head.
-void SinkBands::put_aside(BandOutput& output) {
-    std::unique_lock lock(mutex_);
-    const std::size_t bytes = output.bytes_held();
-    changed_.wait(
-        lock, [&] { return aborted_ || head_ == output.band || bytes_aside_ == 0 || bytes_aside_ + bytes <= window_bytes; });
-    if (aborted_) {
-        throw BandDropped();
-    }
-    if (head_ == output.band) {
-        lock.unlock();
-        hand_over(bands_[output.band]);
-        return;
-    }
-    std::vector<BandOutput*>& parcels = bands_[output.band].parcels;
-    parcels.reserve(parcels.size() + 1);
-    parcels.push_back(take_idle());
-    output.move_layers_to(*parcels.back());
-    bytes_aside_ += bytes;
-    lock.unlock();
-    output.move_to_buffer(parcel_points);
-}
-
-/// First the parcels that were put aside, then the output. The band is the head.
-void SinkBands::hand_over(OwnBand& band) {
-    for (BandOutput* const parcel : band.parcels) {
-        const std::size_t bytes = parcel->bytes_held();
-        hand_over(*parcel, band.totals);
-        {
-            const std::lock_guard lock(mutex_);
-            bytes_aside_ -= bytes;
-            put_idle(parcel);
+    if (!is_head(output.band)) {
+        if (output.bytes_used() < share_) {
+            return;
         }
-        changed_.notify_all();
+        std::unique_lock lock(mutex_);
+        changed_.wait(lock, [&] { return aborted_ || is_head(output.band); });
+        if (aborted_) {
+            throw BandDropped();
+        }
     }
-    band.parcels.clear();
-    hand_over(*band.output, band.totals);
+    hand_over(output);
 }
 
-/// Hands over all layers of `output` and empties it. Throws Stopped where the host wants the call to end.
-void SinkBands::hand_over(BandOutput& output, LayerTotals& totals) const {
+/// Hands over all layers of `output`, whose band is the head, and empties it. Throws Stopped where the host wants the call
+/// to end.
+void SinkBands::hand_over(BandOutput& output) {
+    LayerTotals& totals = totals_of_[output.band];
     LayerCursor cursor{output};
     while (cursor.layer < output.layer_contours.size()) {
         const auto plane = static_cast<PlaneIndex>(output.first_layer + cursor.layer);
@@ -205,23 +123,26 @@ void SinkBands::hand_over(BandOutput& output, LayerTotals& totals) const {
 /// Where the band is the head, hands over what is left of it and of all done bands that follow. While it does so no other
 /// thread can: the next head is either done, or its own thread will find that it is the head.
 void SinkBands::submit(std::size_t band) {
-    BandOutput& output = *bands_[band].output;
-    if (!is_head(band) && output.bytes_used() > parcel_bytes / 16) {
-        put_aside(output);
-    }
+    constexpr std::size_t most_idle_bytes = window_bytes / 2;
     std::unique_lock lock(mutex_);
-    bands_[band].done = true;
+    in_flight_[band].done = true;
     if (!is_head(band)) {
         return;
     }
     bool is_done = true;
     for (std::size_t head = band; is_done; ++head) {
         lock.unlock();
-        hand_over(bands_[head]);
+        BandOutput& output = *in_flight_[head].output;
+        hand_over(output);
         lock.lock();
-        end_band(head);
+        totals_of_[head].counts = output.counts;
+        totals_.add(totals_of_[head]);
+        if (output.bytes_held() > most_idle_bytes / pool_.outputs.size()) {
+            output.release();
+        }
+        put_idle(head);
         head_.store(head + 1, std::memory_order_release);
-        is_done = ascending_ && head + 1 < bands_.size() && bands_[head + 1].done;
+        is_done = ascending_ && head + 1 < bands_.size() && in_flight_[head + 1].done;
         changed_.notify_all();
     }
 }

@@ -1,15 +1,14 @@
 // A slice that is made for a sink: its layers go there one by one, while bands are being swept.
 //
 // In any order a thread hands over each layer as it is built. In ascending order one thread at a time hands layers over: the
-// one that sweeps the head, the first band that is not all handed over. Others put their layers aside in parcels of about a
-// megabyte, and wait for memory or to become the head:
+// one that sweeps the head, the first band that is not all handed over. Others keep their layers, up to their share of a
+// window, and then wait to become the head:
 //
-//     band        0         1 (head)             2                    3
-//               [done]    [ L7 > sink ]   [ L8 L9 | L10 ... ]      waits: not yet two bands a thread, but no memory left
-//                                          parcels  being filled
+//     band        0         1 (head)             2                3
+//               [done]    [ L7 > sink ]   [ L8 L9 L10 ... ]    waits: its share is full
 //
-// The head never waits, so parcels always come free. With T threads that are spread evenly over their bands, half of all
-// layers are put aside, and a window of (T - 1) / 2 bands keeps every thread at work.
+// The head never waits. With T threads that are spread evenly over their bands, half of all layers are kept, and T bands are
+// begun beyond the head at most.
 #pragma once
 
 #include <atomic>
@@ -19,6 +18,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "lamella/destination.hpp"
@@ -28,54 +28,32 @@
 namespace lamella {
 
 /// The bands of one sweep.
-class SinkBands final : public BandTarget {
+class SinkBands final : public BandQueue {
 public:
     SinkBands(const LayerSink& sink, const OutputPlan& plan);
     SinkBands(const SinkBands&) = delete;
     SinkBands& operator=(const SinkBands&) = delete;
 
-    BandOutput* acquire(std::size_t band) override;
-    void give_back(std::size_t band) override;
     void submit(std::size_t band) override;
-    void abort() override;
     void layer_done(BandOutput& output) override;
 
     const LayerTotals& totals() const noexcept { return totals_; }
 
-    /// How many segments a band should have at most, so that the window holds what threads put aside.
-    static std::uint64_t most_segments(int threads) noexcept;
+    /// The bytes that a band may keep while it is not the head.
+    static std::size_t share_of_band(int threads) noexcept;
 
 private:
-    struct OwnBand {
-        BandOutput* output = nullptr;
-        std::vector<BandOutput*> parcels;  ///< layers put aside, in order
-        LayerTotals totals;
-        bool done = false;
-    };
-
-    void put_aside(BandOutput& output);
-    void hand_over(OwnBand& band);
-    void hand_over(BandOutput& output, LayerTotals& totals) const;
+    void make_room(std::size_t band, BandOutput& output, std::unique_lock<std::mutex>& lock) override;
+    void hand_over(BandOutput& output);
     /// In ascending order only the thread that sweeps the head hands over: a band becomes the head once, and remains it
     /// until it is done.
     bool is_head(std::size_t band) const noexcept { return !ascending_ || head_.load(std::memory_order_acquire) == band; }
 
-    // With mutex_ held:
-    BandOutput* take_idle();
-    void put_idle(BandOutput* output);
-    void end_band(std::size_t band);
-
     const LayerSink& sink_;
     const OutputPlan& plan_;
     const bool ascending_;
-    std::mutex mutex_;
-    std::condition_variable changed_;
-    std::vector<OwnBand> bands_;
-    std::atomic<std::size_t> head_{0};  ///< written with mutex_ held
-    std::size_t bytes_aside_ = 0;
-    bool aborted_ = false;
-    std::vector<BandOutput*> idle_;
-    std::size_t idle_bytes_ = 0;
+    const std::size_t share_;
+    std::vector<LayerTotals> totals_of_;  // of each band
     LayerTotals totals_;
 };
 
@@ -85,7 +63,8 @@ public:
     explicit SinkTarget(const LayerSink& sink);
 
     std::uint64_t most_band_segments(int threads) const noexcept override {
-        return sink_.order == SinkOrder::any ? BandPlan::no_limit : SinkBands::most_segments(threads);
+        return sink_.order == SinkOrder::any || threads == 1 ? BandPlan::no_limit
+                                                             : SinkBands::share_of_band(threads) / sizeof(Point);
     }
     BandTarget& begin(const OutputPlan& plan) override {
         announce(plan.result.info);
@@ -101,6 +80,41 @@ private:
     const LayerSink& sink_;
     bool is_announced_ = false;
     std::optional<SinkBands> bands_;
+};
+
+// A slice that is made for the host's own arrays, in its number type, scale and stride.
+
+/// Grid points to the host's numbers.
+class HostPoints final : public PointWriter {
+public:
+    /// `output` has passed the checks and outlives this.
+    explicit HostPoints(const HostArrays& output) noexcept;
+
+    std::uint64_t capacity() const noexcept override { return output_.point_capacity; }
+    void write(std::uint64_t first, std::span<const Point> points) const noexcept override;
+
+private:
+    using Convert = void (*)(std::span<const Point> points, double scale, std::byte* to, std::size_t stride) noexcept;
+
+    const HostArrays& output_;
+    std::size_t stride_;
+    Convert convert_;
+};
+
+class HostTarget final : public LayerTarget {
+public:
+    /// Throws Refused where arrays or scale make no sense.
+    explicit HostTarget(const HostArrays& host);
+
+    void admit_layers(std::uint64_t layers, const SliceInfo& info) const override;
+    BandTarget& begin(const OutputPlan& plan) override;
+    void finish(const OutputPlan& plan) override;
+
+private:
+    void check_room(const LayerTotals& totals) const;
+
+    const HostArrays& host_;
+    HostPoints writer_;
 };
 
 }  // namespace lamella

@@ -23,7 +23,6 @@
 #include <limits>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "base/function_ref.hpp"
 #include "base/numbers.hpp"
@@ -34,8 +33,8 @@
 #include "lamella/grid.hpp"
 #include "lamella/layers.hpp"
 #include "lamella/result.hpp"
-#include "slicing/grid/box.hpp"
 #include "slicing/grid/box_tree.hpp"
+#include "slicing/grid/exact.hpp"
 #include "slicing/nesting/inside.hpp"
 #include "slicing/nesting/order.hpp"
 

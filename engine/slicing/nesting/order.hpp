@@ -11,7 +11,7 @@
 #include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "lamella/grid.hpp"
-#include "slicing/grid/box.hpp"
+#include "slicing/grid/exact.hpp"
 
 namespace lamella::nesting {
 

@@ -3,7 +3,6 @@
 //     choose_frame       the box of all parts, and from it one grid and one set of planes
 //     slice_all          each part by itself, by all threads
 //     Merging            contours of all parts, side by side in each layer, or one region of them
-#include "slicing/parts/slice_parts.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -28,17 +27,6 @@ namespace lamella {
 namespace {
 
 constexpr std::size_t layers_a_task = 16;
-
-/// A layer's points, or their origins: those of its contours follow one another.
-template <class T>
-std::span<T> of_layer(Array<T>& elements, const SliceResult& part, std::size_t layer) {
-    const std::span<const Contour> contours = part.contours_of(part.layers[layer]);
-    if (contours.empty() || elements.empty()) {
-        return {};
-    }
-    const std::uint64_t first = contours.front().first_point;
-    return elements.span().subspan(first, contours.back().first_point + contours.back().point_count - first);
-}
 
 /// As its facets run: a role that overruled them has turned it.
 Path as_given(const SliceResult& part, const Contour& contour) noexcept {
@@ -128,7 +116,7 @@ private:
             for (SliceResult& part : parts_) {
                 assert(part.layers[l].plane == layer.plane);
                 layer.segments += part.layers[l].segments;
-                tasks_.back().segments += united_ ? 0 : of_layer(part.points, part, l).size();
+                tasks_.back().segments += united_ ? 0 : part[l].points.size();
             }
         }
         for (const Band& task : tasks_) {
@@ -153,33 +141,32 @@ private:
     /// Gives a layer's contours and origins the number of their part.
     void number(std::size_t layer, std::size_t part_number) {
         SliceResult& part = parts_[part_number];
-        const Layer& own = part.layers[layer];
+        const LayerView own = part[layer];
         for (Contour& contour : part.contours.span().subspan(own.first_contour, own.contour_count)) {
             contour.part = static_cast<std::uint32_t>(part_number);
         }
-        for (PointOrigin& origin : of_layer(part.origins, part, layer)) {
+        for (PointOrigin& origin :
+             part.origins.span().subspan(own.origins.empty() ? 0 : own.first_point, own.origins.size())) {
             origin.part = origin.triangle == no_triangle ? std::uint16_t{0} : static_cast<std::uint16_t>(part_number);
         }
     }
 
     void append(std::size_t l, BandOutput& output) {
         const std::size_t contours_before = output.contours.size();
-        for (SliceResult& part : parts_) {
-            const Layer& layer = part.layers[l];
-            const std::span<const Point> points = of_layer(part.points, part, l);
-            const std::span<const PointOrigin> origins = of_layer(part.origins, part, l);
-            std::copy(points.begin(), points.end(), output.reserve_points(points.size()));
+        for (const SliceResult& part : parts_) {
+            const LayerView layer = part[l];
+            std::copy(layer.points.begin(), layer.points.end(), output.reserve_points(layer.points.size()));
             if (output.with_origins) {
-                std::copy(origins.begin(), origins.end(), output.origins + output.point_count);
+                std::copy(layer.origins.begin(), layer.origins.end(), output.origins + output.point_count);
             }
             const auto first = static_cast<std::int64_t>(output.contours.size());
-            for (const Contour& own : part.contours_of(layer)) {
+            for (const Contour& own : layer.contours) {
                 Contour& contour = output.contours.emplace_back(own);
-                contour.first_point += output.point_count - part.contours[layer.first_contour].first_point;
+                contour.first_point += output.point_count - layer.first_point;
                 contour.parent += own.parent < 0 ? 0 : first - static_cast<std::int64_t>(layer.first_contour);
                 output.counts.add(contour);
             }
-            output.point_count += points.size();
+            output.point_count += layer.points.size();
         }
         output.layer_contours.push_back(static_cast<std::uint32_t>(output.contours.size() - contours_before));
     }

@@ -318,11 +318,7 @@ void PlaneSet::fill_from_heights() {
 
 void PlaneSet::trim() {
     count_ = 0;
-    fit(padded_);
-    fit(heights_mm_);
-    fit(plane_of_listed_);
-    fit(listed_order_);
-    fit(table_.first);
+    fit(padded_, heights_mm_, plane_of_listed_, listed_order_, table_.first);
 }
 
 void PlaneSet::make_table() {

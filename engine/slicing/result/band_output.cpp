@@ -53,15 +53,6 @@ std::uint64_t count_emptied(std::span<const Layer> layers) noexcept {
         layers.begin(), layers.end(), [](const Layer& layer) { return layer.segments > 0 && layer.contour_count == 0; }));
 }
 
-void BandOutput::trim() {
-    begin({});
-    fit(buffer);
-    fit(origin_buffer);
-    fit(contours);
-    fit(layer_contours);
-    fit(stitches);
-}
-
 void BandOutput::move_to_buffer(std::size_t count) {
     const std::size_t room = point_count + count;
     const auto move = [this, room](auto*& elements, auto& own) {
@@ -90,16 +81,6 @@ void BandOutput::drop_layers() noexcept {
     contours.clear();
     layer_contours.clear();
     stitches.clear();
-}
-
-void BandOutput::move_layers_to(BandOutput& other) noexcept {
-    assert(in_buffer() && other.point_count == 0);
-    std::swap(*this, other);
-    with_origins = other.with_origins;
-    counts = other.counts;
-    first_layer = other.first_layer + other.layer_contours.size();
-    reader = other.reader;
-    band = other.band;
 }
 
 std::size_t BandOutput::bytes_used() const noexcept {

@@ -80,20 +80,19 @@ protected:
 };
 
 struct BandOutput {
-    explicit BandOutput(const Memory* memory)
-        : buffer(memory), origin_buffer(memory), contours(memory), layer_contours(memory), stitches(memory) {}
+    explicit BandOutput(const Memory* memory) : buffer(memory) {}
 
     Point* points = nullptr;         ///< in the result's own array, or in `buffer`
     PointOrigin* origins = nullptr;  ///< of each point, in the same place, where `with_origins`
     std::size_t point_count = 0;
     std::size_t capacity = 0;
     Array<Point> buffer;  ///< its size: what was needed in a run so far
-    Array<PointOrigin> origin_buffer;
+    Array<PointOrigin> origin_buffer{buffer.memory()};
     bool with_origins = false;
-    Vector<Contour> contours;
+    Vector<Contour> contours{buffer.memory()};
     ContourCounts counts;
-    Vector<std::uint32_t> layer_contours;  ///< number of contours of each plane
-    Vector<Stitch> stitches;
+    Vector<std::uint32_t> layer_contours{buffer.memory()};  ///< number of contours of each plane
+    Vector<Stitch> stitches{buffer.memory()};
     std::uint64_t first_layer = 0;  ///< number of the layer that comes first
     BandTarget* reader = nullptr;   ///< null: layers stay until the band is done
     std::size_t band = 0;           ///< for the reader
@@ -115,8 +114,6 @@ struct BandOutput {
         begin({});
         move_to_buffer(count);
     }
-    /// Between runs: gives back what the last one did not need. Throws std::bad_alloc.
-    void trim();
     bool in_buffer() const noexcept { return points == buffer.data(); }
 
     /// Makes room for `count` more points and returns where they go. Throws std::bad_alloc.
@@ -139,9 +136,6 @@ struct BandOutput {
     }
     /// Empties the output, which goes on with the layer that comes next. `counts` stay.
     void drop_layers() noexcept;
-    /// Moves all layers to `other`, which is empty, and takes its memory in exchange; move_to_buffer() must follow. Both in
-    /// buffers of their own.
-    void move_layers_to(BandOutput& other) noexcept;
     /// The size of points, contours and gaps.
     std::size_t bytes_used() const noexcept;
     std::size_t bytes_held() const noexcept;

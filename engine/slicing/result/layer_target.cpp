@@ -34,29 +34,70 @@ void extend(Array<T>& array, std::size_t kept, std::size_t count, const StopChec
 
 }  // namespace
 
-void Placement::begin(std::span<const Band> bands, std::size_t lead, const PointRoom& room, const StopCheck& stop) {
-    stop_ = stop;
+void BandQueue::begin(std::span<const Band> bands, std::size_t lead, bool origins) {
     bands_ = bands;
-    room_ = room;
-    with_origins_ = !room.origins.empty();
-    keeps_ = false;
     lead_ = lead;
-    outgrown_ = false;
+    with_origins_ = origins;
     head_ = 0;
-    totals_ = {};
     aborted_ = false;
+    in_flight_.assign(bands.size(), {});
+    idle_.clear();
+    for (const auto& output : pool_.outputs) {
+        idle_.push_back(output.get());
+    }
+}
+
+BandOutput* BandQueue::acquire(std::size_t band) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return aborted_ || band <= head_ + lead_; });
+    if (aborted_) {
+        return nullptr;
+    }
+    if (idle_.empty()) {
+        pool_.outputs.push_back(std::make_unique<BandOutput>(pool_.memory));
+        idle_.push_back(pool_.outputs.back().get());
+    }
+    BandOutput* const output = in_flight_[band].output = idle_.back();
+    idle_.pop_back();
+    output->first_layer = bands_[band].first;
+    output->with_origins = with_origins_;
+    output->reader = nullptr;
+    output->band = band;
+    make_room(band, *output, lock);
+    return output;
+}
+
+void BandQueue::give_back(std::size_t band) {
+    const std::lock_guard lock(mutex_);
+    put_idle(band);
+}
+
+void BandQueue::put_idle(std::size_t band) {
+    idle_.push_back(std::exchange(in_flight_[band].output, nullptr));
+}
+
+void BandQueue::abort() {
+    {
+        const std::lock_guard lock(mutex_);
+        aborted_ = true;
+    }
+    changed_.notify_all();
+}
+
+void Placement::begin(std::span<const Band> bands, std::size_t lead, const PointRoom& room, const StopCheck& stop) {
+    BandQueue::begin(bands, lead, !room.origins.empty());
+    stop_ = stop;
+    room_ = room;
+    keeps_ = false;
+    outgrown_ = false;
+    totals_ = {};
     placed_.erase(placed_.begin() + static_cast<std::ptrdiff_t>(std::min(bands.size(), placed_.size())), placed_.end());
     for (Placed& placed : placed_) {
         placed.clear();
     }
     placed_.reserve(bands.size());
     while (placed_.size() < bands.size()) {
-        placed_.emplace_back(memory_);
-    }
-    idle_.clear();
-    for (const auto& buffer : buffers_) {
-        buffer->buffer.set_size(0);
-        idle_.push_back(buffer.get());
+        placed_.emplace_back(pool_.memory);
     }
 }
 
@@ -68,30 +109,17 @@ void Placement::begin(std::span<const Band> bands, std::size_t lead, bool origin
     keeps_ = true;
 }
 
-BandOutput* Placement::acquire(std::size_t band) {
-    std::unique_lock lock(mutex_);
-    head_moved_.wait(lock, [&] { return aborted_ || band <= head_ + lead_; });
-    if (aborted_) {
-        return nullptr;
-    }
-    if (idle_.empty()) {
-        buffers_.push_back(std::make_unique<BandOutput>(memory_));
-        idle_.push_back(buffers_.back().get());
-    }
-    BandOutput* output = idle_.back();
-    idle_.pop_back();
-    placed_[band].output = output;
-    output->first_layer = bands_[band].first;
-    output->with_origins = with_origins_;
-    if (const auto room = placed_[band].room = find_room(band); room) {
+void Placement::make_room(std::size_t band, BandOutput& output, std::unique_lock<std::mutex>& lock) {
+    std::optional<Stretch>& room = placed_[band].room;
+    room.reset();  // where the band has been begun before
+    if (room = find_room(band); room) {
         const std::size_t size = room->end - room->begin;
-        output->begin(room_.points.subspan(room->begin, size),
-                      with_origins_ ? room_.origins.subspan(room->begin, size) : room_.origins);
-        return output;
+        output.begin(room_.points.subspan(room->begin, size),
+                     with_origins_ ? room_.origins.subspan(room->begin, size) : room_.origins);
+        return;
     }
     lock.unlock();
-    output->begin_in_buffer(bands_[band].segments);
-    return output;
+    output.begin_in_buffer(bands_[band].segments);
 }
 
 /// Where the band's points will lie if each unfinished band before it has a point for each segment. None if the points of
@@ -108,37 +136,27 @@ std::optional<Placement::Stretch> Placement::find_room(std::size_t band) {
     if (room.begin > room.end || room.end > room_.points.size()) {
         return {};
     }
-    for (const Placed& other : begun()) {
-        if (other.room && other.room->begin < room.end && room.begin < other.room->end) {
+    for (std::size_t b = head_; b < begun_end(); ++b) {
+        const std::optional<Stretch>& other = placed_[b].room;
+        if (other && other->begin < room.end && room.begin < other->end) {
             return {};
         }
     }
     return room;
 }
 
-/// The head and all later bands that may have been begun.
-std::span<Placement::Placed> Placement::begun() {
-    return std::span(placed_).subspan(head_, std::min(lead_ + 1, placed_.size() - head_));
-}
-
-void Placement::give_back(std::size_t band) {
-    const std::lock_guard lock(mutex_);
-    placed_[band].room.reset();
-    idle_.push_back(std::exchange(placed_[band].output, nullptr));
-}
-
 void Placement::submit(std::size_t band) {
     std::unique_lock lock(mutex_);
-    Placed& own = placed_[band];
-    own.done = true;
-    outgrown_ = outgrown_ || own.output->point_count > bands_[band].segments;
-    if (own.output->in_buffer()) {
-        own.room.reset();
+    in_flight_[band].done = true;
+    const BandOutput& own = *in_flight_[band].output;
+    outgrown_ = outgrown_ || own.point_count > bands_[band].segments;
+    if (own.in_buffer()) {
+        placed_[band].room.reset();
     }
     // Places are fixed under the lock and buffers copied outside it; meanwhile another thread may place the next head.
     const std::size_t begin = head_;
-    while (head_ < placed_.size() && placed_[head_].done &&
-           clear_rooms(totals_.points + placed_[head_].output->point_count)) {
+    while (head_ < placed_.size() && in_flight_[head_].done &&
+           clear_rooms(totals_.points + in_flight_[head_].output->point_count)) {
         place_head();
     }
     const std::size_t end = head_;
@@ -146,11 +164,10 @@ void Placement::submit(std::size_t band) {
         return;
     }
     lock.unlock();
-    head_moved_.notify_all();
+    changed_.notify_all();
     for (std::size_t b = begin; b < end; ++b) {
-        if (copy_points(placed_[b]) || !keeps_) {
-            const std::lock_guard relock(mutex_);
-            idle_.push_back(std::exchange(placed_[b].output, nullptr));
+        if (copy_points(b) || !keeps_) {
+            give_back(b);
         }
     }
 }
@@ -158,14 +175,15 @@ void Placement::submit(std::size_t band) {
 /// The head has outgrown its room and will reach to `end`: moves later bands that lie in its way to buffers. False if one of
 /// them is still being swept: its thread will try again.
 bool Placement::clear_rooms(std::uint64_t end) {
-    for (Placed& other : begun().subspan(1)) {
-        if (other.room && other.room->begin < end) {
+    for (std::size_t b = head_ + 1; b < begun_end(); ++b) {
+        std::optional<Stretch>& room = placed_[b].room;
+        if (room && room->begin < end) {
             assert(outgrown_);
-            if (!other.done) {
+            if (!in_flight_[b].done) {
                 return false;
             }
-            other.output->move_to_buffer(0);
-            other.room.reset();
+            in_flight_[b].output->move_to_buffer(0);
+            room.reset();
         }
     }
     return true;
@@ -173,30 +191,32 @@ bool Placement::clear_rooms(std::uint64_t end) {
 
 void Placement::place_head() {
     Placed& placed = placed_[head_];
+    BandOutput& output = *in_flight_[head_].output;
     placed.first_point = totals_.points;
     placed.first_contour = totals_.contours;
-    placed.contours.swap(placed.output->contours);
-    placed.layer_contours.swap(placed.output->layer_contours);
-    placed.stitches.swap(placed.output->stitches);
+    placed.contours.swap(output.contours);
+    placed.layer_contours.swap(output.layer_contours);
+    placed.stitches.swap(output.stitches);
     if (placed.room && placed.room->begin != totals_.points) {
         assert(placed.room->begin > totals_.points);
-        const std::size_t count = placed.output->point_count;
-        std::memmove(room_.points.data() + totals_.points, placed.output->points, count * sizeof(Point));
-        if (placed.output->with_origins) {
-            std::memmove(room_.origins.data() + totals_.points, placed.output->origins, count * sizeof(PointOrigin));
+        const std::size_t count = output.point_count;
+        std::memmove(room_.points.data() + totals_.points, output.points, count * sizeof(Point));
+        if (output.with_origins) {
+            std::memmove(room_.origins.data() + totals_.points, output.origins, count * sizeof(PointOrigin));
         }
     }
     placed.room.reset();
-    totals_.points += placed.output->point_count;
+    totals_.points += output.point_count;
     totals_.contours += placed.contours.size();
     totals_.stitches += placed.stitches.size();
-    totals_.counts.add(placed.output->counts);
+    totals_.counts.add(output.counts);
     ++head_;
 }
 
 /// From a buffer to the band's place. False if they do not fit there.
-bool Placement::copy_points(const Placed& placed) const {
-    const BandOutput& output = *placed.output;
+bool Placement::copy_points(std::size_t band) const {
+    const Placed& placed = placed_[band];
+    const BandOutput& output = *in_flight_[band].output;
     const std::uint64_t capacity = room_.writer != nullptr ? room_.writer->capacity() : room_.points.size();
     const bool fits = placed.first_point + output.point_count <= capacity;
     if (fits && output.in_buffer() && output.point_count > 0) {
@@ -218,43 +238,24 @@ bool Placement::copy_points(const Placed& placed) const {
 
 /// Kept is all that comes after some band: the points before it are where they belong.
 void Placement::finish(const Parallel& parallel, SliceResult& result) {
-    const auto is_kept = [](const Placed& placed) { return placed.output != nullptr; };
-    const auto first = std::find_if(placed_.begin(), placed_.end(), is_kept);
-    const std::uint64_t in_place = first == placed_.end() ? totals_.points : first->first_point;
+    const auto first = static_cast<std::size_t>(
+        std::find_if(in_flight_.begin(), in_flight_.end(), [](const InFlight& band) { return band.output != nullptr; }) -
+        in_flight_.begin());
+    const std::uint64_t in_place = first == placed_.size() ? totals_.points : placed_[first].first_point;
     extend(result.points, in_place, totals_.points, stop_);
     extend(result.origins, with_origins_ ? in_place : 0, with_origins_ ? totals_.points : 0, stop_);
     room_.points = result.points.span();
     room_.origins = result.origins.span();
     result.contours.resize_discarding(totals_.contours);
     parallel.run(bands_.size(), [&](std::size_t band, int) {
-        Placed& placed = placed_[band];
-        if (placed.output != nullptr) {
-            copy_points(placed);
-            placed.output->release();
+        if (BandOutput* const kept = in_flight_[band].output; kept != nullptr) {
+            copy_points(band);
+            kept->release();
         }
         write_band(band, result.contours.span(), result.layers.span(), parallel);
     });
     result.stitches.resize_discarding(totals_.stitches);
     write_stitches(result.stitches.span(), stop_);
-}
-
-void Placement::trim() {
-    for (Placed& placed : placed_) {
-        fit(placed.contours);
-        fit(placed.layer_contours);
-        fit(placed.stitches);
-    }
-    for (const auto& buffer : buffers_) {
-        buffer->trim();
-    }
-}
-
-void Placement::abort() {
-    {
-        const std::lock_guard lock(mutex_);
-        aborted_ = true;
-    }
-    head_moved_.notify_all();
 }
 
 void Placement::write_stitches(std::span<Stitch> gaps, const StopCheck& stop) const {

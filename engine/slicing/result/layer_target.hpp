@@ -2,6 +2,8 @@
 // projection of faces or the union of parts, does not know which.
 #pragma once
 
+#include <algorithm>
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <limits>
@@ -62,22 +64,62 @@ struct PointRoom {
     const PointWriter* writer = nullptr;
 };
 
-class Placement final : public BandTarget {
+/// Outputs of bands, kept from call to call.
+struct OutputPool {
+    const Memory* memory;
+    std::vector<std::unique_ptr<BandOutput>> outputs{};
+};
+
+/// The bands that are begun and not done with. The first of all that is not is the head: none is begun more than `lead`
+/// beyond it.
+class BandQueue : public BandTarget {
 public:
-    explicit Placement(const Memory* memory) : memory_(memory) {}
+    BandOutput* acquire(std::size_t band) final;
+    void give_back(std::size_t band) final;
+    void abort() final;
+
+protected:
+    explicit BandQueue(OutputPool& pool) : pool_(pool) {}
+    ~BandQueue() = default;
+
+    void begin(std::span<const Band> bands, std::size_t lead, bool origins);
+    /// Where an empty output is to put the band's points. `lock` may be given up.
+    virtual void make_room(std::size_t band, BandOutput& output, std::unique_lock<std::mutex>& lock) = 0;
+    /// The output of a band that is done with. With mutex_ held.
+    void put_idle(std::size_t band);
+
+    struct InFlight {
+        BandOutput* output = nullptr;  ///< from acquire() until its points are where they belong
+        bool done = false;
+    };
+
+    OutputPool& pool_;
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    std::span<const Band> bands_;
+    std::vector<InFlight> in_flight_;   ///< of each band
+    std::atomic<std::size_t> head_{0};  ///< written with mutex_ held
+    std::size_t lead_ = 0;
+    bool with_origins_ = false;
+    bool aborted_ = false;
+
+private:
+    std::vector<BandOutput*> idle_;
+};
+
+class Placement final : public BandQueue {
+public:
+    explicit Placement(OutputPool& pool) : BandQueue(pool) {}
 
     /// For a new run over `bands`, of which at most `lead` beyond the head may be begun. Points beyond `room` are lost.
     void begin(std::span<const Band> bands, std::size_t lead, const PointRoom& room, const StopCheck& stop = {});
     /// The same for finish() with `result`, whose points are the room: no points are lost.
     void begin(std::span<const Band> bands, std::size_t lead, bool origins, SliceResult& result, const StopCheck& stop);
 
-    BandOutput* acquire(std::size_t band) override;
-    void give_back(std::size_t band) override;
     /// Places the band and all done bands that follow it. Throws Stopped where begin()'s `stop` asks for it.
     void submit(std::size_t band) override;
-    void abort() override;
-    /// Gives back what the last run did not need. To be called between runs. Throws std::bad_alloc.
-    void trim();
+    /// Gives all memory back. To be called between runs.
+    void trim() noexcept { placed_.clear(); }
 
     /// Completes `result` but for what its layers are: contours, points, origins, closed gaps, and which contours each layer
     /// has. After all bands were submitted. Precondition: `result` was begun with, and has its layers. Throws
@@ -105,8 +147,6 @@ private:
             contours.clear();
             layer_contours.clear();
             stitches.clear();
-            output = nullptr;
-            done = false;
             room.reset();
         }
 
@@ -115,43 +155,31 @@ private:
         Vector<Contour> contours;
         Vector<std::uint32_t> layer_contours;
         Vector<Stitch> stitches;
-        BandOutput* output = nullptr;  // from acquire() until the band's points are where they belong
-        bool done = false;
         std::optional<Stretch> room;  // until the band is placed or moves to a buffer
     };
 
+    void make_room(std::size_t band, BandOutput& output, std::unique_lock<std::mutex>& lock) override;
     std::optional<Stretch> find_room(std::size_t band);
-    std::span<Placed> begun();
+    std::size_t begun_end() const noexcept { return std::min(head_ + lead_ + 1, placed_.size()); }
     bool clear_rooms(std::uint64_t end);
     void place_head();
-    bool copy_points(const Placed& placed) const;
+    bool copy_points(std::size_t band) const;
     void write_band(std::size_t band, std::span<Contour> contours, std::span<Layer> layers, const Parallel& parallel) const;
 
-    const Memory* memory_;
-    std::span<const Band> bands_;
     PointRoom room_;
-    bool with_origins_ = false;
     bool keeps_ = false;  // what the room does not hold
     StopCheck stop_{};
-    std::mutex mutex_;
-    std::condition_variable head_moved_;
-    std::vector<std::unique_ptr<BandOutput>> buffers_;
-    std::vector<BandOutput*> idle_;
     std::vector<Placed> placed_;
-    std::size_t head_ = 0;
-    std::size_t lead_ = 0;  // how many bands beyond the head may be begun
     /// Some band had more points than segments, as open polylines do: places can no longer be predicted.
     bool outgrown_ = false;
     LayerTotals totals_;
-    bool aborted_ = false;
 };
 
 /// Kept from call to call.
 struct OutputScratch {
-    explicit OutputScratch(const Memory* memory) : memory(memory), placement(memory) {}
-    const Memory* memory;
-    Placement placement;
-    std::vector<std::unique_ptr<BandOutput>> outputs;  ///< of sinks
+    explicit OutputScratch(const Memory* memory) : pool{memory} {}
+    OutputPool pool;
+    Placement placement{pool};
 };
 
 /// All that is known before layers are made.

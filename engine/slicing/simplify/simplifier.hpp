@@ -35,7 +35,6 @@
 #include "base/worker.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/edges/pair_search.hpp"
-#include "slicing/grid/box.hpp"
 #include "slicing/grid/box_tree.hpp"
 #include "slicing/grid/exact.hpp"
 #include "slicing/nesting/nest.hpp"

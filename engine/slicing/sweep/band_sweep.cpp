@@ -5,7 +5,7 @@
 
 #include "base/clock.hpp"
 #include "lamella/context.hpp"
-#include "slicing/buckets/crossed_triangle.hpp"
+#include "slicing/buckets/triangle_source.hpp"
 
 namespace lamella {
 

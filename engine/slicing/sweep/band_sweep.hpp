@@ -14,7 +14,6 @@
 #pragma once
 
 #include <span>
-#include <vector>
 
 #include "base/parallel.hpp"
 #include "base/vector.hpp"

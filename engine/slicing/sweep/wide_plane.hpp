@@ -13,7 +13,6 @@
 #include <atomic>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "base/parallel.hpp"
 #include "base/vector.hpp"

@@ -1,8 +1,11 @@
 // The questions of audit(), each answered in a source of its own.
 #pragma once
 
+#include <optional>
 #include <span>
+#include <string_view>
 
+#include "base/numbers.hpp"
 #include "base/parallel.hpp"
 #include "lamella/audit.hpp"
 #include "slicing/grid/bounds.hpp"
@@ -47,5 +50,30 @@ void check_offsets(const SliceResult& result);
 inline Placing placing_of(const Part& part, const SliceResult& result) noexcept {
     return placing_of(part.mesh, result.info.options.frame, part.placement);
 }
+
+/// Where a promise is looked at.
+struct ResultPlace {
+    std::optional<std::size_t> layer{};
+    std::optional<std::size_t> contour{};
+    std::optional<std::size_t> point{};
+
+    /// Throws Refused, which names the place, unless the promise is kept.
+    void require(bool kept, std::string_view broken) const;
+};
+
+inline bool has_area(const Contour& contour) noexcept {
+    return contour.role == Role::outer || contour.role == Role::hole;
+}
+
+/// True if no rule has made, cut or dropped contours of the layer.
+inline bool keeps_contours(const SliceResult& result, std::size_t layer) noexcept {
+    const SliceOptions& options = result.info.options;
+    return options.content == LayerContent::section &&
+           options.region.rule_of(result.info.first_layer + layer) == FillRule::contours;
+}
+
+/// Origins by themselves and, where there are parts, that points come from there. Precondition: contours lie within the
+/// points.
+void check_origins(const SliceResult& result, std::span<const Part> parts);
 
 }  // namespace lamella

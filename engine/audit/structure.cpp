@@ -1,5 +1,4 @@
-#include "audit/structure.hpp"
-
+// The promises of result.hpp, looked at by plain methods that share nothing with the slicing stages.
 #include <algorithm>
 #include <cstdint>
 #include <map>

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "audit/questions.hpp"
-#include "audit/structure.hpp"
 #include "slicing/grid/quantise.hpp"
 
 namespace lamella {

@@ -9,8 +9,7 @@
 #include <vector>
 
 #include "base/guard.hpp"
-#include "c/same_bytes.hpp"
-#include "c/sized.hpp"
+#include "c/structs.hpp"
 #include "lamella/context.hpp"
 #include "lamella/lamella.h"
 #include "lamella/slice.hpp"
@@ -89,10 +88,12 @@ template <class Fill>
 void fill_result(lamella_result** result, const Fill& fill) {
     require_place(result, "the result", "result");
     std::unique_ptr<lamella_result> fresh;
-    if (*result == nullptr) {
+    lamella_result* to = *result;
+    if (to == nullptr) {
         fresh = std::make_unique<lamella_result>();
+        to = fresh.get();
     }
-    fill(fresh != nullptr ? fresh->result : (*result)->result);
+    fill(to->result);
     if (fresh != nullptr) {
         *result = fresh.release();
     }

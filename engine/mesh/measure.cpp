@@ -1,5 +1,5 @@
 // Box, area and volume of a mesh, and the scale of its grid.
-#include "mesh/measure.hpp"
+#include "mesh/check/finders.hpp"
 
 #include <algorithm>
 #include <cmath>

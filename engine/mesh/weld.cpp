@@ -15,7 +15,7 @@
 #include "base/guard.hpp"
 #include "base/numbers.hpp"
 #include "lamella/context.hpp"
-#include "mesh/measure.hpp"
+#include "mesh/check/finders.hpp"
 #include "mesh/vertex_numbers.hpp"
 #include "slicing/grid/bounds.hpp"
 #include "slicing/grid/quantise.hpp"

@@ -11,8 +11,8 @@
 
 #include "check/findings.hpp"
 #include "mesh/check/embedded_stars.hpp"
+#include "mesh/check/finders.hpp"
 #include "mesh/check/meeting.hpp"
-#include "mesh/measure.hpp"
 
 namespace lamella::check_test {
 

@@ -11,7 +11,6 @@
 #include "base/clock.hpp"
 #include "base/guard.hpp"
 #include "mesh/check/finders.hpp"
-#include "mesh/measure.hpp"
 #include "slicing/grid/bounds.hpp"
 
 namespace lamella {

@@ -17,7 +17,7 @@
 #include <cstdint>
 
 #include "base/atomic_word.hpp"
-#include "mesh/check/edge_table.hpp"
+#include "mesh/check/grid_mesh.hpp"
 #include "slicing/grid/exact.hpp"
 
 namespace lamella {

@@ -9,7 +9,6 @@
 #include "base/guard.hpp"
 #include "lamella/check.hpp"
 #include "mesh/check/finders.hpp"
-#include "mesh/measure.hpp"
 
 namespace lamella {
 

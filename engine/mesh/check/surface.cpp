@@ -11,7 +11,7 @@
 #include "base/disjoint_sets.hpp"
 #include "base/parallel_sort.hpp"
 #include "mesh/check/finders.hpp"
-#include "slicing/grid/grid_vector.hpp"
+#include "slicing/grid/exact.hpp"
 
 namespace lamella {
 

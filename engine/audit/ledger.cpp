@@ -13,8 +13,8 @@
 #include "base/numbers.hpp"
 #include "base/parallel_sort.hpp"
 #include "slicing/grid/exact.hpp"
-#include "slicing/grid/quantise.hpp"
 #include "slicing/grid/mesh_edge.hpp"
+#include "slicing/grid/quantise.hpp"
 
 namespace lamella {
 

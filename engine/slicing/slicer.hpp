@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "base/parallel.hpp"
 #include "base/counted_memory.hpp"
+#include "base/parallel.hpp"
 #include "lamella/slice.hpp"
 #include "slicing/bands/bands.hpp"
 #include "slicing/buckets/triangle_source.hpp"

@@ -193,7 +193,7 @@ void check_read(const std::filesystem::path& path, const GoodFile& good, std::st
         } else if (word == "parts") {
             CHECK(parts_of(mesh) == unescaped(text));
         } else if (word == "vertices") {
-            CHECK(mesh.vertex_count == numbers.at(0));
+            CHECK(mesh.vertex_count == static_cast<std::uint64_t>(numbers.at(0)));
         } else if (word == "warns") {
             warnings.push_back(unescaped(text));
         } else if (word != "same") {

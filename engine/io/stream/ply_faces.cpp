@@ -116,7 +116,8 @@ private:
         if (is_cut_off) {
             refuse_first_wrong(0);
         }
-        header_.describe(source, beginning_, file_.size() - at, facts_);
+        header_.describe(source, beginning_, facts_);
+        warn_of_rest(source, file_.size() - at, facts_);
     }
 
     void copy_vertices(std::string_view rows, std::size_t count, std::byte* to) const {

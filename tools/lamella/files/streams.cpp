@@ -111,11 +111,19 @@ void require_writable(const std::string& path) {
                   "cannot write to standard output: " + std::generic_category().message(EBADF));
         return;
     }
+    // Nothing is made for a trial: a signal at that moment would leave it behind.
+    const std::filesystem::path file(path);
     std::error_code unknown;
-    if (std::filesystem::is_other(path, unknown)) {  // opened and closed, a pipe would end
-        refuse_if(::access(path.c_str(), W_OK) != 0, bad_output, unwritable(path, errno).what());
-    } else {
-        (void)done_or_thrown(OutputFile::create(path));  // aside, where it is removed at once
+    if (!file.has_filename() || std::filesystem::is_directory(file, unknown)) {
+        throw unwritable(path, EISDIR);
+    }
+    const bool exists = std::filesystem::exists(file, unknown);
+    const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
+    if (!exists && std::filesystem::exists(folder, unknown) && !std::filesystem::is_directory(folder, unknown)) {
+        throw unwritable(path, ENOTDIR);
+    }
+    if (::access(exists ? path.c_str() : folder.c_str(), exists ? W_OK : W_OK | X_OK) != 0) {
+        throw unwritable(path, errno);
     }
 }
 

@@ -49,6 +49,9 @@ void declare(CLI::App& command, SliceArguments& arguments);
 
 // --- the stages
 
+/// Sets the heights of the planes, whatever the flags say of them.
+void cut_at(SliceOptions& options, std::vector<double> heights);
+
 /// The tool's own work on the mesh that was sliced last, and the time that it took.
 struct ToolRun {
     std::vector<std::string> outputs{};  ///< the files that were written, or -

@@ -44,13 +44,6 @@ std::filesystem::path folder_beside(const SliceArguments& arguments) {
     return temporary_folder();
 }
 
-/// Sets the heights of the planes, whatever the flags say of them.
-void cut_at(SliceOptions& options, std::vector<double> heights) {
-    options.heights_mm = std::move(heights);
-    options.planes.first_height_mm.reset();
-    options.planes.datum = Datum::mesh_min;
-}
-
 /// True of formats that take one layer after the other: SVG and tables.
 bool takes_layers(const PlannedOutput& output) {
     return output.format == OutputFormat::svg || output.format == OutputFormat::table;

@@ -212,6 +212,12 @@ std::string findings(const ReportParts& parts) {
 
 }  // namespace
 
+void cut_at(SliceOptions& options, std::vector<double> heights) {
+    options.heights_mm = std::move(heights);
+    options.planes.first_height_mm.reset();
+    options.planes.datum = Datum::mesh_min;
+}
+
 std::vector<std::string> warnings_of(const SlicedPart& part, const SliceArguments& arguments, const MeshFile& mesh,
                                      const std::optional<ImageGeometry>& image) {
     const SliceInfo& info = part.result.info;

@@ -48,9 +48,12 @@ struct PlyHeader {
     const PlyElement* element_of(PlyRole role) const noexcept;
     /// Says that `left` bytes cannot hold the element's rows, even at their smallest; empty if they can.
     std::string why_too_many(const PlyElement& element, std::uint64_t left) const;
-    /// Warns of lines that were skipped, and of `rest` bytes after the last element; gives the patient frame.
-    void describe(const FileSource& file, std::string_view contents, std::uint64_t rest, MeshFile& mesh) const;
+    /// Warns of lines that were skipped, and gives the patient frame.
+    void describe(const FileSource& file, std::string_view contents, MeshFile& mesh) const;
 };
+
+/// Warns of bytes after the last element.
+void warn_of_rest(const FileSource& file, std::uint64_t bytes, MeshFile& mesh);
 
 /// Reads the header at the beginning of `text`, which names refer into. Throws TextError, and Refused where it counts no
 /// faces, or no vertices.

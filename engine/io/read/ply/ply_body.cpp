@@ -259,6 +259,7 @@ private:
         }
         mesh_.text = header_.encoding == PlyEncoding::ascii;
         rest_ = mesh_.text ? skip_space(rest_, end()) : rest_;
+        header_.describe(source_, file_.whole, mesh_);
         LeftOut longer;
         std::for_each(long_rows_.begin(), long_rows_.end(), [&](const LeftOut& rows) { longer.add(rows); });
         if (longer.count > 0) {
@@ -271,7 +272,7 @@ private:
             mesh_.warnings.push_back(source_.name() + ": left out " + counted(small, "face") +
                                      " of fewer than three vertices");
         }
-        header_.describe(source_, file_.whole, static_cast<std::uint64_t>(end() - rest_), mesh_);
+        warn_of_rest(source_, static_cast<std::uint64_t>(end() - rest_), mesh_);
     }
 
     const char* begin() const { return file_.whole.data() + header_.body; }

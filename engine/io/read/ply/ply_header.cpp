@@ -276,15 +276,18 @@ std::string PlyHeader::why_too_many(const PlyElement& element, std::uint64_t lef
                      std::to_string(left) + " bytes are left";
 }
 
-void PlyHeader::describe(const FileSource& file, std::string_view contents, std::uint64_t rest, MeshFile& mesh) const {
+void PlyHeader::describe(const FileSource& file, std::string_view contents, MeshFile& mesh) const {
     if (skipped.count > 0) {
         mesh.warnings.push_back(file.name() + ": ignored " + counted(skipped.count, "line") +
                                 " of the header without a keyword" + first_word_words(skipped, contents));
     }
-    if (rest > 0) {
-        mesh.warnings.push_back(file.name() + ": ignored " + counted(rest, "byte") + " after the last element");
-    }
     patient_frame.give(file, mesh);
+}
+
+void warn_of_rest(const FileSource& file, std::uint64_t bytes, MeshFile& mesh) {
+    if (bytes > 0) {
+        mesh.warnings.push_back(file.name() + ": ignored " + counted(bytes, "byte") + " after the last element");
+    }
 }
 
 bool looks_like_ply(const FileSource& source) {

@@ -93,11 +93,12 @@ json_value() {
 
 # members FILE KEYS...: prints values, each with its keys, which are separated by blanks.
 members() {
-    local file=$1 keys
+    local file=$1 keys value
     shift
     for keys in "$@"; do
         # shellcheck disable=SC2086
-        echo "$keys: $(json_value "$file" $keys)" || exit 1
+        value=$(json_value "$file" $keys) || exit 1
+        echo "$keys: $value"
     done
 }
 

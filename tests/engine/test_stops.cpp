@@ -36,10 +36,14 @@ double ms_since(Clock::time_point start) {
 
 #ifdef LAMELLA_TESTS_SANITIZED
 constexpr std::uint64_t triangles = 20'000;
+constexpr double most_ms = 2000;
 constexpr double most_slice_ms = 1000;
+constexpr int stops_each = 2;
 #else
 constexpr std::uint64_t triangles = 150'000;
+constexpr double most_ms = 100;
 constexpr double most_slice_ms = 20;
+constexpr int stops_each = 4;
 #endif
 
 /// The file of a generated mesh, and what is read of it.
@@ -104,6 +108,16 @@ private:
     double longest_ = 0;
 };
 
+class StopAt {
+public:
+    explicit StopAt(double ms) : at_(Clock::now() + std::chrono::microseconds(static_cast<std::int64_t>(1000 * ms))) {}
+    bool operator()() const noexcept { return Clock::now() >= at_; }
+    double ms_late() const { return ms_since(at_); }
+
+private:
+    Clock::time_point at_;
+};
+
 /// How often a host is asked, on any thread.
 struct AskCount {
     std::atomic<std::uint64_t> asked{0};
@@ -132,10 +146,12 @@ shapes::Soup burst(std::size_t count) {
 
 }  // namespace
 
-TEST_CASE("every call shows progress up to 1, and asks for a stop once in 2 ms at most, in 100 at least",
-          "[engine][control][stops][threads]") {
+TEST_CASE(
+    "every call shows progress up to 1, asks for a stop once in 2 ms at most, in 100 at least, and heeds one at any time",
+    "[engine][control][stops][threads]") {
     const MadeFile bone(Shape::bone);
     ContextCalls calls(bone.view(), bone.path(), 0.02);
+    std::mt19937 random(1);
     for (const ContextCall& call : calls.all()) {
         for (const int threads : {1, 2, 4}) {
             INFO(call.name << " on " << threads << " threads");
@@ -159,6 +175,19 @@ TEST_CASE("every call shows progress up to 1, and asks for a stop once in 2 ms a
             }
             CHECK(before_last > 0.5);
         }
+        const Clock::time_point start = Clock::now();
+        REQUIRE(call.run({.threads = 2}) == std::nullopt);
+        const double whole = ms_since(start);
+        std::vector<double> late;
+        for (int round = 0; round < stops_each; ++round) {
+            const StopAt stop(std::uniform_real_distribution<double>(0, whole)(random));
+            if (call.run({.threads = 2, .stop = stop}) == ErrorCode::cancelled) {
+                late.push_back(stop.ms_late());
+            }
+        }
+        // A busy machine may hold up a thread for long: of the rounds all but the slowest must keep the bound.
+        std::sort(late.begin(), late.end());
+        CHECK((late.size() < 2 || late[late.size() - 2] <= most_ms));
         CHECK(AskGaps().longest_of(call.run) <= 5 * most_slice_ms);
     }
 }

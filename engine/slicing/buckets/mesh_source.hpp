@@ -59,7 +59,7 @@ public:
         return mesh.indices != nullptr && mesh.vertex_count <= mesh.triangle_count && mesh.vertex_count <= most_vertices;
     }
 
-    Bounds measure(double asked_mm) override;  // in vertex_bounds.cpp
+    Bounds measure(double asked_mm) override;
     void count(double unit_mm) override;
     std::size_t scatter(std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching, bool origins) override;
 

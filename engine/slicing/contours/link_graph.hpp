@@ -2,8 +2,7 @@
 // the walk along the links, which gives the plane's contours (paper, Algorithm 4). The order in which it meets the slots is
 // kept and patched from plane to plane.
 //
-//     slot_table.hpp    edges, links, the edge map       what a plane's events change
-//     pairing.hpp       pairing at irregular edges       a rare step between attaching and connecting
+//     slot_table.hpp    edges, links, the edge map       what a plane's events change; pairing at irregular edges
 //     walker.cpp        order and contours
 //
 // The last plane's order has a break after each position whose link changed and at each contour's end. A link that changed

@@ -71,7 +71,7 @@ private:
         points_[slot] = point;
     }
 
-    /// Equal ranks are sorted as equal angles are (see pairing.hpp): ends that come in first, then by the segment's other
+    /// Equal ranks are sorted as equal angles are (see Meetings): ends that come in first, then by the segment's other
     /// end.
     void sort_by_rank(std::span<MeetingEnd> ends) {
         constexpr std::size_t comparison_work = 8;

@@ -2,8 +2,8 @@
 // cut as for so many threads, is timed alone on one thread, and so are parts of the other stages.
 //
 // Free threads claim bands in ascending order. No thread runs further ahead of the first unfinished band than placement
-// allows (engine/slicing/result/placement.hpp). Every other stage takes as long as its slowest part. Work of one thread is
-// added in full. The model assumes that a core, with its memory, is as fast among many as alone.
+// allows (engine/slicing/result/layer_target.hpp). Every other stage takes as long as its slowest part. Work of one thread
+// is added in full. The model assumes that a core, with its memory, is as fast among many as alone.
 #include <algorithm>
 #include <array>
 #include <functional>

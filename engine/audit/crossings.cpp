@@ -8,7 +8,6 @@
 #include <memory>
 #include <span>
 #include <tuple>
-#include <utility>
 #include <vector>
 
 #include "audit/questions.hpp"

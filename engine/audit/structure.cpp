@@ -93,9 +93,11 @@ struct Edge {
     }
 };
 
-/// For each contour with area: the others with area whose winding number about its start is not zero and that do not pass
-/// through it. By a ray through the edges in the start's row: O(m log m) and, for each contour, the edges in its row.
-std::vector<std::vector<std::size_t>> enclosures_of(const SliceResult& result, std::span<const Contour> contours) {
+/// Calls visit(c, around) for each contour with area: `around` are the others with area whose winding number about its start
+/// is not zero and that do not pass through it. By a ray through the edges in the start's row: O(m log m) and, for each
+/// contour, the edges in its row.
+template <class Visit>
+void for_each_enclosed(const SliceResult& result, std::span<const Contour> contours, Visit visit) {
     struct Winding {
         int number = 0;
         bool through = false;
@@ -114,7 +116,7 @@ std::vector<std::vector<std::size_t>> enclosures_of(const SliceResult& result, s
     }
     std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.low() < b.low(); });
     std::sort(queries.begin(), queries.end(), [&](std::size_t a, std::size_t b) { return start(a).y < start(b).y; });
-    std::vector<std::vector<std::size_t>> around(contours.size());
+    std::vector<std::size_t> around;
     std::vector<Edge> row;  // the edges that reach the current query's y
     std::size_t next = 0;
     for (const std::size_t query : queries) {
@@ -129,13 +131,14 @@ std::vector<std::vector<std::size_t>> enclosures_of(const SliceResult& result, s
             own.number += edge.winding_about(at);
             own.through = own.through || edge.passes_through(at);
         }
+        around.clear();
         for (const auto& [contour, own] : windings) {
             if (own.number != 0 && !own.through) {
-                around[query].push_back(contour);
+                around.push_back(contour);
             }
         }
+        visit(query, around);
     }
-    return around;
 }
 
 /// One layer's contours of one part, their own promises already checked. Indices are the layer's.
@@ -172,9 +175,7 @@ private:
 
     /// Any of several equally small ones will do.
     void check_parents() const {
-        const auto enclosures = enclosures_of(result_, contours_);
-        for (std::size_t c = 0; c < contours_.size(); ++c) {
-            const std::vector<std::size_t>& around = enclosures[c];
+        for_each_enclosed(result_, contours_, [this](std::size_t c, const std::vector<std::size_t>& around) {
             bool is_parent = around.empty();
             for (const std::size_t other : around) {
                 is_parent = is_parent || other == parent(c);
@@ -184,7 +185,7 @@ private:
             }
             at(c).require(is_parent && (!around.empty() || contours_[c].parent == -1),
                           "the parent is not the smallest contour around its start");
-        }
+        });
     }
 
     struct Standing {

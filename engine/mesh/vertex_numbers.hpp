@@ -7,7 +7,6 @@
 //     range 1: corners c d e  d f e   ->  c d e f   numbers 0 1 2  1 3 2   ->  all: a b c d e f
 #pragma once
 
-#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>

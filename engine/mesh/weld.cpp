@@ -75,7 +75,9 @@ public:
     NearVertices(std::span<const Place<Real>> places, double tolerance, const Parallel& parallel)
         : places_(places), tolerance_(tolerance), newest_(parallel.memory()), before_(parallel.memory()) {
         newest_.resize_discarding(std::bit_ceil(places.size() / 2 + 1));
-        std::fill(newest_.begin(), newest_.end(), none);
+        parallel.run_ranges(newest_.size(), std::size_t{1} << 16, [this](std::size_t begin, std::size_t end, int) {
+            std::fill(newest_.begin() + begin, newest_.begin() + end, none);
+        });
         before_.resize_discarding(places.size());
     }
 

@@ -10,7 +10,7 @@
 // A sink gets every layer once, empty ones too, with the bytes that a result has. By SinkOrder:
 //
 //     ascending  by one thread at a time, in plane order. The thread that sweeps the lowest unfinished planes hands its
-//                layers over one by one; the others put theirs aside, and wait while those take 64 MB:
+//                layers over one by one; the others put theirs aside, and wait once they hold their share of 64 MB:
 //
 //                planes    0 ... 99   | 100 ... 149 | 150 ...
 //                          handed out | put aside   | not begun

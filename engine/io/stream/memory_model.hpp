@@ -91,7 +91,7 @@ private:
         sizeof(Reaching) + sizeof(std::uint32_t);    // one that reaches beyond its band, and a seed
     static constexpr std::uint64_t an_active = 300;  // of the widest layer, a thread: slots, links, walks, points, contours
     static constexpr std::uint64_t a_segment = 20;   // points and contours that are put aside
-    static constexpr std::uint64_t most_parcel = 3 << 19;  // a thread
+    static constexpr std::uint64_t most_room = 3 << 19;  // a thread, for the layers that it hands over
     static constexpr std::uint64_t most_aside = std::uint64_t{160} << 20;
     static constexpr std::uint64_t a_thread = 256 << 10;  // bands, kernels, first growth of arrays
 
@@ -122,9 +122,9 @@ private:
     /// Bytes of one call of the engine.
     std::uint64_t cutting(const LayerSpan& span, std::uint64_t segments, std::uint64_t widest) const noexcept {
         const auto threads = static_cast<std::uint64_t>(span.threads);
-        const std::uint64_t parcels = threads * std::min(most_parcel, a_segment * segments);
+        const std::uint64_t rooms = threads * std::min(most_room, a_segment * segments);
         const std::uint64_t aside = threads > 1 ? std::min(most_aside, a_segment * segments) : 0;
-        return a_cut * span.triangles + an_active * widest * threads + parcels + aside;
+        return a_cut * span.triangles + an_active * widest * threads + rooms + aside;
     }
 
     std::uint64_t budget_;

@@ -3,8 +3,8 @@
 // share are another matter: see buckets/mesh_source.hpp.
 #pragma once
 
-#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <span>
 #include <tuple>
-#include <utility>
 
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
@@ -123,7 +122,6 @@ void SinkBands::hand_over(BandOutput& output) {
 /// Where the band is the head, hands over what is left of it and of all done bands that follow. While it does so no other
 /// thread can: the next head is either done, or its own thread will find that it is the head.
 void SinkBands::submit(std::size_t band) {
-    constexpr std::size_t most_idle_bytes = window_bytes / 2;
     std::unique_lock lock(mutex_);
     in_flight_[band].done = true;
     if (!is_head(band)) {
@@ -137,7 +135,7 @@ void SinkBands::submit(std::size_t band) {
         lock.lock();
         totals_of_[head].counts = output.counts;
         totals_.add(totals_of_[head]);
-        if (output.bytes_held() > most_idle_bytes / pool_.outputs.size()) {
+        if (output.bytes_held() > share_) {
             output.release();
         }
         put_idle(head);

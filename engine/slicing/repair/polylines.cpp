@@ -1,7 +1,6 @@
 #include "slicing/repair/polylines.hpp"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <numeric>
 #include <tuple>

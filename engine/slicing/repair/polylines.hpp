@@ -2,7 +2,6 @@
 // first start again.
 #pragma once
 
-#include <cassert>
 #include <cmath>
 #include <cstdint>
 #include <span>

@@ -1,7 +1,6 @@
 #include "slicing/result/band_output.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <type_traits>
 #include <utility>
 

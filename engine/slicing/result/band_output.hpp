@@ -86,7 +86,7 @@ struct BandOutput {
     PointOrigin* origins = nullptr;  ///< of each point, in the same place, where `with_origins`
     std::size_t point_count = 0;
     std::size_t capacity = 0;
-    Array<Point> buffer;  ///< its size: what was needed in a run so far
+    Array<Point> buffer;  ///< its size: the most that was needed
     Array<PointOrigin> origin_buffer{buffer.memory()};
     bool with_origins = false;
     Vector<Contour> contours{buffer.memory()};

@@ -119,7 +119,7 @@ std::string planes_line(const SliceInfo& info, const ToolRun& run) {
 /// there.
 std::string regions(const SliceResult& result) {
     const RegionRules& rules = result.info.options.region;
-    const std::string text = rules_in_short(rules, counted(result.info.would_close_contours, "contour"));
+    std::string text = rules_in_short(rules, counted(result.info.would_close_contours, "contour"));
     const std::uint64_t emptied = result.info.emptied_layers;
     if (rules.keeps_contours() || emptied == 0) {
         return text;

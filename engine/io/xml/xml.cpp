@@ -174,7 +174,8 @@ void XmlReader::deliver(Event&& event) noexcept {
 }
 
 void XmlReader::begin(std::string_view name, const char* const* attributes) {
-    bool real = ++depth_ <= most_open_elements && note_name(name);
+    open_name_bytes_ += name.size();  // expat keeps one for each open element
+    bool real = ++depth_ <= most_open_elements && open_name_bytes_ <= most_name_bytes && note_name(name);
     for (const char* const* at = attributes; real && *at != nullptr; at += 2) {
         const std::optional<std::string_view> prefix = declared_prefix(at[0]);
         real = note_name(at[0]) && (!prefix || namespaces_.declare(*prefix, at[1], depth_));
@@ -190,6 +191,7 @@ void XmlReader::begin(std::string_view name, const char* const* attributes) {
 void XmlReader::end(std::string_view name) {
     end_element(namespaces_.element(name));
     namespaces_.close(depth_--);
+    open_name_bytes_ -= name.size();
 }
 
 bool XmlReader::note_name(std::string_view name) {

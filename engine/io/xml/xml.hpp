@@ -163,6 +163,7 @@ private:
     std::uint64_t parsed_bytes_ = 0;
     std::set<std::string, std::less<>> names_;
     std::size_t name_bytes_ = 0;
+    std::size_t open_name_bytes_ = 0;  // of the elements that are open
     XmlNamespaces namespaces_;
     std::uint64_t depth_ = 0;  // of open elements
     std::optional<XmlUnboundName> unbound_name_;

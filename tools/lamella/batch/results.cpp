@@ -132,9 +132,13 @@ std::vector<ResultsName> shards_of(const std::vector<std::string>& sources) {
         std::error_code problem;
         const std::size_t before = shards.size();
         const bool is_folder = std::filesystem::is_directory(source, problem);
-        for (const auto& entry :
-             is_folder ? entries_of(source, problem) : std::vector{std::filesystem::directory_entry(source, problem)}) {
-            if (const std::optional<ResultsName> shard = shard_at(entry.path())) {
+        std::vector<std::filesystem::path> paths{source};
+        if (is_folder) {
+            const auto entries = entries_of(source, problem);
+            paths.assign(entries.begin(), entries.end());
+        }
+        for (const std::filesystem::path& path : paths) {
+            if (const std::optional<ResultsName> shard = shard_at(path)) {
                 shards.push_back(*shard);
             }
         }

@@ -122,6 +122,19 @@ private:
         FaceList none(budget_, source_.memory());
         Lookout lookout(source_.parallel());
         std::vector<std::uint32_t> corners;
+        if constexpr (Numbers::binary) {
+            if (element.role == PlyRole::vertices && !element.has_lists()) {  // rows of one size
+                source_.parallel().run_ranges(element.count, rows_a_list, [&](std::size_t first, std::size_t last, int) {
+                    Numbers own = numbers;
+                    own.skip(NumberType::uint8, first * element.row_bytes());
+                    for (std::size_t row = first; row < last; ++row) {
+                        own = read_row(own, element, row, corners, none);
+                    }
+                });
+                numbers.skip(NumberType::uint8, element.count * element.row_bytes());
+                return;
+            }
+        }
         for (std::uint64_t row = 0; row < element.count; ++row) {
             lookout.pass(1 + corners.size());
             if (row % rows_a_list == 0 && is_faces) {

@@ -91,23 +91,29 @@ bool copy_triangles(VtkFile& file, std::span<const CellArray> arrays, MeshFile& 
 
 // --- All other cells.
 
-/// Reads the cells of an array one after the other, as each begins where the one before ends.
+/// Cells that one task reads.
+struct Block {
+    const CellArray* array = nullptr;
+    std::uint64_t first_cell = 0;
+    std::uint64_t at = 0;  ///< where it begins in the array's corners
+};
+
+/// Reads cells of an array one after the other, as each begins where the one before ends.
 class CellReader {
 public:
     CellReader(VtkFile& file, const CellArray& array)
         : file_(file), array_(array), name_(array.name), lookout_(file.source.parallel()) {}
 
-    /// Adds their faces to `lists`. Throws errors.
-    void read(std::vector<FaceList>& lists, MeshFile& mesh) {
-        constexpr std::uint64_t cells_a_list = 1 << 14;
+    /// Looks where all cells begin, and appends the blocks in which their faces can be read. Throws errors.
+    void cut(std::vector<Block>& blocks, MeshFile& mesh) {
         std::uint64_t small = 0;
         std::uint64_t first_small = 0;
         for (std::uint64_t cell = 0; cell < array_.cells; ++cell) {
-            if (cell % cells_a_list == 0) {
-                lists.emplace_back(file_.budget, file_.source.memory());
+            if (cell % cells_a_block == 0) {
+                blocks.push_back({&array_, cell, at_});
             }
+            lookout_.pass();
             const std::uint64_t count = array_.counted ? counted_corners(cell) : ended_corners(cell);
-            read_face(count, lists.back());
             at_ += count;
             if (count < 3 && small++ == 0) {
                 first_small = cell;
@@ -128,7 +134,20 @@ public:
         }
     }
 
+    /// Adds the faces of a block that cut() has made. Throws errors.
+    void read(const Block& block, FaceList& faces) {
+        at_ = block.at;
+        const std::uint64_t end = std::min(array_.cells, block.first_cell + cells_a_block);
+        for (std::uint64_t cell = block.first_cell; cell < end; ++cell) {
+            const std::uint64_t count = array_.counted ? counted_corners(cell) : ended_corners(cell);
+            read_face(count, faces);
+            at_ += count;
+        }
+    }
+
 private:
+    static constexpr std::uint64_t cells_a_block = 1 << 14;
+
     /// The number of the cell's corners, which are counted right before them: moves past it.
     std::uint64_t counted_corners(std::uint64_t cell) {
         const NumberArray& words = array_.corners;
@@ -205,16 +224,18 @@ void cut_cells(VtkFile& file, std::span<const CellArray> arrays, MeshFile& mesh)
     if (mesh.vertex_count >= most_vertices) {
         file.source.refuse(ErrorCode::malformed_mesh, "has too many vertices to be numbered beside polygons");
     }
-    std::vector<FaceList> lists;
-    std::vector<const CellArray*> array_of;  // of each list
+    std::vector<Block> blocks;
     for (const CellArray& array : arrays) {
-        CellReader(file, array).read(lists, mesh);
-        array_of.resize(lists.size(), &array);
+        CellReader(file, array).cut(blocks, mesh);
     }
+    const Parallel& parallel = file.source.parallel();
+    std::vector<FaceList> lists = parse_faces(blocks.size(), file.budget, parallel, [&](std::size_t i, FaceList& faces) {
+        CellReader(file, *blocks[i].array).read(blocks[i], faces);
+    });
     give_faces(
-        lists, coordinates_of(mesh), file.budget, file.source.parallel(),
+        lists, coordinates_of(mesh), file.budget, parallel,
         [&](std::size_t list, std::uint64_t place, const std::string& what) {
-            return file.error_at(array_of[list]->corners, place, what);
+            return file.error_at(blocks[list].array->corners, place, what);
         },
         mesh);
     if (mesh.triangle_count == 0) {

@@ -2,6 +2,7 @@
 
 #include <zlib.h>
 
+#include <atomic>
 #include <limits>
 #include <new>
 
@@ -156,8 +157,10 @@ private:
         // Integers of 64 bits compress so well that they would exceed the memory limit of a small file.
         narrow_ = is_integer(array_.type) && size_of(array_.type) == wide && blocks.bytes % wide == 0 &&
                   blocks.last_bytes % wide == 0;
-        storage_.resize_discarding(taken(narrow_ ? total / 2 : total));
-        inflate(blocks, packed);
+        if (!inflate(blocks, packed, total)) {
+            narrow_ = false;
+            inflate(blocks, packed, total);
+        }
         file_.budget.give_back(decoded.size());
         return storage_.data();
     }
@@ -211,7 +214,11 @@ private:
         return blocks;
     }
 
-    void inflate(const Blocks& blocks, const std::byte* packed) {
+    /// By `narrow_` into integers of 32 bits. False: some do not fit, and nothing is held.
+    bool inflate(const Blocks& blocks, const std::byte* packed, std::uint64_t total) {
+        const std::uint64_t held = taken(narrow_ ? total / 2 : total);
+        storage_.resize_discarding(held);
+        std::atomic<bool> fits{true};
         const std::size_t count = blocks.ends.size();
         const Parallel& parallel = file_.source.parallel();
         const std::uint64_t room_bytes = narrow_ ? std::max(blocks.bytes, blocks.last_bytes) : 0;
@@ -232,21 +239,28 @@ private:
             if (answer != Z_OK || got != wanted) {
                 fail("is damaged: its compressed block " + std::to_string(i) + " does not expand to what is counted");
             }
-            if (narrow_) {
-                narrow(out, wanted / wide, storage_.data() + i * blocks.bytes / 2);
+            if (narrow_ && !narrow(out, wanted / wide, storage_.data() + i * blocks.bytes / 2)) {
+                fits.store(false, std::memory_order_relaxed);
             }
         });
         file_.budget.give_back(rooms_bytes);
+        if (!fits) {
+            storage_ = Array<std::byte>(file_.source.memory());
+            file_.budget.give_back(held);
+        }
+        return fits;
     }
 
-    /// Integers that do not fit become the largest of 32 bits, which is no vertex and ends no cell.
-    void narrow(const std::byte* from, std::uint64_t count, std::byte* to) const {
-        constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();
+    /// False: some integer does not fit.
+    bool narrow(const std::byte* from, std::uint64_t count, std::byte* to) const {
+        std::uint64_t all = 0;
         for (std::uint64_t i = 0; i < count; ++i) {
             const auto value = load_number<std::uint64_t>(from + i * wide, form_.big_endian);
-            const auto narrow = static_cast<std::uint32_t>(std::min(value, most));
+            const auto narrow = static_cast<std::uint32_t>(value);
             std::memcpy(to + i * sizeof narrow, &narrow, sizeof narrow);
+            all |= value;
         }
+        return all <= std::numeric_limits<std::uint32_t>::max();
     }
 
     /// Counts bytes that are about to be allocated.

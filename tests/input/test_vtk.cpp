@@ -1,4 +1,5 @@
 // Legacy VTK and VTP in every form. What is refused or warned of: cases/vtk.txt and cases/vtp.txt.
+#include <cmath>
 #include <limits>
 #include <random>
 
@@ -97,6 +98,15 @@ TEST_CASE("VTP gives the same triangles however its arrays are stored", "[input]
         CHECK((form.points != "Float64" || contents.mesh.vertex_type == Number::f64));
         CHECK(contents.warnings.empty());
     }
+}
+
+TEST_CASE("compressed points of VTP keep the sign of wide integers", "[input][vtp]") {
+    PolygonMesh mesh = cube();
+    for (double& number : mesh.xyz) {
+        number = std::round(number) - 5;
+    }
+    Vtp form{.format = "binary", .zlib = true, .big_endian = GENERATE(false, true), .points = "Int64"};
+    CHECK(read_triangles(dir.write("a.vtp", form({mesh}))) == mesh.triangles());
 }
 
 TEST_CASE("compressed VTP blocks with wrong sizes are refused", "[input][vtp]") {

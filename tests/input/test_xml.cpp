@@ -120,6 +120,10 @@ TEST_CASE("XML that is deeper, has longer tags, more names or namespaces than an
     const auto long_text = again(std::string(XmlReader::longest_tag_bytes / 8, 'x'));
     CHECK_FALSE(is_refused("", XmlReader::most_open_elements, again("<a>")));
     CHECK(is_refused("", XmlReader::most_open_elements + 1, again("<a>")));
+    // The parser keeps the name of each open element, equal ones too.
+    const std::string long_name = "<" + std::string(std::size_t{300} << 10, 'n') + ">";
+    CHECK_FALSE(is_refused("", 3, again(long_name)));
+    CHECK(is_refused("", 4, again(long_name)));
     for (const std::string begin : {"<a x='", "<!--", "<a><!--", "<?a "}) {
         CHECK_FALSE(is_refused(begin, 7, long_text));
         CHECK(is_refused(begin, 8, long_text));

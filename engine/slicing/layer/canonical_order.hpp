@@ -86,12 +86,12 @@ private:
 
 /// The contours of a layer on their way to the result. One per thread; scratch is kept.
 struct LayerContours {
+    static constexpr std::size_t contour_work = 32;  ///< of a pass over contours, as StopPace counts it
     explicit LayerContours(Worker& worker) noexcept
         : paths(worker.memory()), items(worker.memory()), order(worker), nester(worker), worker(worker) {}
 
     /// Lists the items of the paths by start.
     void sort_by_start() {
-        constexpr std::size_t contour_work = 32;  // as StopPace counts it
         order.sort_by_start(paths);
         items.clear();
         reserve_more(items, paths.size());

@@ -79,12 +79,11 @@ void LayerBuilder::copy_rotated(const T* from, std::size_t first, std::size_t co
 }
 
 void LayerBuilder::append(BandOutput& out) {
-    constexpr std::size_t contour_work = 32;  // as StopPace counts it
     const CanonicalOrder& order = contours_.order;
     const std::size_t base = out.contours.size();
     for (const std::uint32_t i : order.items()) {
         const NestItem& item = contours_.items[i];
-        worker_.spend(contour_work);
+        worker_.spend(LayerContours::contour_work);
         const std::size_t first = item.reverse ? item.start + 1 : item.start;  // the start comes last to be turned round
         Point* const points = out.reserve_points(item.count);
         copy_rotated(item.points, first, item.count, points);

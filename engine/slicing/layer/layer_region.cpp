@@ -72,7 +72,7 @@ void LayerRegion::rewrite_paths() {
     made_origins_.resize(layer_.with_origins ? points : 0);
     std::span<Point> rest(made_);
     for (Path& path : layer_.paths) {
-        layer_.worker.spend(contour_work + path.item.count);
+        layer_.worker.spend(LayerContours::contour_work + path.item.count);
         if (is_rewritten(path)) {
             const std::span<Point> own = rest.first(path.item.count);
             rest = rest.subspan(own.size());

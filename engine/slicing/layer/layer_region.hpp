@@ -36,8 +36,6 @@ private:
     void keep_some(bool outermost, bool largest);
     void simplify();
 
-    static constexpr std::size_t contour_work = 32;  ///< as StopPace counts it
-
     LayerContours& layer_;
     const Memory* memory_ = layer_.worker.memory();
     Regions regions_{layer_.worker};

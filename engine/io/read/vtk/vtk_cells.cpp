@@ -113,7 +113,7 @@ public:
                 blocks.push_back({&array_, cell, at_});
             }
             lookout_.pass();
-            const std::uint64_t count = array_.counted ? counted_corners(cell) : ended_corners(cell);
+            const std::uint64_t count = corners_of(cell);
             at_ += count;
             if (count < 3 && small++ == 0) {
                 first_small = cell;
@@ -139,7 +139,7 @@ public:
         at_ = block.at;
         const std::uint64_t end = std::min(array_.cells, block.first_cell + cells_a_block);
         for (std::uint64_t cell = block.first_cell; cell < end; ++cell) {
-            const std::uint64_t count = array_.counted ? counted_corners(cell) : ended_corners(cell);
+            const std::uint64_t count = corners_of(cell);
             read_face(count, faces);
             at_ += count;
         }
@@ -147,6 +147,9 @@ public:
 
 private:
     static constexpr std::uint64_t cells_a_block = 1 << 14;
+
+    /// How many corners the cell has; at_ is where they begin.
+    std::uint64_t corners_of(std::uint64_t cell) { return array_.counted ? counted_corners(cell) : ended_corners(cell); }
 
     /// The number of the cell's corners, which are counted right before them: moves past it.
     std::uint64_t counted_corners(std::uint64_t cell) {

@@ -1,6 +1,5 @@
 #include "peer.hpp"
 
-#include <fstream>
 #include <functional>
 #include <utility>
 
@@ -12,25 +11,9 @@ namespace lamella::peers {
 
 namespace {
 
-/// Of a layer height, or of a file of heights in mm.
-SliceOptions options_of(const std::string& planes) {
-    std::ifstream file(planes);
-    if (!file) {
-        return {.layer_height_mm = std::stod(planes)};
-    }
-    std::vector<double> heights_mm;
-    for (double height_mm = 0; file >> height_mm;) {
-        heights_mm.push_back(height_mm);
-    }
-    if (!file.eof()) {
-        bench::fail(planes + ": not a list of heights in mm");
-    }
-    return {.heights_mm = std::move(heights_mm)};
-}
-
 void time_peer(Run run, const bench::Words& words) {
     const bench::Mesh mesh = bench::load_mesh(words[0]);
-    const SliceResult expected = bench::checked(slice(mesh.view(), options_of(words[1])));
+    const SliceResult expected = bench::checked(slice(mesh.view(), {.layer_height_mm = std::stod(words[1])}));
     Problem problem{mesh.soup.span(), {}, std::stoi(words[2])};
     problem.planes_mm.reserve(expected.layers.size());
     for (const Layer& layer : expected.layers) {
@@ -64,7 +47,7 @@ void time_peer(Run run, const bench::Words& words) {
 }  // namespace
 
 int run_peer(Run run, int count, char** words) noexcept {
-    return bench::run_program(count, words, "MESH LAYER_MM|HEIGHTS_FILE THREADS LIMIT_S",
+    return bench::run_program(count, words, "MESH LAYER_MM THREADS LIMIT_S",
                               [run](const bench::Words& given) { time_peer(run, given); });
 }
 

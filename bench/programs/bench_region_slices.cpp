@@ -32,12 +32,12 @@ std::function<void()> slicing(const MeshView& mesh, const RegionRules& region) {
     return [=] { checked(slicer->slice_to(*result, mesh, options, {.threads = region_threads})); };
 }
 
-void run_slices(benchmark::State& state, const MeshView& mesh, int rounds) {
-    report(state, medians_of({{"plain", slicing(mesh, {})},
-                              {"non_zero", slicing(mesh, non_zero())},
-                              {"closing", slicing(mesh, non_zero(closing_mm))},
-                              {"offset", slicing(mesh, non_zero(0, offset_mm))}},
-                             rounds));
+Figures time_slices(const MeshView& mesh, int rounds) {
+    return medians_of({{"plain", slicing(mesh, {})},
+                       {"non_zero", slicing(mesh, non_zero())},
+                       {"closing", slicing(mesh, non_zero(closing_mm))},
+                       {"offset", slicing(mesh, non_zero(0, offset_mm))}},
+                      rounds);
 }
 
 ClipperLib::Paths grown(const ClipperLib::Paths& paths, double by) {
@@ -98,7 +98,7 @@ void require_same_area(const BothForms& layer, double closing, double unit_mm) {
     }
 }
 
-void run_layers(benchmark::State& state, const MeshView& mesh, int rounds) {
+Figures time_layers(const MeshView& mesh, int rounds) {
     const SliceResult result = checked(slice(mesh, layers));
     const double unit_mm = result.info.grid_mm;
     std::vector<BothForms> all;
@@ -114,24 +114,24 @@ void run_layers(benchmark::State& state, const MeshView& mesh, int rounds) {
     };
     const auto theirs = [&](double closing) {
         for (const BothForms& layer : all) {
-            benchmark::DoNotOptimize(closed(layer.theirs, closing / unit_mm));
+            closed(layer.theirs, closing / unit_mm);
         }
     };
-    report(state, medians_of({{"union", [&] { ours(0); }},
-                              {"library_union", [&] { theirs(0); }},
-                              {"closing", [&] { ours(closing_mm); }},
-                              {"library_closing", [&] { theirs(closing_mm); }}},
-                             rounds));
+    return medians_of({{"union", [&] { ours(0); }},
+                       {"library_union", [&] { theirs(0); }},
+                       {"closing", [&] { ours(closing_mm); }},
+                       {"library_closing", [&] { theirs(closing_mm); }}},
+                      rounds);
 }
 
 }  // namespace
 
-void add_slices_with_regions(const Options& options, const Case& wanted) {
+void run_slices_with_regions(const Options& options, const Case& wanted) {
     const int rounds = options.quick ? 1 : 3;
-    add_benchmark("regions/" + wanted.name + "/slices", region_threads, options,
-                  [=](benchmark::State& state) { run_slices(state, prepared(wanted).mesh->view(), 3 * rounds); });
-    add_benchmark("regions/" + wanted.name + "/layers", 1, options,
-                  [=](benchmark::State& state) { run_layers(state, prepared(wanted).mesh->view(), rounds); });
+    benchmark(options, "regions/" + wanted.name + "/slices", region_threads,
+              [&] { return time_slices(prepared(wanted).mesh->view(), 3 * rounds); });
+    benchmark(options, "regions/" + wanted.name + "/layers", 1,
+              [&] { return time_layers(prepared(wanted).mesh->view(), rounds); });
 }
 
 }  // namespace lamella::bench

@@ -19,7 +19,6 @@
 #include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
 #include "methods.hpp"
-#include "slice_incremental.hpp"
 #include "slicing/tuning.hpp"
 #include "timing.hpp"
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Times a slicing program as a whole process and prints one line of JSON.
 
-    slicers.py slic3r|prusa-slicer|CuraEngine MESH --layer-height MM [--threads N] [--limit S] [--lamella PROGRAM] [--definitions FOLDER]
+    slicers.py slic3r|prusa-slicer|CuraEngine MESH --layer-height MM [--threads N] [--limit S] [--lamella PROGRAM]
 
 Everything after slicing that can be switched off is off (infill, solid layers, skirt). Stage times are those that the program
 prints. Exit status: 0 done, 75 over the time limit before the slices were made, 77 not installed.
@@ -81,7 +81,7 @@ class CuraEngine:
     output = "paths.gcode"
 
     def words(self, request, engine):
-        definition = os.path.join(request.definitions, "fdmprinter.def.json")
+        definition = "/usr/share/cura/resources/definitions/fdmprinter.def.json"
         if not os.path.exists(definition):
             not_installed(f"CuraEngine needs {definition}, of Debian's package cura")
         settings = {"layer_height": request.layer_height, "layer_height_0": request.layer_height,
@@ -181,8 +181,6 @@ def main():
     parser.add_argument("--limit", type=float, default=0, metavar="S", help="seconds for all runs together; 0: none")
     parser.add_argument("--lamella", default=os.path.join(here, "../../build/tools/lamella"), type=os.path.abspath,
                         metavar="PROGRAM", help="the engine to compare with")
-    parser.add_argument("--definitions", default="/usr/share/cura/resources/definitions", type=os.path.abspath, metavar="FOLDER",
-                        help="where Cura's fdmprinter.def.json is")
     request = parser.parse_args()
     if not os.path.exists(request.lamella):
         parser.error(f"there is no {request.lamella}: build it, or pass --lamella PROGRAM")

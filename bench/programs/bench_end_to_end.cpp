@@ -21,7 +21,6 @@ Figures timed(const Options& options, const Prepared& of, std::uint64_t input_by
 }
 
 Figures run_warm(const Options& options, Prepared& of, int threads) {
-    of.slice(threads);
     return timed(
         options, of, of.mesh->bytes(), threads, [] {}, [&] { of.slice(threads); });
 }

@@ -79,12 +79,9 @@ void Prepared::check_known(const KnownAnswer& known) {
 }
 
 void Prepared::check(int threads) {
-    if (!checked_.contains(threads)) {
-        slice(threads);
-        if (result.hash() != hash_) {
-            fail("the answer differs from that of one thread");
-        }
-        checked_.insert(threads);
+    slice(threads);
+    if (result.hash() != hash_) {
+        fail("the answer differs from that of one thread");
     }
 }
 

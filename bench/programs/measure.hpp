@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <set>
 #include <string>
 
 #include "catalogue.hpp"
@@ -45,7 +44,6 @@ private:
     void check_known(const KnownAnswer& known);
 
     std::uint64_t hash_ = 0;
-    std::set<int> checked_;
 };
 
 /// Prepares the case unless it is the one asked for last, whose mesh the next case may share.

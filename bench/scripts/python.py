@@ -59,13 +59,10 @@ of VTK counts as another one if a polyline is open, or if the number of contours
 """
 
 
-class WrongAnswer(Exception):
-    pass
-
-
 def require(true, text):
     if not true:
-        raise WrongAnswer(text)
+        print(f"error: {text}", file=sys.stderr)
+        sys.exit(2)
 
 
 def turn_of(work):
@@ -225,11 +222,7 @@ def main():
     except ModuleNotFoundError as error:
         print(f"skipped: {error}; build lamella_python_package, and install python3-vtk9")
         return 77
-    try:
-        tables = measure(lamella, vtk_cutters, arguments, bars)
-    except (WrongAnswer, plane_by_plane.OpenLayer) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
+    tables = measure(lamella, vtk_cutters, arguments, bars)
     machine = machine_table(arguments.build, Python=platform.python_version(), numpy=np.__version__, VTK=vtk_cutters.VERSION,
                             lamella=lamella.__version__, threads=arguments.threads, command=f"`{shlex.join(sys.argv)}`")
     text = PAGE.format(machine=machine, **tables)

@@ -109,13 +109,13 @@ def field(path, name):
     return found.group(1) if found else "unknown"
 
 
-def machine(build, **more):
-    """The processor and what else decides times, and `more`, by name; `build` is where the programs were built."""
+def machine(folder, **more):
+    """The processor and what else decides times, and `more`, by name; `folder` is where the programs were built."""
     def output(*command):
         return subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip()
 
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
-    compiler = field(pathlib.Path(build, "CMakeCache.txt"), r"CMAKE_CXX_COMPILER:\w*")
+    compiler = field(pathlib.Path(folder, "CMakeCache.txt"), r"CMAKE_CXX_COMPILER:\w*")
     return {
         "processor": field("/proc/cpuinfo", "model name"),
         "cores": len(os.sched_getaffinity(0)),
@@ -128,8 +128,8 @@ def machine(build, **more):
     }
 
 
-def machine_table(build, **more):
-    return markdown_table(["", ""], machine(build, **more).items())
+def machine_table(folder, **more):
+    return markdown_table(["", ""], machine(folder, **more).items())
 
 
 def replace_table(readme, name, text):

@@ -273,6 +273,7 @@ void require_engines_roles(const Case& given) {
     const Roles found = sense_by_rays(contours);
     for (std::size_t i = 0; i < contours.size(); ++i) {
         std::vector<Role> roles;
+        roles.reserve(contours[i].size());
         for (const Contour& contour : given.result.contours_of(given.result.layers[i])) {
             roles.push_back(contour.role);
         }
@@ -319,6 +320,7 @@ void require_all_used(const Case& given) {
     for (std::size_t i = 0; i < lists.size(); ++i) {
         INFO("plane " << i);
         std::vector<Polyline> each_alone;
+        each_alone.reserve(lists[i].size());
         for (const auto& [from, to] : lists[i]) {
             each_alone.push_back({{from, to}, false});
         }

@@ -177,7 +177,7 @@ void merge_shards(const std::vector<std::string>& sources);
 inline constexpr double process_bytes = 16e6;  ///< that slicing the smallest mesh takes
 
 /// Memory that slicing a mesh is estimated to take, by the first bytes and the size of its file. O(1). A file that cannot be
-/// read is estimated as empty. Peak resident sizes by format were measured with bench/scripts/batch_memory.py;
+/// read is estimated as empty. Peak resident sizes by format were measured with bench/scripts/commands.py batch-memory;
 /// bench/README.md has the table.
 double estimate_memory(const std::string& path, std::uint64_t file_bytes);
 

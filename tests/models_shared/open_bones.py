@@ -3,7 +3,7 @@
 
 The generalized winding number of a point is the solid angle that all triangles cover seen from there, over 4 pi: 1 inside of a
 closed mesh and 0 outside; near a small hole it is between, and inside is where it exceeds a half (Jacobson and others, 2013).
-It is compared at 5,000 voxel centres, half of them within two voxels of the surface.
+It is compared at 50,000 voxel centres, half of them within two voxels of the surface.
 """
 
 import pathlib
@@ -16,7 +16,9 @@ import zlib
 import numpy as np
 
 LEAST_DICE = 0.99
-POINTS = 5_000
+POINTS = 50_000
+BLOCK = 8  # triangles that are not halved further
+FAR = 3  # times the radius of a block
 
 
 def read_stl(path):
@@ -35,12 +37,37 @@ def read_mask(path):
     return voxels, np.array(numbers("space origin")), directions[0, 0]
 
 
-def winding_number(triangles, point):
-    """The solid angles of all triangles over 4 pi (Van Oosterom and Strackee, 1983)."""
-    a, b, c = (triangles[:, i] - point for i in range(3))
-    la, lb, lc = (np.sqrt(np.einsum("tx,tx->t", v, v)) for v in (a, b, c))
-    dot = lambda u, v: np.einsum("tx,tx->t", u, v)  # noqa: E731
-    return np.arctan2(dot(a, np.cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb).sum() / (2 * np.pi)
+def solid_angles(triangles, points):
+    """Over 4 pi, of each triangle from each point (Van Oosterom and Strackee, 1983)."""
+    a, b, c = (triangles[None, :, i] - points[:, None] for i in range(3))
+    la, lb, lc = (np.sqrt(np.einsum("ptx,ptx->pt", v, v)) for v in (a, b, c))
+    dot = lambda u, v: np.einsum("ptx,ptx->pt", u, v)  # noqa: E731
+    return np.arctan2(dot(a, np.cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb) / (2 * np.pi)
+
+
+def winding_numbers(triangles, points):
+    sums = np.zeros(len(points))
+
+    def add(block, which):
+        """Adds the block to these points; halves along its longest side to those that are near."""
+        normals = np.cross(block[:, 1] - block[:, 0], block[:, 2] - block[:, 0]) / 2
+        weights = np.linalg.norm(normals, axis=1)
+        centre = np.average(block.mean(axis=1), axis=0, weights=weights)
+        away = centre - points[which]
+        distance = np.linalg.norm(away, axis=1)
+        far = distance > FAR * np.linalg.norm(block - centre, axis=2).max()
+        sums[which[far]] += away[far] @ normals.sum(axis=0) / (4 * np.pi * distance[far] ** 3)
+        near = which[~far]
+        if len(block) <= BLOCK:
+            sums[near] += solid_angles(block, points[near]).sum(axis=1)
+        elif len(near):
+            centres = block.mean(axis=1)
+            order = np.argsort(centres[:, np.argmax(np.ptp(centres, axis=0))], kind="stable")
+            add(block[order[: len(order) // 2]], near)
+            add(block[order[len(order) // 2 :]], near)
+
+    add(triangles, np.arange(len(points)))
+    return sums
 
 
 def near_surface(triangles, shape, origin, spacing):
@@ -70,7 +97,10 @@ def compare(lamella, folder, bone, spacing):
     near = near_surface(triangles, voxels.shape, origin, spacing).ravel()
     places = np.concatenate([random.choice(np.flatnonzero(some), POINTS // 2, replace=False) for some in (near, ~near)])
     centres = origin + spacing * np.column_stack(np.unravel_index(places, voxels.shape)[::-1])
-    inside = np.array([winding_number(triangles, centre) > 0.5 for centre in centres])
+    numbers = winding_numbers(triangles, centres)
+    few = random.choice(len(centres), 100, replace=False)
+    assert np.abs(numbers[few] - solid_angles(triangles, centres[few]).sum(axis=1)).max() < 0.05, "blocks are too coarse"
+    inside = numbers > 0.5
     found = dice(voxels.ravel()[places] != 0, inside)
     print(f"{bone.stem} at {spacing} mm: Dice {found:.4f}")
     return found

@@ -1,4 +1,4 @@
-"""The other calls: prepared meshes, parts, streams, sections, checks, welding, files, segments."""
+"""The other calls: prepared meshes, parts, streams, sections, checks, welding, files, segments, regions."""
 
 import gc
 import gzip
@@ -19,11 +19,10 @@ def test_a_prepared_mesh_gives_the_slices_of_the_mesh(torus):
     assert prepared.nbytes >= 48 * len(torus[1])
     assert prepared.grid == 2.0**-20
     assert "4,608 triangles" in repr(prepared)
-
-
-def test_a_prepared_mesh_keeps_its_frame(cube):
-    prepared = lamella.prepare(*cube, normal=[1, 0, 0], unit="cm")
-    assert prepared.slice([50]).frame == pytest.approx(lamella.slice(*cube, normal=[1, 0, 0], unit="cm", heights=[50]).frame)
+    frame = {"normal": [1, 0, 0], "unit": "cm"}
+    placed, same = lamella.prepare(*torus, **frame).slice([50]), lamella.slice(*torus, **frame, heights=[50])
+    assert placed.hash == same.hash
+    assert placed.frame == pytest.approx(same.frame)
 
 
 def test_parts_keep_their_numbers_and_have_no_ledger(cube, tmp_path):
@@ -63,9 +62,10 @@ def test_chunks_of_a_stream_are_the_layers_of_the_slice(torus, chunk, options):
         assert layers.areas == pytest.approx(whole.areas[first : first + len(layers)])
         first += len(layers)
     assert first == len(whole)
+    assert len(whole.origins) == (len(whole.points) if "origins" in options else 0)
 
 
-def test_a_section_lies_in_its_plane(torus):
+def test_sections_lie_in_their_planes(torus, cube):
     origin, normal = np.array([3.0, 1, -2]), np.array([1.0, 2, 3])
     cut = lamella.section(torus, origin=origin, normal=normal)
     flat = np.column_stack((cut.points, np.zeros(len(cut.points)), np.ones(len(cut.points))))
@@ -73,9 +73,6 @@ def test_a_section_lies_in_its_plane(torus):
     assert np.abs((space - origin) @ normal / np.linalg.norm(normal)).max() < 1e-5
     ring = np.hypot(space[:, 0], space[:, 2]) - 20
     assert np.abs(np.hypot(ring, space[:, 1]) - 7).max() < 0.1
-
-
-def test_sections_count_from_the_origin(cube):
     cuts = lamella.section_multiplane(cube, [5, 5, 5], [0, 0, -2], [4, -4, 9])
     assert cuts.layers["z"].tolist() == [-4, 4, 9]
     assert cuts.layer_of.tolist() == [1, 0, 2]
@@ -86,8 +83,7 @@ def test_sections_count_from_the_origin(cube):
 def test_check_finds_faults_with_places(cube):
     vertices, faces = cube
     clean = lamella.check(vertices, faces)
-    assert clean.clean
-    assert clean.verdict == "closed and clean"
+    assert (clean.clean, clean.verdict) == (True, "closed and clean")
     assert clean.info["volume"] == pytest.approx(1000)
     assert clean.shells["volume"] == pytest.approx([1000])
     assert all(finding.count == 0 for finding in clean.findings.values())
@@ -111,24 +107,22 @@ def test_welding_closes_cracks(cube):
     assert lamella.check(welded).clean
     assert welded.info["joined"] > 0
     assert 0 < welded.info["largest_move"] <= 0.01
-    assert len(welded) == 12
-    assert welded.vertices.shape == (8, 3)
+    assert (len(welded), welded.vertices.shape) == (12, (8, 3))
     assert lamella.slice(welded, heights=[5]).certificate.holds
     assert lamella.check(lamella.weld(triangles / 10, tolerance=0.01, unit="cm")).clean
 
 
 def test_files_are_read_with_views_of_their_bytes(torus, tmp_path):
+    path = tmp_path / "torus.stl"
     triangles = torus[0][torus[1]]
-    write_stl(tmp_path / "torus.stl", triangles)
-    mesh = lamella.read(tmp_path / "torus.stl")
-    assert len(mesh) == len(triangles)
+    write_stl(path, triangles)
+    mesh = lamella.read(path)
+    assert (len(mesh), mesh.info["format"], mesh.path) == (len(triangles), "STL", str(path))
     assert (mesh.triangles == triangles.astype("f4")).all()
     assert mesh.triangles.strides[0] == 50
     assert not mesh.triangles.flags.owndata
     assert (mesh.vertices[mesh.faces] == mesh.triangles).all()
-    assert mesh.info["format"] == "STL"
-    assert mesh.path == str(tmp_path / "torus.stl")
-    (tmp_path / "torus.stl.gz").write_bytes(gzip.compress((tmp_path / "torus.stl").read_bytes()))
+    (tmp_path / "torus.stl.gz").write_bytes(gzip.compress(path.read_bytes()))
     assert lamella.slice(tmp_path / "torus.stl.gz").hash == lamella.slice(mesh).hash == lamella.slice(mesh.triangles).hash
     triangles = mesh.triangles
     copy = triangles.copy()
@@ -158,19 +152,19 @@ def test_segments_become_contours():
     rings = [np.stack((ring, np.roll(ring, -1, axis=0)), axis=1) for ring in (outer, hole)]
     segments = np.random.default_rng(1).permutation(np.concatenate(rings))
     layer = lamella.assemble(segments)
-    assert layer.area == pytest.approx(81 - 9)
-    assert layer.perimeter == pytest.approx(36 + 12)
-    (polygon,) = layer.polygons()
-    assert len(polygon.holes) == 1
+    assert (layer.area, layer.perimeter) == (pytest.approx(81 - 9), pytest.approx(36 + 12))
+    assert [len(polygon.holes) for polygon in layer.polygons()] == [1]
     assert lamella.assemble(segments.reshape(-1, 4).tolist()).area == pytest.approx(72)
-
-
-def test_keys_decide_which_ends_meet():
-    ring = np.array([[0, 0], [4, 0], [4, 4], [0, 4]], dtype=float)
-    segments = np.stack((ring, np.roll(ring, -1, axis=0)), axis=1)
-    numbers = np.arange(4)
-    keys = np.column_stack((numbers, (numbers + 1) % 4))
-    assert lamella.assemble(segments, keys).area == 16
+    # Keys decide which ends meet.
+    keys = np.column_stack((np.arange(4), (np.arange(4) + 1) % 4))
+    assert lamella.assemble(rings[0], keys).area == 81
     keys[3, 1] = 99
-    cut = lamella.assemble(segments, keys)
+    cut = lamella.assemble(rings[0], keys)
     assert (str(cut.area), len(cut.polylines())) == ("nan", 1)
+
+
+def test_contours_of_others_become_regions():
+    low = np.array([[0, 0], [4, 0], [4, 4], [0, 4]])
+    assert lamella.region_of([low, low[::-1] / 2 + 1], fill_rule="even-odd").area == 12
+    assert lamella.region_of([low], offset=1, grid=0.001).area == pytest.approx(36)
+    assert lamella.region_of([]).area == 0

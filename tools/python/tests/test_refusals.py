@@ -5,6 +5,7 @@ import types
 
 import numpy as np
 import pytest
+from support import led
 
 import lamella
 from lamella import InvalidArgumentError
@@ -16,13 +17,6 @@ BROKEN = np.concatenate((SEGMENTS[:2], [[[np.nan, 0], [0, 0]]]))
 
 def points_with(points, **cells):
     return types.SimpleNamespace(points=points, **cells)
-
-
-def led(faces, row, corners):
-    """Faces as VTK has them; one says that it has other than three corners."""
-    flat = np.insert(faces, 0, 3, axis=1)
-    flat[row, 0] = corners
-    return flat.ravel()
 
 
 # Options of slice().
@@ -71,8 +65,8 @@ MESHES = [
     (lambda v, f: ([[0, 0, 0], [1, 1], [2, 2, 2]], f), r"vertices\[1\] has 2 numbers, the rows before it 3"),
     (lambda v, f: ("cube.stl", f), "faces are for arrays"),
     (lambda v, f: (points_with(v, cells={"triangle": f, "quad": f}),), "must be triangles, and are quad"),
-    (lambda v, f: (points_with(v, faces=led(f, 4, 4)),), "face 4 does not have 3 corners"),
-    (lambda v, f: (points_with(v, faces=led(f, 0, 3)[:-1]),), "face 11 does not have 3 corners"),
+    (lambda v, f: (points_with(v, faces=led(f, 4, 4).ravel()),), "face 4 does not have 3 corners"),
+    (lambda v, f: (points_with(v, faces=led(f).ravel()[:-1]),), "face 11 does not have 3 corners"),
 ]
 
 # Other calls, of a cube.
@@ -104,20 +98,15 @@ CALLS = [
 ]
 
 
-@pytest.mark.parametrize("options, message", OPTIONS)
-def test_what_an_option_does_not_allow_is_refused(cube, options, message):
-    with pytest.raises(InvalidArgumentError, match=message):
-        lamella.slice(*cube, **options)
+REFUSED = [
+    *((lambda cube, options=options: lamella.slice(*cube, **options), InvalidArgumentError, message) for options, message in OPTIONS),
+    *((lambda cube, mesh=mesh: lamella.slice(*mesh(*cube)), InvalidArgumentError, message) for mesh, message in MESHES),
+    *CALLS,
+]
 
 
-@pytest.mark.parametrize("mesh, message", MESHES)
-def test_wrong_shapes_and_types_are_named(cube, mesh, message):
-    with pytest.raises(InvalidArgumentError, match=message):
-        lamella.slice(*mesh(*cube))
-
-
-@pytest.mark.parametrize("call, error, message", CALLS)
-def test_what_a_call_does_not_allow_is_refused(cube, call, error, message):
+@pytest.mark.parametrize("call, error, message", REFUSED)
+def test_what_is_wrong_is_refused_and_named(cube, call, error, message):
     with pytest.raises(error, match=message):
         call(cube)
 

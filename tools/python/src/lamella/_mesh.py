@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Iterable, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -16,30 +16,16 @@ MeshLike = Any
 """Vertices, triangles, a path, a `Mesh`, or an object with ``.vertices`` and ``.faces`` or with ``.points``: see `slice`."""
 
 
-class Arrays(NamedTuple):
-    """A mesh as arrays that the engine can read where they lie."""
-
-    vertices: npt.NDArray[Any]
-    """(n, 3), or (m, 9) triangles."""
-    faces: Optional[npt.NDArray[Any]]
-    """(m, 3), or None for triangles."""
-    given_faces: Optional[npt.NDArray[Any]]
-    """As they were given, for messages."""
-    unit: float
-    """mm that a coordinate has."""
-    path: Optional[str]
-
-
 class View:
     """One or more meshes under the engine's eyes. It keeps their arrays alive."""
 
     __slots__ = ("_meshes", "native")
 
-    def __init__(self, meshes: List[Arrays], placements: Optional[Sequence[Optional[npt.NDArray[Any]]]] = None) -> None:
+    def __init__(self, meshes: List[Mesh], placements: Optional[Sequence[Optional[npt.NDArray[Any]]]] = None) -> None:
         """With placements they are parts."""
         self._meshes = meshes
-        rows = [(mesh.vertices, mesh.faces, mesh.unit, move) for mesh, move in zip(meshes, placements or [None])]
-        self.native = _native.View(rows, placements is not None)
+        rows = [(mesh._vertices, mesh._faces, mesh.unit, move) for mesh, move in zip(meshes, placements or [None])]
+        self.native: _native.View = _native.View(rows, placements is not None)
 
     @property
     def mesh_count(self) -> int:
@@ -47,7 +33,7 @@ class View:
 
     @property
     def triangle_count(self) -> int:
-        return sum(len(mesh.vertices if mesh.faces is None else mesh.faces) for mesh in self._meshes)
+        return sum(map(len, self._meshes))
 
     def run(self, call: Callable[..., Any], *arguments: Any) -> Any:
         """``call(native view, *arguments)``. An error that blames a triangle names the row of what was given."""
@@ -65,15 +51,15 @@ class View:
         mesh = self._meshes[0]
         error.path = mesh.path
         triangle = error.triangle
-        if mesh.given_faces is None or triangle is None:
+        if mesh._given_faces is None or triangle is None:
             return None
-        face = mesh.given_faces[triangle]
+        face = mesh._given_faces[triangle]
         row = f"faces[{triangle}] = {face.tolist()}"
         if isinstance(error, InvalidArgumentError):
-            return type(error)(f"{row}: there are {len(mesh.vertices)} vertices", triangle=triangle, path=mesh.path)
+            return type(error)(f"{row}: there are {len(mesh._vertices)} vertices", triangle=triangle, path=mesh.path)
         if isinstance(error, CoordinateError):
-            known = face[(face >= 0) & (face < len(mesh.vertices))]
-            corners = mesh.vertices[known].astype(np.float64)
+            known = face[(face >= 0) & (face < len(mesh._vertices))]
+            corners = mesh._vertices[known].astype(np.float64)
             worst = int(np.argmax(np.where(np.isfinite(corners), np.abs(corners), np.inf).max(axis=1)))
             vertex = int(known[worst])
             text = f"vertices[{vertex}] = {corners[worst].tolist()}: not finite, or beyond 1e9 mm"
@@ -100,6 +86,7 @@ class Mesh:
     def __init__(self, vertices: npt.NDArray[Any], faces: Optional[npt.NDArray[Any]], unit: float, path: Optional[str], info: Dict[str, Any]) -> None:
         self._vertices = vertices
         self._faces = faces
+        self._given_faces: Optional[npt.NDArray[Any]] = None  # for messages, as they were given
         self.unit = unit
         self.path = path
         self.info = info
@@ -213,22 +200,23 @@ def oriented(view: View, *, threads: int = 0, progress: ProgressLike = None) -> 
 
 def as_view(mesh: MeshLike, faces: Optional[npt.ArrayLike], *, unit: Union[None, str, float]) -> View:
     """A mesh in any form that users may have."""
-    return View([_arrays_of(mesh, faces, unit)])
+    return View([_mesh_from(mesh, faces, unit)])
 
 
 def as_views(meshes: Sequence[Any], transforms: Optional[Sequence[Any]], *, unit: Union[None, str, float]) -> View:
     """Several of them, each with a transform of its own."""
     if not isinstance(meshes, Iterable):
         refuse(f"meshes must be a sequence of them, not {meshes!r}")
-    arrays = [_arrays_of(mesh, None, unit) for mesh in meshes]
-    moves = [None] * len(arrays) if transforms is None else list(transforms)
-    if len(moves) != len(arrays):
-        refuse(f"there are {len(arrays)} meshes and {len(moves)} transforms")
+    given = [_mesh_from(mesh, None, unit) for mesh in meshes]
+    moves = [None] * len(given) if transforms is None else list(transforms)
+    if len(moves) != len(given):
+        refuse(f"there are {len(given)} meshes and {len(moves)} transforms")
     matrices = [None if move is None else affine(f"transforms[{i}]", move) for i, move in enumerate(moves)]
-    return View(arrays, matrices)
+    return View(given, matrices)
 
 
-def _arrays_of(mesh: MeshLike, faces: Optional[npt.ArrayLike], unit: Union[None, str, float]) -> Arrays:
+def _mesh_from(mesh: MeshLike, faces: Optional[npt.ArrayLike], unit: Union[None, str, float]) -> Mesh:
+    """With arrays that the engine can read where they lie."""
     mm = mm_per_unit("mm" if unit is None else unit)
     if isinstance(mesh, (str, bytes, os.PathLike)):
         if faces is not None:
@@ -236,7 +224,7 @@ def _arrays_of(mesh: MeshLike, faces: Optional[npt.ArrayLike], unit: Union[None,
         mesh = read(mesh, unit=mm)
     if isinstance(mesh, Mesh) and faces is None:
         keeps_unit = unit is None or mesh.info.get("states_unit", False)
-        return _checked(mesh._vertices, mesh._faces, mesh.unit if keeps_unit else mm)._replace(path=mesh.path)
+        return _checked(mesh._vertices, mesh._faces, mesh.unit if keeps_unit else mm, mesh.path)
     vertices, its_faces = (mesh, faces) if faces is not None else _parts_of(mesh)
     return _checked(vertices, its_faces, mm)
 
@@ -285,11 +273,13 @@ def _faces_of_vtk(faces: Any) -> npt.NDArray[Any]:
     return flat.reshape(-1, 4)[:, 1:]
 
 
-def _checked(vertices: Any, faces: Any, unit: float) -> Arrays:
+def _checked(vertices: Any, faces: Any, unit: float, path: Optional[str] = None) -> Mesh:
     if faces is None:
-        return Arrays(_triangles(vertices), None, None, unit, None)
+        return Mesh(_triangles(vertices), None, unit, path, {})
     given = array_of(faces, "faces", "iu")
-    return Arrays(_rows(_coordinates(vertices, "vertices"), "vertices", 3), _indices(given), given, unit, None)
+    mesh = Mesh(_rows(_coordinates(vertices, "vertices"), "vertices", 3), _indices(given), unit, path, {})
+    mesh._given_faces = given
+    return mesh
 
 
 def _triangles(values: Any) -> npt.NDArray[Any]:

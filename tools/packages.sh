@@ -21,10 +21,6 @@ cluster_packages=(slurm-wlm munge snakemake python3-distributed python3-pandas)
 check_packages=(clang clang-format clang-tidy libclang-rt-14-dev libc++-14-dev libc++abi-14-dev doxygen abigail-tools)
 picture_packages=(librsvg2-bin)
 
-is_installed() {
-    [[ "$(dpkg-query --show --showformat='${db:Status-Status}' "$1" 2>/dev/null)" == installed ]]
-}
-
 # stop MESSAGE: prints one line on stderr and ends the script.
 stop() {
     echo "error: $1" >&2
@@ -35,7 +31,7 @@ stop() {
 install_missing() {
     local package missing=() as_root=()
     for package in "$@"; do
-        is_installed "$package" || missing+=("$package")
+        [[ "$(dpkg-query --show --showformat='${db:Status-Status}' "$package" 2> /dev/null)" == installed ]] || missing+=("$package")
     done
     ((${#missing[@]} > 0)) || return 0
     ((EUID == 0)) || as_root=(sudo)

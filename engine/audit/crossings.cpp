@@ -189,16 +189,15 @@ struct Searcher {
 
 }  // namespace
 
-Crossings find_crossings(const SliceResult& result, const ProgressShare& progress) {
+Crossings find_crossings(const SliceResult& result, const Parallel& parallel, double progress) {
     constexpr std::size_t runs_of_wide_layer = 6;
-    const Parallel& parallel = progress.parallel;
     std::vector<std::size_t> wide;
     for (std::size_t layer = 0; layer < result.layers.size(); ++layer) {
         if (is_wide(result, layer)) {
             wide.push_back(layer);
         }
     }
-    progress.begin(1, runs_of_wide_layer * wide.size() + 1);
+    parallel.begin_stage(progress, runs_of_wide_layer * wide.size() + 1);
     std::vector<Found> layers(result.layers.size());
     for (const std::size_t layer : wide) {
         layers[layer] = search_wide(result, layer, parallel);

@@ -1,17 +1,16 @@
 #include "lamella/audit.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
-#include <functional>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "audit/questions.hpp"
-#include "base/disjoint_sets.hpp"
-#include "base/number_table.hpp"
+#include "base/distribute.hpp"
 #include "base/numbers.hpp"
-#include "base/parallel_sort.hpp"
+#include "mesh/vertex_numbers.hpp"
 #include "slicing/grid/exact.hpp"
 #include "slicing/grid/mesh_edge.hpp"
 #include "slicing/grid/quantise.hpp"
@@ -32,212 +31,7 @@ struct SlabTriangle {
     bool is_horizontal() const noexcept { return corners[0].z == corners[1].z && corners[1].z == corners[2].z; }
 };
 
-/// The pieces of the surface within a few slabs. A piece that does not join two planes has a vertex in its slab, and all its
-/// vertices there are joined by edges that stay in the slab: so it is a set of vertices, and the edges that leave the slab
-/// show which planes it meets. Goes through one range of slabs after another; its memory is kept.
-class SlabPieces {
-public:
-    SlabPieces(const PlaneSet& planes, double grid_mm) noexcept : planes_(planes), grid_mm_(grid_mm) {}
-
-    /// Begins anew, for slabs [first, end) and about so many triangles.
-    void begin(PlaneIndex first, PlaneIndex end, std::size_t triangles) {
-        first_ = first;
-        end_ = end;
-        // A closed surface has half as many vertices as triangles.
-        numbers_.clear(triangles / 2);
-        nodes_.clear();
-        pieces_.clear();
-        sets_.assign(0);
-        totals_.assign(end - first, {});
-    }
-
-    /// To be called once for every triangle with a vertex in the range, in any order.
-    void add(const SlabTriangle& triangle) {
-        std::array<std::uint32_t, 3> nodes{none, none, none};
-        for (std::size_t i = 0; i < 3; ++i) {
-            if (holds(triangle.slabs[i])) {
-                nodes[i] = node_at(triangle.corners[i], triangle.slabs[i]);
-            }
-        }
-        for (std::size_t i = 0; i < 3; ++i) {
-            const std::size_t next = i == 2 ? 0 : i + 1;
-            if (triangle.slabs[i] == triangle.slabs[next]) {
-                if (nodes[i] != none) {
-                    sets_.unite(nodes[i], nodes[next]);
-                }
-                continue;
-            }
-            const bool rises = triangle.slabs[i] < triangle.slabs[next];
-            const std::uint32_t low = rises ? nodes[i] : nodes[next];
-            const std::uint32_t high = rises ? nodes[next] : nodes[i];
-            if (low != none) {
-                nodes_[low].meets |= meets_above;
-            }
-            if (high != none) {
-                nodes_[high].meets |= meets_below;
-            }
-        }
-        if (triangle.within_one()) {
-            ++nodes_[nodes[0]].triangles;
-            Total& total = totals_[triangle.slabs[0] - first_];
-            ++total.triangles;
-            const GridTriangle& t = triangle.corners;
-            const Int128 area =  // twice, positive if it faces up
-                triangle.is_horizontal() ? side_of_line({t[0].x, t[0].y}, {t[1].x, t[1].y}, {t[2].x, t[2].y}) : 0;
-            (area > 0 ? total.up : total.down) += area > 0 ? area : -area;
-        }
-    }
-
-    /// Appends what the range holds; the slabs from below, their pieces by kind and place.
-    void finish(std::vector<Slab>& slabs, std::vector<SurfacePiece>& pieces) {
-        gather();
-        const auto begun = static_cast<std::ptrdiff_t>(pieces.size());
-        for (const Piece& piece : pieces_) {
-            pieces.push_back(entry_of(piece));
-        }
-        std::sort(pieces.begin() + begun, pieces.end(), [](const SurfacePiece& a, const SurfacePiece& b) {
-            return std::tie(a.layer, a.kind, a.at_mm) < std::tie(b.layer, b.kind, b.at_mm);
-        });
-        const double half_mm2 = grid_mm_ * grid_mm_ / 2;
-        for (std::size_t i = 0; i < totals_.size(); ++i) {
-            const Total& total = totals_[i];
-            if (total.triangles + total.shells + total.peaks + total.pits > 0) {
-                slabs.push_back({first_ + i, total.triangles, static_cast<double>(total.up) * half_mm2,
-                                 static_cast<double>(total.down) * half_mm2, total.shells, total.peaks, total.pits});
-            }
-        }
-    }
-
-private:
-    static constexpr std::uint32_t none = 0xffffffff;
-    static constexpr std::uint8_t meets_below = 1;
-    static constexpr std::uint8_t meets_above = 2;
-
-    /// For a vertex: the edges that leave it.
-    struct Node {
-        PlaneIndex slab;
-        std::uint32_t triangles;  ///< within the slab, whose first vertex it is
-        std::uint32_t piece;      ///< in the root of a set, once all edges are in
-        std::uint8_t meets;       ///< in a root then: what the whole set meets
-    };
-    /// A set that does not join two planes.
-    struct Piece {
-        GridVertex lowest;
-        GridVertex highest;
-        PlaneIndex slab;
-        std::uint8_t meets;
-        std::uint64_t triangles;
-    };
-    struct Total {
-        std::uint64_t triangles = 0;
-        Int128 up = 0;  ///< twice the areas of horizontal faces, square units
-        Int128 down = 0;
-        std::uint64_t shells = 0;
-        std::uint64_t peaks = 0;
-        std::uint64_t pits = 0;
-    };
-
-    static bool is_lower(const GridVertex& a, const GridVertex& b) noexcept {
-        return std::tie(a.z, a.x, a.y) < std::tie(b.z, b.x, b.y);
-    }
-    /// The smaller (x, y) of two at one height stands for both.
-    static bool is_higher(const GridVertex& a, const GridVertex& b) noexcept {
-        return a.z != b.z ? a.z > b.z : std::tie(a.x, a.y) < std::tie(b.x, b.y);
-    }
-    bool holds(PlaneIndex slab) const noexcept { return first_ <= slab && slab < end_; }
-
-    std::uint32_t node_at(const GridVertex& vertex, PlaneIndex slab) {
-        const std::uint32_t node = numbers_.number(vertex);
-        if (node == nodes_.size()) {
-            nodes_.push_back({slab, 0, none, 0});
-            sets_.add();
-        }
-        return node;
-    }
-
-    /// Gathers the sets that do not join two planes; a set's root is its first node.
-    void gather() {
-        for (std::uint32_t node = 0; node < nodes_.size(); ++node) {
-            nodes_[sets_.root(node)].meets |= nodes_[node].meets;
-        }
-        for (std::uint32_t node = 0; node < nodes_.size(); ++node) {
-            const Node& own = nodes_[node];
-            const GridVertex& vertex = numbers_.items()[node];
-            Node& root = nodes_[sets_.root(node)];
-            if (root.meets == (meets_below | meets_above)) {
-                continue;
-            }
-            if (root.piece == none) {
-                root.piece = static_cast<std::uint32_t>(pieces_.size());
-                pieces_.push_back({vertex, vertex, own.slab, root.meets, 0});
-            }
-            Piece& piece = pieces_[root.piece];
-            piece.lowest = is_lower(vertex, piece.lowest) ? vertex : piece.lowest;
-            piece.highest = is_higher(vertex, piece.highest) ? vertex : piece.highest;
-            piece.triangles += own.triangles;
-        }
-    }
-
-    /// Also counts it.
-    SurfacePiece entry_of(const Piece& piece) {
-        const SurfacePieceKind kind = piece.meets == 0
-                                          ? SurfacePieceKind::shell
-                                          : (piece.meets == meets_below ? SurfacePieceKind::peak : SurfacePieceKind::pit);
-        Total& total = totals_[piece.slab - first_];
-        ++(kind == SurfacePieceKind::shell ? total.shells : (kind == SurfacePieceKind::peak ? total.peaks : total.pits));
-        const GridVertex& at = kind == SurfacePieceKind::peak ? piece.highest : piece.lowest;
-        const std::int32_t low = kind == SurfacePieceKind::peak ? planes_.z(piece.slab - 1) : piece.lowest.z;
-        const std::int32_t high = kind == SurfacePieceKind::pit ? planes_.z(piece.slab) : piece.highest.z;
-        return {kind,
-                piece.slab,
-                {at.x * grid_mm_, at.y * grid_mm_, at.z * grid_mm_},
-                (static_cast<double>(high) - low) * grid_mm_,
-                piece.triangles};
-    }
-
-    const PlaneSet& planes_;
-    double grid_mm_;
-    PlaneIndex first_ = 0;
-    PlaneIndex end_ = 0;
-    NumberTable<GridVertex, quick_hash_of> numbers_;  // of nodes
-    std::vector<Node> nodes_;
-    std::vector<Piece> pieces_;
-    DisjointSets sets_;  // nodes, united over the edges within a slab
-    std::vector<Total> totals_;
-};
-
-constexpr std::size_t grain = 4096;
-constexpr std::size_t part_triangles = 1 << 14;  ///< whose vertices stay in the cache
-constexpr std::size_t least_part_triangles = 1 << 11;
-constexpr std::size_t parts_for_balance = 16;  ///< so that a few threads end together
-
-/// Slabs in ranges that hold about as many triangles each, so that threads can take one after the other.
-class Parts {
-public:
-    /// `slab_of`: of a vertex of each triangle.
-    template <class SlabOf>
-    Parts(std::size_t triangles, PlaneIndex planes, SlabOf slab_of) : part_of_(std::size_t{planes} + 1) {
-        const std::size_t for_balance = std::min(triangles / least_part_triangles, parts_for_balance);
-        const std::size_t wanted = std::max(parts_for(triangles, part_triangles), for_balance);
-        const Splitters<PlaneIndex, std::less<>> splitters(triangles, wanted, std::less<>{}, slab_of);
-        for (PlaneIndex slab = 0; slab <= planes; ++slab) {
-            part_of_[slab] = static_cast<std::uint32_t>(splitters.part_of(slab));
-        }
-    }
-
-    std::size_t size() const noexcept { return std::size_t{part_of_.back()} + 1; }
-    std::uint32_t of(PlaneIndex slab) const noexcept { return part_of_[slab]; }
-    /// Slabs [begin, end): none where many triangles lie in one.
-    std::pair<PlaneIndex, PlaneIndex> slabs(std::size_t part) const noexcept {
-        const auto [begin, end] = std::equal_range(part_of_.begin(), part_of_.end(), static_cast<std::uint32_t>(part));
-        return {static_cast<PlaneIndex>(begin - part_of_.begin()), static_cast<PlaneIndex>(end - part_of_.begin())};
-    }
-
-private:
-    std::vector<std::uint32_t> part_of_;  // ascending
-};
-
-/// The counts of one worker, and the triangles that it found for each part.
+/// What one worker counts of triangles, and those that it found for each part.
 struct Share {
     std::uint64_t cut = 0;
     std::uint64_t degenerate = 0;
@@ -245,11 +39,45 @@ struct Share {
     std::vector<std::vector<std::uint32_t>> parts;
 };
 
-struct PartEntries {
-    std::vector<Slab> slabs;
-    std::vector<SurfacePiece> pieces;
+/// Twice the areas of horizontal faces within a slab, in square units.
+struct FlatAreas {
+    Int128 up = 0;
+    Int128 down = 0;
 };
 
+/// A vertex, with the edges that leave it; in the root of a set also what the set adds up to.
+struct Node {
+    std::uint32_t parent;  ///< towards the root, which is its own
+    PlaneIndex slab;
+    std::uint32_t lowest;  ///< vertices
+    std::uint32_t highest;
+    std::uint32_t triangles = 0;  ///< within the slab, whose first vertex it is
+    bool meets_below = false;
+    bool meets_above = false;
+};
+
+/// What a worker needs for one part after another; its memory is kept.
+struct Scratch {
+    NumberTable<GridVertex, quick_hash_of> numbers;
+    std::vector<Node> nodes;
+
+    std::uint32_t root(std::uint32_t node) noexcept {
+        while (nodes[node].parent != node) {
+            nodes[node].parent = nodes[nodes[node].parent].parent;  // halves the path
+            node = nodes[node].parent;
+        }
+        return node;
+    }
+};
+
+/// By SurfacePieceKind.
+constexpr std::array counts_in_slab = {&Slab::shells, &Slab::peaks, &Slab::pits};
+constexpr std::array counts_in_ledger = {&Ledger::shells, &Ledger::peaks, &Ledger::pits};
+
+constexpr std::size_t grain = 4096;
+
+/// Slabs are shared among parts, in ranges that hold about as many triangles each, so that threads can take one after the
+/// other and its vertices stay in the cache.
 template <class Reader>
 class Bookkeeping {
 public:
@@ -259,103 +87,216 @@ public:
           planes_(sliced.planes),
           parallel_(parallel),
           triangles_(sliced.mesh.triangle_count),
-          parts_(triangles_, planes_.size(), [&](std::size_t t) { return planes_.first_above(read_(t)[0].z); }),
+          part_of_(std::size_t{planes_.size()} + 1),
+          flat_areas_(part_of_.size()),
           shares_(static_cast<std::size_t>(parallel.threads())) {}
 
     Ledger run() {
+        choose_parts();
         share_out();
-        std::vector<PartEntries> entries = go_through_parts();
-        return close(entries);
+        Ledger ledger;
+        ledger.slabs.resize(part_of_.size());
+        std::vector<std::vector<SurfacePiece>> pieces(part_of_.back() + 1);
+        std::vector<Scratch> workers(shares_.size());
+        parallel_.run(pieces.size(), [&](std::size_t part, int worker) {
+            Scratch& scratch = workers[static_cast<std::size_t>(worker)];
+            enter_part(part, scratch, ledger.slabs);
+            pieces[part] = find_pieces(scratch);
+        });
+        for (const std::vector<SurfacePiece>& own : pieces) {
+            for (const SurfacePiece& piece : own) {
+                const auto kind = static_cast<std::size_t>(piece.kind);
+                ++(ledger.slabs[piece.layer].*counts_in_slab[kind]);
+                ++(ledger.*counts_in_ledger[kind]).count;
+                (ledger.*counts_in_ledger[kind]).triangles += piece.triangles;
+            }
+            ledger.pieces.insert(ledger.pieces.end(), own.begin(), own.end());
+        }
+        sum_up(ledger);
+        std::erase_if(ledger.slabs,
+                      [](const Slab& slab) { return slab.triangles + slab.shells + slab.peaks + slab.pits == 0; });
+        ledger.gaps = find_gaps();
+        return ledger;
     }
 
 private:
+    static constexpr std::uint32_t none = 0xffffffff;
+
+    /// By samples of the triangles.
+    void choose_parts() {
+        constexpr std::size_t part_triangles = 1 << 14;
+        constexpr std::size_t least_part_triangles = 1 << 11;
+        constexpr std::size_t parts_for_balance = 16;  // so that a few threads end together
+        constexpr std::size_t samples_a_part = 32;
+        const std::size_t parts = std::max(
+            {parts_for(triangles_, part_triangles), std::min(triangles_ / least_part_triangles, parts_for_balance)});
+        std::vector<PlaneIndex> samples(std::min(triangles_, parts * samples_a_part));
+        for (std::size_t i = 0; i < samples.size(); ++i) {
+            samples[i] = planes_.first_above(read_(triangles_ * i / samples.size())[0].z);
+        }
+        std::sort(samples.begin(), samples.end());
+        std::size_t part = 0;
+        for (std::size_t slab = 0; slab < part_of_.size(); ++slab) {
+            while (part + 1 < parts && samples[samples.size() * (part + 1) / parts] <= slab) {
+                ++part;
+            }
+            part_of_[slab] = static_cast<std::uint32_t>(part);
+        }
+    }
+
     /// Each triangle to the parts of its vertices.
     void share_out() {
         for (Share& share : shares_) {
-            share.parts.resize(parts_.size());
+            share.parts.resize(part_of_.back() + 1);
         }
         parallel_.run_ranges(triangles_, grain, [&](std::size_t begin, std::size_t end, int worker) {
-            Share& share = shares_[static_cast<std::size_t>(worker)];
             for (std::size_t t = begin; t < end; ++t) {
-                enter(share, static_cast<std::uint32_t>(t));
+                enter(static_cast<std::uint32_t>(t), shares_[static_cast<std::size_t>(worker)]);
             }
         });
     }
 
-    void enter(Share& share, std::uint32_t t) const {
-        const GridTriangle corners = read_(t);
-        if (is_degenerate(corners)) {
-            ++share.degenerate;
-            return;
+    void sum_up(Ledger& ledger) const {
+        ledger.triangles = triangles_;
+        for (const Share& own : shares_) {
+            ledger.cut += own.cut;
+            ledger.degenerate += own.degenerate;
+            ledger.horizontal += own.horizontal;
         }
-        const SlabTriangle triangle(corners, planes_);
-        share.cut += triangle.within_one() ? 0U : 1U;
-        share.horizontal += triangle.is_horizontal() ? 1U : 0U;
-        const std::array<std::uint32_t, 3> own = {parts_.of(triangle.slabs[0]), parts_.of(triangle.slabs[1]),
-                                                  parts_.of(triangle.slabs[2])};
-        share.parts[own[0]].push_back(t);
-        if (own[1] != own[0]) {
-            share.parts[own[1]].push_back(t);
-        }
-        if (own[2] != own[0] && own[2] != own[1]) {
-            share.parts[own[2]].push_back(t);
+        ledger.between = ledger.triangles - ledger.cut - ledger.degenerate;
+        const double half_mm2 = result_.info.grid_mm * result_.info.grid_mm / 2;
+        for (std::size_t i = 0; i < ledger.slabs.size(); ++i) {
+            Slab& slab = ledger.slabs[i];
+            slab.layer = i;
+            slab.flat_up_mm2 = static_cast<double>(flat_areas_[i].up) * half_mm2;
+            slab.flat_down_mm2 = static_cast<double>(flat_areas_[i].down) * half_mm2;
+            ledger.flat_up_mm2 += slab.flat_up_mm2;
+            ledger.flat_down_mm2 += slab.flat_down_mm2;
         }
     }
 
-    std::size_t triangles_of(std::size_t part) const {
+    void enter(std::uint32_t t, Share& share) const {
+        const SlabTriangle triangle(read_(t), planes_);
+        if (is_degenerate(triangle.corners)) {
+            ++share.degenerate;
+            return;
+        }
+        const auto& [a, b, c] = triangle.slabs;
+        share.parts[part_of_[a]].push_back(t);
+        if (part_of_[b] != part_of_[a]) {
+            share.parts[part_of_[b]].push_back(t);
+        }
+        if (part_of_[c] != part_of_[a] && part_of_[c] != part_of_[b]) {
+            share.parts[part_of_[c]].push_back(t);
+        }
+        share.cut += triangle.within_one() ? 0U : 1U;
+        share.horizontal += triangle.is_horizontal() ? 1U : 0U;
+    }
+
+    /// The pieces that do not join two planes, by layer, kind and place. Such a piece has a vertex in its slab, and all its
+    /// vertices there are joined by edges that stay in the slab: so it is a set of vertices, and the edges that leave the
+    /// slab show which planes it meets.
+    std::vector<SurfacePiece> find_pieces(Scratch& scratch) const {
+        std::vector<Node>& nodes = scratch.nodes;
+        for (std::uint32_t node = 0; node < nodes.size(); ++node) {
+            Node& root = nodes[scratch.root(node)];
+            root.meets_below = root.meets_below || nodes[node].meets_below;
+            root.meets_above = root.meets_above || nodes[node].meets_above;
+        }
+        const std::vector<GridVertex>& vertices = scratch.numbers.items();
+        const auto comes_before = [](const GridVertex& a, const GridVertex& b, bool higher) {
+            return a.z != b.z ? (a.z > b.z) == higher : std::tie(a.x, a.y) < std::tie(b.x, b.y);
+        };
+        std::vector<std::uint32_t> roots;
+        for (std::uint32_t node = 0; node < nodes.size(); ++node) {
+            const std::uint32_t root_number = scratch.root(node);
+            Node& root = nodes[root_number];
+            if (root.meets_below && root.meets_above) {
+                continue;
+            }
+            if (root_number == node) {
+                roots.push_back(node);
+            } else {
+                root.triangles += nodes[node].triangles;
+            }
+            root.lowest = comes_before(vertices[node], vertices[root.lowest], false) ? node : root.lowest;
+            root.highest = comes_before(vertices[node], vertices[root.highest], true) ? node : root.highest;
+        }
+        std::vector<SurfacePiece> pieces;
+        pieces.reserve(roots.size());
+        for (const std::uint32_t root : roots) {
+            pieces.push_back(piece_of(nodes[root], vertices));
+        }
+        std::sort(pieces.begin(), pieces.end(), [](const SurfacePiece& a, const SurfacePiece& b) {
+            return std::tie(a.layer, a.kind, a.at_mm) < std::tie(b.layer, b.kind, b.at_mm);
+        });
+        return pieces;
+    }
+
+    /// The vertices of the part, united over the edges within a slab; and what its slabs hold.
+    void enter_part(std::size_t part, Scratch& scratch, std::vector<Slab>& in_slabs) {
+        std::vector<Node>& nodes = scratch.nodes;
         std::size_t triangles = 0;
         for (const Share& share : shares_) {
             triangles += share.parts[part].size();
         }
-        return triangles;
-    }
-
-    std::vector<PartEntries> go_through_parts() {
-        std::vector<PartEntries> entries(parts_.size());
-        std::vector<SlabPieces> workers(shares_.size(), SlabPieces(planes_, result_.info.grid_mm));
-        parallel_.run(parts_.size(), [&](std::size_t part, int worker) {
-            SlabPieces& pieces = workers[static_cast<std::size_t>(worker)];
-            const auto [begin, end] = parts_.slabs(part);
-            if (begin == end) {
-                return;
+        scratch.numbers.clear(triangles / 2);  // a closed surface has half as many vertices as triangles
+        nodes.clear();
+        const auto node_at = [&](const GridVertex& vertex, PlaneIndex slab) {
+            if (part_of_[slab] != part) {
+                return none;
             }
-            pieces.begin(begin, end, triangles_of(part));
-            for (const Share& share : shares_) {
-                for (const std::uint32_t t : share.parts[part]) {
-                    pieces.add(SlabTriangle(read_(t), planes_));
+            const std::uint32_t node = scratch.numbers.number(vertex);
+            if (node == nodes.size()) {
+                nodes.push_back({node, slab, node, node});
+            }
+            return node;
+        };
+        for (const Share& share : shares_) {
+            for (const std::uint32_t t : share.parts[part]) {
+                const SlabTriangle triangle(read_(t), planes_);
+                const auto& [corners, slabs] = triangle;
+                const std::array<std::uint32_t, 3> own = {node_at(corners[0], slabs[0]), node_at(corners[1], slabs[1]),
+                                                          node_at(corners[2], slabs[2])};
+                for (std::size_t i = 0; i < 3; ++i) {
+                    const std::size_t next = i == 2 ? 0 : i + 1;
+                    if (slabs[i] != slabs[next]) {
+                        const bool rises = slabs[i] < slabs[next];
+                        if (const std::uint32_t low = rises ? own[i] : own[next]; low != none) {
+                            nodes[low].meets_above = true;
+                        }
+                        if (const std::uint32_t high = rises ? own[next] : own[i]; high != none) {
+                            nodes[high].meets_below = true;
+                        }
+                    } else if (own[i] != none) {
+                        nodes[scratch.root(own[i])].parent = scratch.root(own[next]);
+                    }
+                }
+                if (triangle.within_one()) {
+                    ++nodes[own[0]].triangles;
+                    ++in_slabs[slabs[0]].triangles;
+                }
+                if (triangle.is_horizontal()) {
+                    const auto& [u, v, w] = corners;
+                    const Int128 area = side_of_line({u.x, u.y}, {v.x, v.y}, {w.x, w.y});  // positive if it faces up
+                    FlatAreas& areas = flat_areas_[slabs[0]];
+                    (area > 0 ? areas.up : areas.down) += area > 0 ? area : -area;
                 }
             }
-            pieces.finish(entries[part].slabs, entries[part].pieces);
-        });
-        return entries;
+        }
     }
 
-    Ledger close(const std::vector<PartEntries>& entries) const {
-        Ledger ledger;
-        ledger.triangles = triangles_;
-        for (const Share& share : shares_) {
-            ledger.cut += share.cut;
-            ledger.degenerate += share.degenerate;
-            ledger.horizontal += share.horizontal;
-        }
-        ledger.between = ledger.triangles - ledger.cut - ledger.degenerate;
-        for (const PartEntries& part : entries) {
-            ledger.slabs.insert(ledger.slabs.end(), part.slabs.begin(), part.slabs.end());
-            ledger.pieces.insert(ledger.pieces.end(), part.pieces.begin(), part.pieces.end());
-        }
-        for (const Slab& slab : ledger.slabs) {
-            ledger.flat_up_mm2 += slab.flat_up_mm2;
-            ledger.flat_down_mm2 += slab.flat_down_mm2;
-        }
-        for (const SurfacePiece& piece : ledger.pieces) {
-            SurfacePieceCount& kind = piece.kind == SurfacePieceKind::shell  ? ledger.shells
-                                      : piece.kind == SurfacePieceKind::peak ? ledger.peaks
-                                                                             : ledger.pits;
-            ++kind.count;
-            kind.triangles += piece.triangles;
-        }
-        ledger.gaps = find_gaps();
-        return ledger;
+    SurfacePiece piece_of(const Node& root, const std::vector<GridVertex>& vertices) const {
+        const SurfacePieceKind kind = root.meets_below   ? SurfacePieceKind::peak
+                                      : root.meets_above ? SurfacePieceKind::pit
+                                                         : SurfacePieceKind::shell;
+        const double grid_mm = result_.info.grid_mm;
+        const GridVertex& lowest = vertices[root.lowest];
+        const GridVertex& highest = vertices[root.highest];
+        const GridVertex& at = kind == SurfacePieceKind::peak ? highest : lowest;
+        const double low = kind == SurfacePieceKind::peak ? planes_.z(root.slab - 1) : lowest.z;
+        const double high = kind == SurfacePieceKind::pit ? planes_.z(root.slab) : highest.z;
+        return {kind, root.slab, {at.x * grid_mm, at.y * grid_mm, at.z * grid_mm}, (high - low) * grid_mm, root.triangles};
     }
 
     std::vector<std::uint64_t> find_gaps() const {
@@ -379,8 +320,9 @@ private:
     const PlaneSet& planes_;
     const Parallel& parallel_;
     std::size_t triangles_;
-    Parts parts_;
-    std::vector<Share> shares_;  // by worker
+    std::vector<std::uint32_t> part_of_;  ///< by slab, ascending
+    std::vector<FlatAreas> flat_areas_;   ///< by slab
+    std::vector<Share> shares_;           ///< by worker
 };
 
 }  // namespace
@@ -390,10 +332,10 @@ std::string_view name_of(SurfacePieceKind kind) noexcept {
     return names[static_cast<std::size_t>(kind)];
 }
 
-Ledger make_ledger(const SlicedMesh& sliced, const ProgressShare& progress) {
-    progress.begin(1, 3);
+Ledger make_ledger(const SlicedMesh& sliced, const Parallel& parallel, double progress) {
+    parallel.begin_stage(progress, 2);
     return with_reader(sliced.mesh, sliced.placing, sliced.result.info.grid_mm,
-                       [&](const auto& read) { return Bookkeeping(sliced, read, progress.parallel).run(); });
+                       [&](const auto& read) { return Bookkeeping(sliced, read, parallel).run(); });
 }
 
 }  // namespace lamella

@@ -9,19 +9,10 @@
 #include "base/parallel.hpp"
 #include "lamella/audit.hpp"
 #include "slicing/grid/bounds.hpp"
+#include "slicing/grid/exact.hpp"
 #include "slicing/planes/plane_set.hpp"
 
 namespace lamella {
-
-/// The way that the progress goes while one question is answered.
-struct ProgressShare {
-    const Parallel& parallel;
-    double from = 0;
-    double to = 1;
-
-    /// See Parallel::begin_stage(); `fraction` is of the share.
-    void begin(double fraction, std::size_t runs = 1) const { parallel.begin_stage(from + fraction * (to - from), runs); }
-};
 
 /// A result and its mesh, which can be what was sliced: as many triangles, each index in range, coordinates within the grid.
 struct SlicedMesh {
@@ -32,11 +23,12 @@ struct SlicedMesh {
     PlaneSet planes{nullptr};  ///< with their heights on the grid only
 };
 
+// What takes long leads the progress on to `progress`.
 OpenLayers find_open_layers(const SliceResult& result, const Parallel& parallel);
 /// All but VolumeCertificate::open.
-VolumeCertificate certify_volume(const SlicedMesh& sliced, const ProgressShare& progress);
-Ledger make_ledger(const SlicedMesh& sliced, const ProgressShare& progress);
-Crossings find_crossings(const SliceResult& result, const ProgressShare& progress);
+VolumeCertificate certify_volume(const SlicedMesh& sliced, const Parallel& parallel, double progress);
+Ledger make_ledger(const SlicedMesh& sliced, const Parallel& parallel, double progress);
+Crossings find_crossings(const SliceResult& result, const Parallel& parallel, double progress);
 
 /// Throws Refused, with the first promise that is broken. Origins are compared with `parts` where there are some: with what
 /// was sliced.
@@ -60,6 +52,15 @@ struct ResultPlace {
     /// Throws Refused, which names the place, unless the promise is kept.
     void require(bool kept, std::string_view broken) const;
 };
+
+/// Within a closed path, in square units.
+inline Int128 twice_area_of(std::span<const Point> points) noexcept {
+    Int128 sum = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        sum += cross(points[i], points[i + 1 == points.size() ? 0 : i + 1]);
+    }
+    return sum;
+}
 
 inline bool has_area(const Contour& contour) noexcept {
     return contour.role == Role::outer || contour.role == Role::hole;

@@ -10,7 +10,6 @@
 
 #include "audit/questions.hpp"
 #include "base/guard.hpp"
-#include "slicing/grid/exact.hpp"
 
 namespace lamella {
 
@@ -41,14 +40,6 @@ void check_points(const Contour& contour, std::span<const Point> points, const R
         at.require(*std::min_element(points.begin(), points.end()) == points.front(),
                    "does not start at its smallest point");
     }
-}
-
-Int128 twice_area_of(std::span<const Point> points) {
-    Int128 sum = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        sum += cross(points[i], points[i + 1 == points.size() ? 0 : i + 1]);
-    }
-    return sum;
 }
 
 void check_area(const Contour& contour, std::span<const Point> points, const ResultPlace& at) {

@@ -90,19 +90,6 @@ struct LayerSize {
     bool walked = true;  ///< no rule has made or dropped contours
 };
 
-/// Twice the area within a closed path, and how far its edges run along the axes.
-std::pair<Int128, std::uint64_t> traced(std::span<const Point> points) noexcept {
-    Int128 twice_area = 0;
-    std::uint64_t length = 0;  // up to 2^32 edges of up to 2^32
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const Point at = points[i];
-        const Point next = points[i + 1 == points.size() ? 0 : i + 1];
-        twice_area += std::int64_t{at.x} * next.y - std::int64_t{at.y} * next.x;
-        length += static_cast<std::uint64_t>(std::abs(std::int64_t{next.x} - at.x) + std::abs(std::int64_t{next.y} - at.y));
-    }
-    return {twice_area, length};
-}
-
 /// `solid`: whatever the facets say.
 LayerSize size_of(const SliceResult& result, const Layer& layer, bool solid) {
     Int128 twice_area = 0;
@@ -111,10 +98,12 @@ LayerSize size_of(const SliceResult& result, const Layer& layer, bool solid) {
     for (const Contour& contour : result.contours_of(layer)) {
         segments += contour.segments;
         const std::span<const Point> points = result.points_of(contour);
-        const auto [own, own_length] = traced(points);
-        length += own_length;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const Point next = points[i + 1 == points.size() ? 0 : i + 1];
+            length += std::abs(std::int64_t{next.x} - points[i].x) + std::abs(std::int64_t{next.y} - points[i].y);
+        }
         const int run = contour.role == Role::outer ? 1 : (contour.role == Role::hole ? -1 : 0);
-        twice_area += own * (solid ? std::abs(run) : run * contour.orientation);
+        twice_area += twice_area_of(points) * (solid ? std::abs(run) : run * contour.orientation);
     }
     return {static_cast<double>(twice_area) / 2, static_cast<double>(length), segments == layer.segments};
 }
@@ -257,12 +246,10 @@ std::string words_for(const VolumeCertificate& certificate) {
     return text;
 }
 
-VolumeCertificate certify_volume(const SlicedMesh& sliced, const ProgressShare& progress) {
+VolumeCertificate certify_volume(const SlicedMesh& sliced, const Parallel& parallel, double progress) {
     const CornerScale scale = scale_of(sliced.bounds, sliced.result);
-    const Parallel& parallel = progress.parallel;
-    progress.begin(0.8, static_cast<std::size_t>(parallel.threads()));
+    parallel.begin_stage(progress, 3);
     const Sums sums = sum_faces(sliced, scale, parallel);
-    progress.begin(1);
     return sums.edges == 0 ? Certifier(sliced.result, sums, scale, parallel).run() : VolumeCertificate{};
 }
 

@@ -1,5 +1,4 @@
-// Disjoint sets of numbers (union-find): DisjointSets for one thread, SharedSets for several. In both, the root of a set is
-// its smallest member: sets come out in the order of what they hold, whatever order they were united in.
+// Disjoint sets of numbers (union-find).
 #pragma once
 
 #include <algorithm>
@@ -10,45 +9,12 @@
 
 #include "base/atomic_word.hpp"
 #include "base/parallel.hpp"
-#include "base/vector.hpp"
 #include "lamella/array.hpp"
 
 namespace lamella {
 
-/// O(log n) amortised a call.
-class DisjointSets {
-public:
-    explicit DisjointSets(const Memory* memory = nullptr) : parents_(memory) {}
-
-    /// Members [0, count), each alone in its set.
-    void assign(std::size_t count) {
-        parents_.resize(count);
-        for (std::uint32_t i = 0; i < count; ++i) {
-            parents_[i] = i;
-        }
-    }
-
-    /// One more member, alone in its set.
-    void add() { parents_.push_back(static_cast<std::uint32_t>(parents_.size())); }
-
-    std::uint32_t root(std::uint32_t i) noexcept {
-        while (parents_[i] != i) {
-            parents_[i] = parents_[parents_[i]];  // halves the path
-            i = parents_[i];
-        }
-        return i;
-    }
-
-    void unite(std::uint32_t a, std::uint32_t b) noexcept {
-        const auto [first, second] = std::minmax({root(a), root(b)});
-        parents_[second] = first;
-    }
-
-private:
-    Vector<std::uint32_t> parents_;
-};
-
-/// Several threads unite at once. A link always goes to a smaller member, so that the sets do not depend on who came first.
+/// Several threads unite at once. A link always goes to a smaller member, so that the sets do not depend on who came first:
+/// the root of a set is its smallest member.
 template <class Index>
 class SharedSets {
 public:
@@ -87,8 +53,10 @@ public:
     Index root(Index i) {
         for (Index parent = at(i).load(); parent != i; parent = at(i).load()) {
             const Index grandparent = at(parent).load();
-            Index expected = parent;
-            at(i).replace(expected, grandparent);  // halves the path; that it may fail does no harm
+            if (grandparent == parent) {
+                return parent;
+            }
+            at(i).replace(parent, grandparent);  // halves the path; that it may fail does no harm
             i = grandparent;
         }
         return i;

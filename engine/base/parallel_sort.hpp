@@ -11,63 +11,42 @@
 
 namespace lamella {
 
-/// Values that cut an ascending order into parts of about as many items each, taken from samples.
-template <class T, class Less>
-class Splitters {
-public:
-    /// `sample(i)` gives one of `count` items. The answer depends on nothing but these.
-    template <class Sample>
-    Splitters(std::size_t count, std::size_t parts, Less less, Sample sample) : less_(less) {
-        constexpr std::size_t samples_a_part = 32;
-        std::vector<T> samples;
-        const std::size_t wanted = std::min(count, parts * samples_a_part);
-        samples.reserve(wanted);
-        for (std::size_t i = 0; i < wanted; ++i) {
-            samples.push_back(sample(count * i / wanted));
-        }
-        std::sort(samples.begin(), samples.end(), less);
-        for (std::size_t part = 1; part < parts && !samples.empty(); ++part) {
-            cuts_.push_back(samples[samples.size() * part / parts]);
-        }
-    }
-
-    std::size_t parts() const noexcept { return cuts_.size() + 1; }
-
-    /// Equal items get one part, and smaller ones no later one.
-    std::size_t part_of(const T& item) const noexcept {
-        const T* base = cuts_.data();  // a search without branches, which no predictor would know
-        std::size_t left = cuts_.size();
-        std::size_t at = 0;
-        while (left > 0) {
-            const std::size_t half = (left + 1) / 2;
-            at += less_(item, base[at + half - 1]) ? 0 : half;
-            left -= half;
-        }
-        return at;
-    }
-
-private:
-    std::vector<T> cuts_;
-    Less less_;
-};
-
 /// As std::sort, in four calls of run(): items are distributed to parts, which are sorted one by one and written back.
-/// `less` must tell any two items apart, or equal ones may change places from call to call where it cannot be seen. As many
-/// bytes again as the items have. Throws std::bad_alloc.
+/// Samples of the items tell where the parts end. `less` must tell any two items apart, or equal ones may change places from
+/// call to call where it cannot be seen. As many bytes again as the items have. Throws std::bad_alloc.
 template <class T, class Less>
 void sort_in_parallel(std::span<T> items, Less less, const Parallel& parallel, const Memory* memory = nullptr) {
     constexpr std::size_t wanted = std::size_t{1} << 14;  // stays in the cache
+    constexpr std::size_t samples_a_part = 32;
     if (items.size() <= wanted) {
         std::sort(items.begin(), items.end(), less);
         return;
     }
-    const Splitters<T, Less> splitters(items.size(), parts_for(items.size(), wanted), less,
-                                       [&](std::size_t i) { return items[i]; });
+    const std::size_t count = parts_for(items.size(), wanted);
+    std::vector<T> samples(count * samples_a_part);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        samples[i] = items[items.size() * i / samples.size()];
+    }
+    std::sort(samples.begin(), samples.end(), less);
+    std::vector<T> cuts(count - 1);
+    for (std::size_t part = 1; part < count; ++part) {
+        cuts[part - 1] = samples[part * samples_a_part];
+    }
+    // Equal items get one part, and smaller ones no later one. A search without branches, which no predictor would know.
+    const auto part_of = [&](const T& item) {
+        std::size_t at = 0;
+        for (std::size_t left = cuts.size(); left > 0;) {
+            const std::size_t half = (left + 1) / 2;
+            at += less(item, cuts[at + half - 1]) ? 0 : half;
+            left -= half;
+        }
+        return at;
+    };
     Distributed<T> parts = distribute<T>(
-        items.size(), splitters.parts(), parallel,
+        items.size(), count, parallel,
         [&](std::size_t begin, std::size_t end, const auto& emit) {
             for (std::size_t i = begin; i != end; ++i) {
-                emit(splitters.part_of(items[i]), items[i]);
+                emit(part_of(items[i]), items[i]);
             }
         },
         memory);

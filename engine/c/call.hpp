@@ -1,18 +1,38 @@
 // What every call of lamella.h has in common: what the program gave is read, no exception leaves the call, and its error
 // becomes a status and a message.
+//
+// Structs that begin with their size. A program that was compiled with an older header fills in only the beginning: the rest
+// has its defaults. A program with a newer header has fields that the library does not know: they must be 0, since what they
+// ask for would not be done.
+//
+//     the program's      [ size | a | b ]           [ size | a | b | c | d ]
+//     the library's      [ size | a | b | c ]       [ size | a | b | c ]
+//                                      ^ default                      ^ 0
+//
+// And C structs that are views of C++ ones: same bytes, another name; with the constants that both state.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <initializer_list>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "base/guard.hpp"
-#include "c/structs.hpp"
 #include "lamella/context.hpp"
+#include "lamella/error.hpp"
+#include "lamella/grid.hpp"
 #include "lamella/lamella.h"
+#include "lamella/layers.hpp"
+#include "lamella/options.hpp"
+#include "lamella/result.hpp"
 #include "lamella/slice.hpp"
+#include "lamella/version.hpp"
 #include "lamella/weld.hpp"
 
 struct lamella_result {
@@ -34,6 +54,166 @@ struct lamella_welded {
 };
 
 namespace lamella::c {
+
+/// No version of a struct is larger: what is was not initialised.
+inline constexpr std::size_t largest_struct = 4096;
+
+/// A struct's number for lamella_init_sized(), its name there, and where its last field ends.
+template <class T>
+struct Sized;
+// NOLINTBEGIN(bugprone-sizeof-expression): the last field may be a pointer
+#define LAMELLA_SIZED(T, KIND, last)                                            \
+    template <>                                                                 \
+    struct Sized<T> {                                                           \
+        static constexpr std::int32_t kind = KIND;                              \
+        static constexpr const char* init = "LAMELLA_INIT(&it, " #KIND ")";     \
+        static constexpr const char* name = #T;                                 \
+        static constexpr std::size_t end = offsetof(T, last) + sizeof(T::last); \
+    }
+LAMELLA_SIZED(lamella_error, LAMELLA_ERROR, message);
+LAMELLA_SIZED(lamella_context, LAMELLA_CONTEXT, reserved);
+LAMELLA_SIZED(lamella_mesh, LAMELLA_MESH, reserved);
+LAMELLA_SIZED(lamella_source, LAMELLA_SOURCE, part_count);
+LAMELLA_SIZED(lamella_options, LAMELLA_OPTIONS, reserved_0_3);
+LAMELLA_SIZED(lamella_info, LAMELLA_INFO, layer_of_count);
+LAMELLA_SIZED(lamella_layer_view, LAMELLA_LAYER_VIEW, stitch_count);
+LAMELLA_SIZED(lamella_view, LAMELLA_VIEW, info);
+LAMELLA_SIZED(lamella_sink, LAMELLA_SINK, object);
+LAMELLA_SIZED(lamella_arrays, LAMELLA_ARRAYS, origins);
+LAMELLA_SIZED(lamella_destination, LAMELLA_DESTINATION, arrays);
+LAMELLA_SIZED(lamella_check_result, LAMELLA_CHECK_RESULT, faults);
+LAMELLA_SIZED(lamella_audit_result, LAMELLA_AUDIT_RESULT, reserved);
+#undef LAMELLA_SIZED
+// NOLINTEND(bugprone-sizeof-expression)
+
+template <class T>
+constexpr void check_sized() {
+    static_assert(std::is_standard_layout_v<T> && std::is_trivially_copyable_v<T>, "what C can read");
+    static_assert(offsetof(T, struct_size) == 0, "the size comes first");
+    static_assert(Sized<T>::end == sizeof(T),
+                  "a field of a later version must not lie where programs of this one leave padding unset");
+}
+
+[[noreturn]] inline void refuse(std::string message) {
+    throw Refused{{ErrorCode::invalid_argument, std::move(message)}};
+}
+
+/// The defaults that are not 0.
+template <class T>
+void set_defaults(T& /*it*/) noexcept {}
+void set_defaults(lamella_error& error) noexcept;
+void set_defaults(lamella_context& context) noexcept;
+void set_defaults(lamella_mesh& mesh) noexcept;
+void set_defaults(lamella_options& options) noexcept;
+void set_defaults(lamella_arrays& arrays) noexcept;
+
+template <class T>
+T defaults() noexcept {
+    T it{};
+    set_defaults(it);
+    return it;
+}
+
+/// What the program gave, and the defaults beyond; all defaults where it gave nothing. Throws Refused where what the library
+/// does not know is set.
+template <class T>
+T read_sized(const T* given) {
+    check_sized<T>();
+    T whole = defaults<T>();
+    if (given == nullptr) {
+        return whole;
+    }
+    std::uint32_t size = 0;
+    std::memcpy(&size, given, sizeof size);
+    const std::string name = Sized<T>::name;
+    if (size < 2 * sizeof size || size > largest_struct) {
+        refuse("struct_size of " + name + " is " + std::to_string(size) + ": initialise it by " + Sized<T>::init);
+    }
+    std::memcpy(&whole, given, std::min<std::size_t>(size, sizeof(T)));
+    const auto* const bytes = reinterpret_cast<const unsigned char*>(given);
+    bool set = size > sizeof(T) && std::any_of(bytes + sizeof(T), bytes + size, [](unsigned char b) { return b != 0; });
+    if constexpr (requires { whole.reserved; }) {
+        set = set || whole.reserved != 0;
+    }
+    if (set) {
+        refuse(name + " has a field set that lamella " + version + " does not know: initialise it by " + Sized<T>::init +
+               ", or use a later version of the library");
+    }
+    return whole;
+}
+
+/// As much of `value` as the program's struct holds.
+template <class T>
+void write_sized(const T& value, T* out) noexcept {
+    check_sized<T>();
+    if (out != nullptr) {
+        const std::uint32_t size = out->struct_size;
+        std::memcpy(out, &value, std::min<std::size_t>(size, sizeof(T)));
+        out->struct_size = size;
+    }
+}
+
+/// For each struct of the C header that is an element of an array: the C++ struct that lies in the same bytes.
+template <class C>
+struct Same;
+#define LAMELLA_SAME(C, Cpp)                                   \
+    template <>                                                \
+    struct Same<C> {                                           \
+        using type = Cpp;                                      \
+        static_assert(sizeof(C) == sizeof(Cpp), "same bytes"); \
+    }
+LAMELLA_SAME(lamella_point, Point);
+LAMELLA_SAME(lamella_contour, Contour);
+LAMELLA_SAME(lamella_layer, Layer);
+LAMELLA_SAME(lamella_stitch, Stitch);
+LAMELLA_SAME(lamella_point_origin, PointOrigin);
+LAMELLA_SAME(lamella_segment, Segment);
+LAMELLA_SAME(lamella_memory, Memory);
+#undef LAMELLA_SAME
+
+#define LAMELLA_SAME_PLACE(C, c_field, Cpp, field) \
+    static_assert(offsetof(C, c_field) == offsetof(Cpp, field), #C "." #c_field " and its C++ field lie in one place")
+LAMELLA_SAME_PLACE(lamella_point, y, Point, y);
+LAMELLA_SAME_PLACE(lamella_contour, twice_area_low, Contour, twice_area);
+LAMELLA_SAME_PLACE(lamella_contour, parent, Contour, parent);
+LAMELLA_SAME_PLACE(lamella_contour, point_count, Contour, point_count);
+LAMELLA_SAME_PLACE(lamella_contour, segments, Contour, segments);
+LAMELLA_SAME_PLACE(lamella_contour, role, Contour, role);
+LAMELLA_SAME_PLACE(lamella_contour, orientation, Contour, orientation);
+LAMELLA_SAME_PLACE(lamella_contour, flags, Contour, flags);
+LAMELLA_SAME_PLACE(lamella_contour, part, Contour, part);
+LAMELLA_SAME_PLACE(lamella_layer, top_mm, Layer, top_mm);
+LAMELLA_SAME_PLACE(lamella_layer, first_contour, Layer, first_contour);
+LAMELLA_SAME_PLACE(lamella_layer, segments, Layer, segments);
+LAMELLA_SAME_PLACE(lamella_layer, plane, Layer, plane);
+LAMELLA_SAME_PLACE(lamella_stitch, from, Stitch, from);
+LAMELLA_SAME_PLACE(lamella_stitch, to, Stitch, to);
+LAMELLA_SAME_PLACE(lamella_point_origin, part, PointOrigin, part);
+LAMELLA_SAME_PLACE(lamella_point_origin, edge, PointOrigin, edge);
+LAMELLA_SAME_PLACE(lamella_point_origin, end_edge, PointOrigin, end_edge);
+LAMELLA_SAME_PLACE(lamella_segment, to_key, Segment, to_key);
+LAMELLA_SAME_PLACE(lamella_segment, from, Segment, from);
+LAMELLA_SAME_PLACE(lamella_segment, from_rank, Segment, from_rank);
+static_assert(std::is_standard_layout_v<Memory>);
+LAMELLA_SAME_PLACE(lamella_memory, release_object, Memory, release);
+#undef LAMELLA_SAME_PLACE
+static_assert(LAMELLA_NO_TRIANGLE == no_triangle && LAMELLA_NO_EDGE == no_edge && LAMELLA_SEVERAL_PARTS == several_parts);
+static_assert(LAMELLA_DEFAULT_GRID_MM == default_grid_mm && LAMELLA_FINEST_GRID == finest_grid &&
+              LAMELLA_STITCH_BY_MESH == stitch_by_mesh && LAMELLA_GRID_LIMIT == grid_limit &&
+              LAMELLA_ALL_LAYERS == all_layers);
+
+template <class C>
+const typename Same<C>::type* as_cpp(const C* c) noexcept {
+    return reinterpret_cast<const typename Same<C>::type*>(c);
+}
+template <class C>
+typename Same<C>::type* as_cpp(C* c) noexcept {
+    return reinterpret_cast<typename Same<C>::type*>(c);
+}
+template <class C>
+const C* as_c(const typename Same<C>::type* cpp) noexcept {
+    return reinterpret_cast<const C*>(cpp);
+}
 
 /// The program's functions. Holds what the C++ context points to: neither copied nor moved.
 class Host {

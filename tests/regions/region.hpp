@@ -1,7 +1,7 @@
 // Regions as sets of contours without regard to how they are stored.
 //
-// Judges give what they expect as a Region. Contours are compared by their corners: points within straight lines, the point
-// that a contour starts at and the order of contours do not count; roles and parents do.
+// Contours are compared by their corners: points within straight lines, the point that a contour starts at and the order of
+// contours do not count; roles and parents do.
 #pragma once
 
 #include <cstdint>
@@ -32,10 +32,6 @@ lamella::SliceResult region_of(const Polygons& polygons, lamella::FillRule rule)
 Region canonical(Region region);
 /// Canonical.
 Region region_in(const lamella::SliceResult& contours);
-
-/// For rings whose solids are known by number: holes get the outer ring of their solid as parent, outer rings the smallest
-/// hole around them. Throws std::logic_error if a solid has not one outer ring.
-void find_parents(Region& region, std::span<const std::size_t> solid_of);
 
 /// Winding number of the whole solid is more than 0 (even-odd: odd, ...); by `outermost` as by non-zero.
 bool fills(lamella::FillRule rule, std::int64_t winding);

@@ -12,7 +12,6 @@
 
 #include "base/parallel_sort.hpp"
 #include "mesh/check/finders.hpp"
-#include "mesh/check/pair_search.hpp"
 #include "slicing/grid/box_tree.hpp"
 #include "slicing/grid/exact.hpp"
 
@@ -259,8 +258,8 @@ private:
     void search(Fault fault, const BoxTree<GridVertex>& tree, Visit visit, MakePlace make_place) {
         Tally<Near> tally(faults_.most());
         FaultFinding& finding = faults_.of(fault);
-        BudgetedSearch<Near> search(vertices_.size(), search_budget(vertices_.size()), parallel_);
-        finding.at_least = !search.run(
+        finding.at_least = !search_within<Near>(
+            search_budget(vertices_.size()), vertices_.size(), parallel_,
             [&](std::size_t query, std::size_t limit, std::vector<Near>& found) {
                 const std::uint32_t vertex = vertices_[query];
                 return tree.search(widened(mesh_.vertices[vertex], reach_), limit,

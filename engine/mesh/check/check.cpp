@@ -1,4 +1,6 @@
+// The stages of check() and orient_shells(); box, area and volume of a mesh, and the scale of its grid.
 #include "lamella/check.hpp"
+#include "lamella/weld.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -12,10 +14,59 @@
 #include "base/guard.hpp"
 #include "mesh/check/finders.hpp"
 #include "slicing/grid/bounds.hpp"
+#include "slicing/slice_layers.hpp"
 
 namespace lamella {
 
 namespace {
+
+/// Sums are made per chunk and then over the chunks in order, so that they do not depend on threads.
+constexpr std::size_t chunk_triangles = 8192;
+
+/// Fills in volume, as the sum of tetrahedra to the middle of the box, so near that little cancels, and area.
+void add_faces(const MeshView& mesh, const Placing& placing, const Parallel& parallel, MeshCheck& check) {
+    struct Sums {
+        double six_volumes = 0;
+        double two_areas = 0;
+    };
+    const std::size_t chunks = (mesh.triangle_count + chunk_triangles - 1) / chunk_triangles;
+    const PlacedReader read(mesh, placing);
+    std::vector<Sums> parts(chunks);
+    parallel.run(chunks, [&](std::size_t chunk, int) {
+        Sums part;
+        const std::size_t end = std::min(mesh.triangle_count, (chunk + 1) * chunk_triangles);
+        for (std::size_t t = chunk * chunk_triangles; t != end; ++t) {
+            const auto& [v] = read(t);
+            double six_volumes = 0;
+            double square = 0;
+            for (std::size_t x = 0; x < 3; ++x) {
+                const std::size_t y = (x + 1) % 3;
+                const std::size_t z = (x + 2) % 3;
+                const double normal = (v[3 + y] - v[y]) * (v[6 + z] - v[z]) - (v[3 + z] - v[z]) * (v[6 + y] - v[y]);
+                six_volumes += (v[x] - (check.box.min_mm[x] + check.box.max_mm[x]) / 2) * normal;
+                square += normal * normal;
+            }
+            part.six_volumes += six_volumes;
+            part.two_areas += std::sqrt(square);
+        }
+        parts[chunk] = part;
+    });
+    Sums sum;
+    for (const Sums& part : parts) {
+        sum.six_volumes += part.six_volumes;
+        sum.two_areas += part.two_areas;
+    }
+    check.volume_mm3 = sum.six_volumes / 6;
+    check.area_mm2 = sum.two_areas / 2;
+}
+
+constexpr double fewest_units = 1 << 20;  ///< along the diagonal
+constexpr double coarsest_step = 0.1;     ///< as a share of a detail
+
+/// From the power of two below `value` to the next number of that type.
+double number_step(double value, Number number) noexcept {
+    return value == 0 ? 0 : std::ldexp(1.0, std::ilogb(value) - (number == Number::f32 ? 23 : 52));
+}
 
 struct Names {
     std::string_view key;
@@ -64,23 +115,7 @@ Status examine(const CheckOptions& options) {
     return {};
 }
 
-/// How far the progress is when a stage ends, and how many calls of run() it takes: measured on scans of bones.
-struct Share {
-    double fraction;
-    std::size_t runs;
-};
-constexpr double measure_share = 0.04;
-constexpr Share faces_share = {0.24, 14};
-constexpr Share edges_share = {0.36, 8};
-constexpr Share joints_share = {0.48, 8};
-constexpr Share tree_share = {0.54, 8};
-constexpr Share shells_share = {0.60, 9};
-constexpr double meeting_share = 0.97;
-constexpr Share gaps_share = {0.99, 40};
-constexpr Share counted_faces_share = {0.5, 14};
-constexpr Share counted_edges_share = {0.99, 13};
-
-/// The stages.
+/// The stages. How far the progress is when one ends was measured on scans of bones.
 class Diagnosis {
 public:
     Diagnosis(const MeshView& view, const CheckOptions& options, const Parallel& parallel)
@@ -90,15 +125,15 @@ public:
     }
 
     Result<MeshCheck> run() {
-        measure_mesh(view_, options_.frame, parallel_, measure_share, check_);
+        measure_mesh(view_, options_.frame, parallel_, 0.04, check_);
         check_.ms.measure = lap();
-        begin(options_.counts_only ? counted_faces_share : faces_share);
+        parallel_.begin_stage(options_.counts_only ? 0.5 : 0.24, 14);
         const GridMesh mesh = make_grid_mesh(view_, options_.frame, check_, parallel_);
         if (mesh.faces.empty()) {
             return all_collapsed(view_.triangle_count, check_.grid_mm);
         }
         check_.ms.faces = lap();
-        begin(options_.counts_only ? counted_edges_share : edges_share);
+        parallel_.begin_stage(options_.counts_only ? 0.99 : 0.36, options_.counts_only ? 13 : 8);
         const EdgeTable edges(mesh, parallel_);
         check_.ms.edges = lap();
         options_.counts_only ? count(mesh, edges) : find_faults(mesh, edges);
@@ -107,8 +142,6 @@ public:
     }
 
 private:
-    void begin(const Share& share) const { parallel_.begin_stage(share.fraction, share.runs); }
-
     /// Since the last call.
     double lap() {
         const Clock::time_point now = Clock::now();
@@ -127,7 +160,7 @@ private:
 
     void find_faults(const GridMesh& mesh, const EdgeTable& edges) {
         FaultCollector faults(mesh, options_.most_places, check_.findings);
-        begin(joints_share);
+        parallel_.begin_stage(0.48, 8);
         const EmbeddedStars stars(mesh, edges, parallel_);
         const std::uint64_t unbalanced = find_edge_faults(mesh, edges, faults, parallel_);
         find_loops(mesh, edges, faults, parallel_);
@@ -135,18 +168,18 @@ private:
         find_split_vertices(mesh, stars, faults, parallel_);
         find_flipped_faces(mesh, edges, faults, parallel_);
         check_.ms.joints = lap();
-        begin(tree_share);
+        parallel_.begin_stage(0.54, 8);
         const FaceTree tree = make_face_tree(mesh, stars, parallel_);
         check_.ms.meeting = lap();
-        begin(shells_share);
+        parallel_.begin_stage(0.60, 9);
         const Array<std::uint32_t> shell_of = find_shells(mesh, edges, tree, faults, check_, parallel_);
         check_.ms.shells = lap();
         const std::vector<std::uint8_t> meets_other =
-            find_meeting_faces(mesh, tree, stars, shell_of, check_.shells, faults, meeting_share, parallel_);
+            find_meeting_faces(mesh, tree, stars, shell_of, check_.shells, faults, 0.97, parallel_);
         const bool all_known = check_.nesting_complete && !check_.of(Fault::crossing_faces).at_least;
         find_misoriented_shells(check_.shells, meets_other, all_known, faults);
         check_.ms.meeting += lap();
-        begin(gaps_share);
+        parallel_.begin_stage(0.99, 40);
         find_gaps(mesh, edges, options_.tolerance_mm, faults, parallel_);
         check_.ms.gaps = lap();
         fill_in_counts(mesh, edges, unbalanced);
@@ -187,6 +220,43 @@ Result<MeshCheck> check_or_throw(const MeshView& view, const CheckOptions& optio
     return Diagnosis(view, options, parallel).run();
 }
 
+/// Turns shells by their nesting in space: the first stages, and rays that tell what lies wholly within what.
+Result<OrientedMesh> orient_or_throw(const MeshView& view, const Frame& frame, const Context& context) {
+    Context own = context;
+    own.memory = nullptr;  // the host's is for the mesh
+    const Parallel parallel(own);
+    OrientedMesh oriented{.mesh = require(weld(view, 0, parallel.within(context)))};
+    MeshCheck found;
+    measure_mesh(oriented.view(), frame, parallel, 0.3, found);
+    parallel.begin_stage(0.5, 14);
+    const GridMesh grid = make_grid_mesh(oriented.view(), frame, found, parallel);
+    if (!grid.faces.empty()) {
+        parallel.begin_stage(0.6, 8);
+        const EdgeTable edges(grid, parallel);
+        parallel.begin_stage(0.7, 7);
+        const EmbeddedStars stars(grid, edges, parallel);
+        parallel.begin_stage(0.8, 9);
+        const FaceTree tree = make_face_tree(grid, stars, parallel);
+        parallel.begin_stage(0.99, 16);
+        const FaultCollector faults(grid, 0, found.findings);
+        const Array<std::uint32_t> shell_of = find_shells(grid, edges, tree, faults, found, parallel, true);
+        for (std::size_t face = 0; face < grid.faces.size(); ++face) {
+            if (is_misoriented(found.shells[shell_of[face]])) {
+                const std::size_t first = 3 * std::size_t{grid.faces[face].source};
+                std::swap(oriented.mesh.indices[first + 1], oriented.mesh.indices[first + 2]);
+            }
+        }
+    }
+    oriented.shells = found.shells.size();
+    oriented.turned_shells =
+        static_cast<std::uint64_t>(std::count_if(found.shells.begin(), found.shells.end(), is_misoriented));
+    const bool all_closed =
+        std::all_of(found.shells.begin(), found.shells.end(), [](const MeshShell& shell) { return shell.closed; });
+    oriented.complete = found.nesting_complete && (oriented.turned_shells == 0 || all_closed);
+    parallel.finish();
+    return oriented;
+}
+
 }  // namespace
 
 std::string_view key_of(Fault fault) noexcept {
@@ -212,6 +282,34 @@ bool MeshCheck::clean() const noexcept {
 
 Result<MeshCheck> check(const MeshView& mesh, const CheckOptions& options, const Context& context) noexcept {
     return guarded(context, [&] { return check_or_throw(mesh, options, context); });
+}
+
+void measure_mesh(const MeshView& mesh, const Frame& frame, const Parallel& parallel, double progress, MeshCheck& check) {
+    parallel.begin_stage(progress / 2);
+    const SharedFrame chosen = choose_frame(mesh, frame, false, {}, parallel);
+    check.box = box_of(chosen.bounds);
+    check.triangles = mesh.triangle_count;
+    check.grid_mm = chosen.unit.mm;
+    parallel.begin_stage(progress);
+    add_faces(mesh, placing_of(mesh, frame), parallel, check);
+}
+
+MeshScale judge_scale(const Box& box, Number number, double grid_mm, double detail_mm) noexcept {
+    const auto& [low, high] = box;
+    MeshScale scale;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        scale.farthest_mm = std::max({scale.farthest_mm, std::abs(low[axis]), std::abs(high[axis])});
+    }
+    scale.diagonal_mm = std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+    scale.number_step_mm = number_step(scale.farthest_mm, number);
+    scale.finest_grid_mm = finest_unit(scale.farthest_mm);
+    scale.coarse_grid = scale.diagonal_mm < fewest_units * grid_mm;
+    scale.coarse_numbers = scale.number_step_mm > coarsest_step * detail_mm;
+    return scale;
+}
+
+Result<OrientedMesh> orient_shells(const MeshView& mesh, double grid_mm, const Context& context) noexcept {
+    return guarded(context, [&] { return orient_or_throw(mesh, {.grid_mm = grid_mm}, context); });
 }
 
 }  // namespace lamella

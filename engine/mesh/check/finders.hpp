@@ -6,12 +6,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <iterator>
+#include <mutex>
+#include <set>
 #include <vector>
 
 #include "base/parallel.hpp"
 #include "lamella/check.hpp"
 #include "lamella/weld.hpp"
-#include "mesh/check/embedded_stars.hpp"
 #include "mesh/check/grid_mesh.hpp"
 #include "slicing/grid/box_tree.hpp"
 
@@ -114,6 +116,80 @@ private:
     std::size_t most_;
     Findings& findings_;
 };
+
+// A search for pairs whose work is bounded, so that it never becomes quadratic. Its findings do not depend on threads.
+
+/// Counts items, and keeps the `most` smallest.
+template <class Item>
+class Tally {
+public:
+    explicit Tally(std::size_t most) noexcept : most_(most) {}
+
+    void add(const Item& item) {
+        ++count_;
+        kept_.insert(item);
+        if (kept_.size() > most_) {
+            kept_.erase(std::prev(kept_.end()));
+        }
+    }
+
+    /// The count, and make_place(item) for those kept, in their order.
+    template <class MakePlace>
+    void fill_in(FaultFinding& finding, MakePlace make_place) const {
+        finding.count = count_;
+        std::transform(kept_.begin(), kept_.end(), std::back_inserter(finding.places), make_place);
+    }
+
+private:
+    std::size_t most_;
+    std::uint64_t count_ = 0;
+    std::multiset<Item> kept_;
+};
+
+/// The cost of a search at most, in boxes compared: about a second, which suffices for real meshes.
+constexpr std::size_t search_budget(std::size_t items) {
+    return (std::size_t{1} << 29) + 1024 * items;
+}
+
+/// How many queries search_within() makes in one call of run(): few, so that each may cost much.
+constexpr std::size_t queries_a_run = 512;
+
+/// Calls search(query, limit, found) for one query after another on all threads, which adds to `found`, stops at the limit
+/// and returns what it cost; and keep(item) for all that is found, on one thread at a time, a query's items in the order in
+/// which it found them. The limit is an equal share, within a run, of what is left of the budget: where the search ends
+/// depends on the queries alone. Returns whether every query was searched to its end.
+template <class Item, class Search, class Keep>
+bool search_within(std::size_t budget, std::size_t queries, const Parallel& parallel, Search search, Keep keep) {
+    constexpr std::size_t most_for_one = std::size_t{1} << 25;  // so that a query ends soon after a stop is asked for
+    constexpr std::size_t grain = 8;
+    std::vector<std::vector<Item>> found(static_cast<std::size_t>(parallel.threads()));  // by worker, of one query
+    std::vector<std::size_t> costs(queries_a_run);
+    std::mutex keeping;
+    bool complete = true;
+    for (std::size_t first = 0; first < queries; first += queries_a_run) {
+        const std::size_t limit = std::min(most_for_one, budget / queries_a_run);
+        if (limit == 0) {
+            return false;
+        }
+        const std::size_t count = std::min(queries_a_run, queries - first);
+        parallel.run_ranges(count, grain, [&](std::size_t begin, std::size_t end, int worker) {
+            std::vector<Item>& own = found[static_cast<std::size_t>(worker)];
+            for (std::size_t i = begin; i != end; ++i) {
+                own.clear();
+                costs[i] = search(first + i, limit, own);
+                if (!own.empty()) {
+                    const std::lock_guard lock(keeping);
+                    std::for_each(own.begin(), own.end(), keep);
+                }
+            }
+        });
+        for (std::size_t i = 0; i < count; ++i) {
+            complete = complete && costs[i] < limit;
+            budget -= std::min(budget, costs[i]);
+        }
+    }
+    return complete;
+}
 
 /// The faces of a mesh, found by where they lie: its items. Those that have no area meet nothing. Of several faces on the
 /// same vertices, which follow one another in the mesh, the first stands for all: so a body that was exported a thousand

@@ -34,21 +34,6 @@ struct ExactFace {
 /// True if p lies in the triangle, its sides included. Precondition: it has area.
 bool contains(const ExactFace& face, const GridVector& p) noexcept;
 
-/// A triangle in double, to tell most pairs apart without exact arithmetic.
-struct RealFace {
-    std::array<std::uint32_t, 3> ids;
-    std::array<std::array<double, 3>, 3> corners;  ///< exact
-    std::array<double, 3> normal;
-    std::array<double, 3> products;  ///< the sum of magnitudes of the products of which each component is a difference
-
-    RealFace() = default;
-    RealFace(const std::array<std::uint32_t, 3>& vertex_ids, const std::array<GridVertex, 3>& vertices) noexcept;
-};
-
-/// True only where meet() finds nothing: of one of them, no corner but common ones lies on the other's plane, and all lie on
-/// one side of it. Also true for two that share all vertices.
-bool are_apart(const RealFace& a, const RealFace& b) noexcept;
-
 /// Precondition: both have area.
 Meeting meet(const ExactFace& a, const ExactFace& b) noexcept;
 

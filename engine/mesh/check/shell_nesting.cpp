@@ -8,7 +8,6 @@
 #include "base/numbers.hpp"
 #include "mesh/check/finders.hpp"
 #include "mesh/check/meeting.hpp"
-#include "mesh/check/pair_search.hpp"
 
 namespace lamella {
 
@@ -54,8 +53,8 @@ public:
 
     bool run() {
         std::vector<std::vector<std::uint32_t>> around(shells_.size());
-        BudgetedSearch<ShellPair> search(shells_.size(), search_budget(mesh_.faces.size()), parallel_);
-        const bool complete = search.run(
+        const bool complete = search_within<ShellPair>(
+            search_budget(mesh_.faces.size()), shells_.size(), parallel_,
             [&](std::size_t shell, std::size_t limit, std::vector<ShellPair>& found) {
                 return find_around(static_cast<std::uint32_t>(shell), limit, found);
             },
@@ -129,8 +128,8 @@ private:
     /// Takes from `around` each shell's the others that a face of it crosses. Returns whether all faces were tested.
     bool drop_crossed(std::vector<std::vector<std::uint32_t>>& around) const {
         std::vector<ShellPair> crossed;
-        BudgetedSearch<ShellPair> search(mesh_.faces.size(), search_budget(mesh_.faces.size()), parallel_);
-        const bool complete = search.run(
+        const bool complete = search_within<ShellPair>(
+            search_budget(mesh_.faces.size()), mesh_.faces.size(), parallel_,
             [&](std::size_t face, std::size_t limit, std::vector<ShellPair>& found) {
                 const std::vector<std::uint32_t>& others = around[shell_of_[face]];
                 return others.empty() ? 0 : find_crossed(face, limit, others, found);

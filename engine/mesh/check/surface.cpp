@@ -122,42 +122,47 @@ Array<std::uint32_t> loose_corners(const GridMesh& mesh, const EmbeddedStars& st
     return corners;
 }
 
-/// How many fans the faces at a vertex form, joined over edges with two faces; its memory is kept.
-class FanCount {
-public:
-    explicit FanCount(const GridMesh& mesh) : mesh_(mesh) {}
-
-    std::size_t run(std::span<const std::uint32_t> corners) {
-        spokes_.clear();
-        for (std::uint32_t i = 0; i < corners.size(); ++i) {
-            for (const std::uint32_t end : mesh_.faces[corners[i] / 3].corners) {
-                if (end != vertex_of(mesh_, corners[i])) {
-                    spokes_.push_back({end, i});
-                }
+/// How many fans the faces at these corners of one vertex form, joined over edges with two faces.
+std::size_t count_fans(const GridMesh& mesh, std::span<const std::uint32_t> corners) {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> spokes;  // the other end of an edge, and which corner has it
+    std::vector<std::array<std::uint32_t, 2>> beside;             // of each corner: those joined to it, or itself
+    for (std::uint32_t i = 0; i < corners.size(); ++i) {
+        beside.push_back({i, i});
+        for (const std::uint32_t end : mesh.faces[corners[i] / 3].corners) {
+            if (end != vertex_of(mesh, corners[i])) {
+                spokes.push_back({end, i});
             }
         }
-        std::sort(spokes_.begin(), spokes_.end());
-        fans_.assign(corners.size());
-        std::size_t count = corners.size();
-        for (std::size_t begin = 0; begin < spokes_.size();) {
-            std::size_t end = begin;
-            while (end < spokes_.size() && spokes_[end].first == spokes_[begin].first) {
-                ++end;
-            }
-            if (end - begin == 2 && fans_.root(spokes_[begin].second) != fans_.root(spokes_[begin + 1].second)) {
-                fans_.unite(spokes_[begin].second, spokes_[begin + 1].second);
-                --count;
-            }
-            begin = end;
-        }
-        return count;
     }
-
-private:
-    const GridMesh& mesh_;
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> spokes_;  ///< the other end of an edge, and which corner has it
-    DisjointSets fans_;
-};
+    std::sort(spokes.begin(), spokes.end());
+    for (std::size_t begin = 0, end = 0; begin < spokes.size(); begin = end) {
+        while (end < spokes.size() && spokes[end].first == spokes[begin].first) {
+            ++end;
+        }
+        if (end - begin == 2) {
+            const std::array<std::uint32_t, 2> both = {spokes[begin].second, spokes[begin + 1].second};
+            for (const std::size_t i : {0U, 1U}) {
+                auto& [first, second] = beside[both[i]];
+                (first == both[i] ? first : second) = both[1 - i];
+            }
+        }
+    }
+    std::size_t fans = 0;
+    std::vector<bool> seen(corners.size(), false);
+    std::vector<std::uint32_t> open;
+    for (std::uint32_t i = 0; i < corners.size(); ++i) {
+        fans += seen[i] ? 0U : 1U;
+        for (open.assign(1, i); !open.empty();) {
+            const std::uint32_t at = open.back();
+            open.pop_back();
+            if (!seen[at]) {
+                seen[at] = true;
+                open.insert(open.end(), beside[at].begin(), beside[at].end());
+            }
+        }
+    }
+    return fans;
+}
 
 }  // namespace
 
@@ -208,7 +213,7 @@ void find_split_vertices(const GridMesh& mesh, const EmbeddedStars& stars, Fault
         return vertex_of(mesh, corners[a]) == vertex_of(mesh, corners[b]);
     };
     faults.in_groups(corners.size(), parallel, same_vertex, [&](std::size_t begin, std::size_t end, FaultCollector& own) {
-        const std::size_t fans = FanCount(mesh).run(corners.span().subspan(begin, end - begin));
+        const std::size_t fans = count_fans(mesh, corners.span().subspan(begin, end - begin));
         if (fans > 1) {
             own.add(Fault::split_vertex, [&] {
                 FaultPlace place = own.at({vertex_of(mesh, corners[begin])});

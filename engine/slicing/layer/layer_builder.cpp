@@ -19,7 +19,7 @@ void LayerBuilder::build_traced(Point* rings, PointOrigin* origins, std::span<co
 }
 
 void LayerBuilder::build_given(std::span<const Path> contours, BandOutput& out) {
-    given_.get(worker_).list(contours, contours_.paths);
+    (given_ ? *given_ : given_.emplace(worker_)).list(contours, contours_.paths);
     finish(out);
 }
 
@@ -41,7 +41,7 @@ void LayerBuilder::close_gaps(BandOutput& out) {
     Vector<Path>& paths = contours_.paths;
     const auto first_open = std::partition(paths.begin(), paths.end(), [](const Path& path) { return path.item.closed; });
     const auto closed = std::span(paths).first(static_cast<std::size_t>(first_open - paths.begin()));
-    PolylineRepair& repair = repair_.get(worker_);
+    PolylineRepair& repair = repair_ ? *repair_ : repair_.emplace(worker_);
     if (repair.join(std::span(paths).subspan(closed.size()), closed,
                     {rules->stitch, rules->crossing_stitch, rules->direction}, out.layer_contours.size(), out.stitches)) {
         paths.erase(first_open, paths.end());
@@ -59,7 +59,7 @@ bool LayerBuilder::nest(FillRule rule) {
     if (plain) {
         contours_.nester.nest(contours_.items);
     } else {
-        cancels = region_.get(contours_).apply(*region, rule, rules->grid_mm);
+        cancels = (region_ ? *region_ : region_.emplace(contours_)).apply(*region, rule, rules->grid_mm);
     }
     if (ticks != nullptr) {
         (plain ? ticks->nesting : ticks->fill) += lamella::ticks() - before;

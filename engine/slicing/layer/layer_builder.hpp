@@ -9,9 +9,9 @@
 //     append           the result's contours and points
 #pragma once
 
+#include <optional>
 #include <span>
 
-#include "base/on_demand.hpp"
 #include "base/parallel.hpp"
 #include "base/worker.hpp"
 #include "lamella/result.hpp"
@@ -77,9 +77,9 @@ private:
     Worker& worker_;
     LayerContours contours_{worker_};
     RingReader rings_{worker_};
-    OnDemand<GivenContours> given_{worker_.memory()};
-    OnDemand<PolylineRepair> repair_{worker_.memory()};
-    OnDemand<LayerRegion> region_{worker_.memory()};
+    std::optional<GivenContours> given_;  // each made where it is first needed
+    std::optional<PolylineRepair> repair_;
+    std::optional<LayerRegion> region_;
 };
 
 }  // namespace lamella

@@ -120,7 +120,7 @@ void Nester::sort_by_start(std::span<const NestItem> items) {
 /// Every ring becomes the parent of the starts inside it that have none yet: the smallest ring first.
 void Nester::find_parents(std::span<const NestItem> items) {
     list_starts();
-    tree_in_use_ = find_containers(items) ? nullptr : &tree_.get(worker_);
+    tree_in_use_ = find_containers(items) ? nullptr : tree_ ? &*tree_ : &tree_.emplace(worker_);
     if (tree_in_use_ != nullptr) {
         tree_in_use_->assign(
             rings_.size(), [this](std::size_t start) { return start_at(start); }, aspect_of(items));

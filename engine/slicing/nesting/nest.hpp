@@ -21,12 +21,12 @@
 #include <compare>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 
 #include "base/function_ref.hpp"
 #include "base/numbers.hpp"
-#include "base/on_demand.hpp"
 #include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
@@ -167,7 +167,7 @@ private:
     Vector<nesting::Ring> rings_{worker_.memory()};
     Vector<std::int32_t> start_x_{worker_.memory()};  // of rings_
     Vector<std::int32_t> start_y_{worker_.memory()};  // taken_off: the ring has its parent
-    OnDemand<PointTree> tree_{worker_.memory()};
+    std::optional<PointTree> tree_;
     PointTree* tree_in_use_ = nullptr;  // instead of the starts by x
     Vector<nesting::Container> containers_{worker_.memory()};
     Vector<std::uint32_t> found_{worker_.memory()};  // starts in a container's box

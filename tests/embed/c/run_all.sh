@@ -12,16 +12,13 @@ check() {
     [[ "${printed##*$'\n'}" == "$expected" ]] || { echo "$1 printed: $printed"; exit 1; }
 }
 
-for program in app app_static app_namesakes_c app_namesakes_lamella app17; do
+for program in app app_static app17; do
     check "$folder/$program"
 done
 
 pc=$(find "$prefix" -name lamella_c.pc)
 export PKG_CONFIG_PATH=${pc%/*}
 libraries=$(pkg-config --variable=libdir lamella_c)
-# Of two files of one content the second is another library.
-cp -L "$libraries/liblamella_c.so" "$folder/liblamella_copy.so"
-check "$folder/plugins" "$libraries/liblamella_c.so" "$folder/liblamella_copy.so" "$folder/libplugin.so"
 shown=$(sed -n '/^```python$/,/^```$/p' "$(dirname "$readme")/tools/docs/embedding.md" | sed '/^```/d')
 [[ -n $shown && $(< "$source_folder/app.py") == *"$shown"* ]] || { echo "embedding.md shows other Python than app.py has"; exit 1; }
 [[ -z $python ]] || check "$python" "$source_folder/app.py" "$prefix/include/lamella/lamella.h" "$libraries/liblamella_c.so"

@@ -108,15 +108,13 @@ TEST_CASE("keyhole: a ring has the region's area and crosses itself nowhere: hol
 }
 
 TEST_CASE("keyhole: thousands of holes", "[medical]") {
-    Keyhole keyhole;
     std::vector<Polygon> polygons = {rectangle(0, 0, 4000, 4000, false)};
     for (int i = 0; i < 10000; ++i) {
         polygons.push_back(rectangle(40 * (i % 100) + 10, 40 * (i / 100) + 10 + i % 7, 12, 12, true));
     }
     const std::vector<std::span<const Point>> contours(polygons.begin(), polygons.end());
-    const std::span<const RingPoint> ring = keyhole.join(contours);
-    CHECK(ring.size() > 60000);
-    CHECK(twice_area(ring) == Approx(2.0 * (4000.0 * 4000 - 10000 * 144.0)));
+    Keyhole keyhole;
+    CHECK(twice_area(keyhole.join(contours)) == Approx(2.0 * (4000.0 * 4000 - 10000 * 144.0)));
 }
 
 TEST_CASE("structure set: decimals have at most 16 characters and no idle zeros", "[medical]") {

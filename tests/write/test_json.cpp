@@ -55,14 +55,7 @@ TEST_CASE("json: text is escaped, and always UTF-8", "[write][json]") {
     for (const char* whole : {"\xc3\xa4", "\xe2\x82\xac", "\xf0\x9f\xa6\xb4", "\xed\x9f\xbf", "\xf4\x8f\xbf\xbf"}) {
         CHECK(json::parse(text_of(whole)) == whole);
     }
-    // Cut short, a stray byte, too long a form, a surrogate, beyond the last, no lead at all.
-    CHECK(json::parse(text_of("a\xe2\x82")) == "a\\xe2\\x82");
-    CHECK(json::parse(text_of("\xc3(")) == "\\xc3(");
-    CHECK(json::parse(text_of("\x80z")) == "\\x80z");
-    CHECK(json::parse(text_of("\xc0\xaf")) == "\\xc0\\xaf");
-    CHECK(json::parse(text_of("\xed\xa0\x80")) == "\\xed\\xa0\\x80");
-    CHECK(json::parse(text_of("\xf4\x90\x80\x80")) == "\\xf4\\x90\\x80\\x80");
-    CHECK(json::parse(text_of("\xff")) == "\\xff");
+    CHECK(json::parse(text_of("a\xe2\x82")) == "a\\xe2\\x82");  // as utf8_text(), of which test_output_file tests more
     for (int first = 0x80; first < 0x100; ++first) {
         for (int second = 1; second < 0x100; ++second) {
             const std::string text = {static_cast<char>(first), static_cast<char>(second), '\x80', '\x80'};

@@ -1,4 +1,6 @@
 // The voxels of many meshes, and shares: tests/readers/solid.py and masks.py.
+#include <set>
+
 #include "medical/support.hpp"
 
 using namespace medical;
@@ -61,6 +63,21 @@ TEST_CASE("mask: the summary tells overlaps, what is open, what the image cuts o
                                          image_of({12, 12, 4}, {1, 1, 1}, {-1, -1, -0.5}));
     CHECK(walls.mean_wall_mm[0] == Approx(0.25));
     CHECK(walls.mean_wall_mm[1] == Approx(1.5));
+}
+
+TEST_CASE("mask: shares count once what several contours enclose", "[medical]") {
+    const ImageGeometry image = image_of({4, 4, 2}, {1, 1, 1}, {-1, -1, 0.5});
+    const Soup body = box({-0.25, 0, 0}, {1.25, 1, 1});
+    const TempFolder folder;
+    std::set<std::string> masks;
+    for (const Soup& soup :
+         {body, joined({body, body}), joined({body, flipped(body)}), joined({body, box({0, 0, 0}, {1, 1, 1})})}) {
+        const SliceResult result = cut(soup, image);
+        const MaskPart part{&result, "a"};
+        CHECK(value_of(write_mask({&part, 1}, image, folder / "mask.nii", {.coverage = true})).voxels[0] == 4);
+        masks.insert(bytes_of(folder / "mask.nii"));
+    }
+    CHECK(masks.size() == 1);
 }
 
 TEST_CASE("mask: more than 255 meshes take two bytes", "[medical]") {

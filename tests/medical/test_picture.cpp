@@ -11,7 +11,6 @@ namespace {
 
 using Pixel = std::array<int, 3>;
 
-constexpr Pixel cell_colour{0xf1, 0xf3, 0xf5};
 constexpr Pixel text_colour{0x2b, 0x30, 0x36};
 constexpr Pixel first_colour{0x1f, 0x6f, 0xb4};
 constexpr Pixel line_colour{0xd8, 0x1b, 0x1b};
@@ -26,25 +25,20 @@ struct Picture {
         const unsigned char* const pixel = bytes.data() + 3 * (y * width + x);
         return {pixel[0], pixel[1], pixel[2]};
     }
-    std::size_t count(const Pixel& wanted) const {
+    std::size_t count(const Pixel& wanted, std::size_t from_x, std::size_t end_x, std::size_t from_y,
+                      std::size_t end_y) const {
         std::size_t found = 0;
-        for (std::size_t i = 0; i < width * height; ++i) {
-            found += at(i % width, i / width) == wanted ? 1U : 0U;
+        for (std::size_t y = from_y; y < end_y; ++y) {
+            for (std::size_t x = from_x; x < end_x; ++x) {
+                found += at(x, y) == wanted ? 1U : 0U;
+            }
         }
         return found;
     }
-    /// Pixels of the first part's colour, those at the edge by their share.
+    std::size_t count(const Pixel& wanted) const { return count(wanted, 0, width, 0, height); }
+    /// Pixels of the first part's colour.
     double filled(std::size_t from_x, std::size_t end_x, std::size_t from_y, std::size_t end_y) const {
-        double sum = 0;
-        for (std::size_t y = from_y; y < end_y; ++y) {
-            for (std::size_t x = from_x; x < end_x; ++x) {
-                const Pixel pixel = at(x, y);
-                const double share = (cell_colour[0] - pixel[0]) / static_cast<double>(cell_colour[0] - first_colour[0]);
-                const double blue = (cell_colour[2] - pixel[2]) / static_cast<double>(cell_colour[2] - first_colour[2]);
-                sum += share > 0 && std::abs(share - blue) < 0.03 ? share : 0;  // not of text
-            }
-        }
-        return sum;
+        return static_cast<double>(count(first_colour, from_x, end_x, from_y, end_y));
     }
     double filled() const { return filled(0, width, 0, height); }
     double widest_row() const {

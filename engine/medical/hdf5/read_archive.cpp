@@ -264,37 +264,33 @@ void require_undamaged(const InputFile& file, const Parallel& parallel) {
     }
 }
 
-/// A column's place. No dataset has no rows. Data that are not in one piece of this file have no offset.
-PlacedColumn find_column(const InputFile& file, hid_t root, const Column& column) {
-    const hid_t id = H5Dopen2(root, column.path, H5P_DEFAULT);
-    if (id < 0) {
-        return {&column, 0, 0};
-    }
-    const Handle dataset(id, H5Dclose);
-    const Handle type(H5Dget_type(id), H5Tclose);
-    const Handle space(H5Dget_space(id), H5Sclose);
-    std::array<hsize_t, 2> extents = {0, 1};
-    const int dimensions = column.width == 1 ? 1 : 2;
-    require_place(file,
-                  H5Tequal(type.id(), column.type()) > 0 && H5Sget_simple_extent_ndims(space.id()) == dimensions &&
-                      H5Sget_simple_extent_dims(space.id(), extents.data(), nullptr) == dimensions &&
-                      extents[1] == column.width,
-                  column.path, "not of the type and shape that it should have");
-    const PlacedColumn placed{&column, extents[0], extents[0] == 0 ? 0 : H5Dget_offset(id)};
-    require_place(file, placed.rows <= file.size() / column.row_bytes && placed.offset <= file.size() - placed.bytes(),
-                  column.path, "not in one piece within the file");
-    return placed;
-}
-
+/// The places of columns. No dataset has no rows. Data that are not in one piece of this file have no offset.
 void find_columns(const InputFile& file, hid_t root, ReadTree& tree) {
     std::uint64_t bytes = 0;
     std::optional<ColumnKind> before;
     for (const Column& column : columns::all) {
-        const PlacedColumn& placed = tree.columns.emplace_back(find_column(file, root, column));
+        PlacedColumn placed{&column};
+        if (const hid_t id = H5Dopen2(root, column.path, H5P_DEFAULT); id >= 0) {
+            const Handle dataset(id, H5Dclose);
+            const Handle type(H5Dget_type(id), H5Tclose);
+            const Handle space(H5Dget_space(id), H5Sclose);
+            std::array<hsize_t, 2> extents = {0, 1};
+            const int dimensions = column.width == 1 ? 1 : 2;
+            require_place(file,
+                          H5Tequal(type.id(), column.type()) > 0 && H5Sget_simple_extent_ndims(space.id()) == dimensions &&
+                              H5Sget_simple_extent_dims(space.id(), extents.data(), nullptr) == dimensions &&
+                              extents[1] == column.width,
+                          column.path, "not of the type and shape that it should have");
+            placed.rows = extents[0];
+            placed.offset = placed.rows == 0 ? 0 : H5Dget_offset(id);
+        }
+        require_place(file, placed.rows <= file.size() / column.row_bytes && placed.offset <= file.size() - placed.bytes(),
+                      column.path, "not in one piece within the file");
         const std::uint64_t ends = column.has_end ? 1 : 0;
         require_place(file, placed.rows >= ends && (before != column.kind || tree.rows[column.kind] == placed.rows - ends),
                       column.path, "missing, or not as long as the columns that belong to it");
         bytes += placed.bytes();
+        tree.columns.push_back(placed);
         tree.rows[column.kind] = placed.rows - ends;
         before = column.kind;
     }

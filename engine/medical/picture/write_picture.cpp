@@ -52,9 +52,9 @@ void require_drawable(std::span<const PicturePart> parts, const std::filesystem:
                                                                         std::to_string(largest_picture_side));
     require_that(std::int64_t{options.width} * options.height <= most_picture_pixels,
                  size_text(options) + " is larger than 2^26");
-    require_that(
-        !parts.empty() && std::ranges::all_of(parts, [](const PicturePart& part) { return part.result != nullptr; }),
-        "a picture shows one mesh or more, each with its result");
+    require_that(!parts.empty() &&
+                     std::all_of(parts.begin(), parts.end(), [](const PicturePart& part) { return part.result != nullptr; }),
+                 "a picture shows one mesh or more, each with its result");
     require_that(options.layers >= 1 && options.layers <= most_cells,
                  "a contact sheet shows 1 to " + std::to_string(most_cells) + " layers");
 }

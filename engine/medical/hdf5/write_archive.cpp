@@ -227,20 +227,21 @@ struct ArchivePart {
 
 /// Ranges of layers, sorted by their begins, follow one another from the first planned layer to the last.
 void require_whole(const std::vector<ArchivePart>& parts) {
+    const std::uint64_t planned = parts.front().tree.result.info.planned_layers;
     for (std::size_t i = 0; i <= parts.size(); ++i) {
-        const ArchivePart* const before = i > 0 ? &parts[i - 1] : nullptr;
-        const ArchivePart* const after = i < parts.size() ? &parts[i] : nullptr;
-        const std::uint64_t end = before != nullptr ? before->end() : 0;
-        const std::uint64_t begin = after != nullptr ? after->first_layer() : before->tree.result.info.planned_layers;
+        const bool is_begin = i == 0;
+        const bool is_end = i == parts.size();
+        const std::uint64_t end = is_begin ? 0 : parts[i - 1].end();
+        const std::uint64_t begin = is_end ? planned : parts[i].first_layer();
         if (begin > end) {
             const std::string missing = layers_between(end, begin);
-            refuse_merge(before == nullptr  ? missing + " are missing before " + after->name()
-                         : after == nullptr ? missing + " are missing after " + before->name()
-                                            : missing + " lie in neither " + before->name() + " nor " + after->name());
+            refuse_merge(is_begin ? missing + " are missing before " + parts[i].name()
+                         : is_end ? missing + " are missing after " + parts[i - 1].name()
+                                  : missing + " lie in neither " + parts[i - 1].name() + " nor " + parts[i].name());
         }
-        if (begin < end && after != nullptr) {
-            refuse_merge(before->name() + " and " + after->name() + " both hold " +
-                         layers_between(begin, std::min(after->end(), end)));
+        if (begin < end && !is_end) {
+            refuse_merge(parts[i - 1].name() + " and " + parts[i].name() + " both hold " +
+                         layers_between(begin, std::min(parts[i].end(), end)));
         }
     }
 }

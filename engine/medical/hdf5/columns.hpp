@@ -10,6 +10,7 @@
 #include <cstring>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <type_traits>
 #include <vector>
 
@@ -247,6 +248,11 @@ inline KindRows rows_of(const SliceResult& result) noexcept {
     return {result.layers.size(),           result.contours.size(), result.points.size(),
             result.origins.size(),          result.stitches.size(), options.heights_mm ? options.heights_mm->size() : 0,
             options.region.fill_from.size()};
+}
+
+/// What the columns of options hold.
+inline auto option_columns(const SliceInfo& info) noexcept {
+    return std::tie(info.options.heights_mm, info.layer_of, info.options.region.fill_from);
 }
 
 /// Arrays of so many rows, their contents unspecified; heights only where the options have some.

@@ -314,7 +314,7 @@ void make_room(const InputFile& file, ReadTree& tree) {
                   info.first_layer <= info.planned_layers && tree.rows[layer_rows] <= info.planned_layers - info.first_layer,
                   "/planned_layers", "fewer layers than the file has");
     resize(tree.result, tree.rows);
-    require_place(file, rows_of(tree.result) == tree.rows, "/options/heights_mm", "no heights are asked for");
+    require_place(file, rows_of(tree.result) == tree.rows, "/options", "has columns that its attributes do not ask for");
 }
 
 void load_rows(const InputFile& file, ReadTree& tree, const Parallel& parallel) {

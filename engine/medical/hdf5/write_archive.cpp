@@ -4,7 +4,6 @@
 #include <cstring>
 #include <functional>
 #include <memory>
-#include <tuple>
 #include <utility>
 
 #include <unistd.h>
@@ -285,13 +284,10 @@ ReadTree read_parts(const std::vector<ArchivePart>& parts, const Parallel& paral
         for (const LayerView layer : loaded.result) {
             hash.add(layer);
         }
-        const auto columns = [](const SliceInfo& info) {
-            return std::tie(info.options.heights_mm, info.layer_of, info.options.region.fill_from);
-        };
         if (&part == &parts.front()) {
             whole.result.info = std::move(loaded.result.info);
             whole.info = std::move(loaded.info);
-        } else if (columns(loaded.result.info) != columns(whole.result.info)) {
+        } else if (option_columns(loaded.result.info) != option_columns(whole.result.info)) {
             refuse_other(part, parts.front(), "the columns of /options");
         }
     }

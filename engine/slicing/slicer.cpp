@@ -4,10 +4,10 @@
 #include <unistd.h>
 #include <algorithm>
 #include <exception>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
-#include <variant>
 
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
@@ -43,20 +43,6 @@ SliceOptions options_for(const PreparedImpl& prepared, const SliceOptions& optio
     SliceOptions own = options;
     own.frame = prepared.asked;
     return own;
-}
-
-/// Calls use(source, call) for a mesh or a prepared one.
-template <class Use>
-void with_source(const Source& from, const SliceCall& call, Use use) {
-    SourceTools tools = call.kept.source_tools();
-    if (const PreparedImpl* const prepared = from.prepared()) {
-        const SliceOptions options = options_for(*prepared, call.options);
-        PreparedSource source(*prepared, tools);
-        use(source, SliceCall{options, call.tuning, call.context, call.kept});
-    } else {
-        with_mesh_source(from.mesh(), placing_of(from.mesh(), call.options.frame), nullptr, tools,
-                         [&](TriangleSource& source) { use(source, call); });
-    }
 }
 
 /// What no mesh can be sliced with, and no other source than meshes gives.
@@ -143,53 +129,51 @@ void collect_layers(const SourceImpl& source, const SliceCall& call, SliceResult
     collecting.move_to(result);
 }
 
-/// The target that a destination stands for.
-class AnyTarget {
-public:
-    explicit AnyTarget(const Destination& to) {
-        if (to.sink() != nullptr) {
-            target_ = &kinds_.emplace<SinkTarget>(*to.sink());
-        } else if (to.arrays() != nullptr) {
-            target_ = &kinds_.emplace<HostTarget>(*to.arrays());
-        } else {
-            target_ = &kinds_.emplace<ResultTarget>();
-        }
+/// The target that a destination stands for. Throws Refused where it makes no sense.
+std::unique_ptr<LayerTarget> target_of(const Destination& to) {
+    if (to.sink() != nullptr) {
+        return std::make_unique<SinkTarget>(*to.sink());
     }
-    LayerTarget& operator*() noexcept { return *target_; }
-    bool is_result() const noexcept { return std::holds_alternative<ResultTarget>(kinds_); }
-    /// Null where it is none.
-    SinkTarget* sink() noexcept { return std::get_if<SinkTarget>(&kinds_); }
-
-private:
-    std::variant<std::monostate, ResultTarget, SinkTarget, HostTarget> kinds_;
-    LayerTarget* target_;
-};
+    if (to.arrays() != nullptr) {
+        return std::make_unique<HostTarget>(*to.arrays());
+    }
+    return std::make_unique<ResultTarget>();
+}
 
 /// Layers of a file in pieces come one by one: a result and arrays take them when all are there.
-void slice_pieces(AnyTarget& target, const SourceImpl& source, const SliceCall& call, SliceResult& result) {
-    if (target.sink() != nullptr) {
-        source.slice(*target.sink(), call, result.info);
-    } else if (target.is_result()) {
+void slice_pieces(const SourceImpl& source, const Destination& to, LayerTarget& target, const SliceCall& call,
+                  SliceResult& result) {
+    if (to.sink() != nullptr) {
+        source.slice(static_cast<SinkTarget&>(target), call, result.info);
+    } else if (to.result() != nullptr) {
         collect_layers(source, call, result);
     } else {
         SliceResult whole(call.context.memory);
         collect_layers(source, call, whole);
-        hand_over_whole(whole, call, *target, result);
+        hand_over_whole(whole, call, target, result);
     }
 }
 
-/// Every slice: `result` gets what is known of it, and the layers where it is what `target` stands for.
-void slice_for(AnyTarget& target, const Source& from, const SliceCall& call, SliceResult& result) {
+/// Any source to any destination. `result` gets what is known of the slice, and the layers where it is the destination.
+/// Where that is null, `result` gets what is known before anything is cut.
+void slice_source(const Source& from, const Destination* to, const SliceCall& call, SliceResult& result) {
+    const std::unique_ptr<LayerTarget> target = to != nullptr ? target_of(*to) : nullptr;
     check(from, call);
-    if (from.other() != nullptr) {
-        slice_pieces(target, *from.other(), call, result);
+    if (from.other() != nullptr && to != nullptr) {
+        slice_pieces(*from.other(), *to, *target, call, result);
+    } else if (from.other() != nullptr) {
+        from.other()->outline(call, result.info);
     } else if (from.is_parts()) {
-        slice_parts({from.parts(), from.part_count()}, call, *target, result);
+        slice_parts({from.parts(), from.part_count()}, call, target.get(), result);
     } else if (call.options.content != LayerContent::section) {
-        slice_faces(from.mesh(), call, *target, result);
+        slice_faces(from.mesh(), call, target.get(), result);
+    } else if (const PreparedImpl* const prepared = from.prepared(); prepared != nullptr) {
+        const SliceOptions options = options_for(*prepared, call.options);
+        PreparedSource source(*prepared, call.kept.source_tools());
+        slice_layers(source, target.get(), {options, call.tuning, call.context, call.kept}, result);
     } else {
-        with_source(from, call,
-                    [&](TriangleSource& source, const SliceCall& own) { slice_layers(source, *target, own, result); });
+        const Placing placing = placing_of(from.mesh(), call.options.frame);
+        slice_layers(*source_of(from.mesh(), placing, nullptr, call.kept.source_tools()), target.get(), call, result);
     }
 }
 
@@ -198,16 +182,14 @@ void slice_for(AnyTarget& target, const Source& from, const SliceCall& call, Sli
 Result<SliceInfo> slice_tuned(Slicer& slicer, const Destination& to, const Source& from, const SliceOptions& options,
                               const Tuning& tuning, const Context& context) noexcept {
     return guarded(context, [&]() -> Result<SliceInfo> {
-        if (to.result() != nullptr && &options == &to.result()->info.options) {
-            // NOLINTNEXTLINE(performance-unnecessary-copy-initialization): the result is filled anew
-            const SliceOptions own = options;
-            return slice_tuned(slicer, to, from, own, tuning, context);
-        }
         SliceResult none(context.memory);  // of sinks and arrays, which take the layers
         SliceResult& result = to.result() != nullptr ? *to.result() : none;
+        std::optional<SliceOptions> own;  // the result is filled anew, and its options may be those that are asked for
+        if (&options == &result.info.options) {
+            own = options;
+        }
         move_to(context.memory, result);
-        AnyTarget target(to);
-        slice_for(target, from, {options, tuning, context, SlicerImpl::of(slicer, context)}, result);
+        slice_source(from, &to, {own ? *own : options, tuning, context, SlicerImpl::of(slicer, context)}, result);
         return to.result() != nullptr ? SliceInfo(result.info) : std::move(result.info);
     });
 }
@@ -218,31 +200,21 @@ Result<SliceInfo> Slicer::slice_to(const Destination& to, const Source& from, co
 }
 
 Result<SliceResult> Slicer::slice(const Source& from, const SliceOptions& options, const Context& context) noexcept {
-    SliceResult result(context.memory);
-    if (Result<SliceInfo> info = slice_to(result, from, options, context); !info) {
-        return std::move(info).error();
-    }
-    return result;
+    return guarded(context, [&]() -> Result<SliceResult> {
+        SliceResult result(context.memory);
+        const Destination to(result);
+        slice_source(from, &to, {options, {}, context, SlicerImpl::of(*this, context)}, result);
+        return result;
+    });
 }
 
 Result<SliceInfo> Slicer::outline(const Source& from, const SliceOptions& options, const Context& context) noexcept {
     return guarded(context, [&]() -> Result<SliceInfo> {
-        const Tuning tuning;
         Context quiet = context;
         quiet.progress = {};
-        const SliceCall call{options, tuning, quiet, SlicerImpl::of(*this, context)};
-        check(from, call);
-        SliceInfo info;
-        if (from.other() != nullptr) {
-            from.other()->outline(call, info);
-        } else if (from.is_parts()) {
-            outline_parts({from.parts(), from.part_count()}, call, info);
-        } else if (options.content != LayerContent::section) {
-            outline_faces(from.mesh(), call, info);
-        } else {
-            with_source(from, call, [&](TriangleSource& source, const SliceCall& own) { count_layers(source, own, info); });
-        }
-        return info;
+        SliceResult counted(context.memory);
+        slice_source(from, nullptr, {options, {}, quiet, SlicerImpl::of(*this, context)}, counted);
+        return std::move(counted.info);
     });
 }
 
@@ -286,8 +258,7 @@ void SlicerImpl::trim() {
         }
     }
     sweeps_made_regions = last_made_regions;
-    output.placement.trim();
-    output.pool.outputs.clear();
+    output.trim();
     bands.trim();
     buckets.trim();
     planes.trim();

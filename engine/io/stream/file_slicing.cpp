@@ -308,7 +308,7 @@ private:
         const SliceCall call{options_, call_.tuning, context, detail::SlicerImpl::of(scratch_, context)};
         ListedSource source(store_.listed(span.begin, span.end), span.triangles, frame_, call.kept.source_tools());
         SliceResult result(context.memory);
-        slice_layers(source, *target_, call, result, span.begin);
+        slice_layers(source, target_, call, result, span.begin);
         add(result.info, info_);
         store_.drop_swept(span.begin, span.end);
         done_ = span.end;

@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 
 #include "lamella/mesh.hpp"
 #include "slicing/buckets/thread_shares.hpp"
@@ -30,8 +31,6 @@ public:
           placing_(placing) {}
 
 protected:
-    ~MeshSource() = default;
-
     const MeshView mesh_;
     const Placing placing_;
     double unit_mm_ = 0;  // from count() on
@@ -75,18 +74,9 @@ private:
     void place_vertices();
 };
 
-/// Calls use(source) with the source that serves a mesh.
-template <class Use>
-void with_mesh_source(const MeshView& mesh, const Placing& placing, const SharedFrame* frame, const SourceTools& tools,
-                      Use use) {
-    if (IndexedSource::pays_for(mesh)) {
-        IndexedSource source(mesh, placing, frame, tools);
-        use(source);
-    } else {
-        SoupSource source(mesh, placing, frame, tools);
-        use(source);
-    }
-}
+/// The source that serves a mesh.
+std::unique_ptr<TriangleSource> source_of(const MeshView& mesh, const Placing& placing, const SharedFrame* frame,
+                                          const SourceTools& tools);
 
 // Float soups in blocks of 64 triangles, sixteen at a time with AVX-512: the planes that cut them, and their records. Other
 // meshes and processors take one triangle at a time, with the same result.

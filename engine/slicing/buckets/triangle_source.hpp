@@ -194,6 +194,7 @@ struct SourceInfo {
 /// count(). A virtual call a stage, none a triangle. Throws Refused, Stopped, std::bad_alloc.
 class TriangleSource {
 public:
+    virtual ~TriangleSource() = default;
     TriangleSource(const TriangleSource&) = delete;
     TriangleSource& operator=(const TriangleSource&) = delete;
 
@@ -214,7 +215,6 @@ public:
 protected:
     TriangleSource(const SourceInfo& own, const SourceTools& tools) noexcept
         : info(own), parallel_(tools.parallel), planes_(tools.planes), buckets_(tools.buckets) {}
-    ~TriangleSource() = default;
 
     const Parallel& parallel_;
     const PlaneSet& planes_;

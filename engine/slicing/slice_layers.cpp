@@ -117,6 +117,20 @@ private:
     SweepTicks wide_ticks_;
 };
 
+/// Bands are cut between counting and scattering, so that scattering notes the triangles that reach beyond their band.
+void bucket_by_bands(TriangleSource& source, std::uint64_t most_band_segments, const SliceCall& call, SliceInfo& info) {
+    detail::SlicerImpl& kept = call.kept;
+    BandPlan& bands = kept.bands;
+    const Parallel& parallel = *kept.parallel;
+    parallel.stop_if_asked();
+    bands.cut(kept.buckets, kept.planes.size(), static_cast<int>(call.tuning.band_planes), parallel.threads(),
+              most_band_segments);
+    const std::size_t reaching = source.scatter(bands.band_end, bands.reaching.span(), call.options.origins);
+    bands.find_seeds(kept.planes.size(), reaching, parallel.stop());
+    info.crossed = kept.buckets.records.size();
+    info.bands = bands.bands.size();
+}
+
 template <class Choice>
 void check_choice(Choice choice) {
     if (static_cast<std::size_t>(choice) >= detail::words_of(choice).size()) {
@@ -169,12 +183,11 @@ void count_layers(TriangleSource& source, const SliceCall& call, SliceInfo& info
     describe_plan(kept.planes, tuning.random_heights.has_value(), info);
 }
 
-void slice_layers(TriangleSource& source, LayerTarget* target, const SliceCall& call, SliceResult& result,
+void slice_layers(TriangleSource& source, LayerTarget* target, const SliceCall& call, SliceInfo& info,
                   std::uint64_t first_index) {
     Clock::time_point start = Clock::now();
-    auto& [options, tuning, context, kept] = call;
+    detail::SlicerImpl& kept = call.kept;
     const Parallel& parallel = *kept.parallel;
-    SliceInfo& info = result.info;
     count_layers(source, call, info);
     if (target == nullptr) {
         return;
@@ -189,25 +202,18 @@ void slice_layers(TriangleSource& source, LayerTarget* target, const SliceCall& 
                     .bands = {},
                     .parallel = parallel,
                     .scratch = kept.output,
-                    .origins = options.origins,
-                    .result = result,
+                    .origins = call.options.origins,
+                    .info = info,
                     .first_index = first_index};
     target->admit(plan, call.memory_limit());
 
-    // Bands are cut between counting and scattering, so that scattering notes the triangles that reach beyond their band.
-    parallel.stop_if_asked();
+    bucket_by_bands(source, target->most_band_segments(parallel.threads()), call, info);
     const Vector<Band>& bands = kept.bands.bands;
-    kept.bands.cut(kept.buckets, kept.planes.size(), static_cast<int>(tuning.band_planes), parallel.threads(),
-                   target->most_band_segments(parallel.threads()));
     plan.bands = bands;
-    const std::size_t reaching = source.scatter(kept.bands.band_end, kept.bands.reaching.span(), options.origins);
-    kept.bands.find_seeds(kept.planes.size(), reaching, parallel.stop());
-    info.crossed = kept.buckets.records.size();
-    info.bands = bands.size();
     info.ms.bucket = milliseconds_since(start);
 
     start = Clock::now();
-    ProgressMeter progress(context.progress);
+    ProgressMeter progress(call.context.progress);
     Sweeps sweeps(call, info);
     std::atomic<std::uint64_t> segments_done = 0;
     target->begin(plan);
@@ -215,7 +221,7 @@ void slice_layers(TriangleSource& source, LayerTarget* target, const SliceCall& 
         end = sweeps.end_of_stretch(begin);
         fill_bands(*target, parallel, begin, end, [&](std::size_t band, int worker, BandOutput& output) {
             if (!sweeps.sweep_wide(band, output)) {
-                sweeps.of(worker).run(bands[band], kept.bands.seeds_of(band), kept.buckets, kept.planes, tuning.form,
+                sweeps.of(worker).run(bands[band], kept.bands.seeds_of(band), kept.buckets, kept.planes, call.tuning.form,
                                       parallel.stop(), output);
             }
             const std::uint64_t done = segments_done += bands[band].segments;

@@ -3,7 +3,6 @@
 
 #include <unistd.h>
 #include <algorithm>
-#include <exception>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,7 +10,6 @@
 
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
-#include "base/vector.hpp"
 #include "lamella/destination.hpp"
 #include "lamella/slice.hpp"
 #include "lamella/source.hpp"
@@ -26,7 +24,6 @@ namespace {
 
 using detail::PreparedImpl;
 using detail::SlicerImpl;
-using detail::SourceImpl;
 
 /// A prepared mesh has its grid and its frame already: the options may leave them out, or repeat them.
 SliceOptions options_for(const PreparedImpl& prepared, const SliceOptions& options) {
@@ -57,123 +54,37 @@ void check(const Source& from, const SliceCall& call) {
     }
 }
 
-template <class T>
-void copy_to(Array<T>& to, const Vector<T>& from) {
-    to.resize_discarding(from.size());
-    std::copy(from.begin(), from.end(), to.data());
-}
-
-/// Layers come in ascending order, and count contours and points from their own first.
-class Collecting {
-public:
-    Collecting(const Memory* memory, std::uint64_t limit) : memory_(memory), limit_(limit) {}
-
-    void take(const LayerView& view) noexcept {
-        try {
-            if (failure_ == nullptr) {
-                add(view);
-            }
-        } catch (...) {
-            failure_ = std::current_exception();
-        }
-    }
-    /// Throws where some layer did not fit.
-    void move_to(SliceResult& result) const {
-        if (failure_ != nullptr) {
-            std::rethrow_exception(failure_);
-        }
-        copy_to(result.layers, layers_);
-        copy_to(result.contours, contours_);
-        copy_to(result.points, points_);
-        copy_to(result.stitches, stitches_);
-        result.origins.set_size(0);
-    }
-
-private:
-    void add(const LayerView& view) {
-        const std::uint64_t bytes = (layers_.size() + 1) * sizeof(Layer) +
-                                    (contours_.size() + view.contours.size()) * sizeof(Contour) +
-                                    (points_.size() + view.points.size()) * sizeof(Point);
-        if (bytes > limit_) {
-            throw Refused{{ErrorCode::result_too_large,
-                           "the result exceeds the memory limit of " + std::to_string(limit_) + " bytes"}};
-        }
-        layers_.push_back(view);
-        layers_.back().first_contour = contours_.size();
-        for (const Contour& own : view.contours) {
-            Contour& contour = contours_.emplace_back(own);
-            contour.first_point += points_.size() - view.first_point;
-            contour.parent +=
-                own.parent < 0 ? 0 : static_cast<std::int64_t>(layers_.back().first_contour - view.first_contour);
-        }
-        points_.insert(points_.end(), view.points.begin(), view.points.end());
-        stitches_.insert(stitches_.end(), view.stitches.begin(), view.stitches.end());
-    }
-
-    const Memory* memory_;
-    std::uint64_t limit_;
-    Vector<Layer> layers_{memory_};
-    Vector<Contour> contours_{memory_};
-    Vector<Point> points_{memory_};
-    Vector<Stitch> stitches_{memory_};
-    std::exception_ptr failure_;
-};
-
-/// All of `result`, from layers that the source hands over one by one.
-void collect_layers(const SourceImpl& source, const SliceCall& call, SliceResult& result) {
-    Collecting collecting(call.context.memory, call.memory_limit());
-    auto take = [&](const LayerView& layer) noexcept { collecting.take(layer); };
-    const LayerSink sink{.take = take};
-    SinkTarget target(sink);
-    source.slice(target, call, result.info);
-    collecting.move_to(result);
-}
-
 /// The target that a destination stands for. Throws Refused where it makes no sense.
-std::unique_ptr<LayerTarget> target_of(const Destination& to) {
+std::unique_ptr<LayerTarget> target_of(const Destination& to, const Memory* memory) {
     if (to.sink() != nullptr) {
         return std::make_unique<SinkTarget>(*to.sink());
     }
     if (to.arrays() != nullptr) {
         return std::make_unique<HostTarget>(*to.arrays());
     }
-    return std::make_unique<ResultTarget>();
-}
-
-/// Layers of a file in pieces come one by one: a result and arrays take them when all are there.
-void slice_pieces(const SourceImpl& source, const Destination& to, LayerTarget& target, const SliceCall& call,
-                  SliceResult& result) {
-    if (to.sink() != nullptr) {
-        source.slice(static_cast<SinkTarget&>(target), call, result.info);
-    } else if (to.result() != nullptr) {
-        collect_layers(source, call, result);
-    } else {
-        SliceResult whole(call.context.memory);
-        collect_layers(source, call, whole);
-        hand_over_whole(whole, call, target, result);
+    if (to.result()->points.memory() != memory) {
+        *to.result() = SliceResult(memory);
     }
+    return std::make_unique<ResultTarget>(*to.result());
 }
 
-/// Any source to any destination. `result` gets what is known of the slice, and the layers where it is the destination.
-/// Where that is null, `result` gets what is known before anything is cut.
-void slice_source(const Source& from, const Destination* to, const SliceCall& call, SliceResult& result) {
-    const std::unique_ptr<LayerTarget> target = to != nullptr ? target_of(*to) : nullptr;
+/// Any source to any destination. Where that is null, `info` gets what is known before anything is cut.
+void slice_source(const Source& from, const Destination* to, const SliceCall& call, SliceInfo& info) {
+    const std::unique_ptr<LayerTarget> target = to != nullptr ? target_of(*to, call.context.memory) : nullptr;
     check(from, call);
-    if (from.other() != nullptr && to != nullptr) {
-        slice_pieces(*from.other(), *to, *target, call, result);
-    } else if (from.other() != nullptr) {
-        from.other()->outline(call, result.info);
+    if (from.other() != nullptr) {
+        from.other()->slice(target.get(), call, info);
     } else if (from.is_parts()) {
-        slice_parts({from.parts(), from.part_count()}, call, target.get(), result);
+        slice_parts({from.parts(), from.part_count()}, call, target.get(), info);
     } else if (call.options.content != LayerContent::section) {
-        slice_faces(from.mesh(), call, target.get(), result);
+        slice_faces(from.mesh(), call, target.get(), info);
     } else if (const PreparedImpl* const prepared = from.prepared(); prepared != nullptr) {
         const SliceOptions options = options_for(*prepared, call.options);
         PreparedSource source(*prepared, call.kept.source_tools());
-        slice_layers(source, target.get(), {options, call.tuning, call.context, call.kept}, result);
+        slice_layers(source, target.get(), {options, call.tuning, call.context, call.kept}, info);
     } else {
         const Placing placing = placing_of(from.mesh(), call.options.frame);
-        slice_layers(*source_of(from.mesh(), placing, nullptr, call.kept.source_tools()), target.get(), call, result);
+        slice_layers(*source_of(from.mesh(), placing, nullptr, call.kept.source_tools()), target.get(), call, info);
     }
 }
 
@@ -182,15 +93,14 @@ void slice_source(const Source& from, const Destination* to, const SliceCall& ca
 Result<SliceInfo> slice_tuned(Slicer& slicer, const Destination& to, const Source& from, const SliceOptions& options,
                               const Tuning& tuning, const Context& context) noexcept {
     return guarded(context, [&]() -> Result<SliceInfo> {
-        SliceResult none(context.memory);  // of sinks and arrays, which take the layers
-        SliceResult& result = to.result() != nullptr ? *to.result() : none;
+        SliceInfo of_others;  // sinks and arrays take the layers alone
+        SliceInfo& info = to.result() != nullptr ? to.result()->info : of_others;
         std::optional<SliceOptions> own;  // the result is filled anew, and its options may be those that are asked for
-        if (&options == &result.info.options) {
+        if (&options == &info.options) {
             own = options;
         }
-        move_to(context.memory, result);
-        slice_source(from, &to, {own ? *own : options, tuning, context, SlicerImpl::of(slicer, context)}, result);
-        return to.result() != nullptr ? SliceInfo(result.info) : std::move(result.info);
+        slice_source(from, &to, {own ? *own : options, tuning, context, SlicerImpl::of(slicer, context)}, info);
+        return to.result() != nullptr ? SliceInfo(info) : std::move(info);
     });
 }
 
@@ -203,7 +113,7 @@ Result<SliceResult> Slicer::slice(const Source& from, const SliceOptions& option
     return guarded(context, [&]() -> Result<SliceResult> {
         SliceResult result(context.memory);
         const Destination to(result);
-        slice_source(from, &to, {options, {}, context, SlicerImpl::of(*this, context)}, result);
+        slice_source(from, &to, {options, {}, context, SlicerImpl::of(*this, context)}, result.info);
         return result;
     });
 }
@@ -212,9 +122,9 @@ Result<SliceInfo> Slicer::outline(const Source& from, const SliceOptions& option
     return guarded(context, [&]() -> Result<SliceInfo> {
         Context quiet = context;
         quiet.progress = {};
-        SliceResult counted(context.memory);
-        slice_source(from, nullptr, {options, {}, quiet, SlicerImpl::of(*this, context)}, counted);
-        return std::move(counted.info);
+        SliceInfo info;
+        slice_source(from, nullptr, {options, {}, quiet, SlicerImpl::of(*this, context)}, info);
+        return info;
     });
 }
 

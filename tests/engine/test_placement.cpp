@@ -49,8 +49,8 @@ TEST_CASE("bands with more or fewer points than segments are placed in order", "
                                    .parallel = parallel,
                                    .scratch = scratch,
                                    .origins = with_origins,
-                                   .result = result};
-    lamella::ResultTarget placement;
+                                   .info = result.info};
+    lamella::ResultTarget placement(result);
     placement.begin(plan);
 
     // One interleaving of `threads` threads. A step begins the next band, reserves space for a point, writes it, or

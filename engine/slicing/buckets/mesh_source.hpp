@@ -96,16 +96,10 @@ public:
     /// Triangles [begin, begin + 64), all of which must exist; returns which of them planes cut. Precondition: usable().
     std::uint64_t ranges(std::size_t begin, Ranges& ranges) const noexcept { return kernels_->ranges(*this, begin, ranges); }
 
-    /// Where records were written.
-    struct Written {
-        std::uint32_t record[block_triangles];
-        PlaneIndex first[block_triangles];
-        PlaneIndex last[block_triangles];
-    };
-    /// Writes a record for each triangle begin + t with bit t in `crossed`, as ShareRecords::write_each() does; returns
-    /// which of them reach as far as reach_end[its first plane]. Precondition: usable().
-    std::uint64_t write(std::size_t begin, std::uint64_t crossed, const ShareRecords& to, Written& written) const noexcept {
-        return kernels_->write(*this, begin, crossed, to, written);
+    /// Writes a record for each triangle begin + t with bit t in `crossed`, as ShareRecords::write_each() does.
+    /// Precondition: usable().
+    void write(std::size_t begin, std::uint64_t crossed, ShareRecords& to) const {
+        kernels_->write(*this, begin, crossed, to);
     }
 
     /// Writes a record with its first plane for each triangle begin + t with bit t in `wanted` that planes cut, one after
@@ -118,8 +112,7 @@ private:
     friend struct SoupKernel;
     struct Kernels {
         std::uint64_t (*ranges)(const SoupScan& scan, std::size_t begin, Ranges& ranges);
-        std::uint64_t (*write)(const SoupScan& scan, std::size_t begin, std::uint64_t crossed, const ShareRecords& to,
-                               Written& written);
+        void (*write)(const SoupScan& scan, std::size_t begin, std::uint64_t crossed, ShareRecords& to);
         std::size_t (*append)(const SoupScan& scan, std::size_t begin, std::uint64_t wanted, CrossedTriangle* records);
     };
     static const Kernels* kernels() noexcept;

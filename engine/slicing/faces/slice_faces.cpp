@@ -65,20 +65,20 @@ public:
           planes_(call.context.memory),
           rules_(working_rules(call.options)) {}
 
-    void slice(LayerTarget* target, SliceResult& result) {
+    void slice(LayerTarget* target, SliceInfo& info) {
         parallel_.begin_stage(0.4, 5);
         const auto start = Clock::now();
-        outline(result.info);
+        outline(info);
         if (target == nullptr) {
             return;
         }
-        target->admit_layers(layers_.size(), result.info);
+        target->admit_layers(layers_.size(), info);
         Distributed<FacePiece> pieces = share_pieces();
-        result.info.ms.bucket = milliseconds_since(start);
+        info.ms.bucket = milliseconds_since(start);
         const auto shared = Clock::now();
         parallel_.begin_stage(0.95);
-        build_layers(pieces, *target, result);
-        result.info.ms.fill = milliseconds_since(shared);
+        build_layers(pieces, *target, info);
+        info.ms.fill = milliseconds_since(shared);
         parallel_.finish();
     }
 
@@ -183,7 +183,7 @@ private:
         });
     }
 
-    void build_layers(Distributed<FacePiece>& pieces, LayerTarget& target, SliceResult& result) {
+    void build_layers(Distributed<FacePiece>& pieces, LayerTarget& target, SliceInfo& info) {
         std::vector<std::unique_ptr<FaceWorker>> workers(static_cast<std::size_t>(parallel_.threads()));
         for (std::size_t task = 0; task < tasks(); ++task) {
             const auto first_of = [&](std::size_t t) { return (t * layers_.size() + tasks() - 1) / tasks(); };
@@ -202,7 +202,7 @@ private:
                               .parallel = parallel_,
                               .scratch = call_.kept.output,
                               .origins = false,
-                              .result = result};
+                              .info = info};
         target.begin(plan);
         fill_bands(target, parallel_, 0, tasks(), [&](std::size_t task, int number, BandOutput& output) {
             auto& worker = workers[static_cast<std::size_t>(number)];
@@ -294,8 +294,8 @@ void check_faces(const Source& from, const SliceOptions& options) {
     }
 }
 
-void slice_faces(const MeshView& mesh, const SliceCall& call, LayerTarget* target, SliceResult& result) {
-    FaceSlicing(mesh, call).slice(target, result);
+void slice_faces(const MeshView& mesh, const SliceCall& call, LayerTarget* target, SliceInfo& info) {
+    FaceSlicing(mesh, call).slice(target, info);
 }
 
 }  // namespace lamella

@@ -142,7 +142,8 @@ double farthest_units(const SliceInfo& info) noexcept {
 HostTarget::HostTarget(const HostArrays& host)
     : host_(checked(host)), stride_(host.point_stride == 0 ? point_bytes(host.point_type) : host.point_stride) {}
 
-void HostTarget::admit_layers(std::uint64_t layers, const SliceInfo& info) const {
+void HostTarget::admit_layers(std::uint64_t layers, const SliceInfo& info) {
+    layers_ = std::max(layers_, layers);
     if (layers > host_.layers.size()) {
         refuse(
             "the slice has " + counted(layers, "layer") + ", but there is memory for " + std::to_string(host_.layers.size()),
@@ -166,18 +167,14 @@ void HostTarget::write(std::uint64_t first, std::span<const Point> points) const
                                                            static_cast<std::byte*>(host_.points) + first * stride_, stride_);
 }
 
+/// Where there is too little room, nothing more is written, and all is counted before the slice is refused.
 void HostTarget::finish() {
-    check_room();
-    write_layers(host_.layers.first(plan_->layers), host_.contours.first(totals_.contours),
-                 host_.stitches.first(host_.stitches.empty() ? 0 : totals_.stitches));
-}
-
-void HostTarget::check_room() const {
-    const std::uint64_t stitches = host_.stitches.empty() ? 0 : totals_.stitches;
-    if (totals_.points > host_.point_capacity || totals_.contours > host_.contours.size() ||
-        stitches > host_.stitches.size()) {
-        refuse("the slice has " + counted(totals_.contours, "contour") + ", " + counted(totals_.points, "point") + " and " +
-                   counted(totals_.stitches, "stitch", "stitches") + ", but there is memory for " +
+    const std::uint64_t stitches = host_.stitches.empty() ? 0 : all_.stitches;
+    if (all_.points <= host_.point_capacity && all_.contours <= host_.contours.size() && stitches <= host_.stitches.size()) {
+        write_layers(host_.layers, host_.contours, host_.stitches.first(stitches));
+    } else if (plan_->first_index + plan_->layers == layers_) {
+        refuse("the slice has " + counted(all_.contours, "contour") + ", " + counted(all_.points, "point") + " and " +
+                   counted(all_.stitches, "stitch", "stitches") + ", but there is memory for " +
                    std::to_string(host_.contours.size()) + ", " + std::to_string(host_.point_capacity) + " and " +
                    std::to_string(host_.stitches.size()),
                ErrorCode::result_too_large);

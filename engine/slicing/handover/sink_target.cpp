@@ -82,7 +82,7 @@ std::uint64_t SinkTarget::most_band_segments(int threads) const noexcept {
 }
 
 void SinkTarget::begin(const OutputPlan& plan) {
-    announce(plan.result.info);
+    announce(plan.info);
     plan.parallel.ask_host();
     const int threads = plan.parallel.threads();
     share_ = share_of_band(threads);
@@ -122,7 +122,7 @@ void SinkTarget::hand_over(BandOutput& output) {
         LayerView view = cursor.next(plan_->first_index + plane);
         static_cast<Layer&>(view) = plan_->layer_at(plane);
         view.contour_count = view.contours.size();
-        view.grid_mm = plan_->result.info.grid_mm;
+        view.grid_mm = plan_->info.grid_mm;
         sink_.take(view);
         output.totals.stitches += view.stitches.size();
         output.totals.add(static_cast<const Layer&>(view));

@@ -27,15 +27,12 @@ public:
     /// Throws Refused where the sink is none.
     explicit SinkTarget(const LayerSink& sink);
 
-    /// Tells the sink what is known before the first layer: once, by whoever calls it first.
-    void announce(const SliceInfo& info);
-
+    void announce(const SliceInfo& info) override;
     std::uint64_t most_band_segments(int threads) const noexcept override;
-    /// Any number of times, for ranges of layers.
     void begin(const OutputPlan& plan) override;
     void submit(std::size_t band) override;
     void layer_done(BandOutput& output) override;
-    void finish() override { totals_.describe(plan_->result.info); }
+    void finish() override { totals_.describe(plan_->info); }
 
 private:
     void make_room(std::size_t band, BandOutput& output, std::unique_lock<std::mutex>& lock) override;
@@ -56,17 +53,17 @@ public:
     /// Throws Refused where arrays or scale make no sense.
     explicit HostTarget(const HostArrays& host);
 
-    void admit_layers(std::uint64_t layers, const SliceInfo& info) const override;
+    void admit_layers(std::uint64_t layers, const SliceInfo& info) override;
     void begin(const OutputPlan& plan) override;
     void finish() override;
 
 private:
     std::uint64_t capacity() const noexcept override { return host_.point_capacity; }
     void write(std::uint64_t first, std::span<const Point> points) const noexcept override;
-    void check_room() const;
 
     const HostArrays& host_;
     const std::size_t stride_;
+    std::uint64_t layers_ = 0;  ///< of all plans
 };
 
 }  // namespace lamella

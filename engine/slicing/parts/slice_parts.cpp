@@ -53,14 +53,13 @@ Path as_given(const SliceResult& part, const Contour& contour) noexcept {
 class Merging {
 public:
     /// `merged` has the summary but for what the target counts.
-    Merging(std::span<const SliceResult> parts, bool united, const SliceCall& call, SliceResult& merged)
+    Merging(std::span<const SliceResult> parts, bool united, const SliceCall& call, SliceInfo& merged)
         : parts_(parts),
           united_(united),
           call_(call),
           parallel_(*call.kept.parallel),
           merged_(merged),
-          rules_{
-              .region = &merged.info.options.region, .grid_mm = merged.info.grid_mm, .first_layer = merged.info.first_layer},
+          rules_{.region = &merged.options.region, .grid_mm = merged.grid_mm, .first_layer = merged.first_layer},
           builders_(static_cast<std::size_t>(parallel_.threads())) {}
 
     /// `reach` is told the share of layers that are done. Throws Refused, std::bad_alloc, Stopped.
@@ -78,8 +77,8 @@ public:
                               .bands = tasks,
                               .parallel = parallel_,
                               .scratch = call_.kept.output,
-                              .origins = merged_.info.options.origins,  // of some part: one that no plane meets has none
-                              .result = merged_};
+                              .origins = merged_.options.origins,  // of some part: one that no plane meets has none
+                              .info = merged_};
         target.begin(plan);
         fill_bands(target, parallel_, 0, tasks.size(), [&](std::size_t task, int worker, BandOutput& output) {
             for (PlaneIndex layer = tasks[task].first; layer < tasks[task].last; ++layer) {
@@ -95,7 +94,7 @@ public:
         });
         target.finish();
         for (const SliceResult& part : parts_) {
-            merged_.info.cancelled_layers += part.info.cancelled_layers;
+            merged_.cancelled_layers += part.info.cancelled_layers;
         }
     }
 
@@ -176,27 +175,10 @@ private:
     bool united_;
     const SliceCall& call_;
     const Parallel& parallel_;
-    SliceResult& merged_;
+    SliceInfo& merged_;
     LayerRules rules_;
     std::vector<std::unique_ptr<Builder>> builders_;  ///< by worker
 };
-
-/// Adds what part number `part` has.
-void add_part(const SliceInfo& own, std::size_t part, SliceInfo& sum) {
-    if (part == 0) {
-        sum.layers = own.layers;
-        sum.layer_of = own.layer_of;
-        sum.first_layer = own.first_layer;
-        sum.planned_layers = own.planned_layers;
-        sum.options.heights_mm = own.options.heights_mm;
-        sum.options.stitch_mm = 0;
-        sum.part_count = 0;
-        sum.threads = own.threads;
-    }
-    ++sum.part_count;
-    sum.options.stitch_mm = std::max(sum.options.stitch_mm, own.options.stitch_mm);
-    add_work(own, sum);
-}
 
 class PartSlicing {
 public:
@@ -219,22 +201,22 @@ public:
         }
     }
 
-    void slice(LayerTarget* target, SliceResult& merged) {
+    void slice(LayerTarget* target, SliceInfo& info) {
         choose_frame();
         const Bounds box = frame_.bounds;
-        slice_all(box, target, merged.info);
-        if (merged.info.degenerate == merged.info.triangles) {
+        slice_all(box, target, info);
+        if (info.degenerate == info.triangles) {
             frame_.bounds = {};  // the box of nothing must not choose planes
             sliced_.clear();
-            slice_all(box, target, merged.info);
+            slice_all(box, target, info);
         }
         if (target == nullptr) {
             return;
         }
         const auto start = Clock::now();
         const auto reach = [this](double share) { progress_.reach(sliced_share() + (0.99 - sliced_share()) * share); };
-        Merging(sliced_, united_, call_, merged).run(*target, reach);
-        (united_ ? merged.info.ms.fill : merged.info.ms.contours) += milliseconds_since(start);
+        Merging(sliced_, united_, call_, info).run(*target, reach);
+        (united_ ? info.ms.fill : info.ms.contours) += milliseconds_since(start);
         progress_.finish();
     }
 
@@ -283,13 +265,19 @@ private:
     void slice_all(const Bounds& box, LayerTarget* target, SliceInfo& info) {
         begin_info(call_.options, box, frame_.unit, info);
         build_planes(call_, frame_, call_.kept.planes);
+        describe_plan(call_.kept.planes, call_.tuning.random_heights.has_value(), info);
+        info.options.stitch_mm = 0;
+        info.part_count = parts_.size();
+        info.threads = parallel_.threads();
         if (target != nullptr) {
-            target->admit_layers(call_.kept.planes.size(), info);
+            target->admit_layers(info.layers, info);
         }
         std::uint64_t before = 0;  // triangles of the parts before
         for (std::size_t p = 0; p < parts_.size(); ++p) {
             slice_part(p, before, target != nullptr);
-            add_part(sliced_.back().info, p, info);
+            const SliceInfo& own = sliced_.back().info;
+            info.options.stitch_mm = std::max(info.options.stitch_mm, own.options.stitch_mm);
+            add_work(own, info);
             before += parts_[p].mesh.triangle_count;
         }
     }
@@ -312,10 +300,10 @@ private:
         context.progress = report;
         context.memory_limit_bytes = memory_left();
         SliceResult& own = sliced_.emplace_back(call_.context.memory);
-        ResultTarget target;
+        ResultTarget target(own);
         try {
             slice_layers(*source_of(mesh, placing_of(parts_[p]), &frame_, call_.kept.source_tools()),
-                         whole ? &target : nullptr, {options, call_.tuning, context, call_.kept}, own);
+                         whole ? &target : nullptr, {options, call_.tuning, context, call_.kept}, own.info);
         } catch (Refused& refused) {
             throw Refused{blame(std::move(refused.error), p)};
         }
@@ -352,15 +340,8 @@ private:
 
 }  // namespace
 
-void slice_parts(std::span<const Part> parts, const SliceCall& call, LayerTarget* target, SliceResult& result) {
-    PartSlicing(parts, call).slice(target, result);
-}
-
-void hand_over_whole(SliceResult& whole, const SliceCall& call, LayerTarget& target, SliceResult& result) {
-    result.info = whole.info;
-    target.admit_layers(whole.layers.size(), result.info);
-    Merging({&whole, 1}, false, call, result).run(target, [](double) {});
-    result.info.cancelled_layers = whole.info.cancelled_layers;
+void slice_parts(std::span<const Part> parts, const SliceCall& call, LayerTarget* target, SliceInfo& info) {
+    PartSlicing(parts, call).slice(target, info);
 }
 
 }  // namespace lamella

@@ -16,12 +16,12 @@ namespace lamella {
 
 namespace {
 
-/// Makes `array` hold `count`, the first `kept` of which stay.
+/// Makes `array` hold `count`, the first `kept` of which stay. Where `more` will follow, there is some room for them.
 template <class T>
-void extend(Array<T>& array, std::size_t kept, std::size_t count, const StopCheck& stop) {
+void extend(Array<T>& array, std::size_t kept, std::size_t count, const StopCheck& stop, bool more = false) {
     if (count > array.capacity()) {
         Array<T> larger(array.memory());
-        larger.resize_discarding(count);
+        larger.resize_discarding(more ? count + kept / 2 : count);
         StopPace pace;
         pace.follow(stop);
         pace.in_stretches(0, kept, 1, [&](std::size_t begin, std::size_t end) {
@@ -90,6 +90,7 @@ void PlacedTarget::begin_placing(const OutputPlan& plan, std::span<Point> points
     origins_ = origins;
     keeps_ = keeps;
     outgrown_ = false;
+    before_ = all_;
     placed_ = &plan.scratch.placed;
     const std::size_t count = plan.bands.size();
     placed_->erase(placed_->begin() + static_cast<std::ptrdiff_t>(std::min(count, placed_->size())), placed_->end());
@@ -113,7 +114,7 @@ void PlacedTarget::make_room(std::size_t band, BandOutput& output, std::unique_l
 /// Where the band's points will lie if each unfinished band before it has a point for each segment. None if the points of
 /// another band may come to lie there.
 LayerTarget::Stretch PlacedTarget::find_room(std::size_t band) const noexcept {
-    std::uint64_t begin = totals_.points;
+    std::uint64_t begin = all_.points;
     std::uint64_t taken = 0;
     for (std::size_t b = head_; b < band; ++b) {
         begin += plan_->bands[b].segments;
@@ -135,7 +136,7 @@ void PlacedTarget::submit(std::size_t band) {
     // Places are fixed under the lock and buffers copied outside it; meanwhile another thread may place the next head.
     const std::size_t begin = head_;
     while (head_ < in_flight_.size() && in_flight_[head_].done &&
-           clear_rooms(totals_.points + in_flight_[head_].output->point_count)) {
+           clear_rooms(all_.points + in_flight_[head_].output->point_count)) {
         place_head();
     }
     const std::size_t end = head_;
@@ -174,23 +175,24 @@ void PlacedTarget::place_head() {
     PlacedBand& placed = (*placed_)[head_];
     InFlight& head = in_flight_[head_];
     BandOutput& output = *head.output;
-    placed.first_point = totals_.points;
-    placed.first_contour = totals_.contours;
+    placed.first_point = all_.points;
+    placed.first_contour = all_.contours;
     placed.contours.swap(output.contours);
     placed.layer_contours.swap(output.layer_contours);
     placed.stitches.swap(output.stitches);
-    if (head.room.end > 0 && head.room.begin != totals_.points) {
-        assert(head.room.begin > totals_.points);
+    if (head.room.end > 0 && head.room.begin != all_.points) {
+        assert(head.room.begin > all_.points);
         const std::size_t count = output.point_count;
-        std::memmove(points_.data() + totals_.points, output.points, count * sizeof(Point));
+        std::memmove(points_.data() + all_.points, output.points, count * sizeof(Point));
         if (output.with_origins) {
-            std::memmove(origins_.data() + totals_.points, output.origins, count * sizeof(PointOrigin));
+            std::memmove(origins_.data() + all_.points, output.origins, count * sizeof(PointOrigin));
         }
     }
     head.room = {};
     output.totals.points = output.point_count;
     output.totals.stitches = placed.stitches.size();
     totals_.add(output.totals);
+    all_.add(output.totals);
     ++head_;
 }
 
@@ -219,13 +221,14 @@ bool PlacedTarget::copy_points(std::size_t band) const {
 std::uint64_t PlacedTarget::points_in_place() const noexcept {
     const auto kept =
         std::find_if(in_flight_.begin(), in_flight_.end(), [](const InFlight& b) { return b.output != nullptr; });
-    return kept == in_flight_.end() ? totals_.points
+    return kept == in_flight_.end() ? all_.points
                                     : (*placed_)[static_cast<std::size_t>(kept - in_flight_.begin())].first_point;
 }
 
 void PlacedTarget::write_layers(std::span<Layer> layers, std::span<Contour> contours, std::span<Stitch> stitches) {
     const Parallel& parallel = plan_->parallel;
     assert(head_ == plan_->bands.size());
+    layers = layers.subspan(plan_->first_index, plan_->layers);
     parallel.run_ranges(layers.size(), 1 << 10, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i < end; ++i) {
             layers[i] = plan_->layer_at(static_cast<PlaneIndex>(i));
@@ -238,11 +241,11 @@ void PlacedTarget::write_layers(std::span<Layer> layers, std::span<Contour> cont
         }
         write_band(band, layers, contours);
     });
-    write_stitches(stitches);
+    write_stitches(stitches.empty() ? stitches : stitches.subspan(before_.stitches));
     for (const Layer& layer : layers) {
         totals_.add(layer);
     }
-    totals_.describe(plan_->result.info);
+    totals_.describe(plan_->info);
 }
 
 void PlacedTarget::write_band(std::size_t band, std::span<Layer> layers, std::span<Contour> contours) const {
@@ -274,7 +277,7 @@ void PlacedTarget::write_stitches(std::span<Stitch> stitches) const {
     for (std::size_t b = 0; b < in_flight_.size() && !stitches.empty(); ++b) {
         Stitch* const first = out;
         for (const Stitch& own : (*placed_)[b].stitches) {
-            *out++ = {plan_->bands[b].first + own.layer, own.from, own.to};
+            *out++ = {plan_->first_index + plan_->bands[b].first + own.layer, own.from, own.to};
         }
         std::sort(first, out, [&pace](const Stitch& a, const Stitch& b) {
             pace.spend(1);
@@ -283,13 +286,16 @@ void PlacedTarget::write_stitches(std::span<Stitch> stitches) const {
     }
 }
 
-void ResultTarget::admit(const OutputPlan& plan, std::uint64_t memory_limit) const {
+void ResultTarget::admit(const OutputPlan& plan, std::uint64_t memory_limit) {
     const std::uint64_t point_bytes = sizeof(Point) + (plan.origins ? sizeof(PointOrigin) : 0);
-    const std::uint64_t bytes = plan.segments * point_bytes + plan.layers * sizeof(Layer) +
-                                plan.result.info.layer_of.size() * sizeof(std::uint64_t) + plan.cutting * sizeof(Contour);
+    const std::uint64_t layers = plan.first_index + plan.layers;
+    const std::uint64_t segments = all_.points + plan.segments;
+    const std::uint64_t bytes = segments * point_bytes + layers * sizeof(Layer) +
+                                plan.info.layer_of.size() * sizeof(std::uint64_t) +
+                                (all_.contours + plan.cutting) * sizeof(Contour);
     if (bytes > memory_limit) {
         throw Refused{{ErrorCode::result_too_large,
-                       counted(plan.layers, "layer") + " with " + counted(plan.segments, "segment") + " need " +
+                       counted(layers, "layer") + " with " + counted(segments, "segment") + " need " +
                            std::to_string(bytes) + " bytes, more than the memory limit of " + std::to_string(memory_limit)}};
     }
 }
@@ -297,30 +303,25 @@ void ResultTarget::admit(const OutputPlan& plan, std::uint64_t memory_limit) con
 /// A closed contour has at most as many points as segments; an open one has one more, for which there is some room. What
 /// very many open polylines have beyond that is kept until the array is made larger.
 void ResultTarget::begin(const OutputPlan& plan) {
-    SliceResult& result = plan.result;
-    result.points.resize_discarding(plan.segments + plan.segments / 64 + 64);
-    result.origins.resize_discarding(plan.origins ? result.points.size() : 0);
-    begin_placing(plan, result.points.span(), result.origins.span(), plan.origins, true);
+    const std::uint64_t before = all_.points;
+    const std::uint64_t room = before + plan.segments + plan.segments / 64 + 64;
+    const StopCheck& stop = plan.parallel.stop();
+    extend(result_.points, before, room, stop, true);
+    extend(result_.origins, plan.origins ? before : 0, plan.origins ? room : 0, stop, true);
+    begin_placing(plan, result_.points.span(), result_.origins.span(), plan.origins, true);
 }
 
 void ResultTarget::finish() {
-    SliceResult& result = plan_->result;
     const StopCheck& stop = plan_->parallel.stop();
     const std::uint64_t in_place = points_in_place();
-    extend(result.points, in_place, totals_.points, stop);
-    extend(result.origins, with_origins_ ? in_place : 0, with_origins_ ? totals_.points : 0, stop);
-    points_ = result.points.span();
-    origins_ = result.origins.span();
-    result.layers.resize_discarding(plan_->layers);
-    result.contours.resize_discarding(totals_.contours);
-    result.stitches.resize_discarding(totals_.stitches);
-    write_layers(result.layers.span(), result.contours.span(), result.stitches.span());
-}
-
-void move_to(const Memory* memory, SliceResult& result) {
-    if (result.points.memory() != memory) {
-        result = SliceResult(memory);
-    }
+    extend(result_.points, in_place, all_.points, stop);
+    extend(result_.origins, with_origins_ ? in_place : 0, with_origins_ ? all_.points : 0, stop);
+    points_ = result_.points.span();
+    origins_ = result_.origins.span();
+    extend(result_.layers, plan_->first_index, plan_->first_index + plan_->layers, stop, true);
+    extend(result_.contours, before_.contours, all_.contours, stop, true);
+    extend(result_.stitches, before_.stitches, all_.stitches, stop, true);
+    write_layers(result_.layers.span(), result_.contours.span(), result_.stitches.span());
 }
 
 void describe_plan(const PlaneSet& planes, bool list_heights, SliceInfo& info) {

@@ -56,14 +56,15 @@ struct OutputPlan {
     const Parallel& parallel;
     OutputScratch& scratch;
     bool origins;                   ///< SliceOptions::origins
-    SliceResult& result;            ///< unit, frame, plan and summary; arrays only where the slice is made for it
-    std::uint64_t first_index = 0;  ///< of the first layer, for sinks
+    SliceInfo& info;                ///< unit, frame and plan are known; gets the summary
+    std::uint64_t first_index = 0;  ///< of the first layer: of a file that is cut in ranges of layers
 };
 
 /// Thrown where a band is no longer wanted, since another thread has called LayerTarget::abort().
 struct BandDropped {};
 
-/// Functions without comment on their order are called in theirs. The bands that are begun and not done with are in flight.
+/// A slice has one plan or, of a file, several for ranges of layers, one after the other. For each, functions are called in
+/// their order. The bands that are begun and not done with are in flight.
 /// The first of all that is not done with is the head: none is begun more than a lead beyond it.
 class LayerTarget {
 public:
@@ -74,11 +75,13 @@ public:
 
     /// The number of layers is known, and of `info` what is known before anything is cut. Throws Refused where it is too
     /// much.
-    virtual void admit_layers(std::uint64_t /*layers*/, const SliceInfo& /*info*/) const {}
+    virtual void admit_layers(std::uint64_t /*layers*/, const SliceInfo& /*info*/) {}
     /// The same for the size of what a sweep makes, of which nothing is allocated yet.
-    virtual void admit(const OutputPlan& plan, std::uint64_t /*memory_limit*/) const {
-        admit_layers(plan.layers, plan.result.info);
+    virtual void admit(const OutputPlan& plan, std::uint64_t /*memory_limit*/) {
+        admit_layers(plan.first_index + plan.layers, plan.info);
     }
+    /// All that is known before the first layer of all plans. Later calls are ignored.
+    virtual void announce(const SliceInfo& info) { admit_layers(info.layers, info); }
     /// How many segments a band should have at most.
     virtual std::uint64_t most_band_segments(int /*threads*/) const noexcept { return BandPlan::no_limit; }
     /// All bands of `plan`, which stays until finish(), are then acquired and submitted.
@@ -122,7 +125,7 @@ protected:
     std::size_t lead_ = 0;
     bool with_origins_ = false;
     bool aborted_ = false;
-    LayerTotals totals_;  ///< of all bands that were placed or handed over
+    LayerTotals totals_;  ///< of all bands of the plan that were placed or handed over
 
 private:
     std::vector<BandOutput*> idle_;
@@ -173,7 +176,8 @@ public:
     void submit(std::size_t band) final;
 
 protected:
-    /// What `points` do not hold is kept for write_layers(), or lost. `origins` are as many, where there are some.
+    /// What `points` do not hold is kept for write_layers(), or lost. `origins` are as many, where there are some. What
+    /// plans before made stays.
     void begin_placing(const OutputPlan& plan, std::span<Point> points, std::span<PointOrigin> origins, bool origins_asked,
                        bool keeps);
     /// How many points there is room for.
@@ -188,6 +192,8 @@ protected:
 
     std::span<Point> points_;
     std::span<PointOrigin> origins_;
+    LayerTotals before_;  ///< of plans before
+    LayerTotals all_;     ///< the same, and of all bands that were placed: where the next one goes
 
 private:
     void make_room(std::size_t band, BandOutput& output, std::unique_lock<std::mutex>& lock) override;
@@ -204,16 +210,18 @@ private:
     bool outgrown_ = false;
 };
 
-/// A slice that is made for OutputPlan::result.
+/// Fills the arrays of a result anew. Its summary is the plan's.
 class ResultTarget final : public PlacedTarget {
 public:
-    void admit(const OutputPlan& plan, std::uint64_t memory_limit) const override;
+    explicit ResultTarget(SliceResult& result) noexcept : result_(result) {}
+
+    void admit(const OutputPlan& plan, std::uint64_t memory_limit) override;
     void begin(const OutputPlan& plan) override;
     void finish() override;
-};
 
-/// Has the arrays of `result` take their memory from there. Those that take it from elsewhere are emptied.
-void move_to(const Memory* memory, SliceResult& result);
+private:
+    SliceResult& result_;
+};
 
 /// The layer of a plane, without its contours.
 inline Layer describe_layer(const PlaneSet& planes, PlaneIndex plane, std::uint64_t segments) {

@@ -27,10 +27,14 @@ T require(Result<T> result) {
     return std::move(result).value();
 }
 
-/// Returns what `call` returns, a Result or a Status, or the Error that its exception stands for.
+/// Returns what `call`, which works within `context`, returns, a Result or a Status, or the Error that its exception stands
+/// for.
 template <class Call>
-auto guarded(Call&& call) noexcept -> decltype(call()) {
+auto guarded(const Context& context, Call&& call) noexcept -> decltype(call()) {
     try {
+        if (context.threads < 0) {
+            return Error{ErrorCode::invalid_argument, "threads must not be negative"};
+        }
         return std::forward<Call>(call)();
     } catch (const Stopped&) {
         return Error{ErrorCode::cancelled, "cancelled"};
@@ -41,15 +45,9 @@ auto guarded(Call&& call) noexcept -> decltype(call()) {
     }
 }
 
-/// The same for a call that takes `context`.
 template <class Call>
-auto guarded(const Context& context, Call&& call) noexcept -> decltype(call()) {
-    return guarded([&]() -> decltype(call()) {
-        if (context.threads < 0) {
-            return Error{ErrorCode::invalid_argument, "threads must not be negative"};
-        }
-        return std::forward<Call>(call)();
-    });
+auto guarded(Call&& call) noexcept -> decltype(call()) {
+    return guarded(Context{}, std::forward<Call>(call));
 }
 
 }  // namespace lamella

@@ -5,7 +5,7 @@
 //     TriangleSource::count     buckets    how many triangles each plane is the first to cut (Algorithm 2)
 //     BandPlan::cut             bands      ranges of planes, each swept by one thread
 //     TriangleSource::scatter   buckets    triangles to the first plane that cuts them
-//     BandSweeping              sweep      a band, or a wide plane by all threads (Algorithm 1)
+//     BandSweep, WidePlane      sweep      a band, or a wide plane by all threads (Algorithm 1)
 //       for each plane            contours   links, walk (Algorithm 4)
 //                                   repair     gaps closed, on request
 //                                   regions    fill rule applied, on request
@@ -30,11 +30,11 @@ namespace lamella {
 
 namespace {
 
-/// Sweeps all bands, and splits the time that it takes among its phases.
-class BandSweeping {
+/// What bands are swept with, and how the time that this takes is split among its phases.
+class Sweeps {
 public:
-    BandSweeping(const SliceCall& call, ProgressMeter& progress, BandTarget& target, const SliceInfo& info)
-        : form_(call.tuning.form), kept_(call.kept), parallel_(*kept_.parallel), progress_(progress), target_(target) {
+    Sweeps(const SliceCall& call, const SliceInfo& info)
+        : form_(call.tuning.form), kept_(call.kept), parallel_(*kept_.parallel) {
         const SliceOptions& options = call.options;
         const double stitch_mm = info.options.stitch_mm;
         rules_ = {.region = &options.region,
@@ -48,22 +48,43 @@ public:
         kept_.sweeps.resize(std::max(kept_.sweeps.size(), static_cast<std::size_t>(parallel_.threads())));
     }
 
-    /// Wide planes by all threads, the bands between them by one thread each.
-    void run() {
-        const auto& bands = kept_.bands.bands;
-        for (std::size_t begin = 0; begin < bands.size();) {
-            parallel_.stop_if_asked();
-            if (bands[begin].wide && form_ == ContourForm::swept) {
-                sweep_wide(begin++);
-                continue;
-            }
-            std::size_t end = begin + 1;
-            while (end < bands.size() && !bands[end].wide) {
-                ++end;
-            }
-            parallel_.run(end - begin, [&](std::size_t i, int worker) { sweep_band(begin + i, worker); });
-            begin = end;
+    /// Bands [begin, the end of the stretch) are swept side by side: a wide one by itself.
+    std::size_t end_of_stretch(std::size_t begin) const noexcept {
+        std::size_t end = begin + 1;
+        while (end < kept_.bands.bands.size() && !is_wide(begin) && !is_wide(end)) {
+            ++end;
         }
+        return end;
+    }
+
+    /// False, with nothing appended, where another way must be taken.
+    bool sweep_wide(std::size_t band, BandOutput& output) {
+        if (!is_wide(band)) {
+            return false;
+        }
+        WidePlane wide(kept_.memory, parallel_, rules_);
+        const std::uint64_t start = ticks();
+        if (!wide.build(kept_.bands.bands[band].first, kept_.bands.seeds_of(band), kept_.buckets, kept_.planes, output)) {
+            return false;
+        }
+        const std::uint64_t spent = ticks() - start;
+        // As if all threads had swept it, and as one of the layers that stand for others.
+        const auto share = [this](std::uint64_t own) {
+            return own * static_cast<std::uint64_t>(parallel_.threads()) / BandSweep::timing_stride;
+        };
+        wide_ticks_.nesting += share(wide.ticks().nesting);
+        wide_ticks_.fill += share(wide.ticks().fill);
+        wide_ticks_.sweep += share(spent - wide.ticks().nesting - wide.ticks().fill);
+        return true;
+    }
+
+    BandSweep& of(int worker) {
+        auto& sweep = kept_.sweeps[static_cast<std::size_t>(worker)];
+        if (sweep == nullptr) {
+            sweep = std::make_unique<BandSweep>(kept_.memory);
+        }
+        sweep->set_rules(rules_);
+        return *sweep;
     }
 
     /// Splits the wall time of the sweep among its stages, in proportion to the thread time of each in sampled layers.
@@ -87,66 +108,28 @@ public:
     }
 
 private:
-    void sweep_band(std::size_t band, int worker) {
-        fill_band(target_, band, [&](BandOutput& output) {
-            auto& sweep = kept_.sweeps[static_cast<std::size_t>(worker)];
-            if (sweep == nullptr) {
-                sweep = std::make_unique<BandSweep>(kept_.memory);
-            }
-            sweep->set_rules(rules_);
-            sweep->set_origins(output.with_origins);
-            sweep->run(kept_.bands.bands[band], kept_.bands.seeds_of(band), kept_.buckets, kept_.planes, form_,
-                       parallel_.stop(), output);
-        });
-        count_done(band);
-    }
-
-    void sweep_wide(std::size_t band) {
-        WidePlane wide(kept_.memory, parallel_, rules_);
-        BandOutput* const output = target_.acquire(band);
-        if (output == nullptr) {
-            return;
-        }
-        const std::uint64_t start = ticks();
-        if (!wide.build(kept_.bands.bands[band].first, kept_.bands.seeds_of(band), kept_.buckets, kept_.planes, *output)) {
-            target_.give_back(band);
-            sweep_band(band, 0);
-            return;
-        }
-        note_ticks_of(wide, ticks() - start);
-        target_.submit(band);
-        count_done(band);
-    }
-
-    /// As if all threads had swept it, and as one of the layers that stand for others.
-    void note_ticks_of(const WidePlane& wide, std::uint64_t spent) {
-        const auto share = [this](std::uint64_t own) {
-            return own * static_cast<std::uint64_t>(parallel_.threads()) / BandSweep::timing_stride;
-        };
-        wide_ticks_.nesting += share(wide.ticks().nesting);
-        wide_ticks_.fill += share(wide.ticks().fill);
-        wide_ticks_.sweep += share(spent - wide.ticks().nesting - wide.ticks().fill);
-    }
-
-    void count_done(std::size_t band) {
-        const std::uint64_t done = segments_done_ += kept_.bands.bands[band].segments;
-        progress_.reach(static_cast<double>(done) /
-                        static_cast<double>(std::max<std::uint64_t>(1, kept_.buckets.segment_count)));
-    }
+    bool is_wide(std::size_t band) const noexcept { return kept_.bands.bands[band].wide && form_ == ContourForm::swept; }
 
     ContourForm form_;
     detail::SlicerImpl& kept_;
     const Parallel& parallel_;
-    ProgressMeter& progress_;
-    BandTarget& target_;
     LayerRules rules_;
     SweepTicks wide_ticks_;
-    std::atomic<std::uint64_t> segments_done_ = 0;
 };
 
-}  // namespace
-
-namespace {
+/// Bands are cut between counting and scattering, so that scattering notes the triangles that reach beyond their band.
+void bucket_by_bands(TriangleSource& source, std::uint64_t most_band_segments, const SliceCall& call, SliceInfo& info) {
+    detail::SlicerImpl& kept = call.kept;
+    BandPlan& bands = kept.bands;
+    const Parallel& parallel = *kept.parallel;
+    parallel.stop_if_asked();
+    bands.cut(kept.buckets, kept.planes.size(), static_cast<int>(call.tuning.band_planes), parallel.threads(),
+              most_band_segments);
+    const std::size_t reaching = source.scatter(bands.band_end, bands.reaching.span(), call.options.origins);
+    bands.find_seeds(kept.planes.size(), reaching, parallel.stop());
+    info.crossed = kept.buckets.records.size();
+    info.bands = bands.bands.size();
+}
 
 template <class Choice>
 void check_choice(Choice choice) {
@@ -200,14 +183,15 @@ void count_layers(TriangleSource& source, const SliceCall& call, SliceInfo& info
     describe_plan(kept.planes, tuning.random_heights.has_value(), info);
 }
 
-void slice_layers(TriangleSource& source, LayerTarget& target, const SliceCall& call, SliceResult& result,
+void slice_layers(TriangleSource& source, LayerTarget* target, const SliceCall& call, SliceInfo& info,
                   std::uint64_t first_index) {
     Clock::time_point start = Clock::now();
     detail::SlicerImpl& kept = call.kept;
     const Parallel& parallel = *kept.parallel;
-    ProgressMeter progress(call.context.progress);
-    SliceInfo& info = result.info;
     count_layers(source, call, info);
+    if (target == nullptr) {
+        return;
+    }
     const std::span<const std::uint32_t> segments = kept.buckets.segments.span();
     const auto layer_at = [&](PlaneIndex plane) { return describe_layer(kept.planes, plane, segments[plane]); };
     const auto cutting = std::count_if(segments.begin(), segments.end(), [](std::uint32_t count) { return count > 0; });
@@ -219,31 +203,37 @@ void slice_layers(TriangleSource& source, LayerTarget& target, const SliceCall& 
                     .parallel = parallel,
                     .scratch = kept.output,
                     .origins = call.options.origins,
-                    .result = result,
-                    .lead = usual_lead(parallel),
+                    .info = info,
                     .first_index = first_index};
-    target.admit(plan, call.memory_limit());
+    target->admit(plan, call.memory_limit());
 
-    // Bands are cut between counting and scattering, so that scattering notes the triangles that reach beyond their band.
-    parallel.stop_if_asked();
-    kept.bands.cut(kept.buckets, kept.planes.size(), static_cast<int>(call.tuning.band_planes), parallel.threads(),
-                   target.most_band_segments(parallel.threads()));
-    plan.bands = kept.bands.bands;
-    const std::size_t reaching = source.scatter(kept.bands.band_end, kept.bands.reaching.span(), call.options.origins);
-    kept.bands.find_seeds(kept.planes.size(), reaching, parallel.stop());
-    info.crossed = kept.buckets.records.size();
-    info.bands = kept.bands.bands.size();
+    bucket_by_bands(source, target->most_band_segments(parallel.threads()), call, info);
+    const Vector<Band>& bands = kept.bands.bands;
+    plan.bands = bands;
     info.ms.bucket = milliseconds_since(start);
 
     start = Clock::now();
-    BandSweeping sweeping(call, progress, target.begin(plan), info);
-    sweeping.run();
+    ProgressMeter progress(call.context.progress);
+    Sweeps sweeps(call, info);
+    std::atomic<std::uint64_t> segments_done = 0;
+    target->begin(plan);
+    for (std::size_t begin = 0, end = 0; begin < bands.size(); begin = end) {
+        end = sweeps.end_of_stretch(begin);
+        fill_bands(*target, parallel, begin, end, [&](std::size_t band, int worker, BandOutput& output) {
+            if (!sweeps.sweep_wide(band, output)) {
+                sweeps.of(worker).run(bands[band], kept.bands.seeds_of(band), kept.buckets, kept.planes, call.tuning.form,
+                                      parallel.stop(), output);
+            }
+            const std::uint64_t done = segments_done += bands[band].segments;
+            progress.reach(static_cast<double>(done) / static_cast<double>(std::max<std::uint64_t>(1, plan.segments)));
+        });
+    }
     source.give_back();
     kept.bands.forget_many_seeds();  // before the result's contours are added to what is held
-    sweeping.split_time(milliseconds_since(start), info.ms);
+    sweeps.split_time(milliseconds_since(start), info.ms);
 
     start = Clock::now();
-    target.finish(plan);
+    target->finish();
     info.ms.contours += milliseconds_since(start);
     progress.finish();
 }

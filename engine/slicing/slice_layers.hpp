@@ -18,8 +18,6 @@
 
 namespace lamella {
 
-class SinkTarget;
-
 /// All that is asked and lent.
 struct SliceCall {
     const SliceOptions& options;
@@ -36,13 +34,23 @@ struct SliceCall {
 /// Refuses what no mesh can be sliced with.
 void check_options(const SliceOptions& options, const Tuning& tuning);
 
-/// A slice of `source`, which has the tools of `call.kept`. `result` gets what is not in layers; `first_index` is that of
-/// the first layer that a sink gets. Preconditions: options were checked. Throws Refused, Stopped, std::bad_alloc.
-void slice_layers(TriangleSource& source, LayerTarget& target, const SliceCall& call, SliceResult& result,
+// These throw Refused, Stopped, std::bad_alloc. Precondition: options were checked. `info` gets what is not in layers: where
+// `target` is null, what is known before anything is cut.
+
+/// A slice of `source`, which has the tools of `call.kept`. `first_index` is that of the first layer.
+void slice_layers(TriangleSource& source, LayerTarget* target, const SliceCall& call, SliceInfo& info,
                   std::uint64_t first_index = 0);
 
-/// The stages up to the count of crossings, which leave planes and buckets in `call.kept`.
-void count_layers(TriangleSource& source, const SliceCall& call, SliceInfo& info);
+/// Several meshes, each by itself, and their layers side by side or united.
+void slice_parts(std::span<const Part> parts, const SliceCall& call, LayerTarget* target, SliceInfo& info);
+
+/// n triangles, m pieces, q points left of a layer when its edges between pieces have cancelled: O(n + k + m) for k uniform
+/// planes, O(n log k + k + m) otherwise, and O(q log q) a layer. Memory: 8 bytes a piece, about 200 a piece of the largest
+/// layer for each thread, and the result.
+void slice_faces(const MeshView& mesh, const SliceCall& call, LayerTarget* target, SliceInfo& info);
+
+/// Refuses sources that have no faces, and rules that pieces cannot have.
+void check_faces(const Source& from, const SliceOptions& options);
 
 // The grid and the box of what is sliced: from both come the planes. One choice for a mesh, for several parts of one result,
 // for a prepared mesh and for a file.
@@ -88,27 +96,6 @@ inline void begin_info(const SliceOptions& options, const Bounds& box, const Cho
     info.box = box_of(box);
 }
 
-/// Preconditions: options were checked. Throws Refused, Stopped, std::bad_alloc.
-void slice_parts(std::span<const Part> parts, const SliceCall& call, LayerTarget& target, SliceResult& result);
-
-/// The layers of a slice that was made whole, of one part. `result` gets its summary. Throws Refused, Stopped,
-/// std::bad_alloc.
-void hand_over_whole(SliceResult& whole, const SliceCall& call, LayerTarget& target, SliceResult& result);
-
-/// What is known before anything is cut: of all parts together.
-void outline_parts(std::span<const Part> parts, const SliceCall& call, SliceInfo& info);
-
-/// Refuses sources that have no faces, and rules that pieces cannot have.
-void check_faces(const Source& from, const SliceOptions& options);
-
-/// Precondition: options were checked. Throws Refused, Stopped, std::bad_alloc. n triangles, m pieces, q points left of a
-/// layer when its edges between pieces have cancelled: O(n + k + m) for k uniform planes, O(n log k + k + m) otherwise, and
-/// O(q log q) a layer. Memory: 8 bytes a piece, about 200 a piece of the largest layer for each thread, and the result.
-void slice_faces(const MeshView& mesh, const SliceCall& call, LayerTarget& target, SliceResult& result);
-
-/// The stages up to the count of pieces.
-void outline_faces(const MeshView& mesh, const SliceCall& call, SliceInfo& info);
-
 }  // namespace lamella
 
 namespace lamella::detail {
@@ -118,10 +105,8 @@ namespace lamella::detail {
 class SourceImpl {
 public:
     virtual ~SourceImpl() = default;
-    /// All layers to the sink, in its order. SinkTarget::announce() is called before the first. Fills in `info`.
-    virtual void slice(SinkTarget& target, const SliceCall& call, SliceInfo& info) const = 0;
-    /// See Slicer::outline().
-    virtual void outline(const SliceCall& call, SliceInfo& info) const = 0;
+    /// All layers, in ranges, after LayerTarget::announce(). Fills in `info`, where `target` is null as for an outline.
+    virtual void slice(LayerTarget* target, const SliceCall& call, SliceInfo& info) const = 0;
 };
 
 }  // namespace lamella::detail

@@ -3,15 +3,13 @@
 
 #include <unistd.h>
 #include <algorithm>
-#include <exception>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
-#include <variant>
 
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
-#include "base/vector.hpp"
 #include "lamella/destination.hpp"
 #include "lamella/slice.hpp"
 #include "lamella/source.hpp"
@@ -26,7 +24,6 @@ namespace {
 
 using detail::PreparedImpl;
 using detail::SlicerImpl;
-using detail::SourceImpl;
 
 /// A prepared mesh has its grid and its frame already: the options may leave them out, or repeat them.
 SliceOptions options_for(const PreparedImpl& prepared, const SliceOptions& options) {
@@ -45,20 +42,6 @@ SliceOptions options_for(const PreparedImpl& prepared, const SliceOptions& optio
     return own;
 }
 
-/// Calls use(source, call) for a mesh or a prepared one.
-template <class Use>
-void with_source(const Source& from, const SliceCall& call, Use use) {
-    SourceTools tools = call.kept.source_tools();
-    if (const PreparedImpl* const prepared = from.prepared()) {
-        const SliceOptions options = options_for(*prepared, call.options);
-        PreparedSource source(*prepared, tools);
-        use(source, SliceCall{options, call.tuning, call.context, call.kept});
-    } else {
-        with_mesh_source(from.mesh(), placing_of(from.mesh(), call.options.frame), nullptr, tools,
-                         [&](TriangleSource& source) { use(source, call); });
-    }
-}
-
 /// What no mesh can be sliced with, and no other source than meshes gives.
 void check(const Source& from, const SliceCall& call) {
     check_options(call.options, call.tuning);
@@ -71,125 +54,37 @@ void check(const Source& from, const SliceCall& call) {
     }
 }
 
-template <class T>
-void copy_to(Array<T>& to, const Vector<T>& from) {
-    to.resize_discarding(from.size());
-    std::copy(from.begin(), from.end(), to.data());
+/// The target that a destination stands for. Throws Refused where it makes no sense.
+std::unique_ptr<LayerTarget> target_of(const Destination& to, const Memory* memory) {
+    if (to.sink() != nullptr) {
+        return std::make_unique<SinkTarget>(*to.sink());
+    }
+    if (to.arrays() != nullptr) {
+        return std::make_unique<HostTarget>(*to.arrays());
+    }
+    if (to.result()->points.memory() != memory) {
+        *to.result() = SliceResult(memory);
+    }
+    return std::make_unique<ResultTarget>(*to.result());
 }
 
-/// Layers come in ascending order, and count contours and points from their own first.
-class Collecting {
-public:
-    Collecting(const Memory* memory, std::uint64_t limit) : memory_(memory), limit_(limit) {}
-
-    void take(const LayerView& view) noexcept {
-        try {
-            if (failure_ == nullptr) {
-                add(view);
-            }
-        } catch (...) {
-            failure_ = std::current_exception();
-        }
-    }
-    /// Throws where some layer did not fit.
-    void move_to(SliceResult& result) const {
-        if (failure_ != nullptr) {
-            std::rethrow_exception(failure_);
-        }
-        copy_to(result.layers, layers_);
-        copy_to(result.contours, contours_);
-        copy_to(result.points, points_);
-        copy_to(result.stitches, stitches_);
-        result.origins.set_size(0);
-    }
-
-private:
-    void add(const LayerView& view) {
-        const std::uint64_t bytes = (layers_.size() + 1) * sizeof(Layer) +
-                                    (contours_.size() + view.contours.size()) * sizeof(Contour) +
-                                    (points_.size() + view.points.size()) * sizeof(Point);
-        if (bytes > limit_) {
-            throw Refused{{ErrorCode::result_too_large,
-                           "the result exceeds the memory limit of " + std::to_string(limit_) + " bytes"}};
-        }
-        layers_.push_back(view);
-        layers_.back().first_contour = contours_.size();
-        for (const Contour& own : view.contours) {
-            Contour& contour = contours_.emplace_back(own);
-            contour.first_point += points_.size() - view.first_point;
-            contour.parent +=
-                own.parent < 0 ? 0 : static_cast<std::int64_t>(layers_.back().first_contour - view.first_contour);
-        }
-        points_.insert(points_.end(), view.points.begin(), view.points.end());
-        stitches_.insert(stitches_.end(), view.stitches.begin(), view.stitches.end());
-    }
-
-    const Memory* memory_;
-    std::uint64_t limit_;
-    Vector<Layer> layers_{memory_};
-    Vector<Contour> contours_{memory_};
-    Vector<Point> points_{memory_};
-    Vector<Stitch> stitches_{memory_};
-    std::exception_ptr failure_;
-};
-
-/// All of `result`, from layers that the source hands over one by one.
-void collect_layers(const SourceImpl& source, const SliceCall& call, SliceResult& result) {
-    Collecting collecting(call.context.memory, call.memory_limit());
-    auto take = [&](const LayerView& layer) noexcept { collecting.take(layer); };
-    const LayerSink sink{.take = take};
-    SinkTarget target(sink);
-    source.slice(target, call, result.info);
-    collecting.move_to(result);
-}
-
-/// The target that a destination stands for.
-class AnyTarget {
-public:
-    explicit AnyTarget(const Destination& to) {
-        if (to.sink() != nullptr) {
-            target_ = &kinds_.emplace<SinkTarget>(*to.sink());
-        } else if (to.arrays() != nullptr) {
-            target_ = &kinds_.emplace<HostTarget>(*to.arrays());
-        } else {
-            target_ = &kinds_.emplace<ResultTarget>();
-        }
-    }
-    LayerTarget& operator*() noexcept { return *target_; }
-    bool is_result() const noexcept { return std::holds_alternative<ResultTarget>(kinds_); }
-    /// Null where it is none.
-    SinkTarget* sink() noexcept { return std::get_if<SinkTarget>(&kinds_); }
-
-private:
-    std::variant<std::monostate, ResultTarget, SinkTarget, HostTarget> kinds_;
-    LayerTarget* target_;
-};
-
-/// Layers of a file in pieces come one by one: a result and arrays take them when all are there.
-void slice_pieces(AnyTarget& target, const SourceImpl& source, const SliceCall& call, SliceResult& result) {
-    if (target.sink() != nullptr) {
-        source.slice(*target.sink(), call, result.info);
-    } else if (target.is_result()) {
-        collect_layers(source, call, result);
-    } else {
-        SliceResult whole(call.context.memory);
-        collect_layers(source, call, whole);
-        hand_over_whole(whole, call, *target, result);
-    }
-}
-
-/// Every slice: `result` gets what is known of it, and the layers where it is what `target` stands for.
-void slice_for(AnyTarget& target, const Source& from, const SliceCall& call, SliceResult& result) {
+/// Any source to any destination. Where that is null, `info` gets what is known before anything is cut.
+void slice_source(const Source& from, const Destination* to, const SliceCall& call, SliceInfo& info) {
+    const std::unique_ptr<LayerTarget> target = to != nullptr ? target_of(*to, call.context.memory) : nullptr;
     check(from, call);
     if (from.other() != nullptr) {
-        slice_pieces(target, *from.other(), call, result);
+        from.other()->slice(target.get(), call, info);
     } else if (from.is_parts()) {
-        slice_parts({from.parts(), from.part_count()}, call, *target, result);
+        slice_parts({from.parts(), from.part_count()}, call, target.get(), info);
     } else if (call.options.content != LayerContent::section) {
-        slice_faces(from.mesh(), call, *target, result);
+        slice_faces(from.mesh(), call, target.get(), info);
+    } else if (const PreparedImpl* const prepared = from.prepared(); prepared != nullptr) {
+        const SliceOptions options = options_for(*prepared, call.options);
+        PreparedSource source(*prepared, call.kept.source_tools());
+        slice_layers(source, target.get(), {options, call.tuning, call.context, call.kept}, info);
     } else {
-        with_source(from, call,
-                    [&](TriangleSource& source, const SliceCall& own) { slice_layers(source, *target, own, result); });
+        const Placing placing = placing_of(from.mesh(), call.options.frame);
+        slice_layers(*source_of(from.mesh(), placing, nullptr, call.kept.source_tools()), target.get(), call, info);
     }
 }
 
@@ -198,17 +93,14 @@ void slice_for(AnyTarget& target, const Source& from, const SliceCall& call, Sli
 Result<SliceInfo> slice_tuned(Slicer& slicer, const Destination& to, const Source& from, const SliceOptions& options,
                               const Tuning& tuning, const Context& context) noexcept {
     return guarded(context, [&]() -> Result<SliceInfo> {
-        if (to.result() != nullptr && &options == &to.result()->info.options) {
-            // NOLINTNEXTLINE(performance-unnecessary-copy-initialization): the result is filled anew
-            const SliceOptions own = options;
-            return slice_tuned(slicer, to, from, own, tuning, context);
+        SliceInfo of_others;  // sinks and arrays take the layers alone
+        SliceInfo& info = to.result() != nullptr ? to.result()->info : of_others;
+        std::optional<SliceOptions> own;  // the result is filled anew, and its options may be those that are asked for
+        if (&options == &info.options) {
+            own = options;
         }
-        SliceResult none(context.memory);  // of sinks and arrays, which take the layers
-        SliceResult& result = to.result() != nullptr ? *to.result() : none;
-        move_to(context.memory, result);
-        AnyTarget target(to);
-        slice_for(target, from, {options, tuning, context, SlicerImpl::of(slicer, context)}, result);
-        return to.result() != nullptr ? SliceInfo(result.info) : std::move(result.info);
+        slice_source(from, &to, {own ? *own : options, tuning, context, SlicerImpl::of(slicer, context)}, info);
+        return to.result() != nullptr ? SliceInfo(info) : std::move(info);
     });
 }
 
@@ -218,30 +110,20 @@ Result<SliceInfo> Slicer::slice_to(const Destination& to, const Source& from, co
 }
 
 Result<SliceResult> Slicer::slice(const Source& from, const SliceOptions& options, const Context& context) noexcept {
-    SliceResult result(context.memory);
-    if (Result<SliceInfo> info = slice_to(result, from, options, context); !info) {
-        return std::move(info).error();
-    }
-    return result;
+    return guarded(context, [&]() -> Result<SliceResult> {
+        SliceResult result(context.memory);
+        const Destination to(result);
+        slice_source(from, &to, {options, {}, context, SlicerImpl::of(*this, context)}, result.info);
+        return result;
+    });
 }
 
 Result<SliceInfo> Slicer::outline(const Source& from, const SliceOptions& options, const Context& context) noexcept {
     return guarded(context, [&]() -> Result<SliceInfo> {
-        const Tuning tuning;
         Context quiet = context;
         quiet.progress = {};
-        const SliceCall call{options, tuning, quiet, SlicerImpl::of(*this, context)};
-        check(from, call);
         SliceInfo info;
-        if (from.other() != nullptr) {
-            from.other()->outline(call, info);
-        } else if (from.is_parts()) {
-            outline_parts({from.parts(), from.part_count()}, call, info);
-        } else if (options.content != LayerContent::section) {
-            outline_faces(from.mesh(), call, info);
-        } else {
-            with_source(from, call, [&](TriangleSource& source, const SliceCall& own) { count_layers(source, own, info); });
-        }
+        slice_source(from, nullptr, {options, {}, quiet, SlicerImpl::of(*this, context)}, info);
         return info;
     });
 }
@@ -286,8 +168,7 @@ void SlicerImpl::trim() {
         }
     }
     sweeps_made_regions = last_made_regions;
-    output.placement.trim();
-    output.pool.outputs.clear();
+    output.trim();
     bands.trim();
     buckets.trim();
     planes.trim();

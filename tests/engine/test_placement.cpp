@@ -25,7 +25,7 @@ TEST_CASE("bands with more or fewer points than segments are placed in order", "
     std::vector<Point> expected;
     std::uint64_t segments = 0;
     for (std::uint32_t b = 0; b < 24; ++b) {
-        bands.push_back({b, b + 1, 1 + draw(6), false});
+        bands.push_back({b, b + 1, 1 + draw(24), false});
         segments += bands[b].segments;
         const auto usual = static_cast<std::uint32_t>(bands[b].segments);
         const std::uint32_t kind = draw(8);
@@ -34,14 +34,24 @@ TEST_CASE("bands with more or fewer points than segments are placed in order", "
             expected.push_back({static_cast<std::int32_t>(b), static_cast<std::int32_t>(c)});
         }
     }
-    // Often too little room: what it does not hold is kept until all is done.
-    lamella::SliceResult result;
-    result.layers.resize_discarding(bands.size());
-    result.points.resize_discarding(draw(2) == 0 ? segments + segments / 8 : draw(static_cast<std::uint32_t>(segments)));
-    lamella::OutputPool pool{nullptr};
-    lamella::Placement placement(pool);
+    // Often too little room, since a result has 64 points more than segments are expected: what it does not hold is kept
+    // until all is done.
     constexpr std::size_t threads = 3;
-    placement.begin(bands, 2 * threads, with_origins, result, {});
+    const lamella::Parallel parallel({.threads = threads});
+    lamella::OutputScratch scratch(nullptr);
+    lamella::SliceResult result;
+    const auto layer_at = [](lamella::PlaneIndex) { return lamella::Layer{}; };
+    const lamella::OutputPlan plan{.layers = static_cast<lamella::PlaneIndex>(bands.size()),
+                                   .layer_at = layer_at,
+                                   .segments = draw(2) == 0 ? segments : 1 + draw(static_cast<std::uint32_t>(segments) / 2),
+                                   .cutting = 0,
+                                   .bands = bands,
+                                   .parallel = parallel,
+                                   .scratch = scratch,
+                                   .origins = with_origins,
+                                   .info = result.info};
+    lamella::ResultTarget placement(result);
+    placement.begin(plan);
 
     // One interleaving of `threads` threads. A step begins the next band, reserves space for a point, writes it, or
     // submits.
@@ -85,8 +95,8 @@ TEST_CASE("bands with more or fewer points than segments are placed in order", "
             ++first_unfinished;
         }
     }
-    placement.finish(lamella::Parallel({.threads = 1}), result);
-    REQUIRE(placement.totals().points == expected.size());
+    placement.finish();
+    REQUIRE(result.info.points == expected.size());
     CHECK(std::vector<Point>(result.points.begin(), result.points.end()) == expected);
     REQUIRE(result.origins.size() == (with_origins ? expected.size() : 0));
     for (std::size_t i = 0; i < expected.size() && with_origins; ++i) {

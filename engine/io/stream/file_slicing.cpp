@@ -8,7 +8,6 @@
 #include "io/stream/chunk_scan.hpp"
 #include "io/stream/memory_model.hpp"
 #include "options/asked.hpp"
-#include "slicing/handover/sink_target.hpp"
 #include "slicing/slice_layers.hpp"
 
 namespace lamella {
@@ -55,7 +54,7 @@ public:
     }
 
     /// All layers to `target`. Throws Refused, Stopped, std::bad_alloc.
-    MeshStream::Spent run(SinkTarget& target) {
+    MeshStream::Spent run(LayerTarget& target) {
         const auto start = Clock::now();
         target_ = &target;
         first_pass();
@@ -303,9 +302,9 @@ private:
         const auto start = Clock::now();
         const SliceCall call{options_, call_.tuning, context, detail::SlicerImpl::of(scratch_, context)};
         ListedSource source(store_.listed(span.begin, span.end), span.triangles, frame_, call.kept.source_tools());
-        SliceResult result(context.memory);
-        slice_layers(source, *target_, call, result, span.begin);
-        add(result.info, info_);
+        SliceInfo own;
+        slice_layers(source, target_, call, own, span.begin);
+        add(own, info_);
         store_.drop_swept(span.begin, span.end);
         done_ = span.end;
         cut_ms_ += milliseconds_since(start);
@@ -335,7 +334,7 @@ private:
     const StreamOptions& stream_;
     const SliceCall& call_;
     SliceInfo& info_;
-    SinkTarget* target_ = nullptr;
+    LayerTarget* target_ = nullptr;
     SliceOptions options_;  ///< of a range
     Placing placing_;
     Parallel parallel_;
@@ -366,13 +365,16 @@ struct MeshStream::Impl final : detail::SourceImpl {
         stream.read.name = {};  // the file has its own, and the caller's text may go
     }
 
-    void slice(SinkTarget& target, const SliceCall& call, SliceInfo& info) const override {
-        const Spent own = FileSlicing(*file, stream, call, info).run(target);
+    void slice(LayerTarget* target, const SliceCall& call, SliceInfo& info) const override {
+        FileSlicing slicing(*file, stream, call, info);
+        if (target == nullptr) {
+            slicing.outline();
+            return;
+        }
+        const Spent own = slicing.run(*target);
         const std::lock_guard lock(mutex);
         spent = own;
     }
-
-    void outline(const SliceCall& call, SliceInfo& info) const override { FileSlicing(*file, stream, call, info).outline(); }
 
     const std::unique_ptr<TriangleFile> file;
     StreamOptions stream;

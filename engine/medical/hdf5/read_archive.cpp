@@ -404,17 +404,16 @@ void check_loaded(const InputFile& file, SliceResult& result, const Parallel& pa
 void set_info(SliceResult& result) {
     SliceInfo& info = result.info;
     info.layers = result.layers.size();
-    info.contours = result.contours.size();
-    info.points = result.points.size();
-    info.stitches = result.stitches.size();
-    ContourCounts counts;
+    LayerTotals totals;
+    totals.stitches = result.stitches.size();
     for (const Contour& contour : result.contours) {
-        counts.add(contour);
+        totals.add(contour);
     }
-    set_counts(counts, result);
     for (const Layer& layer : result.layers) {
+        totals.add(layer);
         info.segments += layer.segments;
     }
+    totals.describe(info);
     const std::uint64_t end = info.first_layer + info.layers;
     set_layers(info.options, info.first_layer, end < info.planned_layers ? end : all_layers);
 }

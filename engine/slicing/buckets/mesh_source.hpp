@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 
 #include "lamella/mesh.hpp"
 #include "slicing/buckets/thread_shares.hpp"
@@ -30,8 +31,6 @@ public:
           placing_(placing) {}
 
 protected:
-    ~MeshSource() = default;
-
     const MeshView mesh_;
     const Placing placing_;
     double unit_mm_ = 0;  // from count() on
@@ -75,18 +74,9 @@ private:
     void place_vertices();
 };
 
-/// Calls use(source) with the source that serves a mesh.
-template <class Use>
-void with_mesh_source(const MeshView& mesh, const Placing& placing, const SharedFrame* frame, const SourceTools& tools,
-                      Use use) {
-    if (IndexedSource::pays_for(mesh)) {
-        IndexedSource source(mesh, placing, frame, tools);
-        use(source);
-    } else {
-        SoupSource source(mesh, placing, frame, tools);
-        use(source);
-    }
-}
+/// The source that serves a mesh.
+std::unique_ptr<TriangleSource> source_of(const MeshView& mesh, const Placing& placing, const SharedFrame* frame,
+                                          const SourceTools& tools);
 
 // Float soups in blocks of 64 triangles, sixteen at a time with AVX-512: the planes that cut them, and their records. Other
 // meshes and processors take one triangle at a time, with the same result.
@@ -106,16 +96,10 @@ public:
     /// Triangles [begin, begin + 64), all of which must exist; returns which of them planes cut. Precondition: usable().
     std::uint64_t ranges(std::size_t begin, Ranges& ranges) const noexcept { return kernels_->ranges(*this, begin, ranges); }
 
-    /// Where records were written.
-    struct Written {
-        std::uint32_t record[block_triangles];
-        PlaneIndex first[block_triangles];
-        PlaneIndex last[block_triangles];
-    };
-    /// Writes a record for each triangle begin + t with bit t in `crossed`, as ShareRecords::write_each() does; returns
-    /// which of them reach as far as reach_end[its first plane]. Precondition: usable().
-    std::uint64_t write(std::size_t begin, std::uint64_t crossed, const ShareRecords& to, Written& written) const noexcept {
-        return kernels_->write(*this, begin, crossed, to, written);
+    /// Writes a record for each triangle begin + t with bit t in `crossed`, as ShareRecords::write_each() does.
+    /// Precondition: usable().
+    void write(std::size_t begin, std::uint64_t crossed, ShareRecords& to) const {
+        kernels_->write(*this, begin, crossed, to);
     }
 
     /// Writes a record with its first plane for each triangle begin + t with bit t in `wanted` that planes cut, one after
@@ -128,8 +112,7 @@ private:
     friend struct SoupKernel;
     struct Kernels {
         std::uint64_t (*ranges)(const SoupScan& scan, std::size_t begin, Ranges& ranges);
-        std::uint64_t (*write)(const SoupScan& scan, std::size_t begin, std::uint64_t crossed, const ShareRecords& to,
-                               Written& written);
+        void (*write)(const SoupScan& scan, std::size_t begin, std::uint64_t crossed, ShareRecords& to);
         std::size_t (*append)(const SoupScan& scan, std::size_t begin, std::uint64_t wanted, CrossedTriangle* records);
     };
     static const Kernels* kernels() noexcept;

@@ -198,62 +198,53 @@ struct SoupKernel {
         _mm512_mask_storeu_epi32(&record, nine, _mm512_maskz_permutexvar_epi32(all_lanes, from, grid));
     }
 
-    LAMELLA_AVX512 static std::uint64_t write(const SoupScan& scan, std::size_t begin, std::uint64_t crossed,
-                                              const ShareRecords& to, SoupScan::Written& written) {
-        std::uint64_t reaching = 0;
-        for (std::size_t base = 0; base < block_triangles; base += lanes_of_512) {
-            auto bits = static_cast<unsigned>(crossed >> base) & 0xFFFFU;
-            if (bits == 0) {
+    /// The record of each triangle begin + t with bit t in `wanted` that planes cut: place(t, lowest corner, its planes)
+    /// says where it goes, with the number that it gets.
+    template <class Place>
+    LAMELLA_AVX512 static void write_each(const SoupScan& scan, std::size_t begin, std::uint64_t wanted, Place place) {
+        for (std::size_t base = begin; wanted != 0; base += lanes_of_512, wanted >>= lanes_of_512) {
+            if ((wanted & 0xFFFFU) == 0) {
                 continue;
             }
             Group group;
-            PlaneIndex* first = written.first + base;
-            PlaneIndex* last = written.last + base;
-            const Planes planes = order_group(scan, begin + base, group);
-            _mm512_storeu_si512(first, planes.first);
-            _mm512_storeu_si512(last, planes.last);
-            const unsigned beyond = _mm512_cmpgt_epi32_mask(planes.last, gather(to.reach_end, planes.first));
-            reaching |= static_cast<std::uint64_t>(beyond & bits) << base;
-            for (; bits != 0; bits &= bits - 1) {
+            alignas(64) PlaneIndex first[lanes_of_512];
+            alignas(64) PlaneIndex last[lanes_of_512];
+            const Planes planes = order_group(scan, base, group);
+            _mm512_store_si512(first, planes.first);
+            _mm512_store_si512(last, planes.last);
+            unsigned bits = _mm512_cmplt_epi32_mask(planes.first, planes.last);
+            for (bits &= static_cast<unsigned>(wanted) & 0xFFFFU; bits != 0; bits &= bits - 1) {
                 const auto lane = static_cast<std::size_t>(__builtin_ctz(bits));
-                const std::size_t t = begin + base + lane;
-                const std::uint32_t at = to.next[first[lane]]++;
-                CrossedTriangle& record = to.records[at];
-                __builtin_prefetch(&record + 2, 1);  // of the same list, and likely the next to be written
-                write_vertices(scan, t, group.order[lane], record);
-                record.triangle = static_cast<std::uint32_t>(t);
+                const std::uint32_t order = group.order[lane];
+                CrossedTriangle& record =
+                    place(base + lane, height_orders[order].lower, PlaneRange{first[lane], last[lane]});
+                write_vertices(scan, base + lane, order, record);
                 record.middle_and_source = group.middle_and_source[lane];
                 record.last = last[lane];
-                written.record[base + lane] = at;
-                if (to.lowest_corners != nullptr) {
-                    to.lowest_corners[at] = height_orders[group.order[lane]].lower;
-                }
             }
         }
-        return reaching;
+    }
+
+    LAMELLA_AVX512 static void write(const SoupScan& scan, std::size_t begin, std::uint64_t crossed, ShareRecords& to) {
+        write_each(scan, begin, crossed, [&to](std::size_t t, std::uint8_t lowest, PlaneRange cut) -> CrossedTriangle& {
+            const std::uint32_t at = to.take_place(cut);
+            CrossedTriangle& record = to.records[at];
+            __builtin_prefetch(&record + 2, 1);  // of the same list, and likely the next to be written
+            record.triangle = static_cast<std::uint32_t>(t);
+            if (to.lowest_corners != nullptr) {
+                to.lowest_corners[at] = lowest;
+            }
+            return record;
+        });
     }
 
     LAMELLA_AVX512 static std::size_t append(const SoupScan& scan, std::size_t begin, std::uint64_t wanted,
                                              CrossedTriangle* records) {
         CrossedTriangle* next = records;
-        for (std::size_t base = 0; base < block_triangles; base += lanes_of_512) {
-            Group group;
-            alignas(64) PlaneIndex first[lanes_of_512];
-            alignas(64) PlaneIndex last[lanes_of_512];
-            const Planes planes = order_group(scan, begin + base, group);
-            _mm512_store_si512(first, planes.first);
-            _mm512_store_si512(last, planes.last);
-            unsigned bits = _mm512_cmplt_epi32_mask(planes.first, planes.last);
-            bits &= static_cast<unsigned>(wanted >> base) & 0xFFFFU;
-            for (; bits != 0; bits &= bits - 1) {
-                const auto lane = static_cast<std::size_t>(__builtin_ctz(bits));
-                write_vertices(scan, begin + base + lane, group.order[lane], *next);
-                next->first = first[lane];
-                next->middle_and_source = group.middle_and_source[lane];
-                next->last = last[lane];
-                ++next;
-            }
-        }
+        write_each(scan, begin, wanted, [&next](std::size_t, std::uint8_t, PlaneRange cut) -> CrossedTriangle& {
+            next->first = cut.first;
+            return *next++;
+        });
         return static_cast<std::size_t>(next - records);
     }
 };

@@ -65,20 +65,24 @@ public:
           planes_(call.context.memory),
           rules_(working_rules(call.options)) {}
 
-    void slice(LayerTarget& target, SliceResult& result) {
+    void slice(LayerTarget* target, SliceInfo& info) {
         parallel_.begin_stage(0.4, 5);
         const auto start = Clock::now();
-        outline(result.info);
-        target.admit_layers(layers_.size(), result.info);
+        outline(info);
+        if (target == nullptr) {
+            return;
+        }
+        target->admit_layers(layers_.size(), info);
         Distributed<FacePiece> pieces = share_pieces();
-        result.info.ms.bucket = milliseconds_since(start);
+        info.ms.bucket = milliseconds_since(start);
         const auto shared = Clock::now();
         parallel_.begin_stage(0.95);
-        build_layers(pieces, target, result);
-        result.info.ms.fill = milliseconds_since(shared);
+        build_layers(pieces, *target, info);
+        info.ms.fill = milliseconds_since(shared);
         parallel_.finish();
     }
 
+private:
     /// Up to the count of pieces. Refuses too many before they are stored.
     void outline(SliceInfo& info) {
         const SliceOptions& options = call_.options;
@@ -105,7 +109,6 @@ public:
         check_size(counts.pieces);
     }
 
-private:
     /// All planes of the plan, since a piece lies between two of them, and the layers that are asked for.
     void plan_layers() {
         const PlaneOptions& asked = call_.options.planes;
@@ -180,7 +183,7 @@ private:
         });
     }
 
-    void build_layers(Distributed<FacePiece>& pieces, LayerTarget& target, SliceResult& result) {
+    void build_layers(Distributed<FacePiece>& pieces, LayerTarget& target, SliceInfo& info) {
         std::vector<std::unique_ptr<FaceWorker>> workers(static_cast<std::size_t>(parallel_.threads()));
         for (std::size_t task = 0; task < tasks(); ++task) {
             const auto first_of = [&](std::size_t t) { return (t * layers_.size() + tasks() - 1) / tasks(); };
@@ -199,19 +202,18 @@ private:
                               .parallel = parallel_,
                               .scratch = call_.kept.output,
                               .origins = false,
-                              .result = result,
-                              .lead = tasks()};
-        BandTarget& bands = target.begin(plan);
-        parallel_.run(tasks(), [&](std::size_t task, int number) {
+                              .info = info};
+        target.begin(plan);
+        fill_bands(target, parallel_, 0, tasks(), [&](std::size_t task, int number, BandOutput& output) {
             auto& worker = workers[static_cast<std::size_t>(number)];
             if (worker == nullptr) {
                 worker = std::make_unique<FaceWorker>(parallel_.memory(), parallel_.stop());
                 worker->builder.rules = &layer_rules;
             }
-            fill_band(bands, task, [&](BandOutput& output) { build_task(tasks_[task], pieces.of(task), *worker, output); });
+            build_task(tasks_[task], pieces.of(task), *worker, output);
         });
         parallel_.begin_stage(0.99, 2);
-        target.finish(plan);
+        target.finish();
     }
 
     void build_task(const Band& layers, std::span<FacePiece> pieces, FaceWorker& worker, BandOutput& output) {
@@ -250,7 +252,8 @@ private:
         if (worker.given.empty()) {
             output.add_empty_layer();
         } else {
-            worker.builder.build_given(worker.given, output);
+            worker.builder.read_given(worker.given);
+            worker.builder.build(output);
         }
     }
 
@@ -291,12 +294,8 @@ void check_faces(const Source& from, const SliceOptions& options) {
     }
 }
 
-void slice_faces(const MeshView& mesh, const SliceCall& call, LayerTarget& target, SliceResult& result) {
-    FaceSlicing(mesh, call).slice(target, result);
-}
-
-void outline_faces(const MeshView& mesh, const SliceCall& call, SliceInfo& info) {
-    FaceSlicing(mesh, call).outline(info);
+void slice_faces(const MeshView& mesh, const SliceCall& call, LayerTarget* target, SliceInfo& info) {
+    FaceSlicing(mesh, call).slice(target, info);
 }
 
 }  // namespace lamella

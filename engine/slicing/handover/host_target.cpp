@@ -139,20 +139,11 @@ double farthest_units(const SliceInfo& info) noexcept {
 
 }  // namespace
 
-HostPoints::HostPoints(const HostArrays& output) noexcept
-    : output_(output), stride_(output.point_stride == 0 ? point_bytes(output.point_type) : output.point_stride) {
-    constexpr std::array<Convert, 4> by_type = {convert<float>, convert<double>, convert<std::int32_t>,
-                                                convert<std::int64_t>};
-    convert_ = by_type[static_cast<std::size_t>(output.point_type)];
-}
+HostTarget::HostTarget(const HostArrays& host)
+    : host_(checked(host)), stride_(host.point_stride == 0 ? point_bytes(host.point_type) : host.point_stride) {}
 
-void HostPoints::write(std::uint64_t first, std::span<const Point> points) const noexcept {
-    convert_(points, output_.scale, static_cast<std::byte*>(output_.points) + first * stride_, stride_);
-}
-
-HostTarget::HostTarget(const HostArrays& host) : host_(checked(host)), writer_(host) {}
-
-void HostTarget::admit_layers(std::uint64_t layers, const SliceInfo& info) const {
+void HostTarget::admit_layers(std::uint64_t layers, const SliceInfo& info) {
+    layers_ = std::max(layers_, layers);
     if (layers > host_.layers.size()) {
         refuse(
             "the slice has " + counted(layers, "layer") + ", but there is memory for " + std::to_string(host_.layers.size()),
@@ -161,40 +152,29 @@ void HostTarget::admit_layers(std::uint64_t layers, const SliceInfo& info) const
     check_scale(host_, farthest_units(info));
 }
 
-BandTarget& HostTarget::begin(const OutputPlan& plan) {
-    PointRoom room;
-    if (!is_plain(host_)) {
-        room.writer = &writer_;
-    } else if (host_.point_capacity > 0) {
-        room.points = {static_cast<Point*>(host_.points), host_.point_capacity};
+void HostTarget::begin(const OutputPlan& plan) {
+    std::span<Point> straight;
+    if (is_plain(host_)) {
+        straight = {static_cast<Point*>(host_.points), host_.point_capacity};
     }
-    if (plan.origins && !host_.origins.empty()) {
-        room.origins = host_.origins.first(host_.point_capacity);
-    }
-    plan.scratch.placement.begin(plan.bands, plan.lead, room, plan.parallel.stop());
-    return plan.scratch.placement;
+    const bool origins = plan.origins && !host_.origins.empty();
+    begin_placing(plan, straight, host_.origins.first(origins ? host_.point_capacity : 0), origins, false);
 }
 
-void HostTarget::finish(const OutputPlan& plan) {
-    const Placement& placement = plan.scratch.placement;
-    LayerTotals totals = placement.totals();
-    check_room(totals);
-    const std::span<Layer> layers = host_.layers.first(plan.layers);
-    fill_layers(plan, layers);
-    placement.write_contours(plan.parallel, host_.contours.first(totals.contours), layers);
-    if (!host_.stitches.empty()) {
-        placement.write_stitches(host_.stitches.first(totals.stitches), plan.parallel.stop());
-    }
-    totals.emptied = count_emptied(layers);
-    totals.describe(plan.result.info);
+void HostTarget::write(std::uint64_t first, std::span<const Point> points) const noexcept {
+    constexpr std::array convert_to = {convert<float>, convert<double>, convert<std::int32_t>, convert<std::int64_t>};
+    convert_to[static_cast<std::size_t>(host_.point_type)](points, host_.scale,
+                                                           static_cast<std::byte*>(host_.points) + first * stride_, stride_);
 }
 
-void HostTarget::check_room(const LayerTotals& totals) const {
-    const std::uint64_t stitches = host_.stitches.empty() ? 0 : totals.stitches;
-    if (totals.points > host_.point_capacity || totals.contours > host_.contours.size() ||
-        stitches > host_.stitches.size()) {
-        refuse("the slice has " + counted(totals.contours, "contour") + ", " + counted(totals.points, "point") + " and " +
-                   counted(totals.stitches, "stitch", "stitches") + ", but there is memory for " +
+/// Where there is too little room, nothing more is written, and all is counted before the slice is refused.
+void HostTarget::finish() {
+    const std::uint64_t stitches = host_.stitches.empty() ? 0 : all_.stitches;
+    if (all_.points <= host_.point_capacity && all_.contours <= host_.contours.size() && stitches <= host_.stitches.size()) {
+        write_layers(host_.layers, host_.contours, host_.stitches.first(stitches));
+    } else if (plan_->first_index + plan_->layers == layers_) {
+        refuse("the slice has " + counted(all_.contours, "contour") + ", " + counted(all_.points, "point") + " and " +
+                   counted(all_.stitches, "stitch", "stitches") + ", but there is memory for " +
                    std::to_string(host_.contours.size()) + ", " + std::to_string(host_.point_capacity) + " and " +
                    std::to_string(host_.stitches.size()),
                ErrorCode::result_too_large);

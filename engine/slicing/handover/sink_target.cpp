@@ -14,6 +14,10 @@ namespace {
 constexpr std::size_t window_bytes = std::size_t{1} << 26;
 constexpr std::size_t few_points = std::size_t{1} << 17;
 
+std::size_t share_of_band(int threads) noexcept {
+    return window_bytes / (static_cast<std::size_t>(threads) + 1);
+}
+
 /// Takes the layers of an output one by one: contours, points and gaps then count from the layer's own first.
 struct LayerCursor {
     BandOutput& output;
@@ -60,31 +64,42 @@ struct LayerCursor {
 
 }  // namespace
 
-SinkBands::SinkBands(const LayerSink& sink, const OutputPlan& plan)
-    : BandQueue(plan.scratch.pool),
-      sink_(sink),
-      plan_(plan),
-      ascending_(sink.order == SinkOrder::ascending),
-      share_(share_of_band(plan.parallel.threads())),
-      totals_of_(plan.bands.size()) {
-    const auto threads = static_cast<std::size_t>(plan.parallel.threads());
-    begin(plan.bands, ascending_ ? threads : plan.bands.size(), plan.origins);
+SinkTarget::SinkTarget(const LayerSink& sink) : sink_(sink), ascending_(sink.order == SinkOrder::ascending) {
+    if (!sink.take) {
+        throw Refused{{ErrorCode::invalid_argument, "the sink has no function that takes layers"}};
+    }
 }
 
-std::size_t SinkBands::share_of_band(int threads) noexcept {
-    return window_bytes / (static_cast<std::size_t>(threads) + 1);
+void SinkTarget::announce(const SliceInfo& info) {
+    if (sink_.begin && !is_announced_) {
+        sink_.begin(info);
+    }
+    is_announced_ = true;
+}
+
+std::uint64_t SinkTarget::most_band_segments(int threads) const noexcept {
+    return !ascending_ || threads == 1 ? BandPlan::no_limit : share_of_band(threads) / sizeof(Point);
+}
+
+void SinkTarget::begin(const OutputPlan& plan) {
+    announce(plan.info);
+    plan.parallel.ask_host();
+    const int threads = plan.parallel.threads();
+    share_ = share_of_band(threads);
+    begin_bands(plan, ascending_ ? static_cast<std::size_t>(threads) : plan.bands.size(), plan.origins);
 }
 
 /// All of a wide plane's band, which is one layer; of others what the band may keep, or as the head a few layers.
-void SinkBands::make_room(std::size_t band, BandOutput& output, std::unique_lock<std::mutex>& lock) {
+void SinkTarget::make_room(std::size_t band, BandOutput& output, std::unique_lock<std::mutex>& lock) {
     const std::size_t point_bytes = sizeof(Point) + (with_origins_ ? sizeof(PointOrigin) : 0);
     const std::uint64_t room = is_head(band) ? few_points : share_ / point_bytes;
     lock.unlock();
+    const Band& own = plan_->bands[band];
     output.reader = this;
-    output.begin_in_buffer(bands_[band].wide ? bands_[band].segments : std::min(bands_[band].segments, room));
+    output.begin_in_buffer(own.wide ? own.segments : std::min(own.segments, room));
 }
 
-void SinkBands::layer_done(BandOutput& output) {
+void SinkTarget::layer_done(BandOutput& output) {
     if (!is_head(output.band)) {
         if (output.bytes_used() < share_) {
             return;
@@ -100,28 +115,25 @@ void SinkBands::layer_done(BandOutput& output) {
 
 /// Hands over all layers of `output`, whose band is the head, and empties it. Throws Stopped where the host wants the call
 /// to end.
-void SinkBands::hand_over(BandOutput& output) {
-    LayerTotals& totals = totals_of_[output.band];
+void SinkTarget::hand_over(BandOutput& output) {
     LayerCursor cursor{output};
     while (cursor.layer < output.layer_contours.size()) {
         const auto plane = static_cast<PlaneIndex>(output.first_layer + cursor.layer);
-        LayerView view = cursor.next(plan_.first_index + plane);
-        static_cast<Layer&>(view) = plan_.layer_at(plane);
+        LayerView view = cursor.next(plan_->first_index + plane);
+        static_cast<Layer&>(view) = plan_->layer_at(plane);
         view.contour_count = view.contours.size();
-        view.grid_mm = plan_.result.info.grid_mm;
+        view.grid_mm = plan_->info.grid_mm;
         sink_.take(view);
-        totals.stitches += view.stitches.size();
-        totals.emptied += view.segments > 0 && view.contours.empty() ? 1 : 0;
-        plan_.parallel.ask_host();  // so that a sink which ends the call gets no layer more
+        output.totals.stitches += view.stitches.size();
+        output.totals.add(static_cast<const Layer&>(view));
+        plan_->parallel.ask_host();  // so that a sink which ends the call gets no layer more
     }
-    totals.contours += output.contours.size();
-    totals.points += output.point_count;
     output.drop_layers();
 }
 
 /// Where the band is the head, hands over what is left of it and of all done bands that follow. While it does so no other
 /// thread can: the next head is either done, or its own thread will find that it is the head.
-void SinkBands::submit(std::size_t band) {
+void SinkTarget::submit(std::size_t band) {
     std::unique_lock lock(mutex_);
     in_flight_[band].done = true;
     if (!is_head(band)) {
@@ -133,33 +145,15 @@ void SinkBands::submit(std::size_t band) {
         BandOutput& output = *in_flight_[head].output;
         hand_over(output);
         lock.lock();
-        totals_of_[head].counts = output.counts;
-        totals_.add(totals_of_[head]);
+        totals_.add(output.totals);
         if (output.bytes_held() > share_) {
             output.release();
         }
         put_idle(head);
         head_.store(head + 1, std::memory_order_release);
-        is_done = ascending_ && head + 1 < bands_.size() && in_flight_[head + 1].done;
+        is_done = ascending_ && head + 1 < in_flight_.size() && in_flight_[head + 1].done;
         changed_.notify_all();
     }
-}
-
-SinkTarget::SinkTarget(const LayerSink& sink) : sink_(sink) {
-    if (!sink.take) {
-        throw Refused{{ErrorCode::invalid_argument, "the sink has no function that takes layers"}};
-    }
-}
-
-void SinkTarget::announce(const SliceInfo& info) {
-    if (sink_.begin && !is_announced_) {
-        sink_.begin(info);
-    }
-    is_announced_ = true;
-}
-
-void SinkTarget::finish(const OutputPlan& plan) {
-    bands_->totals().describe(plan.result.info);
 }
 
 }  // namespace lamella

@@ -11,14 +11,10 @@
 // begun beyond the head at most.
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <mutex>
-#include <optional>
 #include <span>
-#include <vector>
 
 #include "lamella/destination.hpp"
 #include "lamella/slice.hpp"
@@ -26,20 +22,17 @@
 
 namespace lamella {
 
-/// The bands of one sweep.
-class SinkBands final : public BandQueue {
+class SinkTarget final : public LayerTarget {
 public:
-    SinkBands(const LayerSink& sink, const OutputPlan& plan);
-    SinkBands(const SinkBands&) = delete;
-    SinkBands& operator=(const SinkBands&) = delete;
+    /// Throws Refused where the sink is none.
+    explicit SinkTarget(const LayerSink& sink);
 
+    void announce(const SliceInfo& info) override;
+    std::uint64_t most_band_segments(int threads) const noexcept override;
+    void begin(const OutputPlan& plan) override;
     void submit(std::size_t band) override;
     void layer_done(BandOutput& output) override;
-
-    const LayerTotals& totals() const noexcept { return totals_; }
-
-    /// The bytes that a band may keep while it is not the head.
-    static std::size_t share_of_band(int threads) noexcept;
+    void finish() override { totals_.describe(plan_->info); }
 
 private:
     void make_room(std::size_t band, BandOutput& output, std::unique_lock<std::mutex>& lock) override;
@@ -49,71 +42,28 @@ private:
     bool is_head(std::size_t band) const noexcept { return !ascending_ || head_.load(std::memory_order_acquire) == band; }
 
     const LayerSink& sink_;
-    const OutputPlan& plan_;
     const bool ascending_;
-    const std::size_t share_;
-    std::vector<LayerTotals> totals_of_;  // of each band
-    LayerTotals totals_;
-};
-
-class SinkTarget final : public LayerTarget {
-public:
-    /// Throws Refused where the sink is none.
-    explicit SinkTarget(const LayerSink& sink);
-
-    std::uint64_t most_band_segments(int threads) const noexcept override {
-        return sink_.order == SinkOrder::any || threads == 1 ? BandPlan::no_limit
-                                                             : SinkBands::share_of_band(threads) / sizeof(Point);
-    }
-    BandTarget& begin(const OutputPlan& plan) override {
-        announce(plan.result.info);
-        plan.parallel.ask_host();
-        return bands_.emplace(sink_, plan);
-    }
-    void finish(const OutputPlan& plan) override;
-
-    /// Tells the sink what is known before the first layer: once, by whoever calls it first.
-    void announce(const SliceInfo& info);
-
-private:
-    const LayerSink& sink_;
     bool is_announced_ = false;
-    std::optional<SinkBands> bands_;
+    std::size_t share_ = 0;  ///< bytes that a band may keep while it is not the head
 };
 
-// A slice that is made for the host's own arrays, in its number type, scale and stride.
-
-/// Grid points to the host's numbers.
-class HostPoints final : public PointWriter {
-public:
-    /// `output` has passed the checks and outlives this.
-    explicit HostPoints(const HostArrays& output) noexcept;
-
-    std::uint64_t capacity() const noexcept override { return output_.point_capacity; }
-    void write(std::uint64_t first, std::span<const Point> points) const noexcept override;
-
-private:
-    using Convert = void (*)(std::span<const Point> points, double scale, std::byte* to, std::size_t stride) noexcept;
-
-    const HostArrays& output_;
-    std::size_t stride_;
-    Convert convert_;
-};
-
-class HostTarget final : public LayerTarget {
+/// A slice that is made for the host's own arrays, in its number type, scale and stride.
+class HostTarget final : public PlacedTarget {
 public:
     /// Throws Refused where arrays or scale make no sense.
     explicit HostTarget(const HostArrays& host);
 
-    void admit_layers(std::uint64_t layers, const SliceInfo& info) const override;
-    BandTarget& begin(const OutputPlan& plan) override;
-    void finish(const OutputPlan& plan) override;
+    void admit_layers(std::uint64_t layers, const SliceInfo& info) override;
+    void begin(const OutputPlan& plan) override;
+    void finish() override;
 
 private:
-    void check_room(const LayerTotals& totals) const;
+    std::uint64_t capacity() const noexcept override { return host_.point_capacity; }
+    void write(std::uint64_t first, std::span<const Point> points) const noexcept override;
 
     const HostArrays& host_;
-    HostPoints writer_;
+    const std::size_t stride_;
+    std::uint64_t layers_ = 0;  ///< of all plans
 };
 
 }  // namespace lamella

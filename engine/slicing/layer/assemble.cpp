@@ -44,7 +44,8 @@ public:
     SliceResult build() {
         output_.buffer.resize_discarding(segments_.size() + segments_.size() / 64 + 64);  // seldom more, see slice()
         output_.begin(output_.buffer.span());
-        layer_.build(graph_, points_.data(), nullptr, output_);
+        layer_.read(graph_, points_.data(), nullptr);
+        layer_.build(output_);
         return copy_layer(output_, segments_.size(), worker_, worker_.memory());
     }
 

@@ -7,23 +7,7 @@
 
 namespace lamella {
 
-void LayerBuilder::build(const LinkGraph& graph, const Point* points, const SlotOrigins* origins, BandOutput& out) {
-    rings_.read(graph, points, origins, contours_.paths);
-    finish(out);
-}
-
-void LayerBuilder::build_traced(Point* rings, PointOrigin* origins, std::span<const WalkedContour> walked, KeyAt key_at,
-                                const Parallel& parallel, BandOutput& out) {
-    read_traced(rings, origins, walked, key_at, parallel, contours_.paths);
-    finish(out);
-}
-
-void LayerBuilder::build_given(std::span<const Path> contours, BandOutput& out) {
-    (given_ ? *given_ : given_.emplace(worker_)).list(contours, contours_.paths);
-    finish(out);
-}
-
-void LayerBuilder::finish(BandOutput& out) {
+void LayerBuilder::build(BandOutput& out) {
     contours_.with_origins = out.with_origins;
     if (rules->stitch > 0) {
         close_gaps(out);
@@ -32,7 +16,7 @@ void LayerBuilder::finish(BandOutput& out) {
     const std::uint64_t layer = rules->first_layer + out.first_layer + out.layer_contours.size();
     const bool cancels = nest(rules->region == nullptr ? FillRule::contours : rules->region->rule_of(layer));
     contours_.order.put_holes_after_outers(contours_.items);
-    out.counts.cancelled_layers += cancels ? 1 : 0;
+    out.totals.cancelled_layers += cancels ? 1 : 0;
     append(out);
 }
 
@@ -105,7 +89,7 @@ void LayerBuilder::append(BandOutput& out) {
         contour.orientation = item.orientation;
         contour.flags = item.flags;
         contour.part = item.part;
-        out.counts.add(contour);
+        out.totals.add(contour);
         out.point_count += item.count;
     }
     out.layer_contours.push_back(static_cast<std::uint32_t>(contours_.items.size()));

@@ -48,18 +48,26 @@ class LayerBuilder {
 public:
     explicit LayerBuilder(Worker& worker) noexcept : worker_(worker) {}
 
-    /// Appends the layer that `graph` holds to `out`; points[slot] is where the slot's edge pierces the plane, and
-    /// origins[slot] where its segments come from, null where `out` takes no origins. O(q log q) for q points. Throws
-    /// std::bad_alloc.
-    void build(const LinkGraph& graph, const Point* points, const SlotOrigins* origins, BandOutput& out);
+    // The layer's contours come from one of these. All throw std::bad_alloc.
 
-    /// The same for closed contours whose points lie in walking order in `rings` already; see read_traced().
-    void build_traced(Point* rings, PointOrigin* origins, std::span<const WalkedContour> walked, KeyAt key_at,
-                      const Parallel& parallel, BandOutput& out);
+    /// Those that `graph` holds; points[slot] is where the slot's edge pierces the plane, and origins[slot] where its
+    /// segments come from, or null.
+    void read(const LinkGraph& graph, const Point* points, const SlotOrigins* origins) {
+        rings_.read(graph, points, origins, contours_.paths);
+    }
+    /// Closed ones whose points lie in walking order in `rings` already; see lamella::read_traced().
+    void read_traced(Point* rings, PointOrigin* origins, std::span<const WalkedContour> walked, KeyAt key_at,
+                     const Parallel& parallel) {
+        lamella::read_traced(rings, origins, walked, key_at, parallel, contours_.paths);
+    }
+    /// Those that are not walked but given, each with points: see given_path(). Where NestItem::reverse is set, the facets
+    /// run the other way.
+    void read_given(std::span<const Path> contours) {
+        (given_ ? *given_ : given_.emplace(worker_)).list(contours, contours_.paths);
+    }
 
-    /// The same for contours that are not walked but given, each with points: see given_path(). Where NestItem::reverse is
-    /// set, the facets run the other way.
-    void build_given(std::span<const Path> contours, BandOutput& out);
+    /// Appends the layer of the contours that were read to `out`. O(q log q) for q points. Throws std::bad_alloc.
+    void build(BandOutput& out);
 
     /// Apply to layers built after this.
     const LayerRules* rules = &plain_layers;
@@ -67,7 +75,6 @@ public:
     LayerTicks* ticks = nullptr;
 
 private:
-    void finish(BandOutput& out);
     void close_gaps(BandOutput& out);
     bool nest(FillRule rule);
     void append(BandOutput& out);

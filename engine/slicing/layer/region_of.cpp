@@ -97,7 +97,8 @@ Result<SliceResult> region_of(std::span<const std::span<const Point>> contours, 
         builder.rules = &layer_rules;
         BandOutput output(context.memory);
         output.begin(output.buffer.span());
-        builder.build_given(list_given(contours, worker), output);
+        builder.read_given(list_given(contours, worker));
+        builder.build(output);
         SliceResult region = copy_layer(output, 0, worker, context.memory);
         region.info.options.region = rules;
         region.info.grid_mm = grid_mm;

@@ -53,43 +53,48 @@ Path as_given(const SliceResult& part, const Contour& contour) noexcept {
 class Merging {
 public:
     /// `merged` has the summary but for what the target counts.
-    Merging(std::span<SliceResult> parts, bool united, const SliceCall& call, SliceResult& merged)
+    Merging(std::span<const SliceResult> parts, bool united, const SliceCall& call, SliceInfo& merged)
         : parts_(parts),
           united_(united),
+          call_(call),
           parallel_(*call.kept.parallel),
-          scratch_(call.kept.output),
           merged_(merged),
-          rules_{
-              .region = &merged.info.options.region, .grid_mm = merged.info.grid_mm, .first_layer = merged.info.first_layer},
+          rules_{.region = &merged.options.region, .grid_mm = merged.grid_mm, .first_layer = merged.first_layer},
           builders_(static_cast<std::size_t>(parallel_.threads())) {}
 
     /// `reach` is told the share of layers that are done. Throws Refused, std::bad_alloc, Stopped.
     void run(LayerTarget& target, FunctionRef<void(double)> reach) {
-        cut_tasks();
-        const auto layer_at = [this](PlaneIndex plane) { return layers_[plane]; };
-        const OutputPlan plan{.layers = static_cast<PlaneIndex>(layers_.size()),
+        const std::vector<Band> tasks = cut_tasks();
+        std::uint64_t points = 0;
+        for (const Band& task : tasks) {
+            points += task.segments;
+        }
+        const auto layer_at = [this](PlaneIndex plane) { return layer_of_all(plane); };
+        const OutputPlan plan{.layers = static_cast<PlaneIndex>(parts_[0].layers.size()),
                               .layer_at = layer_at,
-                              .segments = points_,
+                              .segments = points,
                               .cutting = 0,
-                              .bands = tasks_,
+                              .bands = tasks,
                               .parallel = parallel_,
-                              .scratch = scratch_,
-                              .origins = merged_.info.options.origins,  // of some part: one that no plane meets has none
-                              .result = merged_,
-                              .lead = united_ ? tasks_.size() : usual_lead(parallel_)};
-        BandTarget& bands = target.begin(plan);
-        parallel_.run(tasks_.size(), [&](std::size_t task, int worker) {
-            fill_band(bands, task, [&](BandOutput& output) {
-                for (PlaneIndex layer = tasks_[task].first; layer < tasks_[task].last; ++layer) {
-                    fill_layer(layer, worker, output);
-                    output.finish_layer();
+                              .scratch = call_.kept.output,
+                              .origins = merged_.options.origins,  // of some part: one that no plane meets has none
+                              .info = merged_};
+        target.begin(plan);
+        fill_bands(target, parallel_, 0, tasks.size(), [&](std::size_t task, int worker, BandOutput& output) {
+            for (PlaneIndex layer = tasks[task].first; layer < tasks[task].last; ++layer) {
+                for (const SliceResult& part : parts_) {
+                    for (const Stitch& stitch : part[layer].stitches) {
+                        output.stitches.push_back({layer - output.first_layer, stitch.from, stitch.to});
+                    }
                 }
-            });
-            reach(static_cast<double>(task) / static_cast<double>(tasks_.size()));
+                united_ ? unite(layer, worker, output) : append(layer, output);
+                output.finish_layer();
+            }
+            reach(static_cast<double>(task) / static_cast<double>(tasks.size()));
         });
-        target.finish(plan);
+        target.finish();
         for (const SliceResult& part : parts_) {
-            merged_.info.cancelled_layers += part.info.cancelled_layers;
+            merged_.cancelled_layers += part.info.cancelled_layers;
         }
     }
 
@@ -102,56 +107,35 @@ private:
         Vector<Path> given;
     };
 
-    /// Layers without their contours, the tasks, and where none is united how many points they have.
-    void cut_tasks() {
-        layers_.resize_discarding(parts_[0].layers.size());
-        for (std::size_t l = 0; l < layers_.size(); ++l) {
-            Layer& layer = layers_[l] = parts_[0].layers[l];
-            layer.first_contour = layer.contour_count = layer.segments = 0;
+    /// Without contours.
+    Layer layer_of_all(PlaneIndex plane) const noexcept {
+        Layer layer = parts_[0].layers[plane];
+        layer.first_contour = layer.contour_count = layer.segments = 0;
+        for (const SliceResult& part : parts_) {
+            assert(part.layers[plane].plane == layer.plane);
+            layer.segments += part.layers[plane].segments;
+        }
+        return layer;
+    }
+
+    /// Where none is united, with how many points they have.
+    std::vector<Band> cut_tasks() const {
+        std::vector<Band> tasks;
+        tasks.reserve(parts_[0].layers.size() / layers_a_task + 1);
+        for (std::size_t l = 0; l < parts_[0].layers.size(); ++l) {
             if (l % layers_a_task == 0) {
                 parallel_.stop_if_asked();
-                tasks_.push_back({static_cast<PlaneIndex>(l), 0, 0});
+                tasks.push_back({static_cast<PlaneIndex>(l), 0, 0});
             }
-            tasks_.back().last = static_cast<PlaneIndex>(l + 1);
-            for (SliceResult& part : parts_) {
-                assert(part.layers[l].plane == layer.plane);
-                layer.segments += part.layers[l].segments;
-                tasks_.back().segments += united_ ? 0 : part[l].points.size();
+            tasks.back().last = static_cast<PlaneIndex>(l + 1);
+            for (const SliceResult& part : parts_) {
+                tasks.back().segments += united_ ? 0 : part[l].points.size();
             }
         }
-        for (const Band& task : tasks_) {
-            points_ += task.segments;
-        }
+        return tasks;
     }
 
-    void fill_layer(std::size_t layer, int worker, BandOutput& output) {
-        for (std::size_t p = 0; p < parts_.size(); ++p) {
-            number(layer, p);
-            for (const Stitch& stitch : parts_[p][layer].stitches) {
-                output.stitches.push_back({layer - output.first_layer, stitch.from, stitch.to});
-            }
-        }
-        if (united_) {
-            unite(layer, worker, output);
-        } else {
-            append(layer, output);
-        }
-    }
-
-    /// Gives a layer's contours and origins the number of their part.
-    void number(std::size_t layer, std::size_t part_number) {
-        SliceResult& part = parts_[part_number];
-        const LayerView own = part[layer];
-        for (Contour& contour : part.contours.span().subspan(own.first_contour, own.contour_count)) {
-            contour.part = static_cast<std::uint32_t>(part_number);
-        }
-        for (PointOrigin& origin :
-             part.origins.span().subspan(own.origins.empty() ? 0 : own.first_point, own.origins.size())) {
-            origin.part = origin.triangle == no_triangle ? std::uint16_t{0} : static_cast<std::uint16_t>(part_number);
-        }
-    }
-
-    void append(std::size_t l, BandOutput& output) {
+    void append(std::size_t l, BandOutput& output) const {
         const std::size_t contours_before = output.contours.size();
         for (const SliceResult& part : parts_) {
             const LayerView layer = part[l];
@@ -164,7 +148,7 @@ private:
                 Contour& contour = output.contours.emplace_back(own);
                 contour.first_point += output.point_count - layer.first_point;
                 contour.parent += own.parent < 0 ? 0 : first - static_cast<std::int64_t>(layer.first_contour);
-                output.counts.add(contour);
+                output.totals.add(contour);
             }
             output.point_count += layer.points.size();
         }
@@ -183,37 +167,18 @@ private:
                 builder->given.push_back(as_given(part, contour));
             }
         }
-        builder->layers.build_given(builder->given, output);
+        builder->layers.read_given(builder->given);
+        builder->layers.build(output);
     }
 
-    std::span<SliceResult> parts_;
+    std::span<const SliceResult> parts_;
     bool united_;
+    const SliceCall& call_;
     const Parallel& parallel_;
-    OutputScratch& scratch_;
-    SliceResult& merged_;
+    SliceInfo& merged_;
     LayerRules rules_;
     std::vector<std::unique_ptr<Builder>> builders_;  ///< by worker
-    Array<Layer> layers_{parallel_.memory()};
-    std::vector<Band> tasks_;
-    std::uint64_t points_ = 0;
 };
-
-/// Adds what part number `part` has.
-void add_part(const SliceInfo& own, std::size_t part, SliceInfo& sum) {
-    if (part == 0) {
-        sum.layers = own.layers;
-        sum.layer_of = own.layer_of;
-        sum.first_layer = own.first_layer;
-        sum.planned_layers = own.planned_layers;
-        sum.options.heights_mm = own.options.heights_mm;
-        sum.options.stitch_mm = 0;
-        sum.part_count = 0;
-        sum.threads = own.threads;
-    }
-    ++sum.part_count;
-    sum.options.stitch_mm = std::max(sum.options.stitch_mm, own.options.stitch_mm);
-    add_work(own, sum);
-}
 
 class PartSlicing {
 public:
@@ -236,57 +201,28 @@ public:
         }
     }
 
-    void slice(LayerTarget& target, SliceResult& merged) {
+    void slice(LayerTarget* target, SliceInfo& info) {
         choose_frame();
         const Bounds box = frame_.bounds;
-        slice_all(box, target, merged);
-        if (std::all_of(sliced_.begin(), sliced_.end(),
-                        [](const SliceResult& part) { return part.info.degenerate == part.info.triangles; })) {
+        slice_all(box, target, info);
+        if (info.degenerate == info.triangles) {
             frame_.bounds = {};  // the box of nothing must not choose planes
             sliced_.clear();
-            slice_all(box, target, merged);
+            slice_all(box, target, info);
         }
-        const auto reach = [this](double share) { progress_.reach(sliced_share() + (0.99 - sliced_share()) * share); };
+        if (target == nullptr) {
+            return;
+        }
         const auto start = Clock::now();
-        for (std::size_t p = 0; p < sliced_.size(); ++p) {
-            add_part(sliced_[p].info, p, merged.info);
-        }
-        Merging(sliced_, united_, call_, merged).run(target, reach);
-        (united_ ? merged.info.ms.fill : merged.info.ms.contours) += milliseconds_since(start);
+        const auto reach = [this](double share) { progress_.reach(sliced_share() + (0.99 - sliced_share()) * share); };
+        Merging(sliced_, united_, call_, info).run(*target, reach);
+        (united_ ? info.ms.fill : info.ms.contours) += milliseconds_since(start);
         progress_.finish();
     }
 
-    void outline(SliceInfo& info) {
-        choose_frame();
-        const Bounds box = frame_.bounds;
-        count_all(box, info);
-        if (info.degenerate == info.triangles) {
-            frame_.bounds = {};
-            count_all(box, info);
-        }
-    }
-
 private:
-    void count_all(const Bounds& box, SliceInfo& info) {
-        begin_info(call_.options, box, frame_.unit, info);
-        for (std::size_t p = 0; p < parts_.size(); ++p) {
-            SliceInfo own;
-            with_part(p, {}, call_.context.memory_limit_bytes,
-                      [&](TriangleSource& source, const SliceCall& call) { count_layers(source, call, own); });
-            add_part(own, p, info);
-        }
-    }
-
     /// The progress when all parts are sliced.
     double sliced_share() const noexcept { return united_ ? 0.5 : 0.95; }
-
-    /// A part's own progress, as a share of the whole.
-    struct Share {
-        ProgressMeter& whole;
-        double from;
-        double length;
-        void operator()(double fraction) noexcept { whole.reach(from + length * fraction); }
-    };
 
     Placing placing_of(const Part& part) const noexcept {
         return lamella::placing_of(part.mesh, call_.options.frame, part.placement);
@@ -325,45 +261,60 @@ private:
             lamella::choose_frame(triangles_ == 0 ? Bounds{} : bounds, number, call_.options.frame, call_.options.region);
     }
 
-    /// Calls use(source, call) for a part in the frame of all.
-    template <class Use>
-    void with_part(std::size_t p, const Callback<void(double)>& progress, std::uint64_t memory_limit, Use use) {
+    /// Once the target has admitted what the frame says of the whole. Without a target, parts are counted only.
+    void slice_all(const Bounds& box, LayerTarget* target, SliceInfo& info) {
+        begin_info(call_.options, box, frame_.unit, info);
+        build_planes(call_, frame_, call_.kept.planes);
+        describe_plan(call_.kept.planes, call_.tuning.random_heights.has_value(), info);
+        info.options.stitch_mm = 0;
+        info.part_count = parts_.size();
+        info.threads = parallel_.threads();
+        if (target != nullptr) {
+            target->admit_layers(info.layers, info);
+        }
+        std::uint64_t before = 0;  // triangles of the parts before
+        for (std::size_t p = 0; p < parts_.size(); ++p) {
+            slice_part(p, before, target != nullptr);
+            const SliceInfo& own = sliced_.back().info;
+            info.options.stitch_mm = std::max(info.options.stitch_mm, own.options.stitch_mm);
+            add_work(own, info);
+            before += parts_[p].mesh.triangle_count;
+        }
+    }
+
+    /// In the frame of all. Its contours and origins get the part's number.
+    void slice_part(std::size_t p, std::uint64_t before, bool whole) {
+        const MeshView& mesh = parts_[p].mesh;
+        const auto share = [this](std::uint64_t triangles) {
+            return sliced_share() * static_cast<double>(triangles) /
+                   static_cast<double>(std::max<std::uint64_t>(1, triangles_));
+        };
+        auto report = [&](double fraction) noexcept {
+            progress_.reach(share(before) + share(mesh.triangle_count) * fraction);
+        };
         SliceOptions options = call_.options;
         if (united_) {
             options.region = {};
         }
         Context context = call_.context;
-        context.progress = progress;
-        context.memory_limit_bytes = memory_limit;
+        context.progress = report;
+        context.memory_limit_bytes = memory_left();
+        SliceResult& own = sliced_.emplace_back(call_.context.memory);
+        ResultTarget target(own);
         try {
-            with_mesh_source(parts_[p].mesh, placing_of(parts_[p]), &frame_, call_.kept.source_tools(),
-                             [&](TriangleSource& source) {
-                                 use(source, SliceCall{options, call_.tuning, context, call_.kept});
-                             });
+            slice_layers(*source_of(mesh, placing_of(parts_[p]), &frame_, call_.kept.source_tools()),
+                         whole ? &target : nullptr, {options, call_.tuning, context, call_.kept}, own.info);
         } catch (Refused& refused) {
             throw Refused{blame(std::move(refused.error), p)};
         }
-    }
-
-    /// Once the target has admitted what the frame says of the whole.
-    void slice_all(const Bounds& box, LayerTarget& target, SliceResult& merged) {
-        begin_info(call_.options, box, frame_.unit, merged.info);
-        build_planes(call_, frame_, call_.kept.planes);
-        target.admit_layers(call_.kept.planes.size(), merged.info);
-        std::uint64_t before = 0;  // triangles of the parts before
-        for (std::size_t p = 0; p < parts_.size(); ++p) {
-            const auto share = [&](std::size_t triangles) {
-                return sliced_share() * static_cast<double>(triangles) /
-                       static_cast<double>(std::max<std::uint64_t>(1, triangles_));
-            };
-            Share progress{progress_, share(before), share(parts_[p].mesh.triangle_count)};
-            SliceResult& result = sliced_.emplace_back(call_.context.memory);
-            with_part(p, progress, memory_left(), [&](TriangleSource& source, const SliceCall& call) {
-                ResultTarget target;
-                slice_layers(source, target, call, result);
-            });
-            before += parts_[p].mesh.triangle_count;
+        for (Contour& contour : own.contours) {
+            contour.part = static_cast<std::uint32_t>(p);
         }
+        parallel_.run_ranges(own.origins.size(), std::size_t{1} << 16, [&](std::size_t begin, std::size_t end, int) {
+            for (PointOrigin& origin : own.origins.span().subspan(begin, end - begin)) {
+                origin.part = origin.triangle == no_triangle ? std::uint16_t{0} : static_cast<std::uint16_t>(p);
+            }
+        });
     }
 
     /// The rest of the limit that was asked for; where none was, each part has its own.
@@ -389,19 +340,8 @@ private:
 
 }  // namespace
 
-void slice_parts(std::span<const Part> parts, const SliceCall& call, LayerTarget& target, SliceResult& result) {
-    PartSlicing(parts, call).slice(target, result);
-}
-
-void hand_over_whole(SliceResult& whole, const SliceCall& call, LayerTarget& target, SliceResult& result) {
-    result.info = whole.info;
-    target.admit_layers(whole.layers.size(), result.info);
-    Merging({&whole, 1}, false, call, result).run(target, [](double) {});
-    result.info.cancelled_layers = whole.info.cancelled_layers;
-}
-
-void outline_parts(std::span<const Part> parts, const SliceCall& call, SliceInfo& info) {
-    PartSlicing(parts, call).outline(info);
+void slice_parts(std::span<const Part> parts, const SliceCall& call, LayerTarget* target, SliceInfo& info) {
+    PartSlicing(parts, call).slice(target, info);
 }
 
 }  // namespace lamella

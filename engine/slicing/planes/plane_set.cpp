@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 #include <string>
+#include <utility>
 
 #include "base/guard.hpp"
 #include "base/numbers.hpp"
@@ -26,6 +27,10 @@ constexpr std::size_t most_listed = std::size_t{1} << 27;  // more would not fit
 
 std::string mm_text(double mm) {
     return exact_text(mm) + " mm";
+}
+
+[[noreturn]] void refuse(ErrorCode code, std::string message, std::int64_t plane = -1) {
+    throw Refused{{code, std::move(message), -1, plane}};
 }
 
 /// SplitMix64: a generator small enough to write out, so that a seed means the same planes on every platform.
@@ -70,8 +75,8 @@ PlaneRange PlaneSet::range_of(std::uint64_t first_layer, std::uint64_t end_layer
         return {0, 0};
     }
     if (first_layer >= std::min<std::uint64_t>(end_layer, count_)) {
-        throw Refused{{ErrorCode::bad_planes, "layers " + std::to_string(first_layer) + ":" + std::to_string(end_layer) +
-                                                  " are none of the " + counted(count_, "layer") + " of the plan"}};
+        refuse(ErrorCode::bad_planes, "layers " + std::to_string(first_layer) + ":" + std::to_string(end_layer) +
+                                          " are none of the " + counted(count_, "layer") + " of the plan");
     }
     return {static_cast<PlaneIndex>(first_layer), static_cast<PlaneIndex>(std::min<std::uint64_t>(end_layer, count_))};
 }
@@ -86,10 +91,6 @@ void PlaneSet::keep(std::uint64_t first_layer, std::uint64_t end_layer) {
     count_ = end - first;
     padded_[count_ + 1] = above_all;
     first_step_ += static_cast<double>(first);
-    if (uniform()) {
-        first_z_ = padded_[1];
-        last_guess_ = static_cast<double>(count_ - 1);
-    }
     make_table();
 }
 
@@ -106,27 +107,7 @@ void PlaneSet::build(const Array<Layer>& layers) {
         padded_[i + 1] = layers[i].plane.z();
     }
     padded_[count_ + 1] = above_all;
-    if (!find_step()) {
-        make_table();
-    }
-}
-
-/// Divides where every plane lies within half a step of a line through the first and the last: the guess is then off by one
-/// at most. False elsewhere.
-bool PlaneSet::find_step() noexcept {
-    if (count_ < 2) {
-        return false;
-    }
-    const double step = (static_cast<double>(z(count_ - 1)) - z(0)) / (count_ - 1);
-    for (PlaneIndex i = 0; i < count_; ++i) {
-        if (std::abs(z(0) + i * step - z(i)) > step / 2) {
-            return false;
-        }
-    }
-    first_z_ = z(0);
-    inverse_step_ = 1 / step;
-    last_guess_ = static_cast<double>(count_ - 1);
-    return true;
+    make_table();
 }
 
 std::int32_t PlaneSet::round_height(double mm) const noexcept {
@@ -137,12 +118,12 @@ std::int32_t PlaneSet::round_height(double mm) const noexcept {
 
 void PlaneSet::check_count(double planes, std::uint64_t memory_limit) const {
     if (!(planes <= most_planes)) {
-        throw Refused{{ErrorCode::bad_planes, "more than 2^31 planes"}};
+        refuse(ErrorCode::bad_planes, "more than 2^31 planes");
     }
     if (planes * static_cast<double>(sizeof(Layer) + 4 * sizeof(std::int32_t)) > static_cast<double>(memory_limit)) {
-        throw Refused{{ErrorCode::result_too_large, counted(static_cast<std::uint64_t>(planes), "layer") +
-                                                        " alone exceed the memory limit of " + std::to_string(memory_limit) +
-                                                        " bytes"}};
+        refuse(ErrorCode::result_too_large, counted(static_cast<std::uint64_t>(planes), "layer") +
+                                                " alone exceed the memory limit of " + std::to_string(memory_limit) +
+                                                " bytes");
     }
 }
 
@@ -152,10 +133,10 @@ void PlaneSet::check_distinct() const {
         const double below = height_mm(i - 1);
         const double above = height_mm(i);
         if (above <= below || z(i) <= z(i - 1)) {
-            throw Refused{{ErrorCode::bad_planes,
-                           "planes " + std::to_string(i - 1) + " and " + std::to_string(i) + " (" + mm_text(below) + ", " +
-                               mm_text(above) + ") are the same on the grid",
-                           -1, static_cast<std::int64_t>(i)}};
+            refuse(ErrorCode::bad_planes,
+                   "planes " + std::to_string(i - 1) + " and " + std::to_string(i) + " (" + mm_text(below) + ", " +
+                       mm_text(above) + ") are the same on the grid",
+                   static_cast<std::int64_t>(i));
         }
     }
 }
@@ -164,14 +145,14 @@ void PlaneSet::build_uniform(const SliceOptions& options, const Bounds& bounds, 
     const double h = options.layer_height_mm;
     const auto& [first_height_mm, datum, side, first_layer, end_layer] = options.planes;
     if (!(h > 0) || !std::isfinite(h)) {
-        throw Refused{{ErrorCode::invalid_argument, "the layer height must be positive"}};
+        refuse(ErrorCode::invalid_argument, "the layer height must be positive");
     }
     if (first_height_mm && !std::isfinite(*first_height_mm)) {
-        throw Refused{{ErrorCode::invalid_argument, "the first height must be finite"}};
+        refuse(ErrorCode::invalid_argument, "the first height must be finite");
     }
     if (h < 2 * unit_mm_) {
-        throw Refused{{ErrorCode::bad_planes, "a layer height of " + mm_text(h) + " is under two grid units (" +
-                                                  mm_text(2 * unit_mm_) + "); choose a finer grid"}};
+        refuse(ErrorCode::bad_planes, "a layer height of " + mm_text(h) + " is under two grid units (" +
+                                          mm_text(2 * unit_mm_) + "); choose a finer grid");
     }
     const double low = bounds.min_mm[2];
     const double high = bounds.max_mm[2];
@@ -209,52 +190,35 @@ void PlaneSet::build_uniform(const SliceOptions& options, const Bounds& bounds, 
     check_distinct();
     padded_[0] = below_all;
     padded_[count_ + 1] = above_all;
-    first_z_ = count_ > 0 ? padded_[1] : 0;
     inverse_step_ = unit_mm_ / h;
-    last_guess_ = count_ > 0 ? static_cast<double>(count_ - 1) : 0;
     make_table();
 }
 
 void PlaneSet::build_listed(const std::vector<double>& heights) {
     if (heights.size() > most_listed) {
-        throw Refused{{ErrorCode::bad_planes, "more than 2^27 planes listed"}};
+        refuse(ErrorCode::bad_planes, "more than 2^27 planes listed");
     }
     for (std::size_t i = 0; i < heights.size(); ++i) {
         if (!std::isfinite(heights[i])) {
-            throw Refused{
-                {ErrorCode::bad_planes, "plane " + std::to_string(i) + " is not finite", -1, static_cast<std::int64_t>(i)}};
+            refuse(ErrorCode::bad_planes, "plane " + std::to_string(i) + " is not finite", static_cast<std::int64_t>(i));
         }
     }
-    sort_listed(heights);
-    keep_distinct();
-    fill_from_heights();
-    make_table();
-}
-
-void PlaneSet::sort_listed(const std::vector<double>& heights) {
-    heights_mm_.assign(heights.begin(), heights.end());
     listed_order_.resize(heights.size());
     std::iota(listed_order_.begin(), listed_order_.end(), PlaneIndex{0});
-    if (std::is_sorted(heights.begin(), heights.end())) {
-        return;
+    if (!std::is_sorted(heights.begin(), heights.end())) {
+        std::sort(listed_order_.begin(), listed_order_.end(),
+                  [&](PlaneIndex a, PlaneIndex b) { return heights[a] != heights[b] ? heights[a] < heights[b] : a < b; });
     }
-    std::sort(listed_order_.begin(), listed_order_.end(),
-              [&](PlaneIndex a, PlaneIndex b) { return heights[a] != heights[b] ? heights[a] < heights[b] : a < b; });
-    std::transform(listed_order_.begin(), listed_order_.end(), heights_mm_.begin(),
-                   [&](PlaneIndex listed) { return heights[listed]; });
-}
-
-/// The least of sorted heights with one plane stays.
-void PlaneSet::keep_distinct() {
-    plane_of_listed_.resize(heights_mm_.size());
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < heights_mm_.size(); ++i) {
-        if (kept == 0 || !share_plane(heights_mm_[kept - 1], heights_mm_[i])) {
-            heights_mm_[kept++] = heights_mm_[i];
+    heights_mm_.reserve(heights.size());
+    plane_of_listed_.resize(heights.size());
+    for (const PlaneIndex listed : listed_order_) {  // the least of the heights with one plane stays
+        if (heights_mm_.empty() || !share_plane(heights_mm_.back(), heights[listed])) {
+            heights_mm_.push_back(heights[listed]);
         }
-        plane_of_listed_[listed_order_[i]] = static_cast<PlaneIndex>(kept - 1);
+        plane_of_listed_[listed] = static_cast<PlaneIndex>(heights_mm_.size() - 1);
     }
-    heights_mm_.resize(kept);
+    fill_from_heights();
+    make_table();
 }
 
 bool PlaneSet::within_reach(double mm) const noexcept {
@@ -271,11 +235,10 @@ void PlaneSet::build_random(const RandomHeights& random, const Bounds& bounds, s
     const double least = random.min_step_mm;
     const double most = random.max_step_mm;
     if (!(least > 0) || !(most >= least) || !std::isfinite(most)) {
-        throw Refused{{ErrorCode::invalid_argument, "random heights need 0 < minimum <= maximum"}};
+        refuse(ErrorCode::invalid_argument, "random heights need 0 < minimum <= maximum");
     }
     if (least < 2 * unit_mm_) {
-        throw Refused{
-            {ErrorCode::bad_planes, "a step of " + mm_text(least) + " is under two grid units; choose a finer grid"}};
+        refuse(ErrorCode::bad_planes, "a step of " + mm_text(least) + " is under two grid units; choose a finer grid");
     }
     const double low = bounds.min_mm[2];
     const double high = bounds.max_mm[2];
@@ -323,9 +286,12 @@ void PlaneSet::trim() {
 
 void PlaneSet::make_table() {
     if (count_ == 0) {
+        first_z_ = last_guess_ = 0;
         table_.first.set_size(0);
         return;
     }
+    first_z_ = z(0);
+    last_guess_ = static_cast<double>(count_ - 1);
     table_.lowest = z(0);
     table_.highest = z(count_ - 1);
     const auto span = static_cast<std::uint64_t>(std::int64_t{table_.highest} - table_.lowest) + 1;

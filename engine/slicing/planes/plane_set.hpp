@@ -116,13 +116,10 @@ private:
     void build_random(const RandomHeights& random, const Bounds& bounds, std::uint64_t memory_limit);
     void check_count(double planes, std::uint64_t memory_limit) const;
     void check_distinct() const;
-    void sort_listed(const std::vector<double>& heights);
-    void keep_distinct();
     bool share_plane(double below_mm, double above_mm) const noexcept;
     bool within_reach(double mm) const noexcept;
     void fill_from_heights();
     void make_table();
-    bool find_step() noexcept;
     std::int32_t round_height(double mm) const noexcept;
 
     PlaneIndex by_division(std::int32_t z) const noexcept {

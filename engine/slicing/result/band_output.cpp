@@ -1,10 +1,12 @@
 #include "slicing/result/band_output.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <type_traits>
 #include <utility>
 
 #include "base/vector.hpp"
+#include "slicing/result/layer_target.hpp"
 
 namespace lamella {
 
@@ -24,32 +26,33 @@ void LayerTotals::add(const LayerTotals& other) noexcept {
     contours += other.contours;
     points += other.points;
     stitches += other.stitches;
-    emptied += other.emptied;
-    counts.add(other.counts);
+    for (std::size_t role = 0; role < std::size(by_role); ++role) {
+        by_role[role] += other.by_role[role];
+    }
+    overruled += other.overruled;
+    would_close += other.would_close;
+    cancelled_layers += other.cancelled_layers;
+    emptied_layers += other.emptied_layers;
 }
 
 void LayerTotals::describe(SliceInfo& info) const noexcept {
+    const auto of = [this](Role role) { return by_role[static_cast<std::size_t>(role)]; };
     info.contours = contours;
     info.points = points;
     info.stitches = stitches;
-    info.holes = counts.of(Role::hole);
-    info.open_contours = counts.of(Role::open);
-    info.flat_contours = counts.of(Role::flat);
-    info.overruled_contours = counts.overruled;
-    info.would_close_contours = counts.near;
-    info.emptied_layers = info.options.region.keeps_contours() ? 0 : emptied;
-    info.cancelled_layers = counts.cancelled_layers;
+    info.holes = of(Role::hole);
+    info.open_contours = of(Role::open);
+    info.flat_contours = of(Role::flat);
+    info.overruled_contours = overruled;
+    info.would_close_contours = would_close;
+    info.emptied_layers = info.options.region.keeps_contours() ? 0 : emptied_layers;
+    info.cancelled_layers = cancelled_layers;
 }
 
-void set_counts(const ContourCounts& counts, SliceResult& result) noexcept {
-    const LayerTotals totals{result.contours.size(), result.points.size(), result.stitches.size(),
-                             count_emptied(result.layers.span()), counts};
-    totals.describe(result.info);
-}
-
-std::uint64_t count_emptied(std::span<const Layer> layers) noexcept {
-    return static_cast<std::uint64_t>(std::count_if(
-        layers.begin(), layers.end(), [](const Layer& layer) { return layer.segments > 0 && layer.contour_count == 0; }));
+void BandOutput::finish_layer() {
+    if (reader != nullptr) {
+        reader->layer_done(*this);
+    }
 }
 
 void BandOutput::move_to_buffer(std::size_t count) {
@@ -105,7 +108,9 @@ SliceResult copy_layer(const BandOutput& output, std::uint64_t segments, StopPac
     result.layers[0] = {.contour_count = result.contours.size(), .segments = segments, .plane = {}};
     result.info.layers = result.info.planned_layers = 1;
     result.info.segments = segments;
-    set_counts(output.counts, result);
+    LayerTotals totals = output.totals;
+    totals.add(result.layers[0]);
+    totals.describe(result.info);
     return result;
 }
 

@@ -13,71 +13,32 @@
 
 namespace lamella {
 
-/// Numbers of contours, for the summary.
-struct ContourCounts {
-    std::uint64_t by_role[4] = {};  ///< index: Role
-    std::uint64_t overruled = 0;
-    std::uint64_t near = 0;
-    std::uint64_t cancelled_layers = 0;
-
-    void add(const Contour& contour) noexcept {
-        ++by_role[static_cast<std::size_t>(contour.role)];
-        overruled += (contour.flags & orientation_overruled) != 0 ? 1 : 0;
-        near += (contour.flags & would_close) != 0 ? 1 : 0;
-    }
-    void add(const ContourCounts& other) noexcept {
-        for (std::size_t role = 0; role < 4; ++role) {
-            by_role[role] += other.by_role[role];
-        }
-        overruled += other.overruled;
-        near += other.near;
-        cancelled_layers += other.cancelled_layers;
-    }
-    std::uint64_t of(Role role) const noexcept { return by_role[static_cast<std::size_t>(role)]; }
-};
-
-/// Numbers of what was made.
+/// Numbers of what was made, for the summary.
 struct LayerTotals {
     std::uint64_t contours = 0;
     std::uint64_t points = 0;
     std::uint64_t stitches = 0;
-    std::uint64_t emptied = 0;  ///< layers that have segments but no contour
-    ContourCounts counts;
+    std::uint64_t by_role[4] = {};  ///< index: Role
+    std::uint64_t overruled = 0;
+    std::uint64_t would_close = 0;
+    std::uint64_t cancelled_layers = 0;
+    std::uint64_t emptied_layers = 0;  ///< which have segments but no contour
 
+    void add(const Contour& contour) noexcept {
+        ++contours;
+        points += contour.point_count;
+        ++by_role[static_cast<std::size_t>(contour.role)];
+        overruled += (contour.flags & orientation_overruled) != 0 ? 1 : 0;
+        would_close += (contour.flags & ContourFlag::would_close) != 0 ? 1 : 0;
+    }
+    /// Precondition: its contours are counted in it.
+    void add(const Layer& layer) noexcept { emptied_layers += layer.segments > 0 && layer.contour_count == 0 ? 1 : 0; }
     void add(const LayerTotals& other) noexcept;
     /// Sets them in the summary, whose options are known.
     void describe(SliceInfo& info) const noexcept;
 };
 
-/// Sets them in the summary of a result that has all its layers. O(k).
-void set_counts(const ContourCounts& counts, SliceResult& result) noexcept;
-/// How many of `layers` planes cut, but have no contour left.
-std::uint64_t count_emptied(std::span<const Layer> layers) noexcept;
-
-struct BandOutput;
-
-/// Thrown where a band is no longer wanted, since another thread has called BandTarget::abort().
-struct BandDropped {};
-
-/// Where bands go when they are swept.
-class BandTarget {
-public:
-    /// Where `band` puts its output; may wait for bands before it. Null after abort(). Bands must be acquired in ascending
-    /// order, each by a thread that then submits it, gives it back or aborts.
-    virtual BandOutput* acquire(std::size_t band) = 0;
-    /// Takes back an unused output.
-    virtual void give_back(std::size_t band) = 0;
-    /// The band is done. Throws Stopped where the host wants the call to end.
-    virtual void submit(std::size_t band) = 0;
-    /// The run has failed: wakes all that wait.
-    virtual void abort() = 0;
-    /// A layer has been appended to `output`, whose complete layers may now be taken out: see BandOutput::drop_layers(). On
-    /// the thread that sweeps the band, where BandOutput::reader asks for it.
-    virtual void layer_done(BandOutput& /*output*/) {}
-
-protected:
-    ~BandTarget() = default;
-};
+class LayerTarget;
 
 struct BandOutput {
     explicit BandOutput(const Memory* memory) : buffer(memory) {}
@@ -90,11 +51,11 @@ struct BandOutput {
     Array<PointOrigin> origin_buffer{buffer.memory()};
     bool with_origins = false;
     Vector<Contour> contours{buffer.memory()};
-    ContourCounts counts;
+    LayerTotals totals;  ///< of all its layers, but for what is known of them when they are placed
     Vector<std::uint32_t> layer_contours{buffer.memory()};  ///< number of contours of each plane
     Vector<Stitch> stitches{buffer.memory()};
     std::uint64_t first_layer = 0;  ///< number of the layer that comes first
-    BandTarget* reader = nullptr;   ///< null: layers stay until the band is done
+    LayerTarget* reader = nullptr;  ///< takes complete layers out; null: they stay until the band is done
     std::size_t band = 0;           ///< for the reader
 
     /// Empties the output; points go to `room` while it lasts, then to `buffer`. `origin_room` is as large, or empty where
@@ -105,7 +66,7 @@ struct BandOutput {
         capacity = room.size();
         point_count = 0;
         contours.clear();
-        counts = {};
+        totals = {};
         layer_contours.clear();
         stitches.clear();
     }
@@ -129,12 +90,8 @@ struct BandOutput {
     void add_empty_layer() { layer_contours.push_back(0); }
 
     /// To be called after each layer.
-    void finish_layer() {
-        if (reader != nullptr) {
-            reader->layer_done(*this);
-        }
-    }
-    /// Empties the output, which goes on with the layer that comes next. `counts` stay.
+    void finish_layer();
+    /// Empties the output, which goes on with the layer that comes next. `totals` stay.
     void drop_layers() noexcept;
     /// The size of points, contours and gaps.
     std::size_t bytes_used() const noexcept;
@@ -142,21 +99,6 @@ struct BandOutput {
     /// Gives all memory back.
     void release() noexcept;
 };
-
-/// Acquires `band`, calls fill(its output) and submits it. No thread is left waiting where something of it throws.
-template <class Fill>
-void fill_band(BandTarget& target, std::size_t band, Fill fill) {
-    try {
-        if (BandOutput* const output = target.acquire(band); output != nullptr) {
-            fill(*output);
-            target.submit(band);
-        }
-    } catch (const BandDropped&) {  // the thread that has failed throws
-    } catch (...) {
-        target.abort();
-        throw;
-    }
-}
 
 /// All contours and points of `output`, in arrays that take their memory from `memory`. Throws std::bad_alloc, and Stopped
 /// where the host that `pace` asks wants the call to end.

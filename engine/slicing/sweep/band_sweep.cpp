@@ -31,6 +31,7 @@ void each_event(Worker& worker, std::size_t begin, std::size_t end, Take take) {
 void BandSweep::run(const Band& band, std::span<const std::uint32_t> seeds, const Buckets& buckets, const PlaneSet& planes,
                     ContourForm form, const StopCheck& stop, BandOutput& out) {
     worker_.follow(stop);
+    with_origins_ = out.with_origins;
     begin(band, buckets);
     for (PlaneIndex plane = band.first; plane < band.last; ++plane) {
         worker_.spend(plane_work);
@@ -46,7 +47,13 @@ void BandSweep::run(const Band& band, std::span<const std::uint32_t> seeds, cons
         link_events(plane);
         graph_.walk();
         const std::uint64_t linked = timed ? ticks() : 0;
-        emit(plane, planes, out);
+        if (graph_.live() == 0) {
+            out.add_empty_layer();
+        } else {
+            pierce(planes.z(plane));
+            layers_.read(graph_, points_.data(), with_origins_ ? origins_.data() : nullptr);
+            layers_.build(out);
+        }
         if (timed) {
             ticks_.sweep += linked - start;
             ticks_.contours += ticks() - linked;
@@ -272,16 +279,12 @@ void BandSweep::sort_meeting(Slot slot, std::span<MeetingEnd> ends) {
 
 // --- The plane
 
-void BandSweep::emit(PlaneIndex plane, const PlaneSet& planes, BandOutput& out) {
-    if (graph_.live() == 0) {
-        out.add_empty_layer();
-        return;
-    }
+/// Finds where the active edges pierce the plane.
+void BandSweep::pierce(std::int32_t z) {
     grow_exactly(points_, edges_.capacity(), worker_);
     worker_.in_stretches(0, graph_.slot_end(), 1, [&](std::size_t begin, std::size_t end) {
-        kernels_.pierce(edges_.arrays(begin), planes.z(plane), end - begin, points_.data() + begin);
+        kernels_.pierce(edges_.arrays(begin), z, end - begin, points_.data() + begin);
     });
-    layers_.build(graph_, points_.data(), with_origins_ ? origins_.data() : nullptr, out);
 }
 
 SweepTicks BandSweep::take_ticks() noexcept {

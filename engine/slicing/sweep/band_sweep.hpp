@@ -84,8 +84,6 @@ public:
 
     /// Applies to bands swept after this call; `rules` must stay until then.
     void set_rules(const LayerRules& rules) noexcept { layers_.rules = &rules; }
-    /// The same: whether contours say where their edges come from.
-    void set_origins(bool wanted) noexcept { with_origins_ = wanted; }
 
     /// The most segments of a plane since construction: the size of the scratch.
     std::size_t most_segments() const noexcept { return most_segments_; }
@@ -119,7 +117,7 @@ private:
     PointOrigin origin_of_link(std::uint32_t link, PlaneIndex plane) const noexcept;
     PointOrigin origin_by(std::uint32_t record, const Link& link) const noexcept;
     void correct_pending();
-    void emit(PlaneIndex plane, const PlaneSet& planes, BandOutput& out);
+    void pierce(std::int32_t z);
 
     Worker worker_;
     const Kernels& kernels_ = best_of(kernel_forms());

@@ -98,9 +98,10 @@ bool WidePlane::build(PlaneIndex plane, std::span<const std::uint32_t> seeds, co
     cut_into_pieces();
     string_together();
     trace(planes.z(plane), out.with_origins);
-    layer_.build_traced(
+    layer_.read_traced(
         rings_.data(), out.with_origins ? origins_.data() : nullptr, contours_,
-        [this](std::uint32_t at) { return to_key(edge_at(order_[at], true)); }, parallel_, out);
+        [this](std::uint32_t at) { return to_key(edge_at(order_[at], true)); }, parallel_);
+    layer_.build(out);
     return true;
 }
 

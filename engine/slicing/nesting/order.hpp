@@ -34,13 +34,12 @@ constexpr std::uint64_t key_of(Point point) noexcept {
     return std::uint64_t{biased(point.x)} << 32 | biased(point.y);
 }
 
-/// The x of the point that the key was made of.
-constexpr std::int32_t x_of(std::uint64_t key) noexcept {
-    return static_cast<std::int32_t>(static_cast<std::uint32_t>(key >> 32) ^ 0x8000'0000U);
-}
-
-constexpr std::int32_t y_of(std::uint64_t key) noexcept {
-    return static_cast<std::int32_t>(static_cast<std::uint32_t>(key) ^ 0x8000'0000U);
+/// The point that the key was made of.
+constexpr Point point_of(std::uint64_t key) noexcept {
+    const auto coordinate = [](std::uint64_t biased) {
+        return static_cast<std::int32_t>(static_cast<std::uint32_t>(biased) ^ 0x8000'0000U);
+    };
+    return {coordinate(key >> 32), coordinate(key)};
 }
 
 /// Sorts keys whose indices ascend by (key, index). Throws std::bad_alloc, and Stopped where `pace` follows a host that

@@ -70,28 +70,13 @@ struct RingFacts {
     bool has_repeats;      ///< two consecutive points are equal
 };
 
-/// Twice the area is the sum over i of x[i] · (y[i + 1] - y[i - 1]): one product a point, x counted from the first point.
-/// Differences have 32 bits and a sign, so a product fits 64 bits and a sum of them need not: the halves are summed apart.
-class ProductSum {
-public:
-    void add(std::int64_t product) noexcept {
-        low_ += static_cast<std::uint32_t>(product);
-        high_ += product >> 32;
-    }
-    Int128 total() const noexcept { return (Int128{high_} << 32) + Int128{low_}; }
-
-private:
-    std::uint64_t low_ = 0;
-    std::int64_t high_ = 0;
-};
-
-/// point(i) is the ring's i-th point; each is read once.
+/// point(i) is the ring's i-th point; each is read once. Twice the area is the sum over i of x[i] · (y[i + 1] - y[i - 1]):
+/// one product a point, x counted from the first point. A product fits 64 bits, and a sum of them need not.
 template <class PointAt>
 RingFacts facts_of(std::size_t count, const PointAt& point) {
     const Point first = point(0);
     RingFacts facts{{first, first}, 0, 0, false, false};
     Point smallest = first;
-    ProductSum sum;
     Point before = point(count - 1);
     Point here = first;
     for (std::size_t i = 0; i < count; ++i) {
@@ -105,11 +90,10 @@ RingFacts facts_of(std::size_t count, const PointAt& point) {
         } else if (i > 0 && here == smallest) {
             facts.many_smallest = true;
         }
-        sum.add((std::int64_t{here.x} - first.x) * (std::int64_t{next.y} - before.y));
+        facts.twice_area += (std::int64_t{here.x} - first.x) * (std::int64_t{next.y} - before.y);
         before = here;
         here = next;
     }
-    facts.twice_area = sum.total();
     return facts;
 }
 

@@ -18,18 +18,16 @@ namespace {
 
 constexpr std::size_t grain = (1 << 12) / block_triangles;  // blocks per task
 
-constexpr std::int64_t no_triangle_yet = std::numeric_limits<std::int64_t>::max();
-
-/// The box of some blocks, whether all in it was finite, and the first triangle with an index that names no vertex.
+/// The box of some blocks, whether all in it was finite, and whether every index names a vertex.
 struct Partial {
     Bounds box = Bounds::empty();
     bool finite = true;
-    std::int64_t bad_index = no_triangle_yet;
+    bool has_vertices = true;
 
     void add(const Partial& other) noexcept {
         box.add(other.box);
         finite = finite && other.finite;
-        bad_index = std::min(bad_index, other.bad_index);
+        has_vertices = has_vertices && other.has_vertices;
     }
 };
 
@@ -163,20 +161,19 @@ Result<Bounds> measure_bounds(const MeshView& mesh, const Placing& placing, doub
     PerWorker<Partial> partial(parallel.workers_for(table.blocks.size() / grain));
     parallel.run_ranges(table.blocks.size(), grain, [&](std::size_t begin, std::size_t end, int worker) {
         const auto w = static_cast<std::size_t>(worker);
-        if (mesh.indices != nullptr) {
-            const std::size_t last = std::min(mesh.triangle_count, end * block_triangles);
-            if (const std::int64_t bad = first_bad_index(mesh, begin * block_triangles, last); bad >= 0) {
-                partial[w].bad_index = std::min(partial[w].bad_index, bad);
-                return;
-            }
+        const std::size_t last = std::min(mesh.triangle_count, end * block_triangles);
+        if (mesh.indices != nullptr && first_bad_index(mesh, begin * block_triangles, last) >= 0) {
+            partial[w].has_vertices = false;
+            return;
         }
         partial[w].add(measure_blocks(mesh, placing, begin, end, table));
     });
     Partial all;
     partial.for_each([&all](const Partial& p) { all.add(p); });
-    if (all.bad_index != no_triangle_yet) {
-        return Error{ErrorCode::invalid_argument,
-                     "triangle " + std::to_string(all.bad_index) + " has an index beyond the last vertex", all.bad_index};
+    if (!all.has_vertices) {
+        const std::int64_t bad = first_bad_index(mesh, 0, mesh.triangle_count);
+        return Error{ErrorCode::invalid_argument, "triangle " + std::to_string(bad) + " has an index beyond the last vertex",
+                     bad};
     }
     if (!all.finite || !(all.box.farthest() <= largest_coordinate_mm)) {
         return first_bad_coordinate(mesh, placing);

@@ -89,41 +89,33 @@ public:
 
     Vertex vertex(std::size_t t, std::size_t corner) const noexcept {
         if (number() == Number::f64) {
-            return placed(in_doubles(coordinates<double>(t, corner)));
+            return placed(in_doubles<double>(t, corner));
         }
         if (number() != Number::f32) {
-            return placed(number() == Number::i32 ? in_doubles(coordinates<std::int32_t>(t, corner))
-                                                  : in_doubles(coordinates<std::int64_t>(t, corner)));
+            return placed(number() == Number::i32 ? in_doubles<std::int32_t>(t, corner)
+                                                  : in_doubles<std::int64_t>(t, corner));
         }
-        const auto given = coordinates<float>(t, corner);
-        return in_floats_ && !identity_ ? moved(given) : placed(in_doubles(given));
+        return in_floats_ && !identity_ ? moved_in_floats(t, corner) : placed(in_doubles<float>(t, corner));
     }
 
 private:
-    /// One by one: a copy of all three would be stored before it is loaded.
+    /// Gives x, y and z of a corner one by one: a copy of all three would be stored before it is loaded.
     template <class T>
-    class Coordinates {
-    public:
-        explicit Coordinates(const std::byte* at) noexcept : at_(at) {}
-        T operator[](std::size_t axis) const noexcept {
+    auto coordinates(std::size_t t, std::size_t corner) const noexcept {
+        const std::byte* const at = mesh_.indices != nullptr ? mesh_.vertex_at(mesh_.vertex_of(t, corner))
+                                                             : mesh_.vertex_at(t) + corner * 3 * sizeof(T);
+        return [at](std::size_t axis) {
             T value;
-            std::memcpy(&value, at_ + axis * sizeof value, sizeof value);
+            std::memcpy(&value, at + axis * sizeof value, sizeof value);
             return value;
-        }
-
-    private:
-        const std::byte* at_;
-    };
-    template <class T>
-    Coordinates<T> coordinates(std::size_t t, std::size_t corner) const noexcept {
-        return Coordinates<T>(mesh_.indices != nullptr ? mesh_.vertex_at(mesh_.vertex_of(t, corner))
-                                                       : mesh_.vertex_at(t) + corner * 3 * sizeof(T));
+        };
     }
 
     template <class T>
-    static Vertex in_doubles(const T& xyz) noexcept {
-        return {TwoDoubles{static_cast<double>(xyz[0]), static_cast<double>(xyz[1])},
-                TwoDoubles{static_cast<double>(xyz[2]), 0}};
+    Vertex in_doubles(std::size_t t, std::size_t corner) const noexcept {
+        const auto given = coordinates<T>(t, corner);
+        return {TwoDoubles{static_cast<double>(given(0)), static_cast<double>(given(1))},
+                TwoDoubles{static_cast<double>(given(2)), 0}};
     }
 
     Vertex placed(const Vertex& given) const noexcept { return identity_ ? given : moved(given); }
@@ -134,8 +126,10 @@ private:
         to[2] = placed.z[0];
     }
 
-    Vertex moved(const Coordinates<float>& xyz) const noexcept {
-        return in_doubles(floats_[0] * xyz[0] + floats_[1] * xyz[1] + floats_[2] * xyz[2] + floats_[3]);
+    Vertex moved_in_floats(std::size_t t, std::size_t corner) const noexcept {
+        const auto given = coordinates<float>(t, corner);
+        const FourFloats at = floats_[0] * given(0) + floats_[1] * given(1) + floats_[2] * given(2) + floats_[3];
+        return {TwoDoubles{at[0], at[1]}, TwoDoubles{at[2], 0}};
     }
 
     Vertex moved(const Vertex& v) const noexcept {

@@ -118,8 +118,7 @@ void Nester::sort_by_start(std::span<const NestItem> items) {
 
 /// Every ring becomes the parent of the starts inside it that have none yet: the smallest ring first.
 void Nester::find_parents(std::span<const NestItem> items) {
-    starts_.assign(
-        rings_.size(), [this](std::size_t ring) { return start_of(ring); }, aspect_of(items));
+    starts_.assign(rings_.size(), [this](std::size_t ring) { return start_of(ring); });
     sort_by_size(items);
     for (const SortKey& key : by_size_) {
         const NestItem& contour = items[rings_[key.index].item];
@@ -130,19 +129,6 @@ void Nester::find_parents(std::span<const NestItem> items) {
         });
         take_in(contour, key.index);
     }
-}
-
-/// The boxes' mean width over their mean height.
-double Nester::aspect_of(std::span<const NestItem> items) {
-    double widths = 0;
-    double heights = 0;
-    for (const nesting::Ring& ring : rings_) {
-        const NestItem& contour = items[ring.item];
-        worker_.spend(item_work);
-        widths += static_cast<double>(width_of(contour.box));
-        heights += static_cast<double>(height_of(contour.box));
-    }
-    return widths / heights;
 }
 
 /// By area; equal areas in the order of rings, which is by start, then box and points.

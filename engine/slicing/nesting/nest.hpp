@@ -13,7 +13,7 @@
 //
 // O(q log q) for q contours and points, also for deep nests and for arrays of separate contours. Two cases cost more. A
 // start inside the boxes of k contours, but not inside the contours, costs O(k) (L shapes nested in each other's corner).
-// Boxes that are long and thin in both directions meet up to the square root of q nodes of the tree.
+// A box that is long and thin meets up to the square root of q nodes of the tree.
 #pragma once
 
 #include <algorithm>
@@ -137,7 +137,6 @@ private:
     void sort_by_start(std::span<const NestItem> items);
     void find_parents(std::span<const NestItem> items);
     Point start_of(std::size_t ring) const noexcept { return nesting::point_of(by_start_[ring].key); }
-    double aspect_of(std::span<const NestItem> items);
     void sort_by_size(std::span<const NestItem> items);
     void take_in(const NestItem& contour, std::uint32_t ring);
     void adopt(std::uint32_t ring, std::uint32_t child);

@@ -114,7 +114,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> pair_round_edge(const Share
     std::vector<FaceAtEdge> faces;
     for (const std::uint32_t h : edge) {
         const bool runs_down = mesh.vertices[mesh.from(h)] == upper;  // the facet's segment begins on this edge
-        faces.push_back({mesh.vertices[mesh.to(next_in_facet(h))], h, {h, runs_down}});
+        faces.push_back({mesh.vertices[mesh.to(next_in_facet(h))], h, {no_slot, h, runs_down}});
     }
     sort_round_edge(lower, upper, faces);
     std::vector<MeetingEnd> ends;
@@ -123,9 +123,8 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> pair_round_edge(const Share
         ends.push_back(face.end);
     }
     Pairing pairing(nullptr);
-    pairing.match(ends);
     std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
-    for (const auto& [in, out] : pairing.pairs()) {
+    for (const auto& [in, out] : pairing.match(ends)) {
         pairs.emplace_back(ends[in].link, ends[out].link);
     }
     return pairs;

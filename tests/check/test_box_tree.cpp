@@ -1,4 +1,4 @@
-// The tree of boxes, and what numbers and sorts its items, against looking at everything.
+// The tree of boxes, and what numbers its items, against looking at everything.
 #include <algorithm>
 #include <array>
 #include <random>
@@ -104,23 +104,6 @@ TEST_CASE("Morton keys take the axes' bits by turns", "[check]") {
             }
         }
         CHECK(order.key(v) == wanted);
-    }
-}
-
-TEST_CASE("a part is sorted by number, then as it is told", "[check]") {
-    std::mt19937 random(4);
-    PartSort<std::pair<int, int>> sort;
-    for (const std::size_t count : std::array<std::size_t, 5>{0, 1, 2, 100, 3000}) {
-        std::vector<std::pair<int, int>> items(count);
-        for (auto& item : items) {
-            item = {static_cast<int>(random() % 50) + 1000, static_cast<int>(random() % 9)};
-        }
-        std::vector<std::pair<int, int>> wanted = items;
-        std::sort(wanted.begin(), wanted.end());
-        sort.run(
-            std::span(items), [](const auto& item) { return static_cast<std::size_t>(item.first); },
-            [](const auto& a, const auto& b) { return a.second < b.second; });
-        CHECK(items == wanted);
     }
 }
 

@@ -14,6 +14,7 @@
 #include "slicing/contours/kernels.hpp"
 #include "slicing/edges/edge_runs.hpp"
 #include "slicing/planes/plane_set.hpp"
+#include "slicing/sweep/band_sweep.hpp"
 
 using lamella::Kernels;
 using lamella::Point;
@@ -124,32 +125,26 @@ TEST_CASE("areas are exact in boxes too wide for vectors, and beyond 64 bits", "
 
 TEST_CASE("edges pierce a plane at the interpolated points", "[engine][kernels]") {
     std::mt19937 random(23);
-    std::uniform_int_distribution<std::int32_t> coordinate(-lamella::grid_limit / 4, lamella::grid_limit / 4);
-    std::uniform_real_distribution<double> slope(-1, 1);
-    for (std::size_t count = 1; count < 40; ++count) {
-        const std::size_t room = count + lamella::padded_count;
-        std::vector<std::int32_t> x(room);
-        std::vector<std::int32_t> y(room);
-        std::vector<std::int32_t> z(room);
-        std::vector<double> slope_x(room);
-        std::vector<double> slope_y(room);
-        for (std::size_t e = 0; e < count; ++e) {
-            x[e] = coordinate(random);
-            y[e] = coordinate(random);
-            z[e] = coordinate(random);
-            slope_x[e] = slope(random);
-            slope_y[e] = slope(random);
-        }
-        const std::int32_t plane = coordinate(random);
-        std::vector<Point> expected(count);
-        for (std::size_t e = 0; e < count; ++e) {
-            const double rise = static_cast<double>(plane) - z[e];
-            expected[e] = {static_cast<std::int32_t>(std::nearbyint(x[e] + slope_x[e] * rise)),
-                           static_cast<std::int32_t>(std::nearbyint(y[e] + slope_y[e] * rise))};
+    const auto even = [&random](std::int32_t reach) {
+        return static_cast<std::int32_t>(random() % (reach / 2)) * 2 - reach / 2;
+    };
+    lamella::Worker worker;
+    lamella::ActiveEdges edges(nullptr);
+    for (lamella::Slot count = 1; count < 40; ++count) {
+        edges.reserve(count, worker);
+        std::vector<Point> expected;
+        for (lamella::Slot slot = 0; slot < count; ++slot) {
+            const lamella::GridVertex lower{even(1 << 29), even(1 << 29), -1000 - even(1 << 10)};
+            const lamella::GridVertex upper{even(1 << 29), even(1 << 29), 1000 + even(1 << 10)};
+            edges.put(slot, lamella::MeshEdge::between(lower, upper));
+            const double height = upper.z - lower.z;
+            const double rise = 77.0 - lower.z;
+            expected.push_back({static_cast<std::int32_t>(std::nearbyint(lower.x + (upper.x - lower.x) / height * rise)),
+                                static_cast<std::int32_t>(std::nearbyint(lower.y + (upper.y - lower.y) / height * rise))});
         }
         for (const auto& [needs, form] : lamella::supported(lamella::kernel_forms())) {
-            std::vector<Point> points(room);
-            form.pierce({x.data(), y.data(), z.data(), slope_x.data(), slope_y.data()}, plane, count, points.data());
+            std::vector<Point> points(count + lamella::padded_count);
+            form.pierce(edges.arrays(0), 77, count, points.data());
             points.resize(count);
             CHECK(points == expected);
         }
@@ -158,20 +153,19 @@ TEST_CASE("edges pierce a plane at the interpolated points", "[engine][kernels]"
 
 TEST_CASE("select_equal finds the positions that a loop finds, and writes only within its padding", "[engine][kernels]") {
     std::mt19937 random(11);
-    for (const auto& [needs, kernels] : lamella::supported(lamella::kernel_forms())) {
-        for (std::size_t count = 0; count < 100; ++count) {
-            for (const std::uint32_t kinds : {1U, 2U, 40U}) {
-                std::vector<std::uint32_t> values(count);
-                std::vector<std::uint32_t> expected;
-                for (std::size_t i = 0; i < count; ++i) {
-                    values[i] = 0xFFFFFFF0U + static_cast<std::uint32_t>(random()) % kinds % 16;
-                    if (values[i] == 0xFFFFFFF1U - (kinds == 1 ? 1 : 0)) {
-                        expected.push_back(static_cast<std::uint32_t>(i));
-                    }
+    for (std::size_t count = 0; count < 100; ++count) {
+        for (const std::uint32_t kinds : {1U, 2U, 40U}) {
+            std::vector<std::uint32_t> values(count);
+            std::vector<std::uint32_t> expected;
+            for (std::size_t i = 0; i < count; ++i) {
+                values[i] = 0xFFFFFFF0U + static_cast<std::uint32_t>(random()) % kinds % 16;
+                if (values[i] == 0xFFFFFFF0U) {
+                    expected.push_back(static_cast<std::uint32_t>(i));
                 }
-                const std::uint32_t wanted = 0xFFFFFFF1U - (kinds == 1 ? 1 : 0);
+            }
+            for (const auto& [needs, kernels] : lamella::supported(lamella::kernel_forms())) {
                 std::vector<std::uint32_t> found(count + lamella::select_padding + 1, 77);
-                const std::size_t n = kernels.select_equal(values.data(), count, wanted, found.data());
+                const std::size_t n = kernels.select_equal(values.data(), count, 0xFFFFFFF0U, found.data());
                 CHECK(found.back() == 77);
                 found.resize(n);
                 CHECK(found == expected);

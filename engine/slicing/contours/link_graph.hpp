@@ -38,63 +38,31 @@ struct WalkedContour {
     bool mixed;  ///< its segments do not all run the same way
 };
 
-class LinkGraph {
+class LinkGraph : public SlotTable {
 public:
-    explicit LinkGraph(Worker& worker) : worker_(worker) { forget_order(); }
+    explicit LinkGraph(Worker& worker) : SlotTable(worker) { forget_order(); }
 
-    /// Forgets all slots.
-    void clear() {
-        forget_order();
-        slots_.clear();
-    }
-    /// Takes memory for `slots` slots at once rather than by growing.
-    void reserve(std::size_t slots) { slots_.reserve(slots); }
-
-    // --- A plane's events, in this order
-
-    /// Frees the slots of the edges that end at `plane`: it is the first one above them.
+    // The order follows what these do to the table:
+    void clear();
     void release_ended(PlaneIndex plane);
-
-    /// For at most `attachments` ends of new links.
-    SlotTable::Attaching begin_attaching(std::size_t attachments) { return slots_.begin_attaching(attachments); }
-    /// All ends are attached, which are `attachments`.
-    void end_attaching(const SlotTable::Attaching& attaching, std::size_t attachments) {
-        slots_.end_attaching(attaching, attachments);
-    }
-
-    /// See Meetings::settle().
-    bool settle(std::span<Link> links, Meetings::Order order, Meetings::Copied copied) {
-        return meetings_.settle(slots_, links, order, copied);
-    }
-
-    /// Joins the two ports of each link.
     void connect(std::span<const Link> links);
+
     /// Brings order() and contours() up to date. O(runs between changes + slots), and O(1) when nothing changed.
     void walk();
 
-    // --- The plane as it stands
-
     std::span<const Slot> order() const noexcept { return {order_.data() + 1, ordered_}; }
     std::span<const WalkedContour> contours() const noexcept { return contours_; }
-    const MeshEdge& edge(Slot slot) const noexcept { return slots_.edge(slot); }
     /// The port of `slot` from which a segment leads to `next`, whichever way its facet runs.
     PortRef port_towards(Slot slot, Slot next) const noexcept {
         const PortRef source = port_of(slot, source_port);
-        const PortRef across = slots_.ports()[source].across;
+        const PortRef across = ports()[source].across;
         return across != no_port && slot_of(across) == next ? source : port_of(slot, target_port);
     }
     /// True if the facet of the segment at a port runs from there.
     bool runs_from(PortRef ref) const noexcept {
-        return static_cast<int>(ref & 1) == source_port ? !slots_.has_any(slot_of(ref), SlotTable::mixed_source_is_target)
-                                                        : slots_.has_any(slot_of(ref), SlotTable::mixed_target_is_source);
+        return static_cast<int>(ref & 1) == source_port ? !has_any(slot_of(ref), mixed_source_is_target)
+                                                        : has_any(slot_of(ref), mixed_target_is_source);
     }
-    /// Slots made since begin_attaching().
-    std::span<const Slot> fresh() const noexcept { return slots_.fresh(); }
-    /// Slots in use are below this; some below it are free.
-    Slot slot_end() const noexcept { return slots_.slot_end(); }
-    /// Slots are below this, in use or not.
-    std::size_t capacity() const noexcept { return slots_.capacity(); }
-    std::size_t live() const noexcept { return slots_.live(); }
 
 private:
     static constexpr std::uint32_t no_position = 0;     // positions count from 1, so that a break after it does no harm
@@ -102,37 +70,29 @@ private:
     static constexpr std::size_t slots_per_change = 3;  // with fewer, runs are too short to copy
 
     void forget_order();
-    bool most_changed() const noexcept { return changes_ * slots_per_change > slots_.live(); }
+    bool most_changed() const noexcept { return changes_ * slots_per_change > live(); }
     void break_after(std::uint32_t position) noexcept { breaks_[position >> 6] |= std::uint64_t{1} << (position & 63); }
     std::uint32_t next_break(std::uint32_t position) const noexcept;
     bool walked(Slot slot) const noexcept;
-    void begin_order();
     void finish_order();
 
     void walk_open();
-    void walk_old_starts();
     void walk_old_runs();
     void walk_rest();
     void walk_from(Slot start);
     bool follow_runs(Slot start);
     bool follow_links(Slot start);
-    void add_contour(std::uint32_t begin, bool closed, bool is_mixed);
 
     void walk_any_orientation();
     void walk_polyline(Slot start, int leave_by, bool closed);
-    void follow_any_orientation(Slot start, int leave_by, bool closed);
-    bool runs_backwards(std::uint32_t begin, bool closed);
+    std::uint32_t follow_any_orientation(Slot start, int leave_by, bool closed);
+    bool is_smaller_backwards(std::span<const Slot> slots, bool closed);
 
-    Worker& worker_;
-    SlotTable slots_{worker_};
-    Meetings meetings_{worker_.memory()};
     Vector<std::uint32_t> position_{worker_.memory()};
     Vector<Slot> order_{worker_.memory()};  // from 1
     Vector<Slot> order_next_{worker_.memory()};
     Vector<std::uint64_t> breaks_{worker_.memory()};  // bit p: the walk does not go on from position p to p + 1
     Vector<WalkedContour> contours_{worker_.memory()};
-    Vector<WalkedContour> old_contours_{worker_.memory()};  // the last plane's, while walking
-    Vector<std::uint8_t> leave_by_{worker_.memory()};  // of a walk in any orientation: the port by which each slot was left
     std::uint32_t ordered_ = 0;
     std::uint32_t filled_ = 0;  // of order_next_
     std::size_t changes_ = 0;   // links written, slots made and freed since the last walk
@@ -147,20 +107,6 @@ inline constexpr std::size_t run_padding = 16;
 inline void copy_run(const Slot* run, std::uint32_t length, Slot* to) {
     for (std::uint32_t i = 0; i < length; i += run_padding) {
         std::memcpy(to + i, run + i, run_padding * sizeof(Slot));
-    }
-}
-
-/// positions[run[i]] = first + i.
-inline void number_run(const Slot* run, std::uint32_t length, std::uint32_t first, std::uint32_t* positions) {
-    std::uint32_t i = 0;
-    for (; i + 4 <= length; i += 4) {
-        positions[run[i]] = first + i;
-        positions[run[i + 1]] = first + i + 1;
-        positions[run[i + 2]] = first + i + 2;
-        positions[run[i + 3]] = first + i + 3;
-    }
-    for (; i < length; ++i) {
-        positions[run[i]] = first + i;
     }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <iterator>
 #include <utility>
 
 #include "base/numbers.hpp"
@@ -134,6 +135,11 @@ void SlotTable::connect(std::span<const Link> links) noexcept {
     }
 }
 
+void SlotTable::disconnect(Slot slot) noexcept {
+    ports_[port_of(slot, target_port)].across = no_port;
+    ports_[port_of(slot, source_port)].across = no_port;
+}
+
 void SlotTable::add_flag(Slot slot, Flag flag) noexcept {
     const std::uint16_t before = flags_[slot];
     const auto after = static_cast<std::uint16_t>(before | flag);
@@ -142,58 +148,35 @@ void SlotTable::add_flag(Slot slot, Flag flag) noexcept {
     mixed_ += (after & mixed) != 0 && (before & mixed) == 0 ? 1 : 0;
 }
 
-namespace {
-
-/// Where directions lie round an axis, measured counter-clockwise from a reference.
-class AngleOrder {
-public:
-    AngleOrder(const GridVertex& lower, const GridVertex& upper, const GridVertex& reference) noexcept
-        : lower_(half(lower)), axis_(half(upper) - lower_), reference_normal_(normal_to(reference)) {}
-
-    /// 0: at the reference (or on the axis, where there is no angle), 1: within half a turn, 2: half a turn, 3: beyond.
-    int quadrant(const GridVertex& apex) const noexcept {
-        if (const int side = sign_of(dot(reference_normal_, half(apex) - lower_)); side != 0) {
+/// An angle is measured from the face with the smallest apex off the edge's line: by quadrant, and within one by the side on
+/// which one face lies of another.
+void sort_round_edge(const GridVertex& lower, const GridVertex& upper, std::span<FaceAtEdge> faces) {
+    const GridVector origin = half(lower);
+    const GridVector axis = half(upper) - origin;
+    const auto arm = [&](const FaceAtEdge& face) { return half(face.apex) - origin; };
+    const auto normal = [&](const FaceAtEdge& face) { return cross(axis, arm(face)); };
+    const FaceAtEdge* reference = nullptr;
+    for (const FaceAtEdge& face : faces) {
+        if (normal(face) != GridVector{} && (reference == nullptr || face.apex < reference->apex)) {
+            reference = &face;
+        }
+    }
+    const GridVector zero = reference != nullptr ? normal(*reference) : GridVector{};
+    // 0: at the reference (or on the axis, where there is no angle), 1: within half a turn, 2: half a turn, 3: beyond.
+    const auto quadrant = [&](const FaceAtEdge& face) {
+        if (const int side = sign_of(dot(zero, arm(face))); side != 0) {
             return side > 0 ? 1 : 3;
         }
-        return dot(reference_normal_, normal_to(apex)) < 0 ? 2 : 0;  // the normals are parallel
-    }
-
-    /// Positive where b lies counter-clockwise of a by less than half a turn.
-    int turn(const GridVertex& a, const GridVertex& b) const noexcept {
-        return sign_of(dot(normal_to(a), half(b) - lower_));
-    }
-
-    bool on_axis(const GridVertex& apex) const noexcept { return normal_to(apex) == GridVector{}; }
-
-private:
-    /// Of the plane through the axis and a vertex.
-    GridVector normal_to(const GridVertex& apex) const noexcept { return cross(axis_, half(apex) - lower_); }
-
-    GridVector lower_;
-    GridVector axis_;
-    GridVector reference_normal_;
-};
-
-}  // namespace
-
-void sort_round_edge(const GridVertex& lower, const GridVertex& upper, std::span<FaceAtEdge> faces) {
-    assert(!faces.empty());
-    const AngleOrder any(lower, upper, faces.front().apex);
-    const GridVertex* reference = nullptr;
-    for (const FaceAtEdge& face : faces) {
-        if (!any.on_axis(face.apex) && (reference == nullptr || face.apex < *reference)) {
-            reference = &face.apex;
-        }
-    }
-    const AngleOrder order(lower, upper, reference != nullptr ? *reference : faces.front().apex);
+        return dot(zero, normal(face)) < 0 ? 2 : 0;  // the normals are parallel
+    };
     std::sort(faces.begin(), faces.end(), [&](const FaceAtEdge& a, const FaceAtEdge& b) {
-        const int quadrant_a = order.quadrant(a.apex);
-        const int quadrant_b = order.quadrant(b.apex);
+        const int quadrant_a = quadrant(a);
+        const int quadrant_b = quadrant(b);
         if (quadrant_a != quadrant_b) {
             return quadrant_a < quadrant_b;
         }
         if (quadrant_a % 2 == 1) {
-            if (const int turn = order.turn(a.apex, b.apex); turn != 0) {
+            if (const int turn = sign_of(dot(normal(a), arm(b))); turn != 0) {
                 return turn > 0;
             }
         }
@@ -206,121 +189,113 @@ void sort_round_edge(const GridVertex& lower, const GridVertex& upper, std::span
     });
 }
 
-void Pairing::match(std::span<const MeetingEnd> ends) {
+// Irregular edges: ends that meet at one edge are paired by orientation, then by angle.
+//
+// The ends are sorted counter-clockwise round the edge, seen from above. The solid begins at an end that goes out (its left
+// is the counter-clockwise side) and ends at one that comes in: "out" opens a bracket, "in" closes it. Matching brackets
+// share a wedge of solid, so contours paired this way never cross:
+//
+//              out                          four faces, two solids that touch along the edge:
+//               | solid A                       out in out in   ->   (out in) (out in)
+//        -------+------- in
+//     in        |                           a solid with a wedge-shaped gap of solid in its gap ...:
+//       solid B | out                           out out in in   ->   (out (out in) in)
+//
+// The ends left over have one orientation. Each pairs with its neighbour round the edge, and an odd one ends an open
+// polyline.
+
+void SlotTable::mark_open(Slot slot) noexcept {
+    add_flag(slot, open_end);
+    disconnect(slot);  // the end that is there is connected later
+}
+
+bool SlotTable::settle(std::span<Link> links, SortEnds sort_ends) {
+    gather_first_ends();
+    if (one_sided_ || !late_ends_.empty()) {
+        for (const Slot slot : fresh()) {
+            const bool both = ports_[port_of(slot, target_port)].first_link != no_link &&
+                              ports_[port_of(slot, source_port)].first_link != no_link;
+            if (!both && !has_any(slot, irregular)) {
+                mark_open(slot);
+            }
+        }
+    }
+    std::sort(late_ends_.begin(), late_ends_.end(), [](const auto& a, const auto& b) { return a.slot < b.slot; });
+    for (auto begin = late_ends_.begin(); begin != late_ends_.end();) {
+        const auto end = std::find_if(begin, late_ends_.end(), [begin](const auto& end) { return end.slot != begin->slot; });
+        const std::span<MeetingEnd> ends(begin, end);
+        sort_ends(ends);
+        seat_pairs(ends, links);
+        begin = end;
+    }
+    return !late_ends_.empty();
+}
+
+/// The ends that came first join those that came late to their edge.
+void SlotTable::gather_first_ends() {
+    const std::size_t late = late_ends_.size();
+    for (std::size_t i = 0; i < late; ++i) {
+        const Slot slot = late_ends_[i].slot;
+        for (const int port : {target_port, source_port}) {
+            const LinkIndex first = ports_[port_of(slot, port)].first_link;
+            if (first != no_link && !has_any(slot, irregular)) {
+                late_ends_.push_back({slot, first, port == source_port});
+            }
+        }
+        add_flag(slot, irregular);
+    }
+}
+
+std::span<const std::array<std::uint32_t, 2>> Pairing::match(std::span<const MeetingEnd> ends) {
     pairs_.clear();
-    stack_.clear();
-    unmatched_.clear();
-    odd_ = -1;
+    unopened_.clear();
+    unclosed_.clear();
     for (std::uint32_t i = 0; i < ends.size(); ++i) {
         if (ends[i].is_source) {
-            stack_.push_back(i);
-        } else if (!stack_.empty()) {
-            pairs_.emplace_back(i, stack_.back());
-            stack_.pop_back();
+            unclosed_.push_back(i);
+        } else if (unclosed_.empty()) {
+            unopened_.push_back(i);
         } else {
-            unmatched_.push_back(i);
+            pairs_.push_back({i, unclosed_.back()});
+            unclosed_.pop_back();
         }
     }
     // Round the corner: brackets still open meet the ones that closed before any had been opened.
     std::size_t closed = 0;
-    for (; closed < unmatched_.size() && !stack_.empty(); ++closed) {
-        pairs_.emplace_back(unmatched_[closed], stack_.back());
-        stack_.pop_back();
+    for (; closed < unopened_.size() && !unclosed_.empty(); ++closed) {
+        pairs_.push_back({unopened_[closed], unclosed_.back()});
+        unclosed_.pop_back();
     }
-    unmatched_.erase(unmatched_.begin(), unmatched_.begin() + static_cast<std::ptrdiff_t>(closed));
-    const auto& rest = unmatched_.empty() ? stack_ : unmatched_;
-    for (std::size_t i = 0; i + 1 < rest.size(); i += 2) {
-        pairs_.emplace_back(rest[i], rest[i + 1]);
+    const auto rest = closed < unopened_.size() ? std::span(unopened_).subspan(closed) : std::span(unclosed_);
+    for (std::size_t i = 0; i < rest.size(); i += 2) {
+        pairs_.push_back({rest[i], i + 1 < rest.size() ? rest[i + 1] : no_partner});
     }
-    if (rest.size() % 2 == 1) {
-        odd_ = rest.back();
-    }
-}
-
-namespace {
-
-void mark_open(SlotTable& slots, Slot slot) {
-    slots.add_flag(slot, SlotTable::open_end);
-    slots.disconnect(slot);  // the end that is there is connected later
-}
-
-void mark_open_ends(SlotTable& slots) {
-    for (const Slot slot : slots.fresh()) {
-        const bool both = slots.first_link(slot, target_port) != no_link && slots.first_link(slot, source_port) != no_link;
-        if (!both && !slots.has_any(slot, SlotTable::irregular)) {
-            mark_open(slots, slot);
-        }
-    }
+    return pairs_;
 }
 
 /// Gives the end this port, whatever its own orientation.
-void seat(SlotTable& slots, Slot slot, int port, const MeetingEnd& end, std::span<Link> links) {
+void SlotTable::seat(Slot slot, int port, const MeetingEnd& end, std::span<Link> links) noexcept {
     links[end.link].ends[end.is_source ? source_port : target_port] = port_of(slot, port);
     if (end.is_source && port == target_port) {
-        slots.add_flag(slot, SlotTable::mixed_target_is_source);
+        add_flag(slot, mixed_target_is_source);
     } else if (!end.is_source && port == source_port) {
-        slots.add_flag(slot, SlotTable::mixed_source_is_target);
-    }
-}
-
-}  // namespace
-
-bool Meetings::settle(SlotTable& slots, std::span<Link> links, Order order, Copied copied) {
-    const std::span<const SlotTable::LateEnd> late = slots.late_ends();
-    for (const SlotTable::LateEnd& end : late) {
-        slots.add_flag(end.slot, SlotTable::irregular);
-    }
-    if (slots.one_sided() || !late.empty()) {
-        mark_open_ends(slots);
-    }
-    if (late.empty()) {
-        return false;
-    }
-    settle_irregular(slots, links, order, copied);
-    return true;
-}
-
-void Meetings::settle_irregular(SlotTable& slots, std::span<Link> links, Order order, Copied copied) {
-    const std::span<SlotTable::LateEnd> late = slots.late_ends();
-    std::sort(late.begin(), late.end(), [](const auto& a, const auto& b) { return a.slot < b.slot; });
-    for (std::size_t i = 0; i < late.size();) {
-        const Slot slot = late[i].slot;
-        ends_.clear();
-        for (const int port : {target_port, source_port}) {
-            if (const LinkIndex first = slots.first_link(slot, port); first != no_link) {
-                ends_.push_back({first, port == source_port});
-            }
-        }
-        for (; i < late.size() && late[i].slot == slot; ++i) {
-            ends_.push_back({late[i].link, late[i].is_source});
-        }
-        order(slot, ends_);
-        pairing_.match(ends_);
-        seat_pairs(slots, slot, links, copied);
+        add_flag(slot, mixed_source_is_target);
     }
 }
 
 /// One slot for each pair, the first in the slot that they met in.
-void Meetings::seat_pairs(SlotTable& slots, Slot slot, std::span<Link> links, Copied copied) const {
-    bool first = true;
-    const auto next_slot = [&] {
-        if (std::exchange(first, false)) {
-            return slot;
+void SlotTable::seat_pairs(std::span<const MeetingEnd> ends, std::span<Link> links) {
+    const auto pairs = pairing_.match(ends);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        const auto [in, out] = pairs[i];
+        const Slot at = i == 0 ? ends.front().slot : add_copy(ends.front().slot);
+        if (out != Pairing::no_partner) {
+            seat(at, target_port, ends[in], links);
+            seat(at, source_port, ends[out], links);
+        } else {
+            seat(at, ends[in].is_source ? source_port : target_port, ends[in], links);
+            mark_open(at);
         }
-        const Slot copy = slots.add_copy(slot);
-        copied(copy, slot);
-        return copy;
-    };
-    for (const auto& [in, out] : pairing_.pairs()) {
-        const Slot at = next_slot();
-        seat(slots, at, target_port, ends_[in], links);
-        seat(slots, at, source_port, ends_[out], links);
-    }
-    if (pairing_.odd_one() >= 0) {
-        const MeetingEnd& odd = ends_[static_cast<std::size_t>(pairing_.odd_one())];
-        const Slot at = next_slot();
-        seat(slots, at, odd.is_source ? source_port : target_port, odd, links);
-        mark_open(slots, at);
     }
 }
 

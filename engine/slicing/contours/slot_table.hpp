@@ -17,9 +17,9 @@
 //                                                                 ^ free_count_: the top of the stack
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
-#include <utility>
 
 #include "base/function_ref.hpp"
 #include "base/parallel.hpp"
@@ -55,6 +55,7 @@ constexpr Slot slot_of(PortRef ref) noexcept {
 /// A segment that is being linked: ends[target_port] is where it enters, ends[source_port] where it leaves.
 struct Link {
     PortRef ends[2];
+    std::uint32_t record = 0;  ///< of a sweep: the triangle's
 };
 
 /// The content of a port. The two share memory, as a second array adds 2 % of cache misses on dense meshes:
@@ -78,6 +79,43 @@ void grow_exactly(Vector<T>& array, std::size_t size, StopPace& pace, const T& v
     pace.in_stretches(array.size(), size, words, [&](std::size_t, std::size_t end) { array.resize(end, value); });
 }
 
+/// An end of link `link` at an edge.
+struct MeetingEnd {
+    Slot slot;
+    LinkIndex link;
+    bool is_source;  ///< goes out from the edge
+};
+
+/// A face at a mesh edge.
+struct FaceAtEdge {
+    GridVertex apex;  ///< its vertex off the edge
+    std::uint32_t triangle;
+    MeetingEnd end;
+};
+
+/// Sorts the faces of the edge from `lower` to `upper` counter-clockwise seen from above, starting at the smallest apex. At
+/// equal angles those that come in are first (they close the solid before them), by apex, then those that go out, in the
+/// opposite order, so that brackets nest. Faces that are the same in all of this are interchangeable; the triangle's index
+/// only keeps each of them in the same place at all its edges. Exact.
+void sort_round_edge(const GridVertex& lower, const GridVertex& upper, std::span<FaceAtEdge> faces);
+
+/// Pairs the ends that meet at one edge by orientation, then by angle: see slot_table.cpp.
+class Pairing {
+public:
+    static constexpr std::uint32_t no_partner = 0xFFFFFFFFU;
+
+    explicit Pairing(const Memory* memory) noexcept : pairs_(memory), unopened_(memory), unclosed_(memory) {}
+
+    /// The pairs of `ends`, which lie counter-clockwise, by index. Where the orientations of two differ, the one that comes
+    /// in is first. The second of the last may be no_partner. O(ends).
+    std::span<const std::array<std::uint32_t, 2>> match(std::span<const MeetingEnd> ends);
+
+private:
+    Vector<std::array<std::uint32_t, 2>> pairs_;
+    Vector<std::uint32_t> unopened_;  // ends that close a bracket which none opens before
+    Vector<std::uint32_t> unclosed_;
+};
+
 class SlotTable {
 public:
     explicit SlotTable(Worker& worker) noexcept : worker_(worker) {}
@@ -87,7 +125,7 @@ public:
     /// Takes memory for `slots` slots at once rather than by growing.
     void reserve(std::size_t slots);
 
-    // --- A plane's events
+    // --- A plane's events, in this order
 
     /// Frees the slots of the edges that end at `plane`, the first one above them, and returns these slots.
     std::span<const Slot> release_ended(PlaneIndex plane);
@@ -98,25 +136,12 @@ public:
     /// All ends are attached, which are `attachments`; fresh() are the slots made for them.
     void end_attaching(const Attaching& attaching, std::size_t attachments);
 
-    /// An end whose port was taken when it came.
-    struct LateEnd {
-        Slot slot;
-        LinkIndex link;
-        bool is_source;
-    };
-    /// Since begin_attaching().
-    std::span<LateEnd> late_ends() noexcept { return late_ends_; }
-    /// True if some fresh slot has an end on one side only.
-    bool one_sided() const noexcept { return one_sided_; }
-    /// The link whose end came first to a port of a fresh slot, or no_link.
-    LinkIndex first_link(Slot slot, int port) const noexcept { return ports_[port_of(slot, port)].first_link; }
+    /// Sorts the ends that meet at a slot counter-clockwise round its edge.
+    using SortEnds = FunctionRef<void(std::span<MeetingEnd>)>;
+    /// Pairs what meets at the fresh slots where more than two ends do, or two of one orientation. Marks open ends, and
+    /// corrects `links` where it gives an end another slot; true if there is such an end. Precondition: end_attaching().
+    bool settle(std::span<Link> links, SortEnds sort_ends);
 
-    /// Another slot for the same edge, with no link.
-    Slot add_copy(Slot slot);
-    void disconnect(Slot slot) noexcept {
-        ports_[port_of(slot, target_port)].across = no_port;
-        ports_[port_of(slot, source_port)].across = no_port;
-    }
     /// Joins the two ports of each link.
     void connect(std::span<const Link> links) noexcept;
 
@@ -130,7 +155,6 @@ public:
         irregular = 8,  // more than two ends meet, or two of one orientation
     };
     bool has_any(Slot slot, unsigned flags) const noexcept { return (flags_[slot] & flags) != 0; }
-    void add_flag(Slot slot, Flag flag) noexcept;
     /// Slots with an open end, and slots that join two ends of the same orientation.
     std::size_t open_count() const noexcept { return open_; }
     std::size_t mixed_count() const noexcept { return mixed_; }
@@ -149,14 +173,23 @@ public:
     std::size_t capacity() const noexcept { return edges_.size(); }
     std::size_t live() const noexcept { return capacity() - free_count_; }
 
+protected:
+    Worker& worker_;
+
 private:
     static constexpr PlaneIndex no_plane = 0xFFFFFFFFU;
 
+    void take_spares(std::uint32_t count);
     void clear_map(std::size_t size);
     void grow_map(std::uint32_t made);
-    void take_spares(std::uint32_t count);
+    Slot add_copy(Slot slot);
+    void disconnect(Slot slot) noexcept;
+    void add_flag(Slot slot, Flag flag) noexcept;
+    void mark_open(Slot slot) noexcept;
+    void gather_first_ends();
+    void seat(Slot slot, int port, const MeetingEnd& end, std::span<Link> links) noexcept;
+    void seat_pairs(std::span<const MeetingEnd> ends, std::span<Link> links);
 
-    Worker& worker_;
     const Kernels& kernels_ = best_of(kernel_forms());
 
     // slots
@@ -174,11 +207,13 @@ private:
     // the map, of the edges that start at this plane
     Vector<Slot> map_{worker_.memory()};  // no_slot: nothing is there
     std::size_t map_mask_ = 0;
-    std::uint32_t map_limit_ = 0;  // edges that there is room for
     int map_shift_ = 63;
+    std::uint32_t map_limit_ = 0;  // edges that there is room for
 
-    Vector<LateEnd> late_ends_{worker_.memory()};
-    bool one_sided_ = false;
+    // irregular edges
+    Vector<MeetingEnd> late_ends_{worker_.memory()};  // whose port was taken when they came, since begin_attaching()
+    Pairing pairing_{worker_.memory()};
+    bool one_sided_ = false;  // some fresh slot has an end on one side only
 };
 
 /// The ends of a plane's new links on their way to their slots. What each of them changes is a member here and not of the
@@ -215,7 +250,7 @@ public:
         }
     }
 
-    /// Attaches an end of link `link` to `slot`. Returns the port, which Meetings::settle() changes where more than two ends
+    /// Attaches an end of link `link` to `slot`. Returns the port, which settle() changes where more than two ends
     /// meet.
     PortRef attach(Slot slot, int port, LinkIndex link) {
         const PortRef ref = port_of(slot, port);
@@ -256,83 +291,6 @@ private:
 /// By port: the origin of the segment there, as its facet runs.
 struct SlotOrigins {
     PointOrigin by_port[2];
-};
-
-// Pairs the ends of segments that meet at one edge, where more than two do (or two of the same orientation): by orientation,
-// then by angle.
-//
-// The ends are sorted counter-clockwise round the edge, seen from above. The solid begins at an end that goes out (its left
-// is the counter-clockwise side) and ends at one that comes in: "out" opens a bracket, "in" closes it. Matching brackets
-// share a wedge of solid, so contours paired this way never cross:
-//
-//              out                          four faces, two solids that touch along the edge:
-//               | solid A                       out in out in   ->   (out in) (out in)
-//        -------+------- in
-//     in        |                           a solid with a wedge-shaped gap of solid in its gap ...:
-//       solid B | out                           out out in in   ->   (out (out in) in)
-//
-// The ends left over have one orientation. Each pairs with its neighbour round the edge, and an odd one ends an open
-// polyline.
-
-/// An end of link `link` at an edge.
-struct MeetingEnd {
-    std::uint32_t link;
-    bool is_source;  ///< goes out from the edge
-};
-
-class Pairing {
-public:
-    explicit Pairing(const Memory* memory) : pairs_(memory), stack_(memory), unmatched_(memory) {}
-
-    /// Pairs `ends`, which lie counter-clockwise; bracket matching goes round from the last to the first. O(ends).
-    void match(std::span<const MeetingEnd> ends);
-
-    /// Indices into the ends; where the orientations differ, the one that comes in is first.
-    std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs() const noexcept { return pairs_; }
-    /// Index of the end that found no partner, or -1.
-    std::int64_t odd_one() const noexcept { return odd_; }
-
-private:
-    Vector<std::pair<std::uint32_t, std::uint32_t>> pairs_;
-    Vector<std::uint32_t> stack_;
-    Vector<std::uint32_t> unmatched_;
-    std::int64_t odd_ = -1;
-};
-
-/// A face at a mesh edge.
-struct FaceAtEdge {
-    GridVertex apex;  ///< its vertex off the edge
-    std::uint32_t triangle;
-    MeetingEnd end;
-};
-
-/// Sorts the faces of the edge from `lower` to `upper` counter-clockwise seen from above, starting at the smallest apex. At
-/// equal angles those that come in are first (they close the solid before them), by apex, then those that go out, in the
-/// opposite order, so that brackets nest. Faces that are the same in all of this are interchangeable; the triangle's index
-/// only keeps each of them in the same place at all its edges. Exact.
-void sort_round_edge(const GridVertex& lower, const GridVertex& upper, std::span<FaceAtEdge> faces);
-
-/// Edges where more than two ends meet, or two of one orientation: which segment goes on as which. A rare step between
-/// attaching and connecting.
-class Meetings {
-public:
-    explicit Meetings(const Memory* memory) : ends_(memory), pairing_(memory) {}
-
-    /// Sorts the ends that meet at a slot counter-clockwise round its edge.
-    using Order = FunctionRef<void(Slot, std::span<MeetingEnd>)>;
-    /// Called with (to, from) when a slot is made for the edge of another.
-    using Copied = FunctionRef<void(Slot, Slot)>;
-
-    /// Pairs what meets at the fresh slots, marks open ends, corrects `links` where it gives an end another slot; true if
-    /// there is such an end. Precondition: end_attaching().
-    bool settle(SlotTable& slots, std::span<Link> links, Order order, Copied copied);
-
-private:
-    void settle_irregular(SlotTable& slots, std::span<Link> links, Order order, Copied copied);
-    void seat_pairs(SlotTable& slots, Slot slot, std::span<Link> links, Copied copied) const;
-
-    Vector<MeetingEnd> ends_;  // that meet at one slot
-    Pairing pairing_;
 };
 
 }  // namespace lamella

@@ -8,7 +8,7 @@ namespace lamella {
 
 /// To be called before the slots are freed.
 void LinkGraph::forget_order() {
-    const std::size_t numbered = std::min<std::size_t>(slots_.slot_end(), position_.size());
+    const std::size_t numbered = std::min<std::size_t>(slot_end(), position_.size());
     std::fill_n(position_.begin(), numbered, no_position);
     contours_.clear();
     ordered_ = 0;
@@ -18,8 +18,13 @@ void LinkGraph::forget_order() {
     order_known_ = true;
 }
 
+void LinkGraph::clear() {
+    forget_order();
+    SlotTable::clear();
+}
+
 void LinkGraph::release_ended(PlaneIndex plane) {
-    const std::span<const Slot> ended = slots_.release_ended(plane);
+    const std::span<const Slot> ended = SlotTable::release_ended(plane);
     for (const Slot slot : ended) {
         break_after(position_[slot]);
         position_[slot] = no_position;
@@ -30,9 +35,9 @@ void LinkGraph::release_ended(PlaneIndex plane) {
 void LinkGraph::connect(std::span<const Link> links) {
     constexpr std::size_t link_work = 2;
     worker_.in_stretches(0, links.size(), link_work,
-                         [&](std::size_t begin, std::size_t end) { slots_.connect(links.subspan(begin, end - begin)); });
-    grow_exactly(position_, slots_.capacity(), worker_, no_position);
-    changes_ += slots_.fresh().size() + links.size();
+                         [&](std::size_t begin, std::size_t end) { SlotTable::connect(links.subspan(begin, end - begin)); });
+    grow_exactly(position_, capacity(), worker_, no_position);
+    changes_ += fresh().size() + links.size();
     if (!most_changed()) {  // else the walk does not ask for runs
         for (const Link& link : links) {
             break_after(position_[slot_of(link.ends[source_port])]);
@@ -44,34 +49,27 @@ void LinkGraph::walk() {
     if (changes_ == 0) {
         return;
     }
-    const bool one_orientation = slots_.mixed_count() == 0;
+    const bool one_orientation = mixed_count() == 0;
     by_links_ = !order_known_ || most_changed();
-    begin_order();
+    if (const std::size_t room = live() + 1 + run_padding; order_next_.size() < room) {
+        grow_exactly(order_next_, room + live() / 32, worker_);
+    }
+    filled_ = 0;
+    contours_.clear();
     if (!one_orientation) {
         walk_any_orientation();
     } else {
-        if (slots_.open_count() > 0) {
+        if (open_count() > 0) {
             walk_open();
         }
         if (!by_links_) {
-            walk_old_starts();
             walk_old_runs();
         }
         walk_rest();
     }
-    assert(filled_ == slots_.live() && "every slot is walked once");
+    assert(filled_ == live() && "every slot is walked once");
     finish_order();
     order_known_ = one_orientation;
-}
-
-void LinkGraph::begin_order() {
-    const std::size_t live = slots_.live();
-    if (order_next_.size() < live + 1 + run_padding) {
-        grow_exactly(order_next_, std::max(live + live / 32 + 1 + run_padding, order_next_.size()), worker_);
-    }
-    filled_ = 0;
-    old_contours_.swap(contours_);
-    contours_.clear();
 }
 
 void LinkGraph::finish_order() {
@@ -100,28 +98,16 @@ bool LinkGraph::walked(Slot slot) const noexcept {
 
 /// Open polylines, from the slots that no segment enters.
 void LinkGraph::walk_open() {
-    for (Slot slot = 0; slot < slots_.slot_end(); ++slot) {
-        if (!slots_.is_free(slot) && !slots_.is_linked(slot, target_port)) {
+    for (Slot slot = 0; slot < slot_end(); ++slot) {
+        if (!is_free(slot) && !is_linked(slot, target_port)) {
             walk_from(slot);
         }
     }
 }
 
-/// Contours that go on from where one of the last plane's began. They are most, and walk_old_runs() then finds their runs
-/// walked.
-void LinkGraph::walk_old_starts() {
-    for (const WalkedContour& contour : old_contours_) {
-        const std::uint32_t position = contour.begin + 1;
-        const Slot slot = order_[position];
-        if (position_[slot] == position && !walked(slot)) {
-            walk_from(slot);
-        }
-    }
-}
-
-/// Contours that hold any slot of the last plane: parts that split off.
+/// Contours that hold a slot of the last plane.
 void LinkGraph::walk_old_runs() {
-    for (std::uint32_t position = 1; filled_ < slots_.live() && position <= ordered_; position = next_break(position) + 1) {
+    for (std::uint32_t position = 1; filled_ < live() && position <= ordered_; position = next_break(position) + 1) {
         const Slot slot = order_[position];
         if (position_[slot] == position && !walked(slot)) {
             walk_from(slot);
@@ -131,16 +117,16 @@ void LinkGraph::walk_old_runs() {
 
 /// Contours that begin at this plane, and all others that are left where links are followed.
 void LinkGraph::walk_rest() {
-    for (const Slot slot : slots_.fresh()) {
-        if (filled_ == slots_.live()) {
+    for (const Slot slot : fresh()) {
+        if (filled_ == live()) {
             return;
         }
         if (!walked(slot)) {
             walk_from(slot);
         }
     }
-    for (Slot slot = 0; filled_ < slots_.live() && slot < slots_.slot_end(); ++slot) {
-        if (!slots_.is_free(slot) && !walked(slot)) {
+    for (Slot slot = 0; filled_ < live() && slot < slot_end(); ++slot) {
+        if (!is_free(slot) && !walked(slot)) {
             walk_from(slot);
         }
     }
@@ -149,7 +135,7 @@ void LinkGraph::walk_rest() {
 void LinkGraph::walk_from(Slot start) {
     const std::uint32_t begin = filled_;
     const bool closed = by_links_ ? follow_links(start) : follow_runs(start);
-    add_contour(begin, closed, false);
+    contours_.push_back({begin, filled_ - begin, closed, false});
     worker_.spend(slot_work * (filled_ - begin));
 }
 
@@ -157,7 +143,7 @@ void LinkGraph::walk_from(Slot start) {
 bool LinkGraph::follow_runs(Slot start) {
     Slot* const out = order_next_.data() + 1;
     std::uint32_t* const positions = position_.data();
-    const Port* const ports = slots_.ports();
+    const Port* const by_ref = ports();
     std::uint32_t filled = filled_;
     Slot slot = start;
     for (;;) {
@@ -171,12 +157,14 @@ bool LinkGraph::follow_runs(Slot start) {
             const Slot* run = order_.data() + from;
             copy_run(run, length, out + filled);
             if (filled + 1 != from) {
-                number_run(run, length, filled + 1, positions);
+                for (std::uint32_t i = 0; i < length; ++i) {
+                    positions[run[i]] = filled + 1 + i;
+                }
             }
             filled += length;
             last = run[length - 1];
         }
-        const PortRef next = ports[port_of(last, source_port)].across;
+        const PortRef next = by_ref[port_of(last, source_port)].across;
         slot = slot_of(next);
         if (next == no_port || slot == start) {
             filled_ = filled;
@@ -193,7 +181,7 @@ bool LinkGraph::follow_links(Slot start) {
     static_assert(ahead < run_padding);
     Slot* const out = order_next_.data() + 1;
     std::uint32_t* const positions = position_.data();
-    const Port* const ports = slots_.ports();
+    const Port* const by_ref = ports();
     const Slot* const old_order = order_.data();
     std::uint32_t filled = filled_;
     PortRef next = port_of(start, target_port);
@@ -202,11 +190,11 @@ bool LinkGraph::follow_links(Slot start) {
         do {
             const Slot slot = slot_of(next);
             const Slot soon = old_order[positions[slot] + ahead];
-            __builtin_prefetch(ports + port_of(soon, target_port));
+            __builtin_prefetch(by_ref + port_of(soon, target_port));
             __builtin_prefetch(positions + soon, 1);
             out[filled] = slot;
             positions[slot] = ++filled;
-            next = ports[next | source_port].across;
+            next = by_ref[next | source_port].across;
         } while (next != no_port && slot_of(next) != start && filled != enough);
         if (next == no_port || slot_of(next) == start) {
             filled_ = filled;
@@ -216,22 +204,17 @@ bool LinkGraph::follow_links(Slot start) {
     }
 }
 
-void LinkGraph::add_contour(std::uint32_t begin, bool closed, bool is_mixed) {
-    contours_.push_back({begin, filled_ - begin, closed, is_mixed});
-}
-
 // --- Any orientation: where some slot joins two ends of the same orientation, links are followed by whichever port they
 // lead to, and most segments decide which way a contour runs.
 
 void LinkGraph::walk_any_orientation() {
-    leave_by_.resize(order_next_.size());
-    for (Slot slot = 0; slot < slots_.slot_end() && slots_.open_count() > 0; ++slot) {
-        if (!slots_.is_free(slot) && slots_.has_any(slot, SlotTable::open_end) && !walked(slot)) {
-            walk_polyline(slot, !slots_.is_linked(slot, target_port) ? source_port : target_port, false);
+    for (Slot slot = 0; slot < slot_end() && open_count() > 0; ++slot) {
+        if (!is_free(slot) && has_any(slot, open_end) && !walked(slot)) {
+            walk_polyline(slot, !is_linked(slot, target_port) ? source_port : target_port, false);
         }
     }
-    for (Slot slot = 0; slot < slots_.slot_end(); ++slot) {
-        if (!slots_.is_free(slot) && !walked(slot)) {
+    for (Slot slot = 0; slot < slot_end(); ++slot) {
+        if (!is_free(slot) && !walked(slot)) {
             walk_polyline(slot, source_port, true);
         }
     }
@@ -239,79 +222,67 @@ void LinkGraph::walk_any_orientation() {
 
 void LinkGraph::walk_polyline(Slot start, int leave_by, bool closed) {
     const std::uint32_t begin = filled_;
-    follow_any_orientation(start, leave_by, closed);
-    bool is_mixed = false;
-    for (std::uint32_t i = begin; i < filled_; ++i) {
-        is_mixed = is_mixed || slots_.has_any(order_next_[i + 1], SlotTable::mixed);
-    }
-    if (runs_backwards(begin, closed)) {
-        std::reverse(order_next_.begin() + 1 + begin, order_next_.begin() + 1 + filled_);
+    const std::uint32_t forwards = follow_any_orientation(start, leave_by, closed);
+    const std::span<Slot> slots(order_next_.data() + 1 + begin, filled_ - begin);
+    const bool is_mixed = std::any_of(slots.begin(), slots.end(), [this](Slot slot) { return has_any(slot, mixed); });
+    const auto segments = static_cast<std::uint32_t>(slots.size() - (closed ? 0 : 1));
+    if (2 * forwards < segments || (2 * forwards == segments && is_smaller_backwards(slots, closed))) {
+        std::reverse(slots.begin(), slots.end());
         for (std::uint32_t i = begin; i < filled_; ++i) {
             position_[order_next_[i + 1]] = i + 1;
         }
     }
-    add_contour(begin, closed, is_mixed);
+    contours_.push_back({begin, filled_ - begin, closed, is_mixed});
 }
 
-void LinkGraph::follow_any_orientation(Slot start, int leave_by, bool closed) {
-    Slot slot = start;
-    for (;;) {
+/// Returns how many segments run along the walk.
+std::uint32_t LinkGraph::follow_any_orientation(Slot start, int leave_by, bool closed) {
+    std::uint32_t forwards = 0;
+    for (Slot slot = start;;) {
         worker_.spend(slot_work);
         order_next_[filled_ + 1] = slot;
-        leave_by_[filled_] = static_cast<std::uint8_t>(leave_by);
         position_[slot] = ++filled_;
-        const PortRef next = slots_.ports()[port_of(slot, leave_by)].across;
-        if (next == no_port || (closed && slot_of(next) == start)) {
-            return;
+        const PortRef port = port_of(slot, leave_by);
+        const PortRef next = ports()[port].across;
+        if (next == no_port) {
+            return forwards;
         }
+        forwards += runs_from(port) ? 1U : 0U;
         slot = slot_of(next);
+        if (closed && slot == start) {
+            return forwards;
+        }
         leave_by = 1 - static_cast<int>(next & 1);
     }
 }
 
-/// True if most segments of the walk run against it, or as many as along it where the walk backwards is the smaller sequence
-/// of edges, a closed one from its smallest edge on.
-bool LinkGraph::runs_backwards(std::uint32_t begin, bool closed) {
-    const std::uint32_t count = filled_ - begin;
-    const Slot* slots = order_next_.data() + 1 + begin;
-    const std::uint32_t segments = closed ? count : count - 1;
-    std::uint32_t forwards = 0;
-    for (std::uint32_t i = 0; i < segments; ++i) {
-        const bool by_source = leave_by_[begin + i] == source_port;
-        const auto other = by_source ? SlotTable::mixed_source_is_target : SlotTable::mixed_target_is_source;
-        forwards += !slots_.has_any(slots[i], other) == by_source ? 1 : 0;
-    }
-    if (2 * forwards != segments) {
-        return 2 * forwards < segments;
-    }
-    const auto key_at = [&](std::uint32_t i) { return to_key(slots_.edge(slots[i % count])); };
-    const auto smaller = [&](std::uint32_t a, bool a_back, std::uint32_t b, bool b_back) {
-        for (std::uint32_t i = 0; i < count; ++i) {
+/// True if the walk backwards is the smaller sequence of edges, a closed one from wherever it is smallest.
+bool LinkGraph::is_smaller_backwards(std::span<const Slot> slots, bool closed) {
+    struct Reading {
+        std::size_t from;
+        bool back;
+    };
+    const std::size_t count = slots.size();
+    const auto key_at = [&](const Reading& reading, std::size_t i) {
+        return to_key(edge(slots[(reading.back ? reading.from + count - i : reading.from + i) % count]));
+    };
+    const auto is_smaller = [&](const Reading& a, const Reading& b) {
+        for (std::size_t i = 0; i < count; ++i) {
             worker_.spend(slot_work);
-            const EndKey key_a = key_at(a_back ? a + count - i : a + i);
-            const EndKey key_b = key_at(b_back ? b + count - i : b + i);
-            if (key_a != key_b) {
-                return key_a < key_b;
+            if (key_at(a, i) != key_at(b, i)) {
+                return key_at(a, i) < key_at(b, i);
             }
         }
         return false;
     };
-    if (!closed) {
-        return smaller(count - 1, true, 0, false);
-    }
-    std::uint32_t best = 0;
-    bool best_back = false;
-    for (std::uint32_t i = 0; i < count; ++i) {
-        if (key_at(i) <= key_at(best)) {
-            for (const bool back : {false, true}) {
-                if (smaller(i, back, best, best_back)) {
-                    best = i;
-                    best_back = back;
-                }
-            }
+    Reading best{0, false};
+    for (std::size_t from = 0; from < count; ++from) {
+        for (const bool back : {false, true}) {
+            const bool begins = closed || from == (back ? count - 1 : 0);
+            best = begins && is_smaller({from, back}, best) ? Reading{from, back} : best;
         }
     }
-    return best_back;
+    return best.back;
 }
 
 }  // namespace lamella

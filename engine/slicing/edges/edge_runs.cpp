@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <limits>
 #include <new>
 #include <utility>
@@ -205,15 +204,8 @@ void EdgeRuns::cut(std::int32_t margin, const Parallel* parallel) {
 
 /// A layer's contours come by their starts, of which neighbours may lie far apart along y.
 void EdgeRuns::order_paths() {
-    double widths = 0;
-    double heights = 0;
-    for (const EdgePath& path : paths_) {
-        const Point half = path[path.edges() / 2];
-        widths += std::abs(static_cast<double>(half.x) - path[0].x);
-        heights += std::abs(static_cast<double>(half.y) - path[0].y);
-    }
     order_by_place(
-        std::span(paths_), [](const EdgePath& path) { return path.place; }, worker_, widths / heights);
+        std::span(paths_), [](const EdgePath& path) { return path.place; }, worker_);
     std::size_t points = 0;
     for (EdgePath& path : paths_) {
         path.begin = points;

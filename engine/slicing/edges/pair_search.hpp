@@ -123,36 +123,29 @@ private:
 };
 
 /// Pairs of edges of paths in a plane, on one thread. Searches one layer after another; its memory is kept.
-class EdgePairs {
+class EdgePairs : public EdgeRuns {
 public:
-    explicit EdgePairs(Worker& worker) noexcept : runs_(worker), search_(worker) {}
-
-    void clear() noexcept { runs_.clear(); }
-
-    /// The points must stay until find() has returned. Throws std::bad_alloc.
-    void add(const EdgePath& path) { runs_.add(path); }
-
-    std::uint64_t edges() const noexcept { return runs_.edges(); }
+    explicit EdgePairs(Worker& worker) noexcept : EdgeRuns(worker), search_(worker) {}
 
     /// To be called in `meet`: find() ends, and returns false.
     void stop() noexcept { search_.stop(); }
 
     /// Calls meet(a, i, b, j) once for each pair, in no order, of edge i of path a and edge j of path b whose boxes come
     /// within `margin` of each other: all such pairs of two paths, and of one path all that meet elsewhere than in the joint
-    /// of two runs, and some that do not. Edge i leads from a[i] to a[i + 1]. `margin` is below grid_limit. False if it
-    /// would take more than `steps`, and not all were found. Throws std::bad_alloc.
+    /// of two runs, and some that do not. Edge i leads from a[i] to a[i + 1]. `margin` is below grid_limit. The points added
+    /// must stay until it has returned. False if it would take more than `steps`, and not all were found. Throws
+    /// std::bad_alloc.
     template <class Meet>
     bool find(std::int32_t margin, std::uint64_t steps, Meet meet) {
-        runs_.cut(margin);
-        return search_.find(runs_, 0, 1, steps, [&](std::uint32_t a, std::size_t i, std::uint32_t b, std::size_t j) {
-            const EdgePath& a_path = runs_.paths()[a];
-            const EdgePath& b_path = runs_.paths()[b];
+        cut(margin);
+        return search_.find(*this, 0, 1, steps, [&](std::uint32_t a, std::size_t i, std::uint32_t b, std::size_t j) {
+            const EdgePath& a_path = paths()[a];
+            const EdgePath& b_path = paths()[b];
             meet(a_path, i - a_path.begin, b_path, j - b_path.begin);
         });
     }
 
 private:
-    EdgeRuns runs_;
     PairSearch search_;
 };
 

@@ -240,10 +240,10 @@ private:
     Array<Block> blocks_;                            ///< level by level
 };
 
-/// Orders items with places at(item) for a tree: halves them across the side of their box that is the longer one, in boxes
-/// `aspect` times as wide as high, until eight are left. The first half fills whole nodes. O(n log n).
+/// Orders items with places at(item) for a tree: halves them across the longer side of their box, until eight are left. The
+/// first half fills whole nodes. O(n log n).
 template <class Item, class At>
-void order_by_place(std::span<Item> items, const At& at, StopPace& pace, double aspect = 1) {
+void order_by_place(std::span<Item> items, const At& at, StopPace& pace) {
     constexpr std::size_t fan = BoxTree<Point>::fan;
     if (items.size() <= fan) {
         return;
@@ -259,15 +259,15 @@ void order_by_place(std::span<Item> items, const At& at, StopPace& pace, double 
     const std::size_t half = (items.size() + node - 1) / node / 2 * node;
     pace.spend(4 * items.size());
     const auto middle = items.begin() + static_cast<std::ptrdiff_t>(half);
-    if (static_cast<double>(width_of(box)) > aspect * static_cast<double>(height_of(box))) {
+    if (width_of(box) > height_of(box)) {
         std::nth_element(items.begin(), middle, items.end(),
                          [&](const Item& a, const Item& b) { return at(a).x < at(b).x; });
     } else {
         std::nth_element(items.begin(), middle, items.end(),
                          [&](const Item& a, const Item& b) { return at(a).y < at(b).y; });
     }
-    order_by_place(items.first(half), at, pace, aspect);
-    order_by_place(items.subspan(half), at, pace, aspect);
+    order_by_place(items.first(half), at, pace);
+    order_by_place(items.subspan(half), at, pace);
 }
 
 // Points of a plane in a tree: those in a box, those near an edge, the nearest one. O(n log n) to build. O(sqrt n) and what
@@ -285,10 +285,9 @@ public:
 
     explicit PointTree(Worker& worker) noexcept : worker_(worker) {}
 
-    /// Points at(0) to at(count - 1), fewer than 2^32 - 1. `aspect`: the mean width of the boxes that will be searched over
-    /// their mean height. Throws std::bad_alloc.
+    /// Points at(0) to at(count - 1), fewer than 2^32 - 1. Throws std::bad_alloc.
     template <class At>
-    void assign(std::size_t count, const At& at, double aspect = 1) {
+    void assign(std::size_t count, const At& at) {
         points_.clear();
         points_.reserve(count);
         worker_.in_stretches(0, count, 4, [&](std::size_t first, std::size_t last) {
@@ -297,7 +296,7 @@ public:
             }
         });
         order_by_place(
-            std::span(points_), [](const Numbered& numbered) { return numbered.point; }, worker_, aspect);
+            std::span(points_), [](const Numbered& numbered) { return numbered.point; }, worker_);
         place_of_.resize(count);
         worker_.in_stretches(0, count, 2, [&](std::size_t first, std::size_t last) {
             for (std::size_t place = first; place < last; ++place) {

@@ -89,41 +89,33 @@ public:
 
     Vertex vertex(std::size_t t, std::size_t corner) const noexcept {
         if (number() == Number::f64) {
-            return placed(in_doubles(coordinates<double>(t, corner)));
+            return placed(in_doubles<double>(t, corner));
         }
         if (number() != Number::f32) {
-            return placed(number() == Number::i32 ? in_doubles(coordinates<std::int32_t>(t, corner))
-                                                  : in_doubles(coordinates<std::int64_t>(t, corner)));
+            return placed(number() == Number::i32 ? in_doubles<std::int32_t>(t, corner)
+                                                  : in_doubles<std::int64_t>(t, corner));
         }
-        const auto given = coordinates<float>(t, corner);
-        return in_floats_ && !identity_ ? moved(given) : placed(in_doubles(given));
+        return in_floats_ && !identity_ ? moved_in_floats(t, corner) : placed(in_doubles<float>(t, corner));
     }
 
 private:
-    /// One by one: a copy of all three would be stored before it is loaded.
+    /// Gives x, y and z of a corner one by one: a copy of all three would be stored before it is loaded.
     template <class T>
-    class Coordinates {
-    public:
-        explicit Coordinates(const std::byte* at) noexcept : at_(at) {}
-        T operator[](std::size_t axis) const noexcept {
+    auto coordinates(std::size_t t, std::size_t corner) const noexcept {
+        const std::byte* const at = mesh_.indices != nullptr ? mesh_.vertex_at(mesh_.vertex_of(t, corner))
+                                                             : mesh_.vertex_at(t) + corner * 3 * sizeof(T);
+        return [at](std::size_t axis) {
             T value;
-            std::memcpy(&value, at_ + axis * sizeof value, sizeof value);
+            std::memcpy(&value, at + axis * sizeof value, sizeof value);
             return value;
-        }
-
-    private:
-        const std::byte* at_;
-    };
-    template <class T>
-    Coordinates<T> coordinates(std::size_t t, std::size_t corner) const noexcept {
-        return Coordinates<T>(mesh_.indices != nullptr ? mesh_.vertex_at(mesh_.vertex_of(t, corner))
-                                                       : mesh_.vertex_at(t) + corner * 3 * sizeof(T));
+        };
     }
 
     template <class T>
-    static Vertex in_doubles(const T& xyz) noexcept {
-        return {TwoDoubles{static_cast<double>(xyz[0]), static_cast<double>(xyz[1])},
-                TwoDoubles{static_cast<double>(xyz[2]), 0}};
+    Vertex in_doubles(std::size_t t, std::size_t corner) const noexcept {
+        const auto given = coordinates<T>(t, corner);
+        return {TwoDoubles{static_cast<double>(given(0)), static_cast<double>(given(1))},
+                TwoDoubles{static_cast<double>(given(2)), 0}};
     }
 
     Vertex placed(const Vertex& given) const noexcept { return identity_ ? given : moved(given); }
@@ -134,8 +126,10 @@ private:
         to[2] = placed.z[0];
     }
 
-    Vertex moved(const Coordinates<float>& xyz) const noexcept {
-        return in_doubles(floats_[0] * xyz[0] + floats_[1] * xyz[1] + floats_[2] * xyz[2] + floats_[3]);
+    Vertex moved_in_floats(std::size_t t, std::size_t corner) const noexcept {
+        const auto given = coordinates<float>(t, corner);
+        const FourFloats at = floats_[0] * given(0) + floats_[1] * given(1) + floats_[2] * given(2) + floats_[3];
+        return {TwoDoubles{at[0], at[1]}, TwoDoubles{at[2], 0}};
     }
 
     Vertex moved(const Vertex& v) const noexcept {
@@ -166,111 +160,34 @@ inline std::int32_t to_even_grid(double mm, double unit_mm) noexcept {
     return 2 * round_to_int(mm / (2 * unit_mm));
 }
 
-#ifdef __SSE2__
-/// Each argument holds x, y, z and an unused lane. Every vertex is written by one store: a load that spans two stores would
-/// wait until both have reached the cache.
-inline void store_vertices(GridTriangle& grid, __m128i first, __m128i second, __m128i third) noexcept {
-    static_assert(sizeof(GridTriangle) == 9 * sizeof(std::int32_t), "nine coordinates without padding");
-    auto* out = reinterpret_cast<std::int32_t*>(grid.data());
-    _mm_storeu_si128(reinterpret_cast<__m128i*>(out), first);
-    _mm_storeu_si128(reinterpret_cast<__m128i*>(out + 3), second);
-    _mm_storel_epi64(reinterpret_cast<__m128i*>(out + 6), third);
-    out[8] = _mm_cvtsi128_si32(_mm_shuffle_epi32(third, _MM_SHUFFLE(2, 2, 2, 2)));
-}
-#endif
-
-/// Any mesh, transform and unit.
-class GeneralReader {
+/// Reads triangles of any mesh onto the grid. `multiplies`: the unit is a power of two, which has an exact reciprocal.
+template <bool multiplies = false>
+class GridReader {
 public:
-    GeneralReader(const MeshView& mesh, const Placing& placing, double unit_mm) noexcept
-        : placed_(mesh, placing), unit_mm_(unit_mm) {}
+    GridReader(const MeshView& mesh, const Placing& placing, double unit_mm) noexcept
+        : placed_(mesh, placing), scale_(multiplies ? 1 / (2 * unit_mm) : 2 * unit_mm) {}
 
-    GridTriangle operator()(std::size_t t) const noexcept {
-        GridTriangle grid;
-#ifdef __SSE2__
-        store_vertices(grid, even_vertex(t, 0), even_vertex(t, 1), even_vertex(t, 2));
-#else
-        const RawTriangle raw = placed_(t);
-        for (std::size_t i = 0; i < 3; ++i) {
-            grid[i] = {to_even_grid(raw.v[3 * i], unit_mm_), to_even_grid(raw.v[3 * i + 1], unit_mm_),
-                       to_even_grid(raw.v[3 * i + 2], unit_mm_)};
-        }
-#endif
-        return grid;
-    }
+    GridTriangle operator()(std::size_t t) const noexcept { return {vertex(t, 0), vertex(t, 1), vertex(t, 2)}; }
 
 private:
-#ifdef __SSE2__
     /// to_even_grid() of a vertex.
-    __m128i even_vertex(std::size_t t, std::size_t corner) const noexcept {
+    GridVertex vertex(std::size_t t, std::size_t corner) const noexcept {
+        const auto half = [this](TwoDoubles mm) { return multiplies ? mm * scale_ : mm / scale_; };
         const auto [xy, z] = placed_.vertex(t, corner);
-        const __m128d spacing = _mm_set1_pd(2 * unit_mm_);
-        const __m128i half =
-            _mm_unpacklo_epi64(_mm_cvtpd_epi32(_mm_div_pd(xy, spacing)), _mm_cvtpd_epi32(_mm_div_pd(z, spacing)));
-        return _mm_add_epi32(half, half);
+        const TwoDoubles half_xy = half(xy);
+        return {2 * round_to_int(half_xy[0]), 2 * round_to_int(half_xy[1]), 2 * round_to_int(half(z)[0])};
     }
-#endif
 
     PlacedReader placed_;
-    double unit_mm_;
+    double scale_;
 };
 
-#ifdef __SSE2__
-/// Float vertices, no transform, a unit that is a power of two: scaling is then exact in float, and a vertex is one
-/// multiplication and one conversion. Nothing is read beyond a triangle:
-///
-///     x0 y0 z0 x1 y1 z1 x2 y2 z2
-///     [---a-----]    [---c-----]
-///              [---b-----]
-class FloatReader {
-public:
-    FloatReader(const MeshView& mesh, double unit_mm) noexcept
-        : mesh_(mesh), scale_(_mm_set1_ps(static_cast<float>(1 / (2 * unit_mm)))) {}
-
-    GridTriangle operator()(std::size_t t) const noexcept { return mesh_.indices == nullptr ? soup(t) : indexed(t); }
-
-private:
-    __m128i round_even(__m128 mm) const noexcept {
-        const __m128i half = _mm_cvtps_epi32(_mm_mul_ps(mm, scale_));
-        return _mm_add_epi32(half, half);
-    }
-
-    GridTriangle soup(std::size_t t) const noexcept {
-        const auto* at = reinterpret_cast<const float*>(mesh_.vertex_at(t));
-        const __m128 c = _mm_loadu_ps(at + 5);
-        GridTriangle grid;
-        store_vertices(grid, round_even(_mm_loadu_ps(at)), round_even(_mm_loadu_ps(at + 3)),
-                       round_even(_mm_shuffle_ps(c, c, _MM_SHUFFLE(3, 3, 2, 1))));
-        return grid;
-    }
-
-    __m128i vertex(std::size_t index) const noexcept {
-        float xyz[3];
-        std::memcpy(xyz, mesh_.vertex_at(index), sizeof xyz);
-        return round_even(_mm_setr_ps(xyz[0], xyz[1], xyz[2], 0));
-    }
-
-    GridTriangle indexed(std::size_t t) const noexcept {
-        GridTriangle grid;
-        store_vertices(grid, vertex(mesh_.vertex_of(t, 0)), vertex(mesh_.vertex_of(t, 1)), vertex(mesh_.vertex_of(t, 2)));
-        return grid;
-    }
-
-    MeshView mesh_;
-    __m128 scale_;
-};
-#endif
-
-/// Calls use(reader) with the fastest reader for this input; all give the same grid triangles.
+/// Calls use(reader) with the faster reader for this unit; both give the same grid triangles.
 template <class Use>
 decltype(auto) with_reader(const MeshView& mesh, const Placing& placing, double unit_mm, Use&& use) {
-#ifdef __SSE2__
     int exponent = 0;
-    if (mesh.vertex_type == Number::f32 && placing.transform.is_identity() && std::frexp(unit_mm, &exponent) == 0.5) {
-        return use(FloatReader(mesh, unit_mm));
-    }
-#endif
-    return use(GeneralReader(mesh, placing, unit_mm));
+    return std::frexp(unit_mm, &exponent) == 0.5 ? use(GridReader<true>(mesh, placing, unit_mm))
+                                                 : use(GridReader<false>(mesh, placing, unit_mm));
 }
 
 }  // namespace lamella

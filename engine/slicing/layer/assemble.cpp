@@ -30,14 +30,13 @@ public:
         stop_.stop_if_asked();
         SlotTable::Attaching attaching = graph_.begin_attaching(2 * segments_.size());
         links_.reserve(segments_.size());
-        grow_exactly(points_, graph_.capacity(), worker_);  // an edge has one slot where two segments meet
         worker_.in_stretches(0, segments_.size(), segment_work,
                              [&](std::size_t begin, std::size_t end) { attach_all(attaching, begin, end); });
         graph_.end_attaching(attaching, 2 * segments_.size());
-        graph_.settle(
-            links_, [this](Slot, std::span<MeetingEnd> ends) { sort_by_rank(ends); },
-            [this](Slot to, Slot from) { put(to, Point(points_[from])); });
+        graph_.settle(links_, [this](std::span<MeetingEnd> ends) { sort_by_rank(ends); });
         graph_.connect(links_);
+        grow_exactly(points_, graph_.capacity(), worker_);
+        worker_.in_stretches(0, segments_.size(), 2, [&](std::size_t begin, std::size_t end) { put_points(begin, end); });
         graph_.walk();
     }
 
@@ -53,27 +52,25 @@ private:
     void attach_all(SlotTable::Attaching& attaching, std::size_t begin, std::size_t end) {
         for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
             const Segment& segment = segments_[i];
-            const PortRef source = attach(attaching, segment.from_key, segment.from, source_port, i);
-            const PortRef target = attach(attaching, segment.to_key, segment.to, target_port, i);
+            const PortRef source = attach(attaching, segment.from_key, source_port, i);
+            const PortRef target = attach(attaching, segment.to_key, target_port, i);
             links_.push_back({{target, source}});
         }
     }
 
-    PortRef attach(SlotTable::Attaching& attaching, const EndKey& key, Point point, int port, std::uint32_t link) {
-        const Slot slot = attaching.find_or_add(from_key(key), 0);
-        put(slot, point);
-        return attaching.attach(slot, port, link);
+    static PortRef attach(SlotTable::Attaching& attaching, const EndKey& key, int port, std::uint32_t link) {
+        return attaching.attach(attaching.find_or_add(from_key(key), 0), port, link);
     }
 
-    void put(Slot slot, Point point) {
-        if (slot >= points_.size()) {
-            points_.resize(graph_.capacity());
+    void put_points(std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            points_[slot_of(links_[i].ends[source_port])] = segments_[i].from;
+            points_[slot_of(links_[i].ends[target_port])] = segments_[i].to;
         }
-        points_[slot] = point;
     }
 
-    /// Equal ranks are sorted as equal angles are (see Meetings): ends that come in first, then by the segment's other
-    /// end.
+    /// Equal ranks are sorted as equal angles are (see SlotTable::settle()): ends that come in first, then by the segment's
+    /// other end.
     void sort_by_rank(std::span<MeetingEnd> ends) {
         constexpr std::size_t comparison_work = 8;
         const auto rank = [this](const MeetingEnd& end) {

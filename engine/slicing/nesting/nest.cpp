@@ -14,7 +14,6 @@ namespace lamella {
 
 namespace {
 
-using nesting::Container;
 using nesting::SortKey;
 
 /// From small to large. Equal only if all points are equal.
@@ -119,109 +118,30 @@ void Nester::sort_by_start(std::span<const NestItem> items) {
 
 /// Every ring becomes the parent of the starts inside it that have none yet: the smallest ring first.
 void Nester::find_parents(std::span<const NestItem> items) {
-    list_starts();
-    tree_in_use_ = find_containers(items) ? nullptr : tree_ ? &*tree_ : &tree_.emplace(worker_);
-    if (tree_in_use_ != nullptr) {
-        tree_in_use_->assign(
-            rings_.size(), [this](std::size_t start) { return start_at(start); }, aspect_of(items));
-        take_all_for_containers();
-    }
-    sort_containers(items);
+    starts_.assign(rings_.size(), [this](std::size_t ring) { return start_of(ring); });
+    sort_by_size(items);
     for (const SortKey& key : by_size_) {
-        const Container& container = containers_[key.index];
-        const NestItem& contour = items[container.item];
+        const NestItem& contour = items[rings_[key.index].item];
         found_.clear();
-        if (tree_in_use_ != nullptr) {
-            tree_in_use_->find_in(grown(contour.box, -1), [this](Point, std::uint32_t start) {
-                found_.push_back(start);
-                return true;
-            });
-        } else {
-            for (std::uint32_t start = container.first; start < container.end; ++start) {
-                if (contour.box.low.y < start_y_[start] && start_y_[start] < contour.box.high.y) {
-                    found_.push_back(start);
-                }
-            }
-        }
-        take_in(contour, container.ring);
+        starts_.find_in(grown(contour.box, -1), [this](Point, std::uint32_t ring) {
+            found_.push_back(ring);
+            return true;
+        });
+        take_in(contour, key.index);
     }
 }
 
-void Nester::list_starts() {
-    start_x_.clear();
-    start_y_.clear();
-    for (const SortKey& key : by_start_) {
-        start_x_.push_back(nesting::x_of(key.key));
-        start_y_.push_back(nesting::y_of(key.key));
-    }
-}
-
-/// The rings whose boxes hold starts. Those with an x within the box's follow one another:
-///
-///     starts by x   [ . . . . . b . . . . . . e . . . ]      b: the first with x > low.x, e: the first with x >= high.x
-///
-/// False if these stretches are so long that a tree is faster.
-bool Nester::find_containers(std::span<const NestItem> items) {
-    constexpr std::size_t most_each = 256;
-    containers_.clear();
-    std::size_t passed = 0;
-    std::uint32_t first = 0;
-    for (std::uint32_t ring = 0; ring < rings_.size(); ++ring) {
-        worker_.spend(item_work);
-        const FlatBox& box = items[rings_[ring].item].box;
-        for (first = std::max(first, ring + 1); first < rings_.size() && start_x_[first] == box.low.x; ++first) {
-        }
-        const auto end = static_cast<std::uint32_t>(std::lower_bound(start_x_.begin() + first, start_x_.end(), box.high.x) -
-                                                    start_x_.begin());
-        const auto within = [&box](std::int32_t y) { return box.low.y < y && y < box.high.y; };
-        if (std::count_if(start_y_.begin() + first, start_y_.begin() + end, within) > 0) {
-            containers_.push_back({ring, rings_[ring].item, first, end});
-        }
-        passed += end - first;
-        if (passed > most_each * (ring + 1) + 64 * rings_.size()) {
-            return false;
-        }
-    }
-    return true;
-}
-
-/// The boxes' mean width over their mean height.
-double Nester::aspect_of(std::span<const NestItem> items) {
-    double widths = 0;
-    double heights = 0;
-    for (const nesting::Ring& ring : rings_) {
-        const NestItem& contour = items[ring.item];
-        worker_.spend(item_work);
-        widths += static_cast<double>(width_of(contour.box));
-        heights += static_cast<double>(height_of(contour.box));
-    }
-    return widths / heights;
-}
-
-void Nester::take_all_for_containers() {
-    containers_.clear();
-    for (std::uint32_t ring = 0; ring < rings_.size(); ++ring) {
-        containers_.push_back({ring, rings_[ring].item, 0, 0});
-    }
-}
-
-/// By area; equal areas in the order of rings: by start, of equal starts the smaller first.
-void Nester::sort_containers(std::span<const NestItem> items) {
-    const auto item_of = [&](const SortKey& key) -> const NestItem& { return items[containers_[key.index].item]; };
+/// By area; equal areas in the order of rings, which is by start, then box and points.
+void Nester::sort_by_size(std::span<const NestItem> items) {
+    const auto item_of = [&](const SortKey& key) -> const NestItem& { return items[rings_[key.index].item]; };
     by_size_.clear();
-    for (std::uint32_t i = 0; i < containers_.size(); ++i) {
-        const NestItem& contour = items[containers_[i].item];
+    for (std::uint32_t ring = 0; ring < rings_.size(); ++ring) {
         worker_.spend(item_work);
-        by_size_.push_back({area_key(contour), i});
+        by_size_.push_back({area_key(items[rings_[ring].item]), ring});
     }
     nesting::sort_keys(by_size_, spare_keys_, worker_);
-    auto huge = by_size_.end();
-    while (huge != by_size_.begin() && std::prev(huge)->key == std::numeric_limits<std::uint64_t>::max()) {
-        --huge;
-    }
-    std::sort(huge, by_size_.end(), [&](const SortKey& a, const SortKey& b) {
-        const std::strong_ordering order = compare_size(item_of(a), item_of(b));
-        return std::is_neq(order) ? std::is_lt(order) : a.index < b.index;
+    nesting::sort_equal_keys(by_size_, [&](const SortKey& a, const SortKey& b) {  // areas beyond 64 bits share a key
+        return std::pair(size_of(item_of(a)), a.index) < std::pair(size_of(item_of(b)), b.index);
     });
 }
 
@@ -232,7 +152,7 @@ void Nester::take_in(const NestItem& contour, std::uint32_t ring) {
     worker_.spend(item_work + found_.size() * (found_.size() < many ? contour.count / points_per_step : 1));
     if (found_.size() < many) {
         for (const std::uint32_t child : found_) {
-            if (nesting::strictly_inside(add_edges_, contour.points, contour.count, start_at(child))) {
+            if (nesting::strictly_inside(add_edges_, contour.points, contour.count, start_of(child))) {
                 adopt(ring, child);
             }
         }
@@ -240,7 +160,7 @@ void Nester::take_in(const NestItem& contour, std::uint32_t ring) {
     }
     many_inside_.clear();
     for (const std::uint32_t child : found_) {
-        many_inside_.add(start_at(child), child);
+        many_inside_.add(start_of(child), child);
     }
     found_.clear();
     many_inside_.test(contour.points, contour.count, found_);
@@ -251,11 +171,7 @@ void Nester::take_in(const NestItem& contour, std::uint32_t ring) {
 
 void Nester::adopt(std::uint32_t ring, std::uint32_t child) {
     rings_[child].parent = static_cast<std::int32_t>(ring);
-    if (tree_in_use_ != nullptr) {
-        tree_in_use_->take_off(child);
-    } else {
-        start_y_[child] = taken_off;
-    }
+    starts_.take_off(child);
 }
 
 /// The facets' orientation decides the role unless a winding number, here or outside, is negative. Then the number of

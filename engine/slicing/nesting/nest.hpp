@@ -8,20 +8,17 @@
 // every point strictly inside is larger, and starts strictly decrease from child to parent.
 //
 // Contours are visited from small to large. Each becomes the parent of the starts strictly inside it that have none yet. The
-// starts in its box are found among all starts by x, or in a tree if boxes span long stretches of these. Starts with a
-// parent are taken off, so that a nest of any depth costs one test a contour. Starts in the box of one contour are tested
-// together.
+// starts in its box are found in a tree, off which starts with a parent are taken, so that a nest of any depth costs one
+// test a contour. Starts in the box of one contour are tested together.
 //
 // O(q log q) for q contours and points, also for deep nests and for arrays of separate contours. Two cases cost more. A
 // start inside the boxes of k contours, but not inside the contours, costs O(k) (L shapes nested in each other's corner).
-// Boxes that are long and thin in both directions meet up to the square root of q nodes of the tree.
+// A box that is long and thin meets up to the square root of q nodes of the tree.
 #pragma once
 
 #include <algorithm>
 #include <compare>
 #include <cstdint>
-#include <limits>
-#include <optional>
 #include <span>
 #include <utility>
 
@@ -121,14 +118,6 @@ struct Ring {
     bool overruled = false;    // this or an enclosing ring has a winding number below zero
 };
 
-/// A ring that may be a parent: its box may hold starts.
-struct Container {
-    std::uint32_t ring = 0;
-    std::uint32_t item = 0;
-    std::uint32_t first = 0;  // starts [first, end) have an x within the box's
-    std::uint32_t end = 0;
-};
-
 }  // namespace lamella::nesting
 
 namespace lamella {
@@ -147,30 +136,20 @@ private:
     void reserve_keys(std::size_t count);
     void sort_by_start(std::span<const NestItem> items);
     void find_parents(std::span<const NestItem> items);
-    void list_starts();
-    Point start_at(std::size_t ring) const noexcept { return {start_x_[ring], start_y_[ring]}; }
-    bool find_containers(std::span<const NestItem> items);
-    double aspect_of(std::span<const NestItem> items);
-    void take_all_for_containers();
-    void sort_containers(std::span<const NestItem> items);
+    Point start_of(std::size_t ring) const noexcept { return nesting::point_of(by_start_[ring].key); }
+    void sort_by_size(std::span<const NestItem> items);
     void take_in(const NestItem& contour, std::uint32_t ring);
     void adopt(std::uint32_t ring, std::uint32_t child);
     void assign_roles(std::span<NestItem> items);
 
-    static constexpr std::int32_t taken_off = std::numeric_limits<std::int32_t>::min();  // lies in no box
-
     Worker& worker_;
     nesting::AddEdges add_edges_ = best_of(nesting::add_edges_forms());
     Vector<nesting::SortKey> by_start_{worker_.memory()};  // of rings_: their starts
-    Vector<nesting::SortKey> by_size_{worker_.memory()};   // of containers_: their areas
+    Vector<nesting::SortKey> by_size_{worker_.memory()};   // of rings_: their areas
     Vector<nesting::SortKey> spare_keys_{worker_.memory()};
     Vector<nesting::Ring> rings_{worker_.memory()};
-    Vector<std::int32_t> start_x_{worker_.memory()};  // of rings_
-    Vector<std::int32_t> start_y_{worker_.memory()};  // taken_off: the ring has its parent
-    std::optional<PointTree> tree_;
-    PointTree* tree_in_use_ = nullptr;  // instead of the starts by x
-    Vector<nesting::Container> containers_{worker_.memory()};
-    Vector<std::uint32_t> found_{worker_.memory()};  // starts in a container's box
+    PointTree starts_{worker_};                      // of rings_ that have no parent yet
+    Vector<std::uint32_t> found_{worker_.memory()};  // rings with starts in a contour's box
     nesting::ManyInside many_inside_{worker_};
 };
 

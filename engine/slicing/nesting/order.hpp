@@ -34,13 +34,12 @@ constexpr std::uint64_t key_of(Point point) noexcept {
     return std::uint64_t{biased(point.x)} << 32 | biased(point.y);
 }
 
-/// The x of the point that the key was made of.
-constexpr std::int32_t x_of(std::uint64_t key) noexcept {
-    return static_cast<std::int32_t>(static_cast<std::uint32_t>(key >> 32) ^ 0x8000'0000U);
-}
-
-constexpr std::int32_t y_of(std::uint64_t key) noexcept {
-    return static_cast<std::int32_t>(static_cast<std::uint32_t>(key) ^ 0x8000'0000U);
+/// The point that the key was made of.
+constexpr Point point_of(std::uint64_t key) noexcept {
+    const auto coordinate = [](std::uint64_t biased) {
+        return static_cast<std::int32_t>(static_cast<std::uint32_t>(biased) ^ 0x8000'0000U);
+    };
+    return {coordinate(key >> 32), coordinate(key)};
 }
 
 /// Sorts keys whose indices ascend by (key, index). Throws std::bad_alloc, and Stopped where `pace` follows a host that
@@ -71,28 +70,13 @@ struct RingFacts {
     bool has_repeats;      ///< two consecutive points are equal
 };
 
-/// Twice the area is the sum over i of x[i] · (y[i + 1] - y[i - 1]): one product a point, x counted from the first point.
-/// Differences have 32 bits and a sign, so a product fits 64 bits and a sum of them need not: the halves are summed apart.
-class ProductSum {
-public:
-    void add(std::int64_t product) noexcept {
-        low_ += static_cast<std::uint32_t>(product);
-        high_ += product >> 32;
-    }
-    Int128 total() const noexcept { return (Int128{high_} << 32) + Int128{low_}; }
-
-private:
-    std::uint64_t low_ = 0;
-    std::int64_t high_ = 0;
-};
-
-/// point(i) is the ring's i-th point; each is read once.
+/// point(i) is the ring's i-th point; each is read once. Twice the area is the sum over i of x[i] · (y[i + 1] - y[i - 1]):
+/// one product a point, x counted from the first point. A product fits 64 bits, and a sum of them need not.
 template <class PointAt>
 RingFacts facts_of(std::size_t count, const PointAt& point) {
     const Point first = point(0);
     RingFacts facts{{first, first}, 0, 0, false, false};
     Point smallest = first;
-    ProductSum sum;
     Point before = point(count - 1);
     Point here = first;
     for (std::size_t i = 0; i < count; ++i) {
@@ -106,11 +90,10 @@ RingFacts facts_of(std::size_t count, const PointAt& point) {
         } else if (i > 0 && here == smallest) {
             facts.many_smallest = true;
         }
-        sum.add((std::int64_t{here.x} - first.x) * (std::int64_t{next.y} - before.y));
+        facts.twice_area += (std::int64_t{here.x} - first.x) * (std::int64_t{next.y} - before.y);
         before = here;
         here = next;
     }
-    facts.twice_area = sum.total();
     return facts;
 }
 

@@ -91,7 +91,7 @@ public:
     void pass_middle(const Pending& pending) {
         const CrossedTriangle& t = records_[pending.record];
         const int long_port = t.long_edge_is_source() ? source_port : target_port;
-        link(long_port, pending.long_end, attach(short_edge(t, true), t.last, 1 - long_port));
+        link(pending.record, long_port, pending.long_end, attach(short_edge(t, true), t.last, 1 - long_port));
     }
 
     void enter(std::uint32_t record, PlaneIndex plane) {
@@ -103,7 +103,7 @@ public:
         // Selects `middle` or `last`, and below adds 0 or 1, without a branch: no predictor knows the middle vertex.
         const PlaneIndex end = middle ^ ((middle ^ t.last) & (0U - above_middle));
         const PortRef short_end = attach(short_edge(t, above_middle != 0), end, 1 - long_port);
-        link(long_port, long_end, short_end);
+        link(record, long_port, long_end, short_end);
         pending_[pending_count_] = {record, long_end};
         pending_plane_[pending_count_] = middle;
         // No plane may lie between the middle vertex and the upper one.
@@ -121,11 +121,12 @@ private:
     }
 
     /// The long edge is source or target as the triangle says, the short one the other.
-    void link(int long_port, PortRef long_end, PortRef short_end) {
+    void link(std::uint32_t record, int long_port, PortRef long_end, PortRef short_end) {
         // Stored by index, as a branch would be mispredicted. Both ends are later read one by one: one wide load would wait
         // for the two stores.
         links_[link_count_].ends[long_port] = long_end;
         links_[link_count_].ends[1 - long_port] = short_end;
+        links_[link_count_].record = record;
         ++link_count_;
     }
 
@@ -153,8 +154,6 @@ void BandSweep::take_events(PlaneIndex plane, std::span<const std::uint32_t> see
     Events events(*this, 2 * entering + passing.size());
     each_event(worker_, 0, passing.size(), [&](std::size_t i) { events.pass_middle(passing[i]); });
     first_entering_ = events.link_count();
-    entering_seeds_ = seeds;
-    entering_list_ = list_begin;
     each_event(worker_, 0, seeds.size(), [&](std::size_t i) { events.enter(seeds[i], plane); });
     each_event(worker_, list_begin, list_end,
                [&](std::size_t record) { events.enter(static_cast<std::uint32_t>(record), plane); });
@@ -195,16 +194,6 @@ void BandSweep::reserve_events(std::size_t links, std::size_t middles) {
     }
 }
 
-/// The triangle of a link. Links come in the order: triangles that pass their middle vertex, seeds, the plane's list.
-std::uint32_t BandSweep::record_of(std::uint32_t link) const noexcept {
-    if (link < first_entering_) {
-        return passing_[link].record;
-    }
-    const std::uint32_t entering = link - first_entering_;
-    const auto seeds = static_cast<std::uint32_t>(entering_seeds_.size());
-    return entering < seeds ? entering_seeds_[entering] : entering_list_ + (entering - seeds);
-}
-
 /// Assembled form: the links of the plane before are forgotten, the active set is brought up to date (Algorithm 1, steps 7
 /// to 12), and every triangle in it enters anew.
 void BandSweep::enter_active(PlaneIndex plane, std::span<const std::uint32_t> seeds) {
@@ -229,8 +218,7 @@ void BandSweep::link_events(PlaneIndex plane) {
         return;
     }
     const std::span<Link> links{links_.data(), link_count_};
-    if (graph_.settle(
-            links, [this](Slot slot, std::span<MeetingEnd> ends) { sort_meeting(slot, ends); }, [](Slot, Slot) {})) {
+    if (graph_.settle(links, [this](std::span<MeetingEnd> ends) { sort_meeting(ends); })) {
         correct_pending();
     }
     graph_.connect(links);
@@ -250,7 +238,7 @@ void BandSweep::link_events(PlaneIndex plane) {
 void BandSweep::correct_pending() {
     std::uint32_t link = first_entering_;
     for (std::uint32_t p = first_new_pending_; p < pending_count_; ++p, ++link) {
-        while (record_of(link) != pending_[p].record) {
+        while (links_[link].record != pending_[p].record) {
             ++link;
         }
         const CrossedTriangle& t = buckets_->records[pending_[p].record];
@@ -259,13 +247,13 @@ void BandSweep::correct_pending() {
 }
 
 /// Sorts the ends at an irregular edge by their faces' angles round it.
-void BandSweep::sort_meeting(Slot slot, std::span<MeetingEnd> ends) {
+void BandSweep::sort_meeting(std::span<MeetingEnd> ends) {
     worker_.spend(event_work * ends.size());
     faces_.clear();
-    const GridVertex lower = graph_.edge(slot).lower();
-    const GridVertex upper = graph_.edge(slot).upper();
+    const GridVertex lower = graph_.edge(ends.front().slot).lower();
+    const GridVertex upper = graph_.edge(ends.front().slot).upper();
     for (const MeetingEnd& end : ends) {
-        const CrossedTriangle& t = buckets_->records[record_of(end.link)];
+        const CrossedTriangle& t = buckets_->records[links_[end.link].record];
         const bool has_lowest = t.lower == lower || t.lower == upper;
         const bool has_middle = t.middle == lower || t.middle == upper;
         faces_.push_back({!has_lowest ? t.lower : (has_middle ? t.upper : t.middle), t.triangle, end});
@@ -329,7 +317,7 @@ void BandSweep::put_origins(PlaneIndex plane) {
 }
 
 PointOrigin BandSweep::origin_of_link(std::uint32_t link, PlaneIndex plane) const noexcept {
-    const std::uint32_t record = record_of(link);
+    const std::uint32_t record = links_[link].record;
     const CrossedTriangle& t = buckets_->records[record];
     if (link < first_entering_) {
         const PortRef long_end = links_[link].ends[t.long_edge_is_source() ? source_port : target_port];
@@ -351,7 +339,7 @@ void BandSweep::note_substitutes() {
             std::min_element(begin, end, [](const FaceAtEdge& a, const FaceAtEdge& b) { return a.triangle < b.triangle; });
         for (auto face = begin; face != end; ++face) {
             if (face != smallest && face->end.link >= first_entering_) {
-                substitutes_.push_back({face->end.link, record_of(smallest->end.link)});
+                substitutes_.push_back({face->end.link, links_[smallest->end.link].record});
             }
         }
         begin = end;

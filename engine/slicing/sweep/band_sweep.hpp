@@ -109,9 +109,8 @@ private:
     void take_events(PlaneIndex plane, std::span<const std::uint32_t> seeds, std::uint32_t list_begin);
     std::span<const Pending> take_passing(PlaneIndex plane);
     void reserve_events(std::size_t links, std::size_t middles);
-    std::uint32_t record_of(std::uint32_t link) const noexcept;
     void link_events(PlaneIndex plane);
-    void sort_meeting(Slot slot, std::span<MeetingEnd> ends);
+    void sort_meeting(std::span<MeetingEnd> ends);
     void note_substitutes();
     void put_origins(PlaneIndex plane);
     PointOrigin origin_of_link(std::uint32_t link, PlaneIndex plane) const noexcept;
@@ -130,8 +129,6 @@ private:
     Vector<Link> links_{worker_.memory()};  // of the plane's events: triangles that pass their middle vertex, then ...
     std::uint32_t link_count_ = 0;
     std::uint32_t first_entering_ = 0;  // ... from here on, triangles that enter
-    std::span<const std::uint32_t> entering_seeds_;
-    std::uint32_t entering_list_ = 0;
     Vector<Pending> pending_{worker_.memory()};
     Vector<PlaneIndex> pending_plane_{worker_.memory()};  // the first plane above each one's middle vertex
     std::uint32_t pending_count_ = 0;

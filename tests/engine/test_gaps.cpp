@@ -157,19 +157,8 @@ Edges edges_of(const lamella::LayerView& layer, const lamella::Contour& contour)
 
 using Texts = std::vector<std::string>;
 
-SliceResult cut(const Soup& soup, double reach_mm, StitchDirection sense = StitchDirection::oriented) {
-    SliceOptions options = at_heights({5});
-    options.stitch_mm = reach_mm;
-    options.stitch_direction = sense;
-    return sliced(soup, options);
-}
-
 double length_mm(const SliceResult& result, const Stitch& stitch) {
     return std::hypot(double(stitch.to.x) - stitch.from.x, double(stitch.to.y) - stitch.from.y) * result.info.grid_mm;
-}
-
-Soup without_last_side(const Soup& box) {
-    return shapes::without(box, 10, 2);
 }
 
 OpenLayers open_of(const SliceResult& result, int threads = 1) {
@@ -307,7 +296,10 @@ TEST_CASE("gaps up to the requested length are closed, and each is reported", "[
     };
     for (const auto& [soup, reach_mm, direction, contours, stitches] : cases) {
         INFO("case of " << reach_mm << " mm, any direction " << (direction == any));
-        const SliceResult result = cut(soup, reach_mm, direction);
+        SliceOptions options = at_heights({5});
+        options.stitch_mm = reach_mm;
+        options.stitch_direction = direction;
+        const SliceResult result = sliced(soup, options);
         CHECK(contours_at(result, 0) == contours);
         std::ostringstream text;
         for (const auto& [layer, from, to] : result.stitches) {
@@ -367,7 +359,7 @@ TEST_CASE("a mesh is stitched by its own box, each of several parts too", "[engi
 
 TEST_CASE("open layers: their area is not known, and their share of the height is", "[engine][open_layers]") {
     const Soup closed = shapes::box({0, 0, 0}, {10, 20, 30});
-    const Soup open = shapes::moved(without_last_side(closed), {0, 0, 30});
+    const Soup open = shapes::moved(shapes::without(closed, 10, 2), {0, 0, 30});
     const SliceResult result = sliced(shapes::joined({closed, open}), uniform(1));
     const OpenLayers found = open_of(result);
     CHECK(found.layers == 30);
@@ -408,7 +400,7 @@ TEST_CASE("open layers: the length closes all, and a little less does not", "[en
 }
 
 TEST_CASE("open layers: ends of two meshes are not joined", "[engine][open_layers]") {
-    const Soup one = without_last_side(shapes::box({0, 0, 0}, {10, 10, 10}));
+    const Soup one = shapes::without(shapes::box({0, 0, 0}, {10, 10, 10}), 10, 2);
     const Soup other = shapes::moved(one, {1, 0, 0});
     const std::vector<lamella::Part> parts = {{.mesh = view_of(one)}, {.mesh = view_of(other)}};
     const SliceResult both = sliced(parts, uniform(1));

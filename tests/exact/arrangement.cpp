@@ -123,7 +123,6 @@ regions::Region Overlay::region(const std::function<bool(const FaceData&)>& fill
     const auto bounds = [](Halfedge h) { return h->face()->data().solid != 0 && h->twin()->face()->data().solid == 0; };
     std::unordered_set<const void*> used;
     regions::Region region;
-    std::vector<std::size_t> solid_of;
     for (auto first = arrangement_.halfedges_begin(); first != arrangement_.halfedges_end(); ++first) {
         std::vector<Corner> walk;
         for (Halfedge at = first; bounds(at) && used.insert(&*at).second;) {
@@ -135,10 +134,9 @@ regions::Region Overlay::region(const std::function<bool(const FaceData&)>& fill
         }
         if (!walk.empty()) {
             region.push_back({corners_on_grid(walk), false, -1});
-            solid_of.push_back(first->face()->data().solid);
         }
     }
-    regions::find_parents(region, solid_of);
+    regions::find_parents(region);
     return regions::canonical(std::move(region));
 }
 

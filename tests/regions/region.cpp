@@ -1,11 +1,8 @@
 #include "regions/region.hpp"
 
 #include <algorithm>
-#include <map>
 #include <optional>
 #include <stdexcept>
-
-#include "slicing/grid/exact.hpp"
 
 namespace regions {
 
@@ -28,19 +25,6 @@ Polygon corners_of(std::span<const Point> ring) {
     return corners;
 }
 
-/// True if a hole lies around the ring of another solid. They touch in points at most, so that some point of the ring's
-/// first edge lies off the hole.
-bool lies_around(const Polygon& hole, const Polygon& ring) {
-    for (std::int64_t parts = 2; parts < 1'000'000; ++parts) {
-        if (const std::optional<int> number =
-                rings::winding(hole, rings::Place{Int128{ring[0].x} * (parts - 1) + ring[1].x,
-                                                  Int128{ring[0].y} * (parts - 1) + ring[1].y, parts})) {
-            return *number != 0;
-        }
-    }
-    throw std::logic_error("a hole and the ring of another solid share an edge");
-}
-
 std::string place(const Ring& ring) {
     return (ring.hole ? "hole" : "outer ring") + (" " + text_of({ring.corners}));
 }
@@ -48,18 +32,15 @@ std::string place(const Ring& ring) {
 }  // namespace
 
 SliceResult region_of(const Polygons& polygons, const lamella::RegionRules& rules) {
-    const std::vector<std::span<const Point>> spans(polygons.begin(), polygons.end());
-    lamella::Result<SliceResult> region = lamella::region_of(spans, rules);
-    if (!region) {
-        throw std::runtime_error("no region: " + region.error().message);
+    lamella::Result<SliceResult> made = region(polygons, rules);
+    if (!made) {
+        throw std::runtime_error("no region: " + made.error().message);
     }
-    return std::move(region).value();
+    return std::move(made).value();
 }
 
 SliceResult region_of(const Polygons& polygons, FillRule rule) {
-    lamella::RegionRules rules;
-    rules.fill_rule = rule;
-    return region_of(polygons, rules);
+    return region_of(polygons, lamella::RegionRules{.fill_rule = rule});
 }
 
 Region canonical(Region region) {
@@ -91,32 +72,18 @@ Region region_in(const SliceResult& contours) {
     return canonical(std::move(region));
 }
 
-void find_parents(Region& region, std::span<const std::size_t> solid_of) {
-    std::map<std::size_t, std::int64_t> outer_of;
-    std::vector<lamella::FlatBox> boxes;
-    std::vector<Int128> areas;
-    for (std::size_t r = 0; r < region.size(); ++r) {
-        boxes.push_back(lamella::FlatBox::around(region[r].corners));
-        areas.push_back(-twice_area(region[r].corners));
-        region[r].hole = areas[r] > 0;
-        if (!region[r].hole && !outer_of.emplace(solid_of[r], r).second) {
-            throw std::logic_error("a solid has two outer rings");
-        }
+void find_parents(Region& region) {
+    Polygons polygons;
+    for (const Ring& ring : region) {
+        polygons.push_back(ring.corners);
     }
     for (std::size_t r = 0; r < region.size(); ++r) {
-        if (region[r].hole) {
-            region[r].parent = outer_of.at(solid_of[r]);
-            continue;
+        const std::optional<Around> found = around(polygons, r);
+        if (!found) {
+            throw std::logic_error("every edge of a ring lies on another ring");
         }
-        region[r].parent = -1;
-        for (std::size_t h = 0; h < region.size(); ++h) {
-            const auto smallest = static_cast<std::size_t>(region[r].parent);
-            if (areas[h] > 0 && solid_of[h] != solid_of[r] && boxes[h].holds(boxes[r].low) &&
-                boxes[h].holds(boxes[r].high) && (region[r].parent < 0 || areas[h] < areas[smallest]) &&
-                lies_around(region[h].corners, region[r].corners)) {
-                region[r].parent = static_cast<std::int64_t>(h);
-            }
-        }
+        region[r].hole = twice_area(polygons[r]) < 0;
+        region[r].parent = found->smallest;
     }
 }
 

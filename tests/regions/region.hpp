@@ -33,9 +33,8 @@ Region canonical(Region region);
 /// Canonical.
 Region region_in(const lamella::SliceResult& contours);
 
-/// For rings whose solids are known by number: holes get the outer ring of their solid as parent, outer rings the smallest
-/// hole around them. Throws std::logic_error if a solid has not one outer ring.
-void find_parents(Region& region, std::span<const std::size_t> solid_of);
+/// Roles by orientation, parents by brute force. Throws std::logic_error where a ring lies on others.
+void find_parents(Region& region);
 
 /// Winding number of the whole solid is more than 0 (even-odd: odd, ...); by `outermost` as by non-zero.
 bool fills(lamella::FillRule rule, std::int64_t winding);

@@ -314,20 +314,18 @@ bool Simplifier::jumps_over(std::size_t first, std::size_t last, Point start) {
     const auto along = [wide = std::abs(line.x) > std::abs(line.y)](Point p) { return wide ? p.x : p.y; };
     const std::int32_t at = along(start);
     int winding = 0;
-    const auto count = [&](Point from, Point to) {
-        const int direction = (along(from) <= at ? 1 : 0) - (along(to) <= at ? 1 : 0);
-        winding += direction * side_of(from, to, start) > 0 ? direction : 0;
-    };
-    for (std::size_t i = first; i < last; ++i) {
-        const auto [low, high] = std::minmax({along(points_[i]), along(points_[i + 1])});
+    for (std::size_t i = first; i <= last; ++i) {
+        const Point from = points_[i];
+        const Point to = points_[i < last ? i + 1 : first];
+        const auto [low, high] = std::minmax({along(from), along(to)});
         if (low <= at && at <= high) {
-            if (lies_on(start, points_[i], points_[i + 1])) {
+            if (lies_on(start, from, to)) {
                 return true;
             }
-            count(points_[i], points_[i + 1]);
+            const int direction = (along(from) <= at ? 1 : 0) - (along(to) <= at ? 1 : 0);
+            winding += direction * side_of(from, to, start) > 0 ? direction : 0;
         }
     }
-    count(b, a);
     return winding != 0;
 }
 

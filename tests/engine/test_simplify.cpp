@@ -355,10 +355,9 @@ TEST_CASE("simplifying takes no square of time where a furthest point peels off 
     }
     peeled.insert(peeled.end(), {{count, -2 * count}, {-5, -2 * count}});
     CHECK(simplify(comb(30), 100).points_after < 250);
-    CHECK(region_by(comb(1'000), 100).contours[0].point_count < 500);
     const double before = cpu_ms();
     CHECK(region_by({peeled}, 1).points.size() > count / 2);
-    CHECK(region_by(comb(10'000), 100).contours[0].point_count > 10'000);  // stays whole: too many steps
+    CHECK(region_by(comb(100'000), 100).contours[0].point_count < 50'000);
     CHECK(cpu_ms() - before < 6000);
 }
 

@@ -287,46 +287,58 @@ void Simplifier::find_jumps(std::size_t path, std::uint64_t most) {
         }
         const std::size_t first = of.begin + left_[of.first_left + edge];
         const std::size_t last = of.begin + end_of_line(path, edge);
-        const auto box = FlatBox::around(std::span(points_).subspan(first, last + 1 - first));
-        starts_tree_.find_in(box, [&](Point start, std::uint32_t other) {
-            ++steps_;
-            if (other != path && in_conflict_[first] == 0 && jumps_over(first, last, start)) {
-                in_conflict_[first] = 1;
-            }
-            return in_conflict_[first] == 0 && steps_ <= most;
-        });
-        worker_.spend(last - first);
+        if (in_conflict_[first] == 0) {
+            const std::uint64_t before = steps_;
+            list_beside(path, first, last, most);
+            in_conflict_[first] = !beside_.empty() && jumps_over_any(first, last, most) ? 1 : 0;
+            worker_.spend(chain_work * (steps_ - before));
+        }
     }
 }
 
-/// True if `start`, which is no end of the chain, lies on it or within the ring of it and the line back. Nothing there is
-/// farther from the line than the tolerance.
-bool Simplifier::jumps_over(std::size_t first, std::size_t last, Point start) {
+/// Lists the starts of other paths that may lie between a chain and its line: no ends of the chain, and no farther from the
+/// line than the chain, which is the tolerance at most.
+void Simplifier::list_beside(std::size_t path, std::size_t first, std::size_t last, std::uint64_t most) {
     const Point a = points_[first];
     const Point b = points_[last];
     const Vector2 line = between(a, b);
-    if (start == a || start == b || !is_beside(distance_by_length(line, between(a, start)), line, tolerance_)) {
-        return false;
-    }
-    steps_ += last - first;
-    worker_.spend(chain_work * (last - first));
-    // The ray leads across the line, so that it meets few edges of a chain that follows the line.
+    beside_.clear();
+    worker_.spend(last - first);
+    starts_tree_.find_in(FlatBox::around(std::span(points_).subspan(first, last + 1 - first)),
+                         [&](Point start, std::uint32_t other) {
+                             ++steps_;
+                             if (other != path && start != a && start != b &&
+                                 is_beside(distance_by_length(line, between(a, start)), line, tolerance_)) {
+                                 beside_.push_back({start, 0});
+                             }
+                             return steps_ <= most;
+                         });
+}
+
+/// True if one of beside_ lies on the chain or within the ring of it and the line back. The rays that edges are counted on
+/// lead across the line: a chain that follows the line passes each of them a few times, however many its edges are.
+bool Simplifier::jumps_over_any(std::size_t first, std::size_t last, std::uint64_t most) {
+    const Vector2 line = between(points_[first], points_[last]);
     const auto along = [wide = std::abs(line.x) > std::abs(line.y)](Point p) { return wide ? p.x : p.y; };
-    const std::int32_t at = along(start);
-    int winding = 0;
-    for (std::size_t i = first; i <= last; ++i) {
+    std::sort(beside_.begin(), beside_.end(),
+              [&](const Beside& a, const Beside& b) { return along(a.start) < along(b.start); });
+    worker_.spend(chain_work * (last - first));
+    for (std::size_t i = first; i <= last && steps_ <= most; ++i) {
         const Point from = points_[i];
         const Point to = points_[i < last ? i + 1 : first];
         const auto [low, high] = std::minmax({along(from), along(to)});
-        if (low <= at && at <= high) {
-            if (lies_on(start, from, to)) {
+        auto at = std::lower_bound(beside_.begin(), beside_.end(), low,
+                                   [&](const Beside& beside, std::int32_t least) { return along(beside.start) < least; });
+        for (; at != beside_.end() && along(at->start) <= high; ++at) {
+            ++steps_;
+            if (lies_on(at->start, from, to)) {
                 return true;
             }
-            const int direction = (along(from) <= at ? 1 : 0) - (along(to) <= at ? 1 : 0);
-            winding += direction * side_of(from, to, start) > 0 ? direction : 0;
+            const int direction = (along(from) <= along(at->start) ? 1 : 0) - (along(to) <= along(at->start) ? 1 : 0);
+            at->winding += direction * side_of(from, to, at->start) > 0 ? direction : 0;
         }
     }
-    return winding != 0;
+    return std::any_of(beside_.begin(), beside_.end(), [](const Beside& beside) { return beside.winding != 0; });
 }
 
 /// Objects to all lines where fewer than three points would be left, or the area would change its sign.

@@ -64,6 +64,11 @@ private:
 
         std::size_t count() const noexcept { return last - begin + (closed ? 0 : 1); }
     };
+    /// The start of another path that may lie between a chain and its line.
+    struct Beside {
+        Point start;
+        int winding = 0;  ///< of the ring of both around it
+    };
     using Index = std::uint32_t;
 
     void list(std::span<const NestItem> items);
@@ -74,8 +79,9 @@ private:
     bool find_conflicts(std::span<const NestItem> items);
     void compare(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j);
     void find_jumps(std::size_t path, std::uint64_t most);
+    void list_beside(std::size_t path, std::size_t first, std::size_t last, std::uint64_t most);
+    bool jumps_over_any(std::size_t first, std::size_t last, std::uint64_t most);
     void keep_orientation(std::size_t path, const NestItem& item);
-    bool jumps_over(std::size_t first, std::size_t last, Point start);
     bool is_line(std::size_t path, std::size_t edge) const noexcept;
     std::size_t end_of_line(std::size_t path, std::size_t edge) const noexcept;
     void object_to(std::size_t path, std::size_t edge) noexcept;
@@ -95,6 +101,7 @@ private:
     Vector<PointOrigin> left_origins_{worker_.memory()};  // of left_points_, where items have origins
     Vector<Point> starts_{worker_.memory()};              // of paths_
     PointTree starts_tree_{worker_};
+    Vector<Beside> beside_{worker_.memory()};
     std::uint64_t steps_ = 0;  // in search of jumps, in a round
     EdgePairs pairs_{worker_};
 };

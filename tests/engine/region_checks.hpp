@@ -67,9 +67,7 @@ inline double difference_of(const SliceResult& a, const SliceResult& b) {
     Polygons both = rings_of(a);
     const Polygons others = rings_of(b);
     both.insert(both.end(), others.begin(), others.end());
-    RegionRules rules;
-    rules.fill_rule = lamella::FillRule::even_odd;
-    const auto difference = region(both, rules);
+    const auto difference = region(both, {.fill_rule = lamella::FillRule::even_odd});
     return difference ? area_of(*difference) : -1;
 }
 
@@ -81,45 +79,45 @@ inline bool same(const SliceResult& a, const SliceResult& b) {
            std::equal(a.points.begin(), a.points.end(), b.points.begin(), b.points.end());
 }
 
-/// The contours around a place of contour `c` that lies on no other, by brute force; false if there is none.
-inline bool find_around(const SliceResult& layer, std::size_t c, std::vector<std::size_t>& around) {
-    const auto own = layer.points_of(layer.contours[c]);
-    for (std::size_t i = 0; i < own.size(); ++i) {
-        const Point a = own[i];
-        const Point b = own[(i + 1) % own.size()];
+/// The polygons around one.
+struct Around {
+    std::int64_t smallest = -1;
+    std::size_t count = 0;
+};
+
+/// Around a place of polygon `c` that lies on no other, by brute force; none if there is no such place.
+inline std::optional<Around> around(const Polygons& polygons, std::size_t c) {
+    const auto size = [&](std::int64_t p) {
+        const Int128 area = twice_area(polygons[static_cast<std::size_t>(p)]);
+        return area < 0 ? -area : area;
+    };
+    for (std::size_t i = 0; i < polygons[c].size(); ++i) {
+        const Point a = polygons[c][i];
+        const Point b = polygons[c][(i + 1) % polygons[c].size()];
         const rings::Place middle{Int128{a.x} + b.x, Int128{a.y} + b.y, 2};
         bool on = false;
-        around.clear();
-        for (std::size_t o = 0; o < layer.contours.size() && !on; ++o) {
-            const std::optional<int> winding =
-                o == c ? std::optional(0) : rings::winding(layer.points_of(layer.contours[o]), middle);
+        Around found;
+        for (std::size_t o = 0; o < polygons.size() && !on; ++o) {
+            const std::optional<int> winding = o == c ? std::optional(0) : rings::winding(polygons[o], middle);
             on = !winding;
             if (winding.value_or(0) != 0) {
-                around.push_back(o);
+                const auto other = static_cast<std::int64_t>(o);
+                found.smallest = found.smallest < 0 || size(other) < size(found.smallest) ? other : found.smallest;
+                ++found.count;
             }
         }
         if (!on) {
-            return true;
+            return found;
         }
     }
-    return false;
+    return {};
 }
 
-inline std::string broken_parent(const SliceResult& layer, std::size_t c) {
-    const Contour& contour = layer.contours[c];
-    std::vector<std::size_t> around;
-    if (!find_around(layer, c, around)) {
-        return {};
+inline std::string broken_parent(const Contour& contour, const std::optional<Around>& around) {
+    if (around && contour.parent != around->smallest) {
+        return "the parent is " + std::to_string(contour.parent) + ", not " + std::to_string(around->smallest);
     }
-    const auto by_size = [&](std::size_t a, std::size_t b) {
-        return std::abs(layer.contours[a].twice_area.to_double()) < std::abs(layer.contours[b].twice_area.to_double());
-    };
-    const auto smallest = std::min_element(around.begin(), around.end(), by_size);
-    const std::int64_t expected = smallest == around.end() ? -1 : static_cast<std::int64_t>(*smallest);
-    if (contour.parent != expected) {
-        return "the parent is " + std::to_string(contour.parent) + ", not " + std::to_string(expected);
-    }
-    if ((contour.role == lamella::Role::hole) != (around.size() % 2 == 1)) {
+    if (around && (contour.role == lamella::Role::hole) != (around->count % 2 == 1)) {
         return "outers and holes alternate";
     }
     return {};
@@ -169,8 +167,9 @@ inline std::string broken_promise(const SliceResult& layer) {
     if (std::string fault = fault_in(layer); !fault.empty()) {
         return fault;
     }
+    const Polygons polygons = rings_of(layer);
     for (std::size_t c = 0; c < layer.contours.size(); ++c) {
-        if (const std::string broken = broken_parent(layer, c); !broken.empty()) {
+        if (const std::string broken = broken_parent(layer.contours[c], around(polygons, c)); !broken.empty()) {
             return "contour " + std::to_string(c) + ": " + broken;
         }
     }

@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -29,16 +30,8 @@ namespace {
 
 constexpr FillRule all_rules[] = {FillRule::contours, FillRule::even_odd, FillRule::non_zero, FillRule::positive};
 
-/// What a rule leaves of a layer.
-struct Outcome {
-    std::int64_t outers = 0;
-    std::int64_t holes = 0;
-    double area_mm2 = 0;  ///< -1 where it is not known
-    friend bool operator==(const Outcome&, const Outcome&) = default;
-    friend std::ostream& operator<<(std::ostream& out, const Outcome& it) {
-        return out << '{' << it.outers << ", " << it.holes << ", " << it.area_mm2 << '}';
-    }
-};
+/// What a rule leaves of a layer: outer contours, holes, and the area in square millimetres, -1 where it is not known.
+using Outcome = std::array<double, 3>;
 using Outcomes = std::vector<Outcome>;
 
 /// Slices at mid-height solids that extend from z = 0 to 10.
@@ -52,8 +45,8 @@ SliceResult filled(const shapes::Soup& soup, FillRule rule) {
 
 Outcome outcome_of(const SliceResult& result) {
     const auto count = [&](Role role) {
-        return std::count_if(result.contours.begin(), result.contours.end(),
-                             [role](const lamella::Contour& contour) { return contour.role == role; });
+        return static_cast<double>(std::count_if(result.contours.begin(), result.contours.end(),
+                                                 [role](const lamella::Contour& contour) { return contour.role == role; }));
     };
     const double area = result[0].area_mm2();
     return {count(Role::outer), count(Role::hole), std::isnan(area) ? -1 : area};
@@ -96,6 +89,8 @@ TEST_CASE("fill rules: what becomes of solids that overlap, touch, lie in each o
         around.insert(around.end(), more.begin(), more.end());
         return around;
     };
+    std::vector<Square> thousand(1000, {0, 0, 10});
+    thousand.push_back({5, 5, 10});
     std::vector<Square> below = undone;
     below.push_back({-2, -2, -24});
     const Case cases[] = {
@@ -116,6 +111,7 @@ TEST_CASE("fill rules: what becomes of solids that overlap, touch, lie in each o
         {"exported twice and overlapping",
          {{0, 0, 10}, {0, 0, 10}, {5, 5, 10}},
          {{3, 0, 300}, {1, 0, 100}, {1, 0, 175}, {1, 0, 175}}},
+        {"exported a thousand times", thousand, {{1001, 0, 100'100}, {1, 0, 100}, {1, 0, 175}, {1, 0, 175}}},
         {"a pocket at a face", {{0, 0, 10}, {0, 2, -4}}, {{2, 0, 116}, {1, 0, 84}, {1, 0, 84}, {1, 0, 84}}},
         {"inverted apart", {{0, 0, 10}, {20, 0, -10}}, {{2, 0, 200}, {2, 0, 200}, {2, 0, 200}, {1, 0, 100}}},
         {"inside out as a whole", {{0, 0, -10}, {5, 5, -10}}, {{1, 1, 0}, {2, 0, 150}, {1, 0, 175}, {}}},
@@ -141,18 +137,9 @@ TEST_CASE("fill rules: what becomes of solids that overlap, touch, lie in each o
     }
 }
 
-TEST_CASE("fill rules: a body exported a thousand times is filled by its winding number", "[engine][fill]") {
-    for (const std::size_t times : {1000U, 1001U}) {
-        std::vector<Square> squares(times, {0, 0, 10});
-        squares.push_back({5, 5, 10});
-        const shapes::Soup soup = solids(squares);
-        CHECK(filled(soup, FillRule::even_odd)[0].area_mm2() == (times % 2 == 0 ? 100 : 150));
-        CHECK(filled(soup, FillRule::non_zero)[0].area_mm2() == 175);
-        CHECK(filled(soup, FillRule::positive)[0].area_mm2() == 175);
-    }
-}
-
-TEST_CASE("fill rules: bodies that touch the tip of a spike into their hole lie in the hole", "[engine][fill]") {
+TEST_CASE("fill rules: what is empty is joined in a point, what is solid is not, and bodies lie in the hole that they touch",
+          "[engine][fill][regions]") {
+    const auto square = [](std::int32_t low, std::int32_t high) { return polygons::box(low, low, high, high); };
     // The hole's boundary passes the tip, but begins elsewhere. A and B begin there, and the tip lies strictly within the
     // outermost contour alone. From B the way past the left of the tip leads to A first.
     //
@@ -164,34 +151,37 @@ TEST_CASE("fill rules: bodies that touch the tip of a spike into their hole lie 
     //     |   B  ---+
     //     +---------+
     const Ring around = polygons::box(-100, -100, 200, 200);
-    const Ring hole = {{0, 0}, {0, 100}, {100, 100}, {100, 60}, {50, 50}, {100, 40}, {100, 0}};
+    const Ring spiked = {{0, 0}, {0, 100}, {100, 100}, {100, 60}, {50, 50}, {100, 40}, {100, 0}};
     const Ring above = {{50, 50}, {70, 90}, {60, 90}};
     const Ring below = {{50, 50}, {60, 20}, {70, 20}};
-    for (const Rings& contours : {Rings{around, hole, above}, {around, hole, below}, {around, hole, above, below}}) {
-        const SliceResult region = regions::region_of(contours, FillRule::non_zero);
-        CHECK(region.contours.size() == contours.size());
-        for (const lamella::Contour& contour : region.contours) {
-            const bool small = contour.point_count == 3;
-            CHECK(contour.parent == (small ? 1 : contour.role == Role::hole ? 0 : -1));
-            CHECK(contour.role == (contour.point_count == 7 ? Role::hole : Role::outer));
-        }
-    }
-}
-
-TEST_CASE("fill rules: region_of joins what is empty in a point, but not what is solid", "[engine][fill]") {
-    const auto square = [](std::int32_t low, std::int32_t high) { return polygons::box(low, low, high, high); };
-    // "outer 4 hole 8": the points of each contour.
-    const auto contours_of = [&](const Rings& contours) {
-        std::string text;
-        for (const lamella::Contour& contour : regions::region_of(contours, FillRule::non_zero).contours) {
-            text += (contour.role == Role::outer ? "outer " : "hole ") + std::to_string(contour.point_count) + " ";
-        }
-        return text;
+    constexpr FillRule even_odd = FillRule::even_odd;
+    constexpr FillRule non_zero = FillRule::non_zero;
+    const std::tuple<Rings, FillRule, std::string> cases[] = {
+        {{around, spiked, above}, non_zero, "outer 4 in -, hole 7 in 0, outer 3 in 1, "},
+        {{around, spiked, below}, non_zero, "outer 4 in -, hole 7 in 0, outer 3 in 1, "},
+        {{around, spiked, above, below}, non_zero, "outer 4 in -, hole 7 in 0, outer 3 in 1, outer 3 in 1, "},
+        {{square(0, 12), {{1, 1}, {1, 11}, {6, 11}, {6, 6}, {11, 11}, {11, 1}}, {{6, 6}, {8, 4}, {8, 6}}},
+         even_odd,
+         "outer 4 in -, hole 6 in 0, outer 3 in 1, "},
+        {{square(0, 20), square(10, 30)}, non_zero, "outer 8 in -, "},  // the example of layers.hpp, finer
+        {{square(0, 20), square(20, 40)}, non_zero, "outer 4 in -, outer 4 in -, "},
+        {{square(-20, 90), reversed(square(0, 20)), reversed(square(20, 40))}, non_zero, "outer 4 in -, hole 8 in 0, "},
+        {{square(0, 90), {{0, 0}, {20, 40}, {40, 20}}}, non_zero, "outer 7 in -, "},
+        // (-2, 2) to (1, 4) passes the pixel of (0, 4), to which the next edge leads back: no spike is left.
+        {{{{0, 0}, {-2, 2}, {1, 4}, {0, 4}, {0, 9}, {10, 13}}, {{10, 14}, {16, 8}, {8, -7}}},
+         even_odd,
+         "outer 5 in -, outer 4 in -, "},
     };
-    CHECK(contours_of({square(0, 20), square(10, 30)}) == "outer 8 ");  // the example of layers.hpp, finer
-    CHECK(contours_of({square(0, 20), square(20, 40)}) == "outer 4 outer 4 ");
-    CHECK(contours_of({square(-20, 90), reversed(square(0, 20)), reversed(square(20, 40))}) == "outer 4 hole 8 ");
-    CHECK(contours_of({square(0, 90), {{0, 0}, {20, 40}, {40, 20}}}) == "outer 7 ");
+    for (const auto& [rings, rule, expected] : cases) {
+        const SliceResult region = regions::region_of(rings, rule);
+        std::string text;
+        for (const lamella::Contour& contour : region.contours) {
+            text += std::string(contour.role == Role::outer ? "outer " : "hole ") + std::to_string(contour.point_count) +
+                    " in " + (contour.parent < 0 ? "-" : std::to_string(contour.parent)) + ", ";
+        }
+        CHECK(text == expected);
+        CHECK(regions::broken_promise(region) == "");
+    }
 }
 
 TEST_CASE("fill rules fill places by their winding number, though contours cross themselves and share corners and lines",
@@ -258,11 +248,8 @@ TEST_CASE("rules of regions that cannot be kept are refused with what is possibl
     constexpr double RegionRules::*offset = &RegionRules::offset_mm;
     constexpr double RegionRules::*flag = &RegionRules::flag_closing_mm;
     constexpr FillRule none = FillRule::contours;
-    struct Case {
-        RegionRules rules;
-        std::string message;  ///< a part of it; empty where the rules are taken
-    };
-    std::vector<Case> cases = {
+    std::vector<std::pair<RegionRules, std::string>> cases = {
+        // a part of the message; empty where the rules are taken
         {by(closing, -1), "not -1 mm"},
         {by(offset, -1), ""},
         {by(offset, 0, 1), ""},
@@ -336,24 +323,6 @@ TEST_CASE("layers of which the rules leave nothing are counted", "[engine][regio
     CHECK(result.layers[2].contour_count == (options.region.fill_rule == FillRule::positive ? 0 : 1));
 }
 
-TEST_CASE("an outer contour in a hole has it as parent where both touch in a point with all sides to the right",
-          "[regions]") {
-    const Rings rings{
-        polygons::box(0, 0, 12, 12), {{1, 1}, {1, 11}, {6, 11}, {6, 6}, {11, 11}, {11, 1}}, {{6, 6}, {8, 4}, {8, 6}}};
-    const SliceResult region = regions::region_of(rings, FillRule::even_odd);
-    CHECK(regions::broken_promise(region) == "");
-    REQUIRE(region.contours.size() == 3);
-    CHECK(region.contours[2].parent == 1);
-}
-
-TEST_CASE("an edge that rounding lays along its neighbour leaves no spike", "[regions]") {
-    // (-2, 2) to (1, 4) passes the pixel of (0, 4), to which the next edge leads back.
-    const Rings rings{{{0, 0}, {-2, 2}, {1, 4}, {0, 4}, {0, 9}, {10, 13}}, {{10, 14}, {16, 8}, {8, -7}}};
-    for (const FillRule rule : {FillRule::even_odd, FillRule::non_zero}) {
-        CHECK(regions::fault_in(regions::region_of(rings, rule)) == "");
-    }
-}
-
 TEST_CASE("the largest outer contour alone stays, with its holes", "[regions]") {
     std::mt19937 random(3);
     for (int number = 0; number < 1200; ++number) {
@@ -372,9 +341,7 @@ TEST_CASE("the largest outer contour alone stays, with its holes", "[regions]") 
                 kept.push_back({all[r].corners, all[r].hole, all[r].hole ? 0 : -1});
             }
         }
-        lamella::RegionRules rules;
-        rules.fill_rule = rule;
-        rules.largest_only = true;
+        const RegionRules rules{.fill_rule = rule, .largest_only = true};
         const SliceResult found = regions::region_of(rings, rules);
         INFO(lamella::name_of(rule) << " of " << regions::text_of(rings));
         REQUIRE(regions::broken_promise(whole) == "");

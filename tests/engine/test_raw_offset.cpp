@@ -7,7 +7,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "engine/counting_memory.hpp"
 #include "engine/polygons.hpp"
 #include "rings.hpp"
 #include "slicing/offset/raw_offset.hpp"
@@ -221,22 +220,6 @@ TEST_CASE("raw offsets of a few corners are known", "[engine][raw_offset]") {
     CHECK(winding(offset_of(spiked, 500).points, {9400, 2000}) == 1);
     CHECK(winding(offset_of(spiked, -500).points, {6000, 2000}) < 0);
     CHECK(winding(offset_of(spiked, -500).points, {2000, 2000}) == 1);
-}
-
-TEST_CASE("curves of a layer stand one after the other, in the host's memory", "[engine][raw_offset]") {
-    CountingMemory memory;
-    RawOffset offset(&memory);
-    const RawCurve first = offset.append(notched, 2000, 3);
-    CHECK(memory.held() > 12 * sizeof(Point));
-    const RawCurve second = offset.append(square, 1000, 3);
-    CHECK(first.first_point == 0);
-    CHECK(first.count == 12);
-    CHECK(second.first_point == 12);
-    CHECK(offset.points().size() == 16);
-    CHECK(offset.points_of(second)[0] == Point{-1000, -1000});
-    offset.clear();
-    CHECK(offset.append(square, 1000, 3).first_point == 0);
-    CHECK(offset.points().size() == 4);
 }
 
 TEST_CASE("all forms of the offset's kernels agree with the portable form", "[engine][raw_offset][kernels]") {

@@ -31,18 +31,15 @@ std::string place(const Ring& ring) {
 }  // namespace
 
 SliceResult region_of(const Polygons& polygons, const lamella::RegionRules& rules) {
-    const std::vector<std::span<const Point>> spans(polygons.begin(), polygons.end());
-    lamella::Result<SliceResult> region = lamella::region_of(spans, rules);
-    if (!region) {
-        throw std::runtime_error("no region: " + region.error().message);
+    lamella::Result<SliceResult> made = region(polygons, rules);
+    if (!made) {
+        throw std::runtime_error("no region: " + made.error().message);
     }
-    return std::move(region).value();
+    return std::move(made).value();
 }
 
 SliceResult region_of(const Polygons& polygons, FillRule rule) {
-    lamella::RegionRules rules;
-    rules.fill_rule = rule;
-    return region_of(polygons, rules);
+    return region_of(polygons, lamella::RegionRules{.fill_rule = rule});
 }
 
 Region canonical(Region region) {

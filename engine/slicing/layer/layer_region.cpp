@@ -8,6 +8,50 @@
 
 namespace lamella {
 
+namespace {
+
+/// Takes the points that lie between their neighbours off a closed contour that has an area, in place; returns how many are
+/// left. An edge that several become has the origin of the first of them, or of the last where the contour will be turned
+/// round. `origins`: of the edges, or null. O(points).
+std::size_t drop_collinear(std::span<Point> ring, PointOrigin* origins, bool will_turn) noexcept {
+    const auto is_between = [ring](std::size_t before, std::size_t at, std::size_t after) {
+        return side_of(ring[before], ring[at], ring[after]) == 0;
+    };
+    const auto move = [=](std::size_t from, std::size_t to) {
+        ring[to] = ring[from];
+        if (origins != nullptr) {
+            origins[to] = origins[from];
+        }
+    };
+    const auto merge = [=](std::size_t into, std::size_t next) {
+        if (origins != nullptr) {
+            origins[into] = stretch_of(origins[will_turn ? next : into], !will_turn, will_turn);
+        }
+    };
+    std::size_t left = 0;
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+        while (left >= 2 && is_between(left - 2, left - 1, i)) {
+            --left;
+            merge(left - 1, left);
+        }
+        move(i, left++);
+    }
+    while (left > 3 && is_between(left - 2, left - 1, 0)) {
+        --left;
+        merge(left - 1, left);
+    }
+    std::size_t first = 0;
+    while (left - first > 3 && is_between(left - 1, first, first + 1)) {
+        merge(left - 1, first++);
+    }
+    for (std::size_t i = first; i < left && first > 0; ++i) {
+        move(i, i - first);
+    }
+    return left - first;
+}
+
+}  // namespace
+
 bool LayerRegion::apply(const RegionRules& rules, FillRule fill, double grid_mm) {
     rules_ = &rules;
     grid_mm_ = grid_mm;

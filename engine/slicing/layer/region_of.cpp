@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <string>
 
 #include "base/guard.hpp"
@@ -23,8 +22,10 @@ constexpr std::size_t most_points = std::size_t{1} << 30;
 
 using ContoursView = std::span<const std::span<const Point>>;
 
-Status check_points(ContoursView contours, Worker& worker) {
+/// The farthest coordinate.
+Result<std::int32_t> check_points(ContoursView contours, Worker& worker) {
     std::size_t points = 0;
+    std::int32_t farthest = 0;
     for (std::size_t c = 0; c < contours.size(); ++c) {
         points += contours[c].size();
         if (points > most_points) {
@@ -32,26 +33,18 @@ Status check_points(ContoursView contours, Worker& worker) {
         }
         for (std::size_t i = 0; i < contours[c].size(); ++i) {
             const Point p = contours[c][i];
-            if (p.x < -grid_limit || p.x > grid_limit || p.y < -grid_limit || p.y > grid_limit) {
+            const auto [low, high] = std::minmax({p.x, p.y});
+            if (low < -grid_limit || high > grid_limit) {
                 return Error{ErrorCode::invalid_argument, "contour " + std::to_string(c) + ", point " + std::to_string(i) +
                                                               ": (" + std::to_string(p.x) + ", " + std::to_string(p.y) +
                                                               ") lies beyond the grid, which ends at " +
                                                               std::to_string(grid_limit) + " units"};
             }
+            farthest = std::max({farthest, high, -low});
         }
         worker.spend(contours[c].size());
     }
-    return {};
-}
-
-double farthest(ContoursView contours) {
-    std::int32_t most = 0;
-    for (const std::span<const Point> contour : contours) {
-        for (const Point p : contour) {
-            most = std::max({most, std::abs(p.x), std::abs(p.y)});
-        }
-    }
-    return most;
+    return farthest;
 }
 
 Status check_all(ContoursView contours, const RegionRules& rules, double grid_mm, Worker& worker) {
@@ -62,10 +55,8 @@ Status check_all(ContoursView contours, const RegionRules& rules, double grid_mm
     if (Status status = check_rules(rules); !status) {
         return status;
     }
-    if (Status status = check_points(contours, worker); !status) {
-        return status;
-    }
-    return check_reach(rules, grid_mm, farthest(contours) * grid_mm);
+    const Result<std::int32_t> farthest = check_points(contours, worker);
+    return farthest ? check_reach(rules, grid_mm, *farthest * grid_mm) : farthest.error();
 }
 
 /// Those that have points.

@@ -110,7 +110,7 @@ Point rounded_to_grid(double x, double y) noexcept;
 
 /// The curve of one contour.
 struct RawCurve {
-    std::size_t first_point = 0;  ///< index into RawOffset::points()
+    std::size_t first_point = 0;  ///< index into the points of all curves since clear()
     std::size_t count = 0;        ///< consecutive points differ; 0 if fewer than three are left, which enclose nothing
     bool directions_kept = true;  ///< every edge, moved and trimmed, keeps its direction
     bool reflex_cut = false;      ///< an inner corner passes the miter limit: the way back would cut it
@@ -139,8 +139,6 @@ public:
     /// point i to the next.
     void list_turned_edges(std::size_t edges, Vector<std::uint32_t>& turned) const;
 
-    /// Points of all curves since clear().
-    std::span<const Point> points() const noexcept { return points_; }
     std::span<Point> points_of(const RawCurve& curve) noexcept {
         return std::span(points_).subspan(curve.first_point, curve.count);
     }

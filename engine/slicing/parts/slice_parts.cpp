@@ -197,7 +197,7 @@ public:
                                                             " parts, not of " + std::to_string(parts.size())}};
         }
         if (united_) {
-            require(check_uniting(call.options.region));
+            require(check_every_layer(call.options.region, "uniting parts"));
         }
     }
 

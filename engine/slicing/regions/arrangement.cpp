@@ -37,7 +37,7 @@ void Arrangement::build(const SnapRounding& snapped) {
     snapped_ = &snapped;
     sort_halves();
     find_faces();
-    components_.clear();
+    outer_faces_.clear();
     component_of_.assign(snapped.vertices().size(), none);
     for (std::uint32_t v = 0; v < snapped.vertices().size(); ++v) {
         if (component_of_[v] == none && first_halves_[v] != first_halves_[v + 1]) {
@@ -45,7 +45,7 @@ void Arrangement::build(const SnapRounding& snapped) {
         }
     }
     if (snapped.any_cancelled()) {
-        find_lowest_points();
+        find_outer_faces();
     }
 }
 
@@ -73,7 +73,7 @@ void Arrangement::sort_halves() {
         const AroundPoint is_before(snapped_->vertices()[v]);
         const auto begin = halves_.begin() + first_halves_[v];
         const auto end = halves_.begin() + first_halves_[v + 1];
-        std::sort(begin, end, [&](Half a, Half b) { return is_before(second_point(a), second_point(b)); });
+        std::sort(begin, end, [&](Half a, Half b) { return is_before(point_of(a, 1), point_of(b, 1)); });
         for (auto half = begin; half != end; ++half) {
             place_of_[*half] = static_cast<std::uint32_t>(half - halves_.begin());
         }
@@ -99,11 +99,11 @@ void Arrangement::find_faces() {
 
 /// Begins at the smallest vertex of a component. The last half around it has the left side on its left.
 void Arrangement::spread_windings(std::uint32_t vertex) {
-    const auto component = static_cast<std::uint32_t>(components_.size());
-    const Half last = halves_[first_halves_[vertex + 1] - 1];
-    components_.push_back({face_of_[last], snapped_->vertices()[vertex]});
-    faces_[face_of_[last]].component = component;
-    stack_.assign(1, face_of_[last]);
+    const auto component = static_cast<std::uint32_t>(outer_faces_.size());
+    const std::uint32_t outer = face_of_[halves_[first_halves_[vertex + 1] - 1]];
+    outer_faces_.push_back(outer);
+    faces_[outer].component = component;
+    stack_.assign(1, outer);
     while (!stack_.empty()) {
         const Face& face = faces_[stack_.back()];
         stack_.pop_back();
@@ -122,55 +122,43 @@ void Arrangement::spread_windings(std::uint32_t vertex) {
     }
 }
 
-/// A component's smallest point may lie within a chain, if opposite contours have left no more of that contour.
-void Arrangement::find_lowest_points() {
-    bool moved = false;
-    Vector<std::int64_t> less(components_.size(), 0, faces_.get_allocator());
-    for (Half half = 0; half < halves_.size(); half += 2) {
-        const Strand& strand = strand_of(half);
-        Component& component = components_[component_of_[strand.from]];
-        for (std::uint32_t i = 1; i < strand.edges; ++i) {
-            const Point p = snapped_->point_of(strand, i);
-            if (p < component.lowest) {
-                const bool is_lower_first =
-                    AroundPoint(p)(snapped_->point_of(strand, i - 1), snapped_->point_of(strand, i + 1));
-                component = {face_of_[is_lower_first ? half : half ^ 1], p};
-                less[component_of_[strand.from]] = faces_[component.around].winding;
-                moved = true;
-            }
+/// A component's smallest point may lie within a chain, if opposite contours have left no more of that contour. Its outer
+/// face is the one that is walked clockwise.
+void Arrangement::find_outer_faces() {
+    for (std::uint32_t f = 0; f < faces_.size(); ++f) {
+        face_points_.clear();
+        append_points_of(faces_[f], face_points_);
+        if (examine_ring(face_points_.data(), face_points_.size()).twice_area < 0) {
+            outer_faces_[faces_[f].component] = f;
         }
-        worker_.spend(strand.edges);
     }
-    for (std::size_t f = 0; f < faces_.size() && moved; ++f) {
-        faces_[f].winding -= less[faces_[f].component];
+    for (Face& face : faces_) {
+        const Face& outer = faces_[outer_faces_[face.component]];
+        face.winding -= &face == &outer ? 0 : outer.winding;
+    }
+    for (const std::uint32_t f : outer_faces_) {
+        faces_[f].winding = 0;
     }
 }
 
-/// All but the last.
-void Arrangement::append_points(Half half, Vector<Point>& points) {
-    points.push_back(from_point(half));
-    const Strand& strand = strand_of(half);
-    if (strand.is_chain()) {
-        snapped_->append_points_within(strand, half % 2 == 1, points);
-    }
-    worker_.spend(half_work + strand.edges);
-}
-
-/// The origins of the edges from these points on.
-void Arrangement::append_origins(Half half, Vector<PointOrigin>& origins) const {
+/// All points but the last, and where the edges from there on come from unless `origins` is null.
+void Arrangement::append(Half half, Vector<Point>& points, Vector<PointOrigin>* origins) {
     const Strand& strand = strand_of(half);
     const bool backwards = half % 2 == 1;
     for (std::uint32_t i = 0; i < strand.edges; ++i) {
-        const PointOrigin origin =
-            strand.is_chain() ? snapped_->origin_of(strand, backwards ? strand.edges - 1 - i : i) : strand.origin;
-        origins.push_back(backwards ? turned(origin) : origin);
+        points.push_back(point_of(half, i));
+        if (origins != nullptr) {
+            const PointOrigin origin = snapped_->origin_of(strand, backwards ? strand.edges - 1 - i : i);
+            origins->push_back(backwards ? turned(origin) : origin);
+        }
     }
+    worker_.spend(half_work + strand.edges);
 }
 
 void Arrangement::append_points_of(const Face& face, Vector<Point>& points) {
     Half half = face.first;
     do {
-        append_points(half, points);
+        append(half, points, nullptr);
         half = next_around_face(half);
     } while (half != face.first);
 }
@@ -214,10 +202,7 @@ Arrangement::End Arrangement::follow_boundary(Half first, std::int64_t contour, 
     Half half = first;
     do {
         contour_of_[half] = contour;
-        append_points(half, points);
-        if (origins != nullptr) {
-            append_origins(half, *origins);
-        }
+        append(half, points, origins);
         part = part_of_both(part, strand_of(half).part);
         smallest = std::min({smallest, End{from(half), place_of_[half]}, End{to(half), place_of_[half ^ 1]}});
         half = next_around_face(half);

@@ -47,17 +47,13 @@ public:
         std::uint32_t component;
         std::int64_t winding;  ///< if it were zero around the component
     };
-    /// Strands that hang together.
-    struct Component {
-        std::uint32_t around;  ///< the face that lies around all of it
-        Point lowest;          ///< its smallest point
-    };
 
     /// Finds faces and winding numbers. `snapped` must stay until all is read. Throws std::bad_alloc.
     void build(const SnapRounding& snapped);
 
     std::span<const Face> faces() const noexcept { return faces_; }
-    std::span<const Component> components() const noexcept { return components_; }
+    /// The face around each component, which is all strands that hang together.
+    std::span<const std::uint32_t> outer_faces() const noexcept { return outer_faces_; }
     /// Appends the points around a face that does not lie around its component: counter-clockwise.
     void append_points_of(const Face& face, Vector<Point>& points);
 
@@ -77,15 +73,10 @@ private:
     std::uint32_t from(Half half) const noexcept { return half % 2 == 0 ? strand_of(half).from : strand_of(half).to; }
     std::uint32_t to(Half half) const noexcept { return from(half ^ 1); }
     std::int64_t times(Half half) const noexcept { return half % 2 == 0 ? strand_of(half).times : -strand_of(half).times; }
-    Point from_point(Half half) const noexcept { return snapped_->vertices()[from(half)]; }
     /// The i-th point, from the first vertex on.
     Point point_of(Half half, std::uint32_t i) const noexcept {
         const Strand& strand = strand_of(half);
         return snapped_->point_of(strand, half % 2 == 0 ? i : strand.edges - i);
-    }
-    /// Where a half leads at first.
-    Point second_point(Half half) const noexcept {
-        return strand_of(half).is_chain() ? point_of(half, 1) : snapped_->vertices()[to(half)];
     }
     /// The next half clockwise around the vertex that it leaves.
     Half clockwise_of(Half half) const noexcept {
@@ -105,9 +96,8 @@ private:
     void sort_halves();
     void find_faces();
     void spread_windings(std::uint32_t vertex);
-    void find_lowest_points();
-    void append_points(Half half, Vector<Point>& points);
-    void append_origins(Half half, Vector<PointOrigin>& origins) const;
+    void find_outer_faces();
+    void append(Half half, Vector<Point>& points, Vector<PointOrigin>* origins);
     End follow_boundary(Half first, std::int64_t contour, Vector<Point>& points, Vector<PointOrigin>* origins,
                         std::uint32_t& part);
     std::int64_t touched_at(std::int64_t contour, std::int64_t base, std::span<const End> first_ends) const noexcept;
@@ -120,10 +110,11 @@ private:
     Vector<std::uint32_t> place_of_{worker_.memory()};      // of each half in halves_
     Vector<std::uint32_t> face_of_{worker_.memory()};       // of each half
     Vector<Face> faces_{worker_.memory()};                  // by component
-    Vector<Component> components_{worker_.memory()};
+    Vector<std::uint32_t> outer_faces_{worker_.memory()};
     Vector<std::uint32_t> component_of_{worker_.memory()};  // of each vertex
     Vector<std::int64_t> contour_of_{worker_.memory()};     // of each half, while contours are traced
     Vector<std::uint32_t> stack_{worker_.memory()};
+    Vector<Point> face_points_{worker_.memory()};
 };
 
 }  // namespace lamella

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cstdlib>
+#include <iterator>
 #include <numeric>
 
 #include "base/numbers.hpp"
@@ -38,11 +39,13 @@ void Fill::run(std::span<const Path> contours, FillRule rule, Nester& nester) {
     cancels_ = cancels_ && unites_inverted(rule);
     contacts_.find(items_);
     unchanged_ = !contacts_.any_meets() && items_.size() == contours.size();
+    overlay();
+    list_pieces();
+    nester.nest(pieces_);
+    find_windings(rule);
     if (contacts_.any_meets()) {
-        overlay(rule, nester);
-    } else {
-        keep_or_drop_all(rule, nester);
-        kept_ = region_.size();
+        find_cancelled(rule);
+        take_traced(rule);
     }
 }
 
@@ -65,136 +68,123 @@ void Fill::merge_equal_ones() {
     }
 }
 
-/// No contour meets another: parents come before their children.
-void Fill::keep_or_drop_all(FillRule rule, Nester& nester) {
-    nester.nest(items_);
-    inside_.resize(items_.size());
-    for (std::uint32_t c = 0; c < items_.size(); ++c) {
-        const std::int32_t parent = items_[c].parent;
-        assert(parent < static_cast<std::int32_t>(c) && "a parent starts before its children");
-        const std::size_t kept = region_.size();
-        inside_[c] = keep_or_drop(c, parent < 0 ? 0 : inside_[static_cast<std::size_t>(parent)], rule);
-        const bool as_nested = region_.size() > kept && !items_[c].reverse &&
-                               region_.back().hole == (items_[c].role == Role::hole) &&
-                               (items_[c].flags & orientation_overruled) == 0;
-        unchanged_ = unchanged_ && as_nested;
-    }
-}
-
-/// Returns the winding number just inside the contour.
-std::int64_t Fill::keep_or_drop(std::uint32_t contour, std::int64_t around, FillRule rule) {
-    worker_.spend(item_work);
-    const std::int64_t inside = around + items_[contour].orientation * times_[contour];
-    if (fills(rule, inside) != fills(rule, around)) {
-        Path& kept = region_.emplace_back(contours_[firsts_[contour]]);
-        kept.item.part = items_[contour].part;
-        kept.hole = !fills(rule, inside);
-        kept.touched = -1;
-    }
-    return inside;
-}
-
-void Fill::overlay(FillRule rule, Nester& nester) {
+void Fill::overlay() {
     snapped_.clear();
-    bool any_inwards = false;  // else what is below zero are loops of contours that cross themselves
     for (std::uint32_t c = 0; c < items_.size(); ++c) {
         if (contacts_.meets(c)) {
-            any_inwards = any_inwards || to_int128(items_[c].twice_area) < 0;
             snapped_.add(items_[c], times_[c], contacts_.near_edges(c));
         }
     }
     snapped_.run(contacts_.crossings());
     arrangement_.build(snapped_);
-    around_.assign(arrangement_.components().size(), 0);
-    list_pieces();
-    nest_pieces(nester);
-    find_windings(rule);
-    if (unites_inverted(rule) && any_inwards) {
-        find_cancelled();
-    }
-    take_traced(rule);
+    around_.assign(arrangement_.outer_faces().size(), 0);
 }
 
-/// None if everything hangs together: nothing lies around it.
+/// No faces if everything hangs together: nothing lies around it.
 void Fill::list_pieces() {
     pieces_.clear();
+    numbers_.clear();
+    face_points_.clear();
+    face_ends_.clear();
     for (std::uint32_t c = 0; c < items_.size(); ++c) {
+        worker_.spend(item_work);
         if (!contacts_.meets(c)) {
-            pieces_.push_back({c, -1});
+            numbers_.push_back(c);
         }
     }
-    if (pieces_.empty() && around_.size() <= 1) {
+    apart_ = numbers_.size();
+    if (apart_ == items_.size()) {
+        pieces_.swap(items_);
+        return;
+    }
+    std::transform(numbers_.begin(), numbers_.end(), std::back_inserter(pieces_),
+                   [this](std::uint32_t c) { return items_[c]; });
+    if (apart_ == 0 && around_.size() <= 1) {
         return;
     }
     for (std::uint32_t f = 0; f < arrangement_.faces().size(); ++f) {
-        const std::uint32_t component = arrangement_.faces()[f].component;
-        if (arrangement_.components()[component].around != f) {
-            pieces_.push_back({-1, f});
+        const Arrangement::Face& face = arrangement_.faces()[f];
+        if (arrangement_.outer_faces()[face.component] != f) {
+            arrangement_.append_points_of(face, face_points_);
+            face_ends_.push_back(face_points_.size());
+            numbers_.push_back(f);
         }
     }
-}
-
-void Fill::nest_pieces(Nester& nester) {
-    face_points_.clear();
-    face_ends_.clear();
-    for (const Piece& piece : pieces_) {
-        if (piece.face >= 0) {
-            arrangement_.append_points_of(arrangement_.faces()[static_cast<std::size_t>(piece.face)], face_points_);
-        }
-        face_ends_.push_back(face_points_.size());
+    std::size_t begin = 0;
+    for (const std::size_t end : face_ends_) {
+        pieces_.push_back(closed_item(std::span(face_points_).subspan(begin, end - begin)));
+        begin = end;
     }
-    piece_items_.clear();
-    piece_items_.reserve(pieces_.size());
-    for (std::size_t p = 0; p < pieces_.size(); ++p) {
-        worker_.spend(item_work);
-        const std::size_t begin = p == 0 ? 0 : face_ends_[p - 1];
-        piece_items_.push_back(pieces_[p].contour >= 0
-                                   ? items_[static_cast<std::size_t>(pieces_[p].contour)]
-                                   : closed_item(std::span(face_points_).subspan(begin, face_ends_[p] - begin)));
-    }
-    nester.nest(piece_items_);
 }
 
 /// Winding numbers around the components, and in the contours that meet no other, which are kept or dropped by them.
 void Fill::find_windings(FillRule rule) {
     order_.resize(pieces_.size());
     std::iota(order_.begin(), order_.end(), 0U);
-    std::sort(order_.begin(), order_.end(), [this](std::uint32_t a, std::uint32_t b) {
-        worker_.spend(1);
-        return piece_items_[a].from_start(0) < piece_items_[b].from_start(0);
-    });
+    if (apart_ < pieces_.size()) {  // contours are in order
+        std::sort(order_.begin(), order_.end(), [this](std::uint32_t a, std::uint32_t b) {
+            worker_.spend(1);
+            return pieces_[a].from_start(0) < pieces_[b].from_start(0);
+        });
+    }
     inside_.resize(pieces_.size());
     around_known_.assign(around_.size(), 0);
     for (const std::uint32_t p : order_) {  // what lies around starts before
-        const std::int32_t parent = piece_items_[p].parent;
+        const std::int32_t parent = pieces_[p].parent;
         const std::int64_t around = parent < 0 ? 0 : inside_[static_cast<std::size_t>(parent)];
-        if (pieces_[p].contour >= 0) {
-            const auto contour = static_cast<std::uint32_t>(pieces_[p].contour);
-            items_[contour].orientation = piece_items_[p].orientation;
-            inside_[p] = keep_or_drop(contour, around, rule);
+        if (p < apart_) {
+            inside_[p] = keep_or_drop(p, around, rule);
             continue;
         }
-        const Arrangement::Face& face = arrangement_.faces()[static_cast<std::size_t>(pieces_[p].face)];
-        if (around_known_[face.component] == 0) {  // the first of the component's faces has its smallest point
+        const Arrangement::Face& face = arrangement_.faces()[numbers_[p]];
+        if (around_known_[face.component] == 0) {  // the first of the component's faces lies in none of the others
             around_[face.component] = around;
             around_known_[face.component] = 1;
         }
         inside_[p] = around_[face.component] + face.winding;
     }
+    kept_ = region_.size();
 }
 
-/// Edges that opposite ones have cancelled may have hung together.
-void Fill::find_cancelled() {
-    const auto winding = [this](const Arrangement::Face& face) { return around_[face.component] + face.winding; };
-    const auto below = [this](const Arrangement::Face& face) -> std::uint8_t& {
-        return below_zero_[snapped_.any_cancelled() ? 0 : face.component];
-    };
+/// Returns the winding number just inside the contour.
+std::int64_t Fill::keep_or_drop(std::uint32_t piece, std::int64_t around, FillRule rule) {
+    worker_.spend(item_work);
+    const std::uint32_t number = numbers_[piece];
+    const NestItem& item = pieces_[piece];
+    const std::int64_t inside = around + item.orientation * times_[number];
+    const bool hole = !fills(rule, inside);
+    const bool stays = hole == fills(rule, around);
+    if (stays) {
+        Path& kept = region_.emplace_back(contours_[firsts_[number]]);
+        kept.item.part = item.part;
+        kept.hole = hole;
+        kept.touched = -1;
+    }
+    unchanged_ = unchanged_ && stays && !item.reverse && hole == (item.role == Role::hole) &&
+                 (item.flags & orientation_overruled) == 0;
+    return inside;
+}
+
+void Fill::find_cancelled(FillRule rule) {
+    bool any_inwards = false;  // else what is below zero are loops of contours that cross themselves
+    for (std::uint32_t c = 0; c < items_.size() && unites_inverted(rule); ++c) {
+        any_inwards = any_inwards || (contacts_.meets(c) && to_int128(items_[c].twice_area) < 0);
+    }
+    if (!any_inwards) {
+        return;
+    }
     below_zero_.assign(around_.size(), 0);
+    const auto together = [this](const Arrangement::Face& face) {  // edges that have cancelled may have hung together
+        return snapped_.any_cancelled() ? 0 : face.component;
+    };
     for (const Arrangement::Face& face : arrangement_.faces()) {
-        below(face) = below(face) != 0 || (winding(face) < 0 && is_wide(face)) ? 1 : 0;
+        if (around_[face.component] + face.winding < 0 && is_wide(face)) {
+            below_zero_[together(face)] = 1;
+        }
     }
     for (const Arrangement::Face& face : arrangement_.faces()) {
-        cancels_ = cancels_ || (below(face) != 0 && winding(face) > 0 && is_wide(face));
+        const bool above_zero = around_[face.component] + face.winding > 0;
+        cancels_ = cancels_ || (below_zero_[together(face)] != 0 && above_zero && is_wide(face));
     }
 }
 
@@ -202,19 +192,16 @@ void Fill::find_cancelled() {
 bool Fill::is_wide(const Arrangement::Face& face) {
     face_points_.clear();
     arrangement_.append_points_of(face, face_points_);
-    Int128 twice_area = 0;
     std::int64_t length = 0;
-    for (std::size_t i = 0; i < face_points_.size(); ++i) {
-        const Point a = face_points_[i];
-        const Point b = face_points_[i + 1 < face_points_.size() ? i + 1 : 0];
-        twice_area += Int128{a.x} * b.y - Int128{b.x} * a.y;
+    Point a = face_points_.back();
+    for (const Point b : face_points_) {
         length += std::abs(std::int64_t{b.x} - a.x) + std::abs(std::int64_t{b.y} - a.y);
+        a = b;
     }
-    return twice_area > 2 * Int128{length};
+    return examine_ring(face_points_.data(), face_points_.size()).twice_area > 2 * Int128{length};
 }
 
 void Fill::take_traced(FillRule rule) {
-    kept_ = region_.size();
     arrangement_.trace(rule, around_, region_, points_, with_origins_ ? &origins_ : nullptr);
     std::size_t first = 0;  // of a contour's points
     for (Path& made : std::span(region_).subspan(kept_)) {

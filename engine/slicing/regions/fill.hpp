@@ -46,26 +46,18 @@ public:
     std::span<const Path> made() const noexcept { return region().subspan(kept_); }
     /// True if the region is the contours as they are. Then nested() are they, with the outputs of nesting.
     bool is_unchanged() const noexcept { return unchanged_; }
-    std::span<const NestItem> nested() const noexcept { return items_; }
+    std::span<const NestItem> nested() const noexcept { return pieces_; }
     /// True if contours that meet have winding numbers below and above zero, in faces wider than what rounding makes: shells
     /// turned inwards and outwards overlap there, and cancel by the rules non_zero and outermost.
     bool cancels() const noexcept { return cancels_; }
 
 private:
-    /// Something to be nested: a contour that meets no other, or a face.
-    struct Piece {
-        std::int64_t contour;  // of items_, or -1
-        std::int64_t face;     // of the arrangement, or -1
-    };
-
     void merge_equal_ones();
-    void keep_or_drop_all(FillRule rule, Nester& nester);
-    std::int64_t keep_or_drop(std::uint32_t contour, std::int64_t around, FillRule rule);
-    void overlay(FillRule rule, Nester& nester);
+    void overlay();
     void list_pieces();
-    void nest_pieces(Nester& nester);
     void find_windings(FillRule rule);
-    void find_cancelled();
+    std::int64_t keep_or_drop(std::uint32_t piece, std::int64_t around, FillRule rule);
+    void find_cancelled(FillRule rule);
     bool is_wide(const Arrangement::Face& face);
     void take_traced(FillRule rule);
 
@@ -74,14 +66,15 @@ private:
     Contacts contacts_{worker_};
     SnapRounding snapped_{worker_};
     Arrangement arrangement_{worker_};
-    Vector<NestItem> items_{worker_.memory()};        // one of each group of equal contours
-    Vector<std::uint32_t> firsts_{worker_.memory()};  // of each item: the index of the first of the equal contours
-    Vector<std::int64_t> times_{worker_.memory()};    // of each item: how many there are
-    Vector<std::int64_t> inside_{worker_.memory()};   // of each item or piece: the winding number just inside
-    Vector<Piece> pieces_{worker_.memory()};
-    Vector<NestItem> piece_items_{worker_.memory()};
+    Vector<NestItem> items_{worker_.memory()};         // one of each group of equal contours
+    Vector<std::uint32_t> firsts_{worker_.memory()};   // of each item: the index of the first of the equal contours
+    Vector<std::int64_t> times_{worker_.memory()};     // of each item: how many there are
+    Vector<NestItem> pieces_{worker_.memory()};        // to be nested: contours that meet no other, then faces
+    Vector<std::uint32_t> numbers_{worker_.memory()};  // of each piece: of an item, or of a face of the arrangement
+    std::size_t apart_ = 0;                            // as many of pieces_ are contours
+    Vector<std::int64_t> inside_{worker_.memory()};    // of each piece: the winding number just inside
     Vector<Point> face_points_{worker_.memory()};
-    Vector<std::size_t> face_ends_{worker_.memory()};      // of each piece, in face_points_
+    Vector<std::size_t> face_ends_{worker_.memory()};      // of each piece that is a face, in face_points_
     Vector<std::uint32_t> order_{worker_.memory()};        // of pieces, by start
     Vector<std::int64_t> around_{worker_.memory()};        // of each component: the winding number around it
     Vector<std::uint8_t> around_known_{worker_.memory()};  // of each component

@@ -47,7 +47,9 @@ void Regions::run(std::span<const Path> contours, const RegionSteps& steps, Nest
     }
     if (steps.offset != 0) {
         unchanged_ = false;
-        offset(steps, nester);
+        list_moved(steps.offset, steps.miter);
+        fill_positive(moved_, nester);
+        take(moved_);
     }
 }
 
@@ -85,7 +87,9 @@ void Regions::turn_backward_ones() {
 }
 
 void Regions::close(const RegionSteps& steps, Nester& nester) {
-    list_dilated(steps);
+    folded_.clear();
+    folded_origins_.clear();
+    list_moved(steps.close, steps.miter, RawOffset::Turned::omitted);
     fill_positive(moved_, nester);
     if (find_alone() && folded_.empty()) {
         return;
@@ -96,64 +100,30 @@ void Regions::close(const RegionSteps& steps, Nester& nester) {
     take(closed_);
 }
 
-/// A ring with edges that turn round is folded if then none does, and its curve is that of the folded ring.
-void Regions::list_dilated(const RegionSteps& steps) {
-    clear_curves(moved_curves_);
-    folded_.clear();
-    folded_origins_.clear();
-    folded_ends_.clear();
-    for (const Path& ring : rings_) {
-        const std::span<const Point> points = points_of(ring.item);
-        curves_.push_back(moved_curves_.append(points, steps.close, steps.miter, RawOffset::Turned::omitted));
-        parts_.push_back(ring.item.part);
-        worker_.spend(curve_work * points.size());
-        if (!curves_.back().directions_kept && !fold(ring.item, steps)) {
-            curves_.back() = moved_curves_.append(points, steps.close, steps.miter);
-        }
-        refuse_beyond_grid(curves_.back());
-        folded_ends_.push_back(folded_.size());
-    }
-    input_.clear();
-    list_curves(moved_curves_);
-}
-
-/// The ring that was looked at last. False if it cannot be folded so that nothing turns round. Edges are replaced from the
-/// ring's start on, wherever its points begin.
-bool Regions::fold(const NestItem& ring, const RegionSteps& steps) {
+/// Edges are replaced from the ring's start on, wherever its points begin. None if then some edge still turns round.
+std::optional<RawCurve> Regions::fold(const NestItem& ring, double distance, double miter) {
     const std::size_t begin = folded_.size();
-    moved_curves_.list_turned_edges(ring.count, turned_edges_);
-    for (std::uint32_t& edge : turned_edges_) {
-        edge = edge >= ring.start ? edge - ring.start : edge + ring.count - ring.start;
-    }
-    std::sort(turned_edges_.begin(), turned_edges_.end());
     from_start_.resize(ring.count);
     std::rotate_copy(ring.points, ring.points + ring.start, ring.points + ring.count, from_start_.begin());
+    moved_curves_.append(from_start_, distance, miter, RawOffset::Turned::omitted);
+    moved_curves_.list_turned_edges(ring.count, turned_edges_);
     folded_of_.clear();
-    if (!fold_edges(from_start_, turned_edges_, steps.close, steps.miter, folded_, folded_of_)) {
-        return false;
+    if (!fold_edges(from_start_, turned_edges_, distance, miter, folded_, folded_of_)) {
+        return {};
     }
     const RawCurve curve =
-        moved_curves_.append(std::span(folded_).subspan(begin), steps.close, steps.miter, RawOffset::Turned::omitted);
+        moved_curves_.append(std::span(folded_).subspan(begin), distance, miter, RawOffset::Turned::omitted);
     if (curve.reflex_cut || curve.count == 0) {
         folded_.resize(begin);
-        return false;
+        return {};
     }
-    curves_.back() = curve;
-    if (ring.origins != nullptr) {
-        keep_origins(ring);
-    }
-    return true;
-}
-
-/// Only for edges of the ring that folding has left as they were.
-void Regions::keep_origins(const NestItem& ring) {
-    const std::uint32_t count = ring.count;
-    for (std::size_t i = 0; i < folded_of_.size(); ++i) {
+    for (std::size_t i = 0; i < folded_of_.size() && ring.origins != nullptr; ++i) {
         const std::uint32_t from = folded_of_[i];
         const std::uint32_t to = folded_of_[i + 1 < folded_of_.size() ? i + 1 : 0];
-        const bool stayed = from != no_point && to == (from + 1 < count ? from + 1 : 0);
-        folded_origins_.push_back(stayed ? ring.origins[(std::size_t{ring.start} + from) % count] : PointOrigin());
+        const bool stayed = from != no_point && to == (from + 1 < ring.count ? from + 1 : 0);
+        folded_origins_.push_back(stayed ? ring.origin_from_start(from) : PointOrigin());
     }
+    return curve;
 }
 
 /// Returns whether all are.
@@ -183,47 +153,49 @@ Path Regions::as_folded(std::uint32_t ring) const {
 
 /// Curves of the dilated region, but for the rings left alone, which stay as they were or folded.
 void Regions::list_eroded(const RegionSteps& steps) {
-    clear_curves(closed_curves_);
+    closed_curves_.clear();
+    curves_.clear();
+    parts_.clear();
     alone_.clear();
     for (const Path& kept : moved_.kept()) {
         if (is_alone_[kept.source] != 0) {
             alone_.push_back(as_folded(kept.source));
         } else {
-            append_curve(kept.item, -steps.close, steps.miter, closed_curves_);
+            add_curve(kept.item, closed_curves_.append(points_of(kept.item), -steps.close, steps.miter));
         }
     }
     for (const Path& made : moved_.made()) {
-        append_curve(made.item, -steps.close, steps.miter, closed_curves_);
+        add_curve(made.item, closed_curves_.append(points_of(made.item), -steps.close, steps.miter));
     }
     input_.swap(alone_);
     list_curves(closed_curves_);
 }
 
-void Regions::offset(const RegionSteps& steps, Nester& nester) {
-    list_moved(steps.offset, steps.miter);
-    fill_positive(moved_, nester);
-    take(moved_);
-}
-
-void Regions::list_moved(double distance, double miter) {
-    clear_curves(moved_curves_);
+/// Where curves with edges that turn round are omitted, their rings are folded if then none does, and otherwise moved as
+/// they are.
+void Regions::list_moved(double distance, double miter, RawOffset::Turned turned) {
+    moved_curves_.clear();
+    curves_.clear();
+    parts_.clear();
+    folded_ends_.clear();
     for (const Path& ring : rings_) {
-        append_curve(ring.item, distance, miter, moved_curves_);
+        const std::span<const Point> points = points_of(ring.item);
+        RawCurve curve = moved_curves_.append(points, distance, miter, turned);
+        if (turned == RawOffset::Turned::omitted && !curve.directions_kept) {
+            const std::optional<RawCurve> folded = fold(ring.item, distance, miter);
+            curve = folded ? *folded : moved_curves_.append(points, distance, miter);
+        }
+        add_curve(ring.item, curve);
+        folded_ends_.push_back(folded_.size());
     }
     input_.clear();
     list_curves(moved_curves_);
 }
 
-void Regions::clear_curves(RawOffset& curves) {
-    curves.clear();
-    curves_.clear();
-    parts_.clear();
-}
-
-void Regions::append_curve(const NestItem& ring, double distance, double miter, RawOffset& curves) {
-    curves_.push_back(curves.append(points_of(ring), distance, miter));
+void Regions::add_curve(const NestItem& ring, const RawCurve& curve) {
+    curves_.push_back(curve);
     parts_.push_back(ring.part);
-    refuse_beyond_grid(curves_.back());
+    refuse_beyond_grid(curve);
     worker_.spend(curve_work * ring.count);
 }
 

@@ -94,14 +94,6 @@ std::optional<std::uint64_t> first_layer_of_contours(const RegionRules& rules) {
     return found == rules.fill_from.end() ? std::nullopt : std::optional<std::uint64_t>(found->first_layer);
 }
 
-Status check_every_layer(const RegionRules& rules, std::string_view what) {
-    if (const auto layer = first_layer_of_contours(rules)) {
-        return refusal(std::string(what) + " needs a region, but layer " + std::to_string(*layer) +
-                       " has the fill rule contours, which makes none; choose another rule, such as non-zero");
-    }
-    return {};
-}
-
 }  // namespace
 
 double moved_mm(const RegionRules& rules) noexcept {
@@ -135,8 +127,12 @@ Status check_rules(const RegionRules& rules) {
     return what.empty() ? Status() : check_every_layer(rules, what);
 }
 
-Status check_uniting(const RegionRules& rules) {
-    return check_every_layer(rules, "uniting parts");
+Status check_every_layer(const RegionRules& rules, std::string_view what) {
+    if (const auto layer = first_layer_of_contours(rules)) {
+        return refusal(std::string(what) + " needs a region, but layer " + std::to_string(*layer) +
+                       " has the fill rule contours, which makes none; choose another rule, such as non-zero");
+    }
+    return {};
 }
 
 Result<ChosenUnit> choose_unit_for(const Bounds& bounds, double asked_mm, bool coarser, const RegionRules& rules) {

@@ -2,6 +2,8 @@
 // is: what a rule says by itself before the mesh is read, what the grid cannot hold once its unit is known.
 #pragma once
 
+#include <string_view>
+
 #include "lamella/error.hpp"
 #include "lamella/options.hpp"
 #include "slicing/grid/bounds.hpp"
@@ -29,7 +31,7 @@ Result<ChosenUnit> choose_unit_for(const Bounds& bounds, double asked_mm, bool c
 /// Error: invalid_argument, one line that names the rule and what is possible.
 Status check_reach(const RegionRules& rules, double unit_mm, double farthest_mm);
 
-/// True if every layer has a region, which parts are united in. Error: invalid_argument.
-Status check_uniting(const RegionRules& rules);
+/// True if every layer has a region, which `what` needs. Error: invalid_argument.
+Status check_every_layer(const RegionRules& rules, std::string_view what);
 
 }  // namespace lamella

@@ -252,49 +252,45 @@ void SnapRounding::add_strands_of(std::uint32_t contour) {
     }
 }
 
+/// The vertices that `takes` holds for, of those in the box of the edge from `a` to `b`, in its direction.
+template <class Takes>
+void SnapRounding::find_vertices(Point a, Point b, const Takes& takes, Vector<Found>& found) {
+    found.clear();
+    tree_.find_along(a, b, [&](Point p, std::uint32_t vertex) {
+        worker_.spend(1);
+        if (p == a || p == b || takes(p)) {
+            found.push_back({p, vertex});
+        }
+    });
+    worker_.spend(query_work);
+    std::sort(found.begin(), found.end(), Along(a, b));
+    assert(found.size() >= 2 && found.front().point == a && found.back().point == b);
+}
+
+/// Strands that were moved are cut where they now lie on a vertex.
 void SnapRounding::bend(const Source& source, std::uint32_t edge) {
     const Point a = source.from(edge);
     const Point b = source.to(edge);
-    on_edge_.clear();
-    bool moved = false;
-    tree_.find_along(a, b, [&](Point p, std::uint32_t vertex) {
-        worker_.spend(1);
-        if (p == a || p == b || passes_pixel(a, b, p)) {
-            on_edge_.push_back({p, vertex});
-            moved = moved || side_of(a, b, p) != 0;
-        }
-    });
-    worker_.spend(query_work);
-    std::sort(on_edge_.begin(), on_edge_.end(), Along(a, b));
-    assert(on_edge_.size() >= 2 && on_edge_.front().point == a && on_edge_.back().point == b);
+    find_vertices(
+        a, b, [&](Point p) { return passes_pixel(a, b, p); }, on_edge_);
+    const bool moved =
+        std::any_of(on_edge_.begin(), on_edge_.end(), [&](const Found& on) { return side_of(a, b, on.point) != 0; });
     const PointOrigin whole = source.item->origin_from_start(edge);
     for (std::size_t i = 0; i + 1 < on_edge_.size(); ++i) {
+        const Found& from = on_edge_[i];
+        const Found& to = on_edge_[i + 1];
         const PointOrigin origin = stretch_of(whole, i == 0, i + 2 == on_edge_.size());
         if (moved) {
-            cut(source, on_edge_[i], on_edge_[i + 1], origin);
+            find_vertices(
+                from.point, to.point, [&](Point p) { return side_of(from.point, to.point, p) == 0; }, on_strand_);
         } else {
-            add_strand(source, on_edge_[i].vertex, on_edge_[i + 1].vertex, origin);
+            on_strand_.assign({from, to});
+        }
+        for (std::size_t j = 0; j + 1 < on_strand_.size(); ++j) {
+            add_strand(source, on_strand_[j].vertex, on_strand_[j + 1].vertex,
+                       stretch_of(origin, j == 0, j + 2 == on_strand_.size()));
         }
     }
-}
-
-/// Cuts a strand that was moved where it now lies on a vertex.
-void SnapRounding::cut(const Source& source, const Found& from, const Found& to, const PointOrigin& origin) {
-    on_strand_.clear();
-    tree_.find_along(from.point, to.point, [&](Point p, std::uint32_t vertex) {
-        if (p != from.point && p != to.point && side_of(from.point, to.point, p) == 0) {
-            on_strand_.push_back({p, vertex});
-        }
-    });
-    worker_.spend(query_work);
-    std::sort(on_strand_.begin(), on_strand_.end(), Along(from.point, to.point));
-    std::uint32_t last = from.vertex;
-    bool is_first = true;
-    for (const Found& on : on_strand_) {
-        add_strand(source, last, on.vertex, stretch_of(origin, std::exchange(is_first, false), false));
-        last = on.vertex;
-    }
-    add_strand(source, last, to.vertex, stretch_of(origin, is_first, true));
 }
 
 void SnapRounding::add_strand(const Source& source, std::uint32_t from, std::uint32_t to, const PointOrigin& origin) {
@@ -329,23 +325,6 @@ void SnapRounding::merge_strands() {
         any_cancelled_ = any_cancelled_ || strand.times == 0;
     }
     strands_.resize(kept);
-}
-
-void SnapRounding::append_points_within(const Strand& chain, bool backwards, Vector<Point>& points) const {
-    const NestItem& item = *contours_[chain.contour].item;
-    const std::size_t within = chain.edges - 1;
-    const std::size_t first = (std::size_t{item.start} + chain.first + 1) % item.count;
-    const std::size_t before_wrap = std::min(within, item.count - first);
-    const std::size_t begin = points.size();
-    points.resize(begin + within);
-    Point* const to = points.data() + begin;
-    if (backwards) {
-        std::reverse_copy(item.points + first, item.points + first + before_wrap, to + (within - before_wrap));
-        std::reverse_copy(item.points, item.points + (within - before_wrap), to);
-    } else {
-        std::copy_n(item.points + first, before_wrap, to);
-        std::copy_n(item.points, within - before_wrap, to + before_wrap);
-    }
 }
 
 }  // namespace lamella

@@ -115,22 +115,22 @@ public:
 
     /// Ascending.
     std::span<const Point> vertices() const noexcept { return vertices_; }
-    /// Without those that as many contours run along one way as the other.
+    /// Without those along which opposite contours cancel.
     std::span<const Strand> strands() const noexcept { return strands_; }
-    /// The i-th point of a chain: 0 is its first vertex, `edges` its last.
-    Point point_of(const Strand& chain, std::uint32_t i) const noexcept {
-        return contours_[chain.contour].item->from_start(chain.first + i);
-    }
-
-    /// The origin of edge i of a chain, as its contour runs.
-    PointOrigin origin_of(const Strand& chain, std::uint32_t i) const noexcept {
-        return contours_[chain.contour].item->origin_from_start(chain.first + i);
-    }
-
-    /// Appends the points strictly between a chain's ends, from its first on or from its last.
-    void append_points_within(const Strand& chain, bool backwards, Vector<Point>& points) const;
-    /// True if opposite contours have taken strands off each other.
     bool any_cancelled() const noexcept { return any_cancelled_; }
+    /// The i-th point: 0 is the first vertex, `edges` the last.
+    Point point_of(const Strand& strand, std::uint32_t i) const noexcept {
+        if (!strand.is_chain()) {
+            return vertices_[i == 0 ? strand.from : strand.to];
+        }
+        const NestItem& item = *contours_[strand.contour].item;
+        const std::size_t at = std::size_t{item.start} + strand.first + i;
+        return item.points[at < item.count ? at : at - item.count];
+    }
+    /// The origin of edge i, from the first vertex on.
+    PointOrigin origin_of(const Strand& strand, std::uint32_t i) const noexcept {
+        return strand.is_chain() ? contours_[strand.contour].item->origin_from_start(strand.first + i) : strand.origin;
+    }
 
 private:
     struct Source {
@@ -149,8 +149,9 @@ private:
 
     void collect_vertices(std::span<const Point> crossings);
     void add_strands_of(std::uint32_t contour);
+    template <class Takes>
+    void find_vertices(Point a, Point b, const Takes& takes, Vector<Found>& found);
     void bend(const Source& source, std::uint32_t edge);
-    void cut(const Source& source, const Found& from, const Found& to, const PointOrigin& origin);
     void add_strand(const Source& source, std::uint32_t from, std::uint32_t to, const PointOrigin& origin);
     void merge_strands();
 

@@ -1,8 +1,8 @@
 #include "slicing/repair/polylines.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
-#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -11,82 +11,75 @@
 
 namespace lamella {
 
-void EndTree::assign(std::span<const PolylineEnds> polylines, Point PolylineEnds::*end) {
-    polylines_.resize(polylines.size());
-    std::iota(polylines_.begin(), polylines_.end(), 0U);
-    std::sort(polylines_.begin(), polylines_.end(), [polylines, end, this](std::uint32_t a, std::uint32_t b) {
-        worker_.spend(1);
-        return std::tie(polylines[a].*end, a) < std::tie(polylines[b].*end, b);
-    });
-    sites_.clear();
-    for (std::uint32_t i = 0; i < polylines_.size(); ++i) {
-        const Point at = polylines[polylines_[i]].*end;
-        if (sites_.empty() || sites_.back().at != at) {
-            sites_.push_back({at, i, i});
-        }
-        ++sites_.back().end;
-    }
-    tree_.assign(sites_.size(), [this](std::size_t site) { return sites_[site].at; });
-}
-
-std::uint32_t EndTree::take(std::uint32_t site) noexcept {
-    assert(holds(site));
-    const std::uint32_t polyline = polylines_[sites_[site].next++];
-    if (!holds(site)) {
-        tree_.take_off(site);
-    }
-    return polyline;
-}
-
-void EndTree::take_all(std::uint32_t site) noexcept {
-    sites_[site].next = sites_[site].end;
-    tree_.take_off(site);
-}
-
 /// Two ends that are each other's nearest are a pair, whatever is joined before them, since everything else is farther from
 /// both. The pairs can therefore be found in any order; sorting all distances is not needed.
 std::span<const Gap> GapCloser::close(std::span<const PolylineEnds> polylines, const GapRules& rules) {
     assert(polylines.size() < std::size_t{1} << 31);
     reach_squared_ = std::min(rules.reach * rules.reach, std::numeric_limits<double>::max());
     sense_ = rules.sense;
-    ends_.assign(polylines, &PolylineEnds::last);
-    starts_.assign(polylines, &PolylineEnds::first);
     joined_to_.clear();
     joined_to_.reserve(2 * polylines.size());
     for (std::uint32_t p = 0; p < polylines.size(); ++p) {
         joined_to_.emplace_back(p, false);
         joined_to_.emplace_back(p, true);
     }
+    list_sites(polylines);
     gaps_.clear();
-    follow_chains(true);
-    if (sense_ == StitchDirection::any) {
-        follow_chains(false);
+    for (SiteNumber site = 0; site < sites_.size(); ++site) {
+        while (count_at(site) > 0) {
+            follow_chain(site);
+        }
     }
     sort_gaps(polylines);
     return gaps_;
 }
 
-/// Until no last or no first point is left.
-void GapCloser::follow_chains(bool last) {
-    const EndTree& tree = tree_of(last);
-    for (std::uint32_t site = 0; site < tree.site_count(); ++site) {
-        while (tree.holds(site)) {
-            follow_chain({site, last});
+void GapCloser::list_sites(std::span<const PolylineEnds> polylines) {
+    const auto at = [polylines](PolylineEnd end) { return polylines[end.polyline()].at(end.last()); };
+    ends_.assign(joined_to_.begin(), joined_to_.end());
+    std::sort(ends_.begin(), ends_.end(), [&at, this](PolylineEnd a, PolylineEnd b) {
+        worker_.spend(1);
+        return std::tuple(a.last(), at(a), a.number()) < std::tuple(b.last(), at(b), b.number());
+    });
+    sites_.clear();
+    sites_.reserve(ends_.size());
+    first_sites_ = 0;
+    for (std::uint32_t i = 0; i < ends_.size(); ++i) {
+        if (i == polylines.size()) {
+            first_sites_ = static_cast<SiteNumber>(sites_.size());
         }
+        if (i == 0 || i == polylines.size() || sites_.back().at != at(ends_[i])) {
+            sites_.push_back({at(ends_[i]), i, i});
+        }
+        ++sites_.back().end;
     }
+    for (const bool last : {false, true}) {
+        const std::size_t end = last ? sites_.size() : first_sites_;
+        trees_[last ? 1 : 0].assign(end - base_of(last), [&](std::size_t i) { return sites_[base_of(last) + i].at; });
+    }
+}
+
+PolylineEnd GapCloser::take(SiteNumber site) noexcept {
+    assert(count_at(site) > 0);
+    const PolylineEnd end = ends_[sites_[site].next++];
+    if (count_at(site) == 0) {
+        take_off(site);
+    }
+    return end;
 }
 
 /// Follows the chain from `first` to the site nearest to it, to the one nearest to that, and so on. Pairs come ever earlier
 /// in the order in which they are joined, until two sites are each other's nearest. They are joined, and the chain goes on
 /// from the site before them, so that no search is repeated. On return an end of `first` is joined, or all are taken off if
 /// nothing is within reach.
-void GapCloser::follow_chain(Site first) {
+void GapCloser::follow_chain(SiteNumber first) {
     chain_.assign(1, first);
     while (!chain_.empty()) {
-        const Site site = chain_.back();
-        const Site other = nearest(site);
-        if (other == no_site) {
-            tree_of(site.last).take_all(site.number);  // it is `first`: all others are within reach of their predecessor
+        const SiteNumber site = chain_.back();
+        const SiteNumber other = nearest(site);
+        if (other == none) {
+            sites_[site].next = sites_[site].end;  // it is `first`: all others are within reach of their predecessor
+            take_off(site);
             chain_.pop_back();
         } else if (other == site) {
             join(site, site);
@@ -100,42 +93,36 @@ void GapCloser::follow_chain(Site first) {
     }
 }
 
+/// The nearest site of its kind where an end is left, at most the square root of `most_squared` away, or none. At equal
+/// distances the smallest point.
+GapCloser::SiteNumber GapCloser::nearest_of(bool last, Point to, double most_squared, SiteNumber but) const {
+    const SiteNumber found = trees_[last ? 1 : 0].nearest(to, most_squared, but == none ? none : but - base_of(last));
+    return found == none ? none : base_of(last) + found;
+}
+
 /// The site whose ends come first among those that an end at `site` can be joined to: the site itself where two ends of a
 /// kind meet there and no end of the other kind does.
-GapCloser::Site GapCloser::nearest(Site site) {
-    const Point from = at(site);
-    const Site kept{tree_of(!site.last).nearest(from, reach_squared_), !site.last};
-    if (sense_ == StitchDirection::oriented) {
-        return kept.number == EndTree::none ? no_site : kept;
+GapCloser::SiteNumber GapCloser::nearest(SiteNumber site) const {
+    const Point from = sites_[site].at;
+    const SiteNumber kept = nearest_of(!is_last(site), from, reach_squared_, none);
+    const double least = kept == none ? reach_squared_ : squared_distance(from, sites_[kept].at);
+    if (sense_ == StitchDirection::oriented || (kept != none && least == 0)) {
+        return kept;
     }
-    double least = reach_squared_;
-    if (kept.number != EndTree::none) {
-        least = squared_distance(from, at(kept));
-        if (least == 0) {
-            return kept;
-        }
-    }
-    EndTree& same = tree_of(site.last);
-    if (same.count_at(site.number) > 1) {
+    if (count_at(site) > 1) {
         return site;
     }
-    const Site turned{same.nearest(from, least, site.number), site.last};
-    const bool turns =
-        turned.number != EndTree::none && (kept.number == EndTree::none || squared_distance(from, at(turned)) < least);
-    return turns ? turned : (kept.number == EndTree::none ? no_site : kept);
+    const SiteNumber turned = nearest_of(is_last(site), from, least, site);
+    return turned != none && (kept == none || squared_distance(from, sites_[turned].at) < least) ? turned : kept;
 }
 
 /// Joins as many as both sites hold. All are equally far apart, so they are paired by number.
-void GapCloser::join(Site a, Site b) {
-    const bool swap = a.last != b.last ? b.last : at(b) < at(a);
-    const auto [from, to] = swap ? std::pair(b, a) : std::pair(a, b);
-    EndTree& tree_from = tree_of(from.last);
-    EndTree& tree_to = tree_of(to.last);
-    const std::uint32_t count =
-        a == b ? tree_from.count_at(a.number) / 2 : std::min(tree_from.count_at(from.number), tree_to.count_at(to.number));
+void GapCloser::join(SiteNumber a, SiteNumber b) {
+    const auto [from, to] = is_last(a) != is_last(b) ? std::minmax(a, b, std::greater<>()) : std::minmax(a, b);
+    const std::uint32_t count = a == b ? count_at(a) / 2 : std::min(count_at(a), count_at(b));
     for (std::uint32_t i = 0; i < count; ++i) {
-        const PolylineEnd end{tree_from.take(from.number), from.last};
-        const PolylineEnd start{tree_to.take(to.number), to.last};
+        const PolylineEnd end = take(from);
+        const PolylineEnd start = take(to);
         joined_to_[end.number()] = start;
         joined_to_[start.number()] = end;
         gaps_.push_back({end, start});
@@ -164,7 +151,8 @@ void GapCloser::sort_gaps(std::span<const PolylineEnds> polylines) {
         const auto key = [polylines](const Gap& gap) {
             const Point from = polylines[gap.from.polyline()].at(gap.from.last());
             const Point to = polylines[gap.to.polyline()].at(gap.to.last());
-            return std::tuple(squared_distance(from, to), gap.turns(), from, to, gap.from.number(), gap.to.number());
+            const bool turns = gap.from.last() == gap.to.last();
+            return std::tuple(squared_distance(from, to), turns, from, to, gap.from.number(), gap.to.number());
         };
         return key(a) < key(b);
     });
@@ -178,43 +166,6 @@ constexpr std::uint64_t no_joint = std::numeric_limits<std::uint64_t>::max();
 bool meets_between_ends(Point from, Point to, Point c, Point d) noexcept {
     return side_of(c, d, from) * side_of(c, d, to) < 0 && side_of(from, to, c) * side_of(from, to, d) <= 0;
 }
-
-}  // namespace
-
-void CrossedJoints::add(std::span<const Point> contour, bool closed) {
-    pairs_.add({.points = contour, .contour = no_joint, .closed = closed});
-}
-
-std::span<const std::uint8_t> CrossedJoints::find(std::span<const Joint> joints, std::size_t free) {
-    ends_.clear();
-    ends_.reserve(2 * joints.size());
-    for (const Joint& joint : joints) {
-        ends_.insert(ends_.end(), {joint.from, joint.to});
-        pairs_.add({.points = std::span(ends_).last(2), .contour = ends_.size() / 2 - 1, .closed = false});
-    }
-    crossed_.assign(joints.size(), 0);
-    between_joints_.clear();
-    pairs_.find(0, no_joint, [&](const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) {
-        const auto [joint, path, edge] =
-            a.contour <= b.contour ? std::tuple(a.contour, &b, j) : std::tuple(b.contour, &a, i);
-        if (joint == no_joint ||
-            !meets_between_ends(joints[joint].from, joints[joint].to, (*path)[edge], (*path)[edge + 1])) {
-            return;
-        }
-        if (path->contour == no_joint) {
-            crossed_[joint] = joint >= free ? 1 : 0;
-        } else if (path->contour >= free) {
-            between_joints_.emplace_back(static_cast<std::uint32_t>(path->contour), static_cast<std::uint32_t>(joint));
-        }
-    });
-    std::sort(between_joints_.begin(), between_joints_.end());
-    for (const auto& [later, earlier] : between_joints_) {
-        crossed_[later] |= static_cast<std::uint8_t>(crossed_[earlier] == 0);
-    }
-    return crossed_;
-}
-
-namespace {
 
 std::span<const Point> points_of(const Path& path) noexcept {
     return {path.item.points, path.item.count};
@@ -236,9 +187,15 @@ bool PolylineRepair::join(std::span<const Path> polylines, std::span<const Path>
     if (gaps.empty()) {
         return false;
     }
-    join_open_from(false);
-    join_open_from(true);
-    join_rings();
+    // From first points that are not joined, then what has a last point at both of its ends, then rings.
+    for (const int pass : {0, 1, 2}) {
+        for (std::uint32_t p = 0; p < sorted_.size(); ++p) {
+            const PolylineEnd end{p, pass == 1};
+            if (used_[p] == 0 && (pass == 2 || !gap_closer_.is_joined(end))) {
+                join_from(end);
+            }
+        }
+    }
     return true;
 }
 
@@ -247,38 +204,51 @@ std::span<const Gap> PolylineRepair::choose_gaps(std::span<const Path> around, c
     joints_.clear();
     std::size_t free = 0;
     for (const Gap& gap : gaps) {
-        joints_.push_back({at(gap.from), at(gap.to)});
-        free += squared_distance(at(gap.from), at(gap.to)) <= rules.crossing_reach * rules.crossing_reach ? 1 : 0;
+        joints_.insert(joints_.end(), {at(gap.from), at(gap.to)});
+        free += squared_distance(at(gap.from), at(gap.to)) <= rules.crossing_reach * rules.crossing_reach ? 1U : 0U;
     }
-    if (free == joints_.size()) {
+    if (free == gaps.size()) {
         return gaps;
     }
-    crossed_joints_.clear();
-    for (const Path& polyline : sorted_) {
-        crossed_joints_.add(points_of(polyline), false);
-    }
-    for (const Path& contour : around) {
-        crossed_joints_.add(points_of(contour), true);
-    }
-    return gap_closer_.leave_open(crossed_joints_.find(joints_, free));
+    mark_crossed(around, free);
+    return gap_closer_.leave_open(crossed_);
 }
 
-/// Joins what starts at a first (a last) point that is not joined. After all that start at a first point, only what has a
-/// last point at both of its ends is left for the last points.
-void PolylineRepair::join_open_from(bool last) {
-    for (std::uint32_t p = 0; p < sorted_.size(); ++p) {
-        const PolylineEnd end{p, last};
-        if (used_[p] == 0 && !gap_closer_.is_joined(end)) {
-            join_from(end);
+/// Marks joints, the shortest first, that between their ends meet an edge of a contour, or a joint before them that is not
+/// marked; edges along their lines do not count. The first `free` joints are not marked, whatever they meet.
+///
+///        .--------.  .--------.      `a` and `b` are the nearest ends, but a wall lies between them: they are not joined.
+///        |        a||b        |
+///        |         ||         |
+///        '---------++---------'
+void PolylineRepair::mark_crossed(std::span<const Path> around, std::size_t free) {
+    pairs_.clear();
+    for (const std::span<const Path> paths : {std::span<const Path>(sorted_), around}) {
+        for (const Path& path : paths) {
+            pairs_.add({.points = points_of(path), .contour = no_joint, .closed = path.item.closed});
         }
     }
-}
-
-void PolylineRepair::join_rings() {
-    for (std::uint32_t p = 0; p < sorted_.size(); ++p) {
-        if (used_[p] == 0) {
-            join_from({p, false});
+    for (std::size_t i = 0; i < joints_.size(); i += 2) {
+        pairs_.add({.points = std::span(joints_).subspan(i, 2), .contour = i / 2, .closed = false});
+    }
+    crossed_.assign(joints_.size() / 2, 0);
+    between_joints_.clear();
+    pairs_.find(0, no_joint, [&](const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) {
+        const auto [joint, path, edge] =
+            a.contour <= b.contour ? std::tuple(a.contour, &b, j) : std::tuple(b.contour, &a, i);
+        if (joint == no_joint ||
+            !meets_between_ends(joints_[2 * joint], joints_[2 * joint + 1], (*path)[edge], (*path)[edge + 1])) {
+            return;
         }
+        if (path->contour == no_joint) {
+            crossed_[joint] = joint >= free ? 1 : 0;
+        } else if (path->contour >= free) {
+            between_joints_.emplace_back(static_cast<std::uint32_t>(path->contour), static_cast<std::uint32_t>(joint));
+        }
+    });
+    std::sort(between_joints_.begin(), between_joints_.end());
+    for (const auto& [later, earlier] : between_joints_) {
+        crossed_[later] |= static_cast<std::uint8_t>(crossed_[earlier] == 0);
     }
 }
 

@@ -50,43 +50,6 @@ struct PolylineEnds {
     Point at(bool at_last) const noexcept { return at_last ? last : first; }
 };
 
-/// The ends of polylines, from which they are taken one by one. Those at the same point share one site, so that they cost a
-/// search no more than one end does. Sites are in the order of their points.
-class EndTree {
-public:
-    explicit EndTree(Worker& worker) noexcept : worker_(worker) {}
-
-    /// Fills the tree with one end of each polyline, the first or the last point. O(n log n). Throws std::bad_alloc.
-    void assign(std::span<const PolylineEnds> polylines, Point PolylineEnds::*end);
-
-    std::uint32_t site_count() const noexcept { return static_cast<std::uint32_t>(sites_.size()); }
-    Point at(std::uint32_t site) const noexcept { return sites_[site].at; }
-    bool holds(std::uint32_t site) const noexcept { return sites_[site].next != sites_[site].end; }
-    std::uint32_t count_at(std::uint32_t site) const noexcept { return sites_[site].end - sites_[site].next; }
-
-    static constexpr std::uint32_t none = PointTree::none;
-    /// The nearest site that has an end left, at most the square root of `most_squared` away, or none. At equal distances
-    /// the smallest point. The site `but` is passed over.
-    std::uint32_t nearest(Point to, double most_squared, std::uint32_t but = none) const {
-        return tree_.nearest(to, most_squared, but);
-    }
-
-    /// Takes an end off the site and returns its polyline, the first by number. O(log n).
-    std::uint32_t take(std::uint32_t site) noexcept;
-    /// Takes all ends off the site.
-    void take_all(std::uint32_t site) noexcept;
-
-private:
-    struct Site {
-        Point at;
-        std::uint32_t next, end;  // the ends left: a range of polylines_
-    };
-    Worker& worker_;
-    Vector<std::uint32_t> polylines_{worker_.memory()};  // by where they end, then by number
-    Vector<Site> sites_{worker_.memory()};               // ascending
-    PointTree tree_{worker_};                            // of sites_, but for those that no end is left at
-};
-
 /// The first or the last point of a polyline.
 class PolylineEnd {
 public:
@@ -108,8 +71,6 @@ private:
 struct Gap {
     PolylineEnd from;
     PolylineEnd to;
-
-    bool turns() const noexcept { return from.last() == to.last(); }
 };
 
 struct GapRules {
@@ -137,63 +98,36 @@ public:
     bool is_joined(PolylineEnd end) const noexcept { return !(joined_to(end) == end); }
 
 private:
+    /// The first points, or the last points, that lie at one place: they cost a search no more than one end does.
     struct Site {
-        std::uint32_t number;
-        bool last;  // in ends_, not starts_
-
-        friend bool operator==(Site a, Site b) noexcept { return a.number == b.number && a.last == b.last; }
+        Point at;
+        std::uint32_t next, end;  // the ends left: a range of ends_
     };
-    static constexpr Site no_site{EndTree::none, false};
+    using SiteNumber = std::uint32_t;  // of sites_
+    static constexpr SiteNumber none = PointTree::none;
 
-    EndTree& tree_of(bool last) noexcept { return last ? ends_ : starts_; }
-    Point at(Site site) noexcept { return tree_of(site.last).at(site.number); }
-    void follow_chains(bool last);
-    void follow_chain(Site first);
-    Site nearest(Site site);
-    void join(Site a, Site b);
+    void list_sites(std::span<const PolylineEnds> polylines);
+    bool is_last(SiteNumber site) const noexcept { return site >= first_sites_; }
+    SiteNumber base_of(bool last) const noexcept { return last ? first_sites_ : 0; }
+    std::uint32_t count_at(SiteNumber site) const noexcept { return sites_[site].end - sites_[site].next; }
+    PolylineEnd take(SiteNumber site) noexcept;
+    void take_off(SiteNumber site) noexcept { trees_[is_last(site) ? 1 : 0].take_off(site - base_of(is_last(site))); }
+    void follow_chain(SiteNumber first);
+    SiteNumber nearest_of(bool last, Point to, double most_squared, SiteNumber but) const;
+    SiteNumber nearest(SiteNumber site) const;
+    void join(SiteNumber a, SiteNumber b);
     void sort_gaps(std::span<const PolylineEnds> polylines);
 
     Worker& worker_;
     double reach_squared_ = 0;
     StitchDirection sense_ = StitchDirection::oriented;
-    EndTree ends_{worker_}, starts_{worker_};          // those not joined yet
-    Vector<Site> chain_{worker_.memory()};             // each the nearest to its predecessor
-    Vector<PolylineEnd> joined_to_{worker_.memory()};  // by number
+    Vector<PolylineEnd> ends_{worker_.memory()};                  // first points, then last ones; by place, then by number
+    Vector<Site> sites_{worker_.memory()};                        // of ends_, in that order
+    SiteNumber first_sites_ = 0;                                  // as many of sites_ are of first points
+    PointTree trees_[2]{PointTree(worker_), PointTree(worker_)};  // of first and of last sites where an end is left
+    Vector<SiteNumber> chain_{worker_.memory()};                  // each the nearest to its predecessor
+    Vector<PolylineEnd> joined_to_{worker_.memory()};             // by number
     Vector<Gap> gaps_{worker_.memory()};
-};
-
-/// A line that is to join two ends.
-struct Joint {
-    Point from;
-    Point to;
-};
-
-/// Which joints would cross a contour of their layer. One per thread; scratch is kept.
-///
-///        .--------.  .--------.      `a` and `b` are the nearest ends, but a wall lies between them: they are not joined.
-///        |        a||b        |
-///        |         ||         |
-///        '---------++---------'
-class CrossedJoints {
-public:
-    explicit CrossedJoints(Worker& worker) noexcept : worker_(worker) {}
-
-    /// Forgets what was added.
-    void clear() noexcept { pairs_.clear(); }
-    /// The points must stay until find() has returned.
-    void add(std::span<const Point> contour, bool closed);
-
-    /// For each joint, the shortest first: 1 if between its ends it meets an edge of what was added, or a joint before it
-    /// that is marked 0; edges along its line do not count. The first `free` joints are marked 0, whatever they meet.
-    /// O((m + c) log (m + c)) for m edges of which c pairs come near one another. Valid until the next call.
-    std::span<const std::uint8_t> find(std::span<const Joint> joints, std::size_t free);
-
-private:
-    Worker& worker_;
-    EdgePairs pairs_{worker_};
-    Vector<Point> ends_{worker_.memory()};  // of the joints, two by two
-    Vector<std::uint8_t> crossed_{worker_.memory()};
-    Vector<std::pair<std::uint32_t, std::uint32_t>> between_joints_{worker_.memory()};  // the later, the earlier
 };
 
 /// One per thread; scratch is kept.
@@ -206,8 +140,8 @@ public:
     /// closed contour of `around` or a shorter joint. What comes of polylines that run against each other runs as most of
     /// their segments do. Returns whether there were any: joined() then takes the place of all polylines. What comes out
     /// does not depend on the order of polylines and contours. O(o log o + q) for o polylines with q points, unless gaps lie
-    /// so that searches are slow; where gaps may stay open, also what CrossedJoints::find() takes for all edges. Throws
-    /// std::bad_alloc.
+    /// so that searches are slow; where gaps may stay open, also O((m + c) log (m + c)) for m edges of which c pairs come
+    /// near one another. Throws std::bad_alloc.
     bool join(std::span<const Path> polylines, std::span<const Path> around, const GapRules& rules, std::uint64_t layer,
               Vector<Stitch>& stitches);
 
@@ -218,8 +152,7 @@ public:
 private:
     void sort(std::span<const Path> polylines);
     std::span<const Gap> choose_gaps(std::span<const Path> around, const GapRules& rules);
-    void join_open_from(bool last);
-    void join_rings();
+    void mark_crossed(std::span<const Path> around, std::size_t free);
     void join_from(PolylineEnd first);
     void append(PolylineEnd entered);
     Point at(PolylineEnd end) const noexcept { return ends_[end.polyline()].at(end.last()); }
@@ -227,10 +160,12 @@ private:
 
     Worker& worker_;
     GapCloser gap_closer_{worker_};
-    CrossedJoints crossed_joints_{worker_};
-    Vector<Joint> joints_{worker_.memory()};
-    Vector<Path> sorted_{worker_.memory()};        // as given, in canonical order
-    Vector<PolylineEnds> ends_{worker_.memory()};  // of sorted_
+    EdgePairs pairs_{worker_};
+    Vector<Point> joints_{worker_.memory()};                                            // ends of the gaps, two by two
+    Vector<std::uint8_t> crossed_{worker_.memory()};                                    // of each gap: it stays open
+    Vector<std::pair<std::uint32_t, std::uint32_t>> between_joints_{worker_.memory()};  // the later, the earlier
+    Vector<Path> sorted_{worker_.memory()};                                             // as given, in canonical order
+    Vector<PolylineEnds> ends_{worker_.memory()};                                       // of sorted_
     Vector<std::uint8_t> used_{worker_.memory()};  // of sorted_: whether it is part of a joined one
     Vector<Point> points_{worker_.memory()};       // of joined_
     Vector<PointOrigin> origins_{worker_.memory()};

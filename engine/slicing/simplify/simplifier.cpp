@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <cstdlib>
 #include <limits>
 #include <new>
 
 #include "base/numbers.hpp"
+#include "slicing/grid/exact.hpp"
 #include "slicing/nesting/order.hpp"
 
 namespace lamella {
@@ -38,6 +40,25 @@ constexpr std::uint64_t distance_by_length(Vector2 line, Vector2 to) noexcept {
     return static_cast<std::uint64_t>(area < 0 ? -area : area);
 }
 
+/// True if what has that distance times the length of `line` lies within the tolerance of it.
+bool is_beside(std::uint64_t distance_by_length, Vector2 line, std::int64_t tolerance) noexcept {
+    return Int128{distance_by_length} * distance_by_length <= Int128{tolerance} * tolerance * square(line);  // 2^124, 2^125
+}
+
+bool lies_on(Point p, Point a, Point b) noexcept {
+    return FlatBox::around(a, b).holds(p) && side_of(a, b, p) == 0;
+}
+
+/// True if two edges have a point in common.
+bool have_common_point(Point a, Point b, Point c, Point d) noexcept {
+    return edges_cross(a, b, c, d) || lies_on(a, c, d) || lies_on(b, c, d) || lies_on(c, a, b) || lies_on(d, a, b);
+}
+
+/// True if one of two edges that follow each other lies on the other.
+bool folds_back(Point from, Point joint, Point to) noexcept {
+    return lies_on(from, joint, to) || lies_on(to, from, joint);
+}
+
 /// The greatest so far, the first of equal ones.
 struct Greatest {
     std::uint64_t value = 0;
@@ -49,8 +70,15 @@ struct Greatest {
     }
 };
 
-}  // namespace
+/// Measured over the points strictly between the ends of a chain.
+struct ChainReach {
+    std::size_t furthest;  ///< index of one to keep, should the chain be split
+    bool within;           ///< all lie within the tolerance of the line between the ends
+};
 
+/// Measures points[first] to points[last], last > first + 1. Distances are to the line from end to end, which stops there; a
+/// line between equal ends replaces nothing. `tolerance` is in grid units, at most 2 grid_limit. O(last - first).
+///
 /// A point beside the line is as far from it as its triangle with the ends is large; one beyond an end is as far as the end.
 /// Those beyond an end, if too far, are split off first: they are where the chain leads back.
 ChainReach measure_chain(const Point* points, std::size_t first, std::size_t last, std::int64_t tolerance) noexcept {
@@ -71,81 +99,11 @@ ChainReach measure_chain(const Point* points, std::size_t first, std::size_t las
         }
     }
     const std::size_t middle = first + (last - first) / 2;
-    const Int128 squared = Int128{tolerance} * tolerance;
-    if (a == b || Int128{beyond.value} > squared) {
+    if (a == b || Int128{beyond.value} > Int128{tolerance} * tolerance) {
         return {beyond.value > 0 ? beyond.at : middle, false};
     }
-    const bool within = Int128{beside.value} * beside.value <= squared * square(line);  // at most 2^124 and 2^125
-    return {beside.value > 0 ? beside.at : middle, within};
+    return {beside.value > 0 ? beside.at : middle, is_beside(beside.value, line, tolerance)};
 }
-
-namespace {
-
-constexpr std::size_t leaf_edges = 8;
-constexpr std::uint64_t box_steps = 3;  ///< eight boxes are compared at once; an edge takes one
-
-}  // namespace
-
-struct ChainTree::Query {
-    std::size_t first;
-    std::size_t last;
-    Point p;
-    std::uint64_t steps = 0;
-    int winding = 0;
-    bool on_chain = false;
-};
-
-void ChainTree::build(std::span<const Point> points, StopPace& pace) {
-    points_ = points;
-    const std::size_t edges = points.size() - std::min<std::size_t>(points.size(), 1);
-    const auto box_at = [&](std::size_t leaf) {
-        const std::size_t begin = leaf * leaf_edges;
-        return FlatBox::around(points.subspan(begin, std::min(leaf_edges, edges - begin) + 1));
-    };
-    boxes_.assign((edges + leaf_edges - 1) / leaf_edges, box_at, pace);
-}
-
-bool ChainTree::encloses(std::size_t first, std::size_t last, Point p, std::uint64_t& steps) const {
-    if (p == points_[first] || p == points_[last]) {
-        return false;
-    }
-    Query query{first, last, p};
-    visit(boxes_.levels() - 1, 0, query);
-    steps += query.steps;
-    return query.on_chain || query.winding + winding_of(points_[last], points_[first], p) != 0;
-}
-
-/// The boxes of a block, as deep as there are levels.
-void ChainTree::visit(std::size_t level, std::size_t number, Query& query) const {
-    const std::size_t edges_of_box = leaf_edges << (3 * level);
-    const LaneBits holds = boxes_.block(level, number).meets({query.p, query.p});
-    for (std::size_t lane = 0; lane < BoxTree<Point>::fan && !query.on_chain; ++lane) {
-        const std::size_t begin = (number * BoxTree<Point>::fan + lane) * edges_of_box;
-        const std::size_t end = std::min(begin + edges_of_box, points_.size() - 1);
-        if (end <= query.first || begin >= query.last) {
-            continue;
-        }
-        query.steps += box_steps;
-        const bool is_whole = query.first <= begin && end <= query.last;
-        if (is_whole && (holds >> lane & 1) == 0) {
-            query.winding += winding_of(points_[begin], points_[end], query.p);
-        } else if (level > 0) {
-            visit(level - 1, number * BoxTree<Point>::fan + lane, query);
-        } else {
-            visit_edges(std::max(begin, query.first), std::min(end, query.last), query);
-        }
-    }
-}
-
-void ChainTree::visit_edges(std::size_t begin, std::size_t end, Query& query) const {
-    query.steps += leaf_edges;
-    for (std::size_t i = begin; i < end; ++i) {
-        query.on_chain = query.on_chain || lies_on(query.p, points_[i], points_[i + 1]);
-        query.winding += winding_of(points_[i], points_[i + 1], query.p);
-    }
-}
-
-namespace {
 
 constexpr std::size_t chain_work = 4;  ///< of a point, as StopPace counts it
 constexpr int rounds_by_distance = 3;  ///< from then on lines are split by halves, which ends soon
@@ -169,7 +127,6 @@ void Simplifier::run(std::span<NestItem> items, std::int64_t tolerance) {
         return;
     }
     starts_tree_.assign(starts_.size(), [this](std::size_t i) { return starts_[i]; });
-    chains_.build(points_, worker_);
     for (int round = 1;; ++round) {
         if (!find_conflicts(items)) {
             is_left_.assign(points_.size(), 1);
@@ -330,17 +287,58 @@ void Simplifier::find_jumps(std::size_t path, std::uint64_t most) {
         }
         const std::size_t first = of.begin + left_[of.first_left + edge];
         const std::size_t last = of.begin + end_of_line(path, edge);
-        const auto box = FlatBox::around(std::span(points_).subspan(first, last + 1 - first));
-        const std::uint64_t before = steps_;
-        starts_tree_.find_in(box, [&](Point start, std::uint32_t other) {
-            ++steps_;
-            if (other != path && in_conflict_[first] == 0 && chains_.encloses(first, last, start, steps_)) {
-                in_conflict_[first] = 1;
-            }
-            return in_conflict_[first] == 0 && steps_ <= most;
-        });
-        worker_.spend(last - first + chain_work * (steps_ - before));
+        if (in_conflict_[first] == 0) {
+            const std::uint64_t before = steps_;
+            list_beside(path, first, last, most);
+            in_conflict_[first] = !beside_.empty() && jumps_over_any(first, last, most) ? 1 : 0;
+            worker_.spend(chain_work * (steps_ - before));
+        }
     }
+}
+
+/// Lists the starts of other paths that may lie between a chain and its line: no ends of the chain, and no farther from the
+/// line than the chain, which is the tolerance at most.
+void Simplifier::list_beside(std::size_t path, std::size_t first, std::size_t last, std::uint64_t most) {
+    const Point a = points_[first];
+    const Point b = points_[last];
+    const Vector2 line = between(a, b);
+    beside_.clear();
+    worker_.spend(last - first);
+    starts_tree_.find_in(FlatBox::around(std::span(points_).subspan(first, last + 1 - first)),
+                         [&](Point start, std::uint32_t other) {
+                             ++steps_;
+                             if (other != path && start != a && start != b &&
+                                 is_beside(distance_by_length(line, between(a, start)), line, tolerance_)) {
+                                 beside_.push_back({start, 0});
+                             }
+                             return steps_ <= most;
+                         });
+}
+
+/// True if one of beside_ lies on the chain or within the ring of it and the line back. The rays that edges are counted on
+/// lead across the line: a chain that follows the line passes each of them a few times, however many its edges are.
+bool Simplifier::jumps_over_any(std::size_t first, std::size_t last, std::uint64_t most) {
+    const Vector2 line = between(points_[first], points_[last]);
+    const auto along = [wide = std::abs(line.x) > std::abs(line.y)](Point p) { return wide ? p.x : p.y; };
+    std::sort(beside_.begin(), beside_.end(),
+              [&](const Beside& a, const Beside& b) { return along(a.start) < along(b.start); });
+    worker_.spend(chain_work * (last - first));
+    for (std::size_t i = first; i <= last && steps_ <= most; ++i) {
+        const Point from = points_[i];
+        const Point to = points_[i < last ? i + 1 : first];
+        const auto [low, high] = std::minmax({along(from), along(to)});
+        auto at = std::lower_bound(beside_.begin(), beside_.end(), low,
+                                   [&](const Beside& beside, std::int32_t least) { return along(beside.start) < least; });
+        for (; at != beside_.end() && along(at->start) <= high; ++at) {
+            ++steps_;
+            if (lies_on(at->start, from, to)) {
+                return true;
+            }
+            const int direction = (along(from) <= along(at->start) ? 1 : 0) - (along(to) <= along(at->start) ? 1 : 0);
+            at->winding += direction * side_of(from, to, at->start) > 0 ? direction : 0;
+        }
+    }
+    return std::any_of(beside_.begin(), beside_.end(), [](const Beside& beside) { return beside.winding != 0; });
 }
 
 /// Objects to all lines where fewer than three points would be left, or the area would change its sign.

@@ -1,8 +1,34 @@
 #include "exact/arrangement.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <string>
+#include <unordered_set>
 
 namespace exact {
+
+namespace {
+
+std::int32_t grid_coordinate(const ArrangementKernel::FT& value) {
+    const double nearest = std::nearbyint(to_double(value));
+    if (value != nearest) {
+        throw std::logic_error("a corner lies off the grid, near " + std::to_string(nearest));
+    }
+    return static_cast<std::int32_t>(nearest);
+}
+
+regions::Polygon corners_on_grid(const std::vector<Corner>& walk) {
+    regions::Polygon corners;
+    for (std::size_t i = 0; i < walk.size(); ++i) {
+        const Corner& before = walk[(i + walk.size() - 1) % walk.size()];
+        if (!CGAL::collinear(before, walk[i], walk[(i + 1) % walk.size()])) {
+            corners.push_back({grid_coordinate(walk[i].x()), grid_coordinate(walk[i].y())});
+        }
+    }
+    return corners;
+}
+
+}  // namespace
 
 Edges edges_of(const regions::Polygons& polygons) {
     Edges edges;
@@ -55,7 +81,7 @@ void Overlay::count_windings() {
         const Face face = open.front();
         around(face, [&](Halfedge halfedge) {
             const Face beyond = halfedge->twin()->face();
-            FaceData data{true, {}};
+            FaceData data{true, {}, 0};
             for (const Kind kind : {given, found}) {
                 data.winding[kind] = face->data().winding[kind] - step(halfedge, kind);
             }
@@ -68,6 +94,50 @@ void Overlay::count_windings() {
             }
         });
     }
+}
+
+void Overlay::number_solids(const std::function<bool(const FaceData&)>& filled) {
+    for (auto face = arrangement_.faces_begin(); face != arrangement_.faces_end(); ++face) {
+        face->data().solid = 0;
+    }
+    std::size_t solids = 0;
+    for (auto seed = arrangement_.faces_begin(); seed != arrangement_.faces_end(); ++seed) {
+        if (seed->data().solid != 0 || !filled(seed->data())) {
+            continue;
+        }
+        seed->data().solid = ++solids;
+        for (std::deque<Face> open{seed}; !open.empty(); open.pop_front()) {
+            around(open.front(), [&](Halfedge halfedge) {
+                const Face beyond = halfedge->twin()->face();
+                if (beyond->data().solid == 0 && filled(beyond->data())) {
+                    beyond->data().solid = solids;
+                    open.push_back(beyond);
+                }
+            });
+        }
+    }
+}
+
+regions::Region Overlay::region(const std::function<bool(const FaceData&)>& filled) {
+    number_solids(filled);
+    const auto bounds = [](Halfedge h) { return h->face()->data().solid != 0 && h->twin()->face()->data().solid == 0; };
+    std::unordered_set<const void*> used;
+    regions::Region region;
+    for (auto first = arrangement_.halfedges_begin(); first != arrangement_.halfedges_end(); ++first) {
+        std::vector<Corner> walk;
+        for (Halfedge at = first; bounds(at) && used.insert(&*at).second;) {
+            walk.push_back(at->source()->point());
+            // The next one clockwise that bounds a solid: the faces between are all filled.
+            for (at = at->next(); !bounds(at);) {
+                at = at->twin()->next();
+            }
+        }
+        if (!walk.empty()) {
+            region.push_back({corners_on_grid(walk), false, -1});
+        }
+    }
+    regions::find_parents(region);
+    return regions::canonical(std::move(region));
 }
 
 }  // namespace exact

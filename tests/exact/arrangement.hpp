@@ -37,6 +37,7 @@ struct MergeAlong {
 struct FaceData {
     bool reached = false;
     std::int64_t winding[2] = {0, 0};
+    std::size_t solid = 0;  // 0: none
 };
 
 using ArrangementKernel = CGAL::Exact_predicates_exact_constructions_kernel;
@@ -65,6 +66,8 @@ public:
     /// Winding number on the left of the half-edge minus that on its right.
     std::int64_t step(Halfedge halfedge, Kind kind) const;
     bool runs_along(Halfedge halfedge, Kind kind) const;
+    /// The contours around the faces that are filled. Throws std::logic_error if a corner lies off the grid.
+    regions::Region region(const std::function<bool(const FaceData&)>& filled);
 
 private:
     struct Edge {
@@ -73,6 +76,7 @@ private:
     };
     void add(const Edges& edges, Kind kind, std::vector<Traits::Curve_2>& curves);
     void count_windings();
+    void number_solids(const std::function<bool(const FaceData&)>& filled);
 
     std::vector<Edge> edges_;
     Arrangement arrangement_;

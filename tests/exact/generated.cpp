@@ -1,6 +1,6 @@
-// Random closed meshes, sliced by the engine and in exact arithmetic. They are oriented outwards unless stated. Most have
-// vertices, edges and faces at equal heights, where planes are then placed. The long test runs the short one on thousands of
-// seeds.
+// Random closed meshes, sliced by the engine and in exact arithmetic. They are oriented outwards and do not intersect
+// themselves unless stated. Most have vertices, edges and faces at equal heights, where planes are then placed. The long
+// test runs the short one on thousands of seeds.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +8,9 @@
 #include <random>
 #include <set>
 
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Surface_mesh.h>
+#include <CGAL/convex_hull_3.h>
 #include <catch2/catch.hpp>
 
 #include "engine/shapes.hpp"
@@ -32,15 +35,37 @@ double fraction(Random& random) {
     return static_cast<double>(random() >> 11) * 0x1p-53;
 }
 
-/// Stretched balls that intersect, with no common coordinates; about one in three is inside out.
-Soup crossing_balls(std::uint64_t seed, int count) {
+/// The hull of points with integer coordinates in [-range, range].
+Soup hull(std::uint64_t seed, int points, std::uint64_t range) {
+    using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+    using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
     Random random(seed);
-    const auto size = [&] { return 2 + 8 * fraction(random); };
+    const auto coordinate = [&] { return integer_to(random, 2 * range) - static_cast<double>(range); };
+    std::vector<Kernel::Point_3> cloud{{-1, -1, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (int i = 0; i < points; ++i) {
+        const double x = coordinate();
+        const double y = coordinate();
+        cloud.emplace_back(x, y, coordinate());
+    }
+    Mesh mesh;
+    CGAL::convex_hull_3(cloud.begin(), cloud.end(), mesh);
+    Soup soup;
+    for (const Mesh::Face_index face : mesh.faces()) {
+        for (const Mesh::Vertex_index vertex : mesh.vertices_around_face(mesh.halfedge(face))) {
+            const Kernel::Point_3& p = mesh.point(vertex);
+            soup.insert(soup.end(), {p.x(), p.y(), p.z()});
+        }
+    }
+    return soup;
+}
+
+/// Hulls that intersect, with no common coordinates; about one in three is inside out.
+Soup crossing_hulls(std::uint64_t seed, int count) {
+    Random random(seed);
     Soup soup;
     for (int i = 0; i < count; ++i) {
-        const double width = size();
-        const double depth = size();
-        const Soup one = shapes::scaled(shapes::octasphere({0, 0, 0}, 1, 1), {width, depth, size()});
+        const double size = (2 + 8 * fraction(random)) * 0x1p-20;
+        const Soup one = shapes::scaled(hull(random(), 12, 1U << 20), {size, size, size});
         const double x = 20 * fraction(random);
         const double y = 20 * fraction(random);
         const Soup placed = shapes::moved(one, {x, y, 4 * fraction(random)});
@@ -127,12 +152,12 @@ auto generator(Shape shape) {
 
 const std::vector<Kind>& kinds() {
     static const std::vector<Kind> all{
-        {"tetrahedra on a coarse grid", coarse_unit_mm,
-         [](std::uint64_t seed, bool large) { return shapes::random_tetrahedra(seed, large ? 60 : 12, 8 + seed % 50); },
-         true},
-        {"ball at the edge of the grid", fine,
+        {"hull on a coarse grid", coarse_unit_mm,
+         [](std::uint64_t seed, bool large) { return hull(seed, large ? 400 : 60, 8 + seed % 50); }},
+        {"hull at the edge of the grid", fine,
          [](std::uint64_t seed, bool large) {
-             return shapes::octasphere({-950, 950, 950}, 10.3 + static_cast<double>(seed % 60), large ? 4 : 2);
+             return shapes::moved(shapes::scaled(hull(seed, large ? 400 : 60, 1U << 20), {0x1p-14, 0x1p-14, 0x1p-14}),
+                                  {-950, 950, 950});
          }},
         {"gyroid", fine, generator(Shape::gyroid)},
         {"bone", fine, generator(Shape::bone)},
@@ -141,8 +166,8 @@ const std::vector<Kind>& kinds() {
         {"needles", fine, [](std::uint64_t seed, bool large) { return needles(seed, large ? 20 : 8, 0.01); }},
         {"needles as thin as the grid", fine,
          [](std::uint64_t seed, bool large) { return needles(seed, large ? 20 : 8, 0x1p-17); }, true},
-        {"crossing balls, some inside out", fine,
-         [](std::uint64_t seed, bool large) { return crossing_balls(seed, large ? 30 : 8); }, true},
+        {"crossing hulls, some inside out", fine,
+         [](std::uint64_t seed, bool large) { return crossing_hulls(seed, large ? 30 : 8); }, true},
         {"cells that touch", coarse_unit_mm, [](std::uint64_t seed, bool large) { return cells(seed, large ? 12 : 4); }},
     };
     return all;

@@ -342,6 +342,12 @@ lamella::SliceOptions through_vertices(const shapes::Soup& soup, double grid_mm,
     return options;
 }
 
+regions::Region region_on_grid(const Polygons& polygons, FillRule rule) {
+    Overlay overlay(edges_of(polygons), {});
+    regions::Region region = overlay.region([&](const FaceData& face) { return regions::fills(rule, face.winding[given]); });
+    return rule == FillRule::outermost ? regions::canonical(regions::without_holes(region)) : region;
+}
+
 std::string fault_in_rings(const Polygons& polygons, FillRule rule, const Polygons& rings) {
     const Edges edges = edges_of(polygons);
     const std::vector<Line> lines = lines_of(edges);
@@ -360,6 +366,20 @@ std::string fault_in_rings(const Polygons& polygons, FillRule rule, const Polygo
     return fault_in_faces(edges, overlay, [&](const FaceData& data) {
         return regions::fills(rule, data.winding[given]) != (data.winding[found] > 0);
     });
+}
+
+std::string fault_in_region(const Polygons& polygons, FillRule rule, const lamella::SliceResult& contours) {
+    const Polygons rings = regions::rings_of(contours);
+    if (std::string fault = fault_in_rings(polygons, rule, rings); !fault.empty()) {
+        return fault;
+    }
+    try {
+        Overlay overlay({}, edges_of(rings));
+        const regions::Region own = overlay.region([](const FaceData& face) { return face.winding[found] > 0; });
+        return regions::difference(own, regions::region_in(contours));
+    } catch (const std::logic_error& crossing) {
+        return crossing.what();
+    }
 }
 
 }  // namespace exact

@@ -1,6 +1,7 @@
 #include "regions/region.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
 
 namespace regions {
@@ -69,6 +70,21 @@ Region region_in(const SliceResult& contours) {
         region.push_back({Polygon(points.begin(), points.end()), contour.role != Role::outer, contour.parent});
     }
     return canonical(std::move(region));
+}
+
+void find_parents(Region& region) {
+    Polygons polygons;
+    for (const Ring& ring : region) {
+        polygons.push_back(ring.corners);
+    }
+    for (std::size_t r = 0; r < region.size(); ++r) {
+        const std::optional<Around> found = around(polygons, r);
+        if (!found) {
+            throw std::logic_error("every edge of a ring lies on another ring");
+        }
+        region[r].hole = twice_area(polygons[r]) < 0;
+        region[r].parent = found->smallest;
+    }
 }
 
 bool fills(FillRule rule, std::int64_t winding) {

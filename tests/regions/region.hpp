@@ -1,7 +1,7 @@
 // Regions as sets of contours without regard to how they are stored.
 //
-// Contours are compared by their corners: points within straight lines, the point that a contour starts at and the order of
-// contours do not count; roles and parents do.
+// Judges give what they expect as a Region. Contours are compared by their corners: points within straight lines, the point
+// that a contour starts at and the order of contours do not count; roles and parents do.
 #pragma once
 
 #include <cstdint>
@@ -32,6 +32,9 @@ lamella::SliceResult region_of(const Polygons& polygons, lamella::FillRule rule)
 Region canonical(Region region);
 /// Canonical.
 Region region_in(const lamella::SliceResult& contours);
+
+/// Roles by orientation, parents by brute force. Throws std::logic_error where a ring lies on others.
+void find_parents(Region& region);
 
 /// Winding number of the whole solid is more than 0 (even-odd: odd, ...); by `outermost` as by non-zero.
 bool fills(lamella::FillRule rule, std::int64_t winding);

@@ -28,6 +28,8 @@ public:
     void go_to(const char* at) { p_ = at; }
     /// To where the next number begins.
     void go_to_next() {}
+    static void begin_row() {}
+    static bool end_row() { return true; }
     /// An upper bound of how many numbers are left.
     std::uint64_t most_left(NumberType type) const { return static_cast<std::uint64_t>(end_ - p_) / size_of(type); }
 
@@ -88,6 +90,8 @@ public:
     const char* at() const { return p_; }
     void go_to(const char* at) { p_ = at; }
     void go_to_next() { p_ = skip_space(p_, end_); }
+    void begin_row() { go_to_next(); }
+    static bool end_row() { return true; }
     std::uint64_t most_left(NumberType) const { return (static_cast<std::uint64_t>(end_ - p_) + 1) / 2; }
 
     /// Skips white space. Whether no word is left.
@@ -136,7 +140,7 @@ public:
 
     std::string found(NumberType) const { return word_at(skip_space(p_, end_), end_); }
 
-private:
+protected:
     const char* p_;
     const char* end_;
 };

@@ -34,18 +34,15 @@ const char* after_line(const char* p, const char* end) {
 /// Words of a text whose rows are lines. Words after a row's are left out.
 class LineNumbers : public AsciiNumbers {
 public:
-    LineNumbers(const char* begin, const char* end) : AsciiNumbers(begin, end), text_end_(end) {}
+    using AsciiNumbers::AsciiNumbers;
 
-    void begin_row() { end_ = after_line(p_, text_end_); }
+    void begin_row(const char* text_end) { end_ = after_line(p_, text_end); }
     /// False: the line has more words.
     bool end_row() {
         const bool ended = at_end();
         p_ = end_;
         return ended;
     }
-
-private:
-    const char* text_end_;
 };
 
 /// Rows of one element that one task reads.
@@ -204,10 +201,11 @@ private:
         Lookout lookout(source_.parallel());
         std::vector<std::uint32_t> corners;
         Numbers numbers = block.numbers;
+        const char* const block_end = numbers.end();
         for (std::uint64_t row = block.begin; row < block.end; ++row) {
             lookout.pass(1 + corners.size());
             const char* const place = numbers.at();
-            numbers.begin_row();
+            numbers.begin_row(block_end);
             numbers = read_row(numbers, *block.element, row, corners, faces);
             if (!numbers.end_row()) {
                 block.long_rows.add(place);

@@ -24,8 +24,8 @@ struct Keyword {
     }
 };
 
-/// True if the text at `p` is `keyword`, in any case, and ends there.
-bool is_word(const char* p, const char* end, const Keyword& keyword) {
+/// True if the text at `p` is `keyword`, in any case, and ends there. Inlined, so that keywords are constants.
+[[gnu::always_inline]] inline bool is_word(const char* p, const char* end, const Keyword& keyword) {
     const std::size_t length = keyword.text.size();
     const auto left = static_cast<std::size_t>(end - p);
     if (left < length) {
@@ -240,7 +240,7 @@ private:
         return got == NumberText::read || fail(coordinate_problem(got, "float", found()));
     }
 
-    bool word(const Keyword& keyword, const char* place) {
+    [[gnu::always_inline]] bool word(const Keyword& keyword, const char* place) {
         p_ = skip_space(p_, end_);
         if (!is_word(p_, end_, keyword)) {
             return fail("expected '" + std::string(keyword.text) + "' " + place + ", found " + found());

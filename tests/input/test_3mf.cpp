@@ -129,7 +129,7 @@ TEST_CASE("more instances and steps than any machine holds are counted and refus
     const std::string one_triangle = mesh_xml({{0, 0, 0}, {{0, 0, 0}}});
     for (const std::string& bytes :
          {tower(41, 2, mesh), tower(200, 9, mesh), tower(3000, 1, one_triangle, repeated(item(3000), 2000))}) {
-        refuses(dir.write("a.3mf", bytes), " builds more than the ", ErrorCode::out_of_memory);
+        refuses(dir.write("a.3mf", bytes), " expands to more than the ", ErrorCode::out_of_memory);
     }
     // Of nothing there may be any number.
     refuses_package(tower(200, 9, "<mesh/>"), "holds no triangles", ErrorCode::empty_mesh);

@@ -191,40 +191,72 @@ TEST_CASE("a cracked sphere closes when it is welded", "[input][weld]") {
     CHECK(result.info.degenerate == 0);
 }
 
+using Corner = std::array<double, 3>;
+
+double squared_distance(const Corner& a, const Corner& b) {
+    return std::pow(a[0] - b[0], 2) + std::pow(a[1] - b[1], 2) + std::pow(a[2] - b[2], 2);
+}
+
+template <class Number>
+std::vector<Number> numbers_of(const std::vector<Corner>& corners) {
+    std::vector<Number> numbers;
+    for (const Corner& at : corners) {
+        numbers.insert(numbers.end(), {Number(at[0]), Number(at[1]), Number(at[2])});
+    }
+    return numbers;
+}
+
+/// Against the rule as stated, all corners against all, whatever their order.
+template <class Number>
+void check_weld(const std::vector<Corner>& corners, double tolerance) {
+    const std::vector<Number> soup = numbers_of<Number>(corners);
+    const WeldedMesh mesh = value_of(weld(MeshView::soup(std::span<const Number>(soup)), tolerance));
+    std::vector<Corner> sorted = corners;
+    std::sort(sorted.begin(), sorted.end());
+    sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+    std::vector<Corner> kept;
+    std::map<Corner, std::uint32_t> vertex_of;
+    double largest_move = 0;
+    for (const Corner& at : sorted) {
+        const auto nearest = std::min_element(kept.begin(), kept.end(), [&](const Corner& a, const Corner& b) {
+            return squared_distance(at, a) < squared_distance(at, b);
+        });
+        vertex_of[at] = static_cast<std::uint32_t>(nearest - kept.begin());
+        if (nearest == kept.end() || squared_distance(at, *nearest) > tolerance * tolerance) {
+            vertex_of[at] = static_cast<std::uint32_t>(kept.size());
+            kept.push_back(at);
+        } else {
+            largest_move = std::max(largest_move, squared_distance(at, *nearest));
+        }
+    }
+    REQUIRE(mesh.vertex_count == kept.size());
+    CHECK(mesh.joined == sorted.size() - kept.size());
+    CHECK(mesh.largest_move_mm == std::sqrt(largest_move));
+    REQUIRE(mesh.coordinates.size() == kept.size() * 3 * sizeof(Number));
+    const std::vector<Number> numbers = numbers_of<Number>(kept);
+    CHECK(std::memcmp(mesh.coordinates.data(), numbers.data(), mesh.coordinates.size()) == 0);
+    REQUIRE(mesh.indices.size() == corners.size());
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        CHECK(mesh.indices[i] == vertex_of[corners[i]]);
+    }
+    CHECK(value_of(weld(mesh.view(), tolerance)).joined == 0);
+}
+
 TEST_CASE("the nearest vertex wins, across cells of the search too", "[input][weld]") {
     std::mt19937 random(21);
     std::uniform_real_distribution<double> place(-3, 3);
-    std::vector<std::array<double, 3>> corners(3 * 300);
-    for (auto& corner : corners) {
-        corner = {place(random), place(random), place(random)};
-    }
-    const double tolerance = 0.4;
-    const std::span<const double> numbers(corners[0].data(), 3 * corners.size());
-    const WeldedMesh mesh = value_of(weld(MeshView::soup(numbers), tolerance));
-    // The rule as stated, all against all.
-    std::vector<std::array<double, 3>> sorted = corners;
-    std::sort(sorted.begin(), sorted.end());
-    std::vector<std::array<double, 3>> kept;
-    std::map<std::array<double, 3>, std::uint32_t> vertex_of;
-    for (const auto& at : sorted) {
-        const auto squared = [&](const auto& other) {
-            return std::pow(at[0] - other[0], 2) + std::pow(at[1] - other[1], 2) + std::pow(at[2] - other[2], 2);
-        };
-        const auto nearest = std::min_element(kept.begin(), kept.end(),
-                                              [&](const auto& a, const auto& b) { return squared(a) < squared(b); });
-        vertex_of[at] = static_cast<std::uint32_t>(nearest - kept.begin());
-        if (nearest == kept.end() || squared(*nearest) > tolerance * tolerance) {
-            vertex_of[at] = static_cast<std::uint32_t>(kept.size());
-            kept.push_back(at);
-        }
-    }
-    CHECK(kept.size() > 200);
-    CHECK(mesh.joined == corners.size() - kept.size());
-    REQUIRE(mesh.vertex_count == kept.size());
-    REQUIRE(mesh.coordinates.size() == kept.size() * sizeof kept[0]);
-    CHECK(std::memcmp(mesh.coordinates.data(), kept.data(), mesh.coordinates.size()) == 0);
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-        CHECK(mesh.indices[i] == vertex_of[corners[i]]);
+    std::vector<Corner> corners(3 * 300);
+    std::generate(corners.begin(), corners.end(), [&] { return Corner{place(random), place(random), place(random)}; });
+    check_weld<double>(corners, 0.4);
+    // Sixteenths, which are exact in either type, so that distances of exactly the tolerance are common.
+    const auto near_integer = [&] { return int(random() % 9) - 4 + (random() % 4 == 0 ? double(random() % 5) / 16 : 0); };
+    for (int draw = 0; draw < 300; ++draw) {
+        corners.resize(3 * (1 + random() % 33));
+        std::generate(corners.begin(), corners.end(), [&] {
+            return Corner{near_integer(), near_integer(), near_integer()};
+        });
+        const double tolerance = double(random() % 40) / 16;
+        draw % 2 == 0 ? check_weld<float>(corners, tolerance) : check_weld<double>(corners, tolerance);
     }
 }
 

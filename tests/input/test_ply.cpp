@@ -38,7 +38,8 @@ TEST_CASE("PLY of every encoding, type of number and order, with unknown propert
         const Contents contents = read_ply(form(quads ? polygons : triangulated(cube())));
         CHECK(contents.triangles == cube().triangles());
         CHECK(contents.mesh.text == (form.encoding == "ascii"));
-        CHECK(contents.warnings == (quads ? Texts{"left out 3 faces of fewer than three vertices"} : Texts{}));
+        REQUIRE(contents.warnings.size() == (quads ? 1 : 0));
+        CHECK((!quads || contents.warnings[0].starts_with("left out 3 faces of fewer than three corners")));
     }
 }
 

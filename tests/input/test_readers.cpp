@@ -142,9 +142,9 @@ TEST_CASE("what takes more memory than allowed is refused before it is allocated
              Case{"spaces.3mf", package(model_text(mesh + std::string(std::size_t{24} << 20, ' '), item(1))), 8 << 20,
                   "part '3D/3dmodel.model' " + expands},
              Case{"vertices.3mf", package(model_text(replaced(mesh, "</vertices>", vertices + "</vertices>"), item(1))),
-                  1 << 20, ": takes more than the 1048576 bytes that reading it may"},
+                  1 << 20, ": expands to more than the 1048576 bytes that reading it may take"},
              Case{"objects.3mf", package(model_text(objects, item(1))), 1 << 20,
-                  ": takes more than the 1048576 bytes that reading it may"},
+                  ": expands to more than the 1048576 bytes that reading it may take"},
          }) {
         INFO(name);
         const auto path = dir.write(name, bytes);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <memory>
 
 #include "base/function_ref.hpp"
 #include "io/read/chunk_list.hpp"
@@ -11,43 +12,34 @@
 
 namespace lamella {
 
-/// No vertex: readers take fewer vertices than this.
-inline constexpr std::uint32_t polygon_mark = std::numeric_limits<std::uint32_t>::max();
-inline constexpr std::uint32_t quad_mark = polygon_mark - 1;
-inline constexpr std::size_t most_vertices = quad_mark;
+/// Readers take fewer vertices than this.
+inline constexpr std::size_t most_vertices = std::numeric_limits<std::uint32_t>::max();
 
-/// The faces of one piece of a file, in their order. A face of n corners takes the room of the 3 (n - 2) indices of its
-/// triangles, so that it can be cut in place once all vertices are known. Until then one of more than three corners is
-/// whole:
-///
-///     a triangle   | a | b | c |
-///     a quad       | quad mark | place | a | b | c | d |
-///     n corners    | mark | place | n | a | b | c | d | e | ...
+/// The triangles of the faces of one piece of a file, in their order.
 class FaceList {
 public:
-    /// What it holds is counted in `budget`.
-    FaceList(MemoryBudget& budget, const Memory* memory) : budget_(&budget), indices_(memory) {}
+    /// `vertices` must have their coordinates before the first face is added. What the list holds is counted in `budget`.
+    FaceList(MemoryBudget& budget, const VertexCoordinates& vertices, const Memory* memory)
+        : budget_(&budget), vertices_(vertices), indices_(memory) {}
 
-    /// Adds a face, which is left out if it has fewer than three corners. `place`: a number by which the caller finds it
-    /// again, not below those of the faces before. Throws Refused.
-    void add(std::span<const std::uint32_t> corners, std::uint64_t place) {
+    /// Adds a face, which is left out if it has fewer than three corners. Throws Refused, and a TextError at `place` if the
+    /// face cannot be cut into triangles.
+    void add(std::span<const std::uint32_t> corners, const char* place, bool has_lines = true) {
         if (corners.size() == 3) {  // nearly all faces
             std::memcpy(room().data(), corners.data(), corners.size_bytes());
             indices_.add(3);
         } else if (corners.size() > 3) {
-            add_polygon(corners, place);
-        } else if (small_++ == 0) {
-            first_small_ = place;
+            add_polygon(corners, place, has_lines);
+        } else {
+            small_.add(place);
         }
     }
+    /// Releases what only add() needs.
+    void close();
 
     std::size_t triangles() const noexcept { return indices_.size() / 3; }
-    std::size_t most_corners() const noexcept { return most_corners_; }
-    /// Faces left out, and the place of the first.
-    std::size_t small() const noexcept { return small_; }
-    std::uint64_t first_small() const noexcept { return first_small_; }
-    /// From which places count: that of the first polygon.
-    std::uint64_t begin() const noexcept { return begin_; }
+    /// Faces that were left out.
+    const LeftOut& small() const noexcept { return small_; }
 
     /// Taken from the budget.
     std::uint64_t bytes() const noexcept { return bytes_; }
@@ -58,8 +50,14 @@ private:
     static constexpr std::size_t smallest = 3 << 6;
     static constexpr std::size_t largest = 3 << 10;  // little is left unused of what the budget counts
 
-    void add_polygon(std::span<const std::uint32_t> corners, std::uint64_t place);
-    void put(std::span<const std::uint32_t> values);
+    /// Memory for cutting, and how much of it the budget counts.
+    struct Scratch {
+        PolygonTriangulator triangulator;
+        std::vector<std::uint32_t> triangles;
+        std::uint64_t bytes = 0;
+    };
+
+    void add_polygon(std::span<const std::uint32_t> corners, const char* place, bool has_lines);
     std::span<std::uint32_t> room() {
         if (const std::size_t bytes = indices_.next_bytes(); bytes > 0) {
             budget_->take(bytes, 1);
@@ -69,29 +67,28 @@ private:
     }
 
     MemoryBudget* budget_;
+    VertexCoordinates vertices_;
     ChunkList<std::uint32_t, smallest, largest> indices_;  // chunks of whole triangles
     std::uint64_t bytes_ = 0;                              // taken from the budget
-    std::size_t most_corners_ = 0;
-    std::size_t small_ = 0;
-    std::uint64_t first_small_ = 0;
-    std::uint64_t begin_ = 0;
+    std::unique_ptr<Scratch> scratch_;
+    LeftOut small_;
 };
 
 /// Calls parse(piece, faces), which adds the faces of each of `pieces`, in parallel; throws as parse_pieces().
-std::vector<FaceList> parse_faces(std::size_t pieces, MemoryBudget& budget, const Parallel& parallel,
-                                  FunctionRef<void(std::size_t piece, FaceList& faces)> parse);
+std::vector<FaceList> parse_faces(std::size_t pieces, const VertexCoordinates& vertices, MemoryBudget& budget,
+                                  const Parallel& parallel, FunctionRef<void(std::size_t piece, FaceList& faces)> parse);
 
-/// Gives `mesh`, which has its vertices, the triangles of all lists, in their order: joined, and cut in parallel. For the
-/// first face that cannot be cut it throws error(list, place, what), with the place as given to add(). Throws Refused.
-using FaceError = FunctionRef<TextError(std::size_t list, std::uint64_t place, std::string what)>;
-void give_faces(std::span<FaceList> lists, const VertexCoordinates& vertices, MemoryBudget& budget, const Parallel& parallel,
-                FaceError error, MeshFile& mesh);
+/// Gives `mesh`, which has its vertices, the triangles of all lists, in their order. Warns of faces that were left out,
+/// whose lines are those of `text` if the mesh is one. Throws Refused.
+void give_faces(std::span<FaceList> lists, MemoryBudget& budget, const FileSource& source, std::string_view text,
+                MeshFile& mesh);
 
-/// For formats that list vertices and faces as text. Calls parse(piece, coordinates, faces) for every piece, where
-/// `coordinates` are those of vertex 0, three doubles each; and cuts the faces into triangles. Coordinates are doubles, as
-/// few decimals are exact floats; they are read and sliced as fast. Places are bytes of the whole file. Throws errors.
+/// For formats that list vertices and faces as text. Calls put_vertices(piece, coordinates) for every piece, where
+/// `coordinates` are those of vertex 0, three doubles each, and then add_faces(piece, faces). Coordinates are doubles, as
+/// few decimals are exact floats; they are read and sliced as fast. Throws errors.
 void read_faces(const FileContents& file, std::size_t vertices, std::size_t pieces,
-                FunctionRef<void(std::size_t piece, std::byte* coordinates, FaceList& faces)> parse, MeshFile& mesh);
+                FunctionRef<void(std::size_t piece, std::byte* coordinates)> put_vertices,
+                FunctionRef<void(std::size_t piece, FaceList& faces)> add_faces, MeshFile& mesh);
 
 /// Gives `mesh` room for vertices, whose coordinates are still to be written. Throws Refused.
 void allocate_vertices(std::size_t count, Number type, MemoryBudget& budget, const Memory* memory, MeshFile& mesh);

@@ -19,13 +19,13 @@ namespace {
 /// The reader of the file's own name is asked first, then all in this order. OBJ takes any text that begins with one of its
 /// statements, so that a format which might too stands before it.
 constexpr std::array all_readers = {
-    Reader{MeshFormat::stl, "STL", ".stl", looks_like_stl, read_stl},
-    Reader{MeshFormat::obj, "OBJ", ".obj", looks_like_obj, read_obj, may_be_obj},
-    Reader{MeshFormat::off, "OFF", ".off", looks_like_off, read_off, looks_like_headless_off},
-    Reader{MeshFormat::ply, "PLY", ".ply", looks_like_ply, read_ply},
-    Reader{MeshFormat::vtk, "VTK", ".vtk", looks_like_vtk, read_vtk},
-    Reader{MeshFormat::vtp, "VTP", ".vtp", looks_like_vtp, read_vtp},
-    Reader{MeshFormat::three_mf, "3MF", ".3mf", looks_like_3mf, read_3mf},
+    Reader{MeshFormat::stl, "STL", ".stl", looks_like_stl, parse_stl, false, nullptr, check_stl},
+    Reader{MeshFormat::obj, "OBJ", ".obj", looks_like_obj, parse_obj, true, may_be_obj},
+    Reader{MeshFormat::off, "OFF", ".off", looks_like_off, parse_off, true, looks_like_headless_off},
+    Reader{MeshFormat::ply, "PLY", ".ply", looks_like_ply, parse_ply},
+    Reader{MeshFormat::vtk, "VTK", ".vtk", looks_like_vtk, parse_vtk},
+    Reader{MeshFormat::vtp, "VTP", ".vtp", looks_like_vtp, parse_vtp},
+    Reader{MeshFormat::three_mf, "3MF", ".3mf", looks_like_3mf, parse_3mf},
 };
 
 /// How much of the file its format is recognised by.
@@ -115,12 +115,31 @@ const Reader* choose_reader(const FileSource& source, const std::filesystem::pat
     return found;
 }
 
+MeshFile parse(FileSource& source, const Reader& reader) {
+    if (reader.only_text && !is_text(source.sample())) {
+        const std::string name(reader.name);
+        source.refuse(ErrorCode::malformed_mesh, "is no " + name + " file as text; no other " + name + " is read", 0);
+    }
+    if (reader.check != nullptr) {
+        reader.check(source);
+    }
+    FileContents file{source, source.take()};
+    const Clock::time_point start = Clock::now();
+    MeshFile mesh;  // may take the file's bytes, in which errors count lines
+    try {
+        reader.parse(file, mesh);
+    } catch (const TextError& error) {
+        throw Refused{source.error_in_text(file.whole, error)};
+    }
+    mesh.parse_ms = milliseconds_since(start);
+    return mesh;
+}
+
 /// `path` is the one whose name speaks of the content, or empty.
 MeshFile read_source(FileSource& source, const std::filesystem::path& path, const ReadOptions& options) {
     if (source.size() == 0) {
         source.refuse(ErrorCode::empty_mesh, "is empty");
     }
-    source.read_sample();
     std::vector<std::string> warnings;
     const Reader* const reader = choose_reader(source, path, warnings);
     if (reader == nullptr || !reader->recognises(source)) {
@@ -131,7 +150,7 @@ MeshFile read_source(FileSource& source, const std::filesystem::path& path, cons
     if (reader == nullptr) {
         refuse_unrecognised(source);
     }
-    MeshFile mesh = reader->read(source);
+    MeshFile mesh = parse(source, *reader);
     mesh.format = reader->format;
     mesh.mm_per_unit = mesh.states_unit ? mesh.mm_per_unit : options.mm_per_unit;
     mesh.warnings.insert(mesh.warnings.begin(), warnings.begin(), warnings.end());
@@ -184,7 +203,7 @@ Array<std::byte> unzip(const FileSource& source, std::span<const std::byte> byte
 
 MeshFile read_compressed(FileSource& packed, const InputFile& file, const std::filesystem::path& path,
                          const ReadOptions& options) {
-    const Array<std::byte> bytes = packed.take(file.size());
+    const Array<std::byte> bytes = packed.take();
     const Clock::time_point start = Clock::now();
     std::uint64_t ignored_bytes = 0;
     Array<std::byte> contents = unzip(packed, bytes.span(), ignored_bytes);
@@ -208,7 +227,6 @@ MeshFile read(const std::filesystem::path& path, const ReadOptions& options, con
     const Parallel parallel(context);
     parallel.begin_stage(0.99, 3);  // formats differ in their runs: some more or fewer do no harm
     FileSource source(file, options, parallel);
-    source.read_sample();
     const std::filesystem::path named = options.name.empty() ? path : std::filesystem::path();
     MeshFile mesh = source.sample().starts_with(gzip_magic) ? read_compressed(source, file, named, options)
                                                             : read_source(source, named, options);
@@ -263,29 +281,26 @@ FileSource::FileSource(const InputFile& file, const ReadOptions& options, const 
     : file_(file),
       options_(options),
       parallel_(parallel),
-      memory_limit_(lamella::memory_limit(options, contents ? contents->size() : file.size())),
-      contents_(std::move(contents)) {}
-
-void FileSource::read_sample() {
-    const std::size_t count = std::min<std::uint64_t>(size(), sample_bytes);
+      size_(contents ? contents->size() : file.size()),
+      memory_limit_(lamella::memory_limit(options, size_)),
+      contents_(std::move(contents)),
+      sample_(std::min<std::uint64_t>(size_, sample_bytes), '\0') {
     if (contents_) {
-        sample_ = as_text(contents_->span().first(count));
-        return;
+        sample_ = as_text(contents_->span().first(sample_.size()));
+    } else {
+        require(file_.read(std::as_writable_bytes(std::span(sample_)), parallel_));
     }
-    sample_.resize(count);
-    require(file_.read(std::as_writable_bytes(std::span(sample_)), parallel_));
 }
 
-Array<std::byte> FileSource::take(std::size_t count) {
+Array<std::byte> FileSource::take() {
     if (contents_) {
-        contents_->set_size(count);
         return *std::move(contents_);
     }
     Array<std::byte> bytes(memory());
-    if (options_.map_file && count > 0) {
-        bytes = require(file_.map(count));
+    if (options_.map_file && size() > 0) {
+        bytes = require(file_.map(size()));
     } else {
-        bytes.resize_discarding(count);
+        bytes.resize_discarding(size());
         require(file_.read(bytes.span(), parallel_));
     }
     require(file_.unchanged());
@@ -297,19 +312,6 @@ Error FileSource::error_in_text(std::string_view text, const TextError& error) c
     const std::string line = error.has_lines ? "line " + std::to_string(line_of(text, offset)) + ", " : "";
     return this->error(ErrorCode::malformed_mesh, line + "byte " + std::to_string(offset) + ": " + error.what,
                        static_cast<std::int64_t>(offset));
-}
-
-MeshFile read_contents(FileSource& source, void (*parse)(FileContents& file, MeshFile& mesh)) {
-    FileContents file{source, source.take(source.size())};
-    const Clock::time_point start = Clock::now();
-    MeshFile mesh;  // may take the file's bytes, in which errors count lines
-    try {
-        parse(file, mesh);
-    } catch (const TextError& error) {
-        throw Refused{source.error_in_text(file.whole, error)};
-    }
-    mesh.parse_ms = milliseconds_since(start);
-    return mesh;
 }
 
 Result<MeshFile> read_mesh(const std::filesystem::path& path, const ReadOptions& options, const Context& context) noexcept {

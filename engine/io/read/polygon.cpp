@@ -17,7 +17,6 @@ namespace {
 
 using Vector = std::array<double, 3>;
 
-constexpr std::uint32_t no_leaf = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint32_t leaf_corners = 8;
 
 /// Steps through the tree after which a polygon is refused: so many a corner, and some for each polygon. A step takes about
@@ -140,7 +139,7 @@ std::size_t PolygonTriangulator::triangulate(std::span<const std::uint32_t> corn
     if (corners.size() == 3 || (corners.size() == 4 && splits_at_first(corners, vertices))) {
         return fan(corners, out);
     }
-    if (corners.size() >= no_leaf) {
+    if (corners.size() >= std::numeric_limits<std::uint32_t>::max()) {
         return 0;  // corners are numbered by 32 bits
     }
     project(corners, vertices);
@@ -214,11 +213,9 @@ bool PolygonTriangulator::clip_ears(std::span<const std::uint32_t> corners, std:
             corners_[here.previous].next = here.next;
             corners_[here.next].previous = here.previous;
             for (const std::uint32_t changed : {here.previous, here.next}) {
-                if (leaf_of_[changed] != no_leaf && turns_left(changed)) {
-                    forget(changed);
-                }
+                can_block_[changed] = static_cast<std::uint8_t>(can_block_[changed] != 0 && !turns_left(changed));
             }
-            forget(at);
+            can_block_[at] = 0;
             at = here.previous;
             --left;
             in_vain = 0;
@@ -240,10 +237,11 @@ bool PolygonTriangulator::is_ear(std::uint32_t corner, Rule rule) {
 void PolygonTriangulator::build_tree() {
     blockers_.clear();
     blockers_.reserve(corners_.size());
-    leaf_of_.assign(corners_.size(), no_leaf);
+    can_block_.assign(corners_.size(), 0);
     for (std::uint32_t i = 0; i < corners_.size(); ++i) {
         if (!turns_left(i)) {
             blockers_.push_back(i);
+            can_block_[i] = 1;
         }
     }
     nodes_.clear();
@@ -257,7 +255,7 @@ void PolygonTriangulator::build_tree() {
 /// Gives `node` its box, and either two children or its corners.
 void PolygonTriangulator::split(std::uint32_t node) {
     Node here = nodes_[node];
-    here.alive = here.end - here.begin;
+    const std::uint32_t count = here.end - here.begin;
     here.low_x = here.low_y = std::numeric_limits<double>::infinity();
     here.high_x = here.high_y = -std::numeric_limits<double>::infinity();
     for (std::uint32_t i = here.begin; i < here.end; ++i) {
@@ -267,33 +265,18 @@ void PolygonTriangulator::split(std::uint32_t node) {
         here.high_x = std::max(here.high_x, corner.x);
         here.high_y = std::max(here.high_y, corner.y);
     }
-    if (here.alive > leaf_corners) {
+    if (count > leaf_corners) {
         const bool by_x = here.high_x - here.low_x > here.high_y - here.low_y;
-        const std::uint32_t middle = here.begin + here.alive / 2;
+        const std::uint32_t middle = here.begin + count / 2;
         std::nth_element(blockers_.begin() + here.begin, blockers_.begin() + middle, blockers_.begin() + here.end,
                          [this, by_x](std::uint32_t a, std::uint32_t b) {
                              return by_x ? corners_[a].x < corners_[b].x : corners_[a].y < corners_[b].y;
                          });
         here.children = static_cast<std::uint32_t>(nodes_.size());
-        nodes_.push_back({.begin = here.begin, .end = middle, .parent = node});
-        nodes_.push_back({.begin = middle, .end = here.end, .parent = node});
-    } else {
-        for (std::uint32_t i = here.begin; i < here.end; ++i) {
-            leaf_of_[blockers_[i]] = node;
-        }
+        nodes_.push_back({.begin = here.begin, .end = middle});
+        nodes_.push_back({.begin = middle, .end = here.end});
     }
     nodes_[node] = here;
-}
-
-/// Takes `corner` from the tree: it was clipped or became convex.
-void PolygonTriangulator::forget(std::uint32_t corner) {
-    std::uint32_t node = std::exchange(leaf_of_[corner], no_leaf);
-    if (node == no_leaf) {
-        return;
-    }
-    for (--nodes_[node].alive; node != 0; --nodes_[node].alive) {
-        node = nodes_[node].parent;
-    }
 }
 
 bool PolygonTriangulator::blocked(std::uint32_t corner, Rule rule) {
@@ -307,7 +290,7 @@ bool PolygonTriangulator::blocked(std::uint32_t corner, Rule rule) {
         ++steps_;
         const bool one_place = node.low_x == node.high_x && node.low_y == node.high_y;
         const Corner place{node.low_x, node.low_y};
-        if (node.alive == 0 || misses(node, a, b, c) || (one_place && (same_place(place, a) || same_place(place, c)))) {
+        if (misses(node, a, b, c) || (one_place && (same_place(place, a) || same_place(place, c)))) {
             continue;  // the ends of a diagonal block nothing; many corners may lie there
         }
         if (node.children != 0) {
@@ -315,9 +298,9 @@ bool PolygonTriangulator::blocked(std::uint32_t corner, Rule rule) {
             open_.push_back(node.children + 1);
             continue;
         }
-        steps_ += (one_place && same_place(place, b) ? neighbour_steps : 1) * node.alive;
+        steps_ += (one_place && same_place(place, b) ? neighbour_steps : 1) * (node.end - node.begin);
         for (std::uint32_t i = node.begin; i < node.end; ++i) {
-            if (leaf_of_[blockers_[i]] != no_leaf && blocks(blockers_[i], corner, rule)) {
+            if (can_block_[blockers_[i]] != 0 && blocks(blockers_[i], corner, rule)) {
                 return true;
             }
         }

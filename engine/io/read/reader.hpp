@@ -21,26 +21,21 @@ inline std::string_view without_byte_order_mark(std::string_view text) noexcept 
 /// A file as a reader sees it: its name for messages, how it begins, and its bytes once they are asked for.
 class FileSource {
 public:
-    /// The bytes come from `file`, or are `contents`, decompressed from it.
+    /// The bytes come from `file`, or are `contents`, decompressed from it. Throws Refused, as take() does.
     FileSource(const InputFile& file, const ReadOptions& options, const Parallel& parallel,
                std::optional<Array<std::byte>> contents = std::nullopt);
 
     const std::string& name() const noexcept { return file_.name(); }
-    std::uint64_t size() const noexcept { return contents_ ? contents_->size() : file_.size(); }
+    std::uint64_t size() const noexcept { return size_; }
     const Parallel& parallel() const noexcept { return parallel_; }
     const Memory* memory() const noexcept { return parallel_.memory(); }
     std::uint64_t memory_limit() const noexcept { return memory_limit_; }
 
-    // These throw Refused.
-
-    /// Reads how the file begins; the rest of this class needs it.
-    void read_sample();
     /// The first 64 KiB, or all.
     std::string_view sample() const noexcept { return sample_; }
 
-    /// The first `count` bytes, checked not to have changed while they were read. May be called once. Precondition: count <=
-    /// size().
-    Array<std::byte> take(std::size_t count);
+    /// The bytes, checked not to have changed while they were read. May be called once.
+    Array<std::byte> take();
     [[noreturn]] void refuse(ErrorCode code, const std::string& what, std::int64_t byte_offset = -1) const {
         throw Refused{error(code, what, byte_offset)};
     }
@@ -57,6 +52,7 @@ private:
     const InputFile& file_;
     const ReadOptions& options_;
     const Parallel& parallel_;
+    std::uint64_t size_;
     std::uint64_t memory_limit_;
     std::optional<Array<std::byte>> contents_;
     std::string sample_;
@@ -70,44 +66,45 @@ struct FileContents {
     std::string_view text = without_byte_order_mark(whole);
 };
 
-/// The mesh that parse() fills in from all of the file, and may refuse by a TextError.
-MeshFile read_contents(FileSource& source, void (*parse)(FileContents& file, MeshFile& mesh));
-
 /// A format: how it is recognised and read.
 struct Reader {
     MeshFormat format;
     std::string_view name;
     std::string_view extension;                    ///< ".abc"
     bool (*recognises)(const FileSource& source);  ///< by its size and how it begins
-    /// Fills in bytes, indices, counts, stride, vertex_type, text, parse_ms, warnings and, where the file states them,
-    /// the unit and the patient frame; read_mesh() does the rest. What can expand to more than the file is counted
-    /// before it is allocated. Throws Refused, std::bad_alloc.
-    MeshFile (*read)(FileSource& source);
+    /// Fills in bytes, indices, counts, stride, vertex_type, text, warnings and, where the file states them, the unit and
+    /// the patient frame; read_mesh() does the rest. What can expand to more than the file is counted before it is
+    /// allocated. Throws Refused, TextError, std::bad_alloc.
+    void (*parse)(FileContents& file, MeshFile& mesh);
+    bool only_text = false;  ///< binary files are refused
     /// Where no reader recognises the file and its name is one of this format. Null: never.
     bool (*recognises_by_name)(const FileSource& source) = nullptr;
+    /// Refuses what can be told by the file's size and how it begins, before all of it is read. Null: nothing.
+    void (*check)(const FileSource& source) = nullptr;
 };
 
 // The readers, each in its file.
 bool looks_like_stl(const FileSource& source);
-MeshFile read_stl(FileSource& source);
+void check_stl(const FileSource& source);
+void parse_stl(FileContents& file, MeshFile& mesh);
 void parse_ascii_stl(FileContents& file, MeshFile& mesh);
-/// For open_mesh(): all that read_stl() gives of a binary STL file but the bytes.
+/// For open_mesh(): all that parse_stl() gives of a binary STL file but the bytes.
 bool is_binary_stl(const FileSource& source);
 MeshFile describe_binary_stl(const FileSource& source);
 bool looks_like_obj(const FileSource& source);
 bool may_be_obj(const FileSource& source);
-MeshFile read_obj(FileSource& source);
+void parse_obj(FileContents& file, MeshFile& mesh);
 bool looks_like_off(const FileSource& source);
 bool looks_like_headless_off(const FileSource& source);
-MeshFile read_off(FileSource& source);
+void parse_off(FileContents& file, MeshFile& mesh);
 bool looks_like_ply(const FileSource& source);
-MeshFile read_ply(FileSource& source);
+void parse_ply(FileContents& file, MeshFile& mesh);
 bool looks_like_vtk(const FileSource& source);
-MeshFile read_vtk(FileSource& source);
+void parse_vtk(FileContents& file, MeshFile& mesh);
 bool looks_like_vtp(const FileSource& source);
-MeshFile read_vtp(FileSource& source);
+void parse_vtp(FileContents& file, MeshFile& mesh);
 bool looks_like_3mf(const FileSource& source);
-MeshFile read_3mf(FileSource& source);
+void parse_3mf(FileContents& file, MeshFile& mesh);
 
 /// The name of the format that the content has, or "".
 std::string_view format_of(const FileSource& source);
@@ -161,8 +158,6 @@ public:
                                                          " bytes that reading it may take");
         }
     }
-
-    std::uint64_t limit_bytes() const noexcept { return source_.memory_limit(); }
 
     /// Gives back bytes that were taken and are free again.
     void give_back(std::uint64_t bytes) noexcept { left_.fetch_add(bytes, std::memory_order_relaxed); }

@@ -251,7 +251,6 @@ std::unique_ptr<TriangleFile> TriangleFile::open(const std::filesystem::path& pa
     if (source.size() == 0) {
         source.refuse(ErrorCode::empty_mesh, "is empty");
     }
-    source.read_sample();
     const bool is_ply = looks_like_ply(source) && !is_binary_stl(source);
     std::unique_ptr<TriangleFile> file =
         is_ply ? open_ply_faces(opened, source.sample(), parallel) : open_stl(opened, source, path);

@@ -277,10 +277,9 @@ struct LeftOut {
     const char* first = nullptr;
 
     void add(const char* at) { add({1, at}); }
-    /// Precondition: what `next` counts comes after what was counted.
-    void add(const LeftOut& next) {
-        first = first != nullptr ? first : next.first;
-        count += next.count;
+    void add(const LeftOut& other) {
+        first = other.first == nullptr || (first != nullptr && first < other.first) ? first : other.first;
+        count += other.count;
     }
 };
 

@@ -14,26 +14,14 @@ namespace {
 
 constexpr const char* unreal = "elements too deep, names too many or a tag too long to be real";
 
-// Each name is looked for among all, so that their number bounds the time as well.
-constexpr std::size_t most_bindings = 256;
-constexpr std::size_t most_binding_bytes = std::size_t{1} << 16;
-
-constexpr std::size_t most_names = 10'000;
-constexpr std::size_t most_name_bytes = std::size_t{1} << 20;
+// Bytes that these count as, besides their names'. Each prefix is looked for among all bindings, so that their number bounds
+// the time as well.
+constexpr std::size_t open_element_bytes = 1024;
+constexpr std::size_t binding_bytes = 4096;
+constexpr std::size_t name_bytes = 64;
 
 /// Bytes for one call of expat: its lengths are ints, and it copies tags that are cut in two.
 constexpr std::size_t piece_bytes = std::size_t{1} << 20;
-
-/// 1 for characters that may be markup or are not ASCII.
-constexpr std::array<std::uint8_t, 256> is_other = [] {
-    std::array<std::uint8_t, 256> table{};
-    table.fill(1);
-    for (unsigned char c = ' '; c <= '~'; ++c) {
-        table[c] = c == '<' || c == '&' || c == ']' ? 1 : 0;
-    }
-    table['\t'] = table['\n'] = table['\r'] = 0;
-    return table;
-}();
 
 /// The prefix that an attribute of that name declares; nothing if it declares none.
 std::optional<std::string_view> declared_prefix(std::string_view name) {
@@ -44,62 +32,19 @@ std::optional<std::string_view> declared_prefix(std::string_view name) {
     return rest.empty() ? std::optional(rest) : (rest[0] == ':' ? std::optional(rest.substr(1)) : std::nullopt);
 }
 
-}  // namespace
+/// A name as it is written: "prefix:local" or "local".
+struct WrittenName {
+    std::string_view prefix;
+    std::string_view local;
+};
 
-std::string XmlUnboundName::words() const {
-    constexpr std::size_t longest = 64;
-    return "ignored '" + printable(name.substr(0, longest)) + "', as its prefix is not declared";
-}
-
-/// By a table and without branches: a few bytes in each nanosecond.
-bool is_plain_xml_text(std::string_view text) noexcept {
-    std::uint8_t other = 0;
-    for (const char c : text) {
-        other |= is_other[static_cast<unsigned char>(c)];
-    }
-    return other == 0;
-}
-
-// --- XmlNamespaces
-
-XmlWrittenName split_name(std::string_view name) noexcept {
+WrittenName split_name(std::string_view name) noexcept {
     const std::size_t colon = name.find(':');
-    return colon == 0 || colon == std::string_view::npos ? XmlWrittenName{{}, name}
-                                                         : XmlWrittenName{name.substr(0, colon), name.substr(colon + 1)};
+    return colon == 0 || colon == std::string_view::npos ? WrittenName{{}, name}
+                                                         : WrittenName{name.substr(0, colon), name.substr(colon + 1)};
 }
 
-bool XmlNamespaces::declare(std::string_view prefix, std::string_view space, std::uint64_t depth) {
-    bytes_ += prefix.size() + space.size();
-    if (bindings_.size() == most_bindings || bytes_ > most_binding_bytes) {
-        return false;
-    }
-    bindings_.push_back({std::string(prefix), std::string(space), depth});
-    return true;
-}
-
-void XmlNamespaces::close(std::uint64_t depth) noexcept {
-    for (; !bindings_.empty() && bindings_.back().depth == depth; bindings_.pop_back()) {
-        bytes_ -= bindings_.back().prefix.size() + bindings_.back().space.size();
-    }
-}
-
-std::optional<std::string_view> XmlNamespaces::find(std::string_view prefix) const noexcept {
-    const auto found = std::find_if(bindings_.rbegin(), bindings_.rend(),
-                                    [prefix](const Binding& binding) { return binding.prefix == prefix; });
-    if (found != bindings_.rend() && (prefix.empty() || !found->space.empty())) {
-        return found->space;
-    }
-    if (prefix == "xml") {
-        return "http://www.w3.org/XML/1998/namespace";
-    }
-    return prefix.empty() ? std::optional<std::string_view>("") : std::nullopt;
-}
-
-XmlName XmlNamespaces::element(std::string_view name) const noexcept {
-    const XmlWrittenName written = split_name(name);
-    const std::optional<std::string_view> space = find(written.prefix);
-    return space ? XmlName{*space, written.local} : XmlName{{}, name};
-}
+}  // namespace
 
 // --- XmlAttributes
 
@@ -112,8 +57,8 @@ std::optional<std::string_view> XmlAttributes::find(const XmlName& name) const n
             }
             continue;
         }
-        const XmlWrittenName written = split_name(at[0]);
-        if (!written.prefix.empty() && written.local == name.local && namespaces_.find(written.prefix) == name.space) {
+        const WrittenName written = split_name(at[0]);
+        if (!written.prefix.empty() && written.local == name.local && reader_.namespace_of(written.prefix) == name.space) {
             return at[1];
         }
     }
@@ -122,9 +67,9 @@ std::optional<std::string_view> XmlAttributes::find(const XmlName& name) const n
 
 std::string_view XmlAttributes::unbound(std::optional<std::string_view> local) const noexcept {
     for (const char* const* at = list_; *at != nullptr; at += 2) {
-        const XmlWrittenName written = split_name(at[0]);
+        const WrittenName written = split_name(at[0]);
         if (!written.prefix.empty() && (!local || written.local == *local) && !declared_prefix(at[0]) &&
-            !namespaces_.find(written.prefix)) {
+            !reader_.namespace_of(written.prefix)) {
             return at[0];
         }
     }
@@ -165,7 +110,7 @@ void XmlReader::deliver(Event&& event) noexcept {
     }
     try {
         event();
-    } catch (XmlFailure& failure) {
+    } catch (XmlFault& failure) {
         end_by(std::move(failure));
     } catch (...) {
         thrown_ = std::current_exception();
@@ -174,41 +119,67 @@ void XmlReader::deliver(Event&& event) noexcept {
 }
 
 void XmlReader::begin(std::string_view name, const char* const* attributes) {
-    open_name_bytes_ += name.size();  // expat keeps one for each open element
-    bool real = ++depth_ <= most_open_elements && open_name_bytes_ <= most_name_bytes && note_name(name);
+    ++depth_;
+    bool real = keep(open_element_bytes + name.size()) && keep_name(name);  // expat keeps one for each open element
     for (const char* const* at = attributes; real && *at != nullptr; at += 2) {
-        const std::optional<std::string_view> prefix = declared_prefix(at[0]);
-        real = note_name(at[0]) && (!prefix || namespaces_.declare(*prefix, at[1], depth_));
+        real = keep_name(at[0]);
+        if (const std::optional<std::string_view> prefix = declared_prefix(at[0])) {
+            bindings_.push_back({std::string(*prefix), at[1], depth_});
+            real = keep(bindings_.back().bytes()) && real;
+        }
     }
     if (!real) {
         fail(unreal);
     }
-    const XmlAttributes list(attributes, namespaces_);
+    const XmlAttributes list(attributes, *this);
     note_unbound(name, list);
-    begin_element(namespaces_.element(name), list);
+    begin_element(element(name), list);
 }
 
 void XmlReader::end(std::string_view name) {
-    end_element(namespaces_.element(name));
-    namespaces_.close(depth_--);
-    open_name_bytes_ -= name.size();
+    end_element(element(name));
+    for (; !bindings_.empty() && bindings_.back().depth == depth_; bindings_.pop_back()) {
+        kept_bytes_ -= bindings_.back().bytes();
+    }
+    kept_bytes_ -= open_element_bytes + name.size();
+    --depth_;
 }
 
-bool XmlReader::note_name(std::string_view name) {
-    if (names_.find(name) == names_.end()) {
-        names_.emplace(name);
-        name_bytes_ += name.size();
+std::size_t XmlReader::Binding::bytes() const noexcept {
+    return binding_bytes + prefix.size() + space.size();
+}
+
+std::optional<std::string_view> XmlReader::namespace_of(std::string_view prefix) const noexcept {
+    const auto found = std::find_if(bindings_.rbegin(), bindings_.rend(),
+                                    [prefix](const Binding& binding) { return binding.prefix == prefix; });
+    if (found != bindings_.rend() && (prefix.empty() || !found->space.empty())) {
+        return found->space;
     }
-    return names_.size() <= most_names && name_bytes_ <= most_name_bytes;
+    if (prefix == "xml") {
+        return "http://www.w3.org/XML/1998/namespace";
+    }
+    return prefix.empty() ? std::optional<std::string_view>("") : std::nullopt;
+}
+
+XmlName XmlReader::element(std::string_view name) const noexcept {
+    const WrittenName written = split_name(name);
+    const std::optional<std::string_view> space = namespace_of(written.prefix);
+    return space ? XmlName{*space, written.local} : XmlName{{}, name};
+}
+
+bool XmlReader::keep_name(std::string_view name) {
+    return names_.contains(name) || (names_.emplace(name), keep(name_bytes + name.size()));
 }
 
 void XmlReader::note_unbound(std::string_view element, const XmlAttributes& attributes) {
     if (unbound_name_) {
         return;
     }
-    const bool is_bound = namespaces_.find(split_name(element).prefix).has_value();
+    const bool is_bound = namespace_of(split_name(element).prefix).has_value();
     if (const std::string_view name = is_bound ? attributes.unbound() : element; !name.empty()) {
-        unbound_name_ = {event_line(), event_offset(), std::string(name)};
+        constexpr std::size_t longest = 64;
+        unbound_name_ = {event_line(), event_offset(),
+                         "ignored '" + printable(name.substr(0, longest)) + "', as its prefix is not declared"};
     }
 }
 
@@ -243,7 +214,7 @@ bool XmlReader::parse(std::string_view bytes, bool last) {
     return !stopped_;
 }
 
-void XmlReader::end_by(XmlFailure failure) {
+void XmlReader::end_by(XmlFault failure) {
     failure_ = std::move(failure);
     stop();
 }

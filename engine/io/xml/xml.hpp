@@ -17,9 +17,6 @@ struct XML_ParserStruct;
 
 namespace lamella {
 
-/// True if `text` is plain text at any place of an XML document: ASCII, with no character that markup consists of.
-bool is_plain_xml_text(std::string_view text) noexcept;
-
 /// A name with its namespace: of elements always, of attributes only where they carry a prefix.
 struct XmlName {
     std::string_view space;  ///< the namespace's address, or empty
@@ -27,42 +24,13 @@ struct XmlName {
     friend bool operator==(const XmlName&, const XmlName&) = default;
 };
 
-/// A name as it is written: "prefix:local" or "local".
-struct XmlWrittenName {
-    std::string_view prefix;
-    std::string_view local;
-};
-XmlWrittenName split_name(std::string_view name) noexcept;
-
-/// The namespaces that the open elements declare. They are resolved here and not by expat, which ends the document at a
-/// prefix that is not declared.
-class XmlNamespaces {
-public:
-    /// Declares one of the next element, which is at `depth`. False: more are declared than any real file needs.
-    bool declare(std::string_view prefix, std::string_view space, std::uint64_t depth);
-    /// Forgets what elements at `depth` declared.
-    void close(std::uint64_t depth) noexcept;
-
-    /// The namespace of that prefix, empty where it is the empty one; nothing if it is not declared.
-    std::optional<std::string_view> find(std::string_view prefix) const noexcept;
-    /// An element's name. One whose prefix is not declared keeps it in its name and has no namespace.
-    XmlName element(std::string_view name) const noexcept;
-
-private:
-    struct Binding {
-        std::string prefix;
-        std::string space;
-        std::uint64_t depth;
-    };
-    std::vector<Binding> bindings_;  // of outer elements first
-    std::size_t bytes_ = 0;
-};
+class XmlReader;
 
 /// The attributes of an element, as long as its event lasts.
 class XmlAttributes {
 public:
-    XmlAttributes(const char* const* names_and_values, const XmlNamespaces& namespaces) noexcept
-        : list_(names_and_values), namespaces_(namespaces) {}
+    XmlAttributes(const char* const* names_and_values, const XmlReader& reader) noexcept
+        : list_(names_and_values), reader_(reader) {}
 
     /// The value of the attribute of that name, entities and white space resolved.
     std::optional<std::string_view> find(const XmlName& name) const noexcept;
@@ -74,24 +42,14 @@ public:
 
 private:
     const char* const* list_;  // name, value, name, value, ..., null
-    const XmlNamespaces& namespaces_;
+    const XmlReader& reader_;  // which knows the namespaces
 };
 
-/// Where parsing ended before the document did, and why.
-struct XmlFailure {
+/// What is wrong in a document, and where.
+struct XmlFault {
     std::uint64_t line = 0;    ///< from 1
     std::uint64_t offset = 0;  ///< in bytes
     std::string what;
-};
-
-/// A name whose prefix no element declares.
-struct XmlUnboundName {
-    std::uint64_t line = 0;    ///< from 1
-    std::uint64_t offset = 0;  ///< in bytes, of its tag
-    std::string name;          ///< with the prefix
-
-    /// For a warning: "ignored 'a:b', as its prefix is not declared".
-    std::string words() const;
 };
 
 /// A parser of one document; readers of formats derive from it. Elements deeper, tags and comments longer and names and
@@ -116,11 +74,17 @@ public:
     /// Ends the document. False: a failure() or a stop().
     bool finish();
 
-    const std::optional<XmlFailure>& failure() const noexcept { return failure_; }
-    /// The first such name. Elements of one have no namespace, attributes of one are not found.
-    const std::optional<XmlUnboundName>& unbound_name() const noexcept { return unbound_name_; }
+    /// Why parsing ended before the document did.
+    const std::optional<XmlFault>& failure() const noexcept { return failure_; }
+    /// The first name whose prefix no element declares, as a warning: "ignored 'a:b', as its prefix is not declared".
+    /// Elements of such a name have no namespace, attributes are not found.
+    const std::optional<XmlFault>& unbound_name() const noexcept { return unbound_name_; }
 
-    static constexpr std::uint64_t most_open_elements = 1000;
+    /// The namespace of a prefix that an open element declares, empty where it is the empty one; nothing if none does. They
+    /// are resolved here and not by expat, which ends the document at a prefix that is not declared.
+    std::optional<std::string_view> namespace_of(std::string_view prefix) const noexcept;
+
+    static constexpr std::size_t most_kept_bytes = std::size_t{1} << 20;    ///< of names, and so counted
     static constexpr std::size_t longest_tag_bytes = std::size_t{4} << 20;  ///< or comment
 
 protected:
@@ -130,11 +94,8 @@ protected:
     /// A piece of the text between tags; a line of it may come in many.
     virtual void text(std::string_view /*piece*/) {}
 
-    /// The namespace of a prefix that the current element or one around it declares; nothing if none does.
-    std::optional<std::string_view> namespace_of(std::string_view prefix) const noexcept { return namespaces_.find(prefix); }
-
     /// Ends parsing with a failure at the event at hand.
-    [[noreturn]] void fail(std::string what) const { throw XmlFailure{event_line(), event_offset(), std::move(what)}; }
+    [[noreturn]] void fail(std::string what) const { throw XmlFault{event_line(), event_offset(), std::move(what)}; }
     /// Ends parsing without one.
     void stop();
 
@@ -153,24 +114,33 @@ private:
     static XmlReader& self(void* user) noexcept { return *static_cast<XmlReader*>(user); }
     void begin(std::string_view name, const char* const* attributes);
     void end(std::string_view name);
-    /// False: there are more than any real file has. expat keeps each as long as it lives.
-    bool note_name(std::string_view name);
+    /// An element's name. One whose prefix is not declared keeps it in its name and has no namespace.
+    XmlName element(std::string_view name) const noexcept;
+    /// Counts what is kept of a document. False: more than of any real one.
+    bool keep(std::size_t bytes) noexcept { return (kept_bytes_ += bytes) <= most_kept_bytes; }
+    bool keep_name(std::string_view name);
     void note_unbound(std::string_view element, const XmlAttributes& attributes);
     bool parse(std::string_view bytes, bool last);
-    void end_by(XmlFailure failure);
+    void end_by(XmlFault failure);
+
+    struct Binding {
+        std::string prefix;
+        std::string space;
+        std::uint64_t depth;
+        std::size_t bytes() const noexcept;
+    };
 
     std::unique_ptr<XML_ParserStruct, ParserDeleter> parser_;  // expat.h stays out of the other readers
     std::uint64_t parsed_bytes_ = 0;
-    std::set<std::string, std::less<>> names_;
-    std::size_t name_bytes_ = 0;
-    std::size_t open_name_bytes_ = 0;  // of the elements that are open
-    XmlNamespaces namespaces_;
+    std::set<std::string, std::less<>> names_;  // expat keeps each as long as it lives
+    std::vector<Binding> bindings_;             // of outer elements first
+    std::size_t kept_bytes_ = 0;
     std::uint64_t depth_ = 0;  // of open elements
-    std::optional<XmlUnboundName> unbound_name_;
+    std::optional<XmlFault> unbound_name_;
     std::uint64_t skipped_bytes_ = 0;
     std::uint64_t skipped_lines_ = 0;
     bool stopped_ = false;
-    std::optional<XmlFailure> failure_;
+    std::optional<XmlFault> failure_;
     std::exception_ptr thrown_;  // by an event: exceptions must not pass through expat, which is C
 };
 

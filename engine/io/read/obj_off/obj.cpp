@@ -1,5 +1,7 @@
 // Wavefront OBJ: vertices and faces. All other statements are skipped, with a warning where they may hold a shape.
 
+#include <tuple>
+
 #include "base/words.hpp"
 #include "io/read/faces.hpp"
 #include "io/read/stated.hpp"
@@ -73,6 +75,7 @@ struct ObjNotes {
     PartMarks names;
     LeftOut skipped;   ///< statements that may hold a shape and are not read
     LeftOut decimals;  ///< vertex numbers with decimals that are 0
+    bool only_vertices = false;
 
     void add(const ObjNotes& next, std::size_t first_triangle) {
         add_marks(names, next.names, first_triangle);
@@ -81,7 +84,8 @@ struct ObjNotes {
     }
 };
 
-/// Reads the statements of one piece twice: its vertices are counted before numbers that count from them are read.
+/// Reads the statements of one piece in three passes: numbers may count from vertices before them, and faces are cut into
+/// triangles where all vertices are known.
 ///
 ///     v X Y Z [W | R G B [A]]
 ///     f CORNER CORNER CORNER ...          with CORNER = V[/[VT][/[VN]]]; also fo, of old
@@ -89,33 +93,33 @@ class ObjParser : private LineParser {
 public:
     ObjParser(std::string_view piece, ObjNotes& notes) : LineParser(piece), notes_(notes) {}
 
-    std::size_t count_vertices() {
+    /// Returns how many vertices there are, and whether there is nothing else.
+    std::pair<std::size_t, bool> count_vertices() {
         std::size_t count = 0;
+        bool others = false;
         for (Statement statement = next(); statement != Statement::none; statement = next()) {
             count += statement == Statement::vertex ? 1 : 0;
+            others = others || statement != Statement::vertex;
             skip_rest();
         }
-        return count;
+        return {count, !others};
     }
 
-    /// `vertex_count` is the whole file's, as faces may refer to later vertices. Places of faces count from `text`.
-    void parse(const TextPiece& piece, std::size_t vertex_count, const char* text, std::byte* coordinates, FaceList& faces) {
+    /// Reads vertices, of which the whole file has `vertex_count`, to `coordinates` or, without these, all else to `faces`.
+    void parse(std::size_t first_vertex, std::size_t vertex_count, std::byte* coordinates, FaceList* faces) {
         constexpr int weight_or_colour = 4;
         vertex_count_ = vertex_count;
-        seen_ = piece.first;
+        seen_ = first_vertex;
         for (Statement statement = next(); statement != Statement::none; statement = next()) {
             if (statement == Statement::vertex) {
-                double xyz[3];
-                vertex(xyz, weight_or_colour);
-                std::memcpy(coordinates + seen_ * sizeof xyz, xyz, sizeof xyz);
+                if (coordinates != nullptr) {
+                    double xyz[3];
+                    vertex(xyz, weight_or_colour);
+                    std::memcpy(coordinates + seen_ * sizeof xyz, xyz, sizeof xyz);
+                }
                 ++seen_;
-            } else if (statement == Statement::face) {
-                face();
-                faces.add(corners_, static_cast<std::uint64_t>(statement_ - text));
-            } else if (!skips_silently()) {
-                notes_.skipped.add(statement_);
-            } else if (p_ - statement_ == 1 && (*statement_ == 'o' || *statement_ == 'g')) {
-                add_mark(notes_.names, faces.triangles(), *statement_ == 'g', p_, skip_line(p_, end_));
+            } else if (faces != nullptr) {
+                other(statement, *faces);
             }
             skip_rest();
         }
@@ -130,6 +134,17 @@ private:
         statement_ = p_;
         p_ = skip_word(p_, end_);
         return statement_at(statement_, p_);
+    }
+
+    void other(Statement statement, FaceList& faces) {
+        if (statement == Statement::face) {
+            face();
+            faces.add(corners_, statement_);
+        } else if (!skips_silently()) {
+            notes_.skipped.add(statement_);
+        } else if (p_ - statement_ == 1 && (*statement_ == 'o' || *statement_ == 'g')) {
+            add_mark(notes_.names, faces.triangles(), *statement_ == 'g', p_, skip_line(p_, end_));
+        }
     }
 
     /// Whether a statement that is not read holds no shape, or is part of one that a warning names.
@@ -217,22 +232,31 @@ void warn_of(const LeftOut& found, const std::string& words, const FileContents&
     }
 }
 
+}  // namespace
+
 void parse_obj(FileContents& file, MeshFile& mesh) {
     const FileSource& source = file.source;
     const LeftOut after_backslash = join_lines(file);
     std::vector<TextPiece> pieces = cut_at_lines(file.text);
+    std::vector<ObjNotes> notes(pieces.size());
+    const auto parser = [&](std::size_t i) { return ObjParser(pieces[i].text, notes[i]); };
     source.parallel().run(pieces.size(), [&](std::size_t i, int) {
-        ObjNotes parse_takes_them;
-        pieces[i].count = ObjParser(pieces[i].text, parse_takes_them).count_vertices();
+        std::tie(pieces[i].count, notes[i].only_vertices) = parser(i).count_vertices();
     });
     const std::size_t vertices = number_items(pieces);
-    std::vector<ObjNotes> notes(pieces.size());
     std::vector<std::size_t> triangles(pieces.size());
-    const auto parse = [&](std::size_t i, std::byte* coordinates, FaceList& faces) {
-        ObjParser(pieces[i].text, notes[i]).parse(pieces[i], vertices, file.whole.data(), coordinates, faces);
-        triangles[i] = faces.triangles();
+    const auto put_vertices = [&](std::size_t i, std::byte* coordinates) {
+        if (pieces[i].count > 0) {
+            parser(i).parse(pieces[i].first, vertices, coordinates, nullptr);
+        }
     };
-    read_faces(file, vertices, pieces.size(), parse, mesh);
+    const auto add_faces = [&](std::size_t i, FaceList& faces) {
+        if (!notes[i].only_vertices) {
+            parser(i).parse(pieces[i].first, vertices, nullptr, &faces);
+            triangles[i] = faces.triangles();
+        }
+    };
+    read_faces(file, vertices, pieces.size(), put_vertices, add_faces, mesh);
     ObjNotes all;
     std::size_t first_triangle = 0;
     for (std::size_t i = 0; i < notes.size(); ++i) {
@@ -248,8 +272,6 @@ void parse_obj(FileContents& file, MeshFile& mesh) {
                 " after a line that ends in a backslash",
             file, mesh);
 }
-
-}  // namespace
 
 /// By its first statement, as nothing marks the format.
 bool looks_like_obj(const FileSource& source) {
@@ -282,13 +304,6 @@ bool may_be_obj(const FileSource& source) {
         }
     }
     return false;
-}
-
-MeshFile read_obj(FileSource& source) {
-    if (!is_text(source.sample())) {
-        source.refuse(ErrorCode::malformed_mesh, "is no OBJ file as text; no other OBJ is read", 0);
-    }
-    return read_contents(source, parse_obj);
 }
 
 }  // namespace lamella

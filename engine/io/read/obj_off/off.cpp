@@ -6,6 +6,8 @@
 //     X Y Z ...                     for each vertex; normal, colour and texture are skipped
 //     CORNERS V V V ... [COLOUR]    for each face, with vertices numbered from 0
 
+#include <limits>
+
 #include "base/words.hpp"
 #include "io/read/faces.hpp"
 #include "io/read/stated.hpp"
@@ -86,9 +88,8 @@ public:
 
     const char* rest() const { return p_; }
 
-    /// Reads items [first, last). Places of faces count from `text`.
-    void items(std::size_t first, std::size_t last, const OffCounts& counts, const char* text, std::byte* coordinates,
-               FaceList& faces) {
+    /// Reads items [first, last), vertices to `coordinates` and faces to `faces`.
+    void items(std::size_t first, std::size_t last, const OffCounts& counts, std::byte* coordinates, FaceList* faces) {
         for (std::size_t item = first; item < last; ++item) {
             next_word();
             item_ = p_;
@@ -96,11 +97,9 @@ public:
                 vertex_item(coordinates + item * 3 * sizeof(double));
             } else {
                 face_item(counts.vertices);
-                faces.add(corners_, static_cast<std::uint64_t>(item_ - text));
+                faces->add(corners_, item_);
             }
-            if (layout_ == OffLayout::lines) {
-                p_ = skip_line(p_, end_);
-            }
+            p_ = layout_ == OffLayout::lines ? skip_line(p_, end_) : p_;
         }
     }
 
@@ -114,10 +113,10 @@ public:
         }
     }
 
-    /// The number of lines with items, which are not parsed.
-    std::size_t count_lines() {
+    /// Skips at most so many lines with items. Returns how many there are.
+    std::size_t skip_items(std::size_t most = std::numeric_limits<std::size_t>::max()) {
         std::size_t lines = 0;
-        for (; next_word(); ++lines) {
+        for (; lines < most && next_word(); ++lines) {
             p_ = skip_line(p_, end_);
         }
         return lines;
@@ -209,16 +208,22 @@ void read_lines(const FileContents& file, MeshFile& mesh) {
     }
     std::vector<TextPiece> pieces = cut_at_lines(body);
     const auto parser = [&](std::size_t i) { return OffParser(pieces[i].text, OffLayout::lines, parallel); };
-    parallel.run(pieces.size(), [&](std::size_t i, int) { pieces[i].count = parser(i).count_lines(); });
+    parallel.run(pieces.size(), [&](std::size_t i, int) { pieces[i].count = parser(i).skip_items(); });
     const std::size_t lines = number_items(pieces);
-    const auto parse = [&](std::size_t i, std::byte* coordinates, FaceList& faces) {
+    const auto put_vertices = [&](std::size_t i, std::byte* coordinates) {
+        parser(i).items(pieces[i].first, std::min(pieces[i].end_item(), counts.vertices), counts, coordinates, nullptr);
+    };
+    const auto add_faces = [&](std::size_t i, FaceList& faces) {
+        const std::size_t first = std::max(pieces[i].first, counts.vertices);
         const std::size_t last = std::min(pieces[i].end_item(), counts.items());
-        parser(i).items(pieces[i].first, last, counts, file.whole.data(), coordinates, faces);
+        OffParser own = parser(i);
+        own.skip_items(first < last ? first - pieces[i].first : 0);
+        own.items(first, last, counts, nullptr, &faces);
         if (i + 1 == pieces.size() && lines < counts.items()) {
             throw TextError{body.data() + body.size(), "expected " + counts.words() + ", found the end of the file"};
         }
     };
-    read_faces(file, std::min(counts.vertices, lines), pieces.size(), parse, mesh);
+    read_faces(file, std::min(counts.vertices, lines), pieces.size(), put_vertices, add_faces, mesh);
     if (lines > counts.items()) {
         mesh.warnings.push_back(file.source.name() + ": ignored " + counted(lines - counts.items(), "line") +
                                 " after the last of " + counted(counts.faces, "face"));
@@ -240,11 +245,14 @@ void read_numbers(const FileContents& file, const TextError& refused, MeshFile& 
             if (!counts.fit(static_cast<std::size_t>(end - parser.rest()))) {
                 continue;
             }
-            const auto parse = [&](std::size_t, std::byte* coordinates, FaceList& faces) {
-                parser.items(0, counts.items(), counts, file.whole.data(), coordinates, faces);
+            const auto put_vertices = [&](std::size_t, std::byte* to) {
+                parser.items(0, counts.vertices, counts, to, nullptr);
+            };
+            const auto add_faces = [&](std::size_t, FaceList& faces) {
+                parser.items(counts.vertices, counts.items(), counts, nullptr, &faces);
                 parser.end();
             };
-            read_faces(file, counts.vertices, 1, parse, mesh);
+            read_faces(file, counts.vertices, 1, put_vertices, add_faces, mesh);
         } catch (const TextError& error) {
             if (!cut_off && error.at == end && parser.item() != nullptr && parser.item() > refused.at) {
                 cut_off = error;
@@ -258,6 +266,8 @@ void read_numbers(const FileContents& file, const TextError& refused, MeshFile& 
     throw cut_off.value_or(refused);
 }
 
+}  // namespace
+
 void parse_off(FileContents& file, MeshFile& mesh) {
     try {
         read_lines(file, mesh);
@@ -266,8 +276,6 @@ void parse_off(FileContents& file, MeshFile& mesh) {
     }
     give_stated_frame(head_of(file.text), file.source, mesh);
 }
-
-}  // namespace
 
 /// By its first word. Binary files too, so that they are refused as such.
 bool looks_like_off(const FileSource& source) {
@@ -282,13 +290,6 @@ bool looks_like_headless_off(const FileSource& source) {
         return false;
     }
     return is_text(source.sample());
-}
-
-MeshFile read_off(FileSource& source) {
-    if (!is_text(source.sample())) {
-        source.refuse(ErrorCode::malformed_mesh, "is a binary OFF file; only OFF as text is read", 0);
-    }
-    return read_contents(source, parse_off);
 }
 
 }  // namespace lamella

@@ -6,8 +6,9 @@ namespace lamella {
 
 namespace {
 
-template <class Value, bool swapped>
-void copy_values(const char* from, std::size_t stride, std::size_t count, std::byte* to, std::size_t to_stride) {
+template <class Value>
+void copy_values(const char* from, bool swapped, std::size_t stride, std::size_t count, std::byte* to,
+                 std::size_t to_stride) {
     for (std::size_t i = 0; i < count; ++i, from += stride, to += to_stride) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const Value value = load_number<Value>(from + axis * sizeof(Value), swapped);
@@ -18,8 +19,9 @@ void copy_values(const char* from, std::size_t stride, std::size_t count, std::b
 
 /// The three indices of each row, after their number. False: some row has not three, or some index is not below
 /// `vertex_count`; a negative one is not, either.
-template <class Count, class Index, bool swapped>
-bool copy_indices(const char* from, std::size_t stride, std::size_t count, std::uint64_t vertex_count, std::uint32_t* to) {
+template <class Count, class Index>
+bool copy_indices(const char* from, bool swapped, std::size_t stride, std::size_t count, std::uint64_t vertex_count,
+                  std::uint32_t* to) {
     std::array<std::uint32_t, 3> largest{};  // by corner, as each would otherwise wait for the one before
     bool three = true;
     for (std::size_t i = 0; i < count; ++i, from += stride, to += 3) {
@@ -38,10 +40,8 @@ bool copy_indices(const char* from, std::size_t stride, std::size_t count, std::
 void copy_coordinates(Number number, bool swapped, const void* from, std::size_t stride, std::size_t count, std::byte* to,
                       std::size_t to_stride) {
     // As integers: a float that is no number may change on the way through a register.
-    const auto copy = number == Number::f64
-                          ? (swapped ? copy_values<std::uint64_t, true> : copy_values<std::uint64_t, false>)
-                          : (swapped ? copy_values<std::uint32_t, true> : copy_values<std::uint32_t, false>);
-    copy(static_cast<const char*>(from), stride, count, to, to_stride);
+    const auto copy = number == Number::f64 ? copy_values<std::uint64_t> : copy_values<std::uint32_t>;
+    copy(static_cast<const char*>(from), swapped, stride, count, to, to_stride);
 }
 
 bool has_packed_coordinates(const PlyElement& vertices) {
@@ -69,9 +69,7 @@ bool copy_triangle_rows(const PlyElement& faces, bool swapped, const char* rows,
     return with_type(list.count_type, [&](auto length) {
         return with_type(list.type, [&](auto index) {
             if constexpr (std::is_integral_v<decltype(index)>) {
-                const auto copy = swapped ? copy_indices<decltype(length), decltype(index), true>
-                                          : copy_indices<decltype(length), decltype(index), false>;
-                return copy(lists, stride, count, vertex_count, to);
+                return copy_indices<decltype(length), decltype(index)>(lists, swapped, stride, count, vertex_count, to);
             }
             return false;
         });

@@ -13,18 +13,17 @@ constexpr std::size_t most_declarations = 4096;
 constexpr std::string_view magic = "ply";
 
 std::optional<NumberType> type_named(std::string_view name) {
-    struct Named {
-        NumberType type;
-        std::array<std::string_view, 2> names;
-    };
-    constexpr std::array types = {
-        Named{NumberType::int8, {"char", "int8"}},        Named{NumberType::uint8, {"uchar", "uint8"}},
-        Named{NumberType::int16, {"short", "int16"}},     Named{NumberType::uint16, {"ushort", "uint16"}},
-        Named{NumberType::int32, {"int", "int32"}},       Named{NumberType::uint32, {"uint", "uint32"}},
-        Named{NumberType::float32, {"float", "float32"}}, Named{NumberType::float64, {"double", "float64"}}};
-    const auto* const found = std::find_if(
-        types.begin(), types.end(), [name](const Named& type) { return name == type.names[0] || name == type.names[1]; });
-    return found == types.end() ? std::nullopt : std::optional(found->type);
+    constexpr std::string_view none = " ";  // is no word
+    constexpr std::array names = {
+        std::array<std::string_view, 10>{"char", "uchar", "short", "ushort", "int", "uint", none, none, "float", "double"},
+        std::array<std::string_view, 10>{"int8", "uint8", "int16", "uint16", "int32", "uint32", none, none, "float32",
+                                         "float64"}};
+    for (const auto& each : names) {
+        if (const auto* const found = std::find(each.begin(), each.end(), name); found != each.end()) {
+            return static_cast<NumberType>(found - each.begin());
+        }
+    }
+    return std::nullopt;
 }
 
 /// Header lines, word by word.

@@ -25,13 +25,22 @@ public:
     BinaryNumbers(const char* begin, const char* end, bool swapped) : p_(begin), end_(end), swapped_(swapped) {}
 
     const char* at() const { return p_; }
+    const char* end() const { return end_; }
     void go_to(const char* at) { p_ = at; }
     /// To where the next number begins.
     void go_to_next() {}
+    static void begin_row(const char* /*block_end*/) {}
+    static bool end_row() { return true; }
     /// An upper bound of how many numbers are left.
-    std::uint64_t most_left(NumberType type) const { return static_cast<std::uint64_t>(end_ - p_) / size_of(type); }
+    std::uint64_t most_left(NumberType type) const {
+        return static_cast<std::uint64_t>(end_ - p_) >> std::countr_zero(size_of(type));  // a division takes longer
+    }
 
     bool integer(NumberType type, std::int64_t& value) {
+        if (type == NumberType::uint8 && p_ != end_) {  // nearly all lengths of lists
+            value = static_cast<unsigned char>(*p_++);
+            return true;
+        }
         if (type == NumberType::int32 && end_ - p_ >= 4) {  // nearly all indices
             value = load_number<std::int32_t>(p_, swapped_);
             p_ += 4;
@@ -86,8 +95,11 @@ public:
     AsciiNumbers(const char* begin, const char* end) : p_(begin), end_(end) {}
 
     const char* at() const { return p_; }
+    const char* end() const { return end_; }
     void go_to(const char* at) { p_ = at; }
     void go_to_next() { p_ = skip_space(p_, end_); }
+    void begin_row(const char* /*block_end*/) { go_to_next(); }
+    static bool end_row() { return true; }
     std::uint64_t most_left(NumberType) const { return (static_cast<std::uint64_t>(end_ - p_) + 1) / 2; }
 
     /// Skips white space. Whether no word is left.
@@ -136,7 +148,7 @@ public:
 
     std::string found(NumberType) const { return word_at(skip_space(p_, end_), end_); }
 
-private:
+protected:
     const char* p_;
     const char* end_;
 };

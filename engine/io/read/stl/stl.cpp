@@ -21,30 +21,19 @@ bool begins_with_solid(std::string_view text) {
     return begins_in_any_case(text, "solid");
 }
 
-std::uint32_t counted_triangles(std::string_view sample) {
-    std::uint32_t count = 0;
-    std::memcpy(&count, sample.data() + 80, sizeof count);
-    return count;
-}
-
 /// The number of triangles, if the file holds as many as it says.
 Result<std::uint64_t> check_binary(const FileSource& file) {
     if (file.size() < header_bytes) {
         return file.error(ErrorCode::malformed_mesh,
                           "is no STL file: " + counted(file.size(), "byte") + ", and a binary header alone has 84", 0);
     }
-    const std::uint64_t count = counted_triangles(file.sample());
+    std::uint32_t count = 0;
+    std::memcpy(&count, file.sample().data() + header_bytes - sizeof count, sizeof count);
     const std::uint64_t needed = header_bytes + record_bytes * count;
     if (count == 0 && file.size() == header_bytes) {
         return file.error(ErrorCode::empty_mesh, "holds no triangles");
     }
-    if (count == 0) {
-        return file.error(ErrorCode::malformed_mesh,
-                          "counts 0 triangles at byte 80, but " + counted(file.size() - needed, "byte") +
-                              (file.size() - needed == 1 ? " follows" : " follow"),
-                          80);
-    }
-    if (needed > file.size()) {
+    if (count == 0 || needed > file.size()) {
         return file.error(ErrorCode::malformed_mesh,
                           "is truncated or no STL file: counts " + counted(count, "triangle") + " at byte 80, which " +
                               (count == 1 ? "takes " : "take ") + std::to_string(needed) + " bytes, but has " +
@@ -73,13 +62,19 @@ bool looks_like_stl(const FileSource& source) {
                                     : check_binary(source).ok() || is_ascii_with_nuls(source);
 }
 
-MeshFile read_stl(FileSource& source) {
-    if (is_text(source.sample()) || is_ascii_with_nuls(source)) {
-        return read_contents(source, parse_ascii_stl);
+void check_stl(const FileSource& source) {
+    if (!is_text(source.sample()) && !is_ascii_with_nuls(source)) {
+        (void)require(check_binary(source));
     }
-    MeshFile mesh = describe_binary_stl(source);
-    mesh.bytes = source.take(header_bytes + record_bytes * mesh.triangle_count);
-    return mesh;
+}
+
+void parse_stl(FileContents& file, MeshFile& mesh) {
+    if (is_text(file.source.sample()) || is_ascii_with_nuls(file.source)) {
+        return parse_ascii_stl(file, mesh);
+    }
+    mesh = describe_binary_stl(file.source);
+    mesh.bytes = std::move(file.bytes);
+    mesh.bytes.set_size(header_bytes + record_bytes * mesh.triangle_count);
 }
 
 bool is_binary_stl(const FileSource& source) {

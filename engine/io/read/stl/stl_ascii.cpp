@@ -13,25 +13,20 @@ namespace lamella {
 namespace {
 
 /// A word of at most eight lower-case letters, compared as one integer.
-template <std::size_t N>
 struct Keyword {
-    static constexpr std::size_t length = N - 1;
-    static_assert(length >= 1 && length <= 8, "the word is held in 64 bits");
+    std::string_view text;
     std::uint64_t letters = 0;
-    char text[N] = {};
 
-    consteval Keyword(const char (&word)[N]) {  // NOLINT(google-explicit-constructor): a template argument
-        for (std::size_t i = 0; i < length; ++i) {
-            letters |= static_cast<std::uint64_t>(word[i]) << (8 * i);
-            text[i] = word[i];
+    consteval Keyword(const char* word) : text(word) {  // NOLINT(google-explicit-constructor): an argument
+        for (std::size_t i = 0; i < text.size(); ++i) {
+            letters |= static_cast<std::uint64_t>(text[i]) << (8 * i);
         }
     }
 };
 
-/// True if the text at `p` is `keyword`, in any case, and ends there.
-template <Keyword keyword>
-bool is_word(const char* p, const char* end) {
-    constexpr std::size_t length = keyword.length;
+/// True if the text at `p` is `keyword`, in any case, and ends there. Inlined, so that keywords are constants.
+[[gnu::always_inline]] inline bool is_word(const char* p, const char* end, const Keyword& keyword) {
+    const std::size_t length = keyword.text.size();
     const auto left = static_cast<std::size_t>(end - p);
     if (left < length) {
         return false;
@@ -42,18 +37,17 @@ bool is_word(const char* p, const char* end) {
     return (letters ^ keyword.letters) << (8 * (8 - length)) == 0 && (left == length || is_space(p[length]));
 }
 
-template <Keyword... keywords>
-bool is_one_of(const char* p, const char* end) {
-    return (is_word<keywords>(p, end) || ...);
+bool is_one_of(const char* p, const char* end, std::initializer_list<Keyword> keywords) {
+    return std::any_of(keywords.begin(), keywords.end(), [&](const Keyword& keyword) { return is_word(p, end, keyword); });
 }
 
 bool is_statement(const char* p, const char* end) {
-    return is_one_of<"facet", "solid", "endsolid">(p, end);
+    return is_one_of(p, end, {"facet", "solid", "endsolid"});
 }
 
 /// True if a facet goes on with the word at `p`.
 bool is_word_in_facet(const char* p, const char* end) {
-    return is_one_of<"normal", "outer", "loop", "vertex", "endloop", "endfacet">(p, end);
+    return is_one_of(p, end, {"normal", "outer", "loop", "vertex", "endloop", "endfacet"});
 }
 
 const char* next_word(const char* p, const char* end) {
@@ -62,18 +56,18 @@ const char* next_word(const char* p, const char* end) {
 
 /// True if a facet may begin at `p`, by two words: `facet` may be one of a name or of a comment.
 bool may_begin_facet(const char* p, const char* end) {
-    return is_word<"facet">(p, end) && is_one_of<"normal", "outer", "vertex">(next_word(p, end), end);
+    return is_word(p, end, "facet") && is_one_of(next_word(p, end), end, {"normal", "outer", "vertex"});
 }
 
 /// True if `facet normal N N N outer` begins at `p`: `facet normal` alone may be words of a name.
 bool begins_facet(const char* p, const char* end) {
-    if (!is_word<"facet">(p, end) || !is_word<"normal">(next_word(p, end), end)) {
+    if (!is_word(p, end, "facet") || !is_word(next_word(p, end), end, "normal")) {
         return false;
     }
     for (int word = 0; word < 5; ++word) {
         p = next_word(p, end);
     }
-    return is_word<"outer">(p, end);
+    return is_word(p, end, "outer");
 }
 
 /// A component of a normal: digits, or how some C library spells what is not a number ("-nan(ind)", "1.#QNAN", "inf").
@@ -118,8 +112,8 @@ public:
                 continue;
             }
             skipped = {};
-            solid_ended = is_word<"endsolid">(p_, end_);
-            if (is_word<"facet">(p_, end_)) {
+            solid_ended = is_word(p_, end_, "endsolid");
+            if (is_word(p_, end_, "facet")) {
                 facet();
             } else {
                 const char* const name = skip_word(p_, end_);
@@ -175,20 +169,20 @@ private:
     void facet() {
         const char* const begin = p_ = skip_word(p_, end_);
         std::optional<TextError> departure;
-        if (!normal() || !word<"outer">("after the normal") || !word<"loop">("after 'outer'")) {
+        if (!normal() || !word("outer", "after the normal") || !word("loop", "after 'outer'")) {
             departure = failure_;
             p_ = begin;
-            if (!skip_to_vertex()) {
+            if (!skip_words(true)) {
                 throw *departure;
             }
         }
         float nine[9];
-        if (!vertex(nine) || !vertex(nine + 3) || !vertex(nine + 6) || !word<"endloop">("after three vertices")) {
+        if (!vertex(nine) || !vertex(nine + 3) || !vertex(nine + 6) || !word("endloop", "after three vertices")) {
             throw departure.value_or(failure_);
         }
-        if (!word<"endfacet">("after 'endloop'")) {
+        if (!word("endfacet", "after 'endloop'")) {
             departure = departure.value_or(failure_);
-            if (!skip_to_end()) {
+            if (!skip_words(false)) {
                 throw *departure;
             }
         }
@@ -200,35 +194,26 @@ private:
         facets_.coordinates.add(sizeof nine);
     }
 
-    bool skip_to_vertex() {
+    /// Skips words to the next vertex or to after the facet's end, which may be absent where a statement begins.
+    bool skip_words(bool to_vertex) {
         p_ = skip_space(p_, end_);
-        for (int words = 0; words < most_words && p_ != end_ && !is_word<"vertex">(p_, end_); ++words) {
-            if (is_statement(p_, end_) || is_one_of<"endloop", "endfacet">(p_, end_)) {
-                return false;
+        for (int words = 0; words <= most_words && p_ != end_; ++words, p_ = next_word(p_, end_)) {
+            if (is_statement(p_, end_)) {
+                return !to_vertex;
             }
-            p_ = next_word(p_, end_);
-        }
-        return is_word<"vertex">(p_, end_);
-    }
-
-    /// To the end of the facet, or where the next statement begins.
-    bool skip_to_end() {
-        p_ = skip_space(p_, end_);
-        for (int words = 0; words < most_words && p_ != end_ && !is_statement(p_, end_); ++words) {
-            if (is_word_in_facet(p_, end_)) {
-                const bool ends = is_word<"endfacet">(p_, end_);
-                p_ = ends ? skip_word(p_, end_) : p_;
-                return ends;
+            if (to_vertex ? is_one_of(p_, end_, {"vertex", "endloop", "endfacet"}) : is_word_in_facet(p_, end_)) {
+                const bool found = to_vertex ? is_word(p_, end_, "vertex") : is_word(p_, end_, "endfacet");
+                p_ = found && !to_vertex ? skip_word(p_, end_) : p_;
+                return found;
             }
-            p_ = next_word(p_, end_);
         }
-        return is_statement(p_, end_);
+        return false;
     }
 
     // What follows is read, or is the failure_.
 
     bool normal() {
-        if (!word<"normal">("after 'facet'")) {
+        if (!word("normal", "after 'facet'")) {
             return false;
         }
         for (int axis = 0; axis < 3; ++axis) {
@@ -243,7 +228,7 @@ private:
     }
 
     bool vertex(float* xyz) {
-        return word<"vertex">("(a facet has three)") && number(xyz[0]) && number(xyz[1]) && number(xyz[2]);
+        return word("vertex", "(a facet has three)") && number(xyz[0]) && number(xyz[1]) && number(xyz[2]);
     }
 
     bool number(float& value) {
@@ -255,13 +240,12 @@ private:
         return got == NumberText::read || fail(coordinate_problem(got, "float", found()));
     }
 
-    template <Keyword keyword>
-    bool word(const char* place) {
+    [[gnu::always_inline]] bool word(const Keyword& keyword, const char* place) {
         p_ = skip_space(p_, end_);
-        if (!is_word<keyword>(p_, end_)) {
-            return fail(std::string("expected '") + keyword.text + "' " + place + ", found " + found());
+        if (!is_word(p_, end_, keyword)) {
+            return fail("expected '" + std::string(keyword.text) + "' " + place + ", found " + found());
         }
-        p_ += keyword.length;
+        p_ += keyword.text.size();
         return true;
     }
 
@@ -323,7 +307,7 @@ void blank_nuls(FileContents& file, std::vector<std::string>& warnings) {
         }
         word = skip_space(word, text_end);
         const bool between = (begin == 0 || is_space(text[begin - 1])) && (end == text.size() || is_space(text[end]));
-        if (!between && !is_one_of<"solid", "endsolid">(word, text_end)) {
+        if (!between && !is_one_of(word, text_end, {"solid", "endsolid"})) {
             throw TextError{text.data() + begin, "a NUL byte within a word of an ASCII STL file: what stood there is lost"};
         }
         std::fill_n(file.bytes.data() + begin, end - begin, std::byte{' '});

@@ -2,7 +2,6 @@
 // text nor a tree of it is ever held, only the vertices and triangles that it lists.
 #include <limits>
 
-#include "base/clock.hpp"
 #include "io/read/three_mf/three_mf_model.hpp"
 
 namespace lamella {
@@ -77,17 +76,10 @@ void PackageReader::read(ZipArchive& package) {
     package.read(name_, [this](std::string_view piece) { return feed_part(piece); });
     finish();
     if (failure()) {
-        package.refuse(name_, failure()->what, failure()->line, code_);
+        package.refuse(name_, failure()->what, failure()->line);
     }
-    if (const std::optional<XmlUnboundName>& unbound = unbound_name()) {
-        model_.warn(printable(name_), unbound->line, unbound->words());
-    }
-}
-
-void PackageReader::keep(std::uint64_t bytes) {
-    if (!may_keep(bytes)) {
-        code_ = ErrorCode::out_of_memory;
-        fail("takes more than the " + std::to_string(model_.budget.limit_bytes()) + " bytes that reading it may");
+    if (const std::optional<XmlFault>& unbound = unbound_name()) {
+        model_.warn(printable(name_), unbound->line, unbound->what);
     }
 }
 
@@ -117,16 +109,13 @@ Part Model::part_of(const std::string& name) {
 
 namespace {
 
-/// Fills in `model`: the root part, found by the package's relationships, and all parts that it refers to. Holds the file's
-/// bytes no longer than they are read. Returns when it had them.
-Clock::time_point load(FileSource& file, Model& model) {
+/// Fills in `model`: the root part, found by the package's relationships, and all parts that it refers to.
+void load(const FileSource& file, std::span<const std::byte> bytes, Model& model) {
     // Bytes that the parts may expand to. Their text is not held, so that this bounds the time: real files compress by ten.
     constexpr std::uint64_t largest_ratio = 32;
     const std::uint64_t text_limit =
         file.memory_limit() + largest_ratio * std::min(file.size(), std::numeric_limits<std::uint64_t>::max() / 128);
-    const Array<std::byte> bytes = file.take(file.size());
-    const Clock::time_point start = Clock::now();
-    ZipArchive package = ZipArchive::open(file, bytes.span(), text_limit);
+    ZipArchive package(file, bytes, text_limit);
     const std::string root = find_root(package, model);
     if (!package.contains(content_types)) {
         model.warnings.push_back("has no part '" + std::string(content_types) + "', as a 3MF package must");
@@ -142,16 +131,14 @@ Clock::time_point load(FileSource& file, Model& model) {
             model.warnings.push_back("ignored " + std::to_string(count) + " bytes " + where + " the zip archive");
         }
     }
-    return start;
 }
 
-MeshFile build(const FileSource& file, Model& model) {
+void build(const FileSource& file, Model& model, MeshFile& mesh) {
     if (model.items.empty()) {
         refuse_part(file, ErrorCode::empty_mesh, model.parts.front(), 0,
                     model.unprintable_items == 0 ? "has nothing in its build"
                                                  : "has nothing in its build but items marked as not printable");
     }
-    MeshFile mesh;
     std::vector<Instance> instances;
     list_instances(model, file, instances, mesh.parts);
     if (instances.empty()) {
@@ -165,7 +152,6 @@ MeshFile build(const FileSource& file, Model& model) {
     for (const std::string& warning : model.warnings) {
         mesh.warnings.push_back(file.name() + ": " + warning);
     }
-    return mesh;
 }
 
 }  // namespace
@@ -176,12 +162,11 @@ bool looks_like_3mf(const FileSource& source) {
     return source.sample().starts_with(zip_magic);
 }
 
-MeshFile read_3mf(FileSource& source) {
-    three_mf::Model model(source);
-    const Clock::time_point start = three_mf::load(source, model);
-    MeshFile mesh = three_mf::build(source, model);
-    mesh.parse_ms = milliseconds_since(start);
-    return mesh;
+void parse_3mf(FileContents& file, MeshFile& mesh) {
+    three_mf::Model model(file.source);
+    three_mf::load(file.source, file.bytes.span(), model);
+    file.bytes = Array<std::byte>();
+    three_mf::build(file.source, model, mesh);
 }
 
 }  // namespace lamella

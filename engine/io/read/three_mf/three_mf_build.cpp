@@ -13,7 +13,7 @@ namespace {
 class Lister {
 public:
     Lister(const Model& model, const FileSource& file, std::vector<Instance>& instances)
-        : model_(model), file_(file), lookout_(file.parallel()), states_(model.objects.size()), instances_(instances) {}
+        : model_(model), file_(file), instances_(instances) {}
 
     void run() {
         for (const Reference& item : model_.items) {
@@ -76,15 +76,11 @@ private:
 
     /// Counts one more instance of the object.
     void must_fit(const Object& object) {
-        bytes_ += sizeof(Instance) + object.vertices.size() * sizeof(Vertex) + object.triangles.size() * sizeof(Triangle);
+        budget_.take(
+            1, sizeof(Instance) + object.vertices.size() * sizeof(Vertex) + object.triangles.size() * sizeof(Triangle));
         vertices_ += object.vertices.size();
-        if (bytes_ > file_.memory_limit()) {
-            refuse_part(file_, ErrorCode::out_of_memory, model_.parts[0], 0,
-                        "builds more than the " + std::to_string(file_.memory_limit()) + " bytes that reading it may take");
-        }
         if (vertices_ > std::numeric_limits<std::uint32_t>::max()) {
-            refuse_part(file_, ErrorCode::out_of_memory, model_.parts[0], 0,
-                        "builds more vertices than 32-bit indices can tell apart");
+            file_.refuse(ErrorCode::out_of_memory, "builds more vertices than 32-bit indices can tell apart");
         }
     }
 
@@ -107,11 +103,11 @@ private:
 
     const Model& model_;
     const FileSource& file_;
-    Lookout lookout_;
-    std::vector<State> states_;
+    Lookout lookout_{file_.parallel()};
+    std::vector<State> states_ = std::vector<State>(model_.objects.size());
     std::vector<Instance>& instances_;
     std::vector<Open> open_;
-    std::uint64_t bytes_ = 0;
+    MemoryBudget budget_{file_};  // of all instances, as if they were placed
     std::uint64_t vertices_ = 0;
 };
 
@@ -135,18 +131,13 @@ void warn_of_left_out(const std::vector<MeshPart>& parts, PartRole role, Model& 
 void list_parts(const Model& model, const FileSource& file, const std::vector<Instance>& instances,
                 std::vector<MeshPart>& parts) {
     std::uint64_t next = 0;
-    std::uint64_t bytes = 0;
+    MemoryBudget budget(file);
     for (std::size_t i = 0; i < instances.size(); ++i) {
         const Object& object = model.objects[instances[i].object];
         if (i == 0 || instances[i].key() != instances[i - 1].key()) {
             const std::string& name = model.labels[instances[i].label].name;
             const bool solid = instances[i].role == PartRole::solid;
-            bytes += sizeof(MeshPart) + name.size();
-            if (bytes > file.memory_limit()) {
-                refuse_part(file, ErrorCode::out_of_memory, model.parts[0], 0,
-                            "names its parts by more than the " + std::to_string(file.memory_limit()) +
-                                " bytes that reading it may take");
-            }
+            budget.take(1, sizeof(MeshPart) + name.size());
             parts.push_back(
                 {name.empty() ? "object " + std::to_string(object.id) : name, instances[i].role, solid ? next : 0, 0});
         }

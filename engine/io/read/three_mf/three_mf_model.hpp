@@ -129,8 +129,8 @@ public:
 protected:
     virtual bool feed_part(std::string_view piece) { return feed(piece); }
 
-    /// Counts what is kept of the part, or fails.
-    void keep(std::uint64_t bytes);
+    /// Counts what is kept of the part. Throws Refused.
+    void keep(std::uint64_t bytes) { model_.budget.take(bytes, 1); }
     bool may_keep(std::uint64_t bytes) noexcept { return bytes == 0 || model_.budget.try_take(bytes, 1); }
     void warn(const std::string& what) { model_.warn(printable(name_), event_line(), what); }
 
@@ -138,7 +138,6 @@ protected:
 
 private:
     std::string name_;
-    ErrorCode code_ = ErrorCode::malformed_mesh;  // of the failure
 };
 
 /// Adds the part `part` of `model` to it, and to its list of parts those that the root refers to. Throws Refused.

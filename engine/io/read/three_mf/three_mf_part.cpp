@@ -37,9 +37,6 @@ double determinant(const std::array<double, 12>& m) {
 
 // --- Lists in their usual form
 
-/// Without a prefix or attributes, so that names in them that have none either are of the same namespace.
-constexpr std::array<std::string_view, 2> list_tags = {"<vertices>", "<triangles>"};
-
 /// An element without content whose three attributes come in this order: what stands before each of their values.
 using PlainForm = std::array<std::string_view, 3>;
 constexpr PlainForm plain_vertex = {"<vertex x=\"", "\" y=\"", "\" z=\""};
@@ -124,9 +121,8 @@ private:
             end_metadata();
         }
         path_.resize(path_.rfind('/'));
-        if (in_list()) {
-            parsed_ = event_end();
-        }
+        plain_list_ = plain_list_ && in_list();
+        parsed_ = in_list() ? event_end() : parsed_;
     }
 
     /// An element that is not read. Extensions put shapes of their own into objects, which is worth a warning.
@@ -230,43 +226,70 @@ private:
         }
     }
 
-    void begin_vertex(const XmlAttributes& attributes) {
-        const Vertex vertex{coordinate(attributes, "x"), coordinate(attributes, "y"), coordinate(attributes, "z")};
-        keep(object().vertices.next_bytes());
-        object().vertices.push_back(vertex);
-    }
-
-    void begin_triangle(const XmlAttributes& attributes) {
-        const Triangle triangle{vertex_index(attributes, "v1"), vertex_index(attributes, "v2"),
-                                vertex_index(attributes, "v3")};
-        keep(object().triangles.next_bytes());
-        object().triangles.push_back(triangle);
-    }
-
-    double coordinate(const XmlAttributes& attributes, std::string_view name) {
-        const std::optional<std::string_view> text = attributes.find(name);
-        if (!text) {
-            fail("a vertex without " + in_quotes(name));
+    /// A vertex or a triangle.
+    void begin_listed(const XmlAttributes& attributes) {
+        using Names = std::array<std::string_view, 3>;
+        const bool is_vertex = path_.starts_with(vertices_path);
+        Names values = is_vertex ? Names{"x", "y", "z"} : Names{"v1", "v2", "v3"};
+        for (std::string_view& name : values) {
+            const std::optional<std::string_view> value = attributes.find(name);
+            if (!value) {
+                fail((is_vertex ? "a vertex without " : "a triangle without ") + in_quotes(name));
+            }
+            name = *value;
         }
-        double value = 0;
-        if (const NumberText got = number_in(*text, value); got != NumberText::read) {
-            fail(coordinate_problem(got, "number", in_quotes(*text)));
+        if (is_vertex ? add_vertex(values) : add_triangle(values)) {
+            return;
         }
-        return value;
+        for (const std::string_view value : values) {
+            is_vertex ? check_coordinate(value) : check_index(value);
+        }
+        keep(is_vertex ? object().vertices.next_bytes() : object().triangles.next_bytes());
     }
 
-    std::uint32_t vertex_index(const XmlAttributes& attributes, std::string_view name) {
-        const std::optional<std::string_view> text = attributes.find(name);
-        std::uint32_t value = 0;
-        if (!text) {
-            fail("a triangle without " + in_quotes(name));
-        } else if (!integer_in(*text, value)) {
-            fail("malformed vertex index " + in_quotes(*text));
-        } else if (value >= object().vertices.size()) {
-            fail("vertex index " + std::to_string(value) + " of a mesh with " + std::to_string(object().vertices.size()) +
+    void check_coordinate(std::string_view value) {
+        double number = 0;
+        if (const NumberText got = number_in(value, number); got != NumberText::read) {
+            fail(coordinate_problem(got, "number", in_quotes(value)));
+        }
+    }
+
+    void check_index(std::string_view value) {
+        std::uint32_t index = 0;
+        if (!integer_in(value, index)) {
+            fail("malformed vertex index " + in_quotes(value));
+        } else if (index >= object().vertices.size()) {
+            fail("vertex index " + std::to_string(index) + " of a mesh with " + std::to_string(object().vertices.size()) +
                  " vertices");
         }
-        return value;
+    }
+
+    /// False: they are no coordinates, or memory does not suffice.
+    bool add_vertex(const std::array<std::string_view, 3>& values) {
+        Vertex vertex{};
+        ChunkList<Vertex>& vertices = object().vertices;
+        const bool good = number_in(values[0], vertex.x) == NumberText::read &&
+                          number_in(values[1], vertex.y) == NumberText::read &&
+                          number_in(values[2], vertex.z) == NumberText::read && may_keep(vertices.next_bytes());
+        if (good) {
+            vertices.push_back(vertex);
+        }
+        return good;
+    }
+
+    /// False: one of them is no vertex, or memory does not suffice.
+    bool add_triangle(const std::array<std::string_view, 3>& values) {
+        Triangle triangle{};
+        ChunkList<Triangle>& triangles = object().triangles;
+        bool good = true;
+        for (std::size_t corner = 0; corner < 3; ++corner) {
+            good = good && integer_in(values[corner], triangle[corner]) && triangle[corner] < object().vertices.size();
+        }
+        good = good && may_keep(triangles.next_bytes());
+        if (good) {
+            triangles.push_back(triangle);
+        }
+        return good;
     }
 
     std::uint32_t resource_id(const XmlAttributes& attributes, std::string_view name) {
@@ -359,7 +382,11 @@ private:
         metadata_text_ += metadata_role_ != PartRole::solid && metadata_text_.size() < 16 ? piece.substr(0, 16) : "";
     }
 
-    void begin_list(const XmlAttributes&) { parsed_ = event_end(); }
+    /// Names of elements without a prefix are read without the XML parser.
+    void begin_list(const XmlAttributes&) {
+        parsed_ = event_end();
+        plain_list_ = namespace_of("") == (draft_ ? draft_of_2013 : core);
+    }
     void begin_nothing(const XmlAttributes&) {}
 
     bool in_list() const noexcept { return passed_over_ == 0 && (path_ == vertices_path || path_ == triangles_path); }
@@ -368,13 +395,13 @@ private:
 
     bool feed_part(std::string_view piece) override {
         while (!piece.empty()) {
-            if (plain_list_ && in_list() && parsed_ == fed_) {
+            if (plain_list_ && parsed_ == fed_) {
                 std::uint64_t lines = 0;
                 const std::size_t plain = read_plain_elements(piece, lines);
                 skip(piece.substr(0, plain), lines);
                 parsed_ = fed_ += plain;
                 piece.remove_prefix(plain);
-                plain_list_ = piece.find('>') == std::string_view::npos;  // else what follows is whole, and not of that form
+                plain_list_ = piece.empty();  // else what follows is not of that form
             }
             const std::string_view head = piece.substr(0, feed_length(piece));
             if (!feed(head)) {
@@ -382,22 +409,15 @@ private:
             }
             fed_ += head.size();
             piece.remove_prefix(head.size());
-            plain_list_ |= in_list() && parsed_ == fed_ &&
-                           std::any_of(list_tags.begin(), list_tags.end(), [&](auto tag) { return head.ends_with(tag); });
         }
         return true;
     }
 
     /// How much the parser is given at once: up to where an element of a list may begin.
-    std::size_t feed_length(std::string_view piece) const noexcept {
-        if (plain_list_) {
-            return std::min(piece.size(), piece.find('>')) + 1;
-        }
+    static std::size_t feed_length(std::string_view piece) noexcept {
         for (std::size_t at = piece.find('<'); at != std::string_view::npos; at = piece.find('<', at + 1)) {
-            for (const std::string_view tag : list_tags) {
-                if (piece.substr(at).starts_with(tag)) {
-                    return at + tag.size();
-                }
+            if (piece.substr(at).starts_with("<vertices") || piece.substr(at).starts_with("<triangles")) {
+                return std::min(piece.size(), piece.find('>', at)) + 1;
             }
         }
         return piece.size();
@@ -414,38 +434,12 @@ private:
             std::uint64_t line_ends = 0;
             const char* const p =
                 read_element(skip_lines(done, end, line_ends), end, vertices ? plain_vertex : plain_triangle, values);
-            if (p == nullptr || !(vertices ? add_plain_vertex(values) : add_plain_triangle(values))) {
+            if (p == nullptr || !(vertices ? add_vertex(values) : add_triangle(values))) {
                 return static_cast<std::size_t>(done - piece.data());
             }
             lines += line_ends;
             done = p;
         }
-    }
-
-    bool add_plain_vertex(const std::array<std::string_view, 3>& values) {
-        Vertex vertex{};
-        ChunkList<Vertex>& vertices = object().vertices;
-        const bool good = number_in(values[0], vertex.x) == NumberText::read &&
-                          number_in(values[1], vertex.y) == NumberText::read &&
-                          number_in(values[2], vertex.z) == NumberText::read && may_keep(vertices.next_bytes());
-        if (good) {
-            vertices.push_back(vertex);
-        }
-        return good;
-    }
-
-    bool add_plain_triangle(const std::array<std::string_view, 3>& values) {
-        Triangle triangle{};
-        ChunkList<Triangle>& triangles = object().triangles;
-        bool good = true;
-        for (std::size_t corner = 0; corner < 3; ++corner) {
-            good = good && integer_in(values[corner], triangle[corner]) && triangle[corner] < object().vertices.size();
-        }
-        good = good && may_keep(triangles.next_bytes());
-        if (good) {
-            triangles.push_back(triangle);
-        }
-        return good;
     }
 
     Object& object() { return model_.objects.back(); }
@@ -471,9 +465,9 @@ const std::array<PartReader::Element, 14> PartReader::elements = {{
     {metadata_path, &PartReader::begin_metadata},
     {mesh_path, &PartReader::begin_mesh},
     {vertices_path, &PartReader::begin_list},
-    {"/model/resources/object/mesh/vertices/vertex", &PartReader::begin_vertex},
+    {"/model/resources/object/mesh/vertices/vertex", &PartReader::begin_listed},
     {triangles_path, &PartReader::begin_list},
-    {"/model/resources/object/mesh/triangles/triangle", &PartReader::begin_triangle},
+    {"/model/resources/object/mesh/triangles/triangle", &PartReader::begin_listed},
     {"/model/resources/object/components", &PartReader::begin_nothing},
     {"/model/resources/object/components/component", &PartReader::begin_component},
     {"/model/build", &PartReader::begin_nothing},

@@ -121,35 +121,24 @@ public:
     }
 
 private:
-    /// Besides "vtktype" before a name of VTP's. Sizes are those of 64-bit Unix where they depend on the machine; a
-    /// vtkIdType has 32 bits in these files, whatever it had in memory.
-    static constexpr std::array<std::pair<std::string_view, NumberType>, 12> type_names = {
-        {{"float", NumberType::float32},
-         {"double", NumberType::float64},
-         {"char", NumberType::int8},
-         {"signed_char", NumberType::int8},
-         {"unsigned_char", NumberType::uint8},
-         {"short", NumberType::int16},
-         {"unsigned_short", NumberType::uint16},
-         {"int", NumberType::int32},
-         {"unsigned_int", NumberType::uint32},
-         {"long", NumberType::int64},
-         {"unsigned_long", NumberType::uint64},
-         {"vtkidtype", NumberType::int32}}};
-
+    /// Sizes are those of 64-bit Unix where they depend on the machine; a vtkIdType has 32 bits in these files, whatever it
+    /// had in memory.
     static std::optional<NumberType> type_named(std::string_view name) {
-        constexpr std::string_view prefix = "vtktype";
-        for (const auto& [known, type] : type_names) {
-            if (is_keyword(name, known)) {
-                return type;
-            }
-        }
-        for (std::size_t i = 0; i < vtk_type_names.size() && begins_in_any_case(name, prefix); ++i) {
-            if (is_keyword(name.substr(prefix.size()), vtk_type_names[i])) {
-                return static_cast<NumberType>(i);
-            }
-        }
-        return std::nullopt;
+        constexpr std::array<std::array<std::string_view, 3>, 10> names = {{{"vtktypeint8", "char", "signed_char"},
+                                                                            {"vtktypeuint8", "unsigned_char"},
+                                                                            {"vtktypeint16", "short"},
+                                                                            {"vtktypeuint16", "unsigned_short"},
+                                                                            {"vtktypeint32", "int", "vtkidtype"},
+                                                                            {"vtktypeuint32", "unsigned_int"},
+                                                                            {"vtktypeint64", "long"},
+                                                                            {"vtktypeuint64", "unsigned_long"},
+                                                                            {"vtktypefloat32", "float"},
+                                                                            {"vtktypefloat64", "double"}}};
+        const std::string lower = lower_case(name.substr(0, 32));
+        const auto* const found = std::find_if(names.begin(), names.end(), [&](const auto& each) {
+            return !lower.empty() && std::find(each.begin(), each.end(), lower) != each.end();
+        });
+        return found == names.end() ? std::nullopt : std::optional(static_cast<NumberType>(found - names.begin()));
     }
 
     /// True if `word` is `keyword`, in any case.
@@ -261,10 +250,8 @@ private:
             scanner_.require(word, "'" + std::string(word) + "'");
         }
         const std::string_view number = scanner_.peek();
-        const char* const end = number.data() + number.size();
-        const auto [major_end, failure] = std::from_chars(number.data(), end, version_);
-        if (failure != std::errc() || (major_end != end && *major_end != '.') || version_ < 1 ||
-            version_ > offsets_version) {
+        version_ = number.empty() ? 0 : number[0] - '0';
+        if (version_ < 1 || version_ > offsets_version || (number.size() > 1 && number[1] != '.')) {
             scanner_.expected("a version from 1.0 to 5.x");
         }
         scanner_.line();
@@ -277,7 +264,7 @@ private:
         }
         for (const std::string_view name : {polygons, strips, std::string_view("VERTICES"), std::string_view("LINES")}) {
             if (scanner_.accept(name)) {
-                return cells(name, name == polygons || name == strips);
+                return cells(name);
             }
         }
         if (scanner_.accept("FIELD")) {
@@ -301,11 +288,10 @@ private:
         points_ = scanner_.numbers(3 * count, type, type == NumberType::float32 ? type : NumberType::float64, "POINTS");
     }
 
-    /// They are skipped unless they are wanted.
-    void cells(std::string_view section, bool wanted) {
+    void cells(std::string_view section) {
         const std::string name(section);
         CellArray array{.name = section,
-                        .kind = section == polygons ? CellKind::polygons : CellKind::strips,
+                        .kind = section == strips ? CellKind::strips : CellKind::polygons,
                         .counted = version_ < offsets_version};
         if (std::any_of(cells_.begin(), cells_.end(), [&](const CellArray& other) { return other.name == section; })) {
             scanner_.fail("expected one section " + name + ", found a second");
@@ -313,40 +299,26 @@ private:
         array.cells = scanner_.count("cells of " + name);
         const std::uint64_t corners = scanner_.count("numbers of " + name);
         if (array.counted) {
-            array.corners = numbers(corners, NumberType::int32, NumberType::uint32, name, wanted);
+            array.corners = scanner_.numbers(corners, NumberType::int32, NumberType::uint32, name);
         } else if (array.cells > 0) {  // else there are neither cells nor any of the arrays
-            array.ends = integers("OFFSETS", array.cells, NumberType::uint64, name, wanted);
+            array.ends = integers("OFFSETS", array.cells, NumberType::uint64, name);
+            if (integer_at(array.ends, 0) != 0) {
+                throw file_.error_at(array.ends, 0, "the offsets of " + name + " do not begin with 0");
+            }
+            array.ends = without_first(file_, std::move(array.ends));
             --array.cells;  // of which each but the first offset ends one
-            array.corners = integers("CONNECTIVITY", corners, NumberType::uint32, name, wanted);
+            array.corners = integers("CONNECTIVITY", corners, NumberType::uint32, name);
         }
-        if (wanted) {
+        if (section == polygons || section == strips) {
             cells_.push_back(std::move(array));
         }
     }
 
-    /// An array after its keyword and type. Offsets are kept without the first.
-    NumberArray integers(std::string_view keyword, std::uint64_t count, NumberType as, const std::string& name,
-                         bool wanted) {
+    /// An array after its keyword and type.
+    NumberArray integers(std::string_view keyword, std::uint64_t count, NumberType as, const std::string& name) {
         scanner_.require(keyword, "'" + std::string(keyword) + "' of " + name);
         const NumberType type = scanner_.type(true);
-        NumberArray array = numbers(count, type, as, name, wanted);
-        if (!wanted || keyword != "OFFSETS") {
-            return array;
-        }
-        std::uint64_t first = 0;
-        decode_integers(array, 0, 1, &first);
-        if (first != 0) {
-            throw file_.error_at(array, 0, "the offsets of " + name + " do not begin with 0");
-        }
-        return without_first(file_, std::move(array));
-    }
-
-    NumberArray numbers(std::uint64_t count, NumberType type, NumberType as, const std::string& name, bool wanted) {
-        if (wanted) {
-            return scanner_.numbers(count, type, as, name);
-        }
-        scanner_.skip_numbers(count, type, name);
-        return {};
+        return scanner_.numbers(count, type, as, name);
     }
 
     void field() {
@@ -397,6 +369,8 @@ private:
     std::vector<CellArray> cells_;
 };
 
+}  // namespace
+
 void parse_vtk(FileContents& contents, MeshFile& mesh) {
     VtkFile file(contents);
     LegacyVtk vtk(file);
@@ -406,14 +380,8 @@ void parse_vtk(FileContents& contents, MeshFile& mesh) {
     cut_cells(file, vtk.cells(), mesh);
 }
 
-}  // namespace
-
 bool looks_like_vtk(const FileSource& source) {
     return begins_in_any_case(without_byte_order_mark(source.sample()), "# vtk datafile");
-}
-
-MeshFile read_vtk(FileSource& source) {
-    return read_contents(source, parse_vtk);
 }
 
 }  // namespace lamella

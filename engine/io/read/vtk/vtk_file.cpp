@@ -88,18 +88,6 @@ void read_run(const WordRun& run, const char* end, std::byte* storage, const Par
     });
 }
 
-/// Calls use(number), where number(i) is that of index first + i, in its type.
-template <class Use>
-auto use_numbers(const NumberArray& numbers, std::uint64_t first, const Use& use) {
-    return with_type(numbers.type, [&](auto sample) {
-        using T = decltype(sample);
-        const std::byte* const data = numbers.data + first * sizeof(T);
-        return numbers.big_endian && sizeof(T) > 1
-                   ? use([data](std::uint64_t i) { return load_number<T>(data + i * sizeof(T), true); })
-                   : use([data](std::uint64_t i) { return load_number<T>(data + i * sizeof(T), false); });
-    });
-}
-
 template <class Out>
 void decode(const NumberArray& numbers, std::uint64_t first, std::uint64_t count, void* to) {
     use_numbers(numbers, first, [&](auto number) {
@@ -165,23 +153,6 @@ const char* find_word(const char* p, const char* end, std::uint64_t index) {
 }
 
 // --- memory
-
-void decode_integers(const NumberArray& numbers, std::uint64_t first, std::uint64_t count, std::uint64_t* out) {
-    decode<std::uint64_t>(numbers, first, count, out);
-}
-
-bool decode_points(const CellArray& cells, std::uint64_t first, std::uint64_t count, std::uint32_t* out) {
-    return use_numbers(cells.corners, first, [&](auto number) {
-        bool exist = true;
-        for (std::uint64_t i = 0; i < count; ++i) {
-            const auto point =
-                static_cast<std::uint64_t>(number(i));  // NOLINT(bugprone-signed-char-misuse): -1 is too large
-            exist &= point < cells.point_count;
-            out[i] = static_cast<std::uint32_t>(point) + cells.first_point;
-        }
-        return exist;
-    });
-}
 
 void give_points(VtkFile& file, std::span<NumberArray> arrays, MeshFile& mesh) {
     bool floats = true;

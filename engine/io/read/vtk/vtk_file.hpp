@@ -55,9 +55,26 @@ const char* find_word(const char* p, const char* end, std::uint64_t index);
 
 // Arrays in memory.
 
-/// The integers [first, first + count) in 64 bits; what is negative becomes more than 2^63.
-/// Precondition: is_integer(numbers.type), and the range lies within.
-void decode_integers(const NumberArray& numbers, std::uint64_t first, std::uint64_t count, std::uint64_t* out);
+/// Calls use(number), where number(i) is that of index first + i, in its type.
+template <class Use>
+auto use_numbers(const NumberArray& numbers, std::uint64_t first, const Use& use) {
+    return with_type(numbers.type, [&](auto sample) {
+        using T = decltype(sample);
+        const std::byte* const data = numbers.data + first * sizeof(T);
+        return numbers.big_endian && sizeof(T) > 1
+                   ? use([data](std::uint64_t i) { return load_number<T>(data + i * sizeof(T), true); })
+                   : use([data](std::uint64_t i) { return load_number<T>(data + i * sizeof(T), false); });
+    });
+}
+
+/// In 64 bits; what is negative becomes more than 2^63.
+constexpr std::uint64_t to_integer(auto number) {
+    return static_cast<std::uint64_t>(number);  // NOLINT(bugprone-signed-char-misuse): -1 is too large
+}
+
+inline std::uint64_t integer_at(const NumberArray& numbers, std::uint64_t index) {
+    return use_numbers(numbers, index, [](auto number) { return to_integer(number(0)); });
+}
 
 /// Gives `mesh` the vertices of all `arrays`, in their order; those of one may stay where they are in the file.
 void give_points(VtkFile& file, std::span<NumberArray> arrays, MeshFile& mesh);
@@ -80,9 +97,6 @@ struct CellArray {
     std::uint32_t first_point = 0;  ///< of those that the corners count from, in the mesh
     std::uint32_t point_count = 0;
 };
-
-/// The corners [first, first + count) as vertices of the mesh. False: one of them does not exist.
-bool decode_points(const CellArray& cells, std::uint64_t first, std::uint64_t count, std::uint32_t* out);
 
 /// Gives `mesh`, which has its vertices, the triangles of all `arrays`, in their order. Warns of cells without an area.
 /// Throws errors. Memory: the indices, and little else unless there are polygons of millions of corners.

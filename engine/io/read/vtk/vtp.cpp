@@ -10,25 +10,25 @@ namespace lamella {
 
 namespace {
 
-/// Polygons or strips.
 struct VtpCells {
+    CellKind kind;
+    std::string_view name;
     std::uint64_t count = 0;
-    std::optional<VtpArray> connectivity;
-    std::optional<VtpArray> offsets;
+    std::optional<VtpArray> connectivity{};
+    std::optional<VtpArray> offsets{};
 };
 
 struct VtpPiece {
     const char* element = nullptr;  ///< where in the file it begins
     std::uint64_t point_count = 0;
-    std::optional<VtpArray> points;
-    VtpCells polygons;
-    VtpCells strips;
+    std::optional<VtpArray> points{};
+    std::array<VtpCells, 2> cells{VtpCells{CellKind::polygons, "Polys"}, VtpCells{CellKind::strips, "Strips"}};
 };
 
 struct VtpDocument {
     VtpForm form;
     std::deque<VtpPiece> pieces;
-    std::optional<XmlUnboundName> unbound_name;
+    std::optional<XmlFault> unbound_name;
     std::optional<VtpArray> space;  ///< the string of that name among the field data, as 3D Slicer writes it
 };
 
@@ -90,30 +90,12 @@ private:
                 return;
             }
             rest.remove_prefix(head.size());
-            const std::string_view numbers = rest.substr(0, skippable(rest));
+            const bool has_begun = file_.offset_of(rest.data()) == tag_end_;
+            const std::string_view numbers = rest.substr(0, has_begun ? rest.find('<') : 0);
             skip(numbers);
             rest.remove_prefix(numbers.size());
         }
         finish();
-    }
-
-    /// How much of `rest` is text of the element that has just begun, if it holds no markup or entities.
-    std::size_t skippable(std::string_view rest) const {
-        constexpr std::size_t grain = std::size_t{256} << 10;
-        if (file_.offset_of(rest.data()) != tag_end_) {
-            return 0;
-        }
-        const std::size_t length = rest.find('<');
-        if (length == std::string_view::npos) {
-            return 0;
-        }
-        std::atomic<bool> plain{true};
-        file_.source.parallel().run_ranges(length, grain, [&](std::size_t begin, std::size_t end, int) {
-            if (!is_plain_xml_text(rest.substr(begin, end - begin))) {
-                plain.store(false, std::memory_order_relaxed);
-            }
-        });
-        return plain ? length : 0;
     }
 
     void begin_file(const XmlAttributes& attributes) {
@@ -134,8 +116,9 @@ private:
             refuse("expected a Piece with NumberOfPoints");
         }
         piece.point_count = count(attributes, "NumberOfPoints");
-        piece.polygons.count = count(attributes, "NumberOfPolys");
-        piece.strips.count = count(attributes, "NumberOfStrips");
+        for (VtpCells& cells : piece.cells) {
+            cells.count = count(attributes, "NumberOf" + std::string(cells.name));
+        }
     }
 
     void begin_in_piece(std::string_view path, const XmlAttributes& attributes) {
@@ -146,18 +129,16 @@ private:
             if (attributes.find("NumberOfComponents").value_or("3") != "3") {
                 refuse("expected Points of 3 components");
             }
-        } else if (path == "/Polys/DataArray" && name == "connectivity") {
-            begin_array(piece.polygons.connectivity, "connectivity of Polys", attributes);
-        } else if (path == "/Polys/DataArray" && name == "offsets") {
-            begin_array(piece.polygons.offsets, "offsets of Polys", attributes);
-        } else if (path == "/Strips/DataArray" && name == "connectivity") {
-            begin_array(piece.strips.connectivity, "connectivity of Strips", attributes);
-        } else if (path == "/Strips/DataArray" && name == "offsets") {
-            begin_array(piece.strips.offsets, "offsets of Strips", attributes);
+        }
+        for (VtpCells& cells : piece.cells) {
+            if (path == "/" + std::string(cells.name) + "/DataArray" && (name == "connectivity" || name == "offsets")) {
+                begin_array(name == "offsets" ? cells.offsets : cells.connectivity,
+                            std::string(name) + " of " + std::string(cells.name), attributes);
+            }
         }
     }
 
-    void begin_array(std::optional<VtpArray>& place, std::string_view name, const XmlAttributes& attributes) {
+    void begin_array(std::optional<VtpArray>& place, const std::string& name, const XmlAttributes& attributes) {
         if (place) {
             refuse("expected one such DataArray, found a second");
         }
@@ -243,118 +224,94 @@ private:
     std::uint64_t content_ = 0;  ///< where it began
 };
 
-/// The arrays of a document.
-class Vtp {
-public:
-    Vtp(VtkFile& file, const VtpDocument& document) : file_(file), document_(document) {}
-
-    /// The points of all pieces that have some.
-    std::vector<NumberArray> load_points() const {
-        std::vector<NumberArray> points;
-        std::uint64_t count = 0;
-        for (const VtpPiece& piece : document_.pieces) {
-            if (piece.point_count > std::numeric_limits<std::uint32_t>::max() - count) {
-                throw TextError{piece.element, "expected fewer than 2^32 points in all, found " +
-                                                   std::to_string(piece.point_count) + " in this Piece"};
-            }
-            count += piece.point_count;
-            if (piece.point_count == 0) {
-                continue;
-            }
+/// The points of all pieces that have some.
+std::vector<NumberArray> load_points(VtkFile& file, const VtpDocument& document) {
+    std::vector<NumberArray> points;
+    std::uint64_t count = 0;
+    for (const VtpPiece& piece : document.pieces) {
+        if (piece.point_count > std::numeric_limits<std::uint32_t>::max() - count) {
+            throw TextError{piece.element, "expected fewer than 2^32 points in all, found " +
+                                               std::to_string(piece.point_count) + " in this Piece"};
+        }
+        count += piece.point_count;
+        if (piece.point_count > 0) {
             if (!piece.points) {
                 throw TextError{piece.element, "expected a DataArray in the Points of this Piece"};
             }
             const bool floats = piece.points->type == NumberType::float32;
-            points.push_back(load(*piece.points, 3 * piece.point_count, floats ? NumberType::float32 : NumberType::float64));
+            points.push_back(load_array(file, document.form, *piece.points, 3 * piece.point_count,
+                                        floats ? NumberType::float32 : NumberType::float64));
         }
-        return points;
     }
+    return points;
+}
 
-    std::vector<CellArray> load_cells() const {
-        std::vector<CellArray> arrays;
-        std::uint32_t first_point = 0;
-        for (const VtpPiece& piece : document_.pieces) {
-            for (const VtpCells* const cells : {&piece.polygons, &piece.strips}) {
-                if (cells->count > 0) {
-                    CellArray& array = arrays.emplace_back(load(*cells, piece));
-                    array.kind = cells == &piece.polygons ? CellKind::polygons : CellKind::strips;
-                    array.first_point = first_point;
-                    array.point_count = static_cast<std::uint32_t>(piece.point_count);
-                }
+std::vector<CellArray> load_cells(VtkFile& file, const VtpDocument& document) {
+    std::vector<CellArray> arrays;
+    std::uint32_t first_point = 0;
+    for (const VtpPiece& piece : document.pieces) {
+        for (const VtpCells& cells : piece.cells) {
+            if (cells.count == 0) {
+                continue;
             }
-            first_point += static_cast<std::uint32_t>(piece.point_count);
+            if (!cells.offsets || !cells.connectivity) {
+                throw TextError{piece.element,
+                                "expected the DataArrays 'connectivity' and 'offsets' of the " + std::string(cells.name)};
+            }
+            CellArray& array = arrays.emplace_back(CellArray{.name = cells.name, .kind = cells.kind, .cells = cells.count});
+            array.ends = load_array(file, document.form, *cells.offsets, cells.count, NumberType::uint64);
+            array.corners = load_array(file, document.form, *cells.connectivity, integer_at(array.ends, cells.count - 1),
+                                       NumberType::uint32);
+            array.first_point = first_point;
+            array.point_count = static_cast<std::uint32_t>(piece.point_count);
         }
-        return arrays;
+        first_point += static_cast<std::uint32_t>(piece.point_count);
     }
+    return arrays;
+}
 
-    /// The frame that the string SPACE states. Strings of other lengths are no known frame.
-    StatedFrame patient_frame() const {
-        StatedFrame frame;
-        std::array<std::uint64_t, 4> code{};  // three letters, and a 0, which ends the string
-        try {
-            if (document_.space) {
-                decode_integers(load(*document_.space, code.size(), NumberType::uint32), 0, code.size(), code.data());
+/// The frame that the string SPACE states. Strings of other lengths are no known frame.
+StatedFrame patient_frame(VtkFile& file, const VtpDocument& document) {
+    constexpr std::uint64_t most_characters = 4;  // three letters, and a 0, which ends the string
+    StatedFrame frame;
+    std::string space;
+    try {
+        if (document.space) {
+            const NumberArray codes = load_array(file, document.form, *document.space, most_characters, NumberType::uint32);
+            for (std::uint64_t i = 0; i < most_characters; ++i) {
+                const std::uint64_t code = integer_at(codes, i);
+                space += code < 0x80 ? static_cast<char>(code) : '?';
             }
-        } catch (const TextError&) {
-            return frame;
-        } catch (const Refused&) {
-            return frame;
         }
-        if (std::all_of(code.begin(), code.end() - 1, [](std::uint64_t c) { return c > ' ' && c <= '~'; }) && code[3] == 0) {
-            frame.read_space(std::string(code.begin(), code.end() - 1));
-        }
+    } catch (const TextError&) {
+        return frame;
+    } catch (const Refused&) {
         return frame;
     }
+    frame.read_space(space.ends_with('\0') ? space.substr(0, most_characters - 1) : std::string());
+    return frame;
+}
 
-private:
-    CellArray load(const VtpCells& cells, const VtpPiece& piece) const {
-        CellArray array;
-        array.name = &cells == &piece.polygons ? "Polys" : "Strips";
-        if (!cells.offsets || !cells.connectivity) {
-            throw TextError{piece.element,
-                            "expected the DataArrays 'connectivity' and 'offsets' of the " + std::string(array.name)};
-        }
-        array.cells = cells.count;
-        array.ends = load(*cells.offsets, cells.count, NumberType::uint64);
-        std::uint64_t corners = 0;
-        decode_integers(array.ends, cells.count - 1, 1, &corners);
-        array.corners = load(*cells.connectivity, corners, NumberType::uint32);
-        return array;
-    }
-
-    NumberArray load(const VtpArray& array, std::uint64_t count, NumberType as) const {
-        return load_array(file_, document_.form, array, count, as);
-    }
-
-    VtkFile& file_;
-    const VtpDocument& document_;
-};
+}  // namespace
 
 void parse_vtp(FileContents& contents, MeshFile& mesh) {
     VtkFile file(contents);
     const VtpDocument document = VtpParser(file).read();
-    if (const std::optional<XmlUnboundName>& unbound = document.unbound_name) {
+    if (const std::optional<XmlFault>& unbound = document.unbound_name) {
         mesh.warnings.push_back(file.source.name() + ": line " + std::to_string(line_of(file.text, unbound->offset)) + ": " +
-                                unbound->words());
+                                unbound->what);
     }
-    const Vtp vtp(file, document);
-    vtp.patient_frame().give(file.source, mesh);
-    std::vector<NumberArray> points = vtp.load_points();
+    patient_frame(file, document).give(file.source, mesh);
+    std::vector<NumberArray> points = load_points(file, document);
     give_points(file, points, mesh);
-    cut_cells(file, vtp.load_cells(), mesh);
+    cut_cells(file, load_cells(file, document), mesh);
 }
-
-}  // namespace
 
 bool looks_like_vtp(const FileSource& source) {
     const std::string_view sample = without_byte_order_mark(source.sample());
     const char* const end = sample.data() + sample.size();
     const char* const first = skip_space(sample.data(), end);
     return first != end && *first == '<' && sample.find("<VTKFile") != std::string_view::npos;
-}
-
-MeshFile read_vtp(FileSource& source) {
-    return read_contents(source, parse_vtp);
 }
 
 }  // namespace lamella

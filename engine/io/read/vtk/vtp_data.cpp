@@ -2,7 +2,6 @@
 
 #include <zlib.h>
 
-#include <atomic>
 #include <limits>
 #include <new>
 
@@ -104,24 +103,17 @@ struct Blocks {
 /// Reads the bytes of one array. Throws TextErrors at its element.
 class ArrayReader {
 public:
-    ArrayReader(VtkFile& file, const VtpForm& form, const VtpArray& array)
-        : file_(file),
-          form_(form),
-          array_(array),
-          is_base64_(array.format == VtpArray::Format::binary || form.appended_as_base64),
-          text_(array.format == VtpArray::Format::binary
-                    ? array.content
-                    : form.appended.substr(std::min<std::uint64_t>(array.appended_offset, form.appended.size()))),
-          storage_(file.source.memory()) {}
+    ArrayReader(VtkFile& file, const VtpForm& form, const VtpArray& array) : file_(file), form_(form), array_(array) {}
 
-    /// Its `count` numbers, which lie where they are or in a storage of their own.
-    NumberArray read(std::uint64_t count) {
+    /// Its `count` numbers, which lie where they are or in a storage of their own. `narrow`: none of them needs more than 32
+    /// bits; what does becomes the largest.
+    NumberArray read(std::uint64_t count, bool narrow) {
         if (count > std::numeric_limits<std::uint64_t>::max() / sizeof(double)) {
             fail("should have " + std::to_string(count) + " numbers, which no file has");
         }
         const std::uint64_t total = count * size_of(array_.type);
         NumberArray numbers;
-        numbers.data = form_.compressor.empty() ? read_plain(total) : read_compressed(total);
+        numbers.data = form_.compressor.empty() ? read_plain(total) : read_compressed(total, narrow);
         numbers.count = count;
         numbers.type = narrow_ ? NumberType::uint32 : array_.type;
         numbers.big_endian = form_.big_endian && !narrow_;
@@ -143,7 +135,7 @@ private:
         return bytes(form_.header_bytes, total, storage_);
     }
 
-    const std::byte* read_compressed(std::uint64_t total) {
+    const std::byte* read_compressed(std::uint64_t total, bool narrow) {
         if (form_.compressor != zlib_compressor) {
             fail("is compressed by '" + printable(form_.compressor) + "', which is not read: only " +
                  std::string(zlib_compressor) + " is");
@@ -155,12 +147,8 @@ private:
         Array<std::byte> decoded(file_.source.memory());
         const std::byte* const packed = bytes((3 + blocks.ends.size()) * form_.header_bytes, blocks.ends.back(), decoded);
         // Integers of 64 bits compress so well that they would exceed the memory limit of a small file.
-        narrow_ = is_integer(array_.type) && size_of(array_.type) == wide && blocks.bytes % wide == 0 &&
-                  blocks.last_bytes % wide == 0;
-        if (!inflate(blocks, packed, total)) {
-            narrow_ = false;
-            inflate(blocks, packed, total);
-        }
+        narrow_ = narrow && size_of(array_.type) == wide && blocks.bytes % wide == 0 && blocks.last_bytes % wide == 0;
+        inflate(blocks, packed, total);
         file_.budget.give_back(decoded.size());
         return storage_.data();
     }
@@ -189,8 +177,10 @@ private:
         Array<std::byte> decoded(file_.source.memory());
         const std::byte* const from = bytes(0, count * form_.header_bytes, decoded);
         std::vector<std::uint64_t> numbers(count);
-        const NumberType type = form_.header_bytes == 4 ? NumberType::uint32 : NumberType::uint64;
-        decode_integers({from, count, type, form_.big_endian}, 0, count, numbers.data());
+        for (std::uint64_t i = 0; i < count; ++i) {
+            numbers[i] = integer_at(
+                {from, count, form_.header_bytes == 4 ? NumberType::uint32 : NumberType::uint64, form_.big_endian}, i);
+        }
         file_.budget.give_back(decoded.size());
         return numbers;
     }
@@ -214,11 +204,8 @@ private:
         return blocks;
     }
 
-    /// By `narrow_` into integers of 32 bits. False: some do not fit, and nothing is held.
-    bool inflate(const Blocks& blocks, const std::byte* packed, std::uint64_t total) {
-        const std::uint64_t held = taken(narrow_ ? total / 2 : total);
-        storage_.resize_discarding(held);
-        std::atomic<bool> fits{true};
+    void inflate(const Blocks& blocks, const std::byte* packed, std::uint64_t total) {
+        storage_.resize_discarding(taken(narrow_ ? total / 2 : total));
         const std::size_t count = blocks.ends.size();
         const Parallel& parallel = file_.source.parallel();
         const std::uint64_t room_bytes = narrow_ ? std::max(blocks.bytes, blocks.last_bytes) : 0;
@@ -239,28 +226,20 @@ private:
             if (answer != Z_OK || got != wanted) {
                 fail("is damaged: its compressed block " + std::to_string(i) + " does not expand to what is counted");
             }
-            if (narrow_ && !narrow(out, wanted / wide, storage_.data() + i * blocks.bytes / 2)) {
-                fits.store(false, std::memory_order_relaxed);
+            if (narrow_) {
+                narrow(out, wanted / wide, storage_.data() + i * blocks.bytes / 2);
             }
         });
         file_.budget.give_back(rooms_bytes);
-        if (!fits) {
-            storage_ = Array<std::byte>(file_.source.memory());
-            file_.budget.give_back(held);
-        }
-        return fits;
     }
 
-    /// False: some integer does not fit.
-    bool narrow(const std::byte* from, std::uint64_t count, std::byte* to) const {
-        std::uint64_t all = 0;
+    void narrow(const std::byte* from, std::uint64_t count, std::byte* to) const {
+        constexpr std::uint64_t largest = std::numeric_limits<std::uint32_t>::max();
         for (std::uint64_t i = 0; i < count; ++i) {
             const auto value = load_number<std::uint64_t>(from + i * wide, form_.big_endian);
-            const auto narrow = static_cast<std::uint32_t>(value);
+            const auto narrow = static_cast<std::uint32_t>(std::min(value, largest));
             std::memcpy(to + i * sizeof narrow, &narrow, sizeof narrow);
-            all |= value;
         }
-        return all <= std::numeric_limits<std::uint32_t>::max();
     }
 
     /// Counts bytes that are about to be allocated.
@@ -269,17 +248,18 @@ private:
         return bytes;
     }
 
-    [[noreturn]] void fail(const std::string& what) const {
-        throw TextError{array_.element, std::string(array_.name) + " " + what};
-    }
+    [[noreturn]] void fail(const std::string& what) const { throw TextError{array_.element, array_.name + " " + what}; }
     [[noreturn]] void fail_at_end() const { fail("is truncated, or malformed base64"); }
 
     VtkFile& file_;
     const VtpForm& form_;
     const VtpArray& array_;
-    bool is_base64_;
-    std::string_view text_;  // from the array's begin
-    Array<std::byte> storage_;
+    const bool is_inline_ = array_.format == VtpArray::Format::binary;
+    const bool is_base64_ = is_inline_ || form_.appended_as_base64;
+    const std::string_view text_ =  // from the array's begin
+        is_inline_ ? array_.content
+                   : form_.appended.substr(std::min<std::uint64_t>(array_.appended_offset, form_.appended.size()));
+    Array<std::byte> storage_{file_.source.memory()};
     bool narrow_ = false;  // its integers of 64 bits became such of 32
 };
 
@@ -287,15 +267,15 @@ private:
 
 NumberArray load_array(VtkFile& file, const VtpForm& form, const VtpArray& array, std::uint64_t count, NumberType as) {
     if (array.format != VtpArray::Format::ascii) {
-        return ArrayReader(file, form, array).read(count);
+        return ArrayReader(file, form, array).read(count, is_integer(as));
     }
     const char* p = array.content.data();
     const char* const end = p + array.content.size();
     NumberArray numbers = read_words(file, p, end, count, as, array.name);
     p = skip_space(p, end);
     if (p != end) {
-        throw TextError{p, "expected the end of the " + std::to_string(count) + " numbers of " + std::string(array.name) +
-                               ", found " + word_at(p, end)};
+        throw TextError{p, "expected the end of the " + std::to_string(count) + " numbers of " + array.name + ", found " +
+                               word_at(p, end)};
     }
     return numbers;
 }

@@ -9,7 +9,7 @@ namespace lamella {
 /// An element DataArray.
 struct VtpArray {
     enum class Format : std::uint8_t { ascii, binary, appended };
-    std::string_view name;  ///< for messages
+    std::string name;  ///< for messages
     NumberType type = NumberType::float32;
     Format format = Format::ascii;
     const char* element = nullptr;      ///< where in the file it begins

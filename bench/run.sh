@@ -1,27 +1,26 @@
 #!/usr/bin/env bash
-# Builds, runs every benchmark, and makes the tables of bench/README.md and a plot of scaling. Prints the table of bars
-# last.
+# Builds, runs every benchmark, and makes the tables of bench/README.md and a plot of scaling, and prints them.
 #
 #     bench/run.sh            everything; takes tens of minutes, the first time some more for the meshes
 #     bench/run.sh --quick    a hundredth of the sizes, into build/bench-quick: shows only that the benchmarks run
 #
-# The raw output goes to build/bench-runs: Google Benchmark's JSON, with every measurement, and the like. The medians go to
-# bench/results/summary.json, from which the tables are made.
+# The raw output goes to build/bench-runs, a line of JSON for each benchmark. The medians go to bench/results/summary.json,
+# from which the tables are made.
 #
-# PIN=LIST pins the whole process to these cores (taskset -c LIST). FILTER=REGEX runs only the benchmarks that match,
-# FILTER=-REGEX only those that do not. The medians of all others stay, if they were measured on the same machine.
+# PIN=LIST pins the whole process to these cores (taskset -c LIST). FILTER=REGEX runs only the benchmarks that match. The
+# medians of all others stay, if they were measured on the same machine.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source tools/packages.sh
 
-quick=()
+size=full
 results=bench/results
 runs=build/bench-runs
 cache=build/bench-models
 readme=(bench/README.md)
 triangles=1000000
 if [[ "${1:-}" == --quick ]]; then
-    quick=(--quick)
+    size=quick
     results=build/bench-quick
     runs=build/bench-quick
     cache=build/bench-models/quick
@@ -57,28 +56,25 @@ if [[ ! -e "$cache/read/3mf.3mf" ]]; then
 fi
 
 stage "benchmarks"
-"${pin[@]}" build/bench/lamella_bench "${quick[@]}" --cache="$cache" --shared=../shared/models --benchmark_filter="${FILTER:-.}" \
-    --benchmark_out="$runs/bench.json" --benchmark_out_format=json --benchmark_display_aggregates_only=true
+"${pin[@]}" build/bench/lamella_bench "$cache" ../shared/models "${FILTER:-.}" "$size" > "$runs/bench.jsonl"
 
 stage "peak memory and first slices"
 for mesh in ../shared/models/{liver,femur,brain}.stl "$cache"/{scan,figure,skull}.stl; do
     name=$(basename "$mesh" .stl)
     [[ -e "$mesh" ]] || continue
     for band_planes in 0 16 1; do
-        build/bench/lamella_peak "peak/$name/bands_$band_planes/threads:2" "$mesh" 0.032 2 "$band_planes"
+        build/bench/lamella_peak "peak/$name/bands_$band_planes/threads:2" "$mesh" 0.032 2 "$band_planes" contours
     done
     [[ $name == figure || $name == skull ]] || for _ in {1..15}; do
-        "${pin[@]}" build/bench/lamella_first "first/$name/slice/threads:2" "$mesh" 0.032 2 0
+        "${pin[@]}" build/bench/lamella_first "first/$name/slice/threads:2" "$mesh" 0.032 2 0 contours
     done
 done > "$runs/once.jsonl"
 
 stage "tables and plot"
 add=()
 [[ -z "${FILTER:-}" ]] || add=(--add)
-"${pin[@]}" /usr/bin/python3 bench/scripts/summary.py "$runs" "$results" "${add[@]}"
+"${pin[@]}" /usr/bin/python3 bench/scripts/summary.py build "$runs" "$results" "$size" "${add[@]}"
 status=0
 /usr/bin/python3 bench/scripts/tables.py "$results" "${readme[@]}" || status=$?
-if ((status == 1 && ${#quick[@]} > 0)); then
-    status=0 # bars hold for full sizes only
-fi
+[[ $size == full || $status != 1 ]] || status=0 # bars hold for full sizes only
 exit "$status"

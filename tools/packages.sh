@@ -6,8 +6,8 @@ build_packages=(
     zlib1g-dev libexpat1-dev libzip-dev pkg-config
     libssl-dev libpng-dev libhdf5-dev
 )
-# bench/: the second is only compared with.
-bench_packages=(libbenchmark-dev libpolyclipping-dev python3-numpy python3-matplotlib time)
+# bench/: the first is only compared with.
+bench_packages=(libpolyclipping-dev python3-numpy python3-matplotlib time)
 test_packages=(libxml2-utils libcgal-dev python3)
 # tools/python: the package needs numpy, the others are for its tests.
 python_packages=(
@@ -21,10 +21,6 @@ cluster_packages=(slurm-wlm munge snakemake python3-distributed python3-pandas)
 check_packages=(clang clang-format clang-tidy libclang-rt-14-dev libc++-14-dev libc++abi-14-dev doxygen abigail-tools)
 picture_packages=(librsvg2-bin)
 
-is_installed() {
-    [[ "$(dpkg-query --show --showformat='${db:Status-Status}' "$1" 2>/dev/null)" == installed ]]
-}
-
 # stop MESSAGE: prints one line on stderr and ends the script.
 stop() {
     echo "error: $1" >&2
@@ -33,23 +29,15 @@ stop() {
 
 # install_missing PACKAGE...: installs those that are missing. Does not ask for root if none is.
 install_missing() {
-    local package log missing=() as_root=()
+    local package missing=() as_root=()
     for package in "$@"; do
-        is_installed "$package" || missing+=("$package")
+        [[ "$(dpkg-query --show --showformat='${db:Status-Status}' "$package" 2> /dev/null)" == installed ]] || missing+=("$package")
     done
-    if ((${#missing[@]} == 0)); then
-        return
-    fi
-    command -v apt-get > /dev/null || stop "packages of Debian 12 are missing, and this system has no apt-get: ${missing[*]}"
-    if ((EUID != 0)); then
-        command -v sudo > /dev/null || stop "packages are missing, and there is no sudo. As root: apt-get install ${missing[*]}"
-        as_root=(sudo)
-    fi
+    ((${#missing[@]} > 0)) || return 0
+    ((EUID == 0)) || as_root=(sudo)
     echo "Installing ${missing[*]} (apt-get, needs root and the network)"
-    log=$(mktemp)
     # apt-get update succeeds without a network, so only the installation shows whether packages can be had.
-    "${as_root[@]}" apt-get update -qq > "$log" 2>&1 || true
-    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >> "$log" 2>&1 ||
-        stop "could not install ${missing[*]}: $(sed -n '/^\(E:\|Err:\|sudo:\)/{p;q}' "$log") (all of it: $log)"
-    rm -f "$log"
+    "${as_root[@]}" apt-get update -qq || true
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" > /dev/null ||
+        stop "packages of Debian 12 are missing; as root: apt-get install ${missing[*]}"
 }

@@ -26,11 +26,6 @@ configure() {
     cmake -S . -B "$folder" "${extra[@]}" "$@" > /dev/null
 }
 
-# A Debug build, so that assertions check the invariants. Light optimisation and few, large units keep it short.
-configure_sanitizer() {
-    configure "$@" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g1" -DLAMELLA_LARGE_UNITS=ON -DLAMELLA_BUILD_BENCH=OFF
-}
-
 # quietly LOG COMMAND...: shows the command's output only if it fails.
 quietly() {
     local log=$1
@@ -44,46 +39,51 @@ quietly() {
 # build FOLDER
 build() { quietly "$1/build.log" cmake --build "$1" --parallel "$jobs"; }
 
-# summary LOG: the end of ctest's output, which lists skipped tests too.
-summary() { sed -n '/tests passed/,$p' "$1"; }
-
 # Runs all tests but those labelled "long" and "paper" and, without --all, "thorough".
 run_tests() {
     ctest --test-dir "$1" --label-exclude "long|paper$($all || echo '|thorough')" --parallel "$jobs" --output-on-failure "${@:2}"
 }
 
+# variant NAME WHAT OPTION...: builds build/NAME and runs its tests, of which the end of ctest's output is shown, which lists
+# skipped tests too.
+variant() {
+    stage "$2"
+    configure "build/$1" "${@:3}"
+    build "build/$1"
+    stage "tests: $2"
+    quietly "build/$1/tests.log" run_tests "build/$1"
+    sed -n '/tests passed/,$p' "build/$1/tests.log"
+}
+
+# A Debug build by Clang, so that assertions check the invariants. Light optimisation and few, large units keep it short.
+readonly sanitized=(-DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g1" -DLAMELLA_LARGE_UNITS=ON
+    -DLAMELLA_BUILD_BENCH=OFF)
+
 # build_release THOROUGH BENCH: each ON or OFF. A new build that only tests need takes half a minute less in large units.
 build_release() {
     local units=()
-    if [[ ! -e build/CMakeCache.txt ]]; then
-        units=(-DLAMELLA_LARGE_UNITS=ON)
-    fi
+    [[ -e build/CMakeCache.txt ]] || units=(-DLAMELLA_LARGE_UNITS=ON)
     configure build -DCMAKE_BUILD_TYPE=Release -DLAMELLA_WERROR=ON -DLAMELLA_BUILD_BENCH="$2" \
         -DLAMELLA_THOROUGH_TESTS="$1" -DLAMELLA_BUILD_PYTHON="$1" "${units[@]}"
     build build
 }
 
-is_ctest() { ! ctest --test-dir build --show-only --tests-regex "$1" | grep -q '^Total Tests: 0$'; }
-
 # Runs the ctest tests of that name, or else the cases of lamella_tests whose names contain the word, or else what only the
 # thorough build has.
 run_named() {
     local word
+    run_ctest() { ctest --test-dir build --parallel "$jobs" --output-on-failure --no-tests=error --tests-regex "$1" "${@:2}"; }
     for word in "$@"; do
-        if ! is_ctest "$word"; then
-            # Its status is the number of names.
-            if [[ -n $(build/tests/lamella_tests --list-test-names-only "*$word*" || true) ]]; then
-                build/tests/lamella_tests --warn NoTests "*$word*"
-                continue
-            fi
+        if [[ $(run_ctest "$word" --show-only) != *"Total Tests: 0"* ]]; then
+            run_ctest "$word"
+        # Its status is the number of names.
+        elif [[ -n $(build/tests/lamella_tests --list-test-names-only "*$word*" || true) ]]; then
+            build/tests/lamella_tests --warn NoTests "*$word*"
+        else
             stage "thorough tests"
             build_release ON OFF
+            run_ctest "$word"
         fi
-        is_ctest "$word" || {
-            echo "no test has '$word' in its name" >&2
-            return 1
-        }
-        ctest --test-dir build --parallel "$jobs" --output-on-failure --tests-regex "$word"
     done
 }
 
@@ -107,14 +107,9 @@ check_abi() {
 # What macOS has: Clang with libc++. Compiles the libraries in their small units, as hosts do, and runs the golden cases,
 # which must give the bytes of GCC.
 check_libcxx() {
-    stage "Clang build with libc++"
-    configure build/libcxx -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_CXX_FLAGS="-stdlib=libc++" \
-        -DCMAKE_CXX_FLAGS_DEBUG="-O0" -DLAMELLA_PARALLEL=std -DLAMELLA_WERROR=ON \
+    variant libcxx "Clang build with libc++" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_COMPILER=clang++ \
+        -DCMAKE_CXX_FLAGS="-stdlib=libc++" -DCMAKE_CXX_FLAGS_DEBUG="-O0" -DLAMELLA_PARALLEL=std -DLAMELLA_WERROR=ON \
         -DLAMELLA_BUILD_TOOLS=OFF -DLAMELLA_BUILD_TESTS=OFF -DLAMELLA_BUILD_BENCH=OFF -DLAMELLA_BUILD_GOLDEN_TESTS=ON
-    build build/libcxx
-    stage "golden cases with libc++"
-    quietly build/libcxx/tests.log run_tests build/libcxx
-    summary build/libcxx/tests.log
 }
 
 # Checks every source of the engine, the tools and the oracle, with the headers that they include. Skips the other tests
@@ -130,49 +125,30 @@ check_style() {
 }
 
 check_memory() {
-    stage "Clang build, address and undefined-behaviour sanitizers"
-    configure_sanitizer build/asan -DCMAKE_CXX_COMPILER=clang++ -DLAMELLA_SANITIZE=address -DLAMELLA_WERROR=ON -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
-    build build/asan
+    UBSAN_OPTIONS=print_stacktrace=1 variant asan "address and undefined-behaviour sanitizers" "${sanitized[@]}" \
+        -DLAMELLA_SANITIZE=address -DLAMELLA_WERROR=ON -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
     check_style
-    stage "tests under the address and undefined-behaviour sanitizers"
-    UBSAN_OPTIONS=print_stacktrace=1 quietly build/asan/tests.log run_tests build/asan
-    summary build/asan/tests.log
 }
 
 # Uses std::thread, because the sanitizer cannot see into Debian's oneTBB.
 check_threads() {
-    stage "Clang build, thread sanitizer"
-    configure_sanitizer build/tsan -DCMAKE_CXX_COMPILER=clang++ -DLAMELLA_SANITIZE=thread -DLAMELLA_PARALLEL=std \
-        -DLAMELLA_BUILD_TOOLS=OFF -DLAMELLA_BUILD_MEDICAL=OFF
-    build build/tsan
-    stage "tests under the thread sanitizer"
-    TSAN_OPTIONS=halt_on_error=1 quietly build/tsan/tests.log run_tests build/tsan
-    summary build/tsan/tests.log
-}
-
-check_core() {
-    stage "build of the engine's own tests"
-    configure build/core -DCMAKE_BUILD_TYPE=Release -DLAMELLA_LARGE_UNITS=ON -DLAMELLA_BUILD_MEDICAL=OFF -DLAMELLA_BUILD_TOOLS=OFF \
-        -DLAMELLA_BUILD_BENCH=OFF -DLAMELLA_BUILD_PYTHON=OFF -DLAMELLA_THOROUGH_TESTS=OFF -DLAMELLA_TEST_ROOMS="engine|oracle"
-    build build/core
-    stage "the engine's own tests"
-    run_tests build/core
+    TSAN_OPTIONS=halt_on_error=1 variant tsan "thread sanitizer" "${sanitized[@]}" -DLAMELLA_SANITIZE=thread \
+        -DLAMELLA_PARALLEL=std -DLAMELLA_BUILD_TOOLS=OFF -DLAMELLA_BUILD_MEDICAL=OFF
 }
 
 all=false
+stage "packages"
+install_missing "${build_packages[@]}"
+if [[ "${1:-}" == --core ]]; then
+    variant core "the engine alone" -DCMAKE_BUILD_TYPE=Release -DLAMELLA_LARGE_UNITS=ON -DLAMELLA_BUILD_MEDICAL=OFF \
+        -DLAMELLA_BUILD_TOOLS=OFF -DLAMELLA_BUILD_BENCH=OFF -DLAMELLA_BUILD_PYTHON=OFF -DLAMELLA_THOROUGH_TESTS=OFF \
+        -DLAMELLA_TEST_ROOMS="engine|oracle"
+    exit
+fi
+install_missing "${test_packages[@]}" "${python_packages[@]}"
 if [[ "${1:-}" == --all ]]; then
     all=true
     shift
-fi
-
-stage "packages"
-if [[ "${1:-}" == --core ]]; then
-    install_missing "${build_packages[@]}"
-    check_core
-    exit
-fi
-install_missing "${build_packages[@]}" "${test_packages[@]}" "${python_packages[@]}"
-if $all; then
     install_missing "${check_packages[@]}" "${picture_packages[@]}" "${bench_packages[@]}" "${reader_packages[@]}"
     check_format
 fi
@@ -180,16 +156,13 @@ fi
 stage "release build"
 if $all; then
     build_release ON ON
-else
-    build_release OFF OFF
-fi
-
-if $all; then
     check_docs
     check_abi
     check_libcxx
     check_memory
     check_threads
+else
+    build_release OFF OFF
 fi
 
 stage "tests of the release build"

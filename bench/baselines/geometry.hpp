@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/clock.hpp"
-#include "method.hpp"
+#include "methods.hpp"
 
 namespace lamella::baselines {
 

@@ -35,41 +35,33 @@ constexpr std::uint32_t none = 0xFFFFFFFF;
 /// down, where the contour enters a facet.
 class Rings {
 public:
-    explicit Rings(std::size_t half_edges) : next_(half_edges, none), ring_of_(half_edges, none) {}
-
-    std::uint32_t next(std::uint32_t edge) const noexcept { return next_[edge]; }
-    void link(std::uint32_t edge, std::uint32_t next) noexcept { next_[edge] = next; }
-    std::uint32_t ring_of(std::uint32_t edge) const noexcept { return ring_of_[edge]; }
-
-    /// One edge of each ring, by its number.
-    const auto& all() const noexcept { return edge_in_; }
+    explicit Rings(std::size_t half_edges) : next(half_edges, none), ring_of(half_edges, none) {}
 
     /// Adds the edges from `first` to `last`, already linked, to the ring.
     void put(std::uint32_t first, std::uint32_t last, std::uint32_t ring) {
-        for (std::uint32_t edge = first;; edge = next_[edge]) {
-            ring_of_[edge] = ring;
+        for (std::uint32_t edge = first;; edge = next[edge]) {
+            ring_of[edge] = ring;
             if (edge == last) {
                 break;
             }
         }
-        edge_in_[ring] = first;  // the ring's former representative may have ended
+        edge_in[ring] = first;  // the ring's former representative may have ended
     }
 
     /// Makes a ring of the edges linked to this one.
     void begin(std::uint32_t edge) {
         std::uint32_t last = edge;
-        while (next_[last] != edge) {
-            last = next_[last];
+        while (next[last] != edge) {
+            last = next[last];
         }
         put(edge, last, begun_++);
     }
 
-    void end(std::uint32_t ring) { edge_in_.erase(ring); }
+    std::vector<std::uint32_t> next;                           ///< by edge: the next edge that the contour crosses
+    std::vector<std::uint32_t> ring_of;                        ///< by edge
+    std::unordered_map<std::uint32_t, std::uint32_t> edge_in;  ///< by ring: one of its edges
 
 private:
-    std::vector<std::uint32_t> next_;     // by edge: the next edge that the contour crosses
-    std::vector<std::uint32_t> ring_of_;  // by edge
-    std::unordered_map<std::uint32_t, std::uint32_t> edge_in_;
     std::uint32_t begun_ = 0;
 };
 
@@ -95,7 +87,7 @@ public:
             for (; at < order_.size() && mesh_.vertices[order_[at]].z < planes_[i]; ++at) {
                 pass(order_[at]);
             }
-            for (const auto& [ring, edge] : rings_.all()) {
+            for (const auto& [ring, edge] : rings_.edge_in) {
                 outcome.contours[i].push_back(contour_of(edge, planes_[i]));
                 outcome.segments += outcome.contours[i].back().points.size();
             }
@@ -131,11 +123,11 @@ private:
             // Every edge at the vertex is `out` of one facet and `in` of its neighbour.
             if (a_is_above) {
                 begun_.push_back(twins_[out]);
-                rings_.link(b_is_above ? in : opposite, twins_[out]);
+                rings_.next[b_is_above ? in : opposite] = twins_[out];
             } else {
-                ended_.push_back(rings_.ring_of(out));
+                ended_.push_back(rings_.ring_of[out]);
                 if (b_is_above) {
-                    rings_.link(in, twins_[opposite]);
+                    rings_.next[in] = twins_[opposite];
                 }
             }
             if (a_is_above && !b_is_above) {
@@ -154,10 +146,10 @@ private:
             return;
         }
         for (const std::uint32_t ring : ended_) {
-            rings_.end(ring);
+            rings_.edge_in.erase(ring);
         }
         for (const std::uint32_t edge : begun_) {
-            if (rings_.ring_of(edge) == none) {
+            if (rings_.ring_of[edge] == none) {
                 rings_.begin(edge);
             }
         }
@@ -170,7 +162,7 @@ private:
             return false;
         }
         std::size_t length = 1;
-        for (std::uint32_t edge = run_.first; edge != run_.last; edge = rings_.next(edge)) {
+        for (std::uint32_t edge = run_.first; edge != run_.last; edge = rings_.next[edge]) {
             ++length;
         }
         return length == begun_.size();
@@ -181,7 +173,7 @@ private:
         std::uint32_t edge = start;
         do {
             contour.points.push_back(crossing(mesh_.vertices[mesh_.from(edge)], mesh_.vertices[mesh_.to(edge)], plane));
-            edge = rings_.next(edge);
+            edge = rings_.next[edge];
         } while (edge != start);
         return contour;
     }

@@ -4,18 +4,18 @@
 // 2. Facet by facet: binary search finds the planes between the facet's lowest and highest vertex. Each such plane's
 // list gets a line, with the numbers of the two edges on which the line ends.
 // 3. Plane by plane: lines are sorted by the edge on which they begin. Binary search finds the line that begins on the
-// edge where the chain ends. Finally, chains that did not close are joined with one another, reversed if needed.
+// edge where the chain ends.
 //
 // O(n log n + n log k + m log m). Any planes, any mesh.
 //
 // Nothing is corrected. Lines are sorted in each layer, as in later versions. The version that the paper timed built a
 // table of all 3 n edge numbers in every layer, O(n k). Left out: vertex numbers and marks of level facets, by which
-// Slic3r chains lines that end exactly on a vertex (planes never meet a vertex here); locks; and gap closing. Where
-// more than two facets share an edge, Slic3r pairs them in order of appearance; here they are paired as in the engine.
+// Slic3r chains lines that end exactly on a vertex (planes never meet a vertex here); locks; gap closing; and joining chains
+// that did not close with one another, so that a polyline of an open mesh may come in pieces. Where more than two facets
+// share an edge, Slic3r pairs them in order of appearance; here they are paired as in the engine.
 #include "methods.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "geometry.hpp"
@@ -100,61 +100,6 @@ std::vector<Lines> slice(const std::vector<Facet>& facets, const std::vector<std
     return lines;
 }
 
-/// A chain of lines that did not close.
-struct OpenChain {
-    std::vector<Point> points;
-    std::uint32_t edges[2];  ///< the edges on which it begins and ends
-};
-
-/// By chain end, numbered 2 * chain for the first point and 2 * chain + 1 for the last: the other end on its edge, or
-/// no_end.
-constexpr std::uint32_t no_end = 0xFFFFFFFF;
-std::vector<std::uint32_t> partners_of(const std::vector<OpenChain>& chains) {
-    std::vector<std::uint32_t> ends(2 * chains.size());
-    std::iota(ends.begin(), ends.end(), 0U);
-    const auto edge_of = [&](std::uint32_t end) { return chains[end / 2].edges[end % 2]; };
-    std::ranges::sort(ends, {}, edge_of);
-    std::vector<std::uint32_t> partners(ends.size(), no_end);
-    for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
-        if (edge_of(ends[i]) == edge_of(ends[i + 1])) {  // at most two chain ends share an edge
-            partners[ends[i]] = ends[i + 1];
-            partners[ends[i + 1]] = ends[i];
-        }
-    }
-    return partners;
-}
-
-/// Joins chains that end on the same edge: from free chain ends first, and with the lines' orientation where possible.
-void add_joined(std::vector<OpenChain> chains, std::vector<Polyline>& contours) {
-    const std::vector<std::uint32_t> partners = partners_of(chains);
-    std::vector<bool> is_used(chains.size());
-    const auto add_from = [&](std::uint32_t end) {
-        Polyline& joined = contours.emplace_back();
-        for (; end != no_end && !is_used[end / 2]; end = partners[end ^ 1U]) {
-            is_used[end / 2] = true;
-            std::vector<Point>& points = chains[end / 2].points;
-            if (end % 2 == 1) {
-                std::ranges::reverse(points);
-            }
-            if (!joined.points.empty()) {
-                joined.points.pop_back();  // the next chain repeats this point
-            }
-            joined.points.insert(joined.points.end(), points.begin(), points.end());
-        }
-        joined.closed = end != no_end;
-        if (joined.closed) {
-            joined.points.pop_back();
-        }
-    };
-    for (const auto& [side, only_free] : {std::pair(0U, true), std::pair(1U, true), std::pair(0U, false)}) {
-        for (std::uint32_t end = side; end < partners.size(); end += 2) {
-            if (!is_used[end / 2] && (partners[end] == no_end || !only_free)) {
-                add_from(end);
-            }
-        }
-    }
-}
-
 std::vector<Polyline> chain(const Lines& lines) {
     constexpr std::uint32_t no_line = 0xFFFFFFFF;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> by_edge_a(lines.size());
@@ -171,7 +116,6 @@ std::vector<Polyline> chain(const Lines& lines) {
         return next != by_edge_a.end() && next->first == edge ? next->second : no_line;
     };
     std::vector<Polyline> contours;
-    std::vector<OpenChain> open;
     for (std::uint32_t first = 0; first < lines.size(); ++first) {
         if (is_used[first]) {
             continue;
@@ -183,14 +127,12 @@ std::vector<Polyline> chain(const Lines& lines) {
             points.push_back(lines[line].a);
             last = line;
         }
-        if (lines[last].edge_b == lines[first].edge_a) {
-            contours.push_back({std::move(points), true});
-        } else {
+        const bool closed = lines[last].edge_b == lines[first].edge_a;
+        if (!closed) {
             points.push_back(lines[last].b);
-            open.push_back({std::move(points), {lines[first].edge_a, lines[last].edge_b}});
         }
+        contours.push_back({std::move(points), closed});
     }
-    add_joined(std::move(open), contours);
     return contours;
 }
 
@@ -202,7 +144,6 @@ WholeOutcome run(const Problem& problem) {
 
 const WholeMethod slic3r_way{
     .name = "Slic3r",
-    .takes_open_meshes = true,
     .run = run,
 };
 

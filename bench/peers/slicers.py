@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Times a slicing program as a whole process and prints one line of JSON.
 
-    slicers.py slic3r|prusa-slicer|CuraEngine MESH --layer-height MM [--threads N] [--limit S] [--lamella PROGRAM] [--definitions FOLDER]
+    slicers.py slic3r|prusa-slicer|CuraEngine MESH --layer-height MM [--threads N] [--limit S] [--lamella PROGRAM]
 
 Everything after slicing that can be switched off is off (infill, solid layers, skirt). Stage times are those that the program
 prints. Exit status: 0 done, 75 over the time limit before the slices were made, 77 not installed.
@@ -11,11 +11,11 @@ import itertools
 import json
 import os
 import re
-import select
 import shutil
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 OVER_LIMIT = 75
@@ -27,31 +27,19 @@ def not_installed(what):
     sys.exit(NOT_INSTALLED)
 
 
-class Transcript:
-    """The output of a process, with times."""
-
-    def __init__(self):
-        self.text = ""
-        self.pieces = []  # (length of the text so far, seconds since the start)
-
-    def add(self, piece, at_s):
-        self.text += piece
-        self.pieces.append((len(self.text), at_s))
-
-    def span(self, begin, end):
-        """Seconds between the printing of two texts; None if one has not been printed."""
-        places = [self.text.find(begin) + len(begin), self.text.find(end) + len(end)]
-        if begin not in self.text or end not in self.text:
-            return None
-        begin_s, end_s = (next(at_s for length, at_s in self.pieces if length >= place) for place in places)
-        return end_s - begin_s
-
-    def number(self, pattern):
-        found = re.search(pattern, self.text)
-        return float(found[1]) if found else None
+def between(lines, begin, end):
+    """Seconds between the printing of two texts; None if one has not been printed."""
+    at_s = [next((at_s for at_s, line in lines if text in line), None) for text in (begin, end)]
+    return None if None in at_s else at_s[1] - at_s[0]
 
 
-# A program has words(request, engine) of its command line, slice_s(transcript), and planes(file, transcript) of its output file.
+def number(lines, pattern):
+    found = re.search(pattern, "".join(line for _, line in lines))
+    return float(found[1]) if found else None
+
+
+# A program has words(request, engine) of its command line, and slice_s(lines) and planes(file, lines) of the lines that it printed, each
+# with its time.
 
 class Slic3r:
     output = "slices.svg"
@@ -61,10 +49,10 @@ class Slic3r:
         return ["--no-gui", "--threads", str(request.threads), "--layer-height", height, "--first-layer-height", height,
                 "--export-svg", "--output", self.output, request.mesh]
 
-    def slice_s(self, transcript):
-        return transcript.span("Processing triangulated mesh", "Exporting to")
+    def slice_s(self, lines):
+        return between(lines, "Processing triangulated mesh", "Exporting to")
 
-    def planes(self, file, _transcript):
+    def planes(self, file, _lines):
         return len(contours_by_layer(file))
 
 
@@ -81,10 +69,10 @@ class PrusaSlicer:
                 "--perimeters", "1", "--perimeter-generator", "classic", "--fill-density", "0",
                 "--top-solid-layers", "0", "--bottom-solid-layers", "0", "--skirts", "0", request.mesh]
 
-    def slice_s(self, transcript):
-        return transcript.span("Slicing volumes...", "Generating perimeters")
+    def slice_s(self, lines):
+        return between(lines, "Slicing volumes...", "Generating perimeters")
 
-    def planes(self, file, _transcript):
+    def planes(self, file, _lines):
         with open(file, encoding="utf-8") as paths:
             return sum(line.startswith(";LAYER_CHANGE") for line in paths)
 
@@ -93,7 +81,7 @@ class CuraEngine:
     output = "paths.gcode"
 
     def words(self, request, engine):
-        definition = os.path.join(request.definitions, "fdmprinter.def.json")
+        definition = "/usr/share/cura/resources/definitions/fdmprinter.def.json"
         if not os.path.exists(definition):
             not_installed(f"CuraEngine needs {definition}, of Debian's package cura")
         settings = {"layer_height": request.layer_height, "layer_height_0": request.layer_height,
@@ -105,11 +93,11 @@ class CuraEngine:
         return ["slice", "-v", f"-m{request.threads}", "-j", definition, "-o", self.output, *options, "-e0", *options,
                 "-l", request.mesh]
 
-    def slice_s(self, transcript):
-        return transcript.number(r"Progress: slice accomplished in ([\d.]+)s")
+    def slice_s(self, lines):
+        return number(lines, r"Progress: slice accomplished in ([\d.]+)s")
 
-    def planes(self, _file, transcript):
-        return transcript.number(r"Layer count: (\d+)")
+    def planes(self, _file, lines):
+        return number(lines, r"Layer count: (\d+)")
 
 
 PEERS = {"slic3r": Slic3r(), "prusa-slicer": PrusaSlicer(), "CuraEngine": CuraEngine()}
@@ -127,23 +115,20 @@ def contours_by_layer(svg):
     return counts
 
 
-def run(words, folder, cores, deadline):
-    """The program's transcript and its run time in seconds; None if it was stopped at the deadline."""
-    transcript, start = Transcript(), time.monotonic()
+def run(words, folder, cores, limit_s):
+    """The lines that the program printed, each with its time, and the run time in seconds; None if it was stopped at the limit."""
+    start = time.monotonic()
     # Not every program has an option for threads, but all of them respect the set of cores that they may use.
-    with subprocess.Popen(words, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                          preexec_fn=lambda: os.sched_setaffinity(0, cores)) as process:
-        while select.select([process.stdout], [], [], deadline and max(0, deadline - time.monotonic()))[0]:
-            piece = os.read(process.stdout.fileno(), 1 << 16)
-            if not piece:
-                break
-            transcript.add(piece.decode("utf-8", "replace"), time.monotonic() - start)
-        else:
-            process.kill()
-            return transcript, None
-    if process.returncode != 0:
-        sys.exit(f"slicers.py: {words[0]} ended with status {process.returncode}: {transcript.text[-300:]}")
-    return transcript, time.monotonic() - start
+    with subprocess.Popen(words, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          errors="replace", preexec_fn=lambda: os.sched_setaffinity(0, cores)) as process:
+        alarm = threading.Timer(limit_s, process.kill)
+        alarm.start()
+        lines = [(time.monotonic() - start, line) for line in process.stdout]
+        alarm.cancel()
+    seconds = time.monotonic() - start
+    if process.returncode != 0 and seconds < limit_s:
+        sys.exit(f"slicers.py: {words[0]} ended with status {process.returncode}: {''.join(line for _, line in lines)[-300:]}")
+    return lines, seconds if seconds < limit_s else None
 
 
 def engine_answer(request, folder):
@@ -163,14 +148,14 @@ def measure(request, folder):
     engine, expected = engine_answer(request, folder)
     words = [request.peer, *peer.words(request, engine)]
     cores = sorted(os.sched_getaffinity(0))[:request.threads]
-    deadline = time.monotonic() + request.limit if request.limit else None
+    deadline = time.monotonic() + (request.limit or threading.TIMEOUT_MAX / 2)
     row = {"engine_planes": engine["planes"], "engine_contours": engine["contours"], "slice_s": [], "total_s": []}
     wanted = 1
     while len(row["total_s"]) < wanted:
-        transcript, seconds = run(words, folder, cores, deadline)
+        lines, seconds = run(words, folder, cores, deadline - time.monotonic())
         if seconds is None and row["total_s"]:
             break
-        sliced_s = peer.slice_s(transcript)
+        sliced_s = peer.slice_s(lines)
         if sliced_s is None:
             sys.exit(OVER_LIMIT if seconds is None else f"slicers.py: {request.peer} did not print when it had sliced")
         row["slice_s"].append(sliced_s)
@@ -179,7 +164,7 @@ def measure(request, folder):
             break
         wanted = 5 if row["total_s"][0] < 2 else 3 if row["total_s"][0] < 10 else 1
         file = os.path.join(folder, peer.output)
-        row["planes"] = peer.planes(file, transcript)
+        row["planes"] = peer.planes(file, lines)
         if file.endswith(".svg"):  # tool paths are offset, joined and dropped, so their contours cannot be counted
             apart = [abs(a - b) for a, b in itertools.zip_longest(contours_by_layer(file), expected, fillvalue=0)]
             row |= {"planes_apart": sum(map(bool, apart)), "contours_apart": sum(apart)}
@@ -196,8 +181,6 @@ def main():
     parser.add_argument("--limit", type=float, default=0, metavar="S", help="seconds for all runs together; 0: none")
     parser.add_argument("--lamella", default=os.path.join(here, "../../build/tools/lamella"), type=os.path.abspath,
                         metavar="PROGRAM", help="the engine to compare with")
-    parser.add_argument("--definitions", default="/usr/share/cura/resources/definitions", type=os.path.abspath, metavar="FOLDER",
-                        help="where Cura's fdmprinter.def.json is")
     request = parser.parse_args()
     if not os.path.exists(request.lamella):
         parser.error(f"there is no {request.lamella}: build it, or pass --lamella PROGRAM")

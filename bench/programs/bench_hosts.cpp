@@ -19,7 +19,7 @@ SliceOptions at_height(double mm) {
 
 /// All planes, and one plane a call at nineteen heights, of which the slowest counts: of a mesh and of what was prepared of
 /// it, which must give the same.
-void run_prepared(benchmark::State& state, const Prepared& of, int rounds) {
+Figures time_prepared(const Prepared& of, int rounds) {
     const Context context{.threads = host_threads};
     const MeshView mesh = of.mesh->view();
     const PreparedMesh prepared = checked(prepare(mesh, {}, context));
@@ -46,11 +46,11 @@ void run_prepared(benchmark::State& state, const Prepared& of, int rounds) {
         }
     }
     figures["bytes"] = static_cast<double>(prepared.bytes());
-    report(state, figures);
+    return figures;
 }
 
 /// One plane of a box of twelve triangles.
-void run_small(benchmark::State& state, int threads) {
+Figures time_small(int threads) {
     const std::vector<float> corners = {0, 0, 0, 9, 0, 0, 9, 9, 0, 0, 9, 0, 0, 0, 9, 9, 0, 9, 9, 9, 9, 0, 9, 9};
     const std::vector<std::uint32_t> faces = {0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4,
                                               1, 2, 6, 1, 6, 5, 2, 3, 7, 2, 7, 6, 3, 0, 4, 3, 4, 7};
@@ -75,21 +75,19 @@ void run_small(benchmark::State& state, int threads) {
         }
     };
     const Figures us_a_call = medians_of({{"kept", slice_kept}, {"fresh", slice_fresh}}, 21);
-    report(state,
-           {{"kept_us", us_a_call.at("kept")}, {"fresh_us", us_a_call.at("fresh")}, {"blocks", static_cast<double>(taken)}});
+    return {{"kept_us", us_a_call.at("kept")}, {"fresh_us", us_a_call.at("fresh")}, {"blocks", static_cast<double>(taken)}};
 }
 
 }  // namespace
 
-void add_hosts(const Options& options, const Case& wanted) {
-    const int rounds = options.quick ? 1 : 9;
-    add_benchmark("host/" + wanted.name + "/prepared", host_threads, options,
-                  [=](benchmark::State& state) { run_prepared(state, prepared(wanted), rounds); });
+void run_hosts(const Options& options, const Case& wanted) {
+    benchmark(options, "host/" + wanted.name + "/prepared", host_threads,
+              [&] { return time_prepared(prepared(wanted), options.quick ? 1 : 9); });
 }
 
-void add_small_calls(const Options& options) {
+void run_small_calls(const Options& options) {
     for (const int threads : {1, host_threads}) {
-        add_benchmark("host/box/small", threads, options, [=](benchmark::State& state) { run_small(state, threads); });
+        benchmark(options, "host/box/small", threads, [=] { return time_small(threads); });
     }
 }
 

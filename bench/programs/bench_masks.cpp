@@ -88,20 +88,21 @@ private:
 
 }  // namespace
 
-void add_masks(const Options& options) {
-    const auto add = [&](const char* way, auto work) {
+void run_masks(const Options& options) {
+    const auto run = [&](const char* way, auto work) {
         for (const int threads : {1, 2}) {
-            add_benchmark(std::string("mask/bone/") + way, threads, options, [=](benchmark::State& state) {
+            benchmark(options, std::string("mask/bone/") + way, threads, [&] {
                 const models::Recipe recipe{.triangles = std::uint64_t{options.quick ? 40'000U : 4'000'000U}};
                 static const Masked masked(cached_mesh(options, "mask_bone", recipe));
-                measure(state, [&] { work(masked, threads); });
-                state.counters["voxels/s"] = rate_of(voxels);
+                Figures figures = measure(options, [&] { work(masked, threads); });
+                figures["voxels/s"] = rate_of(voxels, figures);
+                return figures;
             });
         }
     };
-    add("raster", [](const Masked& masked, int threads) { masked.draw(threads); });
-    add("nii", [](const Masked& masked, int threads) { (void)masked.write("mask.nii", threads); });
-    add("nrrd", [](const Masked& masked, int threads) { (void)masked.write("mask.nrrd", threads); });
+    run("raster", [](const Masked& masked, int threads) { masked.draw(threads); });
+    run("nii", [](const Masked& masked, int threads) { (void)masked.write("mask.nii", threads); });
+    run("nrrd", [](const Masked& masked, int threads) { (void)masked.write("mask.nrrd", threads); });
 }
 
 }  // namespace lamella::bench

@@ -41,16 +41,15 @@ std::vector<float> soup_of(const MeshView& view) {
     return soup;
 }
 
-/// Seconds that reading the file's bytes takes, into memory allocated as in read_mesh(), without parsing.
+/// Milliseconds that reading the file's bytes takes, into memory allocated as in read_mesh(), without parsing.
 double time_pread(const InputFile& file, int threads) {
-    return seconds_of([&] {
+    return ms_of([&] {
         Array<std::byte> bytes;
         bytes.resize_discarding(file.size());
         const Parallel parallel({.threads = threads});
         if (!file.read(bytes.span(), parallel).ok()) {
             fail("the file cannot be read");
         }
-        benchmark::DoNotOptimize(bytes.data());
     });
 }
 
@@ -81,47 +80,46 @@ std::uint64_t unpacked_bytes(const std::filesystem::path& path, const MeshFile& 
     return path.extension() == ".vtp" ? 12 * mesh.view().vertex_count + 32 * mesh.triangle_count : mesh.file_bytes;
 }
 
-void run_read(benchmark::State& state, const std::filesystem::path& path, int threads) {
+Figures time_read(const Options& options, const std::filesystem::path& path, int threads) {
     const auto read = [&] { return checked(read_mesh(path, {}, {.threads = threads})); };
     MeshFile mesh = read();
     const InputFile input = checked(InputFile::open(path));
     if (soup_of(mesh.view()) != soup_of(checked(read_mesh(path.parent_path() / "mesh.stl")).view())) {
         fail("reads other triangles than were written");
     }
-    state.counters["bytes/s"] = rate_of(mesh.file_bytes);
-    state.counters["unpacked_bytes/s"] = rate_of(unpacked_bytes(path, mesh));
-    double pread_seconds = 0;
-    const double seconds = measure(
-        state,
-        [&] {
-            mesh = MeshFile();
-            pread_seconds += time_pread(input, threads);
-        },
-        [&] { mesh = read(); });
-    state.counters["share_of_pread"] = pread_seconds / static_cast<double>(state.iterations()) / seconds;
+    std::vector<double> pread_ms;
+    const auto before = [&] {
+        mesh = MeshFile();
+        pread_ms.push_back(time_pread(input, threads));
+    };
+    Figures figures = measure(options, before, [&] { mesh = read(); });
+    figures["bytes/s"] = rate_of(mesh.file_bytes, figures);
+    figures["unpacked_bytes/s"] = rate_of(unpacked_bytes(path, mesh), figures);
+    figures["share_of_pread"] = median_of(std::move(pread_ms)) / figures["real_time"];
+    return figures;
 }
 
 /// Measures the upper bound for a deflate stream: only one thread can inflate it.
-void run_inflate(benchmark::State& state, const std::filesystem::path& path) {
+Figures time_inflate(const Options& options, const std::filesystem::path& path) {
     const std::uint64_t bytes = inflate_model(path);
-    measure(state, [&] { benchmark::DoNotOptimize(inflate_model(path)); });
-    state.counters["unpacked_bytes/s"] = rate_of(bytes);
+    Figures figures = measure(options, [&] { inflate_model(path); });
+    figures["unpacked_bytes/s"] = rate_of(bytes, figures);
+    return figures;
 }
 
 }  // namespace
 
-void add_reads(const Options& options) {
+void run_reads(const Options& options) {
     const std::filesystem::path folder = options.cache / "read";
     for (const auto& [encoding, files] : formats) {
         for (const std::filesystem::path& file : files) {
             for (const int threads : thread_counts()) {
-                add_benchmark("read/" + file.stem().string() + "/" + encoding, threads, options,
-                              [=](benchmark::State& state) { run_read(state, folder / file, threads); });
+                benchmark(options, "read/" + file.stem().string() + "/" + encoding, threads,
+                          [&] { return time_read(options, folder / file, threads); });
             }
         }
     }
-    add_benchmark("read/3mf/inflate_alone", 1, options,
-                  [=](benchmark::State& state) { run_inflate(state, folder / "3mf.3mf"); });
+    benchmark(options, "read/3mf/inflate_alone", 1, [&] { return time_inflate(options, folder / "3mf.3mf"); });
 }
 
 }  // namespace lamella::bench

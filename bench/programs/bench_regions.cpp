@@ -1,6 +1,14 @@
-// region_of() on layers whose contours lie beside or across each other by the thousand. Each region's area is known.
+// Times region_of() on layers whose contours lie beside or across each other by the thousand, each of a known area; slicing
+// with regions beside the plain slice; and the regions of a slice's layers beside those of the clipping library. Slices are
+// warm. Regions of single layers run on one thread.
+#include <algorithm>
+#include <cmath>
+#include <memory>
 #include <span>
+#include <string>
 #include <vector>
+
+#include <polyclipping/clipper.hpp>
 
 #include "engine/counting_memory.hpp"
 #include "lamella/layers.hpp"
@@ -60,7 +68,7 @@ Layer2d comb(std::int32_t teeth) {
     return layer;
 }
 
-void run_region(benchmark::State& state, const Layer2d& layer, FillRule rule) {
+Figures time_region(const Options& options, const Layer2d& layer, FillRule rule) {
     const RegionRules rules{.fill_rule = rule};
     constexpr double unit_mm = 1;  // so that areas are in square grid units
     const std::vector<std::span<const Point>> contours = layer.spans();
@@ -69,26 +77,145 @@ void run_region(benchmark::State& state, const Layer2d& layer, FillRule rule) {
         (rule == FillRule::non_zero ? layer.non_zero : layer.even_odd)) {
         fail("the region has not the known area");
     }
-    measure(state, [&] { checked(region_of(contours, rules, unit_mm)); });
-    state.counters["peak_bytes"] = static_cast<double>(memory.peak());
+    Figures figures = measure(options, [&] { checked(region_of(contours, rules, unit_mm)); });
+    figures["peak_bytes"] = static_cast<double>(memory.peak());
+    return figures;
+}
+
+constexpr SliceOptions layers{.layer_height_mm = 0.2};
+constexpr int region_threads = 2;
+constexpr double closing_mm = 0.049;
+constexpr double offset_mm = 0.2;
+
+RegionRules non_zero(double closing = 0, double offset = 0) {
+    return {.fill_rule = FillRule::non_zero, .closing_mm = closing, .offset_mm = offset};
+}
+
+/// Slices with the region into memory of its own, which stays warm.
+std::function<void()> slicing(const MeshView& mesh, const RegionRules& region) {
+    SliceOptions options = layers;
+    options.region = region;
+    const auto slicer = std::make_shared<Slicer>();
+    const auto result = std::make_shared<SliceResult>();
+    return [=] { checked(slicer->slice_to(*result, mesh, options, {.threads = region_threads})); };
+}
+
+Figures time_slices(const MeshView& mesh, int rounds) {
+    return medians_of({{"plain", slicing(mesh, {})},
+                       {"non_zero", slicing(mesh, non_zero())},
+                       {"closing", slicing(mesh, non_zero(closing_mm))},
+                       {"offset", slicing(mesh, non_zero(0, offset_mm))}},
+                      rounds);
+}
+
+ClipperLib::Paths grown(const ClipperLib::Paths& paths, double by) {
+    ClipperLib::ClipperOffset offset(RegionRules{}.miter_limit);
+    offset.AddPaths(paths, ClipperLib::jtMiter, ClipperLib::etClosedPolygon);
+    ClipperLib::Paths region;
+    offset.Execute(region, by);
+    return region;
+}
+
+/// By ClipperLib 6.4, which the slicers of the Slic3r family use. As they close: united by non-zero, grown by so many grid
+/// units with miter joins, then shrunk by as many.
+ClipperLib::Paths closed(const ClipperLib::Paths& contours, double radius) {
+    ClipperLib::Clipper clipper;
+    clipper.AddPaths(contours, ClipperLib::ptSubject, true);
+    ClipperLib::Paths region;
+    if (!clipper.Execute(ClipperLib::ctUnion, region, ClipperLib::pftNonZero, ClipperLib::pftNonZero)) {
+        fail("the library fails");
+    }
+    return radius > 0 ? grown(grown(region, radius), -radius) : region;
+}
+
+/// A layer's contours, also in the library's own form, so that only its work is timed.
+struct BothForms {
+    std::vector<std::span<const Point>> ours;
+    ClipperLib::Paths theirs;
+    double length = 0;  // of the contours, grid units
+};
+
+BothForms both_forms(const LayerView& layer) {
+    BothForms both;
+    for (const Contour& contour : layer.contours) {
+        if (contour.role == Role::open) {
+            continue;
+        }
+        const std::span<const Point> points = both.ours.emplace_back(layer.points_of(contour));
+        ClipperLib::Path& path = both.theirs.emplace_back();
+        Point last = points.back();
+        for (const Point& point : points) {
+            path.emplace_back(point.x, point.y);
+            both.length += std::hypot(static_cast<double>(point.x) - last.x, static_cast<double>(point.y) - last.y);
+            last = point;
+        }
+    }
+    return both;
+}
+
+/// Areas may differ by six grid units along the contours.
+void require_same_area(const BothForms& layer, double closing, double unit_mm) {
+    constexpr double apart = 6;
+    double difference = checked(region_of(layer.ours, non_zero(closing), unit_mm))[0].area_mm2() / (unit_mm * unit_mm);
+    for (const ClipperLib::Path& path : closed(layer.theirs, closing / unit_mm)) {
+        difference -= ClipperLib::Area(path);
+    }
+    if (std::abs(difference) > apart * layer.length) {
+        fail("a region differs from the library's by " + std::to_string(difference) + " square units, " +
+             std::to_string(difference / layer.length) + " units along its contours");
+    }
+}
+
+Figures time_layers(const MeshView& mesh, int rounds) {
+    const SliceResult result = checked(slice(mesh, layers));
+    const double unit_mm = result.info.grid_mm;
+    std::vector<BothForms> all;
+    for (const LayerView layer : result) {
+        all.push_back(both_forms(layer));
+        require_same_area(all.back(), 0, unit_mm);
+        require_same_area(all.back(), closing_mm, unit_mm);
+    }
+    const auto ours = [&](double closing) {
+        for (const BothForms& layer : all) {
+            checked(region_of(layer.ours, non_zero(closing), unit_mm));
+        }
+    };
+    const auto theirs = [&](double closing) {
+        for (const BothForms& layer : all) {
+            closed(layer.theirs, closing / unit_mm);
+        }
+    };
+    return medians_of({{"union", [&] { ours(0); }},
+                       {"library_union", [&] { theirs(0); }},
+                       {"closing", [&] { ours(closing_mm); }},
+                       {"library_closing", [&] { theirs(closing_mm); }}},
+                      rounds);
 }
 
 }  // namespace
 
-void add_regions(const Options& options) {
+void run_regions(const Options& options) {
     const std::int32_t less = options.quick ? 10 : 1;
-    const auto add = [&](const std::string& name, auto make) {
+    const auto run = [&](const std::string& name, const auto& make) {
         for (const FillRule rule : {FillRule::non_zero, FillRule::even_odd}) {
-            add_benchmark("region/" + name + "/" + std::string(lamella::name_of(rule)), 1, options,
-                          [=](benchmark::State& state) { run_region(state, make(), rule); });
+            benchmark(options, "region/" + name + "/" + std::string(lamella::name_of(rule)), 1,
+                      [&] { return time_region(options, make(), rule); });
         }
     };
-    add("boxes_40000_apart", [=] { return boxes(200 / less, step / 2); });
-    add("boxes_40000_touching", [=] { return boxes(200 / less, 0); });
-    add("rods_240x240", [=] { return bars(240 / less); });
-    add("comb_16000", [=] { return comb(16'000 / less); });
-    add("bars_500x500", [=] { return bars(500 / less); });
-    add("bars_1000x1000", [=] { return bars(1'000 / less); });
+    run("boxes_40000_apart", [=] { return boxes(200 / less, step / 2); });
+    run("boxes_40000_touching", [=] { return boxes(200 / less, 0); });
+    run("rods_240x240", [=] { return bars(240 / less); });
+    run("comb_16000", [=] { return comb(16'000 / less); });
+    run("bars_500x500", [=] { return bars(500 / less); });
+    run("bars_1000x1000", [=] { return bars(1'000 / less); });
+}
+
+void run_slices_with_regions(const Options& options, const Case& wanted) {
+    const int rounds = options.quick ? 1 : 3;
+    benchmark(options, "regions/" + wanted.name + "/slices", region_threads,
+              [&] { return time_slices(prepared(wanted).mesh->view(), 3 * rounds); });
+    benchmark(options, "regions/" + wanted.name + "/layers", 1,
+              [&] { return time_layers(prepared(wanted).mesh->view(), rounds); });
 }
 
 }  // namespace lamella::bench

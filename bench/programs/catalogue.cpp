@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <span>
 #include <thread>
 
 #include "base/parallel.hpp"
@@ -15,16 +14,11 @@ namespace lamella::bench {
 
 namespace {
 
-constexpr double layer_mm = 0.032;
 constexpr std::uint64_t few_planes_segments = 5'000'000;
 constexpr double few_planes_height_mm = 10;
 constexpr double segments_per_triangle = 5;  // for the linear series and for weak scaling
 
-Plan uniform(const Mesh&) {
-    return {{.layer_height_mm = layer_mm}};
-}
-
-/// Random steps with as many planes as uniform() on average.
+/// Random steps with as many planes as uniform layers on average.
 Plan irregular(const Mesh&) {
     return {{}, {.random_heights = RandomHeights{layer_mm / 2, layer_mm * 3 / 2, 1}}};
 }
@@ -65,133 +59,90 @@ Mesh make_columns(std::uint32_t count, std::uint32_t sides) {
     return mesh;
 }
 
-class CatalogueMaker {
-public:
-    explicit CatalogueMaker(const Options& options) : options_(options) {}
+/// Adds cases to a catalogue.
+struct Maker {
+    Options options;
+    std::vector<Case> cases{};
 
-    std::vector<Case> make() {
-        add_real("liver", KnownAnswer{6'242, 2'342'005, 15'790, 0});
-        add_real("femur", KnownAnswer{3'155, 1'180'826, 3'338, 0});
-        add_real("brain", {});
-        add_real("hip_femur", {});
-        add_bones();
-        for (const int planes : {1, 2, 4}) {
-            add_few_planes(planes);
-        }
-        for (int half_decade = 8; half_decade <= 14; ++half_decade) {  // 10^4 to 10^7 triangles
-            const auto triangles = static_cast<std::uint64_t>(std::llround(std::pow(10.0, half_decade / 2.0)));
-            add_torus("linear_" + std::to_string(triangles), std::max<std::uint64_t>(scaled(triangles), 1'000));
-        }
-        for (const int threads : thread_counts()) {  // the same amount of work for each thread
-            add_torus("weak_" + std::to_string(threads),
-                      std::min(scaled(1'000'000) * static_cast<std::uint64_t>(threads), models::most_triangles))
-                .only_threads = threads;
-        }
-        return std::move(cases_);
+    std::uint64_t scaled(std::uint64_t count) const { return options.quick ? count / 100 : count; }
+
+    Case from_recipe(const std::string& name, const models::Recipe& recipe) const {
+        return {.name = name,
+                .mesh_name = name,
+                .mesh = [=, all = options] { return load_mesh(cached_mesh(all, name, recipe)); },
+                .triangles = recipe.triangles,
+                .segments = recipe.segments.value_or(0)};
     }
 
-private:
-    std::uint64_t scaled(std::uint64_t count) const { return options_.quick ? count / 100 : count; }
-
-    Case& add(Case added) { return cases_.emplace_back(std::move(added)); }
-
-    std::function<Mesh()> made(const std::string& name, const models::Recipe& recipe) const {
-        return [=, options = options_] { return load_mesh(cached_mesh(options, name, recipe)); };
+    /// The same mesh at irregular planes.
+    void add_irregular(const Case& uniform) {
+        cases.push_back(
+            {.name = uniform.name + "_irregular", .mesh_name = uniform.mesh_name, .mesh = uniform.mesh, .plan = irregular});
     }
 
     /// Real meshes. Where one is absent, a bone of about as many triangles replaces it, under a name that says so.
     void add_real(const std::string& name, const std::optional<KnownAnswer>& known) {
-        const std::filesystem::path file = options_.shared / (name + ".stl");
-        const bool paper = known.has_value();
-        if (!options_.shared.empty() && std::filesystem::exists(file)) {
-            const auto load = [file] { return load_mesh(file); };
-            const bool hosts = name != "hip_femur";
-            add({.name = name,
-                 .mesh_name = name,
-                 .mesh = load,
-                 .plan = uniform,
-                 .cold = true,
-                 .partition = paper,
-                 .hosts = hosts,
-                 .regions = hosts,
-                 .known = known});
-            add({.name = name + "_irregular", .mesh_name = name, .mesh = load, .plan = irregular});
-        } else if (paper) {
-            const auto load = made("instead_of_real", {.shape = models::Shape::bone, .triangles = 40'000});
-            add({.name = "instead_of_" + name,
-                 .mesh_name = "instead_of_real",
-                 .mesh = load,
-                 .plan = uniform,
-                 .cold = true,
-                 .partition = true,
-                 .hosts = true,
-                 .regions = true});
+        const std::filesystem::path file = options.shared / (name + ".stl");
+        const bool there = std::filesystem::exists(file);
+        Case real{.name = name, .mesh_name = name, .mesh = [=] { return load_mesh(file); }, .known = known};
+        if (!there) {
+            real = from_recipe("instead_of_real", {.shape = models::Shape::bone, .triangles = 40'000});
+            real.name = "instead_of_" + name;
+        }
+        real.cold = true;
+        real.hosts = real.regions = name != "hip_femur";
+        if (there || known) {
+            cases.push_back(real);
+        }
+        if (there) {
+            add_irregular(real);
         }
     }
 
     /// A bone of the stated size. With --quick it is smaller, and its number of segments is not controlled.
-    Case& add_bone(const std::string& name, std::uint64_t triangles, double height_mm, std::uint64_t segments,
-                   models::Order order = models::Order::z) {
+    void add_bone(const std::string& name, std::uint64_t triangles, double height_mm, std::uint64_t segments,
+                  models::Order order = models::Order::z) {
         models::Recipe recipe{.shape = models::Shape::bone, .triangles = scaled(triangles), .height_mm = height_mm};
         recipe.order = order;
-        if (!options_.quick) {
+        if (!options.quick) {
             recipe.segments = segments;
             recipe.layer_height_mm = layer_mm;
         }
-        return add({.name = name,
-                    .mesh_name = name,
-                    .mesh = made(name, recipe),
-                    .plan = uniform,
-                    .triangles = recipe.triangles,
-                    .segments = recipe.segments.value_or(0),
-                    .cold = order == models::Order::z,
-                    .partition = true});
+        Case bone = from_recipe(name, recipe);
+        bone.cold = order == models::Order::z;
+        bone.hosts = name == "scan";
+        cases.push_back(bone);
+        if (bone.hosts) {
+            add_irregular(bone);
+        }
     }
 
-    void add_bones() {
-        const auto scan = add_bone("scan", 3'400'000, 150, 18'000'000).mesh;
-        cases_.back().hosts = true;
-        add({.name = "scan_irregular", .mesh_name = "scan", .mesh = scan, .plan = irregular});
-        add_bone("scan_shuffled", 3'400'000, 150, 18'000'000, models::Order::random);
-        add_bone("figure", 8'800'000, 10, 1'100'000);
-        add_bone("skull", 16'700'000, 150, 70'000'000);
-    }
-
-    /// 5 M segments in one, two and four planes: as many small contours, and as one contour a plane.
+    /// 5 M segments in so many planes: as many small contours, and as one contour a plane.
     void add_few_planes(int planes) {
         constexpr std::uint32_t sides = 64;
         const std::uint64_t all = scaled(few_planes_segments);
         const std::uint64_t facets = all / static_cast<std::uint64_t>(planes);
-        const models::Recipe prism{.shape = models::Shape::prism,
-                                   .triangles = facets * 2,
-                                   .height_mm = few_planes_height_mm,
-                                   .segments = all,
-                                   .layer_height_mm = few_planes_height_mm / planes};
-        const auto columns = [=] { return make_columns(static_cast<std::uint32_t>(facets / (2 * sides)), sides); };
-        const auto add_one = [&](const std::string& name, std::function<Mesh()> mesh) {
-            add({.name = name,
-                 .mesh_name = name,
-                 .mesh = std::move(mesh),
-                 .plan = [=](const Mesh& at) { return few(at, planes); },
-                 .segments = all,
-                 .partition = true});
-        };
-        add_one("columns_planes" + std::to_string(planes), columns);
-        add_one("prism_planes" + std::to_string(planes), made("prism_planes" + std::to_string(planes), prism));
+        const std::string end = "_planes" + std::to_string(planes);
+        Case prism = from_recipe("prism" + end, {.shape = models::Shape::prism,
+                                                 .triangles = facets * 2,
+                                                 .height_mm = few_planes_height_mm,
+                                                 .segments = all,
+                                                 .layer_height_mm = few_planes_height_mm / planes});
+        prism.plan = [=](const Mesh& at) { return few(at, planes); };
+        prism.triangles = 0;
+        Case columns = prism;
+        columns.name = columns.mesh_name = "columns" + end;
+        columns.mesh = [=] { return make_columns(static_cast<std::uint32_t>(facets / (2 * sides)), sides); };
+        cases.push_back(columns);
+        cases.push_back(prism);
     }
 
     Case& add_torus(const std::string& name, std::uint64_t triangles) {
-        const models::Recipe recipe{.shape = models::Shape::torus, .triangles = triangles / 2 * 2};
-        return add({.name = name,
-                    .mesh_name = name,
-                    .mesh = made(name, recipe),
-                    .plan = constant_ratio,
-                    .triangles = recipe.triangles,
-                    .segments = static_cast<std::uint64_t>(segments_per_triangle * static_cast<double>(triangles))});
+        Case torus = from_recipe(name, {.shape = models::Shape::torus, .triangles = triangles / 2 * 2});
+        torus.plan = constant_ratio;
+        torus.segments = static_cast<std::uint64_t>(segments_per_triangle * static_cast<double>(triangles));
+        return cases.emplace_back(torus);
     }
-
-    Options options_;
-    std::vector<Case> cases_;
 };
 
 }  // namespace
@@ -230,7 +181,28 @@ std::filesystem::path cached_mesh(const Options& options, const std::string& nam
 }
 
 std::vector<Case> make_catalogue(const Options& options) {
-    return CatalogueMaker(options).make();
+    Maker maker{options};
+    maker.add_real("liver", KnownAnswer{6'242, 2'342'005, 15'790, 0});
+    maker.add_real("femur", KnownAnswer{3'155, 1'180'826, 3'338, 0});
+    maker.add_real("brain", {});
+    maker.add_real("hip_femur", {});
+    maker.add_bone("scan", 3'400'000, 150, 18'000'000);
+    maker.add_bone("scan_shuffled", 3'400'000, 150, 18'000'000, models::Order::random);
+    maker.add_bone("figure", 8'800'000, 10, 1'100'000);
+    maker.add_bone("skull", 16'700'000, 150, 70'000'000);
+    for (const int planes : {1, 2, 4}) {
+        maker.add_few_planes(planes);
+    }
+    for (int half_decade = 8; half_decade <= 14; ++half_decade) {  // 10^4 to 10^7 triangles
+        const auto triangles = static_cast<std::uint64_t>(std::llround(std::pow(10.0, half_decade / 2.0)));
+        maker.add_torus("linear_" + std::to_string(triangles), std::max<std::uint64_t>(maker.scaled(triangles), 1'000));
+    }
+    for (const int threads : thread_counts()) {  // the same amount of work for each thread
+        const std::uint64_t triangles = maker.scaled(1'000'000) * static_cast<std::uint64_t>(threads);
+        maker.add_torus("weak_" + std::to_string(threads), std::min(triangles, models::most_triangles)).only_threads =
+            threads;
+    }
+    return std::move(maker.cases);
 }
 
 }  // namespace lamella::bench

@@ -10,6 +10,7 @@
 
 #include "lamella/array.hpp"
 #include "lamella/mesh.hpp"
+#include "lamella/result.hpp"
 #include "models/models.hpp"
 #include "slicing/tuning.hpp"
 
@@ -18,6 +19,7 @@ namespace lamella::bench {
 struct Options {
     std::filesystem::path cache = "bench-models";  ///< generated meshes are kept here from run to run
     std::filesystem::path shared;                  ///< folder of real meshes, if there are any
+    std::string filter;                            ///< regular expression: the benchmarks that are run
     bool quick = false;                            ///< a hundredth of all sizes, to test the benchmarks
 };
 
@@ -46,6 +48,8 @@ struct KnownAnswer {
     std::uint64_t planes, segments, contours, open;
 };
 
+inline constexpr double layer_mm = 0.032;
+
 /// Where a case is cut.
 struct Plan {
     SliceOptions options{};
@@ -56,11 +60,10 @@ struct Case {
     std::string name;
     std::string mesh_name;  ///< equal for cases of the same mesh, which are neighbours in the catalogue
     std::function<Mesh()> mesh;
-    std::function<Plan(const Mesh&)> plan;
+    std::function<Plan(const Mesh&)> plan = [](const Mesh& /*mesh*/) { return Plan{{.layer_height_mm = layer_mm}}; };
     std::uint64_t triangles = 0;  ///< stated number, checked within 1 %; 0: not stated
     std::uint64_t segments = 0;   ///< stated number, checked within 5 %; 0: not stated
     bool cold = false;            ///< end to end from a file too, and with fresh memory
-    bool partition = false;       ///< bands and parts alone too
     bool hosts = false;           ///< the calls that hosts make too
     bool regions = false;         ///< with regions too
     int only_threads = 0;         ///< 0: every thread count
@@ -68,5 +71,9 @@ struct Case {
 };
 
 std::vector<Case> make_catalogue(const Options& options);
+
+inline std::uint64_t result_bytes(const SliceInfo& info) {
+    return info.layers * sizeof(Layer) + info.contours * sizeof(Contour) + info.points * sizeof(Point);
+}
 
 }  // namespace lamella::bench

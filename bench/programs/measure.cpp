@@ -2,8 +2,10 @@
 
 #include <cmath>
 #include <cstring>
+#include <ctime>
 #include <exception>
 #include <map>
+#include <regex>
 #include <utility>
 
 #include "base/parallel.hpp"
@@ -77,12 +79,9 @@ void Prepared::check_known(const KnownAnswer& known) {
 }
 
 void Prepared::check(int threads) {
-    if (!checked_.contains(threads)) {
-        slice(threads);
-        if (result.hash() != hash_) {
-            fail("the answer differs from that of one thread");
-        }
-        checked_.insert(threads);
+    slice(threads);
+    if (result.hash() != hash_) {
+        fail("the answer differs from that of one thread");
     }
 }
 
@@ -96,34 +95,33 @@ Prepared& prepared(const Case& wanted) {
     return *last;
 }
 
-void report(benchmark::State& state, const Figures& figures) {
-    for (auto _ : state) {
-        state.SetIterationTime(1);
+Figures measure(const Options& options, const std::function<void()>& setup, const std::function<void()>& work) {
+    const std::size_t least_calls = options.quick ? 1 : 5;
+    const double least_ms = options.quick ? 5 : 1000;
+    std::vector<double> ms;
+    std::vector<double> cpu_ms;
+    for (double all_ms = 0; ms.size() < least_calls || all_ms < least_ms; all_ms += ms.back()) {
+        setup();
+        const std::clock_t before = std::clock();
+        ms.push_back(ms_of(work));
+        cpu_ms.push_back(1000 * static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC);
     }
-    for (const auto& [name, figure] : figures) {
-        state.counters[name] = figure;
-    }
+    return {{"real_time", median_of(std::move(ms))}, {"cpu_time", median_of(std::move(cpu_ms))}};
 }
 
-benchmark::Counter rate_of(std::uint64_t items) {
-    return {static_cast<double>(items), benchmark::Counter::kIsIterationInvariantRate};
-}
-
-benchmark::internal::Benchmark* add_benchmark(const std::string& name, int threads, const Options& options,
-                                              std::function<void(benchmark::State&)> run) {
-    const auto run_guarded = [run = std::move(run)](benchmark::State& state) {
-        try {
-            run(state);
-        } catch (const std::exception& failure) {
-            state.SkipWithError(failure.what());
-        }
-    };
-    return benchmark::RegisterBenchmark((name + "/threads:" + std::to_string(threads)).c_str(), run_guarded)
-        ->UseManualTime()
-        ->MeasureProcessCPUTime()
-        ->Unit(benchmark::kMillisecond)
-        ->MinTime(options.quick ? 0.005 : 0.2)
-        ->Repetitions(options.quick ? 1 : 5);
+void benchmark(const Options& options, const std::string& name, int threads, const std::function<Figures()>& run) {
+    Json row{{"name", name + "/threads:" + std::to_string(threads)}};
+    const auto full_name = row["name"].get<std::string>();
+    if (!std::regex_search(full_name, std::regex(options.filter))) {
+        return;
+    }
+    std::fprintf(stderr, "%s\n", full_name.c_str());
+    try {
+        row.update(Json(run()));
+    } catch (const std::exception& failure) {
+        row["error"] = failure.what();
+    }
+    print(row);
 }
 
 }  // namespace lamella::bench

@@ -19,7 +19,6 @@
 #include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
 #include "methods.hpp"
-#include "slice_incremental.hpp"
 #include "slicing/tuning.hpp"
 #include "timing.hpp"
 
@@ -101,23 +100,21 @@ void compare(Answer& expected, Answer& found, Json& row) {
 
 struct Request {
     std::string method;
-    std::string mesh;
-    double layer_height_mm = 0;
-    std::optional<RandomHeights> random_heights;
+    SliceOptions options;
+    Tuning tuning;
     int threads = 1;
     unsigned limit_s = 0;
 
-    explicit Request(const Words& words) : method(words[0]), mesh(words[1]), threads(std::stoi(words[3])) {
-        layer_height_mm = std::stod(words[2]);
+    explicit Request(const Words& words)
+        : method(words[0]), threads(std::stoi(words[3])), limit_s(static_cast<unsigned>(std::stoul(words[4]))) {
+        options.layer_height_mm = std::stod(words[2]);
         if (const std::size_t colon = words[2].find(':'); colon != std::string::npos) {
-            random_heights = {layer_height_mm, std::stod(words[2].substr(colon + 1))};
+            tuning.random_heights = {options.layer_height_mm, std::stod(words[2].substr(colon + 1))};
         }
-        limit_s = static_cast<unsigned>(std::stoul(words[4]));
     }
 
-    void slice_to(SliceResult& result, Slicer& slicer, const Mesh& of, int on_threads) const {
-        checked(slice_tuned(slicer, result, of.view(), {.layer_height_mm = layer_height_mm},
-                            {.random_heights = random_heights}, {.threads = on_threads}));
+    void slice_to(SliceResult& result, Slicer& slicer, const Mesh& mesh, int on_threads) const {
+        checked(slice_tuned(slicer, result, mesh.view(), options, tuning, {.threads = on_threads}));
     }
 };
 
@@ -242,7 +239,7 @@ bool ascends(const Mesh& mesh) {
 
 void run(const Words& words) {
     const Request request(words);
-    const Mesh mesh = load_mesh(request.mesh);
+    const Mesh mesh = load_mesh(words[1]);
     if (request.method == baselines::presorted_slicing.name && !ascends(mesh)) {
         constexpr int not_for_this_mesh = 78;
         std::exit(not_for_this_mesh);
@@ -257,7 +254,7 @@ void run(const Words& words) {
              {"contours", info.contours},
              {"open", info.open_contours}};
     Answer expected = answer_of(result);
-    const baselines::Problem problem = problem_of(mesh, result, !request.random_heights);
+    const baselines::Problem problem = problem_of(mesh, result, !request.tuning.random_heights);
     result = SliceResult();  // its memory is the method's
     Answer found = run_method(mesh, request, problem, row);
     compare(expected, found, row);

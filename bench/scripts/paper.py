@@ -91,9 +91,8 @@ class Bench:
         if method in PEERS[:2]:
             return [self.program("bench/peers/lamella_peer_" + method), mesh, str(LAYER_MM), str(threads), str(limit)]
         if method in PEERS:
-            cura = ["--definitions", self.told.cura_definitions] if self.told.cura_definitions else []
             return [sys.executable, "bench/peers/slicers.py", method, mesh, "--layer-height", str(LAYER_MM), "--threads", str(threads),
-                    "--limit", str(limit), "--lamella", self.program("tools/lamella"), *cura]
+                    "--limit", str(limit), "--lamella", self.program("tools/lamella")]
         heights = str(LAYER_MM) if spacing == "uniform" else RANDOM_MM
         return [self.program("bench/lamella_paper_row"), method, mesh, heights, str(threads), str(limit)]
 
@@ -169,7 +168,6 @@ def arguments():
     parser.add_argument("--threads", help="comma list of thread counts of the engine (1 and all cores)")
     parser.add_argument("--limit", type=int, default=60, help="seconds after which a method is stopped (60)")
     parser.add_argument("--files", default="../shared/models", help="folder of meshes; NAME.stl there replaces the stand-in")
-    parser.add_argument("--cura-definitions", help="folder of Cura's definitions (where Debian's cura puts them)")
     parser.add_argument("--build", required=True, help=argparse.SUPPRESS)
     parser.add_argument("--keep", default="build/paper", help="folder for generated meshes and finished rows")
     parser.add_argument("--results", default="bench/results", help="folder for tables and figures")
@@ -199,10 +197,9 @@ def main():
     os.makedirs(told.results, exist_ok=True)
     measured = bench.measure()
     rows = Rows(measured, told.threads)
-    search = json.loads(subprocess.run([bench.program("bench/lamella_lower_bound")], check=True, capture_output=True).stdout)
     bench.say("tables and figures")
     pictures = [*draw_pictures(bench), *draw_figures(rows, told.results)]
-    pathlib.Path(told.results, "paper.md").write_text(page(rows, told, PEERS, search, pictures))
+    pathlib.Path(told.results, "paper.md").write_text(page(rows, told, PEERS, pictures))
     bench.say("written to " + os.path.join(told.results, "paper.md"))
     if failures(measured):
         raise SystemExit("\n".join(failures(measured)))

@@ -5,9 +5,7 @@ import sys
 
 from drawing import Panel, save
 from paper_models import MODELS
-from readme_table import machine_table, markdown_table
-from summary import fitted_exponent, ratio
-from tables import BarTable
+from readme_table import Bars, fitted_exponent, machine_table, markdown_table, ratio
 
 PRINTED = "incremental+hashed+rays"
 SWEEP_LINE = "Huang+sweep-line+rays"
@@ -180,12 +178,12 @@ def exponents(rows):
 def bars(rows):
     """Every bar of these experiments for every model."""
     small, tall = ("liver", "femur"), ("warrior", "robot")
-    table = BarTable()
+    table = Bars()
 
     def hold(what, bar_of, wanted):
         for model in rows.models:
             if wanted(model):
-                table.least(f"{what}: {model.name}", ratio(wanted(model), rows.seconds(model, "engine")), bar_of(model))
+                table.hold(f"{what}: {model.name}", ratio(wanted(model), rows.seconds(model, "engine")), "at least", bar_of(model))
 
     def of_printed(model):
         return 40 if model.name in small else 5 if model.name in tall else 20
@@ -198,10 +196,10 @@ def bars(rows):
         hold(f"{peer} / engine", lambda model: 50 if model.name in small else 15, lambda model, peer=peer: peer_seconds(rows, model, peer))
     for model in rows.models if 2 in rows.threads else ():
         two = rows.seconds(model, "engine", threads=2)
-        table.least(f"engine, 1 thread / 2 threads: {model.name}", ratio(rows.seconds(model, "engine"), two), 1.8)
+        table.hold(f"engine, 1 thread / 2 threads: {model.name}", ratio(rows.seconds(model, "engine"), two), "at least", 1.8)
         if model.name == "skull":
-            table.most("engine on 2 threads, skull", two, 2.5, unit="s")
-    return table.text()
+            table.hold("engine on 2 threads, skull", two, "at most", 2.5, "s")
+    return table.table()
 
 
 def draw_figures(rows, folder):
@@ -226,12 +224,9 @@ def draw_figures(rows, folder):
     return [f"paper_figure_{number}.svg" for number in (9, 11, 12)]
 
 
-def page(rows, told, peers, search, pictures):
-    machine = machine_table("c++", {"build": "Release, mimalloc for all methods", "limit": f"{told.limit} s",
-                                    "command": "`bench/paper.sh " + " ".join(sys.argv[3:]) + "`"})
-    found = [[f"{one['n']:,}", f"{one['k']:,}", f"{one['least']:,.0f}", f"{one['search']:,}", f"{one['sweep']:,}",
-              f"{(one['search'] + one['sweep']) / one['least']:.2f}"] for one in search]
-    heads = ["n", "k", "n log2 k", "comparisons of the search", "of the sweep", "all / n log2 k"]
+def page(rows, told, peers, pictures):
+    machine = machine_table(told.build, build="Release, mimalloc for all methods", limit=f"{told.limit} s",
+                            command="`bench/paper.sh " + " ".join(sys.argv[3:]) + "`")
     return "\n\n".join([
         HEAD, machine,
         "## Table 1: models", table_1(rows),
@@ -241,6 +236,5 @@ def page(rows, told, peers, search, pictures):
         "## Table 4: both, uniform", table_4(rows), PARK,
         "## Peers, uniform", PEERS, peer_table(rows, peers),
         "## Fitted exponents", exponents(rows),
-        "## The lower bound (3.5)", "Instances of the multipoint search problem, posed as meshes.", markdown_table(heads, found),
         "## Bars", bars(rows),
         "## Figures", "\n".join(f"![{name}]({name})" for name in pictures)]) + "\n"

@@ -3,15 +3,14 @@
 
     bench/scripts/python.py BUILD NAME=MESH... [--page bench/results/python.md] [--threads 2] [--rounds 9] [--quick]
 
-NAME is liver or femur; meshes are binary STL. Needs numpy, python3-vtk9, and of BUILD the targets lamella_cli,
-lamella_slice_arrays and lamella_python_package. Prints the page of tables; with --page it also writes it. --quick takes few
+NAME is liver or femur; meshes are binary STL. Needs numpy, python3-vtk9, and of BUILD the targets lamella_cli, lamella_first
+and lamella_python_package. Prints the page of tables; with --page it also writes it. --quick takes few
 planes and rounds, and judges no bar. The exit status is 1 if a bar is not met, 2 if an answer is wrong, 77 if the package or VTK
 is missing.
 """
 
 import argparse
 import collections
-import contextlib
 import json
 import pathlib
 import platform
@@ -24,9 +23,10 @@ import tempfile
 
 import numpy as np
 
-from readme_table import WORDS, Bars, field, in_turn, machine_table, markdown_table, medians_of, ms_of, run
+from readme_table import Bars, in_turn, machine_table, markdown_table, medians_of, ms_of, run
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "python"))
+import mesh_formats  # noqa: E402
 import meshes  # noqa: E402
 import plane_by_plane  # noqa: E402
 
@@ -59,13 +59,10 @@ of VTK counts as another one if a polyline is open, or if the number of contours
 """
 
 
-class WrongAnswer(Exception):
-    pass
-
-
 def require(true, text):
     if not true:
-        raise WrongAnswer(text)
+        print(f"error: {text}", file=sys.stderr)
+        sys.exit(2)
 
 
 def turn_of(work):
@@ -76,53 +73,38 @@ def turn_of(work):
     return statistics.fmean(times)
 
 
-@contextlib.contextmanager
-def in_cpp(build, mesh, threads):
-    """A function that slices the same arrays in a C++ program, which waits while Python slices."""
-    with tempfile.TemporaryDirectory() as folder:
-        paths = [pathlib.Path(folder, name) for name in ("vertices", "faces")]
-        for array, path in zip(mesh, paths):
-            array.tofile(path)
-        command = [build / "bench" / "lamella_slice_arrays", *paths, str(threads)]
-        with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
-            def slice_there(layer_mm, how):
-                process.stdin.write(f"{layer_mm!r} {CALLS_A_TURN} {how}\n")
-                process.stdin.flush()
-                line = process.stdout.readline()
-                require(line, "lamella_slice_arrays ended")
-                return json.loads(line)
-
-            yield slice_there
-
-
 def turn_in_python(slice_here, use):
-    """The time of each call. What one gives is freed before the next, which is not timed."""
+    """The median of some calls after one that is not counted. What one gives is freed before the next, which is not timed."""
     times, result = [], []
     for _ in range(CALLS_A_TURN + 1):
         result.clear()
         times.append(ms_of(lambda: result.append(use(slice_here()))))
-    return times[1:]
+    return statistics.median(times[1:])
 
 
 def cpp_row(name, build, slice_mm, mesh, layer_mm, arguments, bars):
     """The result, and a row of medians, after both gave the same."""
-    result = slice_mm(mesh, layer_mm)
-    with in_cpp(build, mesh, arguments.threads) as slice_there:
-        require(int(result.hash, 16) == slice_there(layer_mm, "kept")["hash"], "Python's result is not that of C++")
-        times = in_turn({
-            "kept": lambda: slice_there(layer_mm, "kept")["ms"],
-            "fresh": lambda: slice_there(layer_mm, "fresh")["ms"],
-            "python": lambda: turn_in_python(lambda: slice_mm(mesh, layer_mm), lambda result: result),
-            "points": lambda: turn_in_python(lambda: slice_mm(mesh, layer_mm), lambda result: (result, result.points)),
+    arrays = mesh.vertices, mesh.faces
+    result = slice_mm(arrays, layer_mm)
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder, "mesh.ply")
+        mesh_formats.write(mesh_formats.FORMATS["ply_little_endian.ply"](mesh), path)
+        command = [build / "bench" / "lamella_first", "python", path, repr(layer_mm), str(arguments.threads), "0", "united"]
+        found = in_turn({
+            "cpp": lambda: json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout),
+            "python": lambda: turn_in_python(lambda: slice_mm(arrays, layer_mm), lambda result: result),
+            "points": lambda: turn_in_python(lambda: slice_mm(arrays, layer_mm), lambda result: (result, result.points)),
         }, arguments.rounds)
-    ms = {way: statistics.median(sum(turns, [])) for way, turns in times.items()}
+    require({int(result.hash, 16)} == {there["hash"] for there in found["cpp"]}, "Python's result is not that of C++")
+    ms = {way: statistics.median(there[f"{way}_ms"] for there in found["cpp"]) for way in ("warm", "fresh")}
+    ms |= {way: statistics.median(found[way]) for way in ("python", "points")}
 
     def over(cpp):
         return f"{100 * (ms['python'] / cpp - 1):+.1f} %, {1000 * (ms['python'] - cpp):+.0f} us"
 
-    judged = bars.most(over(ms["kept"]), ms["python"], 1.05 * ms["kept"] + 0.2 if name == "liver" else None)
+    judged = bars.most(over(ms["warm"]), ms["python"], 1.05 * ms["warm"] + 0.2 if name == "liver" else None)
     cells = {way: f"{each:.2f} ms" for way, each in ms.items()}
-    return result, [name, f"{layer_mm:.3g} mm", f"{len(result):,}", cells["kept"], cells["fresh"], cells["python"], judged,
+    return result, [name, f"{layer_mm:.3g} mm", f"{len(result):,}", cells["warm"], cells["fresh"], cells["python"], judged,
                     over(ms["fresh"]), cells["points"]]
 
 
@@ -205,29 +187,29 @@ def measure(lamella, vtk_cutters, arguments, bars):
 
     rows, ways, build = [], "", arguments.build
     for name, path in arguments.meshes:
-        mesh = meshes.read_stl(path)
+        mesh = mesh_formats.Mesh(path)
         rows.append(cpp_row(name, build, slice_mm, mesh, 3.2 if arguments.quick else 0.032, arguments, bars)[1])
         if name == "femur":
-            layer_mm = 3.2 if arguments.quick else 0.32
+            mesh, layer_mm = (mesh.vertices, mesh.faces), 3.2 if arguments.quick else 0.32
             ways = ways_table(lamella, vtk_cutters, lambda: slice_mm(mesh, layer_mm), mesh, layer_mm, arguments, bars)
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder, "small.stl")
         run(build / "tools" / "lamella", "make", "torus", "--triangles", str(SMALL_TRIANGLES), "--height", "150", "-o", path)
-        mesh = meshes.read_stl(path)
+        mesh = mesh_formats.Mesh(path)
     planes = SMALL_PLANES // 100 if arguments.quick else SMALL_PLANES
-    layer_mm = float(np.ptp(mesh[0][:, 2])) / planes
-    result, row = cpp_row(f"torus of {len(mesh[1])} triangles", build, slice_mm, mesh, layer_mm, arguments, bars)
+    layer_mm = float(np.ptp(mesh.vertices[:, 2])) / planes
+    result, row = cpp_row(f"torus of {len(mesh.faces)} triangles", build, slice_mm, mesh, layer_mm, arguments, bars)
     require(len(result) == planes, f"{len(result)} layers for {planes}")
     heads = ["mesh", "layers of", "layers", "C++, memory kept", "C++, fresh memory", "`lamella.slice`",
              "over C++ with memory kept (liver at most 5 % and 200 us)", "over C++ with fresh memory", "with points in mm"]
-    layers = layer_table(lambda: slice_mm(mesh, layer_mm), arguments.rounds, bars)
+    layers = layer_table(lambda: slice_mm((mesh.vertices, mesh.faces), layer_mm), arguments.rounds, bars)
     return {"cpp": markdown_table(heads, [*rows, row]), "layers": layers, "ways": ways}
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    for word in ("build", "meshes"):
-        parser.add_argument(word, **WORDS[word])
+    parser.add_argument("build", type=pathlib.Path)
+    parser.add_argument("meshes", nargs="*", metavar="NAME=MESH", type=lambda word: tuple(word.split("=", 1)))
     parser.add_argument("--page", type=pathlib.Path)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--rounds", type=int, default=9)
@@ -240,14 +222,10 @@ def main():
     except ModuleNotFoundError as error:
         print(f"skipped: {error}; build lamella_python_package, and install python3-vtk9")
         return 77
-    try:
-        tables = measure(lamella, vtk_cutters, arguments, bars)
-    except (WrongAnswer, plane_by_plane.OpenLayer) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    versions = {"Python": platform.python_version(), "numpy": np.__version__, "VTK": vtk_cutters.VERSION,
-                "lamella": lamella.__version__, "threads": arguments.threads, "command": f"`{shlex.join(sys.argv)}`"}
-    text = PAGE.format(machine=machine_table(field(arguments.build / "CMakeCache.txt", r"CMAKE_CXX_COMPILER:\w*"), versions), **tables)
+    tables = measure(lamella, vtk_cutters, arguments, bars)
+    machine = machine_table(arguments.build, Python=platform.python_version(), numpy=np.__version__, VTK=vtk_cutters.VERSION,
+                            lamella=lamella.__version__, threads=arguments.threads, command=f"`{shlex.join(sys.argv)}`")
+    text = PAGE.format(machine=machine, **tables)
     if arguments.quick:
         text = re.sub(r" \((not )?met\)", "", text)  # bars hold for full sizes only
     print(text, end="")

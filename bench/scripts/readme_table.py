@@ -1,5 +1,5 @@
-"""What scripts share that measure programs, compare figures with bars and put their tables into bench/README.md."""
-import argparse
+"""What scripts share that measure programs, compare figures with bars and put their tables into pages."""
+import math
 import os
 import pathlib
 import platform
@@ -9,30 +9,6 @@ import subprocess
 import sys
 import time
 from typing import NamedTuple
-
-WORDS = {
-    "build": {"type": pathlib.Path},
-    "tool": {"type": os.path.abspath},
-    "meshes": {"nargs": "*", "metavar": "NAME=MESH", "type": lambda word: tuple(word.split("=", 1))},
-}
-
-
-def compare(doc, name, measure, *words, **options):
-    """The main() of a script: takes words, options with these defaults, and --readme; shows the tables of measure(arguments, bars).
-
-    The help is the script's own. Returns the exit status: 1 if a bar is not met."""
-    parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
-    for word in words:
-        parser.add_argument(word, **WORDS[word])
-    for option, default in options.items():
-        parser.add_argument("--" + option.replace("_", "-"), type=type(default), default=default)
-    parser.add_argument("--readme", type=pathlib.Path)
-    arguments, bars = parser.parse_args(), Bars()
-    text = "\n\n".join(measure(arguments, bars)) + "\n"
-    print(text, end="")
-    if arguments.readme:
-        replace_table(arguments.readme, name, text)
-    return 0 if bars.met else 1
 
 
 def run(*command, may_fail=False):
@@ -77,11 +53,30 @@ def medians_of(works, rounds):
     return {name: statistics.median(own) for name, own in in_turn(works, rounds).items()}
 
 
+def ratio(above, below):
+    """The ratio; None if either value is missing."""
+    return above / below if above is not None and below else None
+
+
+def fitted_exponent(points):
+    """The slope of log y over log x, fitted by least squares; None of fewer than three points."""
+    if len(points) < 3:
+        return None
+    return statistics.linear_regression(*zip(*((math.log(x), math.log(y)) for x, y in points))).slope
+
+
+def number(value, unit=""):
+    if value is None:
+        return "-"
+    digits = max(0, 2 - math.floor(math.log10(abs(value)))) if value else 0
+    return f"{value:.{min(digits, 3)}f}{' ' + unit if unit else ''}"
+
+
 class Bars:
-    """Remembers whether all bars are met."""
+    """Whether all bars are met, and a table of those that hold() was asked for."""
 
     def __init__(self):
-        self.met = True
+        self.met, self.rows = True, []
 
     def most(self, text, value, bar):
         """The text, with whether the value is at most the bar, if there is one."""
@@ -93,6 +88,14 @@ class Bars:
     def _mark(self, text, bar, met):
         self.met = self.met and met
         return text if bar is None else f"{text} ({'met' if met else 'not met'})"
+
+    def hold(self, name, figure, word, bar, unit=""):
+        mark = {"at most": self.most, "at least": self.least}[word]
+        measured = "not measured" if figure is None else mark(number(figure, unit), figure, bar)
+        self.rows.append([name, f"{word} {number(bar, unit)}", measured])
+
+    def table(self):
+        return markdown_table(["bar", "", "measured"], self.rows)
 
 
 def markdown_table(heads, rows):
@@ -106,13 +109,14 @@ def field(path, name):
     return found.group(1) if found else "unknown"
 
 
-def machine_table(compiler, more):
-    """The processor and what else decides times, and the rows of `more`, by name."""
+def machine(folder, **more):
+    """The processor and what else decides times, and `more`, by name; `folder` is where the programs were built."""
     def output(*command):
         return subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip()
 
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
-    rows = {
+    compiler = field(pathlib.Path(folder, "CMakeCache.txt"), r"CMAKE_CXX_COMPILER:\w*")
+    return {
         "processor": field("/proc/cpuinfo", "model name"),
         "cores": len(os.sched_getaffinity(0)),
         "memory": f"{memory:.0f} GiB",
@@ -122,13 +126,16 @@ def machine_table(compiler, more):
         "measured": time.strftime("%Y-%m-%d"),
         **more,
     }
-    return markdown_table(["", ""], rows.items())
+
+
+def machine_table(folder, **more):
+    return markdown_table(["", ""], machine(folder, **more).items())
 
 
 def replace_table(readme, name, text):
     """Puts `text` between the markers `<!-- name: begin -->` and `<!-- name: end -->` of the file `readme`."""
-    parts = re.split(rf"(<!-- {name}: (?:begin|end) -->\n)", readme.read_text())
+    parts = re.split(rf"(<!-- {name}: (?:begin|end) -->\n)", pathlib.Path(readme).read_text())
     if len(parts) != 5:
         sys.exit(f"{readme}: has not one pair of markers '<!-- {name}: begin -->' and '... end'")
     parts[2] = "\n" + text + "\n"
-    readme.write_text("".join(parts))
+    pathlib.Path(readme).write_text("".join(parts))

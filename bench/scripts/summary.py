@@ -1,65 +1,49 @@
 #!/usr/bin/env python3
 """Reduces a run of the benchmarks to the medians in summary.json, from which all tables are made.
 
-    summary.py RUN_FOLDER RESULTS_FOLDER [--add]
+    summary.py BUILD RUN_FOLDER RESULTS_FOLDER full|quick [--add]
 
-Reads bench.json and once.jsonl from RUN_FOLDER. With --add, medians of earlier runs on the same machine are kept unless this run
-measured them again."""
+Reads the lines of bench.jsonl and once.jsonl from RUN_FOLDER. With --add, medians of earlier runs on the same machine are kept unless
+this run measured them again."""
 import json
-import math
 import os
 import pathlib
 import statistics
 import sys
 
-from readme_table import field
-
-MACHINE = ("processor", "num_cpus", "memory", "compiler", "flags", "allocator", "pinning", "transparent_huge_pages", "sizes",
-           "thread_counts")
-NOT_FIGURES = {"family_index", "per_family_instance_index", "repetitions", "repetition_index", "iterations", "threads"}
+from readme_table import field, machine
 
 
-def medians(runs):
-    """One row for all repetitions of a benchmark, "what/case/variant/threads:N": medians to eight digits, of those that did not fail."""
-    repetitions = {}
-    for run in runs:
-        repetitions.setdefault("/".join(run["name"].split("/")[:4]), []).append(run)
-    for name, all_runs in repetitions.items():
-        good = [run for run in all_runs if "error_message" not in run]
-        figures = dict.fromkeys(key for run in good for key, value in run.items()
-                                if key not in NOT_FIGURES and isinstance(value, (int, float)))
-        values = {key: statistics.median(run[key] for run in good if key in run) for key in figures}
-        yield {"name": name, **{key: float(f"{value:.8g}") for key, value in values.items()},
-               "errors": list(dict.fromkeys(run["error_message"] for run in all_runs if "error_message" in run))}
+def medians(lines):
+    """One row for all lines of a benchmark, "what/case/variant/threads:N": medians to eight digits, of those that did not fail."""
+    by_name = {}
+    for line in lines:
+        by_name.setdefault(line.pop("name"), []).append(line)
+    for name, runs in by_name.items():
+        good = [run for run in runs if "error" not in run]
+        figures = {key: float(f"{statistics.median(run[key] for run in good):.8g}") for run in good[:1] for key in run if key != "hash"}
+        yield {"name": name, **figures, "errors": list(dict.fromkeys(run["error"] for run in runs if "error" in run))}
 
 
-def machine():
+def context_of(build, sizes):
     """What the benchmarks ran on, as this script does."""
     pages = pathlib.Path("/sys/kernel/mm/transparent_hugepage/enabled")
     cores = ",".join(map(str, sorted(os.sched_getaffinity(0))))
-    return {"processor": field("/proc/cpuinfo", "model name"), "memory": field("/proc/meminfo", "MemTotal"),
-            "pinning": f"process on cores {cores}, threads not pinned one by one",
-            "transparent_huge_pages": pages.read_text().strip() if pages.exists() else "unknown"}
-
-
-def read_run(folder):
-    bench = json.loads((folder / "bench.json").read_text())
-    once = [json.loads(line) for line in (folder / "once.jsonl").read_text().splitlines()]
-    found = bench["context"] | machine()
-    runs = [run for run in bench["benchmarks"] if run["run_type"] != "aggregate"] + once
-    context = {name: found.get(name, "unknown") for name in MACHINE} | {"dates": [bench["context"]["date"]]}
-    return {"context": context, "medians": list(medians(runs))}
+    flags = field(pathlib.Path(build, "CMakeCache.txt"), r"CMAKE_CXX_FLAGS_RELEASE:\w*")
+    return machine(build, flags=f"{flags} -ffp-contract=off", allocator="mimalloc", pinning=f"process on cores {cores}",
+                   transparent_huge_pages=pages.read_text().strip() if pages.exists() else "unknown", sizes=sizes)
 
 
 def added(earlier, summary):
     """The new summary, completed by the earlier one's rows that it lacks, if they are the same machine's."""
-    other = [name for name in MACHINE if earlier["context"][name] != summary["context"][name]]
+    before, now = earlier["context"], summary["context"]
+    other = [name for name in now if name not in ("commit", "measured") and before.get(name) != now[name]]
     if other:
         print("The earlier medians are dropped: they come from a different " + ", ".join(other), file=sys.stderr)
         return summary
     rows = {row["name"]: row for row in earlier["medians"] + summary["medians"]}
-    dates = dict.fromkeys(earlier["context"]["dates"] + summary["context"]["dates"])
-    return {"context": summary["context"] | {"dates": list(dates)}, "medians": list(rows.values())}
+    several = {name: ", ".join(dict.fromkeys(f"{before[name]}, {now[name]}".split(", "))) for name in ("commit", "measured")}
+    return {"context": now | several, "medians": list(rows.values())}
 
 
 class Results:
@@ -68,9 +52,9 @@ class Results:
     def __init__(self, folder):
         summary = json.loads((pathlib.Path(folder) / "summary.json").read_text())
         self.context, rows = summary["context"], summary["medians"]
-        self.thread_counts = [int(count) for count in self.context["thread_counts"].split(",")]
         self.errors = [(row["name"], error) for row in rows for error in row["errors"]]
         self._rows = {row["name"]: row for row in rows}
+        self.thread_counts = sorted({int(name.rsplit(":", 1)[1]) for name in self._rows if name.startswith("end_to_end/")})
 
     def figure(self, name, threads, key="real_time"):
         return self._rows.get(f"{name}/threads:{threads}", {}).get(key)
@@ -86,22 +70,12 @@ class Results:
         return list(dict.fromkeys(case for case, _ in self.variants(what)))
 
 
-def ratio(above, below):
-    """The ratio; None if either value is missing."""
-    return above / below if above is not None and below else None
-
-
-def fitted_exponent(points):
-    """The slope of log y over log x, fitted by least squares; None of fewer than three points."""
-    if len(points) < 3:
-        return None
-    return statistics.linear_regression(*zip(*((math.log(x), math.log(y)) for x, y in points))).slope
-
-
 def main():
-    path = pathlib.Path(sys.argv[2]) / "summary.json"
-    summary = read_run(pathlib.Path(sys.argv[1]))
-    if "--add" in sys.argv[3:] and path.exists():
+    build, run, results, sizes = sys.argv[1:5]
+    lines = [json.loads(line) for name in ("bench", "once") for line in pathlib.Path(run, f"{name}.jsonl").read_text().splitlines()]
+    summary = {"context": context_of(build, sizes), "medians": list(medians(lines))}
+    path = pathlib.Path(results, "summary.json")
+    if "--add" in sys.argv[5:] and path.exists():
         summary = added(json.loads(path.read_text()), summary)
     rows = ",\n".join("  " + json.dumps(row) for row in summary["medians"])  # a diff shows what was measured again
     path.write_text(f'{{\n "context": {json.dumps(summary["context"])},\n "medians": [\n{rows}\n ]\n}}\n')

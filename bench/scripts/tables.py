@@ -5,114 +5,73 @@
 
 Prints the table of bars; with README, puts all tables whose benchmarks have been run between its marks. Exit status 1 if a bar is not
 met, 2 if a benchmark failed."""
-import math
 import pathlib
 import sys
 
 from drawing import Panel, save
-from readme_table import Bars, markdown_table, replace_table
-from summary import Results, fitted_exponent, ratio
+from readme_table import Bars, fitted_exponent, markdown_table, number, ratio, replace_table
+from summary import Results
 
 REAL = ("liver", "femur", "brain", "hip_femur", "scan", "scan_shuffled", "figure", "skull")
-PARTITIONS = [2 ** i for i in range(8)]
-
-
-def number(value, unit=""):
-    if value is None:
-        return "-"
-    digits = max(0, 2 - math.floor(math.log10(abs(value)))) if value else 0
-    return f"{value:.{min(digits, 3)}f}{' ' + unit if unit else ''}"
 
 
 def on(threads):
     return f"{threads} thread{'s' * (threads > 1)}"
 
 
-class BarTable:
-    """A row for each figure and its bar."""
-
-    def __init__(self):
-        self.rows, self.met = [], True
-
-    def _add(self, word, reaches, name, figure, bar, stretch, unit):
-        met = figure is not None and reaches(figure, bar)
-        verdict = "not measured" if figure is None else "NOT met" if not met else "met"
-        if met and stretch is not None and reaches(figure, stretch):
-            verdict = "met, stretch too"
-        self.met = self.met and verdict != "NOT met"
-        self.rows.append([name, number(figure, unit), f"{word} {number(bar, unit)}", number(stretch, unit), verdict])
-
-    def most(self, name, figure, bar, stretch=None, unit=""):
-        self._add("at most", lambda a, b: a <= b, name, figure, bar, stretch, unit)
-
-    def least(self, name, figure, bar, stretch=None, unit=""):
-        self._add("at least", lambda a, b: a >= b, name, figure, bar, stretch, unit)
-
-    def text(self):
-        return markdown_table(["bar", "measured", "bar", "stretch", ""], self.rows)
-
-
-def add_speed(table, results):
-    for case, threads, bar, stretch in (("liver", 1, 200, 300), ("liver", 2, 360, 550), ("femur", 1, 140, 200), ("femur", 2, 250, 360)):
+def hold_speed(bars, results):
+    for case, threads, bar in (("liver", 1, 200), ("liver", 2, 360), ("femur", 1, 140), ("femur", 2, 250)):
         rate = ratio(results.figure(f"end_to_end/{case}/warm_swept", threads, "segments/s"), 1e6)
-        table.least(f"{case}, {on(threads)}", rate, bar, stretch, "M segments/s")
-    for name, case, threads, variant, bar, stretch in (
-            ("scan: 3.4 M triangles, 18 M segments", "scan", 1, "warm_swept", 350, 200),
-            ("scan", "scan", 2, "warm_swept", 190, 105),
-            ("figure: 8.8 M triangles in 10 mm", "figure", 2, "warm_swept", 110, 60),
-            ("figure from a file in the page cache", "figure", 2, "file_read", 170, 110),
-            ("skull: 16.7 M triangles, 70 M segments", "skull", 2, "warm_swept", 1050, 500)):
-        table.most(f"{name}, {on(threads)}", results.ms(case, threads, variant), bar, stretch, "ms")
+        bars.hold(f"{case}, {on(threads)}", rate, "at least", bar, "M segments/s")
+    for name, case, threads, variant, bar in (
+            ("scan: 3.4 M triangles, 18 M segments", "scan", 1, "warm_swept", 350),
+            ("scan", "scan", 2, "warm_swept", 190),
+            ("figure: 8.8 M triangles in 10 mm", "figure", 2, "warm_swept", 110),
+            ("figure from a file in the page cache", "figure", 2, "file_read", 170),
+            ("skull: 16.7 M triangles, 70 M segments", "skull", 2, "warm_swept", 1050)):
+        bars.hold(f"{name}, {on(threads)}", results.ms(case, threads, variant), "at most", bar, "ms")
 
 
-def add_ratios(table, results):
+def hold_ratios(bars, results):
     for threads in (1, 2):
-        table.most(f"scan shuffled over sorted, {on(threads)}", ratio(results.ms("scan_shuffled", threads), results.ms("scan", threads)), 1.4)
-    table.most("skull cold over warm, 2 threads", ratio(results.ms("skull", 2, "cold_swept"), results.ms("skull", 2)), 1.5)
+        over = ratio(results.ms("scan_shuffled", threads), results.ms("scan", threads))
+        bars.hold(f"scan shuffled over sorted, {on(threads)}", over, "at most", 1.4)
+    bars.hold("skull cold over warm, 2 threads", ratio(results.ms("skull", 2, "cold_swept"), results.ms("skull", 2)), "at most", 1.5)
     for case in results.cases("end_to_end"):
         uniform = case.removesuffix("_irregular")
         for threads in (1, 2) if case != uniform else ():
-            table.most(f"{uniform}, irregular planes over uniform, {on(threads)}",
-                       ratio(results.ms(case, threads), results.ms(uniform, threads)), 1.3)
+            over = ratio(results.ms(case, threads), results.ms(uniform, threads))
+            bars.hold(f"{uniform}, irregular planes over uniform, {on(threads)}", over, "at most", 1.3)
     for case in results.cases("end_to_end"):
         if "_planes" in case or case in REAL:
-            table.least(f"{case}, speed-up by 2 threads", ratio(results.ms(case, 1), results.ms(case, 2)), 1.5 if "_planes" in case else 1.8)
+            gain = ratio(results.ms(case, 1), results.ms(case, 2))
+            bars.hold(f"{case}, speed-up by 2 threads", gain, "at least", 1.5 if "_planes" in case else 1.8)
     for threads in (1, 2):
         names = [f"end_to_end/{case}/warm_swept" for case in results.cases("end_to_end") if case.startswith("linear_")]
         points = [(sum(results.figure(name, threads, key) for key in ("triangles", "planes", "segments")), results.figure(name, threads))
                   for name in names if results.figure(name, threads)]
-        table.most(f"exponent of time over n + k + m, 10^4 to 10^7 triangles, {on(threads)}", fitted_exponent(points), 1.05)
+        bars.hold(f"exponent of time over n + k + m, 10^4 to 10^7 triangles, {on(threads)}", fitted_exponent(points), "at most", 1.05)
     few, many = (results.figure(f"nesting/rings_{count}/series", 1, "contours/s") for count in (10, 10000))
-    table.most("nesting, time per contour: 10,000 over 10", ratio(few, many), 2.0)
+    bars.hold("nesting, time per contour: 10,000 over 10", ratio(few, many), "at most", 2.0)
 
 
-def add_reading_and_memory(table, results):
+def hold_reading_and_memory(bars, results):
     for case, variant in results.variants("read"):
         name = f"read/{case}/{variant}"
         if variant == "text":
-            table.least(f"read {case}, 2 threads", ratio(results.figure(name, 2, "bytes/s"), 1e6), 500, unit="MB/s")
+            bars.hold(f"read {case}, 2 threads", ratio(results.figure(name, 2, "bytes/s"), 1e6), "at least", 500, "MB/s")
         if variant == "binary":
-            table.least(f"read {case}, share of pread, 2 threads", results.figure(name, 2, "share_of_pread"), 0.5)
+            bars.hold(f"read {case}, share of pread, 2 threads", results.figure(name, 2, "share_of_pread"), "at least", 0.5)
     for case, variant in results.variants("peak"):
         peak, read, crossed, made = (results.figure(f"peak/{case}/{variant}", 2, key)
                                      for key in ("peak_bytes", "input_bytes", "crossed", "result_bytes"))
         planes = variant.removeprefix("bands_")
         cut = "bands by work" if planes == "0" else f"{planes} planes a band"
-        table.most(f"peak memory, {case}, {cut}, 2 threads", peak / 1e6, (read + 48 * crossed + 1.2 * made + 64e6) / 1e6, unit="MB")
+        bars.hold(f"peak memory, {case}, {cut}, 2 threads", peak / 1e6, "at most", (read + 48 * crossed + 1.2 * made + 64e6) / 1e6, "MB")
 
 
-def bar_table(results):
-    table = BarTable()
-    for add in (add_speed, add_ratios, add_reading_and_memory):
-        add(table, results)
-    return table
-
-
-def machine(results):
-    context = results.context
-    names = {"processor": "processor", "num_cpus": "cores", "memory": "memory", "compiler": "compiler", "flags": "flags",
-             "allocator": "allocator", "pinning": "pinning", "transparent_huge_pages": "transparent huge pages"}
-    rows = [[name, context[key]] for key, name in names.items()] + [["measured", ", ".join(context["dates"])]]
+def machine_of(results):
+    rows = [[name.replace("_", " "), value] for name, value in results.context.items() if name != "sizes"]
     for threads in results.thread_counts:
         speed = ratio(results.figure("copy/memory/warm", threads, "bytes/s"), 1e9)
         rows.append([f"copy bandwidth, threads: {threads}", "-" if speed is None else f"{speed:.1f} GB/s, read and written"])
@@ -146,24 +105,15 @@ def nesting(results):
     return markdown_table(["layer", "ms", "ns a contour"], rows)
 
 
-def allowed_speedups(results, case):
-    return [results.figure(f"partition/{case}/allowed", 1, f"speedup_{threads}") for threads in PARTITIONS]
-
-
-def allowed(results):
-    rows = [[case, *(f"{each:.1f}" for each in allowed_speedups(results, case)),
-             f"{results.figure(f'partition/{case}/allowed', 1, 'accounted_for'):.2f}"] for case in results.cases("partition")]
-    return markdown_table(["case", *map(str, PARTITIONS), "accounted for"], rows)
-
-
-def figures(results, _bars):
+def figures(results, bars):
+    for hold in (hold_speed, hold_ratios, hold_reading_and_memory):
+        hold(bars, results)
     return "\n\n".join([
-        machine(results),
-        "### Bars", bar_table(results).text(),
+        machine_of(results),
+        "### Bars", bars.table(),
         "### End to end, in memory and from a file", times(results),
         "### Reading, by format", reading(results),
-        "### Nesting on lattices of rings; 1 thread", nesting(results),
-        "### Speed-up allowed by the partition: computed, not measured", allowed(results)])
+        "### Nesting on lattices of rings; 1 thread", nesting(results)])
 
 
 def regions(results, bars):
@@ -234,19 +184,16 @@ def draw_scaling(results, path):
     strong = {case: [(threads, ratio(results.ms(case, 1), results.ms(case, threads))) for threads in counts]
               for case in (*REAL, "columns_planes1", "columns_planes4", "prism_planes1", "prism_planes4") if results.ms(case, counts[-1])}
     weak = [(threads, ratio(results.ms("weak_1", 1), results.ms(f"weak_{threads}", threads))) for threads in counts]
-    allowed_lines = {case: list(zip(PARTITIONS, allowed_speedups(results, case))) for case in results.cases("partition")}
     save(path, [
         Panel("strong scaling, measured", "threads", "speed-up", strong, [(count, count) for count in counts]),
         Panel("weak scaling, measured", "threads", "efficiency", {"1 M triangles a thread": [point for point in weak if point[1]]},
-              [(count, 1) for count in counts], top=1.2),
-        Panel("allowed by the partition: computed, not measured", "threads", "speed-up", allowed_lines,
-              [(count, count) for count in PARTITIONS], (2, 2))],
-        heading=f"{context['processor']}, {context['num_cpus']} cores, {context['compiler']}\n{context['flags']}; {context['pinning']}")
+              [(count, 1) for count in counts], top=1.2)],
+        heading=f"{context['processor']}, {context['cores']} cores, {context['compiler']}\n{context['flags']}; {context['pinning']}")
 
 
 def main():
     folder, readme = pathlib.Path(sys.argv[1]), sys.argv[2:]
-    results, table, bars = Results(folder), bar_table(Results(folder)), Bars()
+    results, bars = Results(folder), Bars()
     if results.cases("end_to_end"):
         draw_scaling(results, folder / "scaling.svg")
     failed = {name.split("/")[0] for name, _ in results.errors} - {"end_to_end"}
@@ -254,15 +201,13 @@ def main():
         if all(results.cases(what) for what in measured) and not failed & set(measured):
             text = section(results, bars)
             for page in readme:
-                replace_table(pathlib.Path(page), name, text + "\n")
-            if name != "figures":
-                print(f"{text}\n")
+                replace_table(page, name, text + "\n")
+            print(f"{text}\n")
     if "quick" in results.context["sizes"]:
         print("Quick sizes: these figures mean nothing.\n")
-    print(table.text())
     for name, error in results.errors:
         print(f"failed: {name}: {error}")
-    return 2 if results.errors else 0 if table.met and bars.met else 1
+    return 2 if results.errors else 0 if bars.met else 1
 
 
 if __name__ == "__main__":

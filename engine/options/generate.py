@@ -3,6 +3,7 @@
 
     engine/options/generate.py           writes them
     engine/options/generate.py --check   compares; exit status 1 and a line a file where one is not what would be written
+    engine/options/generate.py --python FILE    writes the module of Python's keywords, as the build does
 
 What the option does is then written in engine/slicing; C, Python, the tool, archives and records pass it on.
 """
@@ -11,7 +12,11 @@ import pathlib
 import re
 import sys
 import textwrap
-import tomllib
+
+try:
+    import tomllib
+except ModuleNotFoundError:  # before Python 3.11
+    import tomli as tomllib
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
@@ -195,8 +200,17 @@ def tuple_of(names):
     return f"({inside},)" if len(names) == 1 else f"({inside})"
 
 
+PYTHON_HEAD = [
+    '"""The options of a slice, by keyword. Written by engine/options/generate.py when the package is built."""',
+    "from __future__ import annotations",
+    "from typing import Any, Dict, Optional, Sequence, Tuple, TypedDict, Union",
+    "import numpy.typing as npt",
+]
+
+
 def python_options(options):
-    yield "OPTIONS: Dict[str, Option] = {"
+    """By keyword what _options.Option holds."""
+    yield "OPTIONS: Dict[str, Dict[str, Any]] = {"
     for keyword, those in keywords(options):
         o = those[0]
         given = [f"kind={quoted(o.kind)}", f"fields={tuple_of([each.name for each in those])}"]
@@ -204,7 +218,7 @@ def python_options(options):
         given += [f"special={{{quoted(o.special)}: {o.special_value}}}"] if o.special else []
         given += [f"least={o.least}"] if o.least != "-no_limit" else []
         given += ["exclusive=True"] if o.exclusive else []
-        yield f"    {quoted(keyword)}: Option("
+        yield f"    {quoted(keyword)}: dict(text="
         yield from python_text(o, [each.text for each in those])
         yield f"        {', '.join(given)}, default={python_default(o, len(those))}),"
     yield "}"
@@ -212,8 +226,6 @@ def python_options(options):
 
 def python_keywords(options):
     for name in dict.fromkeys(keyword_class(o) for o in options if o.python):
-        yield ""
-        yield ""
         yield f"class {name}(TypedDict, total=False):"
         for keyword, those in keywords(options):
             if keyword_class(those[0]) == name:
@@ -230,9 +242,6 @@ def pieces(options):
     yield "include/lamella/lamella.h", "options", c_struct(options)
     yield "engine/options/option_words.hpp", "words", words(options)
     yield "engine/options/options.inc", "options", table(options)
-    table_of_python = "tools/python/src/lamella/_option_table.py"
-    yield table_of_python, "options", python_options(options)
-    yield table_of_python, "keywords", python_keywords(options)
 
 
 def replaced(text, path, name, lines):
@@ -245,11 +254,15 @@ def replaced(text, path, name, lines):
 
 
 def main():
-    if sys.argv[1:] not in ([], ["--check"]):
+    if sys.argv[1:] not in ([], ["--check"]) and sys.argv[1:-1] != ["--python"]:
         raise SystemExit(__doc__.strip())
     described = tomllib.loads((HERE / "options.toml").read_text())["option"]
     check(described)
     options = [Option(fields) for fields in described]
+    if sys.argv[1:-1] == ["--python"]:
+        lines = [*PYTHON_HEAD, *python_options(options), *python_keywords(options)]
+        pathlib.Path(sys.argv[2]).write_text("\n".join(lines) + "\n")
+        return 0
     texts = {}
     for path, name, lines in pieces(options):
         texts[path] = replaced(texts.get(path) or (ROOT / path).read_text(), path, name, lines)

@@ -14,14 +14,13 @@ facet() { printf 'facet normal 0 0 1\nouter loop\n%sendloop\nendfacet\n' "$1"; }
 
 # cube FILE X SIDES: writes an ASCII cube of 10 mm at x with the first SIDES of its six sides
 cube() {
-    local x0=$2 x1=$(($2 + 10)) sides=$3
-    local a="$x0 0 0" b="$x1 0 0" c="$x1 10 0" d="$x0 10 0" e="$x0 0 10" f="$x1 0 10" g="$x1 10 10" h="$x0 10 10"
-    local corners=("$a|$d|$c" "$a|$c|$b" "$e|$f|$g" "$e|$g|$h" "$b|$c|$g" "$b|$g|$f" "$c|$d|$h" "$c|$h|$g" "$d|$a|$e" "$d|$e|$h"
-        "$a|$b|$f" "$a|$f|$e") i
+    local facet x=$2 y=$(($2 + 10))
+    local -a at=("$x 0 0" "$y 0 0" "$y 10 0" "$x 10 0" "$x 0 10" "$y 0 10" "$y 10 10" "$x 10 10")
+    local -a facets=(032 021 456 467 126 165 237 276 304 347 015 054)
     {
         echo solid
-        for ((i = 0; i < 2 * sides; ++i)); do
-            facet "$(tr '|' '\n' <<< "${corners[i]}" | sed 's/^/vertex /')"$'\n'
+        for facet in "${facets[@]:0:2 * $3}"; do
+            facet "$(printf 'vertex %s\n' "${at[${facet:0:1}]}" "${at[${facet:1:1}]}" "${at[${facet:2:1}]}")"$'\n'
         done
         echo endsolid
     } > "$1"

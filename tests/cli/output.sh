@@ -97,6 +97,7 @@ test_no_partial_output() {
     (ulimit -f 64; expect_failure 4 "out.svg" slice ball.stl -o out.svg) || exit 1
     [[ $(cat out.svg) == precious ]] || fail "the old file is gone"
     (ulimit -f 64; expect_failure 4 "other.stl" make sphere --triangles 20000 -o other.stl) || exit 1
+    (ulimit -f 1; expect_failure 4 "report.json" slice ball.stl --report report.json) || exit 1
     expect_files ball.stl out.svg
 }
 

@@ -4,10 +4,6 @@
 source "$(dirname "${BASH_SOURCE[0]}")/support.sh"
 [[ -d "$PYTHONPATH/lamella" ]] || { echo "skipped: this build has no Python package (-DLAMELLA_BUILD_PYTHON=ON)"; exit 77; }
 
-step "one machine"
-make_meshes
-on_one_machine
-
 step "four workers"
 start scheduler dask scheduler --host 127.0.0.1 --port 0 --no-dashboard --scheduler-file scheduler.json
 workers=()

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# An array job of four shards on a real Slurm, of which one is requeued while it slices; tasks that run out of time, by its signal and
-# by Slurm's own limit: the files are those of one machine.
+# An array job of four shards on a real Slurm, of which one is requeued while it slices, and a task that meets its time limit: the
+# files are those of one machine.
 source "$(dirname "${BASH_SOURCE[0]}")/support.sh"
 source "$root/tests/cluster/slurm_engine.sh"
 
@@ -8,10 +8,6 @@ source "$root/tests/cluster/slurm_engine.sh"
 ended_after_requeue() {
     [[ "$(scontrol show job "$1")" == *JobState=@(COMPLETED|FAILED)*Restarts=[1-9]* ]]
 }
-
-step "one machine"
-make_meshes
-on_one_machine
 
 step "Slurm"
 start_slurm
@@ -42,19 +38,7 @@ grep -q "^failed .*damaged.stl" merge.txt || fail "the merge does not name the d
 rm masks/results.*-of-4.jsonl
 same one_machine masks
 
-step "a task runs out of time"
 rm -r masks
-job=$(sbatch --parsable --array=0 --cpus-per-task=1 --mem=800 "$script" 1 meshes "${batch_options[@]}")
-wait_for 120 "the first line" test -s masks/results.0-of-1.jsonl
-# As Slurm sends it before the time is over, of which it counts minutes.
-scancel --batch --signal=USR1 "${job}_0"
-start_again "${job}_0"
-wait_for 300 "the end of the task" ended_after_requeue "${job}_0"
-grep -q " [1-9][0-9]* unchanged" "lamella-${job}_0.txt" || fail "the task began anew"
-lamella batch --merge masks > /dev/null || (($? == 5)) || fail "the merge"
-rm masks/results.0-of-1.jsonl
-same one_machine masks
-
 step "a task meets its time limit, twice"
 lamella make sphere --triangles 1000 --height 150 -o slow.stl > /dev/null
 echo '{"path":"slow.stl","spacing":[0.1,0.1,0.1],"subslices":100}' > slow.jsonl
@@ -68,25 +52,6 @@ wait_for 120 "the end of the task" ended_after_requeue "${job}_0"
 [[ "$(wc -l < limit/results.0-of-1.jsonl)" == 1 ]] || fail "not one mesh is done"
 cmp limit/m0.nii.gz one_machine/m0.nii.gz || fail "the first mask"
 find limit -name '.*.part' | grep . && fail "a file aside is left by the time limit"
-
-# A build without HDF5 says so.
-if lamella slice meshes/m11.stl --layer-height 0.05 -o whole.h5 > whole.txt 2>&1; then
-    step "one giant mesh, of which one range of layers is requeued"
-    mkdir giant
-    # shellcheck disable=SC2016
-    job=$(sbatch --parsable --array=0-2 --mem=800 --output=giant.%a.txt --open-mode=append \
-        --wrap 'A=$((SLURM_ARRAY_TASK_ID * 1300)); lamella slice meshes/m11.stl --layer-height 0.05 --layers $A:$((A + 1300)) --memory 600M \
-            -o giant/part.$SLURM_ARRAY_TASK_ID.h5')
-    merge=$(sbatch --parsable --dependency="afterok:$job" --output=merge.txt --wrap 'lamella merge giant/part.*.h5 -o giant.h5')
-    wait_for 60 "the first range" eval '[[ "$(state_of "${job}_0")" != PENDING ]]'
-    scontrol requeue "${job}_0"
-    start_again "${job}_0"
-    wait_for 120 "the end of the merge" eval '[[ "$(state_of "$merge")" == COMPLETED ]]'
-    cmp whole.h5 giant.h5 || fail "the ranges joined are not the whole"
-    echo "$(grep -h ^planes giant.?.txt | sort -u | wc -l) ranges, joined to the same bytes"
-else
-    grep HDF5 whole.txt || fail "the mesh cannot be sliced to an archive"
-fi
 
 step "words that are wrong"
 for words in "" "4x meshes" "1 meshes"; do

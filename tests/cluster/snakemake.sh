@@ -32,10 +32,6 @@ kill_it() {
     [[ ! -e masks/results.jsonl ]] || fail "it was killed too late"
 }
 
-step "one machine"
-make_meshes
-on_one_machine
-
 for victims in all alone; do
     step "killed: $victims"
     kill_it "$victims"

@@ -56,26 +56,8 @@ stop_started() {
 }
 trap stop_started EXIT
 
-# Twelve meshes, of which the larger take a second, and a file that is none.
-make_meshes() {
-    local i shapes=(sphere torus gyroid bone)
-    mkdir meshes
-    for i in {0..11}; do
-        lamella make "${shapes[i % 4]}" --triangles $((20000 + i * 50000)) -o "meshes/m$i.stl" > /dev/null
-    done
-    head -c 1000 meshes/m0.stl > meshes/damaged.stl
-}
-
 # What is asked of every engine.
 batch_options=(--output='masks/{stem}.nii.gz' --output='masks/{stem}.csv' --spacing=0.5,0.5,0.1 --frame=lps)
-
-# Makes the folder one_machine. It was called masks when it was made, because files name each other.
-on_one_machine() {
-    local status=0
-    lamella batch meshes "${batch_options[@]}" > one_machine.txt || status=$?
-    ((status == 5)) || fail "one machine: status $status, not 5 for the damaged mesh"
-    mv masks one_machine
-}
 
 # same FOLDER FOLDER: every file of both.
 same() {
@@ -85,3 +67,16 @@ same() {
 
 # files_in FOLDER COUNT: whether so many masks are there.
 files_in() { (($(find "$1" -name '*.nii.gz' 2> /dev/null | wc -l) >= $2)); }
+
+# Twelve meshes, of which the larger take a second, and a file that is none.
+step "one machine"
+shapes=(sphere torus gyroid bone)
+mkdir meshes
+for i in {0..11}; do
+    lamella make "${shapes[i % 4]}" --triangles $((20000 + i * 50000)) -o "meshes/m$i.stl" > /dev/null
+done
+head -c 1000 meshes/m0.stl > meshes/damaged.stl
+status=0
+lamella batch meshes "${batch_options[@]}" > one_machine.txt || status=$?
+((status == 5)) || fail "one machine: status $status, not 5 for the damaged mesh"
+mv masks one_machine  # Its files name each other: all engines write a folder called masks.

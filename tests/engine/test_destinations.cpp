@@ -16,7 +16,7 @@
 
 #include "engine/counting_memory.hpp"
 #include "engine/everywhere.hpp"
-#include "golden/shape_cases.hpp"
+#include "golden/inputs.hpp"
 
 using lamella::Error;
 using lamella::ErrorCode;

@@ -12,7 +12,7 @@
 #include <catch2/catch.hpp>
 
 #include "engine/slicing.hpp"
-#include "golden/shape_cases.hpp"
+#include "golden/inputs.hpp"
 #include "oracle/oracle.hpp"
 
 using lamella::ContourForm;

@@ -69,3 +69,25 @@ TEST_CASE("assemble makes the oracle's contours of the oracle's segments", "[ass
         check_assembled(shapes::random_tetrahedra(seed, 2 + static_cast<int>(seed % 12), range), z, seed);
     }
 }
+
+TEST_CASE("the comparison finds every difference", "[engine][random]") {
+    const shapes::Soup shells =
+        shapes::joined({shapes::box({0, 0, 0}, {8, 8, 8}), shapes::flipped(shapes::box({2, 2, 2}, {6, 6, 6})),
+                        shapes::triangle({9, 0, 0}, {12, 0, 0}, {9, 0, 8})});
+    const oracle::Layer expected = oracle::slice_at(oracle::quantise(shells, coarse_unit_mm), 5);
+    const auto differs = [&](auto&& damage) {
+        lamella::SliceResult result = sliced(shells, at_heights({3}));
+        damage(result);
+        return !oracle::difference(result, result.layers[0], expected).empty();
+    };
+    CHECK_FALSE(differs([](lamella::SliceResult&) {}));
+    CHECK(differs([](lamella::SliceResult& r) { r.points[3].x += 1; }));
+    CHECK(differs([](lamella::SliceResult& r) { r.contours[1].parent = -1; }));
+    CHECK(differs([](lamella::SliceResult& r) { r.contours[1].role = lamella::Role::outer; }));
+    CHECK(differs([](lamella::SliceResult& r) { r.contours[1].orientation = 1; }));
+    CHECK(differs([](lamella::SliceResult& r) { r.contours[1].flags = 1; }));
+    CHECK(differs([](lamella::SliceResult& r) { ++r.contours[2].segments; }));
+    CHECK(differs([](lamella::SliceResult& r) { r.contours[0].twice_area.low ^= 1; }));
+    CHECK(differs([](lamella::SliceResult& r) { --r.layers[0].contour_count; }));
+    CHECK(differs([](lamella::SliceResult& r) { std::rotate(&r.points[0], &r.points[1], &r.points[0] + 8); }));
+}

@@ -13,6 +13,7 @@
 
 #include "engine/slicing.hpp"
 #include "examples/examples.hpp"
+#include "input/files.hpp"
 #include "lamella/io.hpp"
 #include "temp_folder.hpp"
 
@@ -30,6 +31,7 @@ public:
         ::close(file);
     }
     ~Stage() { close(); }
+    const TempFolder& folder() const { return folder_; }
     Stage(const Stage&) = delete;
     Stage& operator=(const Stage&) = delete;
 
@@ -61,39 +63,15 @@ std::string what_lasts(std::string printed) {
     return printed;
 }
 
-/// A box with a box within, which is hollow.
-shapes::Soup hollow_box() {
-    shapes::Soup inner = shapes::box({2, 2, 2}, {6, 5, 4});
-    for (std::size_t t = 0; t < inner.size(); t += 9) {
-        std::swap_ranges(inner.begin() + static_cast<std::ptrdiff_t>(t), inner.begin() + static_cast<std::ptrdiff_t>(t) + 3,
-                         inner.begin() + static_cast<std::ptrdiff_t>(t) + 3);
-    }
-    return shapes::joined({shapes::box({0, 0, 0}, {8, 7, 6}), inner});
-}
-
-void write_ascii_stl(const shapes::Soup& soup, const char* path) {
-    std::FILE* const file = std::fopen(path, "w");
-    REQUIRE(file != nullptr);
-    std::fputs("solid box\n", file);
-    for (std::size_t t = 0; t < soup.size(); t += 9) {
-        std::fputs("facet normal 0 0 0\nouter loop\n", file);
-        for (std::size_t v = t; v < t + 9; v += 3) {
-            std::fprintf(file, "vertex %g %g %g\n", soup[v], soup[v + 1], soup[v + 2]);
-        }
-        std::fputs("endloop\nendfacet\n", file);
-    }
-    std::fputs("endsolid box\n", file);
-    std::fclose(file);
-}
-
 }  // namespace
 
 TEST_CASE("the examples of headers and pages print what is kept", "[examples]") {
-    const shapes::Soup soup = hollow_box();
+    const shapes::Soup soup =
+        shapes::joined({shapes::box({0, 0, 0}, {8, 7, 6}), shapes::flipped(shapes::box({2, 2, 2}, {6, 5, 4}))});
     const lamella::SliceResult result = sliced(soup, uniform(1));
     Stage stage;
     for (const char* name : {"liver.stl", "one.stl"}) {
-        write_ascii_stl(soup, name);
+        stage.folder().write(name, lamella::input_test::text_stl(soup, "box"));
     }
     for (const Example& example : all_examples()) {
         std::printf("== %s\n", example.place.c_str());

@@ -97,29 +97,26 @@ constexpr std::int64_t stride = 2;  // each allocation fails, in one of the two 
 constexpr std::int64_t stride = 1;
 #endif
 
-/// Runs `call` with its first, second, ... allocation failing, until it succeeds.
-void fail_everywhere(const Call& call, bool once) {
-    const std::optional<ErrorCode> expected = call();  // starts the threads now: they keep their memory
-    std::int64_t succeed = once ? 0 : stride - 1;
-    for (bool failed = true; failed; succeed += stride) {
-        const std::int64_t held = blocks_held;
-        fails_once = once;
-        failures = 0;
-        left_until_failure = succeed;
-        const std::optional<ErrorCode> code = call();
-        left_until_failure = never;
-        const std::int64_t kept = blocks_held - held;
-        failed = failures > 0;
-        INFO("after " << succeed << " allocations, failing " << (once ? "once" : "for good"));
-        REQUIRE(kept == 0);
-        REQUIRE((code == expected || (failed && code == ErrorCode::out_of_memory)));
-    }
-    CHECK(succeed > 1);
-}
-
+/// Runs `call` with its first, second, ... allocation failing, once or for good, until it succeeds.
 void fail_everywhere(const Call& call) {
-    fail_everywhere(call, true);
-    fail_everywhere(call, false);
+    const std::optional<ErrorCode> expected = call();  // starts the threads now: they keep their memory
+    for (const bool once : {true, false}) {
+        std::int64_t succeed = once ? 0 : stride - 1;
+        for (bool failed = true; failed; succeed += stride) {
+            const std::int64_t held = blocks_held;
+            fails_once = once;
+            failures = 0;
+            left_until_failure = succeed;
+            const std::optional<ErrorCode> code = call();
+            left_until_failure = never;
+            const std::int64_t kept = blocks_held - held;
+            failed = failures > 0;
+            INFO("after " << succeed << " allocations, failing " << (once ? "once" : "for good"));
+            REQUIRE(kept == 0);
+            REQUIRE((code == expected || (failed && code == ErrorCode::out_of_memory)));
+        }
+        CHECK(succeed > 1);
+    }
 }
 
 std::size_t files_in(const TempFolder& folder) {
@@ -264,14 +261,7 @@ TEST_CASE("writing leaves no half-written file if operator new fails", "[faults]
     fail_everywhere([&] { return code_of(audits::structure_of(result)); });
 }
 
-TEST_CASE("an audit of all questions survives failing operator new", "[faults]") {
-    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 5, 2);
-    const lamella::SliceResult closed = sliced(ball, uniform(0.4));
-    const lamella::Context context{.threads = GENERATE(1, 3)};
-    fail_everywhere([&] { return code_of(audit(closed, view_of(ball), {}, context)); });
-}
-
-TEST_CASE("reports survive failing operator new", "[faults]") {
+TEST_CASE("reports, and an audit of all questions, survive failing operator new", "[faults]") {
     const TempFolder folder;
     const shapes::Soup soup = everything();
     const lamella::MeshView mesh = view_of(soup);
@@ -290,6 +280,7 @@ TEST_CASE("reports survive failing operator new", "[faults]") {
                                         .audit = &audited.value(),
                                         .members = {&member, 1}};
     fail_everywhere([&] { return code_of(make_report_json(result, parts)); });
+    fail_everywhere([&] { return code_of(audit(result, mesh)); });
     const auto check = lamella::check(mesh);
     fail_everywhere([&] { return code_of(make_check_json(check.value(), parts)); });
 }

@@ -8,12 +8,15 @@
 #include <numeric>
 #include <utility>
 
+#include "engine/slicing.hpp"
 #include "input/mesh_files.hpp"
+#include "slicing/tuning.hpp"
 
 namespace golden {
 
 namespace {
 
+using lamella::models::Random;
 using shapes::append;
 using shapes::box;
 using shapes::flipped;
@@ -30,7 +33,7 @@ void append(Soup& soup, const Xyz& a, const Xyz& b, const Xyz& c) {
 
 std::uint64_t mixed(std::uint64_t seed, const Cell& cell) {
     const auto part = [](int i) { return static_cast<std::uint64_t>(i + 1000); };
-    return SplitMix(seed ^ part(cell[0]) << 40 ^ part(cell[1]) << 20 ^ part(cell[2])).next();
+    return Random(seed ^ part(cell[0]) << 40 ^ part(cell[1]) << 20 ^ part(cell[2])).next();
 }
 
 /// A ball of cells of 1 mm with a lump at its side; one cell in eleven is missing, which makes cavities, and cells that
@@ -109,7 +112,7 @@ Soup voxel_body(std::uint64_t seed = 1, int side = 28) {
 /// Calls change(triangle as nine numbers) for one triangle in `every`, by hash.
 template <class Change>
 Soup each_so_manieth(Soup soup, std::uint64_t every, Change change) {
-    SplitMix random(every);
+    Random random(every);
     for (std::size_t t = 0; t < soup.size(); t += 9) {
         if (random.next() % every == 0) {
             change(soup.begin() + static_cast<std::ptrdiff_t>(t));
@@ -119,7 +122,7 @@ Soup each_so_manieth(Soup soup, std::uint64_t every, Change change) {
 }
 
 Soup torn(const Soup& soup, std::uint64_t every) {
-    SplitMix random(every);
+    Random random(every);
     Soup left;
     for (std::size_t t = 0; t < soup.size() / 9; ++t) {
         if (random.next() % every != 0) {
@@ -131,10 +134,10 @@ Soup torn(const Soup& soup, std::uint64_t every) {
 
 /// Corners of some triangles leave their neighbours by up to 3/64 mm.
 Soup cracked(const Soup& soup) {
-    SplitMix random(5);
+    Random random(5);
     return each_so_manieth(soup, 13, [&](auto triangle) {
         for (std::ptrdiff_t i = 0; i < 9; ++i) {
-            triangle[i] += random.between(-3, 3) / 64.0;
+            triangle[i] += between(random, -3, 3) / 64.0;
         }
     });
 }
@@ -163,15 +166,15 @@ Soup with_degenerate_faces(const Soup& soup) {
 
 /// Boxes with corners on whole millimetres, overlapping, touching and within each other; one in four is inverted.
 Soup random_boxes(std::uint64_t seed, int count, int range) {
-    SplitMix random(seed);
+    Random random(seed);
     Soup soup;
     for (int i = 0; i < count; ++i) {
         Xyz low{};
         Xyz high{};
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const int from = random.between(0, range);
+            const int from = between(random, 0, range);
             low[axis] = from;
-            high[axis] = from + random.between(1, range / 3);
+            high[axis] = from + between(random, 1, range / 3);
         }
         append(soup, random.next() % 4 == 0 ? flipped(box(low, high)) : box(low, high));
     }
@@ -181,14 +184,14 @@ Soup random_boxes(std::uint64_t seed, int count, int range) {
 /// Small tetrahedra, outward or inward as it happens, or triangles, all over a larger cube. Their corners lie on a lattice
 /// of `steps` to a millimetre: on a coarse one they share vertices and edges, many faces an edge.
 Soup on_lattice(std::uint64_t seed, int count, int spread, int range, int steps, bool tetrahedra) {
-    SplitMix random(seed);
+    Random random(seed);
     Soup soup;
     for (int i = 0; i < count; ++i) {
         Cell from{};
-        std::generate(from.begin(), from.end(), [&] { return random.between(0, spread); });
+        std::generate(from.begin(), from.end(), [&] { return between(random, 0, spread); });
         std::array<Xyz, 4> p{};
         for (std::size_t number = 0; number < (tetrahedra ? 12 : 9); ++number) {
-            p[number / 3][number % 3] = from[number % 3] + random.between(0, steps * range) / double(steps);
+            p[number / 3][number % 3] = from[number % 3] + between(random, 0, steps * range) / double(steps);
         }
         append(soup, tetrahedra ? shapes::tetrahedron(p[0], p[1], p[2], p[3]) : shapes::triangle(p[0], p[1], p[2]));
     }
@@ -323,10 +326,10 @@ const std::map<std::string, std::function<Soup()>>& makers() {
 lamella::input_test::PolygonMesh polygons_of_all_kinds() {
     lamella::input_test::PolygonMesh mesh = lamella::input_test::mesh_of(voxel_body());
     constexpr std::int64_t side = 40;
-    SplitMix random(21);
+    Random random(21);
     const auto first = static_cast<std::int64_t>(mesh.points());
     for (std::int64_t i = 0; i < side * side; ++i) {
-        mesh.xyz.insert(mesh.xyz.end(), {double(i % side), double(i / side), random.between(-99, 99) / 64.0});
+        mesh.xyz.insert(mesh.xyz.end(), {double(i % side), double(i / side), between(random, -99, 99) / 64.0});
     }
     for (std::int64_t i = first; i + side + 1 < first + side * side; ++i) {
         if ((i - first) % side + 1 < side) {
@@ -376,3 +379,33 @@ std::map<std::string, std::string> mesh_files() {
 }
 
 }  // namespace golden
+
+namespace shape_cases {
+
+std::map<std::string, shapes::Soup> meshes() {
+    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 4);
+    shapes::Soup torn = ball;
+    torn.resize(torn.size() - 9 * std::size_t{40});
+    return {{"ball", ball},
+            {"torn ball", torn},
+            {"crossing balls", shapes::joined({ball, shapes::moved(ball, {3, 4, 5}), shapes::flipped(ball)})},
+            {"tetrahedra", shapes::random_tetrahedra(11, 60, 9)},
+            {"tangle", shapes::joined({shapes::random_soup(5, 200, 8), shapes::random_tetrahedra(6, 20, 8)})},
+            {"bone", generated(lamella::models::Shape::bone, 30'000)},
+            {"gyroid", generated(lamella::models::Shape::gyroid, 30'000)},
+            {"torus", generated(lamella::models::Shape::torus, 5'000)},
+            {"prism", generated(lamella::models::Shape::prism, 2'000)}};
+}
+
+std::map<std::string, lamella::SliceOptions> plans(const shapes::Soup& mesh) {
+    std::map<std::string, lamella::SliceOptions> plans;
+    plans["uniform"] = uniform(0.25);
+    plans["coarse grid"] = uniform(0.25, 0x1p-8);
+    const lamella::Tuning random{.random_heights = lamella::RandomHeights{0.1, 0.4, 1}};
+    plans["random"].heights_mm = sliced(mesh, {}, {}, random).info.options.heights_mm;
+    plans["explicit"].heights_mm = {{-8.5, -3, -1, 0, 0.5, 1, 2, 3, 3.0625, 4, 7, 9, 15}};
+    plans["explicit"].planes.side = lamella::PlaneSide::above;
+    return plans;
+}
+
+}  // namespace shape_cases

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "engine/shapes.hpp"
+#include "lamella/slice.hpp"
+#include "models/numbers.hpp"
 
 namespace golden {
 
@@ -22,23 +24,20 @@ std::vector<std::string> mesh_names();
 /// tasks.
 std::map<std::string, std::string> mesh_files();
 
-/// Steele, Lea and Flood's generator.
-class SplitMix {
-public:
-    explicit SplitMix(std::uint64_t seed) noexcept : state_(seed) {}
-    std::uint64_t next() noexcept {
-        std::uint64_t z = state_ += 0x9E3779B97F4A7C15;
-        z = (z ^ z >> 30) * 0xBF58476D1CE4E5B9;
-        z = (z ^ z >> 27) * 0x94D049BB133111EB;
-        return z ^ z >> 31;
-    }
-    /// From low to high, both possible.
-    int between(int low, int high) noexcept {
-        return low + static_cast<int>(next() % static_cast<std::uint64_t>(high - low + 1));
-    }
-
-private:
-    std::uint64_t state_;
-};
+/// From low to high, both possible.
+inline int between(lamella::models::Random& random, int low, int high) noexcept {
+    return low + static_cast<int>(random.next() % static_cast<std::uint64_t>(high - low + 1));
+}
 
 }  // namespace golden
+
+/// The meshes and plans that the tests of determinism share with the golden cases that are named after shapes.
+namespace shape_cases {
+
+/// Closed ones, open ones, crossing ones, and one with faces of all kinds at its edges.
+std::map<std::string, shapes::Soup> meshes();
+
+/// By name: uniform, irregular, and at random heights that this mesh gets by a seed.
+std::map<std::string, lamella::SliceOptions> plans(const shapes::Soup& mesh);
+
+}  // namespace shape_cases

@@ -3,7 +3,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "golden/calls.hpp"
+#include "golden/golden.hpp"
+#include "lamella/io.hpp"
 #include "temp_folder.hpp"
 
 namespace golden {
@@ -136,15 +137,12 @@ void add_weld(Hashes& hashes, const std::string& name, const MeshView& mesh, dou
     add_slices(hashes, name + ", slices", welded.view(), uniform(0.375));
 }
 
-/// Calls look(name, mesh) for those of the named meshes that are the committed ones.
+/// Calls look(name, mesh) for each.
 template <class Look>
 void each_mesh(const std::vector<std::string>& names, const Look& look) {
     for (const std::string& name : names) {
-        const Soup soup = mesh(name);
-        if (same_input(name, hash_of(soup))) {
-            const HeldMesh held(soup, Form::f32_soup);
-            look(name, held.view());
-        }
+        const HeldMesh held(mesh(name), Form::f32_soup);
+        look(name, held.view());
     }
 }
 
@@ -173,8 +171,8 @@ Segments nested_squares() {
 
 /// Segments between random points of a lattice, so that many meet at a key, some both ways, and some at no other.
 Segments random_segments(std::uint64_t seed, int count, int range) {
-    SplitMix random(seed);
-    const auto drawn = [&](int end) { return random.between(0, end); };
+    lamella::models::Random random(seed);
+    const auto drawn = [&](int end) { return between(random, 0, end); };
     Segments segments(static_cast<std::size_t>(count));
     for (lamella::Segment& segment : segments) {
         segment.from.x = drawn(range);

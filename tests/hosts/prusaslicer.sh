@@ -2,45 +2,21 @@
 # Puts lamella into PrusaSlicer in the place of its own slicing: its tests must pass as they do without, its layers must be
 # the same, and both are timed. By hand: it installs packages, fetches 28 MB and compiles for about half an hour.
 #
-#     tests/hosts/prusaslicer.sh [--work FOLDER] [--models FOLDER] [--lamella PREFIX] [--adapter FOLDER] [--jobs N]
-#                                [--only STEP] [--results FILE]
+#     tests/hosts/prusaslicer.sh [WORK]
 #
-#     --work      sources, builds and logs; what is there is not made again (default build/hosts/prusaslicer)
-#     --models    liver.stl, femur.stl and brain.stl (default ../shared/models)
-#     --lamella   installed lamella; default: this checkout, built and installed into the work folder
-#     --adapter   the adapter's sources (default tests/hosts/prusaslicer)
-#     --jobs      compilers at once (default: all cores)
-#     --only      own, adapter, agree or time: stops after that step, without those between it and the builds
-#     --results   where the tables go (default bench/results/hosts.md)
+# WORK holds sources, builds and logs; what is there is not made again (default build/hosts/prusaslicer). The tables go to
+# bench/results/hosts.md.
 set -euo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)"
 source "$root/tools/packages.sh"
 
-command="tests/hosts/prusaslicer.sh"
-work="$root/build/hosts/prusaslicer"
+work="${1:-$root/build/hosts/prusaslicer}"
+work="$(mkdir -p "$work" && cd "$work" && pwd)"
 models="$root/../shared/models"
 adapter="$root/tests/hosts/prusaslicer"
-results="$root/bench/results/hosts.md"
-prefix=""
-only=""
-jobs="$(nproc)"
-while (($# > 0)); do
-    (($# > 1)) || stop "$1 needs a value"
-    case "$1" in
-        --work) work="$(mkdir -p "$2" && cd "$2" && pwd)" ;;
-        --models) models="$2" ;;
-        --lamella) prefix="$2" ;;
-        --adapter) adapter="$2" ;;
-        --jobs) jobs="$2" ;;
-        --only) only="$2" ;;
-        --results) results="$2" ;;
-        *) stop "unknown option $1; the head of this script lists them" ;;
-    esac
-    shift 2
-done
-case "$only" in '' | own | adapter | agree | time) ;; *) stop "--only $only: one of own, adapter, agree and time" ;; esac
+prefix="$work/lamella/prefix"
 for name in liver femur brain; do
-    [[ -e "$models/$name.stl" ]] || stop "$models/$name.stl is missing (--models)"
+    [[ -e "$models/$name.stl" ]] || stop "$models/$name.stl is missing"
 done
 mkdir -p "$work/logs"
 
@@ -86,11 +62,9 @@ END
 }
 
 build_lamella() {
-    [[ -z "$prefix" ]] || return 0
-    prefix="$work/lamella/prefix"
     logged lamella_configure cmake -S "$root" -B "$work/lamella/build" -G Ninja -DCMAKE_BUILD_TYPE=Release "${launcher[@]}" \
         -DLAMELLA_BUILD_TESTS=OFF -DLAMELLA_BUILD_BENCH=OFF -DLAMELLA_BUILD_TOOLS=OFF -DLAMELLA_BUILD_IO=OFF
-    logged lamella_build nice -n 5 cmake --build "$work/lamella/build" --parallel "$jobs"
+    logged lamella_build nice -n 5 cmake --build "$work/lamella/build" --parallel
     logged lamella_install cmake --install "$work/lamella/build" --prefix "$prefix"
 }
 
@@ -104,7 +78,7 @@ build_host() {
         "-DOPENVDB_FIND_MODULE_PATH=/usr/lib/$(dpkg-architecture -qDEB_HOST_MULTIARCH)/cmake/OpenVDB" \
         "-DCMAKE_PROJECT_PrusaSlicer_INCLUDE=$adapter/inject.cmake" "-DCMAKE_PREFIX_PATH=$prefix" "$@"
     # shellcheck disable=SC2086
-    logged host_build nice -n 5 ninja -C "$work/build" -j "$jobs" $targets
+    logged host_build nice -n 5 ninja -C "$work/build" $targets
 }
 
 # keep LABEL: the test programs of this build, before the next one replaces them.
@@ -150,7 +124,6 @@ if [[ ! -e "$work/own/libslic3r.xml" ]]; then
     step "PrusaSlicer by itself: tests"
     run_suites own
 fi
-[[ "$only" != own ]] || exit 0
 
 step "lamella, and PrusaSlicer with the adapter: build"
 build_lamella
@@ -160,21 +133,13 @@ table="$work/tables"
 mkdir -p "$table"
 status=0
 
-if [[ -z "$only" || "$only" == adapter ]]; then
-    step "PrusaSlicer with the adapter: tests"
-    run_suites adapter
-    python3 "$adapter/tables.py" suites "$work/own" "$work/adapter" "${suites[@]}" | tee "$table/suites.md" || status=1
-fi
-if [[ -z "$only" || "$only" == agree ]]; then
-    step "layers of both"
-    compare agree | tee "$table/layers.md" || status=1
-fi
-if [[ -z "$only" || "$only" == time ]]; then
-    step "times of both"
-    compare time | tee "$table/times.md" || status=1
-fi
-if [[ -z "$only" ]]; then
-    python3 "$adapter/tables.py" page "$table" "$work/build" "$command" > "$results.new"
-    mv "$results.new" "$results"
-fi
+step "PrusaSlicer with the adapter: tests"
+run_suites adapter
+python3 "$adapter/tables.py" suites "$work/own" "$work/adapter" "${suites[@]}" | tee "$table/suites.md" || status=1
+step "layers of both"
+compare agree | tee "$table/layers.md" || status=1
+step "times of both"
+compare time | tee "$table/times.md" || status=1
+python3 "$adapter/tables.py" page "$table" "$work/build" tests/hosts/prusaslicer.sh > "$work/hosts.md"
+mv "$work/hosts.md" "$root/bench/results/hosts.md"
 ((status == 0)) || stop "tests that PrusaSlicer passes by itself fail, layers differ or bars are missed: see above"

@@ -231,21 +231,35 @@ TEST_CASE("parts that do not make a whole are refused by their names") {
     const TempFolder folder;
     const std::vector<fs::path> parts = write_parts(folder, uniform(0.5), {4, 8, 1000});
     const fs::path to = folder / "m.h5";
-    CHECK_THAT(merge_complaint({}, to), Contains("no archives to join"));
-    CHECK_THAT(merge_complaint({parts[0], parts[2]}, to), Contains("layers 4 to 7 lie in neither"));
-    CHECK_THAT(merge_complaint({parts[1], parts[2]}, to), Contains("layers 0 to 3 are missing before"));
-    CHECK_THAT(merge_complaint({parts[0], parts[1]}, to), Contains("are missing after"));
-    CHECK_THAT(merge_complaint({parts[0], parts[1], parts[1], parts[2]}, to), Contains("both hold layers 4 to 7"));
-    const auto difference = [&](const Soup& soup, SliceOptions options, const ArchiveInfo& info = {}) {
+    for (const auto& [some, complaint] : std::vector<std::pair<std::vector<fs::path>, const char*>>{
+             {{}, "no archives to join"},
+             {{parts[0], parts[2]}, "layers 4 to 7 lie in neither"},
+             {{parts[1], parts[2]}, "layers 0 to 3 are missing before"},
+             {{parts[0], parts[1]}, "are missing after"},
+             {{parts[0], parts[1], parts[1], parts[2]}, "both hold layers 4 to 7"}}) {
+        CHECK_THAT(merge_complaint(some, to), Contains(complaint));
+    }
+    const auto check_difference = [&](const char* place, const Soup& soup, SliceOptions options,
+                                      const ArchiveInfo& info = {}) {
         options.planes.first_layer = 4;
         options.planes.end_layer = 8;
-        return merge_complaint({parts[0], written(folder, "o.h5", sliced(soup, options), info), parts[2]}, to);
+        const fs::path other = written(folder, "o.h5", sliced(soup, options), info);
+        CHECK_THAT(merge_complaint({parts[0], other, parts[2]}, to), Contains(std::string("they differ in ") + place));
     };
     SliceOptions with_origins = uniform(0.5);
     with_origins.origins = true;
-    CHECK_THAT(difference(specimen(), uniform(0.51)), Contains("they differ in /options/layer_height_mm"));
-    CHECK_THAT(difference(specimen(), with_origins), Contains("they differ in /options/origins"));
-    CHECK_THAT(difference(specimen(), uniform(0.5, default_grid_mm * 2)), Contains("they differ in /grid_mm"));
-    CHECK_THAT(difference(moved(specimen(), {1, 0, 0}), uniform(0.5)), Contains("they differ in /mesh/min_mm"));
-    CHECK_THAT(difference(specimen(), uniform(0.5), {.mesh_sha256 = "1"}), Contains("they differ in /mesh/sha256"));
+    check_difference("/options/layer_height_mm", specimen(), uniform(0.51));
+    check_difference("/options/origins", specimen(), with_origins);
+    check_difference("/grid_mm", specimen(), uniform(0.5, default_grid_mm * 2));
+    check_difference("/mesh/min_mm", moved(specimen(), {1, 0, 0}), uniform(0.5));
+    check_difference("/mesh/sha256", specimen(), uniform(0.5), {.mesh_sha256 = "1"});
+    SliceOptions listed = uniform(0.5);
+    std::vector<fs::path> with_heights;
+    for (const double last : {3.0, 4.0, 4.0}) {
+        listed.heights_mm = std::vector<double>{1, 2, last};
+        listed.planes.first_layer = with_heights.size();
+        listed.planes.end_layer = with_heights.size() + 1;
+        with_heights.push_back(written(folder, "h" + std::to_string(with_heights.size()), sliced(specimen(), listed)));
+    }
+    CHECK_THAT(merge_complaint(with_heights, to), Contains("they differ in the columns of /options"));
 }

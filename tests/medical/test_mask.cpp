@@ -1,3 +1,5 @@
+// The voxels of many meshes, and shares: tests/readers/solid.py and masks.py.
+#include <set>
 
 #include "medical/support.hpp"
 
@@ -6,55 +8,6 @@ using namespace medical;
 namespace {
 
 constexpr std::size_t nifti_header_bytes = 352;
-
-/// The voxels of a mask of one byte each.
-std::string voxels_of(const std::vector<MaskPart>& parts, const ImageGeometry& image, const MaskOptions& options = {}) {
-    const TempFolder folder;
-    value_of(write_mask(parts, image, folder / "mask.nii", options));
-    const std::string bytes = bytes_of(folder / "mask.nii");
-    REQUIRE(bytes.size() == nifti_header_bytes + image.size[0] * image.size[1] * image.size[2]);
-    return bytes.substr(nifti_header_bytes);
-}
-
-/// The winding number of a layer's contours around a point of the grid, by the definition: an edge counts if its lower end
-/// is at the point's height or below, its upper end above, and the point lies to its right or on it.
-int winding(const SliceResult& result, const Layer& layer, std::int64_t x, std::int64_t y) {
-    int sum = 0;
-    for (const Contour& contour : result.contours_of(layer)) {
-        const auto points = result.points_of(contour);
-        for (std::size_t i = 0; contour.role != Role::open && i < points.size(); ++i) {
-            const Point a = points[i];
-            const Point b = points[(i + 1) % points.size()];
-            if ((a.y <= y) == (b.y <= y)) {
-                continue;
-            }
-            const bool up = a.y < b.y;
-            const Point low = up ? a : b;
-            const Point high = up ? b : a;
-            const std::int64_t side =
-                (std::int64_t{high.x} - low.x) * (y - low.y) - (x - low.x) * (std::int64_t{high.y} - low.y);
-            if (side <= 0) {
-                sum += up ? 1 : -1;
-            }
-        }
-    }
-    return sum;
-}
-
-std::string expected_voxels(const SliceResult& result, const ImageGeometry& image) {
-    std::string voxels;
-    for (std::size_t k = 0; k < image.size[2]; ++k) {
-        const Layer& layer = result.layers[result.info.layer_of[k]];
-        for (std::size_t j = 0; j < image.size[1]; ++j) {
-            for (std::size_t i = 0; i < image.size[0]; ++i) {
-                const auto x = std::llround(static_cast<double>(i) * image.spacing_mm[0] / result.info.grid_mm);
-                const auto y = std::llround(static_cast<double>(j) * image.spacing_mm[1] / result.info.grid_mm);
-                voxels += winding(result, layer, x, y) != 0 ? '\1' : '\0';
-            }
-        }
-    }
-    return voxels;
-}
 
 /// Writes a mask of these meshes.
 MaskSummary summary_of(const std::vector<Soup>& soups, const ImageGeometry& image) {
@@ -70,22 +23,18 @@ MaskSummary summary_of(const std::vector<Soup>& soups, const ImageGeometry& imag
 
 }  // namespace
 
-TEST_CASE("mask: equals a test of every centre", "[medical]") {
-    const ImageGeometry image = image_of({37, 29, 11}, {0.7, 0.9, 1.3}, {-12, -11, -6});
-    const ImageGeometry whole_mm = image_of({8, 8, 3}, {1, 1, 1}, {0, 0, 0});
-    std::vector<std::pair<Soup, ImageGeometry>> cases = {
-        {box({2, 3, -1}, {5, 7, 1.5}), whole_mm},  // left and bottom edges are inside, right and top edges outside
-        {joined({octasphere({0, 0, 0}, 9, 3), flipped(octasphere({1, 1, 0}, 5, 3))}), image},
-        {joined({octasphere({-3, 0, 0}, 6, 2), octasphere({3, 1, 0}, 7, 2)}), image}};
-    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-        cases.emplace_back(moved(scaled(random_tetrahedra(seed, 12, 40), {0.5, 0.5, 0.4}), {-10, -10, -7}), image);
+TEST_CASE("mask: centres on left and bottom edges are inside, on right and top edges outside", "[medical]") {
+    const ImageGeometry image = image_of({8, 8, 3}, {1, 1, 1}, {0, 0, 0});
+    const SliceResult result = cut(box({2, 3, -1}, {5, 7, 1.5}), image);
+    const MaskPart part{&result, "a"};
+    const TempFolder folder;
+    value_of(write_mask({&part, 1}, image, folder / "mask.nii"));
+    std::string expected;
+    for (int i = 0; i < 8 * 8 * 3; ++i) {
+        const bool inside = i % 8 >= 2 && i % 8 < 5 && i / 8 % 8 >= 3 && i / 8 % 8 < 7 && i / 64 < 2;
+        expected += inside ? '\1' : '\0';
     }
-    for (const auto& [soup, at] : cases) {
-        const SliceResult result = cut(soup, at);
-        const std::string expected = expected_voxels(result, at);
-        CHECK(voxels_of({{&result, "a"}}, at) == expected);
-        CHECK(std::count(expected.begin(), expected.end(), '\1') >= 24);
-    }
+    CHECK(bytes_of(folder / "mask.nii").substr(nifti_header_bytes) == expected);
 }
 
 TEST_CASE("mask: the summary tells overlaps, what is open, what the image cuts off, and thin walls", "[medical]") {
@@ -119,25 +68,16 @@ TEST_CASE("mask: the summary tells overlaps, what is open, what the image cuts o
 TEST_CASE("mask: shares count once what several contours enclose", "[medical]") {
     const ImageGeometry image = image_of({4, 4, 2}, {1, 1, 1}, {-1, -1, 0.5});
     const Soup body = box({-0.25, 0, 0}, {1.25, 1, 1});
-    const SliceResult once = cut(body, image);
-    const std::string expected = voxels_of({{&once, "a"}}, image, {.coverage = true});
-    CHECK(std::count_if(expected.begin(), expected.end(), [](char share) { return share != 0; }) == 4);
+    const TempFolder folder;
+    std::set<std::string> masks;
     for (const Soup& soup :
-         {joined({body, body}), joined({body, flipped(body)}), joined({body, box({0, 0, 0}, {1, 1, 1})})}) {
-        const SliceResult twice = cut(soup, image);
-        CHECK(voxels_of({{&twice, "a"}}, image, {.coverage = true}) == expected);
+         {body, joined({body, body}), joined({body, flipped(body)}), joined({body, box({0, 0, 0}, {1, 1, 1})})}) {
+        const SliceResult result = cut(soup, image);
+        const MaskPart part{&result, "a"};
+        CHECK(value_of(write_mask({&part, 1}, image, folder / "mask.nii", {.coverage = true})).voxels[0] == 4);
+        masks.insert(bytes_of(folder / "mask.nii"));
     }
-    // And sum to the volume.
-    const ImageGeometry around = image_of({25, 25, 25}, {1, 1, 1}, {-12, -12, -12});
-    const SliceResult ball = cut(octasphere({0, 0, 0}, 9, 4), around, 4);
-    double sum = 0;
-    for (const char voxel : voxels_of({{&ball, "ball"}}, around, {.coverage = true, .subslices = 4})) {
-        sum += static_cast<unsigned char>(voxel) / 255.0;
-    }
-    for (const LayerView layer : ball) {
-        sum -= layer.area_mm2() / 4;
-    }
-    CHECK(sum == Approx(0).margin(3));
+    CHECK(masks.size() == 1);
 }
 
 TEST_CASE("mask: more than 255 meshes take two bytes", "[medical]") {

@@ -78,15 +78,6 @@ std::string name_of(Shape shape) {
     return std::string(shape_names[static_cast<std::size_t>(shape)]);
 }
 
-std::vector<std::array<float, 9>> sorted_triangles(const std::vector<float>& soup) {
-    std::vector<std::array<float, 9>> triangles(soup.size() / 9);
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-        std::copy_n(soup.begin() + static_cast<std::ptrdiff_t>(9 * t), 9, triangles[t].begin());
-    }
-    std::sort(triangles.begin(), triangles.end());
-    return triangles;
-}
-
 #ifdef LAMELLA_TESTS_SANITIZED
 constexpr std::uint64_t large_mesh = 120'000;  // the full size would take minutes
 #else
@@ -152,19 +143,6 @@ TEST_CASE("the number of crossings is met within 5 %", "[models]") {
     CHECK(static_cast<double>(crossings(soup, recipe.layer_height_mm)) == Approx(natural * factor).epsilon(0.05));
     check_closed(soup);
     CHECK(ascending(soup));
-}
-
-TEST_CASE("the random order is a permutation of the ascending order, by seed", "[models]") {
-    const Shape shape = any_shape();
-    CAPTURE(name_of(shape));
-    Recipe recipe = recipe_of(shape, 5000);
-    const std::vector<float> ascending_soup = make_soup(recipe);
-    recipe.order = Order::random;
-    const std::vector<float> shuffled = make_soup(recipe);
-    CHECK(shuffled != ascending_soup);
-    CHECK_FALSE(ascending(shuffled));
-    CHECK(sorted_triangles(shuffled) == sorted_triangles(ascending_soup));
-    CHECK(make_soup(recipe) == shuffled);
 }
 
 TEST_CASE("a file holds the triangles that make_soup gives, and unit normals", "[models]") {

@@ -17,7 +17,7 @@ import numpy as np
 
 LEAST_DICE = 0.99
 POINTS = 50_000
-BLOCK = 48  # triangles that are seen as one from afar
+BLOCK = 8  # triangles that are not halved further
 FAR = 3  # times the radius of a block
 
 
@@ -45,27 +45,28 @@ def solid_angles(triangles, points):
     return np.arctan2(dot(a, np.cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb) / (2 * np.pi)
 
 
-def blocks_of(triangles):
-    """Halves of halves along the longest side, down to BLOCK triangles."""
-    if len(triangles) <= BLOCK:
-        return [triangles]
-    centres = triangles.mean(axis=1)
-    order = np.argsort(centres[:, np.argmax(np.ptp(centres, axis=0))], kind="stable")
-    half = len(order) // 2
-    return blocks_of(triangles[order[:half]]) + blocks_of(triangles[order[half:]])
-
-
 def winding_numbers(triangles, points):
     sums = np.zeros(len(points))
-    for block in blocks_of(triangles):
+
+    def add(block, which):
+        """Adds the block to these points; halves along its longest side to those that are near."""
         normals = np.cross(block[:, 1] - block[:, 0], block[:, 2] - block[:, 0]) / 2
         weights = np.linalg.norm(normals, axis=1)
         centre = np.average(block.mean(axis=1), axis=0, weights=weights)
-        away = centre - points
+        away = centre - points[which]
         distance = np.linalg.norm(away, axis=1)
         far = distance > FAR * np.linalg.norm(block - centre, axis=2).max()
-        sums[far] += away[far] @ normals.sum(axis=0) / (4 * np.pi * distance[far] ** 3)
-        sums[~far] += solid_angles(block, points[~far]).sum(axis=1)
+        sums[which[far]] += away[far] @ normals.sum(axis=0) / (4 * np.pi * distance[far] ** 3)
+        near = which[~far]
+        if len(block) <= BLOCK:
+            sums[near] += solid_angles(block, points[near]).sum(axis=1)
+        elif len(near):
+            centres = block.mean(axis=1)
+            order = np.argsort(centres[:, np.argmax(np.ptp(centres, axis=0))], kind="stable")
+            add(block[order[: len(order) // 2]], near)
+            add(block[order[len(order) // 2 :]], near)
+
+    add(triangles, np.arange(len(points)))
     return sums
 
 

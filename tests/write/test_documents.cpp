@@ -1,7 +1,8 @@
 // Reports and SVG files of one layer put together by hand, with numbers that the expected texts can be worked out from.
-// Those of whole meshes, with all that slices say of themselves: tests/golden.
+// Those of whole meshes, with all that slices say of themselves: tests/golden. And JSON as text, read back by a library.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <regex>
 #include <sstream>
 #include <string>
@@ -10,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/slicing.hpp"
+#include "io/write/json.hpp"
 #include "lamella/io/report.hpp"
 #include "lamella/io/svg.hpp"
 #include "temp_folder.hpp"
@@ -91,6 +93,20 @@ std::vector<double> only_points(const std::string& svg) {
     std::replace(numbers.begin(), numbers.end(), ',', ' ');
     std::istringstream in(numbers);
     return {std::istream_iterator<double>(in), {}};
+}
+
+template <class T>
+std::string text_of(const T& value) {
+    JsonText text;
+    text.value(value);
+    return std::move(text).take();
+}
+
+/// As JSON says it, and as the library reads it.
+template <class T>
+void check_value(const T& value, const std::string& expected) {
+    CHECK(text_of(value) == expected + "\n");
+    CHECK(json::parse(text_of(value)) == json::parse(expected));
 }
 
 }  // namespace
@@ -183,40 +199,79 @@ TEST_CASE("svg: more points than fit the buffer arrive in order", "[write]") {
     CHECK((only_points(svg_of(layer_of({}, {points}, 1))) == expected));
 }
 
-TEST_CASE("svg: a stop request leaves nothing", "[write]") {
-    const TempFolder folder;
-    auto stop = []() noexcept { return true; };
-    CHECK(code_of(write_svg(square_with_hole(), folder / "a.svg", {}, {.stop = stop})) == ErrorCode::cancelled);
-    CHECK(folder.names().empty());
-}
-
 TEST_CASE("report and svg: what was done to regions, marks, and parts are there where they were asked for", "[write]") {
     SliceResult result = square_with_hole();
-    CHECK_FALSE(report_of(result).contains("region"));
-    CHECK_FALSE(report_of(result).contains("parts"));
-    CHECK(count(svg_of(result), "class=") == 0);
-    CHECK(count(svg_of(result), "lamella:part=") == 0);
+    CHECK_FALSE((report_of(result).contains("region") || report_of(result).contains("parts")));
+    CHECK(count(svg_of(result), "class=") + count(svg_of(result), "lamella:part=") == 0);
     result.contours[1].flags |= would_close;
-    result.info.options.region = {
-        .fill_rule = FillRule::positive, .closing_mm = 0.25, .offset_mm = 2, .flag_closing_mm = 0.5};
+    result.info.options.region = {.fill_rule = FillRule::positive, .closing_mm = 0.25, .flag_closing_mm = 0.5};
     result.info.would_close_contours = 2;
-    const std::string marked = svg_of(result);
-    CHECK(count(marked, "class=\"near\"") == 1);
-    CHECK(marked.find("slic3r:type=\"hole\"") < marked.find("\" class=\"near\"/>\n"));
-    CHECK_THAT(marked, Contains("Fill rule positive. Regions closed by 0.25 mm. Regions grown by 2 mm, miter limit 3. "
-                                "Contours marked that closing by 0.5 mm would change."));
     result.info.part_count = 3;
     result.contours[0].part = 2;
     result.contours[1].part = several_parts;
-    const std::string named = svg_of(result);
-    CHECK(count(named, " lamella:part=\"2\"/>") == 1);
-    CHECK(count(named, " class=\"near\" lamella:part=\"several\"/>") == 1);
-    CHECK(count(named, " lamella:part=") == 3);
-    const json report = report_of(result);
-    CHECK(report.at("region").at("would_close_contours") == 2);
-    CHECK(report.at("region").at("fill_from") == json::array());
-    CHECK(report.at("parts") == 3);
-    CHECK(report.at("part_regions") == "separate");
-    result.info.options.unite_parts = true;
-    CHECK(report_of(result).at("part_regions") == "united");
+    const std::string svg = svg_of(result);
+    CHECK(count(svg, "class=\"near\"") == 1);
+    CHECK(svg.find("slic3r:type=\"hole\"") < svg.find("\" class=\"near\" lamella:part=\"several\"/>\n"));
+    CHECK_THAT(svg, Contains("Fill rule positive. Regions closed by 0.25 mm. Contours marked that closing by 0.5 mm would"));
+    CHECK(count(svg, " lamella:part=\"2\"/>") == 1);
+    CHECK(count(svg, " lamella:part=") == 3);
+    for (const bool united : {false, true}) {
+        result.info.options.unite_parts = united;
+        require_members(report_of(result), {{"parts", 3}, {"part_regions", united ? "united" : "separate"}});
+        require_members(report_of(result).at("region"), {{"would_close_contours", 2}, {"fill_from", json::array()}});
+    }
+}
+
+TEST_CASE("json: numbers and words", "[write][json]") {
+    check_value(nullptr, "null");
+    check_value(true, "true");
+    check_value(false, "false");
+    check_value(-3, "-3");
+    check_value(std::numeric_limits<std::uint64_t>::max(), "18446744073709551615");
+    check_value(std::numeric_limits<std::int64_t>::min(), "-9223372036854775808");
+    check_value(0.0, "0.0");
+    check_value(2.0, "2.0");
+    check_value(-0.1, "-0.1");
+    check_value(1e300, "1e+300");
+    check_value(5e-324, "5e-324");
+    check_value(std::numeric_limits<double>::infinity(), "null");
+    check_value(std::numeric_limits<double>::quiet_NaN(), "null");
+    check_value("word", "\"word\"");
+    check_value(std::array{1.5, 2.0}, "[\n  1.5,\n  2.0\n]");
+}
+
+TEST_CASE("json: text is escaped, and always UTF-8", "[write][json]") {
+    for (int c = 1; c < 0x80; ++c) {
+        const std::string text = {'a', static_cast<char>(c), 'b'};
+        CHECK(json::parse(text_of(text)) == text);
+    }
+    CHECK(json::parse(text_of(std::string_view("\0", 1))) == std::string(1, '\0'));
+    for (const char* whole : {"\xc3\xa4", "\xe2\x82\xac", "\xf0\x9f\xa6\xb4", "\xed\x9f\xbf", "\xf4\x8f\xbf\xbf"}) {
+        CHECK(json::parse(text_of(whole)) == whole);
+    }
+    CHECK(json::parse(text_of("a\xe2\x82")) == "a\\xe2\\x82");  // as utf8_text(), of which test_output_file tests more
+    for (int first = 0x80; first < 0x100; ++first) {
+        for (int second = 1; second < 0x100; ++second) {
+            const std::string text = {static_cast<char>(first), static_cast<char>(second), '\x80', '\x80'};
+            REQUIRE(json::accept(text_of(text)));
+        }
+    }
+}
+
+TEST_CASE("json: objects and lists nest, empty ones too", "[write][json]") {
+    JsonText text;
+    text.object([&] {
+        text.member("a", 1);
+        text.object("empty", [] {});
+        text.member("none", std::vector<int>{});
+        text.list("first", std::vector<int>{1, 2, 3}, 2, [&](int i) { text.object([&] { text.member("i", i); }); });
+        text.member("all", std::vector<std::string>{"x", "[", "{"});
+        text.member_if(false, "unknown", 5);
+        text.member("last", std::array{std::array{1, 2}, std::array{3, 4}});
+    });
+    const std::string written = std::move(text).take();
+    const auto expected = nlohmann::ordered_json::parse(
+        R"({"a": 1, "empty": {}, "none": [], "first": [{"i": 1}, {"i": 2}], "all": ["x", "[", "{"], "unknown": null,
+            "last": [[1, 2], [3, 4]]})");
+    CHECK(written == expected.dump(2) + "\n");
 }

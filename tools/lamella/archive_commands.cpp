@@ -8,14 +8,12 @@
 #include <utility>
 #include <vector>
 
-#include "commands.hpp"
 #include "files/mesh_input.hpp"
-#include "files/streams.hpp"
 #include "lamella/io/mesh_writer.hpp"
 #include "lamella/medical.hpp"
 #include "outputs/outputs.hpp"
 #include "processes/process.hpp"
-#include "terminal/stages.hpp"
+#include "terminal/console.hpp"
 
 namespace lamella::cli {
 
@@ -117,14 +115,9 @@ public:
     }
 
 private:
-    /// The value that a call on a file makes.
-    template <class Call>
-    auto found(const std::string& what, const Call& call) {
-        return stages_.done("reading " + printable(what), call);
-    }
-
     void read(const std::string& path) {
-        Archive archive = found(path, [&](const Context& context) { return read_archive(path, context); });
+        Archive archive =
+            stages_.done("reading " + printable(path), [&](const Context& context) { return read_archive(path, context); });
         SlicedPart part;
         part.name = archive.info.name;
         part.result = std::move(archive.result);
@@ -147,7 +140,8 @@ private:
         job_.image = std::move(archive.info.geometry);
         job_.subslices = archive.info.subslices;
         job_.parts.push_back(std::move(part));
-        job_.inputs.push_back(found(path, [&](const Context& context) { return seal_file(path, context); }));
+        job_.inputs.push_back(
+            stages_.done("reading " + printable(path), [&](const Context& context) { return seal_file(path, context); }));
     }
 
     /// --like: an image that says more than its geometry, which archives hold.
@@ -160,8 +154,9 @@ private:
                   arguments_.archives.front() + ": not cut at the slices of " + arguments_.image.like);
         add_series(image, file_plan_);
         job_.image = std::move(image);
-        job_.inputs.push_back(
-            found(arguments_.image.like, [&](const Context& context) { return seal_file(arguments_.image.like, context); }));
+        job_.inputs.push_back(stages_.done("reading " + printable(arguments_.image.like), [&](const Context& context) {
+            return seal_file(arguments_.image.like, context);
+        }));
     }
 
     void require_image_outputs_possible() const {
@@ -206,9 +201,10 @@ void convert_mesh(const std::vector<std::string>& inputs, const std::string& out
     interrupt.tidy({output});
     MeshArguments arguments = reading;
     arguments.mesh = inputs.front();
-    ProgressBar bar(arguments.progress);
-    const MeshFile mesh = read_mesh_and_warn(arguments, bar);
-    const WrittenMesh written = done_or_thrown(write_mesh(mesh, output, {.stop = interrupt.defer()}));
+    Stages stages(arguments.progress, arguments.threads, interrupt);
+    const MeshFile mesh = read_mesh_and_warn(arguments, stages);
+    const WrittenMesh written =
+        stages.done("writing", [&](const Context& context) { return write_mesh(mesh, output, context); });
     if (written.rounded) {
         warn(output + ": coordinates are rounded to the 32 bits of STL; PLY keeps them");
     }

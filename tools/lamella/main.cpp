@@ -10,10 +10,9 @@
 
 #include <CLI/CLI.hpp>
 
-#include "commands.hpp"
 #include "files/flags.hpp"
 #include "lamella/version.hpp"
-#include "terminal/stages.hpp"
+#include "terminal/console.hpp"
 
 namespace lamella::cli {
 
@@ -37,18 +36,14 @@ std::string usage_line(const CLI::App& app, const CLI::ParseError& error) {
 
 /// Throws Failure.
 int run(int count, char** words) {
-    Interrupt interrupt;
+    static Interrupt& interrupt = *new Interrupt;
     CLI::App app("Slices triangle meshes into closed, oriented, nested contours", "lamella");
     app.set_version_flag("--version", lamella::version);
     app.require_subcommand(1);
-    add_slice_command(app, interrupt);
-    add_info_command(app, interrupt);
-    add_check_command(app, interrupt);
-    add_make_command(app, interrupt);
-    add_verify_command(app, interrupt);
-    add_batch_command(app, interrupt);
-    add_convert_command(app, interrupt);
-    add_merge_command(app, interrupt);
+    for (const auto add : {add_slice_command, add_info_command, add_check_command, add_make_command, add_verify_command,
+                           add_batch_command, add_convert_command, add_merge_command}) {
+        add(app, interrupt);
+    }
     // The last word comes first. To CLI11 "[a,b]" is a list of a and b where several words are taken; a path it becomes as
     // "./[a,b]".
     std::vector<std::string> reversed;

@@ -12,15 +12,12 @@
 #include <utility>
 #include <vector>
 
-#include "commands.hpp"
 #include "files/mesh_input.hpp"
-#include "files/streams.hpp"
 #include "lamella/check.hpp"
 #include "lamella/io/check_report.hpp"
 #include "lamella/io/mesh_file.hpp"
 #include "models/models.hpp"
 #include "terminal/console.hpp"
-#include "terminal/stages.hpp"
 
 namespace lamella::cli {
 
@@ -63,14 +60,13 @@ std::string words(const std::string& path, const MeshFile& mesh, const MeshCheck
 
 void run(const MeshList& meshes, Interrupt& interrupt) {
     bool first = true;
-    const auto print_info = [&first](const MeshArguments& arguments) {
-        ProgressBar bar(arguments.progress);
-        const MeshFile mesh = read_mesh_and_warn(arguments, bar);
-        Stage stage(bar, "inspecting");
-        const Context context{.threads = arguments.threads, .progress = stage.progress()};
-        const MeshCheck info = done_or_thrown(
-            check(mesh.view(), {.frame = arguments.options.frame, .counts_only = true}, context), arguments.name());
-        bar.wipe();
+    const auto print_info = [&](const MeshArguments& arguments) {
+        Stages stages(arguments.progress, arguments.threads, interrupt);
+        const MeshFile mesh = read_mesh_and_warn(arguments, stages);
+        const auto inspect = [&](const Context& context) {
+            return check(mesh.view(), {.frame = arguments.options.frame, .counts_only = true}, context);
+        };
+        const MeshCheck info = done_or_thrown(stages.run("inspecting", inspect), arguments.name());
         for (const std::string& doubt : doubts_of_scale(arguments, mesh, {info.box, info.grid_mm})) {
             warn(doubt);
         }
@@ -216,7 +212,7 @@ public:
         for (const auto& [option, path] : {std::pair{"--marks", arguments_.marks}, {"--report", arguments_.report}}) {
             if (!path.empty()) {
                 require_writable(path);
-                plan.writes(path, option, option);
+                plan.writes(path, option, std::string("the file of ") + option);
             }
         }
         require_extension(arguments_.marks, "--marks", ".ply");
@@ -246,23 +242,23 @@ private:
 
     void examine(const MeshArguments& mesh) {
         const Stopwatch watch;
-        ProgressBar bar(mesh.progress);
-        MeshFile file = read_mesh_and_warn(mesh, bar);
-        Stage checking(bar, "checking");
+        Stages stages(mesh.progress, mesh.threads, interrupt_);
+        MeshFile file = read_mesh_and_warn(mesh, stages);
         const std::size_t places = arguments_.marks.empty() ? arguments_.places : std::max(arguments_.places, most_marks);
+        const CheckOptions options{
+            .frame = mesh.options.frame, .tolerance_mm = arguments_.tolerance_mm, .most_places = places};
         const MeshCheck found = done_or_thrown(
-            check(file.view(), {.frame = mesh.options.frame, .tolerance_mm = arguments_.tolerance_mm, .most_places = places},
-                  {.threads = mesh.threads, .progress = checking.progress()}),
+            stages.run("checking", [&](const Context& context) { return check(file.view(), options, context); }),
             mesh.name());
-        bar.wipe();
         for (std::string& doubt : doubts_of_scale(mesh, file, {found.box, found.grid_mm})) {
             warn(doubt);
             file.warnings.push_back(std::move(doubt));
         }
         const Stopwatch marking;
         if (!arguments_.marks.empty()) {
-            const Stage stage(bar, "writing");
-            done_or_thrown(write_marks(found, output_path(arguments_.marks)));
+            done_or_thrown(stages.run("writing", [&](const Context& /*shows no progress*/) {
+                return write_marks(found, output_path(arguments_.marks));
+            }));
         }
         if (!arguments_.report.empty()) {
             const double write_ms = arguments_.marks.empty() ? 0 : marking.ms();

@@ -13,9 +13,7 @@
 
 #include <stdlib.h>
 
-#include "commands.hpp"
 #include "files/mesh_input.hpp"
-#include "files/streams.hpp"
 #include "lamella/medical.hpp"
 #include "lamella/version.hpp"
 #include "outputs/outputs.hpp"
@@ -96,11 +94,10 @@ public:
     /// One line a finding. `output`: where it lies, with what lies beside it, such as a table of labels.
     std::vector<std::string> differences(const fs::path& output) {
         const fs::path made = top_ / "out" / record_.output.path;
-        const ToolCall call{record_.command, words(made), inputs_.string()};
         // No other thread looks at the environment, which the process that is started inherits.
         record_.source_date_epoch.empty() ? ::unsetenv("SOURCE_DATE_EPOCH")
                                           : ::setenv("SOURCE_DATE_EPOCH", record_.source_date_epoch.c_str(), 1);
-        const ProcessEnd end = run_process(call, 0, [this] { return context_.stop(); });
+        const ProcessEnd end = run_process(words(made), inputs_.string(), 0, [this] { return context_.stop(); });
         refuse_if(!end.failure.empty(), bad_input, context_.stop() ? "cancelled" : end.failure);
         compare_records(done_or_thrown(read_record(made.string() + std::string(record_end))));
         compare_files(output);
@@ -136,7 +133,7 @@ private:
     }
 
     std::vector<std::string> words(const fs::path& made) {
-        std::vector<std::string> words = {"--output=" + made.string(), "--progress=never",
+        std::vector<std::string> words = {record_.command, "--output=" + made.string(), "--progress=never",
                                           "--threads=" + std::to_string(context_.threads)};
         for (const ChangedDefault& changed : changed_defaults) {
             const std::vector<std::string>& options = record_.options;

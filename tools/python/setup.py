@@ -23,8 +23,9 @@ class CMakeBuild(build_ext):
         target.parent.mkdir(parents=True, exist_ok=True)
         configure = ["cmake", "-S", FOLDER, "-B", build, "-DCMAKE_BUILD_TYPE=Release", f"-DLAMELLA_PYTHON={sys.executable}"]
         subprocess.run([*configure, *os.environ.get("CMAKE_ARGS", "").split()], check=True)
-        subprocess.run(["cmake", "--build", build, "--target", "lamella_python", "--parallel", str(os.cpu_count() or 1)], check=True)
-        self.copy_file(str(build / "python" / "lamella" / target.name), str(target))
+        subprocess.run(["cmake", "--build", build, "--target", "lamella_python_package", "--parallel", str(os.cpu_count() or 1)], check=True)
+        for name in (target.name, "_option_table.py"):
+            self.copy_file(str(build / "python" / "lamella" / name), str(target.parent / name))
 
 
 setup(

@@ -1,12 +1,16 @@
 // Both passes over a file of triangles, chunk by chunk: its box, and then which planes cut each triangle.
 #pragma once
 
+#include <algorithm>
 #include <bit>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "base/guard.hpp"
 #include "io/stream/triangle_file.hpp"
 #include "io/stream/triangle_store.hpp"
+#include "io/text/text.hpp"
 #include "slicing/buckets/mesh_source.hpp"
 #include "slicing/buckets/triangle_source.hpp"
 #include "slicing/grid/bounds.hpp"
@@ -25,11 +29,6 @@ struct FileBox {
     Bounds bounds;
     std::vector<FileChunk> chunks;
 };
-
-/// The first pass: reads all of `file`, in chunks of `chunk_triangles`. `asked_mm`: the grid unit asked for, or 0. Throws
-/// Refused, with the file's name: bad_coordinate (with the triangle), and as TriangleFile::read(); Stopped, std::bad_alloc.
-FileBox measure_file(const TriangleFile& file, std::span<const std::byte> resident, const Placing& placing, double asked_mm,
-                     std::size_t chunk_triangles, const Parallel& parallel);
 
 /// Reads and measures chunks on one thread.
 class ChunkReader {
@@ -62,6 +61,52 @@ private:
     Parallel one_;
     BlockTable table_{nullptr};
 };
+
+/// Says the triangle's number in the file, not in the chunk, which the message begins with.
+inline Error at_file_position(Error error, std::uint64_t first) {
+    const std::string own = "triangle " + std::to_string(error.triangle);
+    if (error.triangle >= 0 && error.message.starts_with(own)) {
+        error.triangle += static_cast<std::int64_t>(first);
+        error.message.replace(0, own.size(), "triangle " + std::to_string(error.triangle));
+    }
+    return error;
+}
+
+/// The first pass: reads all of `file`, in chunks of `chunk_triangles`. `asked_mm`: the grid unit asked for, or 0. Throws
+/// Refused, with the file's name: bad_coordinate (with the triangle), and as TriangleFile::read(); Stopped, std::bad_alloc.
+inline FileBox measure_file(const TriangleFile& file, std::span<const std::byte> resident, const Placing& placing,
+                            double asked_mm, std::size_t chunk_triangles, const Parallel& parallel) {
+    constexpr double share_of_progress = 0.3;
+    FileBox box{};
+    box.chunks.resize((file.triangles() + chunk_triangles - 1) / chunk_triangles);
+    std::vector<Bounds> each(box.chunks.size());
+    std::vector<std::unique_ptr<ChunkReader>> readers(static_cast<std::size_t>(parallel.threads()));
+    parse_pieces<Refused>(box.chunks.size(), parallel, [&](std::size_t chunk, int worker) {
+        auto& reader = readers[static_cast<std::size_t>(worker)];
+        if (reader == nullptr) {
+            reader = std::make_unique<ChunkReader>(file, resident, chunk_triangles);
+        }
+        const Result<Bounds> bounds = reader->measure(reader->read(chunk), placing, asked_mm);
+        if (!bounds) {
+            file.refuse(at_file_position(bounds.error(), std::uint64_t{chunk} * chunk_triangles));
+        }
+        each[chunk] = *bounds;
+        const Array<TriangleBlock>& blocks = reader->table().blocks;
+        const bool near = std::any_of(blocks.begin(), blocks.end(), [](const TriangleBlock& block) { return block.near; });
+        box.chunks[chunk] = {bounds->min_mm[2], bounds->max_mm[2], 0, near};
+        parallel.reach(share_of_progress * static_cast<double>(chunk) / static_cast<double>(box.chunks.size()));
+    });
+    box.bounds = Bounds::empty();
+    for (const Bounds& own : each) {
+        box.bounds.add(own);
+    }
+    double low = box.bounds.max_mm[2];
+    std::for_each(box.chunks.rbegin(), box.chunks.rend(), [&low](FileChunk& chunk) {
+        low = std::min(low, chunk.low_mm);
+        chunk.low_from_here_mm = low;
+    });
+    return box;
+}
 
 /// The second pass, as one thread works on it: which planes cut each triangle of a chunk. Gives what count_crossings() gives
 /// for the whole mesh, chunk by chunk.

@@ -7,7 +7,6 @@
 #include "base/words.hpp"
 #include "io/stream/chunk_scan.hpp"
 #include "io/stream/memory_model.hpp"
-#include "io/stream/spill_file.hpp"
 #include "options/asked.hpp"
 #include "slicing/handover/sink_target.hpp"
 #include "slicing/slice_layers.hpp"
@@ -106,15 +105,11 @@ private:
         choose_planes();
     }
 
+    /// And says all that is known before the first layer is cut.
     void choose_planes() {
         build_planes(call_, frame_, planes_);
         counts_ = PlaneCounts(planes_.size());
         model_.set_planes(planes_.planned());
-        describe();
-    }
-
-    /// All that is known before the first layer is cut.
-    void describe() {
         const StageTimes spent = info_.ms;
         begin_info(call_.options, frame_.bounds, frame_.unit, info_);
         describe_plan(planes_, call_.tuning.random_heights.has_value(), info_);
@@ -179,6 +174,14 @@ private:
         }
         scans_.clear();
         chunks_ = {};
+    }
+
+    void collect_counts() {
+        for (const auto& scan : scans_) {
+            if (scan != nullptr) {
+                counts_.take(scan->counts());
+            }
+        }
     }
 
     /// Memory is full before `chunk` is read.
@@ -250,11 +253,7 @@ private:
     bool cut_done_layers(PlaneIndex end) {
         const PlaneIndex before = done_;
         store_.list(counts_, done_, planes_.size(), parallel_);
-        while (done_ < end) {
-            const std::optional<LayerSpan> span = model_.longest(counts_, done_, end, touched_);
-            if (!span) {
-                break;
-            }
+        for (std::optional<LayerSpan> span; done_ < end && (span = model_.longest(counts_, done_, end, touched_));) {
             cut(*span);
         }
         store_.unlist(done_);
@@ -270,10 +269,7 @@ private:
             if (!span && !spill_) {
                 return {};
             }
-            if (!span) {
-                refuse_budget();
-            }
-            spans.push_back(*span);
+            spans.push_back(span ? *span : refuse_budget());
         }
         if (planes_.size() == 0) {
             spans.push_back({0, 0, parallel_.threads(), 0});  // for its checks, and the summary
@@ -315,14 +311,6 @@ private:
         cut_ms_ += milliseconds_since(start);
     }
 
-    void collect_counts() {
-        for (const auto& scan : scans_) {
-            if (scan != nullptr) {
-                counts_.take(scan->counts());
-            }
-        }
-    }
-
     /// Triangles whose last plane is below `plane`, of those seen so far.
     std::uint64_t ended_below(PlaneIndex plane) const noexcept {
         std::uint64_t ended = 0;
@@ -332,7 +320,7 @@ private:
         return ended;
     }
 
-    [[noreturn]] void refuse_budget() const {
+    [[noreturn]] LayerSpan refuse_budget() const {
         const std::size_t layer = counts_.widest();
         const std::uint64_t triangles = counts_.reaching_into(layer) + counts_.starting(layer);
         file_.refuse(

@@ -51,11 +51,4 @@ protected:
     MeshFile facts_;
 };
 
-/// `file` is taken; `beginning` holds the header, or as much of it as is looked at. As TriangleFile::open().
-std::unique_ptr<TriangleFile> open_ply_faces(InputFile& file, std::string_view beginning, const Parallel& parallel);
-
-/// Words of refusals: why, and what to do.
-inline constexpr std::string_view formats_in_pieces = "only binary STL and PLY can be sliced within a budget of memory; ";
-inline constexpr std::string_view makes_ply = "'lamella convert MESH -o MESH.ply' makes the latter of it";
-
 }  // namespace lamella

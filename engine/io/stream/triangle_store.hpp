@@ -1,5 +1,5 @@
-// The triangles that planes cut and that are not done with, in memory: first in the order in which they come, then in the
-// lists of their first planes, where ranges of layers are cut from the lowest up.
+// The triangles that planes cut and that are not done with. On disk: SpillFile. In memory: first in the order in which they
+// come, then in the lists of their first planes, where ranges of layers are cut from the lowest up.
 //
 //     unlisted    [ t7 t2 t9 t1 t4 | room ]
 //     listed      [ swept | reaching | plane 42 | plane 43 | ... ]      those of the range below that reach beyond it
@@ -9,15 +9,23 @@
 #include <algorithm>
 #include <atomic>
 #include <cassert>
+#include <cerrno>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <numeric>
 #include <span>
+#include <system_error>
 #include <utility>
 #include <vector>
 
-#include "base/parallel.hpp"
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "base/guard.hpp"
+#include "io/read/input_file.hpp"
 #include "lamella/array.hpp"
 #include "slicing/buckets/listed_triangles.hpp"
 #include "slicing/buckets/triangle_source.hpp"
@@ -57,31 +65,31 @@ public:
         }
         return reaching - ended_[plane];
     }
-    /// Triangles that planes cut, and how often: their segments.
-    std::uint64_t all() const noexcept { return std::accumulate(starting_.begin(), starting_.end(), std::uint64_t{0}); }
-    std::uint64_t segments() const noexcept {
+    /// Calls visit(plane, triangles) with how many each plane cuts.
+    template <class Visit>
+    void each_plane(Visit visit) const {
         std::uint64_t active = 0;
-        std::uint64_t segments = 0;
         for (std::size_t plane = 0; plane < planes(); ++plane) {
             active += starting_[plane];
             active -= ended_[plane];
-            segments += active;
+            visit(plane, active);
         }
+    }
+    /// Triangles that planes cut, and how often: their segments.
+    std::uint64_t all() const noexcept { return std::accumulate(starting_.begin(), starting_.end(), std::uint64_t{0}); }
+    std::uint64_t segments() const noexcept {
+        std::uint64_t segments = 0;
+        each_plane([&](std::size_t, std::uint64_t active) { segments += active; });
         return segments;
     }
 
     /// The plane that cuts the most triangles.
     std::size_t widest() const noexcept {
-        std::uint64_t active = 0;
-        std::uint64_t most = 0;
-        std::size_t widest = 0;
-        for (std::size_t plane = 0; plane < planes(); ++plane) {
-            active += starting_[plane];
-            active -= ended_[plane];
-            widest = active > most ? plane : widest;
-            most = std::max(most, active);
-        }
-        return widest;
+        std::pair<std::uint64_t, std::size_t> widest;
+        each_plane([&](std::size_t plane, std::uint64_t active) {
+            widest = active > widest.first ? std::pair(active, plane) : widest;
+        });
+        return widest.second;
     }
 
 private:
@@ -181,6 +189,149 @@ private:
     PlaneIndex first_listed_ = 0;
     std::vector<std::uint32_t> list_begin_;  ///< of the planes listed, and one more
     std::vector<std::uint32_t> segments_;    ///< the same: triangles that each plane cuts
+};
+
+/// Triangles that wait for their layers on disk.
+///
+///     file     run 0: | bin 0 | bin 1 | ... |   run 1: | bin 0 | bin 1 | ... |   ...
+///
+/// A run is what memory held when it was full; a bin, a range of layers that the triangles begin in. Every run has the same
+/// bins, so that a range of layers is a few large pieces of the file.
+class SpillFile {
+public:
+    /// A file in `folder` without a name, with bins that begin about equally many of the triangles counted. Throws Refused
+    /// (unwritable_file).
+    SpillFile(const std::filesystem::path& folder, const PlaneCounts& counts)
+        : folder_(folder), bin_planes_(even_bins(counts)) {
+        descriptor_ = open_unnamed(folder_);
+        if (descriptor_ < 0) {
+            throw Refused{failed("made")};
+        }
+    }
+
+    ~SpillFile() {
+        if (descriptor_ >= 0) {
+            ::close(descriptor_);
+        }
+    }
+
+    SpillFile(const SpillFile&) = delete;
+    SpillFile& operator=(const SpillFile&) = delete;
+
+    /// Adds a run, sorted in place first. A triangle that begins below plane `done` counts as one that begins there. Throws
+    /// Refused, Stopped.
+    void write(std::span<CrossedTriangle> triangles, PlaneIndex done, const Parallel& parallel) {
+        std::vector<std::uint32_t> list_begin(bin_planes_.back() - done + std::size_t{1});
+        for (const CrossedTriangle& triangle : triangles) {
+            ++list_begin[std::max(triangle.first, done) - done + std::size_t{1}];
+        }
+        std::partial_sum(list_begin.begin(), list_begin.end(), list_begin.begin());
+        sort_into_lists(triangles, done, list_begin, parallel);
+        std::vector<std::uint64_t>& bin_begin = runs_.emplace_back();
+        for (const PlaneIndex begin : bin_planes_) {
+            bin_begin.push_back(triangles_ + list_begin[std::max(begin, done) - done]);
+        }
+        parallel.run((triangles.size() + write_piece - 1) / write_piece, [&](std::size_t i, int) {
+            const std::size_t first = i * write_piece;
+            const std::size_t count = std::min(write_piece, triangles.size() - first);
+            if (!write_fully(descriptor_, triangles.subspan(first, count), triangles_ + first)) {
+                throw Refused{failed("written")};
+            }
+        });
+        triangles_ += triangles.size();
+    }
+
+    /// Appends to `store` all triangles that begin in planes [begin, end), by the same rule. `piece`: how many to read at
+    /// once. Throws Refused, Stopped.
+    void load(PlaneIndex begin, PlaneIndex end, PlaneIndex done, std::size_t piece, const Parallel& parallel,
+              TriangleStore& store) {
+        struct Piece {
+            std::uint64_t at;
+            std::size_t count;
+        };
+        const auto bin_of = [this](PlaneIndex plane) {
+            return static_cast<std::size_t>(std::upper_bound(bin_planes_.begin(), bin_planes_.end(), plane) -
+                                            bin_planes_.begin() - 1);
+        };
+        const std::size_t first_bin = bin_of(begin);
+        const std::size_t last_bin = bin_of(end - 1);
+        std::vector<Piece> pieces;
+        for (const std::vector<std::uint64_t>& bin_begin : runs_) {
+            for (std::uint64_t at = bin_begin[first_bin], stop = bin_begin[last_bin + 1]; at < stop; at += piece) {
+                pieces.push_back({at, static_cast<std::size_t>(std::min<std::uint64_t>(piece, stop - at))});
+            }
+        }
+        buffers_.resize(static_cast<std::size_t>(parallel.threads()));
+        parallel.run(pieces.size(), [&](std::size_t i, int worker) {
+            Array<CrossedTriangle>& buffer = buffers_[static_cast<std::size_t>(worker)];
+            buffer.resize_discarding(piece);
+            const std::span<CrossedTriangle> some(buffer.data(), pieces[i].count);
+            if (read_fully(descriptor_, std::as_writable_bytes(some), pieces[i].at * sizeof(CrossedTriangle)) != 0) {
+                throw Refused{failed("read")};
+            }
+            const auto wanted = std::partition(some.begin(), some.end(), [&](const CrossedTriangle& t) {
+                const PlaneIndex first = std::max(t.first, done);
+                return first >= begin && first < end;
+            });
+            store.append(some.first(static_cast<std::size_t>(wanted - some.begin())));
+        });
+    }
+
+    std::uint64_t bytes() const noexcept { return triangles_ * sizeof(CrossedTriangle); }
+
+private:
+    static constexpr std::size_t write_piece = std::size_t{1} << 15;  // triangles
+
+    static int open_unnamed(const std::filesystem::path& folder) {
+        std::string name = (folder / ".lamella-XXXXXX").string();
+        const int descriptor = ::mkostemp(name.data(), O_CLOEXEC);
+        if (descriptor >= 0) {
+            (void)::unlink(name.c_str());  // at once, so that no end of the process leaves it behind
+        }
+        return descriptor;
+    }
+
+    static bool write_fully(int descriptor, std::span<const CrossedTriangle> triangles, std::uint64_t at) {
+        auto left = std::as_bytes(triangles);
+        for (std::uint64_t offset = at * sizeof(CrossedTriangle); !left.empty();) {
+            const ssize_t done = ::pwrite(descriptor, left.data(), left.size(), static_cast<off_t>(offset));
+            if (done <= 0 && (done == 0 || errno != EINTR)) {
+                return false;
+            }
+            const auto bytes = static_cast<std::size_t>(std::max<ssize_t>(done, 0));
+            left = left.subspan(bytes);
+            offset += bytes;
+        }
+        return true;
+    }
+
+    /// Where each of some bins begins if all begin about equally many triangles.
+    static std::vector<PlaneIndex> even_bins(const PlaneCounts& counts) {
+        constexpr std::uint64_t bins = 256;
+        const std::uint64_t all = counts.all();
+        std::vector<PlaneIndex> begins = {0};
+        std::uint64_t before = 0;
+        for (std::size_t plane = 0; plane < counts.planes(); ++plane) {
+            if (before * bins >= all * begins.size() && begins.back() < plane) {
+                begins.push_back(static_cast<PlaneIndex>(plane));
+            }
+            before += counts.starting(plane);
+        }
+        begins.push_back(static_cast<PlaneIndex>(counts.planes()));
+        return begins;
+    }
+
+    Error failed(const char* what) const {
+        return {ErrorCode::unwritable_file, "a temporary file in '" + folder_.string() + "' cannot be " + what + ": " +
+                                                std::generic_category().message(errno)};
+    }
+
+    std::filesystem::path folder_;
+    int descriptor_ = -1;
+    std::vector<PlaneIndex> bin_planes_;            ///< first plane of each bin, and one past the last
+    std::vector<std::vector<std::uint64_t>> runs_;  ///< where each bin begins, in triangles of the file, and one more
+    std::vector<Array<CrossedTriangle>> buffers_;   ///< by thread
+    std::uint64_t triangles_ = 0;
 };
 
 }  // namespace lamella

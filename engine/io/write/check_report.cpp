@@ -48,43 +48,29 @@ constexpr std::array<FaultForm, fault_count> forms = {{
 }};
 
 void write_place(JsonText& json, Fault fault, const FaultPlace& place) {
-    json.object([&] {
-        json.list("points_mm", place.points_mm, static_cast<std::size_t>(place.point_count),
-                  [&](const auto& point) { json.value(point); });
-        const auto triangles = std::count_if(place.triangles.begin(), place.triangles.end(), [](auto t) { return t >= 0; });
-        json.list("triangles", place.triangles, static_cast<std::size_t>(triangles),
-                  [&](std::int64_t triangle) { json.value(triangle); });
-        const FaultForm& form = forms[static_cast<std::size_t>(fault)];
-        if (form.parts != nullptr) {
-            json.member(form.parts, place.parts);
-        }
-        if (form.measure != nullptr) {
-            json.member(form.measure, place.measure);
-        }
-        if (fault == Fault::boundary_loop) {
-            json.member("closed", place.closed);
-        }
-    });
+    json.list("points_mm", place.points_mm, static_cast<std::size_t>(place.point_count),
+              [&](const auto& point) { json.value(point); });
+    const auto triangles = std::count_if(place.triangles.begin(), place.triangles.end(), [](auto t) { return t >= 0; });
+    json.list("triangles", place.triangles, static_cast<std::size_t>(triangles),
+              [&](std::int64_t triangle) { json.value(triangle); });
+    const FaultForm& form = forms[static_cast<std::size_t>(fault)];
+    if (form.parts != nullptr) {
+        json.member(form.parts, place.parts);
+    }
+    if (form.measure != nullptr) {
+        json.member(form.measure, place.measure);
+    }
+    if (fault == Fault::boundary_loop) {
+        json.member("closed", place.closed);
+    }
 }
 
 void write_finding(JsonText& json, Fault fault, const FaultFinding& finding, std::size_t most_places) {
     json.object(key_of(fault), [&] {
         json.member("count", finding.count);
         json.member("at_least", finding.at_least);
-        json.list("places", finding.places, most_places, [&](const FaultPlace& place) { write_place(json, fault, place); });
-    });
-}
-
-void write_shell(JsonText& json, const MeshShell& shell) {
-    json.object([&] {
-        json.member("first_mm", shell.first_mm);
-        json.member("triangle", shell.triangle);
-        json.member("triangles", shell.triangles);
-        json.member("closed", shell.closed);
-        json.member_if(shell.closed, "volume_mm3", shell.volume_mm3);
-        json.member("sense", shell.orientation);
-        json.member("depth", shell.depth);
-        json.member_if(shell.parent >= 0, "parent", shell.parent);
+        json.objects("places", finding.places, most_places,
+                     [&](const FaultPlace& place) { write_place(json, fault, place); });
     });
 }
 
@@ -130,7 +116,16 @@ void write_report(JsonText& json, const MeshCheck& check, const ReportParts& par
     json.object("shells", [&] {
         json.member("count", check.shells.size());
         json.member("nesting_complete", check.nesting_complete);
-        json.list("first", check.shells, most_places, [&](const MeshShell& shell) { write_shell(json, shell); });
+        json.objects("first", check.shells, most_places, [&](const MeshShell& shell) {
+            json.member("first_mm", shell.first_mm);
+            json.member("triangle", shell.triangle);
+            json.member("triangles", shell.triangles);
+            json.member("closed", shell.closed);
+            json.member_if(shell.closed, "volume_mm3", shell.volume_mm3);
+            json.member("sense", shell.orientation);
+            json.member("depth", shell.depth);
+            json.member_if(shell.parent >= 0, "parent", shell.parent);
+        });
     });
     if (std::any_of(parts.members.begin(), parts.members.end(),
                     [](const ReportMember& member) { return member.place == ReportPlace::in_times; })) {
@@ -169,15 +164,16 @@ template <class Visit>
 void each_place(const MeshCheck& check, Visit visit) {
     for (std::size_t fault = 0; fault < fault_count; ++fault) {
         for (const FaultPlace& place : check.findings[fault].places) {
-            visit(place, forms[fault].colour);
+            visit(place, std::string(forms[fault].colour) + "\n");
         }
     }
 }
 
 std::string header(const MeshCheck& check) {
+    constexpr const char* colour = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
     std::int64_t points = 0;
     std::int64_t edges = 0;
-    each_place(check, [&](const FaultPlace& place, const char* /*colour*/) {
+    each_place(check, [&](const FaultPlace& place, const std::string& /*colour*/) {
         points += place.point_count;
         edges += edge_count(place);
     });
@@ -186,31 +182,27 @@ std::string header(const MeshCheck& check) {
         head += "comment " + std::string(key_of(static_cast<Fault>(fault))) + " " + forms[fault].colour + "\n";
     }
     return head + "element vertex " + std::to_string(points) +
-           "\nproperty double x\nproperty double y\nproperty double z\n"
-           "property uchar red\nproperty uchar green\nproperty uchar blue\n"
-           "element edge " +
-           std::to_string(edges) +
-           "\nproperty int vertex1\nproperty int vertex2\n"
-           "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
+           "\nproperty double x\nproperty double y\nproperty double z\n" + colour + "element edge " + std::to_string(edges) +
+           "\nproperty int vertex1\nproperty int vertex2\n" + colour + "end_header\n";
 }
 
 void write_points(const MeshCheck& check, OutputFile& file) {
-    each_place(check, [&](const FaultPlace& place, std::string_view colour) {
+    each_place(check, [&](const FaultPlace& place, const std::string& colour) {
         for (std::size_t i = 0; i < static_cast<std::size_t>(place.point_count); ++i) {
             for (const double mm : place.points_mm[i]) {
                 file.append(exact_text(mm) + " ");
             }
-            file.append(std::string(colour) + "\n");
+            file.append(colour);
         }
     });
 }
 
 void write_edges(const MeshCheck& check, OutputFile& file) {
     std::int64_t first = 0;
-    each_place(check, [&](const FaultPlace& place, std::string_view colour) {
+    each_place(check, [&](const FaultPlace& place, const std::string& colour) {
         for (int i = 0; i < edge_count(place); ++i) {
             file.append(std::to_string(first + i) + " " + std::to_string(first + (i + 1) % place.point_count) + " " +
-                        std::string(colour) + "\n");
+                        colour);
         }
         first += place.point_count;
     });

@@ -39,6 +39,11 @@ public:
             }
         });
     }
+    /// The same, each item an object of members(it).
+    template <class Items, class Members>
+    void objects(std::string_view name, const Items& items, std::size_t most, Members&& members) {
+        list(name, items, most, [&](const auto& item) { object([&] { members(item); }); });
+    }
     template <class T>
     void member(std::string_view name, const T& content) {
         key(name);

@@ -33,9 +33,10 @@ public:
     MeshWriter(const MeshFile& mesh, OutputFile& file, const StopCheck& stop)
         : mesh_(mesh), view_(mesh.view()), file_(file), stop_(stop), is_soup_(view_.indices == nullptr) {}
 
-    Status write_stl() {
+    /// Returns what is wrong, or nothing.
+    std::string write_stl() {
         if (mesh_.triangle_count > std::numeric_limits<std::uint32_t>::max()) {
-            return Error{ErrorCode::invalid_argument, "STL counts triangles in 32 bits, of which there are more"};
+            return "STL counts triangles in 32 bits, of which there are more";
         }
         std::array<char, stl_header_bytes> header{};
         const std::string words = "lamella " + frame_words(mesh_);
@@ -51,15 +52,12 @@ public:
             }
             append(facet.data(), facet.size());
         });
-        if (beyond_) {
-            return Error{ErrorCode::invalid_argument, "a coordinate is too large for the floats of STL; PLY takes it"};
-        }
-        return {};
+        return beyond_ ? "a coordinate is too large for the floats of STL; PLY takes it" : "";
     }
 
-    Status write_ply() {
+    std::string write_ply() {
         if (vertices() > std::uint64_t{std::numeric_limits<std::int32_t>::max()}) {
-            return Error{ErrorCode::invalid_argument, "PLY counts vertices in 31 bits, of which there are more"};
+            return "PLY counts vertices in 31 bits, of which there are more";
         }
         file_.append(ply_header());
         each(vertices(), [&](std::size_t vertex) { append(vertex_at(vertex), vertex_bytes()); });
@@ -71,7 +69,7 @@ public:
             }
             append(face.data(), face.size());
         });
-        return {};
+        return "";
     }
 
     bool rounded() const noexcept { return rounded_; }
@@ -88,15 +86,11 @@ private:
     }
 
     std::string ply_header() const {
-        std::string header = "ply\nformat binary_little_endian 1.0\n";
-        if (const std::string words = frame_words(mesh_); !words.empty()) {
-            header += "comment " + words + "\n";
-        }
-        header += "element vertex " + std::to_string(vertices()) + "\n";
-        for (const char* const axis : {"x", "y", "z"}) {
-            header += std::string("property ") + (is_double() ? "double " : "float ") + axis + "\n";
-        }
-        return header + "element face " + std::to_string(mesh_.triangle_count) +
+        const std::string words = frame_words(mesh_);
+        const std::string number = is_double() ? "double " : "float ";
+        return "ply\nformat binary_little_endian 1.0\n" + (words.empty() ? "" : "comment " + words + "\n") +
+               "element vertex " + std::to_string(vertices()) + "\nproperty " + number + "x\nproperty " + number +
+               "y\nproperty " + number + "z\nelement face " + std::to_string(mesh_.triangle_count) +
                "\nproperty list uchar int vertex_indices\nend_header\n";
     }
 
@@ -149,8 +143,9 @@ Result<WrittenMesh> write_guarded(const MeshFile& mesh, const std::filesystem::p
     }
     OutputFile file = require(OutputFile::create(path));
     MeshWriter writer(mesh, file, context.stop);
-    if (Status status = has_extension(path.native(), ".stl") ? writer.write_stl() : writer.write_ply(); !status) {
-        return Error{status.error().code, "cannot write '" + path.string() + "': " + status.error().message};
+    if (const std::string why = has_extension(path.native(), ".stl") ? writer.write_stl() : writer.write_ply();
+        !why.empty()) {
+        return Error{ErrorCode::invalid_argument, "cannot write '" + path.string() + "': " + why};
     }
     require(file.commit());
     return WrittenMesh{writer.rounded()};

@@ -2,7 +2,6 @@
 
 #include <cassert>
 #include <cerrno>
-#include <charconv>
 #include <chrono>
 #include <cstring>
 #include <new>
@@ -14,6 +13,7 @@
 #include <unistd.h>
 
 #include "base/guard.hpp"
+#include "io/text/text.hpp"
 #include "lamella/io/name_text.hpp"
 #include "lamella/io/text_file.hpp"
 
@@ -25,32 +25,18 @@ constexpr int create_attempts = 100;
 
 /// The descriptor of this process that the path stands for, or -1.
 int descriptor_named(std::string_view path) noexcept {
-    if (path == "/dev/stdout") {
-        return STDOUT_FILENO;
-    }
-    if (path == "/dev/stderr") {
-        return STDERR_FILENO;
-    }
     constexpr std::string_view numbered = "/dev/fd/";
     int number = -1;
     if (path.starts_with(numbered)) {
-        const char* const end = path.data() + path.size();
-        const auto [stop, problem] = std::from_chars(path.data() + numbered.size(), end, number);
-        return problem == std::errc() && stop == end ? number : -1;
+        return read_integer(path.substr(numbered.size()), number) ? number : -1;
     }
-    return number;
+    return path == "/dev/stdout" ? STDOUT_FILENO : path == "/dev/stderr" ? STDERR_FILENO : -1;
 }
 
 /// The beginning of the names of this process's files aside of `destination`: hidden, and short enough for any name limit.
 std::string aside_prefix(const std::filesystem::path& destination) {
     constexpr std::size_t longest_stem = 180;
     return "." + destination.filename().string().substr(0, longest_stem) + "." + std::to_string(::getpid()) + "-";
-}
-
-/// Beside the target, so that the rename stays within one file system.
-std::filesystem::path aside_name(const std::filesystem::path& destination, int attempt) {
-    const auto now = std::chrono::steady_clock::now().time_since_epoch().count();
-    return destination.parent_path() / (aside_prefix(destination) + std::to_string(now + attempt) + ".part");
 }
 
 }  // namespace
@@ -115,17 +101,14 @@ int OutputFile::open_in_place() noexcept {
 }
 
 int OutputFile::open_aside() {
-    for (int attempt = 0; attempt < create_attempts; ++attempt) {
-        aside_ = aside_name(destination_, attempt);
+    const auto now = std::chrono::steady_clock::now().time_since_epoch().count();
+    errno = EEXIST;
+    for (int attempt = 0; attempt < create_attempts && descriptor_ < 0 && errno == EEXIST; ++attempt) {
+        // Beside the target, so that the rename stays within one file system.
+        aside_ = destination_.parent_path() / (aside_prefix(destination_) + std::to_string(now + attempt) + ".part");
         descriptor_ = ::open(aside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (descriptor_ >= 0) {
-            return 0;
-        }
-        if (errno != EEXIST) {
-            return errno;
-        }
     }
-    return EEXIST;
+    return descriptor_ < 0 ? errno : 0;
 }
 
 OutputFile::OutputFile(std::filesystem::path target, std::filesystem::path destination)

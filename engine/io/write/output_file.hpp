@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "base/guard.hpp"
 #include "lamella/error.hpp"
 
 namespace lamella {
@@ -55,6 +56,26 @@ private:
     std::size_t used_ = 0;
     int descriptor_ = -1;
     int error_number_ = 0;
+};
+
+/// A file that is written by calls which do not throw: the first error is kept, and finish() returns it.
+struct OutputStream {
+    OutputFile out;
+    Status done{};
+
+    template <class Step>
+    void attempt(const Step& step) noexcept {
+        if (done) {
+            done = guarded([&]() -> Status {
+                step();
+                return {};
+            });
+        }
+    }
+    bool failed() const noexcept { return !done || out.failed(); }
+    Status finish() noexcept {
+        return done ? guarded([&] { return out.commit(); }) : done;
+    }
 };
 
 /// "cannot write 'PATH': REASON"

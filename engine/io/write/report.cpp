@@ -1,9 +1,10 @@
 // The report of a slicing: what was asked, what was found, and how long each stage took, as JSON.
 #include <algorithm>
 #include <array>
-#include <charconv>
+#include <cinttypes>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <optional>
 #include <string>
 #include <utility>
@@ -40,10 +41,9 @@ double solid_volume_mm3(const SliceResult& result) {
 
 /// As text: readers of JSON keep 53 bits of a number.
 std::string hex(std::uint64_t value) {
-    std::array<char, 16> digits{};
-    const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value, 16);
-    const std::string text(digits.data(), error == std::errc() ? end : digits.data());
-    return std::string(digits.size() - text.size(), '0') + text;
+    std::array<char, 17> digits{};
+    (void)std::snprintf(digits.data(), digits.size(), "%016" PRIx64, value);
+    return digits.data();
 }
 
 void write_counts(JsonText& json, const SliceResult& result) {
@@ -112,11 +112,9 @@ void write_gaps(JsonText& json, const SliceResult& result) {
         json.member("closed", result.stitches.size());
         json.member("longest_mm", longest);
         json.member("total_mm", total);
-        json.list("closings", result.stitches, result.stitches.size(), [&](const Stitch& gap) {
-            json.object([&] {
-                write_layer(json, result, gap.layer);
-                write_gap(json, result, gap, "length_mm");
-            });
+        json.objects("closings", result.stitches, result.stitches.size(), [&](const Stitch& gap) {
+            write_layer(json, result, gap.layer);
+            write_gap(json, result, gap, "length_mm");
         });
     });
 }
@@ -126,8 +124,7 @@ void write_open_layer(JsonText& json, const SliceResult& result, const std::vect
     json.object([&] {
         write_layer(json, result, gaps.front().layer);
         json.member("count", gaps.size());
-        json.list("first", gaps, most_open_in_layer,
-                  [&](const Stitch& gap) { json.object([&] { write_gap(json, result, gap, "gap_mm"); }); });
+        json.objects("first", gaps, most_open_in_layer, [&](const Stitch& gap) { write_gap(json, result, gap, "gap_mm"); });
         json.member("not_listed", gaps.size() - std::min(gaps.size(), most_open_in_layer));
     });
 }
@@ -162,36 +159,13 @@ void write_open(JsonText& json, const SliceResult& result, const Audit* found) {
     });
 }
 
-void write_pieces(JsonText& json, std::string_view name, const SurfacePieceCount& pieces) {
-    json.object(name, [&] {
-        json.member("count", pieces.count);
-        json.member("triangles", pieces.triangles);
-    });
-}
-
-void write_slab(JsonText& json, const Slab& slab) {
-    json.object([&] {
-        json.member("below_layer", slab.layer);
-        json.member("triangles", slab.triangles);
-        json.member("flat_up_mm2", slab.flat_up_mm2);
-        json.member("flat_down_mm2", slab.flat_down_mm2);
-        json.member("shells", slab.shells);
-        json.member("peaks", slab.peaks);
-        json.member("pits", slab.pits);
-    });
-}
-
-void write_piece(JsonText& json, const SurfacePiece& piece) {
-    json.object([&] {
-        json.member("kind", name_of(piece.kind));
-        json.member("below_layer", piece.layer);
-        json.member("at_mm", piece.at_mm);
-        json.member("height_mm", piece.height_mm);
-        json.member("triangles", piece.triangles);
-    });
-}
-
 void write_ledger(JsonText& json, const Ledger& ledger) {
+    const auto pieces = [&](const char* name, const SurfacePieceCount& of_kind) {
+        json.object(name, [&] {
+            json.member("count", of_kind.count);
+            json.member("triangles", of_kind.triangles);
+        });
+    };
     json.object("ledger", [&] {
         json.member("triangles", ledger.triangles);
         json.member("cut", ledger.cut);
@@ -200,12 +174,26 @@ void write_ledger(JsonText& json, const Ledger& ledger) {
         json.member("horizontal", ledger.horizontal);
         json.member("flat_up_mm2", ledger.flat_up_mm2);
         json.member("flat_down_mm2", ledger.flat_down_mm2);
-        write_pieces(json, "shells", ledger.shells);
-        write_pieces(json, "peaks", ledger.peaks);
-        write_pieces(json, "pits", ledger.pits);
-        json.list("first_pieces", ledger.pieces, most_places, [&](const SurfacePiece& piece) { write_piece(json, piece); });
+        pieces("shells", ledger.shells);
+        pieces("peaks", ledger.peaks);
+        pieces("pits", ledger.pits);
+        json.objects("first_pieces", ledger.pieces, most_places, [&](const SurfacePiece& piece) {
+            json.member("kind", name_of(piece.kind));
+            json.member("below_layer", piece.layer);
+            json.member("at_mm", piece.at_mm);
+            json.member("height_mm", piece.height_mm);
+            json.member("triangles", piece.triangles);
+        });
         json.member("slabs", ledger.slabs.size());
-        json.list("first_slabs", ledger.slabs, most_places, [&](const Slab& slab) { write_slab(json, slab); });
+        json.objects("first_slabs", ledger.slabs, most_places, [&](const Slab& slab) {
+            json.member("below_layer", slab.layer);
+            json.member("triangles", slab.triangles);
+            json.member("flat_up_mm2", slab.flat_up_mm2);
+            json.member("flat_down_mm2", slab.flat_down_mm2);
+            json.member("shells", slab.shells);
+            json.member("peaks", slab.peaks);
+            json.member("pits", slab.pits);
+        });
         json.member("empty_layers_inside", ledger.gaps.size());
         json.list("first_empty_layers", ledger.gaps, most_places, [&](std::uint64_t layer) { json.value(layer); });
     });
@@ -233,16 +221,13 @@ void write_crossings(JsonText& json, const SliceResult& result, const Crossings&
     json.object("crossings", [&] {
         json.member("count", crossings.count);
         json.member("at_least", crossings.at_least);
-        json.list("layers", crossings.layers, crossings.layers.size(), [&](const LayerCrossings& layer) {
-            json.object([&] {
-                const std::uint64_t first = result.layers[layer.layer].first_contour;
-                write_layer(json, result, layer.layer);
-                json.member("count", layer.count);
-                json.member("at_least", layer.at_least);
-                json.member_if(layer.count > 0, "first_mm", place_mm(result, layer.first));
-                json.member_if(layer.count > 0, "contours",
-                               std::array{layer.contours[0] - first, layer.contours[1] - first});
-            });
+        json.objects("layers", crossings.layers, crossings.layers.size(), [&](const LayerCrossings& layer) {
+            const std::uint64_t first = result.layers[layer.layer].first_contour;
+            write_layer(json, result, layer.layer);
+            json.member("count", layer.count);
+            json.member("at_least", layer.at_least);
+            json.member_if(layer.count > 0, "first_mm", place_mm(result, layer.first));
+            json.member_if(layer.count > 0, "contours", std::array{layer.contours[0] - first, layer.contours[1] - first});
         });
     });
 }
@@ -259,11 +244,9 @@ void write_weld(JsonText& json, const WeldedMesh& welded) {
 void write_region(JsonText& json, const SliceResult& result) {
     const RegionRules& rules = result.info.options.region;
     json.object("region", [&] {
-        json.list("fill_from", rules.fill_from, rules.fill_from.size(), [&](const FillFrom& from) {
-            json.object([&] {
-                json.member("first_layer", from.first_layer);
-                json.member("fill_rule", name_of(from.rule));
-            });
+        json.objects("fill_from", rules.fill_from, rules.fill_from.size(), [&](const FillFrom& from) {
+            json.member("first_layer", from.first_layer);
+            json.member("fill_rule", name_of(from.rule));
         });
         write_values(json, values_of_rules(rules));
         json.member("would_close_contours", result.info.would_close_contours);

@@ -9,6 +9,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <limits>
 #include <memory>
 #include <new>
@@ -83,19 +84,6 @@ private:
     double scale_ = 1;
 };
 
-struct Frame2d {
-    double min_x, min_y, width, height, extent;
-};
-
-/// The picture's frame: the mesh's box and a margin.
-Frame2d frame_of(const SliceInfo& info) {
-    const auto& low = info.box.min_mm;
-    const auto& high = info.box.max_mm;
-    const double extent = std::max({high[0] - low[0], high[1] - low[1], info.grid_mm});
-    const double border = margin * extent;
-    return {low[0] - border, low[1] - border, high[0] - low[0] + 2 * border, high[1] - low[1] + 2 * border, extent};
-}
-
 class SvgWriter {
 public:
     /// Functions that write layers throw Stopped where `stop` asks for it.
@@ -105,16 +93,21 @@ public:
           stitching_(describe_stitching(info.options)),
           out_(out),
           format_(info.grid_mm),
-          frame_(frame_of(info)),
+          extent_(
+              std::max({info.box.max_mm[0] - info.box.min_mm[0], info.box.max_mm[1] - info.box.min_mm[1], info.grid_mm})),
           stop_(stop) {
         pace_.follow(stop_.check());
     }
 
     void head(const SliceInfo& info, const WeldedMesh* welded) {
-        const std::string width = mm(frame_.width);
-        const std::string height = mm(frame_.height);
-        const std::string left = mm(frame_.min_x);
-        const std::string top = mm(-(frame_.min_y + frame_.height));  // y points up in the mesh and down in SVG
+        const auto& low = info.box.min_mm;
+        const auto& high = info.box.max_mm;
+        const double border = margin * extent_;
+        const std::string width = mm(high[0] - low[0] + 2 * border);
+        const std::string height = mm(high[1] - low[1] + 2 * border);
+        const std::string left = mm(low[0] - border);
+        const std::string top =
+            mm(-(low[1] - border + (high[1] - low[1] + 2 * border)));  // y points up in the mesh, down here
         out_.append(
             "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
             "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" "
@@ -139,51 +132,45 @@ public:
         out_.append("</g>\n");
     }
 
-    /// Over all layers, as a warning must not be hidden by those above it: where gaps were closed, and open polylines once
-    /// more.
-    void overlay() {
+    /// The end of the file. Over all layers, as a warning must not be hidden by those above it: where gaps were closed, and
+    /// open polylines once more.
+    void tail() {
         if (!stitches_.empty()) {
-            stitch_overlay();
+            out_.append("<g id=\"gaps\" transform=\"scale(1,-1)\" fill=\"none\" " + stroke() + ">\n<desc>" +
+                        counted(stitches_.size(), "gap") + " " + stitching_ + " closed</desc>\n");
+            for (const Stitch& stitch : stitches_) {
+                out_.append("<polyline points=\"");
+                points(std::array{stitch.from, stitch.to});
+                out_.append("\"/>\n");
+            }
+            out_.append("</g>\n");
         }
         if (!open_.empty()) {
-            open_overlay();
+            out_.append("<g id=\"open\" transform=\"scale(1,-1)\">\n");
+            for (const std::uint64_t contour : open_) {
+                pace_.spend(1);
+                out_.append("<use xlink:href=\"#open" + std::to_string(contour) + "\"/>\n");
+            }
+            out_.append("</g>\n");
         }
+        out_.append("</svg>\n");
     }
-
-    void tail() { out_.append("</svg>\n"); }
 
 private:
-    void stitch_overlay() {
-        out_.append("<g id=\"gaps\" transform=\"scale(1,-1)\" fill=\"none\" stroke=\"" + std::string(warning_colour) +
-                    "\" stroke-width=\"" + mm(warning_stroke * frame_.extent) + "\">\n<desc>" +
-                    counted(stitches_.size(), "gap") + " " + stitching_ + " closed</desc>\n");
-        for (const Stitch& stitch : stitches_) {
-            out_.append("<polyline points=\"");
-            points(std::array{stitch.from, stitch.to});
-            out_.append("\"/>\n");
-        }
-        out_.append("</g>\n");
-    }
-
-    void open_overlay() {
-        out_.append("<g id=\"open\" transform=\"scale(1,-1)\">\n");
-        for (const std::uint64_t contour : open_) {
-            pace_.spend(1);
-            out_.append("<use xlink:href=\"#open" + std::to_string(contour) + "\"/>\n");
-        }
-        out_.append("</g>\n");
-    }
-
-    static std::string describe_weld(const WeldedMesh& welded) {
-        return "Vertices at most " + exact_text(welded.tolerance_mm) +
-               " mm apart welded before: " + std::to_string(welded.joined) + " moved. ";
-    }
-
     static std::string description(const SliceInfo& info, const WeldedMesh* welded) {
         const SliceOptions& options = info.options;
-        return "Coordinates in mm. Grid unit " + exact_text(info.grid_mm) + " mm. " +
-               (welded != nullptr ? describe_weld(*welded) : "") + "Planes: " + describe_planes(options) + ". " +
-               describe_rules(options.region) + ". " + describe_frame(options.frame) + ".";
+        const std::string weld = welded == nullptr
+                                     ? ""
+                                     : "Vertices at most " + exact_text(welded->tolerance_mm) +
+                                           " mm apart welded before: " + std::to_string(welded->joined) + " moved. ";
+        return "Coordinates in mm. Grid unit " + exact_text(info.grid_mm) + " mm. " + weld +
+               "Planes: " + describe_planes(options) + ". " + describe_rules(options.region) + ". " +
+               describe_frame(options.frame) + ".";
+    }
+
+    /// Of lines that are warnings.
+    std::string stroke() const {
+        return "stroke=\"" + std::string(warning_colour) + "\" stroke-width=\"" + mm(warning_stroke * extent_) + "\"";
     }
 
     std::string mm(double value) const {
@@ -195,24 +182,22 @@ private:
     std::string colour(std::uint64_t index) const {
         const std::uint64_t last = std::max<std::uint64_t>(layers_, 2) - 1;
         const double share = std::min(1.0, static_cast<double>(index) / static_cast<double>(last));
-        std::string text = "#";
+        std::array<int, 3> rgb{};
         for (std::size_t channel = 0; channel < 3; ++channel) {
             const int low = lowest_colour[channel];
-            const int value = low + static_cast<int>(std::lround(share * (highest_colour[channel] - low)));
-            constexpr std::string_view digits = "0123456789abcdef";
-            text += digits[static_cast<std::size_t>(value / 16)];
-            text += digits[static_cast<std::size_t>(value % 16)];
+            rgb[channel] = low + static_cast<int>(std::lround(share * (highest_colour[channel] - low)));
         }
-        return text;
+        std::array<char, 8> text{};
+        (void)std::snprintf(text.data(), text.size(), "#%02x%02x%02x", rgb[0] & 0xff, rgb[1] & 0xff, rgb[2] & 0xff);
+        return text.data();
     }
 
     void contour(const Contour& contour, std::span<const Point> own_points) {
         const std::uint64_t index = contours_++;
         if (contour.role == Role::open) {
             open_.push_back(index);
-            out_.append("<polyline id=\"open" + std::to_string(index) + "\" slic3r:type=\"open\" fill=\"none\" stroke=\"" +
-                        std::string(warning_colour) + "\" stroke-width=\"" + mm(warning_stroke * frame_.extent) +
-                        "\" points=\"");
+            out_.append("<polyline id=\"open" + std::to_string(index) + "\" slic3r:type=\"open\" fill=\"none\" " + stroke() +
+                        " points=\"");
         } else {
             out_.append(contour.role == Role::outer  ? "<polygon slic3r:type=\"contour\" points=\""
                         : contour.role == Role::hole ? "<polygon slic3r:type=\"hole\" fill=\"white\" points=\""
@@ -252,7 +237,7 @@ private:
     std::string stitching_;
     OutputFile& out_;
     MmFormat format_;
-    Frame2d frame_;
+    double extent_;  ///< of the mesh in x or y, the larger one
     PacedStop stop_;
     StopPace pace_;
     std::uint64_t contours_ = 0;  ///< written
@@ -262,23 +247,11 @@ private:
 
 }  // namespace svg
 
-struct SvgStream::State {
-    State(OutputFile file, const SliceInfo& info, const StopCheck& stop) : out(std::move(file)), writer(info, stop, out) {}
+struct SvgStream::State : OutputStream {
+    State(OutputFile file, const SliceInfo& info, const StopCheck& stop)
+        : OutputStream{std::move(file)}, writer(info, stop, out) {}
 
-    /// Keeps the first error.
-    template <class Step>
-    void attempt(const Step& step) noexcept {
-        if (done) {
-            done = guarded([&]() -> Status {
-                step();
-                return {};
-            });
-        }
-    }
-
-    OutputFile out;
     svg::SvgWriter writer;
-    Status done;
 };
 
 SvgStream::SvgStream(std::unique_ptr<State> state) noexcept : state_(std::move(state)) {}
@@ -300,15 +273,12 @@ void SvgStream::add(const LayerView& layer) noexcept {
 }
 
 bool SvgStream::failed() const noexcept {
-    return !state_->done || state_->out.failed();
+    return state_->failed();
 }
 
 Status SvgStream::finish() noexcept {
-    state_->attempt([&] {
-        state_->writer.overlay();
-        state_->writer.tail();
-    });
-    return state_->done ? guarded([&] { return state_->out.commit(); }) : state_->done;
+    state_->attempt([&] { state_->writer.tail(); });
+    return state_->finish();
 }
 
 Status write_svg(const SliceResult& result, const std::filesystem::path& path, const SvgOptions& options,

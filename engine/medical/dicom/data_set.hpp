@@ -164,18 +164,17 @@ private:
 /// A number as DICOM writes decimals, at most 16 characters: with `decimals` of them, or fewer where it must, and without
 /// zeros at its end.
 inline void put_decimal(std::string& out, double value, int decimals) {
-    constexpr std::ptrdiff_t most = 16;
+    constexpr std::size_t most = 16;
     std::array<char, 64> text{};
     for (;; --decimals) {
-        char* end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed, decimals).ptr;
+        const char* end =
+            std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed, decimals).ptr;
+        std::string_view all(text.data(), static_cast<std::size_t>(end - text.data()));
         if (decimals > 0) {
-            while (end[-1] == '0') {
-                --end;
-            }
-            end -= end[-1] == '.' ? 1 : 0;
+            all = all.substr(0, all.find_last_not_of('0') + 1);
+            all.remove_suffix(all.ends_with('.') ? 1 : 0);
         }
-        if (end - text.data() <= most || decimals == 0) {
-            const std::string_view all(text.data(), static_cast<std::size_t>(end - text.data()));
+        if (all.size() <= most || decimals == 0) {
             out.append(all == "-0" ? "0" : all);
             return;
         }

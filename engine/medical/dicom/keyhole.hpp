@@ -43,8 +43,12 @@ public:
         for (std::uint32_t contour = 0; contour < contours.size() && !bridges_.empty(); ++contour) {
             find_ends(contour);
         }
-        sort_bridges();
-        emit_ring();
+        link_nodes();
+        for (std::size_t at = 0; at != end_of_ring; at = nodes_[at].next) {
+            if (ring_.empty() || !(ring_.back() == nodes_[at].point)) {
+                ring_.push_back(nodes_[at].point);
+            }
+        }
         return ring_;
     }
 
@@ -114,57 +118,35 @@ private:
         }
     }
 
-    /// In the order in which a walk around their contours meets them.
-    void sort_bridges() {
+    /// Chains the points of the outer contour, and of each hole into the contour that its bridge ends on, behind the vertex
+    /// before: B, the points of the hole, M again, B.
+    void link_nodes() {
         std::erase_if(bridges_, [](const Bridge& bridge) { return bridge.x == none; });
         const auto distance = [&](const Bridge& bridge) {
             return std::abs(std::int64_t{bridge.start.y} - point(bridge.contour, bridge.vertex).y);
         };
+        // The last one first that a walk from the vertex on meets.
         std::sort(bridges_.begin(), bridges_.end(), [&](const Bridge& a, const Bridge& b) {
-            return std::tuple(a.contour, a.vertex, distance(a), a.hole) <
+            return std::tuple(a.contour, a.vertex, distance(a), a.hole) >
                    std::tuple(b.contour, b.vertex, distance(b), b.hole);
         });
-        first_from_.assign(contours_.size(), static_cast<std::uint32_t>(bridges_.size()));
-        for (std::size_t i = bridges_.size(); i-- > 0;) {
-            first_from_[bridges_[i].contour] = static_cast<std::uint32_t>(i);
-        }
-    }
-
-    /// Walks the outer contour, and around each hole where its bridge ends: with a stack, for holes may hang on holes.
-    void emit_ring() {
-        struct Walk {
-            std::uint32_t contour;
-            std::size_t vertex;  ///< the next to be put
-            std::size_t bridge;  ///< the next to be walked
-            RingPoint back;      ///< where its own bridge ends
-        };
-        const auto ring_point = [](Point at) { return RingPoint{static_cast<double>(at.x), static_cast<double>(at.y)}; };
-        std::vector<Walk> walks = {{0, 0, first_from_[0], {}}};
-        while (!walks.empty()) {
-            Walk& walk = walks.back();
-            const bool due = walk.bridge < bridges_.size() && bridges_[walk.bridge].contour == walk.contour &&
-                             bridges_[walk.bridge].vertex + 1 == walk.vertex;
-            if (due) {
-                const Bridge& bridge = bridges_[walk.bridge++];
-                const RingPoint end{bridge.x, static_cast<double>(bridge.start.y)};
-                put(end);
-                walks.push_back({bridge.hole, 0, first_from_[bridge.hole], end});
-            } else if (walk.vertex < contours_[walk.contour].size()) {
-                put(ring_point(point(walk.contour, walk.vertex++)));
-            } else {
-                const Walk done = walk;
-                walks.pop_back();
-                if (!walks.empty()) {
-                    put(ring_point(point(done.contour, 0)));
-                    put(done.back);
-                }
+        nodes_.clear();
+        first_.clear();
+        for (const std::span<const Point> contour : contours_) {
+            first_.push_back(nodes_.size());
+            for (const Point& at : contour) {
+                nodes_.push_back({{static_cast<double>(at.x), static_cast<double>(at.y)}, nodes_.size() + 1});
             }
+            nodes_.push_back({nodes_[first_.back()].point, end_of_ring});
         }
-    }
-
-    void put(RingPoint point) {
-        if (ring_.empty() || !(ring_.back() == point)) {
-            ring_.push_back(point);
+        nodes_[contours_[0].size() - 1].next = end_of_ring;
+        for (const Bridge& bridge : bridges_) {
+            const RingPoint end{bridge.x, static_cast<double>(bridge.start.y)};
+            const std::size_t vertex = first_[bridge.contour] + bridge.vertex;
+            nodes_[first_[bridge.hole] + contours_[bridge.hole].size()].next = nodes_.size() + 1;
+            nodes_.push_back({end, first_[bridge.hole]});
+            nodes_.push_back({end, nodes_[vertex].next});
+            nodes_[vertex].next = nodes_.size() - 2;
         }
     }
 
@@ -174,8 +156,13 @@ private:
 
     std::span<const std::span<const Point>> contours_;
     std::vector<Bridge> bridges_;  ///< of holes
-    /// Of each contour: its first bridge end in `bridges_`, once sorted for the ring.
-    std::vector<std::uint32_t> first_from_;
+    struct Node {
+        RingPoint point;
+        std::size_t next;
+    };
+    static constexpr std::size_t end_of_ring = std::numeric_limits<std::size_t>::max();
+    std::vector<Node> nodes_;
+    std::vector<std::size_t> first_;  ///< node of each contour; one more than it has points
     std::vector<RingPoint> ring_;
 };
 

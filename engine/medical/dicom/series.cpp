@@ -13,7 +13,7 @@
 #include "io/read/input_file.hpp"
 #include "lamella/grid.hpp"
 #include "medical/dicom/data_set.hpp"
-#include "medical/geometry/headers.hpp"
+#include "medical/geometry/common.hpp"
 
 namespace lamella {
 
@@ -52,18 +52,21 @@ struct DicomHeader {
         return found;
     }
 
-    /// Throws Refused unless the attribute has `count` finite numbers.
-    std::vector<double> required_numbers(dicom::Tag tag, const char* keyword, std::size_t count) const {
+    /// Throws Refused unless the attribute has as many finite numbers.
+    template <std::size_t count>
+    std::array<double, count> numbers(dicom::Tag tag, const char* keyword) const {
         const std::string all = required_text(tag, keyword);
-        std::optional<std::vector<double>> numbers = numbers_in(all, '\\');
-        if (!numbers || numbers->size() != count) {
+        const std::optional<std::vector<double>> found = numbers_in(all, '\\');
+        if (!found || found->size() != count) {
             refuse(std::string(keyword) + " is '" + one_line(all) + "', not " + counted(count, "number"));
         }
-        return *std::move(numbers);
+        std::array<double, count> numbers{};
+        std::copy(found->begin(), found->end(), numbers.begin());
+        return numbers;
     }
 
     std::uint64_t side(dicom::Tag tag, const char* keyword) const {
-        const double count = required_numbers(tag, keyword, 1)[0];
+        const double count = numbers<1>(tag, keyword)[0];
         if (!(count >= 1 && count <= 65535)) {
             refuse(std::string(keyword) + " is " + exact_text(count));
         }
@@ -104,130 +107,106 @@ struct Encoding {
     bool is_big_endian = false;
 };
 
-/// The elements of a data set, one after the other: PS3.5, chapter 7. An element is its tag, in explicit syntaxes two
-/// letters for its type, the length of its value, the value. A sequence of undefined length ends with an element of its own,
-/// and so do its items.
-class Elements {
-public:
-    /// Puts what is wanted into `header`. `file_offset`: of the first byte, for messages.
-    Elements(std::string_view bytes, Encoding encoding, std::size_t file_offset, DicomHeader& header)
-        : bytes_(bytes), encoding_(encoding), file_offset_(file_offset), header_(header) {}
+std::uint32_t number_at(std::string_view bytes, std::size_t at, std::size_t count, bool big_endian) noexcept {
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        value = value << 8 | static_cast<unsigned char>(bytes[big_endian ? at + i : at + count - 1 - i]);
+    }
+    return value;
+}
 
-    /// Up to `last`: where one follows that lies beyond; nothing where the bytes end before. Throws Refused where there is
-    /// no element. Without recursion: sequences may be nested as deeply as a file is long.
-    std::optional<std::size_t> collect(dicom::Tag last) const {
-        std::size_t open = 0;           // sequences and items without an end so far
-        std::size_t implicit_from = 0;  // how many were open where what is unknown began
-        for (std::size_t at = 0; bytes_.size() - at >= 4;) {
-            if (open == 0 && tag_at(at, encoding_.is_big_endian) > last) {
-                return at;
-            }
-            const std::optional<Element> element = element_at(at, implicit_from != 0 ? Encoding{} : encoding_);
-            if (!element) {
-                break;
-            }
-            at = element->value;
-            if (open > 0 && (element->tag == dicom::item_end || element->tag == dicom::sequence_end)) {
-                --open;
-                implicit_from = open < implicit_from ? 0 : implicit_from;
-            } else if (element->length == undefined_length) {
-                ++open;
-                implicit_from = implicit_from == 0 && element->is_unknown ? open : implicit_from;
-            } else if (element->length > bytes_.size() - at) {
-                break;
-            } else {
-                if (open == 0 && element->length <= longest_value) {
-                    keep(*element);
-                }
-                at += element->length;
-            }
-        }
+dicom::Tag tag_at(std::string_view bytes, std::size_t at, bool big_endian) noexcept {
+    return number_at(bytes, at, 2, big_endian) << 16 | number_at(bytes, at + 2, 2, big_endian);
+}
+
+/// An element of a data set up to its value: its tag, in explicit syntaxes two letters for its type, the length of its value
+/// (PS3.5, chapter 7).
+struct Element {
+    dicom::Tag tag = 0;
+    std::uint32_t length = 0;
+    std::size_t value = 0;    ///< where it begins
+    bool is_unknown = false;  ///< of type UN: within, all is implicit and little-endian
+};
+
+/// Nothing where the bytes end before its value. Throws Refused where there is no element. `file_offset`: of the first byte.
+std::optional<Element> element_at(std::string_view bytes, std::size_t at, Encoding encoding, std::size_t file_offset,
+                                  const DicomHeader& header) {
+    // Types whose length takes four bytes, after two that mean nothing.
+    static constexpr std::string_view long_types = "OB OD OF OL OV OW SQ SV UC UN UR UT UV";
+    const bool big = encoding.is_big_endian;
+    if (bytes.size() - at < 8) {
         return std::nullopt;
     }
-
-private:
-    static constexpr std::uint32_t undefined_length = 0xffffffff;
-    static constexpr std::uint32_t longest_value = 4096;  ///< longer ones are no texts or numbers that are used
-
-    /// Up to its value.
-    struct Element {
-        dicom::Tag tag = 0;
-        std::uint32_t length = 0;
-        std::size_t value = 0;    ///< where it begins
-        bool is_unknown = false;  ///< of type UN: within, all is implicit and little-endian
-    };
-
-    std::uint32_t number(std::size_t at, std::size_t bytes, bool big_endian) const noexcept {
-        std::uint32_t value = 0;
-        for (std::size_t i = 0; i < bytes; ++i) {
-            value = value << 8 | static_cast<unsigned char>(bytes_[big_endian ? at + i : at + bytes - 1 - i]);
-        }
-        return value;
+    const dicom::Tag tag = tag_at(bytes, at, big);
+    if (!encoding.is_explicit || tag >> 16 == 0xfffe) {
+        return Element{tag, number_at(bytes, at + 4, 4, big), at + 8};
     }
-
-    dicom::Tag tag_at(std::size_t at, bool big_endian) const noexcept {
-        return number(at, 2, big_endian) << 16 | number(at + 2, 2, big_endian);
+    const std::string_view type = bytes.substr(at + 4, 2);
+    if (!std::all_of(type.begin(), type.end(), [](char c) { return c >= 'A' && c <= 'Z'; })) {
+        header.refuse("no DICOM element at byte " + std::to_string(file_offset + at));
     }
+    if (long_types.find(type) == std::string_view::npos) {
+        return Element{tag, number_at(bytes, at + 6, 2, big), at + 8};
+    }
+    return bytes.size() - at < 12 ? std::nullopt
+                                  : std::optional(Element{tag, number_at(bytes, at + 8, 4, big), at + 12, type == "UN"});
+}
 
-    void keep(const Element& element) const {
-        if (element.tag != dicom::rows && element.tag != dicom::columns) {
-            header_.values[element.tag] = bytes_.substr(element.value, element.length);
-        } else if (element.length == 2 || element.length == 4) {
-            header_.values[element.tag] = std::to_string(number(element.value, element.length, encoding_.is_big_endian));
+/// Puts the elements of a data set that are wanted, up to `last`, into `header`. Returns where one follows that lies beyond;
+/// nothing where the bytes end before. Throws Refused. A sequence of undefined length ends with an element of its own, and
+/// so do its items. Without recursion: sequences may be nested as deeply as a file is long.
+std::optional<std::size_t> collect(std::string_view bytes, Encoding encoding, std::size_t file_offset, dicom::Tag last,
+                                   DicomHeader& header) {
+    constexpr std::uint32_t undefined_length = 0xffffffff;
+    constexpr std::uint32_t longest_value = 4096;  // longer ones are no texts or numbers that are used
+    std::size_t open = 0;                          // sequences and items without an end so far
+    std::size_t implicit_from = 0;                 // how many were open where what is unknown began
+    for (std::size_t at = 0; bytes.size() - at >= 4;) {
+        if (open == 0 && tag_at(bytes, at, encoding.is_big_endian) > last) {
+            return at;
+        }
+        const std::optional<Element> element =
+            element_at(bytes, at, implicit_from != 0 ? Encoding{} : encoding, file_offset, header);
+        if (!element) {
+            break;
+        }
+        const auto [tag, length, value, is_unknown] = *element;
+        at = value;
+        if (open > 0 && (tag == dicom::item_end || tag == dicom::sequence_end)) {
+            --open;
+            implicit_from = open < implicit_from ? 0 : implicit_from;
+        } else if (length == undefined_length) {
+            ++open;
+            implicit_from = implicit_from == 0 && is_unknown ? open : implicit_from;
+        } else if (length > bytes.size() - at) {
+            break;
+        } else {
+            const bool is_number = tag == dicom::rows || tag == dicom::columns;
+            if (open == 0 && is_number && (length == 2 || length == 4)) {
+                header.values[tag] = std::to_string(number_at(bytes, value, length, encoding.is_big_endian));
+            } else if (open == 0 && !is_number && length <= longest_value) {
+                header.values[tag] = bytes.substr(value, length);
+            }
+            at += length;
         }
     }
-
-    /// Nothing where the bytes end before its value.
-    std::optional<Element> element_at(std::size_t at, Encoding encoding) const {
-        // Types whose length takes four bytes, after two that mean nothing.
-        static constexpr std::string_view long_types = "OB OD OF OL OV OW SQ SV UC UN UR UT UV";
-        const bool big = encoding.is_big_endian;
-        if (bytes_.size() - at < 8) {
-            return std::nullopt;
-        }
-        Element element{tag_at(at, big), number(at + 4, 4, big), at + 8, false};
-        if (!encoding.is_explicit || element.tag >> 16 == 0xfffe) {
-            return element;
-        }
-        const std::string_view type = bytes_.substr(at + 4, 2);
-        if (!std::all_of(type.begin(), type.end(), [](char c) { return c >= 'A' && c <= 'Z'; })) {
-            header_.refuse("no DICOM element at byte " + std::to_string(file_offset_ + at));
-        }
-        if (long_types.find(type) == std::string_view::npos) {
-            element.length = number(at + 6, 2, big);
-            return element;
-        }
-        if (bytes_.size() - at < 12) {
-            return std::nullopt;
-        }
-        return Element{element.tag, number(at + 8, 4, big), at + 12, type == "UN"};
-    }
-
-    std::string_view bytes_;
-    Encoding encoding_;
-    std::size_t file_offset_;
-    DicomHeader& header_;
-};
+    return std::nullopt;
+}
 
 /// Returns whether `bytes` reach beyond the header. Throws Refused.
 bool parse(std::string_view bytes, DicomHeader& header) {
     const std::optional<std::size_t> meta_bytes =
-        Elements(bytes.substr(preamble_bytes), {.is_explicit = true}, preamble_bytes, header)
-            .collect(dicom::last_of_file_meta);
+        collect(bytes.substr(preamble_bytes), {.is_explicit = true}, preamble_bytes, dicom::last_of_file_meta, header);
     if (!meta_bytes) {
         return false;
     }
     const std::string syntax = header.text(dicom::transfer_syntax_uid);
     const std::size_t begin = preamble_bytes + *meta_bytes;
-    std::string_view data = bytes.substr(begin);
-    std::string text;
-    if (syntax == "1.2.840.10008.1.2.1.99") {  // deflated
-        text = inflated(header, data);
-        data = text;
-    }
+    const bool is_deflated = syntax == "1.2.840.10008.1.2.1.99";
+    const std::string text = is_deflated ? inflated(header, bytes.substr(begin)) : std::string();
     const Encoding encoding{.is_explicit = !syntax.empty() && syntax != dicom::implicit_little_endian,
                             .is_big_endian = syntax == "1.2.840.10008.1.2.2"};
-    return Elements(data, encoding, begin, header).collect(dicom::pixel_spacing) ||
+    return collect(is_deflated ? text : bytes.substr(begin), encoding, begin, dicom::pixel_spacing, header) ||
            header.text(dicom::sop_class_uid) == dicom::media_storage_directory;
 }
 
@@ -289,18 +268,17 @@ std::vector<DicomHeader> images_in(const std::filesystem::path& folder) {
         refuse_image(folder.string(),
                      any ? "a folder with DICOM files, none of which is an image" : "a folder without DICOM files");
     }
+    constexpr std::size_t most_listed = 20;
     std::string list;
     std::size_t listed = 0;
     for (const auto& [uid, images] : series) {
-        constexpr std::size_t most_listed = 20;
-        if (++listed > most_listed) {
+        if (listed++ == most_listed) {
             list += "; ...";
             break;
         }
         const std::string description = one_line(images.front().text(dicom::series_description));
-        list.append(listed == 1 ? " " : "; ").append(one_line(uid));
-        list.append(description.empty() ? "" : " '" + description + "'");
-        list.append(" (").append(counted(images.size(), "slice")).append(")");
+        list += (listed == 1 ? " " : "; ") + one_line(uid) + (description.empty() ? "" : " '" + description + "'") + " (" +
+                counted(images.size(), "slice") + ")";
     }
     refuse_image(folder.string(), std::to_string(series.size()) + " DICOM series in the folder, and one is taken:" + list);
 }
@@ -325,13 +303,11 @@ Slice slice_of(const DicomHeader& header) {
     Slice slice;
     slice.header = &header;
     slice.size = {header.side(dicom::columns, "Columns"), header.side(dicom::rows, "Rows")};
-    const std::vector<double> at = header.required_numbers(dicom::image_position_patient, "ImagePositionPatient", 3);
-    slice.position = {at[0], at[1], at[2]};
+    slice.position = header.numbers<3>(dicom::image_position_patient, "ImagePositionPatient");
     if (!(length(slice.position) <= largest_coordinate_mm)) {
         header.refuse("ImagePositionPatient lies farther than " + exact_text(largest_coordinate_mm) + " mm away");
     }
-    const std::vector<double> along =
-        header.required_numbers(dicom::image_orientation_patient, "ImageOrientationPatient", 6);
+    const std::array<double, 6> along = header.numbers<6>(dicom::image_orientation_patient, "ImageOrientationPatient");
     slice.along_i = {along[0], along[1], along[2]};
     slice.along_j = {along[3], along[4], along[5]};
     for (Direction* const axis : {&slice.along_i, &slice.along_j}) {
@@ -340,10 +316,9 @@ Slice slice_of(const DicomHeader& header) {
         }
         *axis = scaled(*axis, 1 / length(*axis));
     }
-    // The first is the distance of rows.
-    const std::vector<double> spacing = header.required_numbers(dicom::pixel_spacing, "PixelSpacing", 2);
-    slice.spacing_mm = {spacing[1], spacing[0]};
-    if (!(spacing[0] > 0 && spacing[1] > 0)) {
+    const auto [of_rows, of_columns] = header.numbers<2>(dicom::pixel_spacing, "PixelSpacing");
+    slice.spacing_mm = {of_columns, of_rows};
+    if (!(of_rows > 0 && of_columns > 0)) {
         header.refuse("PixelSpacing is not above 0");
     }
     return slice;
@@ -413,7 +388,7 @@ ImageGeometry read_dicom_folder(const std::filesystem::path& folder) {
     const Slice& first = slices.front();
     const double distance = slices.size() > 1
                                 ? (slices.back().height - first.height) / static_cast<double>(slices.size() - 1)
-                                : first.header->required_numbers(dicom::slice_thickness, "SliceThickness", 1)[0];
+                                : first.header->numbers<1>(dicom::slice_thickness, "SliceThickness")[0];
     const Direction normal = cross(first.along_i, first.along_j);
     ImageGeometry image = upright(first.header->file, {first.size[0], first.size[1], slices.size()},
                                   {scaled(first.along_i, first.spacing_mm[0]), scaled(first.along_j, first.spacing_mm[1]),

@@ -1,5 +1,4 @@
-#include <cstdio>
-#include <ctime>
+#include <chrono>
 #include <map>
 #include <type_traits>
 
@@ -12,7 +11,7 @@
 #include "lamella/version.hpp"
 #include "medical/dicom/data_set.hpp"
 #include "medical/dicom/keyhole.hpp"
-#include "medical/geometry/headers.hpp"
+#include "medical/geometry/common.hpp"
 #include "medical/provenance/sha256.hpp"
 
 namespace lamella {
@@ -23,63 +22,52 @@ namespace {
 
 constexpr std::string_view rt_structure_set_storage = "1.2.840.10008.5.1.4.1.1.481.3";
 
-/// Values as bytes, little-endian as the host's.
-class ContentHash {
-public:
-    template <class... Values>
-    void add(const Values&... values) noexcept {
-        (add_one(values), ...);
+/// Adds bytes of values, little-endian as the host's; of a text, or of points, after their number.
+template <class Value>
+void add_to(Sha256& hash, const Value& value) noexcept {
+    if constexpr (std::is_arithmetic_v<Value>) {
+        static_assert(sizeof value == 8);
+        hash.add(&value, sizeof value);
+    } else {
+        add_to(hash, std::uint64_t{std::size(value)});
+        hash.add(std::data(value), std::size(value) * sizeof(*std::data(value)));
     }
-    Sha256::Digest digest() noexcept { return hash_.digest(); }
-
-private:
-    template <class Value>
-    void add_one(const Value& value) noexcept {
-        if constexpr (std::is_arithmetic_v<Value>) {
-            static_assert(sizeof value == 8);
-            hash_.add(&value, sizeof value);
-        } else {  // text, or points
-            add_one(std::uint64_t{std::size(value)});
-            hash_.add(std::data(value), std::size(value) * sizeof(*std::data(value)));
-        }
-    }
-
-    Sha256 hash_;
-};
+}
 
 /// SHA-256 over all that decides the bytes of a structure set.
 Sha256::Digest content_of(std::span<const Roi> rois, const ImageGeometry& image, const StructureSetOptions& options,
                           const Context& context) {
-    ContentHash hash;
-    hash.add(std::string_view(version), static_cast<std::uint64_t>(options.holes), options.label,
-             std::uint64_t{options.seconds_since_1970.has_value()},
-             static_cast<std::uint64_t>(options.seconds_since_1970.value_or(0)));
+    Sha256 hash;
+    const auto add = [&hash](const auto&... values) { (add_to(hash, values), ...); };
+    add(std::string_view(version), static_cast<std::uint64_t>(options.holes), options.label,
+        std::uint64_t{options.seconds_since_1970.has_value()},
+        static_cast<std::uint64_t>(options.seconds_since_1970.value_or(0)));
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto& [x, y, z] = image.axes[axis];
-        hash.add(image.size[axis], image.spacing_mm[axis], image.origin_mm[axis], x, y, z);
+        add(image.size[axis], image.spacing_mm[axis], image.origin_mm[axis], x, y, z);
     }
     for (const double height : image.slice_heights_mm()) {
-        hash.add(height);
+        add(height);
     }
-    hash.add(std::uint64_t{image.series.has_value()});
+    add(std::uint64_t{image.series.has_value()});
     if (image.series) {
         for (const dicom::SeriesText& text : dicom::series_texts) {
-            hash.add(*image.series.*text.text);
+            add(*image.series.*text.text);
         }
         for (const DicomSeries::Instance& slice : image.series->slices) {
-            hash.add(slice.sop_class_uid, slice.sop_instance_uid);
+            add(slice.sop_class_uid, slice.sop_instance_uid);
         }
     }
     const PacedStop stop(context.stop);
     for (const Roi& roi : rois) {
         stop.stop_if_asked();
         const auto [red, green, blue] = roi.colour;
-        hash.add(roi.name, std::uint64_t{red}, std::uint64_t{green}, std::uint64_t{blue}, roi.result->info.grid_mm);
+        add(roi.name, std::uint64_t{red}, std::uint64_t{green}, std::uint64_t{blue}, roi.result->info.grid_mm);
         for (const std::uint64_t index : roi.result->info.layer_of) {
             const Layer& layer = roi.result->layers[index];
-            hash.add(std::uint64_t{layer.contour_count});
+            add(std::uint64_t{layer.contour_count});
             for (const Contour& contour : roi.result->contours_of(layer)) {
-                hash.add(static_cast<std::uint64_t>(contour.role), roi.result->points_of(contour));
+                add(static_cast<std::uint64_t>(contour.role), roi.result->points_of(contour));
             }
         }
     }
@@ -114,86 +102,80 @@ std::string plain_text(std::string text) {
 
 /// The date and the time of day, UTC.
 std::array<std::string, 2> date_and_time(std::int64_t seconds_since_1970) {
-    const auto seconds = static_cast<std::time_t>(seconds_since_1970);
-    std::tm utc{};
-    if (::gmtime_r(&seconds, &utc) == nullptr || utc.tm_year < -1900 || utc.tm_year > 9999 - 1900) {
+    constexpr std::int64_t begin_of_year_0 = -62'167'219'200;
+    constexpr std::int64_t end_of_year_9999 = 253'402'300'800;
+    if (seconds_since_1970 < begin_of_year_0 || seconds_since_1970 >= end_of_year_9999) {
         throw Refused{{ErrorCode::invalid_argument, "the time of the structure set lies beyond the year 9999"}};
     }
-    std::array<char, 64> text{};
-    const std::string date(text.data(), std::strftime(text.data(), text.size(), "%Y%m%d", &utc));
-    return {std::string(8 - std::min<std::size_t>(date.size(), 8), '0') + date,
-            {text.data(), std::strftime(text.data(), text.size(), "%H%M%S", &utc)}};
+    const std::chrono::sys_seconds at{std::chrono::seconds(seconds_since_1970)};
+    const auto midnight = std::chrono::floor<std::chrono::days>(at);
+    const std::chrono::year_month_day date(midnight);
+    const std::chrono::hh_mm_ss time(at - midnight);
+    const auto digits = [](std::int64_t number, std::size_t count) {
+        const std::string text = std::to_string(number);
+        return std::string(count - text.size(), '0') + text;
+    };
+    return {digits(int{date.year()}, 4) + digits(unsigned{date.month()}, 2) + digits(unsigned{date.day()}, 2),
+            digits(time.hours().count(), 2) + digits(time.minutes().count(), 2) + digits(time.seconds().count(), 2)};
 }
 
 /// Patient, study and frame of reference are the CT's where there is one, and so is the character set. Names are UTF-8:
 /// where the CT has texts in another set, characters beyond ASCII become _.
 struct Identity {
+    /// Of the modules Patient, General Study, RT Series, General Equipment and Frame of Reference, in the order of tags, as
+    /// a data set is.
+    std::map<dicom::Tag, std::string> values;
+    std::array<std::string, 2> date_and_time{};  ///< empty where none was asked for
+    std::string label;
+    std::vector<std::string> roi_names;  ///< at most 64 characters; none repeats
+
     Identity(std::span<const Roi> rois, const ImageGeometry& image, const StructureSetOptions& options,
              const Context& context) {
+        const DicomSeries series = image.series.value_or(DicomSeries{});
+        bool ct_in_ascii = true;
+        for (const dicom::SeriesText& text : dicom::series_texts) {
+            ct_in_ascii = ct_in_ascii && is_ascii(series.*text.text);
+            values[text.tag] = plain_text(series.*text.text);
+        }
         const Sha256::Digest content = content_of(rois, image, options, context);
-        instance_uid = uid_of(content, "instance");
-        series_uid = uid_of(content, "series");
-        study_uid = image.series ? image.series->study_uid : uid_of(content, "study");
-        frame_of_reference_uid = image.series ? image.series->frame_of_reference_uid : uid_of(content, "frame of reference");
+        values[dicom::sop_class_uid] = padded_uid(rt_structure_set_storage);
+        values[dicom::sop_instance_uid] = padded_uid(uid_of(content, "instance"));
+        values[dicom::series_instance_uid] = padded_uid(uid_of(content, "series"));
+        values[dicom::study_instance_uid] = padded_uid(image.series ? series.study_uid : uid_of(content, "study"));
+        values[dicom::frame_of_reference_uid] =
+            padded_uid(image.series ? series.frame_of_reference_uid : uid_of(content, "frame of reference"));
+        values[dicom::modality] = "RTSTRUCT";
+        values[0x00080070] = "lamella";  // Manufacturer
+        values[0x00081070] = "";         // OperatorsName
+        values[0x00081090] = "lamella";  // ManufacturerModelName
+        values[0x00181020] = version;    // SoftwareVersions
+        values[0x00200011] = "";         // SeriesNumber
         if (options.seconds_since_1970) {
             date_and_time = lamella::date_and_time(*options.seconds_since_1970);
         }
-        const DicomSeries series = image.series.value_or(DicomSeries{});
+        constexpr const char* utf_8 = "ISO_IR 192";
+        constexpr std::size_t most_of_name = 64;
+        std::string& character_set = values[dicom::specific_character_set];
         const bool names_in_ascii = is_ascii(options.label) &&
                                     std::all_of(rois.begin(), rois.end(), [](const Roi& roi) { return is_ascii(roi.name); });
-        const bool ct_in_ascii = std::all_of(dicom::series_texts.begin(), dicom::series_texts.end(),
-                                             [&](const dicom::SeriesText& text) { return is_ascii(series.*text.text); });
-        constexpr const char* utf_8 = "ISO_IR 192";
-        character_set = plain_text(series.specific_character_set);
         // Texts that switch sets are ASCII by their bytes.
         if (!names_in_ascii && ct_in_ascii && character_set.find("2022") == std::string::npos) {
             character_set = utf_8;
         }
-        constexpr std::size_t most_of_name = 64;
         label = name_text(options.label, 16, character_set == utf_8);
         for (const Roi& roi : rois) {
             roi_names.push_back(name_text(roi.name, most_of_name, character_set == utf_8));
         }
         roi_names = distinct_names(roi_names, most_of_name);
+        for (const dicom::Tag tag : {dicom::specific_character_set, dicom::study_description}) {
+            if (values[tag].empty()) {
+                values.erase(tag);
+            }
+        }
     }
-
-    std::string instance_uid;
-    std::string series_uid;
-    std::string study_uid;
-    std::string frame_of_reference_uid;
-    std::array<std::string, 2> date_and_time;  ///< empty where none was asked for
-    std::string character_set;                 ///< Specific Character Set, or nothing for ASCII
-    std::string label;
-    std::vector<std::string> roi_names;  ///< at most 64 characters; none repeats
 };
 
 // --- the file
-
-/// Modules Patient, General Study, RT Series, General Equipment, Frame of Reference.
-void put_begin(DataSet& out, const Identity& identity, const DicomSeries& series) {
-    std::map<dicom::Tag, std::string> values;  // in the order of tags, as a data set is
-    for (const dicom::SeriesText& text : dicom::series_texts) {
-        values[text.tag] = plain_text(series.*text.text);
-    }
-    values[dicom::specific_character_set] = identity.character_set;
-    values[dicom::sop_class_uid] = padded_uid(rt_structure_set_storage);
-    values[dicom::sop_instance_uid] = padded_uid(identity.instance_uid);
-    values[dicom::study_instance_uid] = padded_uid(identity.study_uid);
-    values[dicom::series_instance_uid] = padded_uid(identity.series_uid);
-    values[dicom::frame_of_reference_uid] = padded_uid(identity.frame_of_reference_uid);
-    values[dicom::modality] = "RTSTRUCT";
-    values[0x00080070] = "lamella";  // Manufacturer
-    values[0x00081070] = "";         // OperatorsName
-    values[0x00081090] = "lamella";  // ManufacturerModelName
-    values[0x00181020] = version;    // SoftwareVersions
-    values[0x00200011] = "";         // SeriesNumber
-    for (const auto& [tag, value] : values) {
-        const bool is_left_out = tag == dicom::specific_character_set || tag == dicom::study_description;
-        if (!value.empty() || !is_left_out) {
-            out.put(tag, value);
-        }
-    }
-}
 
 void put_reference(DataSet& out, std::string_view class_uid, std::string_view instance_uid) {
     out.put_uid(0x00081150, class_uid);     // ReferencedSOPClassUID
@@ -206,35 +188,31 @@ void put_images(DataSet& out, std::span<const DicomSeries::Instance> slices) {
     });
 }
 
-/// Which frame of reference, and which images.
-void put_frame_of_reference(DataSet& out, const Identity& identity, const ImageGeometry& image) {
+/// Module Structure Set.
+void put_structure_set(DataSet& out, const Identity& identity, const ImageGeometry& image) {
     const auto put_series = [&](std::size_t) {
         out.put_uid(dicom::series_instance_uid, image.series->series_uid);
         put_images(out, image.series->slices);
     };
     const auto put_study = [&](std::size_t) {
-        put_reference(out, "1.2.840.10008.3.1.2.3.1", identity.study_uid);  // Detached Study Management
-        out.put_items(0x30060014, 1, put_series);                           // RTReferencedSeriesSequence
+        put_reference(out, "1.2.840.10008.3.1.2.3.1",
+                      identity.values.at(dicom::study_instance_uid));  // Detached Study Management
+        out.put_items(0x30060014, 1, put_series);                      // RTReferencedSeriesSequence
     };
+    out.put(0x30060002, identity.label);             // StructureSetLabel
+    out.put(0x30060008, identity.date_and_time[0]);  // StructureSetDate
+    out.put(0x30060009, identity.date_and_time[1]);  // StructureSetTime
     out.put_items(0x30060010, 1, [&](std::size_t) {  // ReferencedFrameOfReferenceSequence
-        out.put_uid(dicom::frame_of_reference_uid, identity.frame_of_reference_uid);
+        out.put_uid(dicom::frame_of_reference_uid, identity.values.at(dicom::frame_of_reference_uid));
         if (image.series) {
             out.put_items(0x30060012, 1, put_study);  // RTReferencedStudySequence
         }
     });
-}
-
-/// Module Structure Set.
-void put_structure_set(DataSet& out, const Identity& identity, const ImageGeometry& image) {
-    out.put(0x30060002, identity.label);             // StructureSetLabel
-    out.put(0x30060008, identity.date_and_time[0]);  // StructureSetDate
-    out.put(0x30060009, identity.date_and_time[1]);  // StructureSetTime
-    put_frame_of_reference(out, identity, image);
-    out.put_items(0x30060020, identity.roi_names.size(), [&](std::size_t i) {  // StructureSetROISequence
-        out.put_number(0x30060022, i + 1);                                     // ROINumber
-        out.put_uid(0x30060024, identity.frame_of_reference_uid);              // ReferencedFrameOfReferenceUID
-        out.put(0x30060026, identity.roi_names[i]);                            // ROIName
-        out.put(0x30060036, "");                                               // ROIGenerationAlgorithm
+    out.put_items(0x30060020, identity.roi_names.size(), [&](std::size_t i) {        // StructureSetROISequence
+        out.put_number(0x30060022, i + 1);                                           // ROINumber
+        out.put_uid(0x30060024, identity.values.at(dicom::frame_of_reference_uid));  // ReferencedFrameOfReferenceUID
+        out.put(0x30060026, identity.roi_names[i]);                                  // ROIName
+        out.put(0x30060036, "");                                                     // ROIGenerationAlgorithm
     });
 }
 
@@ -260,84 +238,69 @@ bool has_any(const SliceResult& result, Role role) {
 }
 
 /// The contours of a ROI as items of a Contour Sequence. One a thread.
-class ContourItems {
-public:
-    /// `image` and `roi` must outlive it.
-    ContourItems(const ImageGeometry& image, const Roi& roi, HoleForm holes)
-        : image_(image),
-          roi_(roi),
-          holes_(holes),
-          exclusive_or_(holes == HoleForm::exclusive_or && has_any(*roi.result, Role::hole)),
-          axes_{image.axes[0], image.axes[1], cross(image.axes[0], image.axes[1])},
-          // So many that a number lies nearer to its point of the grid than to any other.
-          decimals_(std::clamp(static_cast<int>(std::ceil(-std::log10(roi.result->info.grid_mm / 4))), 0, 14)) {}
+struct ContourItems {
+    const ImageGeometry& image;
+    const Roi& roi;
+    HoleForm holes;
+    const char* type;  ///< ContourGeometricType
+    StructureSetSummary counts{};
+    std::string data{};  ///< of a contour
+    Keyhole keyhole{};
+    std::vector<std::span<const Point>> points{};  ///< of a region
 
-    /// Puts the items of slice k, which lies at `height_mm`, and adds them to counts(). Throws Refused (invalid_argument)
-    /// where a contour is too long for its element.
+    /// Puts the items of slice k, which lies at `height_mm`, and counts them. Throws Refused (invalid_argument) where a
+    /// contour is too long for its element.
     void put(std::uint64_t slice, double height_mm, DataSet& out) {
-        const LayerView layer = (*roi_.result)[roi_.result->info.layer_of[slice]];
+        const LayerView layer = (*roi.result)[roi.result->info.layer_of[slice]];
         for (const Contour& contour : layer.contours) {
-            counts_.open_contours += contour.role == Role::open ? 1 : 0;
+            counts.open_contours += contour.role == Role::open ? 1 : 0;
         }
         for (const Island island : layer.islands()) {
             const Contour* const around = layer.parent_of(*island.outer);
-            counts_.nested_contours += around != nullptr && around->role == Role::outer ? 1 : 0;
-            counts_.holes += island.holes.size();
-            points_.assign(1, layer.points_of(*island.outer));
+            counts.nested_contours += around != nullptr && around->role == Role::outer ? 1 : 0;
+            counts.holes += island.holes.size();
+            points.assign(1, layer.points_of(*island.outer));
             for (const Contour& hole : island.holes) {
-                points_.push_back(layer.points_of(hole));
+                points.push_back(layer.points_of(hole));
             }
-            if (holes_ == HoleForm::keyhole) {
-                put_item(slice, height_mm, keyhole_.join(points_), out);
-                continue;
-            }
-            for (const std::span<const Point>& contour : points_) {
-                put_item(slice, height_mm, keyhole_.join({&contour, 1}), out);
+            const std::size_t at_once = holes == HoleForm::keyhole ? points.size() : 1;
+            for (std::size_t first = 0; first < points.size(); first += at_once) {
+                put_item(slice, height_mm, keyhole.join(std::span(points).subspan(first, at_once)), out);
             }
         }
     }
 
-    const StructureSetSummary& counts() const noexcept { return counts_; }
-
-private:
     void put_item(std::uint64_t slice, double height_mm, std::span<const RingPoint> ring, DataSet& out) {
         constexpr std::size_t most_bytes = 0xfffffff0;
         constexpr std::size_t most_bytes_a_point = 3 * 17;
         if (ring.size() > most_bytes / most_bytes_a_point) {
-            throw Refused{{ErrorCode::invalid_argument, "'" + roi_.name + "': a contour of " + std::to_string(ring.size()) +
+            throw Refused{{ErrorCode::invalid_argument, "'" + roi.name + "': a contour of " + std::to_string(ring.size()) +
                                                             " points is too long for DICOM; --simplify MM leaves fewer"}};
         }
-        data_.clear();
+        const double grid_mm = roi.result->info.grid_mm;
+        // So many that a number lies nearer to its point of the grid than to any other.
+        const int decimals = std::clamp(static_cast<int>(std::ceil(-std::log10(grid_mm / 4))), 0, 14);
+        const Direction normal = cross(image.axes[0], image.axes[1]);
+        data.clear();
         for (const RingPoint& point : ring) {
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                const double in_slice = roi_.result->info.grid_mm * (axes_[0][axis] * point.x + axes_[1][axis] * point.y);
-                put_decimal(data_, image_.origin_mm[axis] + in_slice + axes_[2][axis] * height_mm, decimals_);
-                data_ += '\\';
+                const double in_slice = grid_mm * (image.axes[0][axis] * point.x + image.axes[1][axis] * point.y);
+                put_decimal(data, image.origin_mm[axis] + in_slice + normal[axis] * height_mm, decimals);
+                data += '\\';
             }
         }
-        data_.pop_back();
+        data.pop_back();
         out.put_item([&] {
-            if (image_.series) {
-                put_images(out, std::span(image_.series->slices).subspan(slice, 1));
+            if (image.series) {
+                put_images(out, std::span(image.series->slices).subspan(slice, 1));
             }
-            out.put(0x30060042, exclusive_or_ ? "CLOSEDPLANAR_XOR" : "CLOSED_PLANAR");  // ContourGeometricType
-            out.put_number(0x30060046, ring.size());                                    // NumberOfContourPoints
-            out.put(0x30060050, data_);                                                 // ContourData
+            out.put(0x30060042, type);                // ContourGeometricType
+            out.put_number(0x30060046, ring.size());  // NumberOfContourPoints
+            out.put(0x30060050, data);                // ContourData
         });
-        ++counts_.contours;
-        counts_.points += ring.size();
+        ++counts.contours;
+        counts.points += ring.size();
     }
-
-    const ImageGeometry& image_;
-    const Roi& roi_;
-    HoleForm holes_;
-    bool exclusive_or_;
-    std::array<Direction, 3> axes_;  ///< of x, y and z of the slicing, in the patient
-    int decimals_;
-    StructureSetSummary counts_;
-    std::string data_;  ///< of a contour
-    Keyhole keyhole_;
-    std::vector<std::span<const Point>> points_;  ///< of a region
 };
 
 /// The contours of a ROI: slices become text on all threads, and are written in their order.
@@ -346,7 +309,9 @@ void write_contours(const Roi& roi, const ImageGeometry& image, HoleForm holes, 
     constexpr std::size_t most_slices_a_task = 4;
     const std::vector<double> heights = image.slice_heights_mm();
     const std::size_t at_once = most_slices_a_task * static_cast<std::size_t>(parallel.threads());
-    std::vector<ContourItems> workers(static_cast<std::size_t>(parallel.threads()), {image, roi, holes});
+    const bool excludes = holes == HoleForm::exclusive_or && has_any(*roi.result, Role::hole);
+    std::vector<ContourItems> workers(static_cast<std::size_t>(parallel.threads()),
+                                      {image, roi, holes, excludes ? "CLOSEDPLANAR_XOR" : "CLOSED_PLANAR"});
     std::vector<DataSet> data(at_once);
     for (std::size_t first = 0; first < heights.size() && !file.failed(); first += at_once) {
         const std::size_t count = std::min(at_once, heights.size() - first);
@@ -360,7 +325,7 @@ void write_contours(const Roi& roi, const ImageGeometry& image, HoleForm holes, 
     for (const ContourItems& worker : workers) {
         for (const auto count : {&StructureSetSummary::contours, &StructureSetSummary::points, &StructureSetSummary::holes,
                                  &StructureSetSummary::open_contours, &StructureSetSummary::nested_contours}) {
-            total.*count += worker.counts().*count;
+            total.*count += worker.counts.*count;
         }
     }
 }
@@ -399,15 +364,13 @@ std::string uid_of(const std::array<unsigned char, 32>& content, std::string_vie
     Sha256::Digest uuid = hash.digest();  // its first 16 bytes, the most significant one first
     uuid[6] = static_cast<unsigned char>((uuid[6] & 0x0f) | 0x80);
     uuid[8] = static_cast<unsigned char>((uuid[8] & 0x3f) | 0x80);
+    __extension__ unsigned __int128 number = 0;
+    for (std::size_t i = 0; i < 16; ++i) {
+        number = number << 8 | uuid[i];
+    }
     std::string decimals;
-    while (std::any_of(uuid.begin(), uuid.begin() + 16, [](unsigned char byte) { return byte != 0; })) {
-        unsigned rest = 0;
-        for (std::size_t i = 0; i < 16; ++i) {
-            const unsigned value = rest << 8 | uuid[i];
-            uuid[i] = static_cast<unsigned char>(value / 10);
-            rest = value % 10;
-        }
-        decimals += static_cast<char>('0' + rest);
+    for (; number != 0; number /= 10) {
+        decimals += static_cast<char>('0' + static_cast<int>(number % 10));
     }
     std::reverse(decimals.begin(), decimals.end());
     return "2.25." + decimals;
@@ -430,10 +393,12 @@ Result<StructureSetSummary> write_structure_set(std::span<const Roi> rois, const
         const Identity identity(rois, image, options, context);
         const Parallel parallel(context);
         OutputFile file = require(OutputFile::create(path));
-        file.append(DataSet::file_meta(rt_structure_set_storage, identity.instance_uid));
+        file.append(DataSet::file_meta(rt_structure_set_storage, identity.values.at(dicom::sop_instance_uid)));
         DataSet data;
         StructureSetSummary total;
-        put_begin(data, identity, image.series.value_or(DicomSeries{}));
+        for (const auto& [tag, value] : identity.values) {
+            data.put(tag, value);
+        }
         put_structure_set(data, identity, image);
         data.put_items(0x30060039, rois.size(), [&](std::size_t i) {  // ROIContourSequence
             const auto& [red, green, blue] = rois[i].colour;

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <limits>
 #include <utility>
 
@@ -7,9 +9,12 @@
 #include "base/guard.hpp"
 #include "base/numbers.hpp"
 #include "io/text/text.hpp"
+#include "lamella/io/name_text.hpp"
 #include "lamella/medical/archive.hpp"
+#include "medical/geometry/common.hpp"
 #include "medical/hdf5/archive_file.hpp"
 #include "options/asked.hpp"
+#include "options/option_words.hpp"
 #include "slicing/nesting/order.hpp"
 #include "slicing/result/band_output.hpp"
 
@@ -19,6 +24,199 @@ namespace {
 
 [[noreturn]] void refuse(const InputFile& file, const std::string& why) {
     throw Refused{file.error(ErrorCode::malformed_mesh, why)};
+}
+
+/// Throws Refused unless it holds: the file is not what it should be at `place`, a path within it.
+void require_place(const InputFile& file, bool holds, std::string_view place, std::string_view why) {
+    if (!holds) {
+        refuse(file, std::string(place) + ": " + std::string(why));
+    }
+}
+
+// --- the attributes
+
+constexpr std::array<std::string_view, 3> frames = {"", "LPS", "RAS"};
+constexpr std::array<std::string_view, 1> formats = {archive_format};
+constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
+
+/// Visits each attribute: lists its value, or sets it by that of an open archive and checks it.
+class AttributeVisitor {
+public:
+    AttributeVisitor() = default;
+    AttributeVisitor(const InputFile& file, hid_t root) : file_(&file), root_(root) {}
+
+    std::vector<ArchiveAttribute> take() && { return std::move(attributes_); }
+
+    void begin(const char* group) { group_ = group; }
+
+    /// A text, or as many numbers as there are.
+    template <class Values>
+    void values(const char* name, Values& value) {
+        using Value = typename Values::value_type;
+        constexpr bool is_text = std::is_same_v<Value, char>;
+        if (file_ == nullptr) {
+            const NumberType type = is_text ? nullptr : &hdf5_type<Value>;
+            const std::string_view bytes(reinterpret_cast<const char*>(value.data()), value.size() * sizeof(Value));
+            attributes_.push_back({group_, name, type, std::string(bytes)});
+            return;
+        }
+        const hid_t id = H5Aopen_by_name(root_, group_, name, H5P_DEFAULT, H5P_DEFAULT);
+        require(id >= 0, name, "missing");
+        const Handle open(id, H5Aclose);
+        const Handle type(H5Aget_type(id), H5Tclose);
+        const Handle space(H5Aget_space(id), H5Sclose);
+        bool is_good = H5Sget_simple_extent_npoints(space.id()) == (is_text ? 1 : static_cast<hssize_t>(value.size()));
+        if constexpr (is_text) {
+            constexpr std::size_t longest_text = 65536;
+            const std::size_t size = H5Tget_size(type.id());
+            is_good = is_good && H5Tget_class(type.id()) == H5T_STRING && H5Tis_variable_str(type.id()) == 0 && size > 0 &&
+                      size <= longest_text;
+            value.resize(is_good ? size : 0);
+        } else {
+            is_good = is_good && H5Tequal(type.id(), hdf5_type<Value>()) > 0;
+        }
+        require(is_good && H5Aread(id, type.id(), value.data()) >= 0, name, "not of the type and size that it should have");
+        if constexpr (is_text) {
+            value.resize(std::min(value.find('\0'), value.size()));
+        } else if constexpr (std::is_floating_point_v<Value>) {
+            require(std::all_of(value.begin(), value.end(), [](double one) { return std::isfinite(one); }), name);
+        }
+    }
+    void number(const char* name, double& value) {
+        std::array<double, 1> one = {value};
+        values(name, one);
+        value = one[0];
+    }
+
+    template <class Whole>
+    void whole(const char* name, Whole& value, std::uint64_t least, std::uint64_t largest) {
+        std::array<std::uint64_t, 1> one = {static_cast<std::uint64_t>(value)};
+        values(name, one);
+        require(one[0] >= least && one[0] <= largest, name);
+        value = static_cast<Whole>(one[0]);
+    }
+
+    template <class Enum>
+    void choice(const char* name, Enum& value, std::span<const std::string_view> words) {
+        std::string word(words[static_cast<std::size_t>(value)]);
+        values(name, word);
+        const auto place = std::find(words.begin(), words.end(), word);
+        require(place != words.end(), name);
+        value = static_cast<Enum>(place - words.begin());
+    }
+
+    /// Returns whether there is a value: in a file, by the name of one of its members.
+    template <class Value>
+    bool optional(const char* name, std::optional<Value>& value) {
+        if (file_ != nullptr && H5Aexists_by_name(root_, group_, name, H5P_DEFAULT) > 0) {
+            value.emplace();
+        }
+        return value.has_value();
+    }
+
+    /// By its type. Fill rules of ranges of layers are columns. Counts are the range of layers that was cut, in which the
+    /// parts of a slicing differ: the root and the rows say it.
+    template <class Option>
+    void option(const char* name, Option& value) {
+        if constexpr (std::is_same_v<Option, double>) {
+            number(name, value);
+        } else if constexpr (std::is_same_v<Option, bool>) {
+            whole(name, value, 0, 1);
+        } else if constexpr (std::is_enum_v<Option>) {
+            choice(name, value, detail::words_of(value));
+        } else if constexpr (std::is_same_v<Option, Transform>) {
+            values(name, value.m);
+        } else if constexpr (std::is_same_v<Option, std::optional<double>>) {
+            if (optional(name, value)) {
+                number(name, *value);
+            }
+        } else if constexpr (std::is_same_v<Option, std::optional<std::vector<double>>>) {
+            bool given = value.has_value();  // the list is a column, and may have no rows
+            whole("at_heights", given, 0, 1);
+            if (given && !value) {
+                value.emplace();
+            }
+        } else {
+            static_assert(std::is_same_v<Option, std::uint64_t> || std::is_same_v<Option, std::vector<FillFrom>>);
+        }
+    }
+
+    /// Throws Refused if a value that was read does not hold.
+    void require(bool holds, const char* name, const char* why = "out of its range") const {
+        if (file_ != nullptr) {
+            require_place(*file_, holds, ArchiveAttribute{group_, name, {}, {}}.place(), why);
+        }
+    }
+
+private:
+    const InputFile* file_ = nullptr;  ///< to be read; none to list attributes
+    hid_t root_ = -1;
+    const char* group_ = "/";
+    std::vector<ArchiveAttribute> attributes_;
+};
+
+void visit_mesh(AttributeVisitor& visitor, SliceInfo& slice, ArchiveInfo& info) {
+    visitor.begin("/mesh");
+    std::string name = text_of_name(info.name);  // since any bytes are a name
+    visitor.values("name", name);
+    info.name = name_of_text(name);
+    visitor.values("sha256", info.mesh_sha256);
+    visitor.choice("patient_frame", info.frame, frames);
+    visitor.whole("triangles", slice.triangles, 0, most);
+    visitor.whole("degenerate", slice.degenerate, 0, most);
+    visitor.values("min_mm", slice.box.min_mm);
+    visitor.values("max_mm", slice.box.max_mm);
+    visitor.whole("meshes", slice.part_count, 1, several_parts - 1);
+    if (visitor.optional("weld_tolerance_mm", info.weld)) {
+        visitor.number("weld_tolerance_mm", info.weld->tolerance_mm);
+        visitor.whole("weld_joined", info.weld->joined, 0, most);
+    }
+}
+
+void visit_image(AttributeVisitor& visitor, ArchiveInfo& info) {
+    visitor.begin("/image");
+    if (!visitor.optional("origin_mm", info.geometry)) {
+        return;
+    }
+    ImageGeometry& image = *info.geometry;
+    static constexpr std::array<const char*, 3> size_names = {"size_i", "size_j", "size_k"};
+    static constexpr std::array<const char*, 3> axis_names = {"axis_i", "axis_j", "axis_k"};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        visitor.whole(size_names[axis], image.size[axis], 1, largest_image_side);
+        visitor.values(axis_names[axis], image.axes[axis]);
+        visitor.require(std::abs(length(image.axes[axis]) - 1) < 1e-3, axis_names[axis]);
+    }
+    visitor.values("origin_mm", image.origin_mm);
+    visitor.values("spacing_mm", image.spacing_mm);
+    visitor.require(*std::min_element(image.spacing_mm.begin(), image.spacing_mm.end()) > 0, "spacing_mm");
+    visitor.whole("subslices", info.subslices, 1, 1000);
+    std::uint64_t uneven = image.uneven_slices_mm.size();
+    visitor.whole("uneven_slices", uneven, 0, most_uneven_slices);
+    if (uneven > 0) {
+        visitor.require(uneven == image.size[2], "uneven_slices");
+        image.uneven_slices_mm.resize(uneven);
+        visitor.values("uneven_slices_mm", image.uneven_slices_mm);
+    }
+}
+
+void visit(AttributeVisitor& visitor, SliceInfo& slice, ArchiveInfo& info, std::uint64_t& hash) {
+    visitor.begin("/");
+    visitor.number("grid_mm", slice.grid_mm);
+    visitor.require(slice.grid_mm > 0, "grid_mm");
+    visitor.whole("grid_doublings", slice.grid_doublings, 0, 1000);
+    visit_mesh(visitor, slice, info);
+    visitor.begin("/options");
+#define OPTION(kind, name, path, ...) visitor.option(#name, slice.options.path);
+#include "options/options.inc"
+    visit_image(visitor, info);
+    visitor.begin("/");
+    visitor.whole("planned_layers", slice.planned_layers, 0, most);  // last: where options differ, that is what is said
+    std::size_t format = 0;
+    std::uint64_t version = archive_version;
+    visitor.choice("format", format, formats);
+    visitor.whole("format_version", version, archive_version, archive_version);
+    visitor.whole("result_hash", hash, 0, most);
+    visitor.whole("first_layer", slice.first_layer, 0, most);
 }
 
 // --- the tree
@@ -66,71 +264,57 @@ void require_undamaged(const InputFile& file, const Parallel& parallel) {
     }
 }
 
-/// A column's place. No dataset has no rows. Data that are not in one piece of this file have no offset.
-PlacedColumn find_column(const InputFile& file, hid_t root, const Column& column) {
-    const hid_t id = H5Dopen2(root, column.path, H5P_DEFAULT);
-    if (id < 0) {
-        return {&column, 0, 0};
-    }
-    const Handle dataset(id, H5Dclose);
-    const Handle type(H5Dget_type(id), H5Tclose);
-    const Handle space(H5Dget_space(id), H5Sclose);
-    std::array<hsize_t, 2> extents = {0, 1};
-    const int dimensions = column.width == 1 ? 1 : 2;
-    if (H5Tequal(type.id(), column.type()) <= 0 || H5Sget_simple_extent_ndims(space.id()) != dimensions ||
-        H5Sget_simple_extent_dims(space.id(), extents.data(), nullptr) != dimensions || extents[1] != column.width) {
-        refuse_place(file, column.path, "not of the type and shape that it should have");
-    }
-    const PlacedColumn placed{&column, extents[0], extents[0] == 0 ? 0 : H5Dget_offset(id)};
-    if (placed.rows > file.size() / column.row_bytes || placed.offset > file.size() - placed.bytes()) {
-        refuse_place(file, column.path, "not in one piece within the file");
-    }
-    return placed;
-}
-
+/// The places of columns. No dataset has no rows. Data that are not in one piece of this file have no offset.
 void find_columns(const InputFile& file, hid_t root, ReadTree& tree) {
     std::uint64_t bytes = 0;
     std::optional<ColumnKind> before;
-    for (const Column& column : all_columns()) {
-        const PlacedColumn& placed = tree.columns.emplace_back(find_column(file, root, column));
-        const std::uint64_t rows = placed.rows - (column.has_end ? 1 : 0);
-        if (placed.rows < (column.has_end ? 1U : 0U) || (before == column.kind && tree.rows[column.kind] != rows)) {
-            refuse_place(file, column.path, "missing, or not as long as the columns that belong to it");
+    for (const Column& column : columns::all) {
+        PlacedColumn placed{&column};
+        if (const hid_t id = H5Dopen2(root, column.path, H5P_DEFAULT); id >= 0) {
+            const Handle dataset(id, H5Dclose);
+            const Handle type(H5Dget_type(id), H5Tclose);
+            const Handle space(H5Dget_space(id), H5Sclose);
+            std::array<hsize_t, 2> extents = {0, 1};
+            const int dimensions = column.width == 1 ? 1 : 2;
+            require_place(file,
+                          H5Tequal(type.id(), column.type()) > 0 && H5Sget_simple_extent_ndims(space.id()) == dimensions &&
+                              H5Sget_simple_extent_dims(space.id(), extents.data(), nullptr) == dimensions &&
+                              extents[1] == column.width,
+                          column.path, "not of the type and shape that it should have");
+            placed.rows = extents[0];
+            placed.offset = placed.rows == 0 ? 0 : H5Dget_offset(id);
         }
+        require_place(file, placed.rows <= file.size() / column.row_bytes && placed.offset <= file.size() - placed.bytes(),
+                      column.path, "not in one piece within the file");
+        const std::uint64_t ends = column.has_end ? 1 : 0;
+        require_place(file, placed.rows >= ends && (before != column.kind || tree.rows[column.kind] == placed.rows - ends),
+                      column.path, "missing, or not as long as the columns that belong to it");
         bytes += placed.bytes();
-        tree.rows[column.kind] = rows;
+        tree.columns.push_back(placed);
+        tree.rows[column.kind] = placed.rows - ends;
         before = column.kind;
     }
-    if (bytes > file.size()) {  // memory is taken for all of them
-        refuse(file, "its columns lie over one another");
-    }
+    require_place(file, bytes <= file.size(), "/", "columns lie over one another");  // memory is taken for all of them
 }
 
 // --- the rows
 
 void require_row(const InputFile& file, bool holds, const char* path, std::uint64_t row, const char* why) {
     if (!holds) {
-        refuse_place(file, path, "row " + std::to_string(row) + " " + why);
+        require_place(file, false, path, "row " + std::to_string(row) + " " + why);
     }
 }
 
 /// Arrays of the right sizes, their contents unspecified.
 void make_room(const InputFile& file, ReadTree& tree) {
-    const auto require = [&](bool holds, const char* place, const char* why) {
-        if (!holds) {
-            refuse_place(file, place, why);
-        }
-    };
-    require(tree.rows[origin_rows] == 0 || tree.rows[origin_rows] == tree.rows[point_rows], "/origins",
-            "not as many as there are points");
+    require_place(file, tree.rows[origin_rows] == 0 || tree.rows[origin_rows] == tree.rows[point_rows], "/origins",
+                  "not as many as there are points");
     const SliceInfo& info = tree.result.info;
-    require(info.first_layer <= info.planned_layers && tree.rows[layer_rows] <= info.planned_layers - info.first_layer,
-            "/planned_layers", "fewer layers than the file has");
+    require_place(file,
+                  info.first_layer <= info.planned_layers && tree.rows[layer_rows] <= info.planned_layers - info.first_layer,
+                  "/planned_layers", "fewer layers than the file has");
     resize(tree.result, tree.rows);
-    const KindRows made = rows_of(tree.result);
-    for (const Column& column : all_columns()) {
-        require(made[column.kind] == tree.rows[column.kind], column.path, "no heights are asked for");
-    }
+    require_place(file, rows_of(tree.result) == tree.rows, "/options", "has columns that its attributes do not ask for");
 }
 
 void load_rows(const InputFile& file, ReadTree& tree, const Parallel& parallel) {
@@ -237,6 +421,19 @@ void set_info(SliceResult& result) {
 
 }  // namespace
 
+std::string closing_line(std::uint32_t crc) {
+    std::array<char, 9> digits{};
+    (void)std::snprintf(digits.data(), digits.size(), "%08x", crc);
+    return "\n" + std::string(archive_format) + " " + std::to_string(archive_version) +
+           ", CRC-32 of all before: " + digits.data() + "\n";
+}
+
+std::vector<ArchiveAttribute> attributes_of(SliceInfo slice, ArchiveInfo info, std::uint64_t hash) {
+    AttributeVisitor lister;
+    visit(lister, slice, info, hash);
+    return std::move(lister).take();
+}
+
 ReadTree read_tree(const InputFile& file, const std::filesystem::path& path, const Parallel& parallel,
                    const Memory* memory) {
     require_undamaged(file, parallel);
@@ -248,7 +445,8 @@ ReadTree read_tree(const InputFile& file, const std::filesystem::path& path, con
     }
     const Handle open(id, H5Fclose);
     ReadTree tree{.result = SliceResult(memory)};
-    read_attributes(file, id, tree);
+    AttributeVisitor reader(file, id);
+    visit(reader, tree.result.info, tree.info, tree.hash);
     find_columns(file, id, tree);
     return tree;
 }
@@ -258,9 +456,7 @@ ReadTree load_archive(const std::filesystem::path& path, const Parallel& paralle
     ReadTree tree = read_tree(file, path, parallel, memory);
     load_rows(file, tree, parallel);
     check_loaded(file, tree.result, parallel);
-    if (tree.result.hash() != tree.hash) {
-        refuse_place(file, "/result_hash", "not the hash of the layers");
-    }
+    require_place(file, tree.result.hash() == tree.hash, "/result_hash", "not the hash of the layers");
     set_info(tree.result);
     return tree;
 }
@@ -268,7 +464,7 @@ ReadTree load_archive(const std::filesystem::path& path, const Parallel& paralle
 Result<Archive> read_archive(const std::filesystem::path& path, const Context& context) noexcept {
     return guarded(context, [&]() -> Result<Archive> {
         const Parallel parallel(context);
-        parallel.begin_stage(0.9, load_runs);
+        parallel.begin_stage(0.9, 3);  // checksum, rows, areas
         ReadTree loaded = load_archive(path, parallel, context.memory);
         parallel.finish();
         return Archive{std::move(loaded.result), std::move(loaded.info)};

@@ -9,6 +9,7 @@
 #include <limits>
 #include <numeric>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "base/little_endian.hpp"
@@ -168,6 +169,7 @@ private:
 enum class MaskForm : std::uint8_t { nifti, nrrd, segmentation };
 
 struct MaskLayout {
+    std::string_view name_end;  ///< of the file's name
     MaskForm form = MaskForm::nifti;
     bool compressed = false;
     bool shares = false;  ///< bytes of which 255 stand for 1, not labels
@@ -230,7 +232,7 @@ public:
         std::memset(to, 0, slice_bytes());
         for (std::size_t i = 0; i < parts_.size(); ++i) {
             for (int subslice = 0; subslice < options_.subslices; ++subslice) {
-                measure(i, (*parts_[i].result)[layer(slice, subslice, i)], counts.parts[i]);
+                measure(i, (*parts_[i].result)[layer(slice, subslice, i)], scratch.sheet, counts.parts[i]);
             }
         }
         if (layout_.shares) {
@@ -251,8 +253,14 @@ private:
         return parts_[part].result->info.layer_of[height];
     }
 
+    /// Where points lie, in voxels from the lower left corner of the first: a voxel reaches half its side around its centre.
+    auto placing(const SliceResult& result) const noexcept {
+        const PointMm scale{result.info.grid_mm / image_.spacing_mm[0], result.info.grid_mm / image_.spacing_mm[1]};
+        return [scale](const Point& point) { return PointMm{point.x * scale.x + 0.5, point.y * scale.y + 0.5}; };
+    }
+
     /// Adds the areas of a layer where they are known.
-    void measure(std::size_t part, const LayerView& layer, MaskCounts::Part& counts) const {
+    void measure(std::size_t part, const LayerView& layer, CoverageSheet& sheet, MaskCounts::Part& counts) const {
         const double net = layer.area_mm2();
         if (std::isnan(net)) {
             return;
@@ -260,10 +268,11 @@ private:
         double perimeter = 0;
         for (const Contour& contour : layer.contours) {
             if (contour.role == Role::outer || contour.role == Role::hole) {
+                const std::span<const Point> points = layer.points_of(contour);
                 const double area = layer.area_mm2(contour);
                 counts.area += area;
-                perimeter += perimeter_of(layer.points_of(contour)) * layer.grid_mm;
-                counts.inside += reaches_beyond(part, contour) ? area_inside(part, contour) : area;
+                perimeter += perimeter_of(points) * layer.grid_mm;
+                counts.inside += reaches_beyond(part, points) ? area_inside(part, points, area < 0 ? -1 : 1, sheet) : area;
             }
         }
         if (net > 0) {
@@ -276,45 +285,31 @@ private:
     }
 
     /// Beyond the outer sides of the outermost voxels.
-    bool reaches_beyond(std::size_t part, const Contour& contour) const noexcept {
-        const SliceResult& result = *parts_[part].result;
-        const auto [min, max] = FlatBox::around(result.points_of(contour));
-        const double scale[2] = {result.info.grid_mm / image_.spacing_mm[0], result.info.grid_mm / image_.spacing_mm[1]};
-        constexpr double side = 0.5 + 1e-3;  // less is rounding, as of an image around the mesh
-        return min.x * scale[0] < -side || min.y * scale[1] < -side ||
-               max.x * scale[0] > static_cast<double>(image_.size[0]) - 1 + side ||
-               max.y * scale[1] > static_cast<double>(image_.size[1]) - 1 + side;
+    bool reaches_beyond(std::size_t part, std::span<const Point> points) const noexcept {
+        constexpr double rounding = 1e-3;  // as of an image around the mesh
+        const auto [min, max] = FlatBox::around(points);
+        const auto place = placing(*parts_[part].result);
+        const PointMm low = place(min);
+        const PointMm high = place(max);
+        return std::min(low.x, low.y) < -rounding || high.x > static_cast<double>(image_.size[0]) + rounding ||
+               high.y > static_cast<double>(image_.size[1]) + rounding;
     }
 
-    /// The area of the part of a contour that lies within the image, mm2: x over each edge's height, both clamped to the
-    /// sides of the image.
-    double area_inside(std::size_t part, const Contour& contour) const {
-        const SliceResult& result = *parts_[part].result;
-        const PointMm half{0.5 * image_.spacing_mm[0], 0.5 * image_.spacing_mm[1]};
-        const double right = static_cast<double>(image_.size[0]) * image_.spacing_mm[0] - half.x;
-        const double top = static_cast<double>(image_.size[1]) * image_.spacing_mm[1] - half.y;
-        double sum = 0;
-        PointMm from = result.to_mm(result.points_of(contour).back());
-        for (const Point& point : result.points_of(contour)) {
-            const PointMm to = result.to_mm(point);
-            const double low = std::clamp(from.y, -half.y, top);
-            const double high = std::clamp(to.y, -half.y, top);
-            if (low != high) {
-                const double slope = (to.x - from.x) / (to.y - from.y);
-                sum += (high - low) *
-                       mean_clamped(from.x + (low - from.y) * slope, from.x + (high - from.y) * slope, -half.x, right);
-            }
-            from = to;
-        }
-        return sum;
-    }
-
-    /// The mean of what lies evenly between a and b, each clamped.
-    static double mean_clamped(double a, double b, double least, double largest) noexcept {
-        const double from = std::clamp(a, least, largest);
-        const double to = std::clamp(b, least, largest);
-        const bool is_one_line = from == to || (from == a && to == b);
-        return is_one_line ? 0.5 * (from + to) : (to * (b - 0.5 * to) - from * (a - 0.5 * from)) / (b - a);
+    /// The area of the part of a contour that lies within the image, mm2: what it covers of one voxel as large as the image.
+    /// `sign`: that of the area.
+    double area_inside(std::size_t part, std::span<const Point> points, double sign, CoverageSheet& sheet) const {
+        const PointMm size{static_cast<double>(image_.size[0]), static_cast<double>(image_.size[1])};
+        const auto place = placing(*parts_[part].result);
+        double share = 0;
+        sheet.restart(1, 0, 1);
+        sheet.add(
+            points,
+            [&](const Point& point) {
+                return PointMm{place(point).x / size.x, place(point).y / size.y};
+            },
+            sign);
+        sheet.take_row(0, {&share, 1});
+        return sign * share * size.x * image_.spacing_mm[0] * size.y * image_.spacing_mm[1];
     }
 
     template <class Label>
@@ -345,14 +340,11 @@ private:
     void draw_shares(std::uint64_t slice, unsigned char* to, Scratch& scratch, MaskCounts& counts) const {
         const SliceResult& result = *parts_[0].result;
         const std::size_t width = image_.size[0];
-        const PointMm scale{result.info.grid_mm / image_.spacing_mm[0], result.info.grid_mm / image_.spacing_mm[1]};
-        // A voxel reaches half its side around its centre.
-        const auto place = [&](const Point& point) { return PointMm{point.x * scale.x + 0.5, point.y * scale.y + 0.5}; };
         scratch.shares.assign(width * image_.size[1], 0);
         for (int subslice = 0; subslice < options_.subslices; ++subslice) {
             scratch.sheet.restart(width, 0, image_.size[1]);
             for (const std::span<const Point> contour : scratch.solid.of(result, layer(slice, subslice, 0))) {
-                scratch.sheet.add(contour, place);
+                scratch.sheet.add(contour, placing(result));
             }
             for (std::size_t row = 0; row < image_.size[1]; ++row) {
                 scratch.sheet.take_row(row, std::span(scratch.shares).subspan(row * width, width));

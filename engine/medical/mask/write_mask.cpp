@@ -11,9 +11,8 @@
 #include "io/text/text.hpp"
 #include "io/write/output_file.hpp"
 #include "lamella/io/text_file.hpp"
-#include "medical/geometry/headers.hpp"
+#include "medical/geometry/common.hpp"
 #include "medical/mask/slice_raster.hpp"
-#include "medical/tables/csv_text.hpp"
 
 namespace lamella {
 
@@ -36,23 +35,21 @@ void put(std::string& header, std::size_t at, T value) {
 
 /// The quaternion (b, c, d) of the rotation whose columns are `axes`, right-handed.
 std::array<double, 3> quaternion(const std::array<Direction, 3>& axes) {
-    const auto r = [&](std::size_t row, std::size_t column) { return axes[column][row]; };
-    const double trace = r(0, 0) + r(1, 1) + r(2, 2) + 1;
-    if (trace > 0.5) {
-        const double a = 0.5 * std::sqrt(trace);
-        return {0.25 * (r(2, 1) - r(1, 2)) / a, 0.25 * (r(0, 2) - r(2, 0)) / a, 0.25 * (r(1, 0) - r(0, 1)) / a};
+    const auto& [x, y, z] = axes;
+    // Four times the products of its components a, b, c and d.
+    const std::array<std::array<double, 4>, 4> products = {{
+        {1 + x[0] + y[1] + z[2], y[2] - z[1], z[0] - x[2], x[1] - y[0]},
+        {y[2] - z[1], 1 + x[0] - y[1] - z[2], y[0] + x[1], z[0] + x[2]},
+        {z[0] - x[2], y[0] + x[1], 1 + y[1] - x[0] - z[2], z[1] + y[2]},
+        {x[1] - y[0], z[0] + x[2], z[1] + y[2], 1 + z[2] - x[0] - y[1]},
+    }};
+    std::size_t most = 0;
+    for (std::size_t i = 1; i < 4; ++i) {
+        most = products[i][i] > products[most][most] ? i : most;
     }
-    const std::array<double, 3> squares = {1 + r(0, 0) - r(1, 1) - r(2, 2), 1 + r(1, 1) - r(0, 0) - r(2, 2),
-                                           1 + r(2, 2) - r(0, 0) - r(1, 1)};
-    const auto i = static_cast<std::size_t>(std::max_element(squares.begin(), squares.end()) - squares.begin());
-    const std::size_t j = (i + 1) % 3;
-    const std::size_t k = (i + 2) % 3;
-    std::array<double, 3> vector{};
-    vector[i] = 0.5 * std::sqrt(squares[i]);
-    vector[j] = 0.25 * (r(i, j) + r(j, i)) / vector[i];
-    vector[k] = 0.25 * (r(i, k) + r(k, i)) / vector[i];
-    const double a = 0.25 * (r(k, j) - r(j, k)) / vector[i];
-    return a < 0 ? std::array<double, 3>{-vector[0], -vector[1], -vector[2]} : vector;
+    const std::array<double, 4>& row = products[most];
+    const double scale = (row[0] < 0 ? -0.5 : 0.5) / std::sqrt(row[most]);
+    return {scale * row[1], scale * row[2], scale * row[3]};
 }
 
 std::string nifti_header(const MaskLayout& layout, std::size_t labels, const ImageGeometry& image) {
@@ -198,24 +195,13 @@ std::vector<unsigned char> gzip_piece(std::span<const unsigned char> data, bool 
 constexpr std::size_t block_bytes = std::size_t{1} << 20;
 constexpr std::size_t blocks_a_thread = 2;
 
-/// Some slices, and their bytes as they are written where they are compressed.
+/// Some slices, and their bytes as they are written where they are compressed. Memory of earlier blocks serves again: fresh
+/// memory would take longer than drawing.
 struct Block {
     std::vector<unsigned char> raw;
     std::vector<unsigned char> compressed;
     unsigned long crc = 0;  ///< of `raw`
-    std::optional<MaskCounts> counts;
-
-    /// Draws slices [begin, end) after `head`. Memory of earlier blocks serves again: fresh memory would take longer than
-    /// drawing.
-    void draw(std::uint64_t begin, std::uint64_t end, std::string_view head, const SliceRaster& raster, std::size_t parts,
-              SliceRaster::Scratch& scratch) {
-        counts.emplace(parts);
-        raw.resize(head.size() + (end - begin) * raster.slice_bytes());
-        unsigned char* to = std::copy(head.begin(), head.end(), raw.data());
-        for (std::uint64_t slice = begin; slice < end; ++slice, to += raster.slice_bytes()) {
-            raster.draw(slice, to, scratch, *counts);
-        }
-    }
+    MaskCounts counts{0};
 };
 
 /// Writes blocks of slices, in their order, each made on any thread.
@@ -230,31 +216,35 @@ MaskCounts write_slices(const SliceRaster& raster, std::span<const MaskPart> par
     file.append(layout.compressed ? std::string_view("\x1f\x8b\x08\0\0\0\0\0\0\xff", 10) : std::string_view());
     const std::uint64_t slices_a_block = std::max<std::uint64_t>(1, block_bytes / raster.slice_bytes());
     const std::uint64_t blocks = (image.size[2] + slices_a_block - 1) / slices_a_block;
-    const std::size_t at_once = blocks_a_thread * static_cast<std::size_t>(parallel.threads());
     std::vector<SliceRaster::Scratch> scratch(static_cast<std::size_t>(parallel.threads()));
-    std::vector<Block> made(at_once);
+    std::vector<Block> made(blocks_a_thread * scratch.size());
     MaskCounts total(parts.size());
     unsigned long crc = 0;
     std::uint64_t length = 0;
-    for (std::uint64_t first = 0; first < blocks && !file.failed(); first += at_once) {
-        const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(at_once, blocks - first));
+    for (std::uint64_t first = 0; first < blocks && !file.failed(); first += made.size()) {
+        const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(made.size(), blocks - first));
         parallel.run(count, [&](std::size_t i, int worker) {
             const std::uint64_t begin = (first + i) * slices_a_block;
             const std::uint64_t end = std::min(image.size[2], begin + slices_a_block);
+            const std::string_view head = is_within && begin == 0 ? header : std::string_view();
             Block& block = made[i];
-            block.draw(begin, end, is_within && begin == 0 ? header : std::string_view(), raster, parts.size(),
-                       scratch[static_cast<std::size_t>(worker)]);
+            block.counts = MaskCounts(parts.size());
+            block.raw.resize(head.size() + (end - begin) * raster.slice_bytes());
+            unsigned char* to = std::copy(head.begin(), head.end(), block.raw.data());
+            for (std::uint64_t slice = begin; slice < end; ++slice, to += raster.slice_bytes()) {
+                raster.draw(slice, to, scratch[static_cast<std::size_t>(worker)], block.counts);
+            }
             if (layout.compressed) {
                 block.compressed = gzip_piece(block.raw, end == image.size[2]);
                 block.crc = ::crc32_z(0, block.raw.data(), block.raw.size());
             }
         });
-        for (std::size_t i = 0; i < count; ++i) {
-            const std::vector<unsigned char>& bytes = layout.compressed ? made[i].compressed : made[i].raw;
+        for (const Block& block : std::span(made).first(count)) {
+            const std::vector<unsigned char>& bytes = layout.compressed ? block.compressed : block.raw;
             file.append({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-            crc = ::crc32_combine(crc, made[i].crc, static_cast<z_off_t>(made[i].raw.size()));
-            length += made[i].raw.size();
-            total.add(*made[i].counts);
+            crc = ::crc32_combine(crc, block.crc, static_cast<z_off_t>(block.raw.size()));
+            length += block.raw.size();
+            total.add(block.counts);
         }
     }
     std::string gzip_end(layout.compressed ? 8 : 0, '\0');
@@ -285,34 +275,26 @@ MaskSummary summary_of(const MaskCounts& counts, std::span<const MaskPart> parts
 }
 
 /// NAME.labels.csv beside NAME.nii.gz: label, name, voxels.
-Status write_label_table(std::span<const MaskPart> parts, const MaskSummary& summary, const std::filesystem::path& path) {
-    std::string name = path.string();
-    for (const char* end : {".gz", ".nii", ".nrrd", ".seg"}) {
-        const std::string_view tail(end);
-        if (name.size() > tail.size() && std::string_view(name).ends_with(tail)) {
-            name.resize(name.size() - tail.size());
-        }
-    }
+Status write_label_table(std::span<const MaskPart> parts, const MaskSummary& summary, std::string_view name) {
     std::string rows = "label,name,voxels\n";
     for (std::size_t i = 0; i < parts.size(); ++i) {
         rows += std::to_string(i + 1) + "," + csv_text(text_of_name(parts[i].name)) + "," +
                 std::to_string(summary.voxels[i]) + "\n";
     }
-    return write_text_file(name + ".labels.csv", rows);
+    return write_text_file(std::string(name) + ".labels.csv", rows);
 }
 
 }  // namespace
 
 MaskLayout layout_of(const std::filesystem::path& path, std::span<const MaskPart> parts, bool shares) {
+    static constexpr std::array<MaskLayout, 4> layouts = {{{".seg.nrrd", MaskForm::segmentation, true},
+                                                           {".nrrd", MaskForm::nrrd, true},
+                                                           {".nii.gz", MaskForm::nifti, true},
+                                                           {".nii", MaskForm::nifti, false}}};
     const std::string name = lower_case(path.filename().string());
-    MaskLayout layout;
-    layout.shares = shares;
-    if (name.ends_with(".nii.gz") || name.ends_with(".nii")) {
-        layout.compressed = name.ends_with(".gz");
-    } else if (name.ends_with(".nrrd")) {
-        layout.compressed = true;
-        layout.form = name.ends_with(".seg.nrrd") ? MaskForm::segmentation : MaskForm::nrrd;
-    } else {
+    const auto* const found = std::find_if(layouts.begin(), layouts.end(),
+                                           [&](const MaskLayout& layout) { return name.ends_with(layout.name_end); });
+    if (found == layouts.end()) {
         refuse_output(path, "a mask's name ends in .nii, .nii.gz, .nrrd or .seg.nrrd");
     }
     constexpr std::size_t most_labels = 65535;
@@ -320,6 +302,8 @@ MaskLayout layout_of(const std::filesystem::path& path, std::span<const MaskPart
         refuse_output(path, std::to_string(parts.size()) + " meshes in a mask that holds 1 to " +
                                 std::to_string(shares ? 1 : most_labels));
     }
+    MaskLayout layout = *found;
+    layout.shares = shares;
     layout.voxel_bytes = parts.size() > 255 ? 2 : 1;
     return layout;
 }
@@ -343,7 +327,8 @@ Result<MaskSummary> write_mask(std::span<const MaskPart> parts, const ImageGeome
         const MaskSummary summary = summary_of(counts, parts, parallel.within(context));
         require(file.commit());
         if (parts.size() > 1) {
-            require(write_label_table(parts, summary, path));
+            const std::string name = path.string();
+            require(write_label_table(parts, summary, name.substr(0, name.size() - layout.name_end.size())));
         }
         return summary;
     });

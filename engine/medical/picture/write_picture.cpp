@@ -1,15 +1,17 @@
 #include "lamella/medical/picture.hpp"
 
 #include <charconv>
+#include <functional>
 #include <limits>
-#include <optional>
 #include <string>
+#include <tuple>
 
 #include "base/parallel.hpp"
 #include "base/words.hpp"
-#include "medical/geometry/headers.hpp"
+#include "medical/geometry/common.hpp"
 #include "medical/picture/canvas.hpp"
 #include "medical/raster/coverage.hpp"
+#include "slicing/grid/bounds.hpp"
 
 namespace lamella {
 
@@ -42,13 +44,12 @@ std::string size_text(const PictureOptions& options) {
 }
 
 void require_drawable(std::span<const PicturePart> parts, const std::filesystem::path& path, const PictureOptions& options) {
+    const auto is_side = [](int side) { return side >= least_picture_side && side <= largest_picture_side; };
     require_that(can_write_pictures(),
                  "cannot write '" + path.string() + "': this build of lamella is without PNG (libpng-dev)");
-    for (const int side : {options.width, options.height}) {
-        require_that(side >= least_picture_side && side <= largest_picture_side,
-                     size_text(options) + ": a side has " + std::to_string(least_picture_side) + " to " +
-                         std::to_string(largest_picture_side));
-    }
+    require_that(is_side(options.width) && is_side(options.height), size_text(options) + ": a side has " +
+                                                                        std::to_string(least_picture_side) + " to " +
+                                                                        std::to_string(largest_picture_side));
     require_that(std::int64_t{options.width} * options.height <= most_picture_pixels,
                  size_text(options) + " is larger than 2^26");
     require_that(!parts.empty() &&
@@ -113,45 +114,34 @@ std::vector<Cell> evenly_spaced(std::span<const PicturePart> parts, std::size_t 
     return cells;
 }
 
-/// In mm, in the frame of the slicing; empty at first.
-struct BoxMm {
-    PointMm min{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-    PointMm max{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-
-    double width() const noexcept { return max.x - min.x; }
-    double height() const noexcept { return max.y - min.y; }
-    void widen(PointMm at) noexcept {
-        min = {std::min(min.x, at.x), std::min(min.y, at.y)};
-        max = {std::max(max.x, at.x), std::max(max.y, at.y)};
-    }
-};
-
-/// Around the meshes, and around all that is drawn, which rules may have moved beyond them.
-BoxMm box_of(std::span<const PicturePart> parts, const std::vector<Cell>& cells) {
-    BoxMm box;
+/// Around the meshes, and around all that is drawn, which rules may have moved beyond them: mm, in the frame of the slicing.
+Bounds box_of(std::span<const PicturePart> parts, const std::vector<Cell>& cells) {
+    Bounds box = Bounds::empty();
     for (const PicturePart& part : parts) {
         const Box& own = part.result->info.box;
-        if (own.min_mm[0] < own.max_mm[0] && own.min_mm[1] < own.max_mm[1]) {
-            box.widen({own.min_mm[0], own.min_mm[1]});
-            box.widen({own.max_mm[0], own.max_mm[1]});
+        for (int axis = 0; axis < 2 && own.min_mm[0] < own.max_mm[0] && own.min_mm[1] < own.max_mm[1]; ++axis) {
+            const auto i = static_cast<std::size_t>(axis);
+            box.add(axis, own.min_mm[i], own.max_mm[i]);
         }
     }
     for (const Cell& cell : cells) {
         for (const LayerView& layer : cell.layers) {
             for (const Point& point : layer.points) {
-                box.widen(layer.to_mm(point));
+                const PointMm at = layer.to_mm(point);
+                box.add(0, at.x, at.x);
+                box.add(1, at.y, at.y);
             }
         }
     }
-    if (box.width() < 0) {
-        return {{0, 0}, {1, 1}};
+    if (box.max_mm[0] < box.min_mm[0]) {
+        return {{0, 0, 0}, {1, 1, 0}};
     }
     // A line still has a width to be drawn in.
-    const double least = std::max(1e-3 * std::max(box.width(), box.height()), 1e-9);
-    for (double PointMm::*axis : {&PointMm::x, &PointMm::y}) {
-        if (box.max.*axis - box.min.*axis < least) {
-            box.min.*axis -= least / 2;
-            box.max.*axis += least / 2;
+    const double extent = std::max(box.max_mm[0] - box.min_mm[0], box.max_mm[1] - box.min_mm[1]);
+    const double least = std::max(1e-3 * extent, 1e-9);
+    for (int axis = 0; axis < 2; ++axis) {
+        if (box.max_mm[axis] - box.min_mm[axis] < least) {
+            box.add(axis, box.min_mm[axis] - least / 2, box.max_mm[axis] + least / 2);
         }
     }
     return box;
@@ -180,73 +170,77 @@ std::vector<std::string> labels_of(const std::vector<Cell>& cells, const ImageGe
 
 // --- where it is drawn
 
-/// Cells of one size in rows, below a line with names and scale.
-class Page {
-public:
-    /// Chooses the number of columns that gives the largest scale. Throws Refused where the cells would be too small.
-    Page(const BoxMm& box, const std::vector<std::string>& labels, const PictureOptions& options) {
-        unit_ = std::max(1, std::min(options.width, options.height) / 600);
-        gap_ = 4 * unit_;
-        label_height_ = text_height(unit_) + gap_;
+/// Cells of one size in rows, below a line with names and scale. Lengths are pixels.
+struct Page {
+    int unit = 1;  ///< a dot of the font
+    int gap = 0;
+    int label_height = 0;
+    int columns = 1;
+    int cell_width = 0;
+    int cell_height = 0;
+    int width = 0;
+    int height = 0;
+    double per_mm = 0;
+    PointMm size{};    ///< of the box, mm
+    PointMm middle{};  ///< of the box, mm
+
+    /// With the number of columns that gives the largest scale. Throws Refused where the cells would be too small.
+    Page(const Bounds& box, const std::vector<std::string>& labels, const PictureOptions& options)
+        : unit(std::max(1, std::min(options.width, options.height) / 600)),
+          gap(4 * unit),
+          label_height(text_height(unit) + gap),
+          size{box.max_mm[0] - box.min_mm[0], box.max_mm[1] - box.min_mm[1]},
+          middle{box.min_mm[0] + 0.5 * size.x, box.min_mm[1] + 0.5 * size.y} {
         const auto count = static_cast<int>(labels.size());
         int rows = 1;
-        for (int columns = 1; columns <= count; ++columns) {
-            const int rows_then = (count + columns - 1) / columns;
-            const int width = (options.width - gap_ * (columns + 1)) / columns;
-            const int height = (options.height - label_height_ - gap_ - gap_ * rows_then) / rows_then;
-            const double scale =
-                std::min((width - 2 * gap_) / box.width(), (height - label_height_ - 2 * gap_) / box.height());
-            if (columns == 1 || scale > pixels_per_mm_) {
-                pixels_per_mm_ = scale;
-                columns_ = columns;
-                rows = rows_then;
-                cell_width_ = width;
-                cell_height_ = height;
+        for (int some = 1; some <= count; ++some) {
+            const int rows_then = (count + some - 1) / some;
+            const int wide = (options.width - gap * (some + 1)) / some;
+            const int high = (options.height - label_height - gap - gap * rows_then) / rows_then;
+            const double scale = std::min((wide - 2 * gap) / size.x, (high - label_height - 2 * gap) / size.y);
+            if (some == 1 || scale > per_mm) {
+                std::tie(per_mm, columns, rows, cell_width, cell_height) = std::tuple(scale, some, rows_then, wide, high);
             }
         }
         constexpr int least_pixels = 16;  // the narrowest that still shows something
-        require_that(pixels_per_mm_ * std::max(box.width(), box.height()) >= least_pixels,
+        require_that(per_mm * std::max(size.x, size.y) >= least_pixels,
                      size_text(options) + " has no room for " + counted(labels.size(), "layer"));
-        const auto around = [&](double mm) { return static_cast<int>(std::ceil(mm * pixels_per_mm_)) + 2 * gap_; };
-        int wanted_width = around(box.width());
+        const auto around = [&](double mm) { return static_cast<int>(std::ceil(mm * per_mm)) + 2 * gap; };
+        int wanted_width = around(size.x);
         for (const std::string& label : labels) {
-            wanted_width = std::max(wanted_width, text_width(label, unit_) + 2 * gap_);
+            wanted_width = std::max(wanted_width, text_width(label, unit) + 2 * gap);
         }
-        cell_width_ = std::min(cell_width_, wanted_width);
-        cell_height_ = std::min(cell_height_, around(box.height()) + label_height_);
+        cell_width = std::min(cell_width, wanted_width);
+        cell_height = std::min(cell_height, around(size.y) + label_height);
         // A few narrow cells leave room for the names.
-        width_ = std::max(gap_ + columns_ * (cell_width_ + gap_), std::min(options.width, 200 * unit_));
-        height_ = label_height_ + gap_ + rows * (cell_height_ + gap_);
+        width = std::max(gap + columns * (cell_width + gap), std::min(options.width, 200 * unit));
+        height = label_height + gap + rows * (cell_height + gap);
     }
-
-    Canvas canvas() const { return {width_, height_, page_colour}; }
-    double line_width() const noexcept { return 1.5 * unit_; }  ///< of open polylines, pixels
-    double pixels_per_mm() const noexcept { return pixels_per_mm_; }
 
     /// Draws a cell and its label. Returns the part of it that the layer is drawn into.
     Rectangle draw_cell(Canvas& canvas, std::size_t i, const std::string& label) const {
-        const int x = gap_ + static_cast<int>(i) % columns_ * (cell_width_ + gap_);
-        const int y = label_height_ + gap_ + static_cast<int>(i) / columns_ * (cell_height_ + gap_);
-        canvas.fill({x, y, cell_width_, cell_height_}, cell_colour);
-        canvas.write(x + gap_, y + gap_, label, unit_, text_colour);
-        return {x + 1, y + label_height_, cell_width_ - 2, cell_height_ - label_height_ - 1};
+        const int x = gap + static_cast<int>(i) % columns * (cell_width + gap);
+        const int y = label_height + gap + static_cast<int>(i) / columns * (cell_height + gap);
+        canvas.fill({x, y, cell_width, cell_height}, cell_colour);
+        canvas.write(x + gap, y + gap, label, unit, text_colour);
+        return {x + 1, y + label_height, cell_width - 2, cell_height - label_height - 1};
     }
 
     /// One line: a coloured square and the name of each part as far as they go, how many layers have open polylines
     /// if any, and a bar of a round length.
     void draw_heading(Canvas& canvas, std::span<const PicturePart> parts) const {
-        const int end = draw_scale(canvas) - gap_;
-        const int square = text_height(unit_);
-        int x = gap_;
+        const int end = draw_scale(canvas) - gap;
+        const int square = text_height(unit);
+        int x = gap;
         // Returns whether there was room.
         const auto entry = [&](std::string_view name, Colour colour, int mark_height, int left_over) {
-            const int width = square + 2 * unit_ + text_width(name, unit_) + 2 * gap_;
-            if (x + width + left_over > end) {
+            const int wide = square + 2 * unit + text_width(name, unit) + 2 * gap;
+            if (x + wide + left_over > end) {
                 return false;
             }
-            canvas.fill({x, gap_ + (square - mark_height) / 2, square, mark_height}, colour);
-            canvas.write(x + square + 2 * unit_, gap_, name, unit_, text_colour);
-            x += width;
+            canvas.fill({x, gap + (square - mark_height) / 2, square, mark_height}, colour);
+            canvas.write(x + square + 2 * unit, gap, name, unit, text_colour);
+            x += wide;
             return true;
         };
         std::uint64_t open_layers = 0;  // drawn or not
@@ -256,49 +250,36 @@ public:
             }
         }
         if (open_layers > 0) {
-            entry("open in " + counted(open_layers, "layer"), open_colour, 2 * unit_, 0);
+            entry("open in " + counted(open_layers, "layer"), open_colour, 2 * unit, 0);
         }
         for (std::size_t i = 0; i < parts.size(); ++i) {
             const std::string rest = "+" + std::to_string(parts.size() - i);
-            const int left_over = i + 1 < parts.size() ? text_width(rest, unit_) : 0;
+            const int left_over = i + 1 < parts.size() ? text_width(rest, unit) : 0;
             if (!entry(parts[i].name, colour_of_part(i), square, left_over)) {
-                if (x + text_width(rest, unit_) <= end) {
-                    canvas.write(x, gap_, rest, unit_, text_colour);
-                }
+                canvas.write(x, gap, x + text_width(rest, unit) <= end ? rest : "", unit, text_colour);
                 return;
             }
         }
     }
 
-private:
     /// A bar of 1, 2, 5, 10, 20, ... mm, as long as there is room. Returns where it begins.
     int draw_scale(Canvas& canvas) const {
-        const double most_mm = std::min(0.5 * cell_width_, 0.25 * width_) / pixels_per_mm_;
+        const double most_mm = std::min(0.5 * cell_width, 0.25 * width) / per_mm;
         const double exponent = std::floor(std::log10(most_mm));
         const double step = std::pow(10, exponent);
         const double length_mm = step * (5 * step <= most_mm ? 5 : 2 * step <= most_mm ? 2 : 1);
         const std::string text = decimal_text(length_mm, static_cast<int>(std::clamp(-exponent, 0.0, 9.0))) + " mm";
-        const int length = std::max(1, static_cast<int>(std::lround(length_mm * pixels_per_mm_)));
-        const int right = width_ - gap_ - text_width(text, unit_);
-        const int left = right - 2 * unit_ - length;
-        const int middle = gap_ + text_height(unit_) / 2;
-        canvas.write(right, gap_, text, unit_, text_colour);
-        canvas.fill({left, middle - unit_ / 2, length, unit_}, text_colour);
-        for (const int end : {left, left + length - unit_}) {
-            canvas.fill({end, middle - 2 * unit_, unit_, 4 * unit_}, text_colour);
+        const int length = std::max(1, static_cast<int>(std::lround(length_mm * per_mm)));
+        const int right = width - gap - text_width(text, unit);
+        const int left = right - 2 * unit - length;
+        const int middle_height = gap + text_height(unit) / 2;
+        canvas.write(right, gap, text, unit, text_colour);
+        canvas.fill({left, middle_height - unit / 2, length, unit}, text_colour);
+        for (const int end : {left, left + length - unit}) {
+            canvas.fill({end, middle_height - 2 * unit, unit, 4 * unit}, text_colour);
         }
         return left;
     }
-
-    int unit_ = 1;  ///< pixels of a dot of the font
-    int gap_ = 0;
-    int label_height_ = 0;
-    int columns_ = 1;
-    int cell_width_ = 0;
-    int cell_height_ = 0;
-    int width_ = 0;
-    int height_ = 0;
-    double pixels_per_mm_ = 0;
 };
 
 // --- drawing
@@ -310,103 +291,83 @@ struct Strip {
     int end = 0;
 };
 
-std::vector<Strip> strips_of(const std::vector<Cell>& cells) {
-    constexpr int most_pixels = 1 << 18;
-    std::vector<Strip> strips;
-    for (const Cell& cell : cells) {
-        const int rows = std::max(1, most_pixels / cell.area.width);
-        for (int begin = 0; begin < cell.area.height; begin += rows) {
-            strips.push_back({&cell, begin, std::min(cell.area.height, begin + rows)});
-        }
-    }
-    return strips;
-}
+/// Memory of one thread.
+struct Scratch {
+    CoverageSheet sheet;
+    SolidContours solid;
+    std::vector<double> shares;  ///< of a row
+};
 
-/// Draws strips of cells: the box lies in the middle of each cell's area. One a thread.
-class LayerBrush {
-public:
-    LayerBrush(Canvas& canvas, std::span<const PicturePart> parts, const Page& page, const BoxMm& box,
-               const PictureOptions& options)
-        : canvas_(canvas),
-          parts_(parts),
-          scale_{options.x_leftward ? -page.pixels_per_mm() : page.pixels_per_mm(),
-                 options.y_downward ? page.pixels_per_mm() : -page.pixels_per_mm()},
-          middle_{box.min.x + 0.5 * box.width(), box.min.y + 0.5 * box.height()},
-          line_width_(page.line_width()) {}
+/// Draws strips of cells: the box lies in the middle of each cell's area.
+struct LayerBrush {
+    Canvas& canvas;
+    std::span<const PicturePart> parts;
+    PointMm scale;  ///< pixels in a mm, along x and y
+    PointMm middle;
+    double line_width;  ///< of open polylines, pixels
 
-    void draw(const Strip& strip) {
+    void draw(const Strip& strip, Scratch& scratch) const {
         constexpr double opacity_over_others = 0.75;  // overlaps show, and so does which part is the later one
         const Rectangle& area = strip.cell->area;
-        const std::vector<LayerView>& layers = strip.cell->layers;
-        const auto pixels = [&](const LayerView& layer, const Point& point) {
-            const PointMm mm = layer.to_mm(point);
-            return PointMm{scale_.x * (mm.x - middle_.x) + 0.5 * area.width,
-                           scale_.y * (mm.y - middle_.y) + 0.5 * area.height};
+        const auto placing = [&](const LayerView& layer) {
+            return [&](const Point& point) {
+                const PointMm mm = layer.to_mm(point);
+                return PointMm{scale.x * (mm.x - middle.x) + 0.5 * area.width,
+                               scale.y * (mm.y - middle.y) + 0.5 * area.height};
+            };
         };
-        sheet_.restart(static_cast<std::size_t>(area.width), static_cast<std::size_t>(strip.begin),
-                       static_cast<std::size_t>(strip.end));
-        for (std::size_t part = 0; part < layers.size(); ++part) {
-            if (layers[part].contours.empty()) {
-                continue;
+        scratch.sheet.restart(static_cast<std::size_t>(area.width), static_cast<std::size_t>(strip.begin),
+                              static_cast<std::size_t>(strip.end));
+        for (std::size_t part = 0; part < parts.size(); ++part) {
+            const LayerView& layer = strip.cell->layers[part];
+            if (!layer.contours.empty()) {
+                for (const std::span<const Point> contour : scratch.solid.of(*parts[part].result, layer.index)) {
+                    scratch.sheet.add(contour, placing(layer), scale.x * scale.y < 0 ? -1 : 1);
+                }
+                mix_rows(strip, colour_of_part(part), opacity_over_others, scratch);
             }
-            const double sign = scale_.x * scale_.y < 0 ? -1 : 1;
-            for (const std::span<const Point> contour : solid_.of(*parts_[part].result, layers[part].index)) {
-                sheet_.add(
-                    contour, [&](const Point& point) { return pixels(layers[part], point); }, sign);
-            }
-            mix_rows(strip, colour_of_part(part), opacity_over_others);
         }
-        for (const LayerView& layer : layers) {
+        for (const LayerView& layer : strip.cell->layers) {
             for (const Contour& contour : layer.contours) {
                 const std::span<const Point> points = layer.points_of(contour);
                 for (std::size_t i = 1; contour.role == Role::open && i < points.size(); ++i) {
-                    add_line(pixels(layer, points[i - 1]), pixels(layer, points[i]));
+                    scratch.sheet.add(line(placing(layer)(points[i - 1]), placing(layer)(points[i])), std::identity());
                 }
             }
         }
-        mix_rows(strip, open_colour, 1);
+        mix_rows(strip, open_colour, 1, scratch);
     }
 
-private:
     /// A counter-clockwise rectangle about the line, half a width longer at both ends.
-    void add_line(PointMm from, PointMm to) {
-        const double half = line_width_ / 2;
+    std::array<PointMm, 4> line(PointMm from, PointMm to) const {
+        const double half = line_width / 2;
         const double length = std::hypot(to.x - from.x, to.y - from.y);
         const double x = length > 0 ? half * (to.x - from.x) / length : half;
         const double y = length > 0 ? half * (to.y - from.y) / length : 0;
-        const std::array<PointMm, 4> corners = {{{from.x - x + y, from.y - y - x},
-                                                 {to.x + x + y, to.y + y - x},
-                                                 {to.x + x - y, to.y + y + x},
-                                                 {from.x - x - y, from.y - y + x}}};
-        sheet_.add(corners, [](PointMm corner) { return corner; });
+        return {{{from.x - x + y, from.y - y - x},
+                 {to.x + x + y, to.y + y - x},
+                 {to.x + x - y, to.y + y + x},
+                 {from.x - x - y, from.y - y + x}}};
     }
 
     /// `over_others`: the opacity where something else than the background is.
-    void mix_rows(const Strip& strip, Colour colour, double over_others) {
+    void mix_rows(const Strip& strip, Colour colour, double over_others, Scratch& scratch) const {
         const Rectangle& area = strip.cell->area;
         for (int row = strip.begin; row < strip.end; ++row) {
-            shares_.assign(static_cast<std::size_t>(area.width), 0);
-            sheet_.take_row(static_cast<std::size_t>(row - strip.begin), shares_);
+            scratch.shares.assign(static_cast<std::size_t>(area.width), 0);
+            scratch.sheet.take_row(static_cast<std::size_t>(row - strip.begin), scratch.shares);
             for (int column = 0; column < area.width; ++column) {
-                if (const double share = shares_[static_cast<std::size_t>(column)]; share > 0) {
-                    canvas_.mix(area.x + column, area.y + row, colour, share, cell_colour, over_others);
+                if (const double share = scratch.shares[static_cast<std::size_t>(column)]; share > 0) {
+                    canvas.mix(area.x + column, area.y + row, colour, share, cell_colour, over_others);
                 }
             }
         }
     }
-
-    Canvas& canvas_;
-    std::span<const PicturePart> parts_;
-    PointMm scale_;      ///< pixels in a mm, along x and y
-    PointMm middle_;     ///< of the box
-    double line_width_;  ///< of open polylines, pixels
-    CoverageSheet sheet_;
-    SolidContours solid_;
-    std::vector<double> shares_;  ///< of a row
 };
 
 Status draw(std::span<const PicturePart> parts, std::vector<Cell> cells, const std::filesystem::path& path,
             PictureOptions options, const Context& context) {
+    constexpr int most_strip_pixels = 1 << 18;
     if (options.image != nullptr) {
         const NearestAxis x = nearest_axis(options.image->axes[0]);
         const NearestAxis y = nearest_axis(options.image->axes[1]);
@@ -414,26 +375,29 @@ Status draw(std::span<const PicturePart> parts, std::vector<Cell> cells, const s
         options.y_downward = y.axis == 2 ? y.negative : !y.negative;
     }
     const std::vector<std::string> labels = labels_of(cells, options.image);
-    const BoxMm box = box_of(parts, cells);
-    const Page page(box, labels, options);
+    const Page page(box_of(parts, cells), labels, options);
     const Parallel parallel(context);
     parallel.begin_stage(0.8);
-    Canvas canvas = page.canvas();
+    Canvas canvas(page.width, page.height, page_colour);
     page.draw_heading(canvas, parts);
+    std::vector<Strip> strips;
     for (std::size_t i = 0; i < labels.size(); ++i) {
         const Rectangle area = page.draw_cell(canvas, i, labels[i]);
-        if (i < cells.size()) {
+        const int rows = std::max(1, most_strip_pixels / area.width);
+        for (int begin = 0; i < cells.size() && begin < area.height; begin += rows) {
             cells[i].area = area;
+            strips.push_back({&cells[i], begin, std::min(area.height, begin + rows)});
         }
     }
-    const std::vector<Strip> strips = strips_of(cells);
-    std::vector<LayerBrush> brushes;
-    brushes.reserve(parallel.workers_for(strips.size()));
-    while (brushes.size() < brushes.capacity()) {
-        brushes.emplace_back(canvas, parts, page, box, options);
-    }
+    const LayerBrush brush{
+        canvas,
+        parts,
+        {options.x_leftward ? -page.per_mm : page.per_mm, options.y_downward ? page.per_mm : -page.per_mm},
+        page.middle,
+        1.5 * page.unit};
+    std::vector<Scratch> scratch(parallel.workers_for(strips.size()));
     parallel.run(strips.size(),
-                 [&](std::size_t i, int worker) { brushes[static_cast<std::size_t>(worker)].draw(strips[i]); });
+                 [&](std::size_t i, int worker) { brush.draw(strips[i], scratch[static_cast<std::size_t>(worker)]); });
     parallel.stop_if_asked();
     canvas.write_png(path);
     parallel.finish();

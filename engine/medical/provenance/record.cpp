@@ -2,15 +2,15 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <fstream>
 #include <system_error>
 
 #include <nlohmann/json.hpp>
 
 #include "base/guard.hpp"
+#include "io/read/input_file.hpp"
 #include "lamella/io/name_text.hpp"
 #include "lamella/io/text_file.hpp"
-#include "medical/geometry/headers.hpp"
+#include "medical/geometry/common.hpp"
 #include "medical/provenance/sha256.hpp"
 
 namespace lamella {
@@ -29,7 +29,7 @@ static void from_json(const Json& json, FileSeal& seal) {
 
 namespace {
 
-constexpr std::uintmax_t most_record_bytes = std::uintmax_t{64} << 20;
+constexpr std::uint64_t most_record_bytes = std::uint64_t{64} << 20;
 
 /// Calls exchange(name, member) for all that a record's file says, in its order.
 template <class Exchange>
@@ -47,11 +47,22 @@ void for_each_member(Record& record, Exchange exchange) {
     exchange("source_date_epoch", record.source_date_epoch);
 }
 
+/// 64 hexadecimal digits.
+std::string hexadecimal(const Sha256::Digest& digest) {
+    constexpr std::string_view digits = "0123456789abcdef";
+    std::string text;
+    for (const unsigned char byte : digest) {
+        text += digits[byte >> 4];
+        text += digits[byte & 15];
+    }
+    return text;
+}
+
 [[noreturn]] void refuse_record(const std::filesystem::path& path, const std::string& why) {
     refuse_image(printable(path.native()), "no record of lamella: " + why);
 }
 
-/// Its bytes. Throws Refused (unreadable_file).
+/// Returns its bytes. Pipes are read, too, as `<(...)` of a shell are. Throws Refused (unreadable_file).
 std::uint64_t add_file(const std::filesystem::path& path, Sha256& hash, const Context& context) {
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
     if (!file) {
@@ -112,19 +123,12 @@ Status write_record(const Record& record, const std::filesystem::path& path) noe
 
 Result<Record> read_record(const std::filesystem::path& path) noexcept {
     return guarded([&]() -> Result<Record> {
-        std::error_code problem;
-        const std::uintmax_t bytes = std::filesystem::file_size(path, problem);
-        if (problem) {
-            refuse_unreadable(printable(path.native()), problem.value());
-        }
-        if (bytes > most_record_bytes) {
+        const InputFile file = require(InputFile::open(path));
+        if (file.size() > most_record_bytes) {
             refuse_record(path, "larger than 64 MiB");
         }
-        std::ifstream file(path, std::ios::binary);
-        std::string text(static_cast<std::size_t>(bytes), '\0');
-        if (!file.read(text.data(), static_cast<std::streamsize>(bytes))) {
-            refuse_unreadable(printable(path.native()), EIO);
-        }
+        std::string text(static_cast<std::size_t>(file.size()), '\0');
+        require(file.read_at(0, std::as_writable_bytes(std::span(text))));
         try {
             Json json = Json::parse(text);
             json.emplace("stitch_mm", Json::array());  // which records of earlier versions lack

@@ -5,8 +5,6 @@
 #include <cstddef>
 #include <memory>
 #include <new>
-#include <string>
-#include <string_view>
 
 #include <openssl/evp.h>
 
@@ -35,16 +33,5 @@ public:
 private:
     std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> context_;
 };
-
-/// 64 hexadecimal digits.
-inline std::string hexadecimal(const Sha256::Digest& digest) {
-    constexpr std::string_view digits = "0123456789abcdef";
-    std::string text;
-    for (const unsigned char byte : digest) {
-        text += digits[byte >> 4];
-        text += digits[byte & 15];
-    }
-    return text;
-}
 
 }  // namespace lamella

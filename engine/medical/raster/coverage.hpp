@@ -135,27 +135,18 @@ private:
     void add_inside(std::size_t row, double from_x, double to_x, double height) noexcept {
         const auto first = std::min(static_cast<std::size_t>(from_x), width_ - 1);
         const auto last = std::min(static_cast<std::size_t>(to_x), width_ - 1);
+        const double per_voxel = first < last ? height / (to_x - from_x) : 0;
         double before = 0;  // of the voxel to the left
-        if (first < last) {
-            const double per_voxel = height / (to_x - from_x);
-            double risen = 0;  // height left of the voxel
-            for (std::size_t column = first; column < last; ++column) {
-                const double side = static_cast<double>(column) + 1;
-                const double width = side - std::max(from_x, static_cast<double>(column));
-                const double rise = per_voxel * width;
-                const double area = risen + rise * (0.5 * width);
-                put(row, column, area - before);
-                before = area;
-                risen += rise;
-            }
-            const double rest = height - risen;
-            const auto side = static_cast<double>(last);
-            const double area = risen + rest * (1 - 0.5 * (to_x - side));
-            put(row, last, area - before);
+        double risen = 0;   // height left of the voxel
+        for (std::size_t column = first; column <= last; ++column) {
+            const auto side = static_cast<double>(column);
+            const double begin = std::max(from_x, side) - side;
+            const double end = column < last ? 1 : to_x - side;
+            const double rise = column < last ? per_voxel * (end - begin) : height - risen;
+            const double area = risen + rise * (1 - 0.5 * (begin + end));
+            put(row, column, area - before);
             before = area;
-        } else {
-            before = height * (1 - (0.5 * (from_x + to_x) - static_cast<double>(first)));
-            put(row, first, before);
+            risen += rise;
         }
         put(row, last + 1, height - before);
     }

@@ -1,6 +1,7 @@
 #include "lamella/medical/table.hpp"
 
 #include <memory>
+#include <variant>
 
 #include <nlohmann/json.hpp>
 
@@ -10,9 +11,8 @@
 #include "lamella/audit.hpp"
 #include "lamella/check.hpp"
 #include "lamella/io/text_file.hpp"
-#include "medical/geometry/headers.hpp"
+#include "medical/geometry/common.hpp"
 #include "medical/raster/coverage.hpp"
-#include "medical/tables/csv_text.hpp"
 
 namespace lamella {
 
@@ -22,37 +22,46 @@ std::string json_text(const std::string& text) {
     return nlohmann::json(utf8_text(text)).dump();
 }
 
-/// A line of a table: the names of its cells, or the cells as CSV or JSON write them.
-class Row {
-public:
-    enum class Form : std::uint8_t { names, csv, json };
+/// A number that is NaN is not known.
+using Cell = std::variant<std::string, std::uint64_t, double, std::vector<std::string>>;
+/// Cells by the names of their columns.
+using Row = std::vector<std::pair<std::string, Cell>>;
 
-    Row(Form form, const char* kind)
-        : form_(form), line_(form == Form::json ? std::string("{\"kind\":\"") + kind + "\"" : std::string()) {}
-
-    void add(const std::string& name, const std::string& csv, const std::string& json) {
-        if (form_ == Form::json) {
-            line_.append(",\"").append(name).append("\":").append(json);
-        } else {
-            line_.append(any_ ? "," : "").append(form_ == Form::names ? name : csv);
-        }
-        any_ = true;
+/// As CSV or JSON writes it.
+std::string text_of(const Cell& cell, bool csv) {
+    if (const auto* const text = std::get_if<std::string>(&cell)) {
+        return csv ? csv_text(*text) : json_text(*text);
     }
-    void count(const std::string& name, std::uint64_t value) { add(name, std::to_string(value), std::to_string(value)); }
-    /// NaN is not known: empty, or null.
-    void number(const std::string& name, double value) {
-        const std::string text = std::isnan(value) ? "" : exact_text(value + 0.0);  // never -0
-        add(name, text, text.empty() ? "null" : text);
+    if (const auto* const count = std::get_if<std::uint64_t>(&cell)) {
+        return std::to_string(*count);
     }
-    void text(const std::string& name, const std::string& value) { add(name, csv_text(value), json_text(value)); }
+    if (const auto* const number = std::get_if<double>(&cell)) {
+        return !std::isnan(*number) ? exact_text(*number + 0.0) : csv ? "" : "null";  // never -0
+    }
+    std::string list;
+    for (const std::string& text : std::get<std::vector<std::string>>(cell)) {
+        list += (list.empty() ? "" : csv ? "; " : ",") + (csv ? text : json_text(text));
+    }
+    return csv ? csv_text(list) : "[" + list + "]";
+}
 
-    std::string line() const { return line_ + (form_ == Form::json ? "}\n" : "\n"); }
+std::string names_line(const Row& row) {
+    std::string line;
+    for (const auto& [name, cell] : row) {
+        line += (line.empty() ? "" : ",") + name;
+    }
+    return line + "\n";
+}
 
-private:
-    Form form_;
-    std::string line_;
-    bool any_ = false;
-};
+/// `kind`: what a row of JSON is of.
+std::string line_of(const Row& row, bool csv, const char* kind) {
+    std::string line = csv ? "" : std::string("{\"kind\":\"") + kind + "\"";
+    for (const auto& [name, cell] : row) {
+        line += csv && &name == &row.front().first ? "" : ",";
+        line += (csv ? "" : "\"" + name + "\":") + text_of(cell, csv);
+    }
+    return line + (csv ? "\n" : "}\n");
+}
 
 using Place = std::array<double, 3>;
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
@@ -119,7 +128,7 @@ Measures measure(const LayerView& view, const ImageGeometry* image) {
 }
 
 /// With `image`, heights and places are the patient's, and the names say so.
-std::string layer_line(Row::Form form, const std::string& mesh, const LayerView& layer, const ImageGeometry* image) {
+Row layer_row(const std::string& mesh, const LayerView& layer, const ImageGeometry* image) {
     const Measures found = measure(layer, image);
     const auto role = [&](Role role) { return found.by_role[static_cast<std::size_t>(role)]; };
     const char* const mm = image != nullptr ? "_lps_mm" : "_mm";
@@ -131,70 +140,54 @@ std::string layer_line(Row::Form form, const std::string& mesh, const LayerView&
     if (heights[2].second > heights[3].second) {  // the slices follow one another downwards
         std::swap(heights[2].second, heights[3].second);
     }
-    Row row(form, "layer");
-    row.text("mesh", text_of_name(mesh));
-    row.count("layer", layer.index);
+    Row row = {{"mesh", text_of_name(mesh)}, {"layer", layer.index}};
     for (const auto& [what, height] : heights) {
-        row.number(what + mm, height);
+        row.emplace_back(what + mm, height);
     }
-    row.number("area_mm2", layer.area_mm2());
-    row.number("perimeter_mm", found.perimeter_mm);
-    row.count("contours", layer.contour_count);
-    row.count("holes", role(Role::hole));
-    row.count("open", role(Role::open));
-    row.count("flat", role(Role::flat));
+    row.insert(row.end(), {{"area_mm2", layer.area_mm2()},
+                           {"perimeter_mm", found.perimeter_mm},
+                           {"contours", layer.contour_count},
+                           {"holes", role(Role::hole)},
+                           {"open", role(Role::open)},
+                           {"flat", role(Role::flat)}});
     // Three coordinates in the patient, else two in the layer.
     for (const auto& [what, place] : {std::pair{"centroid_", found.centroid}, {"min_", found.low}, {"max_", found.high}}) {
         for (std::size_t axis = 0; axis < (image != nullptr ? 3 : 2); ++axis) {
-            row.number(std::string(what) + "xyz"[axis] + mm, place[axis]);
+            row.emplace_back(std::string(what) + "xyz"[axis] + mm, place[axis]);
         }
     }
-    return row.line();
+    return row;
 }
 
 /// Of the whole mesh.
-std::string mesh_line(Row::Form form, const TablePart& part) {
+Row mesh_row(const TablePart& part) {
     const MeshFacts& facts = *part.facts;
-    std::string line;
-    std::string list;
-    for (const std::string& warning : facts.warnings) {
-        line.append(line.empty() ? "" : "; ").append(warning);
-        list.append(list.empty() ? "" : ",").append(json_text(warning));
-    }
-    Row row(form, "mesh");
-    row.text("mesh", text_of_name(part.name));
-    row.count("triangles", facts.triangles);
-    row.number("volume_mm3", facts.volume_mm3);
-    row.number("surface_mm2", facts.surface_mm2);
-    row.text("certificate", facts.certificate);
-    row.add("warnings", csv_text(line), "[" + list + "]");
-    return row.line();
+    return {{"mesh", text_of_name(part.name)},  {"triangles", facts.triangles},     {"volume_mm3", facts.volume_mm3},
+            {"surface_mm2", facts.surface_mm2}, {"certificate", facts.certificate}, {"warnings", facts.warnings}};
 }
 
 }  // namespace
 
 /// A table that is being written.
-struct TableFile {
+struct TableFile : OutputStream {
     bool csv;
     std::string name;  ///< of the mesh
     std::optional<ImageGeometry> image;
-    OutputFile out;
-    Status done{};
 
-    /// The format is that of the end of the name. Throws Refused, also where it is not that of a table.
+    /// The format is that of the end of the file's name. Throws Refused, also where it is not that of a table.
     static TableFile begin(const std::string& name, const std::filesystem::path& path, const ImageGeometry* image) {
         const std::string end = lower_case(path.extension().string());
         if (end != ".csv" && end != ".jsonl") {
             refuse_output(path, "a table's name ends in .csv or .jsonl");
         }
-        TableFile table{end == ".csv", name, image != nullptr ? std::optional(*image) : std::nullopt,
-                        require(OutputFile::create(path))};
-        table.out.append(table.csv ? layer_line(Row::Form::names, {}, {}, image) : "");
+        TableFile table{{require(OutputFile::create(path)), {}}, end == ".csv", name, {}};
+        table.image = image != nullptr ? std::optional(*image) : std::nullopt;
+        table.out.append(table.csv ? names_line(layer_row({}, {}, image)) : "");
         return table;
     }
 
     void add(const std::string& mesh, const LayerView& layer) {
-        out.append(layer_line(csv ? Row::Form::csv : Row::Form::json, mesh, layer, image ? &*image : nullptr));
+        out.append(line_of(layer_row(mesh, layer, image ? &*image : nullptr), csv, "layer"));
     }
 };
 
@@ -218,10 +211,11 @@ Status write_layer_table(std::span<const TablePart> parts, const std::filesystem
         TableFile table = TableFile::begin({}, path, image);
         std::string meshes;  // beside NAME.csv as NAME.meshes.csv, where something is known of a mesh
         for (const TablePart& part : parts) {
-            if (part.facts != nullptr && table.csv) {
-                meshes += (meshes.empty() ? mesh_line(Row::Form::names, part) : "") + mesh_line(Row::Form::csv, part);
-            } else if (part.facts != nullptr) {
-                table.out.append(mesh_line(Row::Form::json, part));
+            if (part.facts != nullptr) {
+                const Row row = mesh_row(part);
+                const std::string line = line_of(row, table.csv, "mesh");
+                table.out.append(table.csv ? "" : line);
+                meshes += table.csv ? (meshes.empty() ? names_line(row) : "") + line : "";
             }
         }
         for (const TablePart& part : parts) {
@@ -251,21 +245,15 @@ Result<LayerTableStream> LayerTableStream::begin(const std::string& name, const 
 }
 
 void LayerTableStream::add(const LayerView& layer) noexcept {
-    State& own = *state_;
-    if (own.done) {
-        own.done = guarded([&]() -> Status {
-            own.add(own.name, layer);
-            return {};
-        });
-    }
+    state_->attempt([&] { state_->add(state_->name, layer); });
 }
 
 bool LayerTableStream::failed() const noexcept {
-    return !state_->done || state_->out.failed();
+    return state_->failed();
 }
 
 Status LayerTableStream::finish() noexcept {
-    return state_->done ? guarded([&] { return state_->out.commit(); }) : state_->done;
+    return state_->finish();
 }
 
 }  // namespace lamella

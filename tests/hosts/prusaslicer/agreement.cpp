@@ -221,23 +221,6 @@ bool loops_agree(const Model& model) {
     return true;
 }
 
-bool report(bool holds, const char* what) {
-    std::printf("%s: %s\n", what, holds ? "yes" : "NO");
-    return holds;
-}
-
-struct Cancelled {};
-
-// The exception that the host's function throws arrives.
-bool cancels(const Model& model) {
-    try {
-        slice_mesh_ex(model.mesh, heights(model, 0.2, 0.1), MeshSlicingParamsEx{}, [] { throw Cancelled{}; });
-    } catch (const Cancelled&) {
-        return true;
-    }
-    return false;
-}
-
 }  // namespace
 
 bool layers_agree(const std::vector<Model>& parts, const std::vector<Model>& organs) {
@@ -275,21 +258,6 @@ bool layers_agree(const std::vector<Model>& parts, const std::vector<Model>& org
         }
     }
     return all;
-}
-
-bool calls_agree(const Model& model) {
-    std::vector<float> zs = heights(model, 0.2, 0.1);
-    const Layers sorted = slice_mesh_ex(model.mesh, zs, MeshSlicingParamsEx{}, never);
-    std::vector<float> mixed(zs.rbegin(), zs.rend());
-    mixed.insert(mixed.end(), zs.begin(), zs.end());
-    const Layers twice = slice_mesh_ex(model.mesh, mixed, MeshSlicingParamsEx{}, never);
-    Layers expected(sorted.rbegin(), sorted.rend());
-    expected.insert(expected.end(), sorted.begin(), sorted.end());
-    const Layers none = slice_mesh_ex(indexed_triangle_set{}, zs, MeshSlicingParamsEx{}, never);
-    std::printf("\n");
-    bool all = report(twice == expected, "Heights in descending order, and repeated, give their layers");
-    all = report(none == Layers(zs.size()), "A mesh without triangles gives empty layers") && all;
-    return report(cancels(model), "The host's exception ends a slice") && all;
 }
 
 }  // namespace compare

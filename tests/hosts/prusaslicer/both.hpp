@@ -36,9 +36,6 @@ std::vector<float> heights(const Model& model, double layer_mm, double first_mm,
 /// Compares layers by their symmetric differences, and prints a table. False if one is beyond the bound.
 bool layers_agree(const std::vector<Model>& parts, const std::vector<Model>& organs);
 
-/// Unsorted and repeated heights, an empty mesh, cancelling: prints what differs.
-bool calls_agree(const Model& model);
-
 const std::function<void()> never = [] {};
 
 }  // namespace compare

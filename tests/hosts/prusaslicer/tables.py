@@ -11,7 +11,7 @@ import sys
 import xml.etree.ElementTree as ElementTree
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "bench" / "scripts"))
-from readme_table import field, machine_table  # noqa: E402
+from readme_table import machine_table  # noqa: E402
 
 HEAD = """# lamella in PrusaSlicer
 
@@ -73,10 +73,9 @@ def suites(own_folder, adapter_folder, *names):
 def page(tables, build, command):
     tables, build = pathlib.Path(tables), pathlib.Path(build)
     package = next(build.parent.glob("slic3r-prusa_*.dsc")).stem
-    compiler = field(build / "CMakeCache.txt", "CMAKE_CXX_COMPILER:[A-Z]*")
     host = package + ", with -O1; what is timed, and the adapter, with -O3"
     print(HEAD)
-    print(machine_table(compiler, {"host": host, "command": f"`{command}`"}))
+    print(machine_table(build, host=host, command=f"`{command}`"))
     for text, table in ((SUITES, "suites"), (LAYERS, "layers"), (TIMES, "times")):
         print(f"\n{text}{(tables / f'{table}.md').read_text().strip()}")
     return 0

@@ -7,7 +7,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -16,63 +15,14 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "files/streams.hpp"
+#include "files/mesh_input.hpp"
 #include "lamella/context.hpp"
 #include "slice/slice.hpp"
-#include "terminal/stages.hpp"
+#include "terminal/console.hpp"
 
 namespace lamella::cli::batch {
 
 using Json = nlohmann::ordered_json;
-
-/// Values by the option's name with its dashes, "--layer-height"; a flag has the value "true".
-using OptionValues = std::map<std::string, std::vector<std::string>>;
-
-/// The options of `lamella slice` by name, as a batch passes them on.
-class SliceOptionNames {
-public:
-    /// Nothing is ever parsed by the prototype.
-    SliceOptionNames() { declare(prototype_, arguments_); }
-
-    /// The name with dashes of an option that an item may have: of "layer-height", "layer_height" or "--layer-height". Empty
-    /// if there is none of that name.
-    std::string name_of(const std::string& text) const;
-    /// As slice declares it.
-    const CLI::Option& option(const std::string& name) const { return *prototype_.get_option(name); }
-    /// The options typed for `command`, which has those of slice and more.
-    OptionValues typed(const CLI::App& command) const;
-
-private:
-    SliceArguments arguments_;
-    CLI::App prototype_;
-};
-
-struct MeshSource {
-    std::string path;
-    std::string folder;   ///< of the mesh below the SOURCE that is a folder; empty where that is the folder itself
-    OptionValues values;  ///< of a manifest
-    std::string place;    ///< FILE:LINE of a manifest, else empty
-};
-
-/// True if a file's name ends in .csv or .jsonl.
-bool is_named_as_manifest(const std::string& path);
-
-/// A list of meshes with options for each: CSV with a line of names, or JSON Lines.
-///
-///     path,layer-height,like            {"path": "liver.stl", "layer-height": 0.5, "like": "ct.nii.gz"}
-///     liver.stl,0.5,ct.nii.gz           {"path": "skull.stl", "spacing": [1, 1, 2], "coverage": true}
-///     skull.stl,,
-///
-/// The names may be separated by semicolons or tabs; then so is the rest, and one number may have a decimal comma: 0,5. An
-/// empty cell or null leaves the option as the command line has it. Paths are relative to the current folder, as on the
-/// command line. Throws Failure (bad_input) naming the file and the line: of what cannot be read, and of names that are no
-/// option of slice.
-std::vector<MeshSource> read_manifest(const std::string& path, const SliceOptionNames& names);
-
-/// The meshes of SOURCE..., files, folders, globs and manifests, in the order of the sources; a folder's in the order of
-/// names, folders in it included. Throws Failure: of a folder that cannot be listed, of a folder or glob without meshes, of
-/// a manifest. A mesh need not exist: that is for its item to say.
-std::vector<MeshSource> list_sources(const std::vector<std::string>& given, const SliceOptionNames& names);
 
 /// One mesh of a batch: what is sliced, how, and into which files.
 struct Item {
@@ -92,16 +42,12 @@ struct Item {
     std::vector<std::string> all_files() const;
 };
 
-/// `common` are the options of all, of which those of a manifest take the place. Throws Failure: options that slice would
-/// refuse, an unknown word in a name, two items with one output, an output that is a mesh of the batch, a file that options
-/// name, or one of `own_files`: results and manifests. Where the item stands in a manifest, that is what is wrong
-/// (bad_input).
-std::vector<Item> plan_items(const std::vector<MeshSource>& sources, const OptionValues& common,
+/// The items of SOURCE..., with the options that were typed for `command`, of which those of a manifest take the place.
+/// Throws Failure: a folder or glob without meshes, a manifest that is wrong, options that slice would refuse, an unknown
+/// word in a name, two items with one output, an output that is a mesh of the batch, a file that options name, a manifest or
+/// one of `own_files`. Where the item stands in a manifest, that is what is wrong (bad_input).
+std::vector<Item> plan_items(const CLI::App& command, const std::vector<std::string>& sources,
                              const std::vector<std::string>& own_files);
-
-/// The folder in which all lies that the name of an output with places for that of a mesh stands for: "out" of
-/// 'out/{stem}.svg', "." of '{stem}.svg'.
-std::string fixed_folder(const std::string& pattern);
 
 /// A file that decides what comes out, as it was found, with its bytes: by its time, in ns since 1970, or by its content. A
 /// folder, such as a DICOM series, by the bytes in its files, and the latest time. A file that cannot be read has no bytes
@@ -173,13 +119,6 @@ private:
 /// them: their lines, and those of the results.jsonl that was there which no shard has. Prints a summary. Throws Failure,
 /// also where a shard is missing or a mesh has failed.
 void merge_shards(const std::vector<std::string>& sources);
-
-inline constexpr double process_bytes = 16e6;  ///< that slicing the smallest mesh takes
-
-/// Memory that slicing a mesh is estimated to take, by the first bytes and the size of its file. O(1). A file that cannot be
-/// read is estimated as empty. Peak resident sizes by format were measured with bench/scripts/batch_memory.py;
-/// bench/README.md has the table.
-double estimate_memory(const std::string& path, std::uint64_t file_bytes);
 
 struct BatchArguments {
     SliceArguments slice;            ///< its meshes are the sources; what it holds else is read from the command

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <iterator>
 #include <limits>
 #include <memory>
@@ -15,7 +14,6 @@
 #include <sched.h>
 
 #include "batch/batch.hpp"
-#include "commands.hpp"
 #include "files/flags.hpp"
 #include "outputs/outputs.hpp"
 #include "slice/slice.hpp"
@@ -27,14 +25,13 @@ namespace batch {
 
 namespace {
 
-// --- what the machine grants this process, and how much of it slicing a file takes
+// --- what the machine grants this process
 
 constexpr double no_limit = std::numeric_limits<double>::infinity();
 
-/// The least limit that `limit_in` reads from a file of this name in the control groups of this process, its own and those
-/// above it. `controller`: of version 1, or "" for all of version 2.
-double group_limit(const std::string& controller, const std::string& name,
-                   const std::function<double(std::istream&)>& limit_in) {
+/// The least limit in a file of this name in the control groups of this process, its own and those above it: a number, or
+/// "max", over another number that may follow. `controller`: of version 1, or "" for all of version 2.
+double group_limit(const std::string& controller, const std::string& name) {
     std::ifstream groups("/proc/self/cgroup");
     double least = no_limit;
     for (std::string line; std::getline(groups, line);) {  // "9:memory:/user.slice", or "0::/user.slice" for all
@@ -47,25 +44,16 @@ double group_limit(const std::string& controller, const std::string& name,
         for (bool more = true; more; group = group.parent_path()) {
             more = !group.empty();
             std::ifstream file(top / group / name);
-            least = std::min(least, limit_in(file));
+            std::string limit;
+            double period = 1;
+            file >> limit;
+            if (!(file >> period)) {
+                period = 1;
+            }
+            least = std::min(least, parse_number(limit).value_or(no_limit) / period);
         }
     }
     return least;
-}
-
-/// A number, or "max".
-double memory_in(std::istream& file) {
-    std::string limit;
-    file >> limit;
-    return parse_number(limit).value_or(no_limit);
-}
-
-/// "200000 100000" in cpu.max: two processors.
-double threads_in(std::istream& file) {
-    std::string quota;
-    double period = 0;
-    file >> quota >> period;
-    return period > 0 ? parse_number(quota).value_or(no_limit) / period : no_limit;
 }
 
 /// A line of /proc/meminfo, in bytes.
@@ -74,57 +62,20 @@ double machine_memory(std::string_view key) {
     return kilobytes ? static_cast<double>(*kilobytes) * 1024 : no_limit;
 }
 
-struct FormatCost {
-    std::string_view end;     ///< of the name
-    std::string_view marker;  ///< in the first bytes; empty: any
-    double memory;            ///< bytes, for each byte of the file
-};
-
-/// The first row that fits holds. Each is the largest of what was measured.
-constexpr std::array<FormatCost, 14> costs = {{
-    {".stl.gz", "", 19},
-    {".gz", "", 22},
-    {".stl", "facet", 1.3},
-    {".stl", "", 2.9},
-    {".obj", "", 3.7},
-    {".off", "", 3.7},
-    {".ply", "format ascii", 3.5},
-    {".ply", "", 7.2},
-    {".vtk", "ASCII", 3.5},
-    {".vtk", "", 6.4},
-    {".vtp", "compressor=", 12.5},
-    {".vtp", "", 6.9},
-    {".3mf", "", 11.1},
-    {"", "", 10},
-}};
-
-/// None if it is no file, as a pipe could keep the batch waiting.
-std::string first_bytes(const std::string& path) {
-    std::error_code unknown;
-    std::string bytes(512, '\0');
-    std::ifstream file;
-    if (std::filesystem::is_regular_file(path, unknown)) {
-        file.open(path, std::ios::binary);
-    }
-    file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    bytes.resize(static_cast<std::size_t>(file.gcount()));
-    return bytes;
-}
-
-/// Processors: the lesser of what the machine has and what this process's control group grants.
+/// Processors: the lesser of what the machine has and what this process's control group grants, in cpu.max "200000 100000":
+/// two.
 int usable_threads() {
     cpu_set_t set;
     CPU_ZERO(&set);
     const int own = ::sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
-    return static_cast<int>(std::max(1.0, std::min<double>(own, std::ceil(group_limit("", "cpu.max", threads_in)))));
+    return static_cast<int>(std::max(1.0, std::min<double>(own, std::ceil(group_limit("", "cpu.max")))));
 }
 
 /// Three quarters of the memory that they have, or what is free if that is less.
 std::uint64_t usable_memory() {
     constexpr double least = 32 << 20;
     constexpr double most = 1e18;  // where no limit is known
-    const double group =
-        std::min(group_limit("", "memory.max", memory_in), group_limit("memory", "memory.limit_in_bytes", memory_in));
+    const double group = std::min(group_limit("", "memory.max"), group_limit("memory", "memory.limit_in_bytes"));
     const double all = std::min(machine_memory("MemTotal:"), group);
     return static_cast<std::uint64_t>(std::clamp(std::min(all / 4 * 3, machine_memory("MemAvailable:")), least, most));
 }
@@ -167,7 +118,11 @@ ResultsName results_name_of(const BatchArguments& arguments) {
               "--results: give it a folder for results.jsonl, such as --results out, as no --output on the command "
               "line names one");
     ResultsName name;
-    name.folder = arguments.results.empty() ? fixed_folder(outputs.front()) : arguments.results;
+    name.folder = arguments.results;
+    if (name.folder.empty()) {  // in which all outputs lie: "out" of 'out/{stem}.svg', "." of '{stem}.svg'
+        const std::filesystem::path fixed = outputs.front().substr(0, outputs.front().find('{'));
+        name.folder = fixed.has_parent_path() ? fixed.parent_path().string() : ".";
+    }
     if (!arguments.shard.empty()) {
         const std::optional<ResultsName> shard = parse_shard(arguments.shard, "/");
         if (!shard || shard->shards > most_shards) {
@@ -180,33 +135,19 @@ ResultsName results_name_of(const BatchArguments& arguments) {
 }
 
 void slice_meshes(const CLI::App& command, BatchArguments& arguments, Interrupt& interrupt) {
-    const SliceOptionNames names;
-    const std::vector<std::string>& sources = arguments.slice.meshes;
     arguments.jobs = arguments.jobs > 0 ? arguments.jobs : usable_threads();
     arguments.memory_bytes = arguments.memory_bytes > 0 ? arguments.memory_bytes : usable_memory();
     const ResultsName name = results_name_of(arguments);
-    const ImageArguments& image = arguments.slice.image;
-    if (image.given()) {  // with a bad one every mesh would fail
-        (void)done_or_thrown(image.spacing ? geometry_around(Box{}, *image.spacing) : read_image_geometry(image.like));
+    if (const std::string& like = arguments.slice.image.like; !like.empty()) {  // with a bad one every mesh would fail
+        (void)done_or_thrown(read_image_geometry(like));
     }
-    std::vector<std::string> own_files = {name.path(), name.path_of_whole()};
-    std::copy_if(sources.begin(), sources.end(), std::back_inserter(own_files), is_named_as_manifest);
-    std::vector<Item> items = plan_items(list_sources(sources, names), names.typed(command), own_files);
+    std::vector<Item> items = plan_items(command, arguments.slice.meshes, {name.path(), name.path_of_whole()});
     std::size_t count = 0;
     std::erase_if(items, [&](const Item&) { return count++ % std::max(name.shards, 1U) != name.shard; });
     run_batch(std::move(items), name, arguments, interrupt);
 }
 
 }  // namespace
-
-double estimate_memory(const std::string& path, std::uint64_t file_bytes) {
-    const std::string name = lower_case(path);
-    const std::string begin = first_bytes(path);
-    const auto* const cost = std::find_if(costs.begin(), costs.end(), [&](const FormatCost& row) {
-        return name.ends_with(row.end) && begin.find(row.marker) != std::string::npos;
-    });
-    return process_bytes + static_cast<double>(file_bytes) * cost->memory;
-}
 
 }  // namespace batch
 

@@ -1,11 +1,12 @@
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <exception>
 #include <filesystem>
+#include <fstream>
 #include <mutex>
-#include <numeric>
 #include <regex>
 #include <set>
 #include <system_error>
@@ -26,6 +27,49 @@ namespace {
 
 constexpr std::chrono::seconds between_lines{30};  ///< of a status without a terminal
 constexpr std::size_t most_listed = 20;            ///< of meshes that failed
+
+constexpr double process_bytes = 16e6;  ///< that slicing the smallest mesh takes
+
+struct FormatCost {
+    std::string_view end;     ///< of the name
+    std::string_view marker;  ///< in the first bytes; empty: any
+    double memory;            ///< bytes, for each byte of the file
+};
+
+/// The first row that fits holds. Each is the largest of what was measured.
+constexpr std::array<FormatCost, 14> costs = {{
+    {".stl.gz", "", 19},
+    {".gz", "", 22},
+    {".stl", "facet", 1.3},
+    {".stl", "", 2.9},
+    {".obj", "", 3.7},
+    {".off", "", 3.7},
+    {".ply", "format ascii", 3.5},
+    {".ply", "", 7.2},
+    {".vtk", "ASCII", 3.5},
+    {".vtk", "", 6.4},
+    {".vtp", "compressor=", 12.5},
+    {".vtp", "", 6.9},
+    {".3mf", "", 11.1},
+    {"", "", 10},
+}};
+
+/// Memory that slicing a mesh is estimated to take, by the first bytes and the size of its file. O(1). A file that cannot be
+/// read is estimated as empty. Peak resident sizes by format were measured with bench/scripts/commands.py batch-memory;
+/// bench/README.md has the table.
+double estimate_memory(const std::string& path, std::uint64_t file_bytes) {
+    const std::string name = lower_case(path);
+    std::array<char, 512> begin{};
+    std::error_code unknown;
+    if (std::filesystem::is_regular_file(path, unknown)) {  // A pipe could keep the batch waiting.
+        std::ifstream(path, std::ios::binary).read(begin.data(), begin.size());
+    }
+    const auto* const cost = std::find_if(costs.begin(), costs.end(), [&](const FormatCost& row) {
+        return name.ends_with(row.end) &&
+               std::string_view(begin.data(), begin.size()).find(row.marker) != std::string_view::npos;
+    });
+    return process_bytes + static_cast<double>(file_bytes) * cost->memory;
+}
 
 /// Of each file, 0 where there is none.
 std::vector<std::uint64_t> inodes_of(const std::vector<std::string>& paths) {
@@ -126,6 +170,8 @@ public:
         while (!running_.empty()) {
             for (auto& [item, end] : wait()) {
                 Job job = std::move(running_.extract(item).mapped());
+                held_memory_ -= job.held_memory;
+                free_threads_ += job.threads;
                 learn(job, end.peak_bytes);
                 start_what_fits();  // before the disk is waited for
                 take(std::move(job), end);
@@ -178,7 +224,7 @@ private:
         if (options_.force || line == nullptr) {
             return false;
         }
-        of_older_version_ += line->failure.empty() && line->is_of_older_version() ? 1 : 0;
+        of_older_version_ += line->failure.empty() && line->is_of_older_version() ? 1U : 0U;
         return line->is_of(item);
     }
 
@@ -187,16 +233,9 @@ private:
     bool is_too_large(const Job& job) const { return need_of(job) > static_cast<double>(options_.memory_bytes); }
     bool is_alone(const Job& job) const { return job.alone || is_too_large(job); }
 
-    int free_threads() const {
-        return std::accumulate(running_.begin(), running_.end(), options_.jobs,
-                               [](int free, const auto& job) { return free - job.second.threads; });
-    }
-
     bool fits(const Job& job) const {
-        const double need = std::accumulate(running_.begin(), running_.end(), need_of(job),
-                                            [](double sum, const auto& other) { return sum + other.second.held_memory; });
-        return running_.empty() || (!is_alone(running_.begin()->second) && !job.alone && free_threads() > 0 &&
-                                    need <= static_cast<double>(options_.memory_bytes));
+        return running_.empty() || (!is_alone(running_.begin()->second) && !job.alone && free_threads_ > 0 &&
+                                    held_memory_ + need_of(job) <= static_cast<double>(options_.memory_bytes));
     }
 
     /// All that are left where only few such meshes are left or fit into memory at once; else one or two for a small mesh.
@@ -211,7 +250,7 @@ private:
         const double at_once = std::min(static_cast<double>(options_.memory_bytes) / need_of(job),
                                         static_cast<double>(running_.size() + waiting_.size()));
         const int share = options_.jobs / static_cast<int>(std::clamp<double>(at_once, 1, options_.jobs));
-        return std::clamp(job.memory < small ? std::min(share, 2) : share, 1, std::max(1, free_threads()));
+        return std::clamp(job.memory < small ? std::min(share, 2) : share, 1, std::max(1, free_threads_));
     }
 
     /// The largest first.
@@ -236,11 +275,13 @@ private:
         }
         job.output_inodes = inodes_of(item.files);
         job.held_memory = need_of(job);
+        held_memory_ += job.held_memory;
+        free_threads_ -= job.threads;
         ++job.attempts;
-        job.thread = std::jthread([this, i = job.item, call = ToolCall{"slice", words_of(job)}] {
+        job.thread = std::jthread([this, i = job.item, words = words_of(job)] {
             ProcessEnd end;
             try {
-                end = run_process(call, options_.timeout_s, [this] { return over_ || stop_(); });
+                end = run_process(words, "", options_.timeout_s, [this] { return over_ || stop_(); });
             } catch (const std::exception& problem) {
                 end.failure = problem.what();
             }
@@ -262,7 +303,8 @@ private:
     /// Slice cuts a mesh larger than all of the memory in ranges, and refuses where something needs the whole mesh.
     std::vector<std::string> words_of(const Job& job) const {
         const Item& item = items_[job.item];
-        std::vector<std::string> words = item.words;
+        std::vector<std::string> words = {"slice"};
+        words.insert(words.end(), item.words.begin(), item.words.end());
         if (is_too_large(job)) {
             words.push_back("--memory=" + std::to_string(options_.memory_bytes));
         } else {
@@ -373,13 +415,15 @@ private:
     ProgressBar bar_;
     Stopwatch watch_;
     Clock::time_point next_status_;
-    std::size_t unchanged_ = 0;                  ///< done before
-    std::size_t done_ = 0;                       ///< now
-    std::size_t of_older_version_ = 0;           ///< done before, by a version of lamella with other defaults
-    double triangles_ = 0;                       ///< of those done
-    double cost_ = 0;                            ///< of those that ended, as estimated
-    double all_cost_ = 0;                        ///< of those to do
-    double factor_ = 1;                          ///< see need_of()
+    std::size_t unchanged_ = 0;         ///< done before
+    std::size_t done_ = 0;              ///< now
+    std::size_t of_older_version_ = 0;  ///< done before, by a version of lamella with other defaults
+    double triangles_ = 0;              ///< of those done
+    double cost_ = 0;                   ///< of those that ended, as estimated
+    double all_cost_ = 0;               ///< of those to do
+    double factor_ = 1;                 ///< see need_of()
+    double held_memory_ = 0;            ///< of those running, as what follows
+    int free_threads_ = options_.jobs;
     std::map<std::size_t, std::string> failed_;  ///< by item: why
     std::vector<Job> waiting_;
     std::atomic<bool> over_ = false;

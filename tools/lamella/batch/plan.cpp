@@ -1,6 +1,10 @@
+// From what was typed to items: sources are listed, manifests read, options parsed as slice parses them.
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <set>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -8,7 +12,6 @@
 
 #include "batch/batch.hpp"
 #include "files/mesh_input.hpp"
-#include "files/streams.hpp"
 #include "outputs/outputs.hpp"
 #include "terminal/console.hpp"
 
@@ -16,10 +19,289 @@ namespace lamella::cli::batch {
 
 namespace {
 
-/// Not for items: the batch has its own, or gives them to its processes.
-bool is_for_batch(const std::string& name) {
-    return name == "mesh" || name == "--help" || name == "--progress" || name == "--memory" || name == "--hash";
+/// Values by the option's name with its dashes, "--layer-height"; a flag has the value "true", or none to take it back.
+using OptionValues = std::map<std::string, std::vector<std::string>>;
+
+/// The options of `lamella slice` that an item may have, but for those that the batch has itself or gives to its processes.
+struct ItemOptions {
+    SliceArguments arguments;
+    CLI::App app;
+
+    ItemOptions() {
+        declare(app, arguments);
+        app.set_help_flag();
+        for (const char* const own : {"--progress", "--memory", "--hash"}) {
+            app.remove_option(app.get_option(own));
+        }
+    }
+
+    /// The name with dashes of "layer-height", "layer_height" or "--layer-height"; empty if there is no such option.
+    std::string name_of(const std::string& text) const {
+        std::string name = text.substr(std::min(text.find_first_not_of('-'), text.size()));
+        std::replace(name.begin(), name.end(), '_', '-');
+        const CLI::Option* const found =
+            name.empty() ? nullptr : app.get_option_no_throw((name.size() == 1 ? "-" : "--") + name);
+        return found == nullptr ? std::string() : found->get_name();
+    }
+
+    /// Those typed for `command`, which has these options and more.
+    OptionValues typed(const CLI::App& command) const {
+        OptionValues values;
+        for (const CLI::Option* const option : app.get_options()) {
+            const CLI::Option& given = *command.get_option(option->get_name());
+            if (given.count() > 0 && !given.get_positional()) {
+                values[given.get_name()] = is_flag(given) ? std::vector<std::string>{"true"} : given.results();
+            }
+        }
+        return values;
+    }
+
+    /// Sets `arguments`. Throws Failure (bad_usage) if slice would refuse these values.
+    void parse(const OptionValues& values) {
+        std::vector<std::string> typed = {"mesh"};  // the last word comes first
+        for (const auto& [name, all] : values) {
+            for (std::size_t i = all.size(); i-- > 0;) {
+                typed.push_back(is_flag(*app.get_option(name)) ? name : std::string(name).append("=").append(all[i]));
+            }
+        }
+        try {
+            app.parse(typed);
+        } catch (const CLI::ParseError& error) {
+            throw Failure(bad_usage, error.what());
+        }
+        const OutputArguments& outputs = arguments.outputs;
+        refuse_if(outputs.outputs.empty(), bad_usage, "--output: none is given, such as -o 'out/{stem}.nii.gz'");
+        require_together(planned_outputs(outputs), outputs, arguments.mesh_count(), arguments.image);
+    }
+};
+
+struct MeshSource {
+    std::string path;
+    std::string folder{};   ///< of the mesh below the SOURCE that is a folder; empty where that is the folder itself
+    OptionValues values{};  ///< of a manifest, in place of those that were typed
+    std::string place{};    ///< FILE:LINE of a manifest, else empty
+};
+
+// --- manifests
+
+/// Cells by CSV as RFC 4180 has it, or with another separator in place of commas.
+struct CsvRow {
+    std::vector<std::string> cells{""};
+    std::size_t line = 1;  ///< where the row begins
+
+    /// True if nothing stands in the cells from `begin` on, as in columns at the end that a spreadsheet left empty.
+    bool is_empty(std::size_t begin = 0) const {
+        return std::all_of(cells.begin() + static_cast<std::ptrdiff_t>(std::min(begin, cells.size())), cells.end(),
+                           [](const std::string& cell) { return cell.empty(); });
+    }
+};
+
+/// For messages.
+std::string name_of_separator(char separator) {
+    return separator == '\t' ? "tabs" : std::string(1, separator);
 }
+
+/// A list of meshes with options for each: CSV with a line of names, or JSON Lines.
+///
+///     path,layer-height,like            {"path": "liver.stl", "layer-height": 0.5, "like": "ct.nii.gz"}
+///     liver.stl,0.5,ct.nii.gz           {"path": "skull.stl", "spacing": [1, 1, 2], "coverage": true}
+///     skull.stl,,
+///
+/// The names may be separated by semicolons or tabs; then so is the rest, and one number may have a decimal comma: 0,5. An
+/// empty cell or null leaves the option as the command line has it. Throws Failure (bad_input) naming the file and the line.
+class Manifest {
+public:
+    Manifest(const std::string& path, const ItemOptions& options) : path_(path), options_(options), text_(read_text(path)) {}
+
+    std::vector<MeshSource> rows() {
+        path_.ends_with(".csv") ? read_csv() : read_json_lines();
+        refuse_if(rows_.empty(), bad_input, path_ + ": no meshes");
+        return std::move(rows_);
+    }
+
+private:
+    void refuse_at(std::size_t line, bool wrong, const std::string& what) const {
+        refuse_if(wrong, bad_input, path_ + ":" + std::to_string(line) + ": " + what);
+    }
+
+    const CLI::Option& option(const std::string& name) const { return *options_.app.get_option(name); }
+
+    /// The name of an option, or "" where the word names the mesh itself. Adds it to those that were `named`.
+    std::string name_of(const std::string& word, std::size_t line, std::set<std::string>& named) const {
+        const bool mesh = word == "path" || word == "mesh";
+        const std::string name = mesh ? "" : options_.name_of(word);
+        refuse_at(line, !mesh && name.empty(), "'" + word + "' is neither path nor an option of lamella slice");
+        refuse_at(line, !named.insert(name).second, "'" + word + "' stands there twice");
+        return name;
+    }
+
+    /// Values by words.
+    void add_row(const nlohmann::json& object, std::size_t line) {
+        MeshSource row{.path = {}, .place = path_ + ":" + std::to_string(line)};
+        std::set<std::string> named;
+        for (const auto& [word, value] : object.items()) {
+            const std::string name = name_of(word, line, named);
+            if (value.is_null()) {
+                continue;
+            }
+            std::vector<std::string> values = values_of(name, word, value, line);
+            if (name.empty()) {
+                row.path = values.front();
+                continue;
+            }
+            if (is_flag(option(name))) {
+                const std::string text = values.front();
+                const bool is_set = text == "true" || text == "1" || text == "yes";
+                refuse_at(line, !is_set && text != "false" && text != "0" && text != "no",
+                          std::string(name).append(": '").append(text).append("' is neither true nor false"));
+                values = is_set ? std::vector<std::string>{"true"} : std::vector<std::string>();
+            }
+            row.values[name] = std::move(values);
+        }
+        refuse_at(line, row.path.empty(), "no path of a mesh");
+        refuse_at(line, is_standard(row.path), "'-' is no path: a batch takes files");
+        rows_.push_back(std::move(row));
+    }
+
+    /// Comma, semicolon or tab: what separates the names in the first line, which must not be several of them; comma where
+    /// there is one name.
+    char separator() const {
+        const std::string_view line = std::string_view(text_).substr(0, text_.find_first_of("\r\n"));
+        char found = 0;
+        for (const char separator : {',', ';', '\t'}) {
+            if (line.find(separator) != std::string_view::npos) {
+                refuse_at(1, found != 0,
+                          "the names are separated by " + name_of_separator(found) + " and by " +
+                              name_of_separator(separator) + ": one of them has to separate all");
+                found = separator;
+            }
+        }
+        return found == 0 ? ',' : found;
+    }
+
+    /// The rows but those without a word. Quoted cells may hold separators, quotes ("") and line ends.
+    std::vector<CsvRow> table(char separator) const {
+        std::vector<CsvRow> rows;
+        CsvRow row;
+        std::size_t line = 1;
+        std::size_t quoted_from = 0;  // the line of a quote that is open; else 0
+        bool closed = false;          // the quote of the cell
+        const auto end_row = [&] {
+            if (!row.is_empty()) {
+                rows.push_back(std::move(row));
+            }
+            row = {{""}, ++line};
+        };
+        for (std::size_t at = 0; at < text_.size(); ++at) {
+            const char c = text_[at];
+            const char next = at + 1 < text_.size() ? text_[at + 1] : '\0';
+            if (quoted_from > 0 && (c != '"' || next == '"')) {
+                row.cells.back() += c;
+                at += c == '"' ? 1 : 0;
+                line += c == '\n' ? 1 : 0;
+            } else if (quoted_from > 0) {
+                quoted_from = 0;
+                closed = true;
+            } else if (c == separator || c == '\r' || c == '\n') {
+                closed = false;
+                at += c == '\r' && next == '\n' ? 1 : 0;
+                c == separator ? void(row.cells.emplace_back()) : end_row();
+            } else {
+                refuse_at(line, closed, "text follows a closing quote");
+                const bool opens = c == '"' && row.cells.back().empty();
+                quoted_from = opens ? line : 0;
+                row.cells.back() += opens ? "" : std::string(1, c);
+            }
+        }
+        refuse_at(quoted_from, quoted_from > 0, "a quote is not closed");
+        end_row();
+        return rows;
+    }
+
+    /// A decimal comma as a point, where no list can be meant.
+    std::string number_in(const std::string& name, const std::string& value, char separator, std::size_t line) const {
+        if (name.empty() || !is_decimal_comma(value)) {
+            return value;
+        }
+        const bool one_number = option(name).get_type_name().starts_with("MM");
+        refuse_at(
+            line, !one_number && separator != ',',
+            name + ": '" + value + "' is one number or two: write " + with_point(value) + ", or a blank after the comma");
+        return one_number ? with_point(value) : value;
+    }
+
+    void read_csv() {
+        const char separator = this->separator();
+        std::vector<CsvRow> rows = table(separator);
+        if (rows.empty()) {
+            return;
+        }
+        const CsvRow& first = rows.front();
+        std::vector<std::string> columns;
+        std::set<std::string> named;
+        for (std::size_t i = 0; !first.is_empty(i); ++i) {
+            columns.push_back(name_of(first.cells[i], first.line, named));
+        }
+        refuse_at(first.line, !named.contains(""), "no column is named path");
+        for (auto row = rows.begin() + 1; row != rows.end(); ++row) {
+            refuse_at(row->line, row->cells.size() < columns.size() || !row->is_empty(columns.size()),
+                      counted(row->cells.size(), "cell") + " where the first line names " +
+                          counted(columns.size(), "column") + " separated by " + name_of_separator(separator) +
+                          ": quotes keep a cell that holds one whole");
+            nlohmann::json object = nlohmann::json::object();
+            for (std::size_t i = 0; i < columns.size(); ++i) {
+                if (!row->cells[i].empty()) {
+                    object[first.cells[i]] = text_of_name(number_in(columns[i], row->cells[i], separator, row->line));
+                }
+            }
+            add_row(object, row->line);
+        }
+    }
+
+    void read_json_lines() {
+        std::size_t line = 0;
+        for (const std::string_view row : split(text_, '\n')) {
+            ++line;
+            if (row.find_first_not_of(" \t\r") == std::string_view::npos) {
+                continue;
+            }
+            const nlohmann::json object = nlohmann::json::parse(row, nullptr, false);
+            refuse_at(line, !object.is_object(), "not a JSON object");
+            add_row(object, line);
+        }
+    }
+
+    /// A list is repeated where the option may be, else joined by commas.
+    std::vector<std::string> values_of(const std::string& name, const std::string& key, const nlohmann::json& value,
+                                       std::size_t line) const {
+        if (!value.is_array()) {
+            return {scalar(key, value, line)};
+        }
+        refuse_at(line, value.empty() || name.empty(), "'" + key + "' is a list" + (value.empty() ? " of nothing" : ""));
+        std::vector<std::string> values;
+        values.reserve(value.size());
+        for (const nlohmann::json& each : value) {
+            values.push_back(scalar(key, each, line));
+        }
+        const bool repeats = option(name).get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
+        return repeats ? values : std::vector<std::string>{joined(values, ",")};
+    }
+
+    std::string scalar(const std::string& key, const nlohmann::json& value, std::size_t line) const {
+        refuse_at(line, !value.is_primitive() || value.is_null(),
+                  "'" + key + "' is neither text, a number nor true or false");
+        return value.is_string()         ? name_of_text(value.get<std::string>())
+               : value.is_number_float() ? exact_text(value.get<double>())
+                                         : value.dump();
+    }
+
+    const std::string& path_;
+    const ItemOptions& options_;
+    std::string text_;
+    std::vector<MeshSource> rows_;
+};
+
+// --- sources
 
 /// The path itself, unless it is a pattern and no file.
 std::vector<std::string> expanded(const std::string& path) {
@@ -33,6 +315,30 @@ std::vector<std::string> expanded(const std::string& path) {
     refuse_if(status != 0, bad_input, path + (status == GLOB_NOMATCH ? ": no file has such a name" : ": cannot be listed"));
     return {found.gl_pathv, found.gl_pathv + found.gl_pathc};
 }
+
+/// The meshes of SOURCE..., files, folders, globs and manifests, in the order of the sources; a folder's in the order of
+/// names, folders in it included. A mesh need not exist: that is for its item to say. Adds the manifests to `files`.
+std::vector<MeshSource> list_sources(const std::vector<std::string>& given, const ItemOptions& options, FilePlan& files) {
+    std::vector<MeshSource> sources;
+    for (const std::string& each : given) {
+        refuse_if(is_standard(each), bad_usage, "'-' is one mesh, which lamella slice takes; a batch takes files");
+        for (const std::string& path : expanded(each)) {
+            if ((path.ends_with(".csv") || path.ends_with(".jsonl")) && !is_folder(path)) {
+                files.reads(path, "a file of the batch");
+                std::vector<MeshSource> rows = Manifest(path, options).rows();
+                std::move(rows.begin(), rows.end(), std::back_inserter(sources));
+                continue;
+            }
+            for (const ListedMesh& mesh : meshes_at(path)) {
+                refuse_if(!mesh.problem.empty(), bad_input, mesh.path + ": " + mesh.problem);
+                sources.push_back({.path = mesh.path, .folder = mesh.folder});
+            }
+        }
+    }
+    return sources;
+}
+
+// --- items
 
 /// The name of an output that has places for that of the mesh: 'out/{parent}/{stem}.nii.gz'. For the mesh
 /// a/b/liver.stl.gz found below the SOURCE a: {stem} is liver, {name} liver.stl.gz, {parent} b, {dir} b, the folder below
@@ -59,50 +365,20 @@ std::string expand_pattern(const std::string& pattern, const MeshSource& mesh, c
     return std::filesystem::path(text + pattern.substr(at)).lexically_normal().string();
 }
 
-/// An item's options as slice takes them. Items of a SOURCE that is no manifest have them alike.
-struct ParsedOptions {
-    SliceArguments arguments;
-    Item item;  ///< what follows from them for every mesh
-};
-
-/// Throws Failure (bad_usage) if slice would refuse these options.
-ParsedOptions parsed(const OptionValues& values) {
-    ParsedOptions options;
+Item item_of(const MeshSource& source, const ItemOptions& options) {
     const SliceArguments& arguments = options.arguments;
-    Item& item = options.item;
-    CLI::App app;
-    declare(app, options.arguments);
-    std::vector<std::string> typed = {"mesh"};  // the last word comes first
-    for (const auto& [name, all] : values) {
-        const bool flag = is_flag(*app.get_option(name));
-        const bool plain = name == "--map" || name == "--band" || name == "--form";
-        for (std::size_t i = all.size(); i-- > 0;) {
-            typed.push_back(flag ? name : std::string(name).append("=").append(all[i]));
-            item.plain.insert(item.plain.end(), plain ? 1 : 0, typed.back());
-        }
-    }
-    try {
-        app.parse(typed);
-    } catch (const CLI::ParseError& error) {
-        throw Failure(bad_usage, error.what());
-    }
-    for (const RecordedOption& option : recorded_options(app)) {
+    Item item{.mesh = source.path, .threads = arguments.threads, .place = source.place};
+    for (const RecordedOption& option : recorded_options(options.app)) {
         item.words.push_back(option.name + (option.value ? "=" + *option.value : ""));
         if (option.names_file()) {
             item.option_files.push_back(*option.value);
         }
     }
-    item.threads = arguments.threads;
-    refuse_if(arguments.outputs.outputs.empty(), bad_usage, "--output: none is given, such as -o 'out/{stem}.nii.gz'");
-    require_together(planned_outputs(arguments.outputs), arguments.outputs, arguments.mesh_count(), arguments.image);
-    return options;
-}
-
-Item planned_item(const MeshSource& source, const ParsedOptions& options) {
-    const SliceArguments& arguments = options.arguments;
-    Item item = options.item;
-    item.mesh = source.path;
-    item.place = source.place;
+    for (const char* const name : {"--map", "--band", "--form"}) {
+        if (const CLI::Option& option = *options.app.get_option(name); option.count() > 0) {
+            item.plain.push_back(name + when(!is_flag(option), "=" + option.results().front()));
+        }
+    }
     OutputArguments outputs{.outputs = {}, .to = arguments.outputs.to};
     for (const std::string& pattern : arguments.outputs.outputs) {
         outputs.outputs.push_back(expand_pattern(pattern, source, "--output"));
@@ -115,68 +391,13 @@ Item planned_item(const MeshSource& source, const ParsedOptions& options) {
         item.report = expand_pattern(arguments.report, source, "--report");
         item.writes.push_back("--report=" + item.report);
     }
-    const std::vector<PlannedOutput> planned = planned_outputs(outputs);
-    for (const std::filesystem::path& file : files_of(planned, arguments.split)) {
-        item.files.push_back(file.string());
-    }
+    item.files = files_of(planned_outputs(outputs), arguments.split);
     refuse_if(is_standard(item.report) || std::any_of(outputs.outputs.begin(), outputs.outputs.end(), is_standard),
               bad_usage, "'-': a batch writes files");
     return item;
 }
 
-/// What is wrong with a row of a manifest is wrong with a file.
-Failure failure_at(const std::string& place, ExitStatus status, const std::string& what) {
-    return place.empty() ? Failure(status, what) : Failure(bad_input, place + ": " + what);
-}
-
-/// In all of the batch no file is written twice, and none is an input.
-void require_distinct(const std::vector<Item>& items, const std::vector<std::string>& own_files) {
-    std::unordered_map<std::string, const Item*> writers;
-    for (const Item& item : items) {
-        for (const std::string& file : item.all_files()) {
-            const auto [at, added] = writers.emplace(place_of(file), &item);
-            if (!added) {
-                throw failure_at(item.place, bad_usage,
-                                 "'" + at->second->mesh + "' and '" + item.mesh + "' both write '" + file +
-                                     "'; {parent} or {dir} in --output tells them apart");
-            }
-        }
-    }
-    const auto require_unwritten = [&writers](const std::vector<std::string>& files, const std::string& what) {
-        for (const std::string& file : files) {
-            if (const auto written = writers.find(place_of(file)); written != writers.end()) {
-                throw failure_at(written->second->place, bad_usage,
-                                 std::string("--output: '").append(file).append("' is ").append(what));
-            }
-        }
-    };
-    require_unwritten(own_files, "a file of the batch itself");
-    for (const Item& item : items) {
-        require_unwritten({item.mesh}, "a mesh of the batch itself");
-        require_unwritten(item.option_files, "a file that an option of the batch names");
-    }
-}
-
 }  // namespace
-
-std::string SliceOptionNames::name_of(const std::string& text) const {
-    std::string name = text.substr(std::min(text.find_first_not_of('-'), text.size()));
-    std::replace(name.begin(), name.end(), '_', '-');
-    const CLI::Option* const found =
-        name.empty() ? nullptr : prototype_.get_option_no_throw((name.size() == 1 ? "-" : "--") + name);
-    return found == nullptr || is_for_batch(found->get_name()) ? std::string() : found->get_name();
-}
-
-OptionValues SliceOptionNames::typed(const CLI::App& command) const {
-    OptionValues values;
-    for (const CLI::Option* given : command.get_options()) {
-        const std::string name = given->get_name();
-        if (given->count() > 0 && prototype_.get_option_no_throw(name) != nullptr && !is_for_batch(name)) {
-            values[name] = is_flag(*given) ? std::vector<std::string>{"true"} : given->results();
-        }
-    }
-    return values;
-}
 
 std::vector<std::string> Item::all_files() const {
     std::vector<std::string> all = files;
@@ -184,53 +405,42 @@ std::vector<std::string> Item::all_files() const {
     return all;
 }
 
-std::vector<MeshSource> list_sources(const std::vector<std::string>& given, const SliceOptionNames& names) {
-    std::vector<MeshSource> sources;
-    for (const std::string& each : given) {
-        refuse_if(is_standard(each), bad_usage, "'-' is one mesh, which lamella slice takes; a batch takes files");
-        for (const std::string& path : expanded(each)) {
-            if (is_named_as_manifest(path) && !is_folder(path)) {
-                const std::vector<MeshSource> rows = read_manifest(path, names);
-                sources.insert(sources.end(), rows.begin(), rows.end());
-                continue;
-            }
-            for (const ListedMesh& mesh : meshes_at(path)) {
-                refuse_if(!mesh.problem.empty(), bad_input, mesh.path + ": " + mesh.problem);
-                sources.push_back({mesh.path, mesh.folder, {}, ""});
-            }
-        }
-    }
-    return sources;
-}
-
-std::vector<Item> plan_items(const std::vector<MeshSource>& sources, const OptionValues& common,
+std::vector<Item> plan_items(const CLI::App& command, const std::vector<std::string>& given,
                              const std::vector<std::string>& own_files) {
+    const ItemOptions unset;
+    const OptionValues typed = unset.typed(command);
+    FilePlan files;  // In all of the batch no file is written twice, and none is an input.
+    for (const std::string& file : own_files) {
+        files.reads(file, "a file of the batch");
+    }
+    const std::vector<MeshSource> sources = list_sources(given, unset, files);
     std::vector<Item> items;
     items.reserve(sources.size());
-    std::optional<ParsedOptions> of_all;
+    std::unique_ptr<ItemOptions> common;  // of items without own values, which are parsed once
     for (const MeshSource& source : sources) {
         try {
-            if (source.values.empty()) {
-                of_all = of_all ? std::move(of_all) : parsed(common);
-                items.push_back(planned_item(source, *of_all));
-                continue;
+            std::unique_ptr<ItemOptions> own;
+            std::unique_ptr<ItemOptions>& options = source.values.empty() ? common : own;
+            if (!options) {
+                OptionValues values = source.values;
+                values.insert(typed.begin(), typed.end());
+                options = std::make_unique<ItemOptions>();
+                options->parse(values);
             }
-            OptionValues values = common;
-            for (const auto& [name, own] : source.values) {  // an empty one takes a flag back
-                values[name] = own;
+            const Item& item = items.emplace_back(item_of(source, *options));
+            files.reads(item.mesh, "a mesh of the batch");
+            for (const std::string& file : item.option_files) {
+                files.reads(file, "the file of an option");
             }
-            items.push_back(planned_item(source, parsed(values)));
-        } catch (const Failure& failure) {
-            throw failure_at(source.place, failure.status(), failure.what());
+            for (const std::string& file : item.all_files()) {
+                files.writes(file, "--output",
+                             "written for '" + item.mesh + "' too; {parent} or {dir} in --output tells them apart");
+            }
+        } catch (const Failure& failure) {  // What is wrong with a row of a manifest is wrong with a file.
+            throw source.place.empty() ? failure : Failure(bad_input, source.place + ": " + failure.what());
         }
     }
-    require_distinct(items, own_files);
     return items;
-}
-
-std::string fixed_folder(const std::string& pattern) {
-    const std::string folder = std::filesystem::path(pattern.substr(0, pattern.find('{'))).parent_path().string();
-    return folder.empty() ? "." : folder;
 }
 
 }  // namespace lamella::cli::batch

@@ -17,6 +17,122 @@ namespace {
 
 constexpr double no_limit = std::numeric_limits<double>::infinity();
 
+// --- text that people write
+
+constexpr std::string_view blanks = " \t\r\v\f";
+
+std::string_view trimmed(std::string_view text) {
+    const std::size_t first = text.find_first_not_of(blanks);
+    return first == std::string_view::npos ? std::string_view{}
+                                           : text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
+/// "1,2.5,3" (spaces around numbers allowed), or nothing if any part is not a number.
+std::optional<std::vector<double>> parse_list(std::string_view text) {
+    std::vector<double> values;
+    for (const std::string_view piece : split(text, ',')) {
+        const std::optional<double> value = parse_number(trimmed(piece));
+        if (!value) {
+            return std::nullopt;
+        }
+        values.push_back(*value);
+    }
+    return values;
+}
+
+/// "A:B", "A:" or ":B": layers from A up to, but not with, B. False where it is none of these; what is not given stays.
+bool parse_layers(std::string_view text, std::uint64_t& first, std::uint64_t& end) {
+    const auto part = [](std::string_view digits, std::uint64_t& value) {
+        return digits.empty() || read_integer(digits, value);
+    };
+    const std::size_t colon = text.find(':');
+    return colon != std::string_view::npos && part(text.substr(0, colon), first) && part(text.substr(colon + 1), end) &&
+           first < end;
+}
+
+/// Stands between white space and semicolons.
+struct Word {
+    std::string_view text;
+    std::size_t line;
+};
+
+struct WordList {
+    std::vector<Word> words;
+    bool in_columns = false;  ///< separated by semicolons or tabs
+};
+
+WordList words_of(std::string_view text) {
+    constexpr std::string_view separators = " \t\r\v\f;";
+    WordList list;
+    for (std::size_t number = 1; !text.empty(); ++number) {
+        const std::size_t line_end = std::min(text.find('\n'), text.size());
+        const std::string_view line = text.substr(0, std::min(line_end, text.find('#')));
+        text.remove_prefix(std::min(line_end + 1, text.size()));
+        list.in_columns = list.in_columns || line.find_first_of("\t;") != std::string_view::npos;
+        for (std::size_t begin = line.find_first_not_of(separators); begin != std::string_view::npos;) {
+            const std::size_t end = std::min(line.find_first_of(separators, begin), line.size());
+            list.words.push_back({line.substr(begin, end - begin), number});
+            begin = line.find_first_not_of(separators, end);
+        }
+    }
+    return list;
+}
+
+/// True if commas are decimal ones: in columns of whole numbers and such as 0,5. Throws Failure of a file that may be read
+/// in both ways.
+bool has_decimal_commas(const WordList& list, const std::string& path) {
+    const auto separates = [](const Word& word) {
+        return word.text.find('.') != std::string_view::npos ||
+               (word.text.find(',') != std::string_view::npos && !is_decimal_comma(word.text));
+    };
+    const auto pair =
+        std::find_if(list.words.begin(), list.words.end(), [](const Word& word) { return is_decimal_comma(word.text); });
+    if (pair == list.words.end()) {
+        return false;
+    }
+    const bool separated = std::any_of(list.words.begin(), list.words.end(), separates);
+    if (separated && !list.in_columns) {
+        return false;
+    }
+    if (separated || !list.in_columns) {
+        throw Failure(bad_input, path + ":" + std::to_string(pair->line) + ": " + in_quotes(pair->text) +
+                                     " is one number or two: write numbers as 0.5, or separate them by ; or blanks");
+    }
+    return true;
+}
+
+struct NumberFile {
+    std::vector<double> values;
+    std::vector<std::size_t> lines;  ///< where each value stands, from 1
+};
+
+/// Numbers separated by white space, semicolons or commas; # begins a comment. In columns separated by semicolons or tabs
+/// commas may be decimal ones. Throws Failure naming the file and the line.
+NumberFile read_numbers(const std::string& path) {
+    const std::string whole = read_text(path);
+    const WordList list = words_of(whole);
+    const bool decimal = has_decimal_commas(list, path);
+    NumberFile numbers;
+    for (const Word& word : list.words) {
+        for (const std::string_view piece : split(word.text, decimal ? ' ' : ',')) {
+            if (piece.empty()) {
+                continue;
+            }
+            const std::string text = with_point(piece);
+            const std::optional<double> value = parse_number(text);
+            if (!value) {
+                throw Failure(bad_input,
+                              path + ":" + std::to_string(word.line) + ": " + in_quotes(text) + " is not a number");
+            }
+            numbers.values.push_back(*value);
+            numbers.lines.push_back(word.line);
+        }
+    }
+    return numbers;
+}
+
+// --- options.inc
+
 /// A line of options.inc, but for what tells its kind and where it is stored.
 struct OptionLine {
     std::string flag;
@@ -27,39 +143,38 @@ struct OptionLine {
     double value_of_word = 0;
 };
 
-std::string why_no_number(const std::string& text, const OptionLine& line, bool mm) {
-    std::string wanted = mm ? "a number of mm" : "a number";
+/// A number, "MM" or another of its type.
+CLI::Option* add_limited(CLI::App& command, const OptionLine& line, const std::string& type,
+                         std::function<void(double)> take) {
+    const std::string word(line.word);
+    std::string wanted = type == "MM" ? "a number of mm" : "a number";
     if (line.least > -no_limit) {
         wanted += std::string(" that is ") + (line.exclusive ? "more than " : "at least ") + exact_text(line.least);
     }
-    const std::string word(line.word);
-    return "'" + text + "' is " + (word.empty() ? "not " + wanted : "neither " + wanted + " nor " + word);
-}
-
-void declare_number(CLI::App& command, const OptionLine& line, double& value, bool mm = false) {
-    const auto take = [line, mm, &value](const std::string& text) -> std::string {
-        const std::optional<double> number = text == line.word ? line.value_of_word : parse_number(text);
-        const bool in_range =
-            number && (text == line.word || (line.exclusive ? *number > line.least : *number >= line.least));
-        value = in_range ? *number : value;
-        return in_range ? "" : why_no_number(text, line, mm);
+    const auto read = [line, word, wanted, take = std::move(take)](const std::string& text) {
+        const std::optional<double> number =
+            !word.empty() && text == word ? std::optional(line.value_of_word) : parse_number(text);
+        if (!number || (text != word && (line.exclusive ? *number <= line.least : *number < line.least))) {
+            return "'" + text + "' is " + (word.empty() ? "not " + wanted : "neither " + wanted + " nor " + word);
+        }
+        take(*number);
+        return std::string();
     };
-    const std::string type = (mm ? "MM" : "N") + (line.word.empty() ? "" : "|" + std::string(line.word));
-    CLI::Option* const option = add_parsed(command, line.flag, type, line.help, take);
-    if (!line.word.empty()) {
-        option->transform(lower_case);
-    }
+    CLI::Option* const option = add_parsed(command, line.flag, type + when(!word.empty(), "|" + word), line.help, read);
+    return word.empty() ? option : option->transform(in_lower_case);
 }
 
-void declare_mm(CLI::App& command, const OptionLine& line, double& value) {
-    declare_number(command, line, value, true);
+void declare_number(CLI::App& command, const OptionLine& line, double& value) {
+    add_limited(command, line, "N", [&value](double number) { value = number; });
+}
+
+template <class Number>
+void declare_mm(CLI::App& command, const OptionLine& line, Number& value) {
+    add_limited(command, line, "MM", [&value](double mm) { value = mm; });
 }
 
 void declare_optional_mm(CLI::App& command, const OptionLine& line, std::optional<double>& value) {
-    add_parsed(command, line.flag, "MM", line.help, [line, &value](const std::string& text) {
-        value = parse_number(text);
-        return value ? "" : why_no_number(text, line, true);
-    });
+    declare_mm(command, line, value);
 }
 
 void declare_flag(CLI::App& command, const OptionLine& line, bool& value) {
@@ -122,7 +237,7 @@ void declare_fill_from(CLI::App& command, const OptionLine& line, std::vector<Fi
     };
     command.add_option_function<std::vector<std::string>>(line.flag, take, line.help)
         ->type_name("LAYER:RULE")
-        ->transform(lower_case)
+        ->transform(in_lower_case)
         ->take_all()
         ->allow_extra_args(false);
 }
@@ -151,12 +266,6 @@ std::string given(const std::string& text) {
     return text.empty() ? "is empty" : "";
 }
 
-std::string lower_case(std::string word) {
-    std::transform(word.begin(), word.end(), word.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c | 0x20) : c; });
-    return word;
-}
-
 CLI::Option* add_parsed(CLI::App& command, const std::string& flag, const std::string& type, const std::string& help,
                         std::function<std::string(const std::string&)> take) {
     const auto store = [flag, take = std::move(take)](const std::string& text) {
@@ -169,20 +278,34 @@ CLI::Option* add_parsed(CLI::App& command, const std::string& flag, const std::s
 
 CLI::Option* add_number(CLI::App& command, const std::string& flag, const std::string& type, const std::string& help,
                         std::function<void(double)> take) {
-    return add_parsed(command, flag, type, help, [flag, type, take = std::move(take)](const std::string& text) {
-        const double number = parse_number(text).value_or(-1);
-        take(number);
-        return number >= 0 ? "" : why_no_number(text, {.flag = flag, .help = {}, .least = 0}, type == "MM");
-    });
+    return add_limited(command, {.flag = flag, .help = help, .least = 0}, type, std::move(take));
 }
 
 CLI::Option* add_bytes(CLI::App& command, const std::string& flag, const std::string& type, const std::string& help,
                        std::uint64_t& bytes) {
-    const auto take = [flag, &bytes](const std::string& text) {
-        bytes = parse_bytes(text, flag);
-        return "";
+    const auto take = [&bytes](std::string text) {
+        const std::string wrong = "'" + text + "' is not a number of bytes, such as 4000000000 or 4G";
+        try {
+            (void)CLI::AsSizeValue(false)(text);
+        } catch (const CLI::ValidationError&) {
+            return wrong;
+        }
+        const bool in_range = read_integer(std::string_view(text), bytes) && bytes > 0 && bytes >> 62 == 0;
+        return in_range ? std::string() : wrong;
     };
     return add_parsed(command, flag, type, help, take)->check(given);
+}
+
+CLI::Option* add_triple(CLI::App& command, const std::string& flag, const std::string& help,
+                        std::function<std::string(const std::array<double, 3>&)> take) {
+    return add_parsed(command, flag, "X,Y,Z", help,
+                      [take = std::move(take)](const std::string& text) {
+                          const std::vector<double> values = parse_list(text).value_or(std::vector<double>());
+                          const std::string wrong =
+                              values.size() == 3 ? take({values[0], values[1], values[2]}) : " is not three numbers X,Y,Z";
+                          return when(!wrong.empty(), "'" + text + "'" + wrong);
+                      })
+        ->check(given);
 }
 
 CLI::Option* add_count(CLI::App& command, const std::string& flag, const std::string& help,
@@ -206,7 +329,7 @@ CLI::Option* add_choice(CLI::App& command, const std::string& flag, std::span<co
         take(static_cast<std::size_t>(found - words.begin()));
         return std::string();
     };
-    return add_parsed(command, flag, names, help, store)->transform(lower_case);
+    return add_parsed(command, flag, names, help, store)->transform(in_lower_case);
 }
 
 void declare_options(CLI::App& command, SliceOptions& options, std::string_view only) {

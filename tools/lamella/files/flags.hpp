@@ -1,5 +1,5 @@
-// Flags of all commands: how values are checked and stored, and the options of a slice as flags. These are declared, parsed
-// and checked by engine/options/options.inc, a line each.
+// The commands, and flags of all of them: how values are checked and stored, and the options of a slice as flags. These are
+// declared, parsed and checked by engine/options/options.inc, a line each.
 #pragma once
 
 #include <array>
@@ -12,9 +12,21 @@
 
 #include <CLI/CLI.hpp>
 
+#include "io/text/text.hpp"
 #include "lamella/options.hpp"
+#include "terminal/console.hpp"
 
 namespace lamella::cli {
+
+// The subcommands. Each adds itself to the application and runs when it was the one chosen; all throw Failure.
+void add_slice_command(CLI::App& app, Interrupt& interrupt);
+void add_info_command(CLI::App& app, Interrupt& interrupt);
+void add_check_command(CLI::App& app, Interrupt& interrupt);
+void add_make_command(CLI::App& app, Interrupt& interrupt);
+void add_convert_command(CLI::App& app, Interrupt& interrupt);
+void add_merge_command(CLI::App& app, Interrupt& interrupt);
+void add_verify_command(CLI::App& app, Interrupt& interrupt);
+void add_batch_command(CLI::App& app, Interrupt& interrupt);
 
 /// A check for options whose value may not be empty: what is wrong with it, if anything.
 std::string given(const std::string& text);
@@ -34,8 +46,10 @@ CLI::Option* add_text(CLI::App& command, const std::string& flag, T& value, cons
                                                                          : option;
 }
 
-/// Transforms a word of a list to lower case, as it is listed; records hold it so.
-std::string lower_case(std::string word);
+/// A transform of words of a list: records hold them as they are listed.
+inline std::string in_lower_case(const std::string& word) {
+    return lower_case(word);
+}
 
 /// An option whose value `take` stores, or says what is wrong with it.
 CLI::Option* add_parsed(CLI::App& command, const std::string& flag, const std::string& type, const std::string& help,
@@ -45,9 +59,13 @@ CLI::Option* add_parsed(CLI::App& command, const std::string& flag, const std::s
 CLI::Option* add_number(CLI::App& command, const std::string& flag, const std::string& type, const std::string& help,
                         std::function<void(double)> take);
 
-/// An option that takes a number of bytes, such as 4G.
+/// An option that takes a number of bytes from 1 on: "1500000", "200K", "2GB", "1TiB", all of powers of 1024.
 CLI::Option* add_bytes(CLI::App& command, const std::string& flag, const std::string& type, const std::string& help,
                        std::uint64_t& bytes);
+
+/// An option that takes three numbers with commas between; of the text follows what `take` says is wrong with it.
+CLI::Option* add_triple(CLI::App& command, const std::string& flag, const std::string& help,
+                        std::function<std::string(const std::array<double, 3>&)> take);
 
 /// An option that takes a whole number from 0 on.
 CLI::Option* add_count(CLI::App& command, const std::string& flag, const std::string& help,

@@ -3,14 +3,20 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <cmath>
 #include <csignal>
+#include <cstdlib>
 #include <utility>
 
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include "io/write/output_file.hpp"
+#include "lamella/io/text_file.hpp"
 #include "terminal/console.hpp"
-#include "terminal/stages.hpp"
 
 namespace lamella::cli {
 
@@ -38,6 +44,59 @@ extern "C" void end_with_bus_error_line(int /*signal_number*/) {
 void explain_bus_errors(const std::string& name) {
     bus_error_line() = complaint(name + ": shrank while it was read, or its disk failed");
     (void)std::signal(SIGBUS, end_with_bus_error_line);
+}
+
+Failure unreadable(int error_number) {
+    return {bad_input, "standard input: cannot be read: " + std::generic_category().message(error_number)};
+}
+
+Failure no_spool(int error_number) {
+    return {bad_input, "standard input: cannot be kept in a temporary file in '" + temporary_folder() +
+                           "': " + std::generic_category().message(error_number)};
+}
+
+/// Removed as soon as it is open: whatever ends the process leaves nothing behind.
+Descriptor open_unnamed() {
+    // A file opened now would take the number of a standard input that is closed.
+    if (::fcntl(STDIN_FILENO, F_GETFD) < 0) {
+        throw unreadable(errno);
+    }
+    std::string name = (std::filesystem::path(temporary_folder()) / "lamella-XXXXXX").string();
+    Descriptor file(::mkostemp(name.data(), O_CLOEXEC));
+    if (file.number() < 0) {
+        throw no_spool(errno);
+    }
+    ::unlink(name.c_str());
+    return file;
+}
+
+/// 0 at the end.
+std::size_t read_some(std::vector<char>& buffer) {
+    for (;;) {
+        const ssize_t got = ::read(STDIN_FILENO, buffer.data(), buffer.size());
+        if (got >= 0) {
+            return static_cast<std::size_t>(got);
+        }
+        if (errno == EAGAIN) {
+            pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
+            (void)::poll(&input, 1, -1);
+        } else if (errno != EINTR) {
+            throw unreadable(errno);
+        }
+    }
+}
+
+/// All of standard input in a file that has no name, so that any of its bytes can be read in any order. The file is made in
+/// the temporary folder. Throws Failure.
+Descriptor spooled_input() {
+    Descriptor file = open_unnamed();
+    std::vector<char> buffer(std::size_t{1} << 20);
+    while (const std::size_t count = read_some(buffer)) {
+        if (const int error_number = write_all(file, {buffer.data(), count}); error_number != 0) {
+            throw no_spool(error_number);
+        }
+    }
+    return file;
 }
 
 void add_meshes(const std::filesystem::path& folder, const std::filesystem::path& below, std::vector<ListedMesh>& meshes) {
@@ -101,7 +160,115 @@ std::optional<std::string> doubt_of_unit(const MeasuredMesh& mesh) {
     return std::nullopt;
 }
 
+/// Where a file lies or would lie, whatever links and spellings its path has; and if it is there, what all its names share.
+std::vector<std::string> keys_of(const std::string& path) {
+    if (is_standard(path)) {
+        return {path};
+    }
+    std::error_code unknown;
+    const std::filesystem::path whole = std::filesystem::absolute(path, unknown);
+    const std::filesystem::path place = std::filesystem::weakly_canonical(whole, unknown);
+    std::vector<std::string> keys = {(unknown ? std::filesystem::path(path).lexically_normal() : place).string()};
+    struct stat file {};
+    if (::stat(path.c_str(), &file) == 0) {
+        keys.push_back(std::to_string(file.st_dev) + ":" + std::to_string(file.st_ino));
+    }
+    return keys;
+}
+
 }  // namespace
+
+Descriptor::~Descriptor() {
+    if (number_ >= 0) {
+        ::close(number_);
+    }
+}
+
+int write_all(const Descriptor& to, std::string_view bytes) noexcept {
+    while (!bytes.empty()) {
+        const ssize_t written = ::write(to.number(), bytes.data(), bytes.size());
+        if (written < 0 && errno != EINTR) {
+            return errno;
+        }
+        bytes.remove_prefix(static_cast<std::size_t>(written < 0 ? 0 : written));
+    }
+    return 0;
+}
+
+void write_text(const std::string& path, const std::string& text) {
+    if (is_standard(path)) {
+        print(text);
+    } else {
+        done_or_thrown(write_text_file(path, text));
+    }
+}
+
+std::string temporary_folder() {
+    std::error_code unknown;
+    const std::filesystem::path folder = std::filesystem::temp_directory_path(unknown);
+    return unknown ? "/tmp" : folder.string();
+}
+
+Failure unwritable(const std::string& path, int error_number) {
+    return failure_of(lamella::unwritable(path, error_number));
+}
+
+void require_writable(const std::string& path) {
+    if (is_standard(path)) {
+        const int flags = ::fcntl(STDOUT_FILENO, F_GETFL);
+        refuse_if(flags < 0 || (flags & O_ACCMODE) == O_RDONLY, bad_output,
+                  "cannot write to standard output: " + std::generic_category().message(EBADF));
+        return;
+    }
+    // Nothing is made for a trial: a signal at that moment would leave it behind.
+    const std::filesystem::path file(path);
+    std::error_code unknown;
+    if (!file.has_filename() || std::filesystem::is_directory(file, unknown)) {
+        throw unwritable(path, EISDIR);
+    }
+    const bool exists = std::filesystem::exists(file, unknown);
+    const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
+    if (!exists && std::filesystem::exists(folder, unknown) && !std::filesystem::is_directory(folder, unknown)) {
+        throw unwritable(path, ENOTDIR);
+    }
+    if (::access(exists ? path.c_str() : folder.c_str(), exists ? W_OK : W_OK | X_OK) != 0) {
+        throw unwritable(path, errno);
+    }
+}
+
+void require_extension(const std::string& path, const std::string& option, const std::string& extension) {
+    const std::string own = lower_case(std::filesystem::path(path).extension().string());
+    std::error_code unknown;
+    if (!own.empty() && own != extension && !std::filesystem::is_other(path, unknown)) {
+        throw Failure(bad_usage,
+                      option + ": '" + path + "': no format that is written ends in " + own + "; there is " + extension);
+    }
+}
+
+void FilePlan::require_free(const File& file) const {
+    const std::vector<std::string> keys = keys_of(file.path);
+    for (const std::string& key : keys) {
+        const auto at = files_.find(key);
+        // Two inputs may be one, and two outputs be links to one file, of which each then gets its own.
+        if (at == files_.end() ||
+            (file.option.empty() ? at->second.option.empty() : !at->second.option.empty() && key != keys.front())) {
+            continue;
+        }
+        const File& output = file.option.empty() ? at->second : file;
+        const File& taken = file.option.empty() ? file : at->second;
+        throw Failure(bad_usage, output.option + ": '" + output.path + "' is " + taken.what +
+                                     when(is_standard(file.path), ", and standard output takes one of them"));
+    }
+}
+
+void FilePlan::add(const File& file) {
+    if (!file.path.empty() && !(is_standard(file.path) && file.option.empty())) {
+        require_free(file);
+        for (const std::string& key : keys_of(file.path)) {
+            files_.emplace(key, file);
+        }
+    }
+}
 
 std::string mesh_help(const std::string& what) {
     return what + ": " + joined(format_names()) + "; gzip of any";
@@ -116,7 +283,7 @@ void declare_reading(CLI::App& command, MeshArguments& arguments) {
                    : "'" + text + "' is neither mm, um, cm, m, in, ft nor a positive number of mm";
     };
     add_parsed(command, "--unit", "mm|um|cm|m|in|ft|MM", "Unit of meshes that do not state one (default mm)", take)
-        ->transform(lower_case);
+        ->transform(in_lower_case);
     declare_options(command, arguments.options, "--grid");
     declare_running(command, arguments);
 }
@@ -131,22 +298,20 @@ void declare_running(CLI::App& command, MeshArguments& arguments) {
     add_choice(command, "--progress", when, "Progress bar on stderr (auto: on a terminal)", arguments.progress);
 }
 
-MeshFile read_mesh_of(const MeshArguments& arguments, ProgressBar& bar) {
+MeshFile read_mesh_of(const MeshArguments& arguments, Stages& stages) {
     const std::string name = arguments.name();
     if (arguments.map_file) {
         explain_bus_errors(name);
     }
-    Stage stage(bar, "reading");
     const bool standard = is_standard(arguments.mesh);
     const ReadOptions options{.map_file = arguments.map_file,
                               .mm_per_unit = arguments.unit_mm.value_or(1),
                               .name = standard ? std::string_view(name) : ""};
-    const Context context{.threads = arguments.threads, .progress = stage.progress()};
     const Stopwatch spooling;
     const Descriptor spooled = standard ? spooled_input() : Descriptor(-1);
     const double spool_ms = standard ? spooling.ms() : 0;
-    Result<MeshFile> mesh =
-        read_mesh(standard ? "/dev/fd/" + std::to_string(spooled.number()) : arguments.mesh, options, context);
+    const std::string path = standard ? "/dev/fd/" + std::to_string(spooled.number()) : arguments.mesh;
+    Result<MeshFile> mesh = stages.run("reading", [&](const Context& context) { return read_mesh(path, options, context); });
     if (!mesh) {
         const Failure failure = failure_of(mesh.error());
         // Where memory ran out there was none left to say in which file.
@@ -162,8 +327,8 @@ MeshFile read_mesh_of(const MeshArguments& arguments, ProgressBar& bar) {
     return std::move(mesh).value();
 }
 
-MeshFile read_mesh_and_warn(const MeshArguments& arguments, ProgressBar& bar) {
-    MeshFile mesh = read_mesh_of(arguments, bar);
+MeshFile read_mesh_and_warn(const MeshArguments& arguments, Stages& stages) {
+    MeshFile mesh = read_mesh_of(arguments, stages);
     for (const std::string& warning : mesh.warnings) {
         warn(warning);
     }

@@ -1,23 +1,108 @@
-// The meshes that a command works on: the flags that say how to read them, files and folders, a file in words, and doubts
-// that its size and place raise.
+// Files of a command: descriptors of the system, "-" in place of a path (standard input for a mesh, standard output for what
+// is written), and checks of an output's path before the work for it is done. The meshes that a command works on: the flags
+// that say how to read them, files and folders, a file in words, and doubts that its size and place raise.
 #pragma once
 
 #include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <system_error>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include "files/flags.hpp"
-#include "files/streams.hpp"
 #include "lamella/check.hpp"
 #include "lamella/io/mesh_file.hpp"
-#include "terminal/stages.hpp"
+#include "terminal/console.hpp"
 
 namespace lamella::cli {
+
+/// Closes its descriptor.
+class Descriptor {
+public:
+    explicit Descriptor(int number) noexcept : number_(number) {}
+    Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+    Descriptor& operator=(Descriptor&& other) noexcept {
+        std::swap(number_, other.number_);
+        return *this;
+    }
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+    ~Descriptor();
+
+    int number() const noexcept { return number_; }
+
+private:
+    int number_;  ///< below 0: none
+};
+
+/// 0 when all is written, else an error number.
+int write_all(const Descriptor& to, std::string_view bytes) noexcept;
+
+inline constexpr std::string_view standard_stream = "-";
+
+inline bool is_standard(std::string_view path) noexcept {
+    return path == standard_stream;
+}
+
+/// The names of an input and an output in messages.
+inline std::string input_name(const std::string& path) {
+    return is_standard(path) ? "standard input" : path;
+}
+inline std::string output_name(const std::string& path) {
+    return is_standard(path) ? "standard output" : path;
+}
+
+/// The path under which the library writes to an output.
+inline std::string output_path(const std::string& path) {
+    return is_standard(path) ? "/dev/stdout" : path;
+}
+
+/// Writes a report. Throws Failure (bad_output).
+void write_text(const std::string& path, const std::string& text);
+
+/// $TMPDIR, else /tmp.
+std::string temporary_folder();
+
+/// "cannot write 'PATH': REASON"
+Failure unwritable(const std::string& path, int error_number);
+
+/// Throws Failure (bad_output) where `path`, or standard output for -, plainly cannot be written; a full disk shows only
+/// later.
+void require_writable(const std::string& path);
+
+/// Throws Failure (bad_usage) if the path ends in another extension, and is no device or pipe.
+void require_extension(const std::string& path, const std::string& option, const std::string& extension);
+
+/// The files of a command, of which no output replaces an input or another output, by whatever path or link, and whether it
+/// exists or not. An input and an output may both be -, which are different streams. Empty paths stand for no file.
+class FilePlan {
+public:
+    /// `what`: as messages call it, "the mesh". Throws Failure (bad_usage).
+    void reads(const std::string& path, const std::string& what) { add({path, "", what + " itself"}); }
+    /// The same of a file that `option` names; `what`: "another output".
+    void writes(const std::string& path, const std::string& option, const std::string& what) { add({path, option, what}); }
+    /// Throws Failure (bad_usage) where `path` could not be added.
+    void require_free(const std::string& path, const std::string& option) const { require_free(File{path, option, ""}); }
+
+private:
+    struct File {
+        std::string path;
+        std::string option;  ///< empty: an input
+        std::string what;
+    };
+    void require_free(const File& file) const;
+    void add(const File& file);
+
+    std::unordered_map<std::string, File> files_;  ///< by where they lie, and by their numbers in their file systems
+};
+
+// --- meshes
 
 struct MeshArguments {
     std::string mesh;  ///< a path, or - for standard input
@@ -40,11 +125,11 @@ void declare_threads(CLI::App& command, int& threads);
 /// The help of an argument that is a mesh: "Mesh file, or - for standard input: ...".
 std::string mesh_help(const std::string& what);
 
-/// Reads the mesh, which `bar` shows; its warnings are the caller's to tell. Throws Failure.
-MeshFile read_mesh_of(const MeshArguments& arguments, ProgressBar& bar);
+/// Reads the mesh; its warnings are the caller's to tell. Throws Failure.
+MeshFile read_mesh_of(const MeshArguments& arguments, Stages& stages);
 
 /// The same, with the warnings told.
-MeshFile read_mesh_and_warn(const MeshArguments& arguments, ProgressBar& bar);
+MeshFile read_mesh_and_warn(const MeshArguments& arguments, Stages& stages);
 
 /// "binary STL, 1.9 MB", with what else is known of the file.
 std::string description(const MeshFile& mesh);

@@ -13,7 +13,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "files/streams.hpp"
+#include "files/mesh_input.hpp"
 #include "lamella/context.hpp"
 #include "lamella/io/mesh_file.hpp"
 #include "lamella/medical.hpp"
@@ -83,13 +83,10 @@ std::vector<PlannedOutput> plan_outputs(const OutputArguments& arguments, std::s
                                         FilePlan& files);
 
 /// All files that come of them.
-std::vector<std::filesystem::path> files_of(const std::vector<PlannedOutput>& outputs, bool several_meshes);
+std::vector<std::string> files_of(const std::vector<PlannedOutput>& outputs, bool several_meshes);
 
 /// The environment's SOURCE_DATE_EPOCH, seconds since 1970, if it is there. Throws Failure (bad_usage).
 std::optional<std::int64_t> source_date();
-
-/// The patient frame of a mesh: what its file states, else --frame. Throws Failure where neither says it.
-PatientFrame patient_frame_of(const MeshFile& mesh, const ImageArguments& arguments, const std::string& name);
 
 /// The slices of the image's series are read. Throws Failure (bad_usage) where an output would replace one.
 void add_series(const ImageGeometry& image, FilePlan& files);
@@ -139,6 +136,8 @@ struct SlicedPart {
     std::string mesh_sha256;            ///< of the mesh's file, where it is known
     std::optional<std::uint64_t> hash;  ///< SliceResult::hash(), where it is known
 
+    /// Counts and places of open contours, and the flag that would join them: a line for people.
+    std::string open_words() const { return describe(open, "--stitch "); }
     double reach_mm() const noexcept { return result.info.options.stitch_mm; }  ///< of stitches
 };
 
@@ -159,9 +158,6 @@ struct OutputJob {
 
 /// Throws Failure.
 OpenLayers open_layers_of(const SliceResult& result, const Context& context);
-
-/// Counts and places of open contours, and the flag that would join them: a line for people.
-std::string said_of(const OpenLayers& open);
 
 /// Writes all outputs that can be written; `note` takes warnings. Parts whose names repeat are told apart by a number.
 /// Throws Failure where none can be written, and of a stop.

@@ -7,7 +7,7 @@
 #include <system_error>
 
 #include "files/flags.hpp"
-#include "files/streams.hpp"
+#include "files/mesh_input.hpp"
 #include "lamella/medical.hpp"
 #include "terminal/console.hpp"
 
@@ -81,13 +81,13 @@ void declare_image(CLI::App& command, ImageArguments& arguments) {
     static constexpr std::array<std::string_view, 2> frames = {"lps", "ras"};
     add_text(command, "--like", arguments.like, "IMAGE",
              "Cut at the slices of this image: NIfTI-1, NRRD, or a folder with a DICOM series");
-    const auto take_spacing = [&arguments](const std::string& text) {
-        arguments.spacing = parse_triple(text, "--spacing");
-        return "";
+    const auto take_spacing = [&arguments](const std::array<double, 3>& mm) {
+        arguments.spacing = mm;
+        const Result<ImageGeometry> voxels = geometry_around(Box{}, mm);
+        return voxels ? std::string() : ": " + voxels.error().message;
     };
-    add_parsed(command, "--spacing", "X,Y,Z",
-               "Cut for voxels of this size in mm around the mesh, along left, posterior, superior", take_spacing)
-        ->check(given)
+    add_triple(command, "--spacing", "Cut for voxels of this size in mm around the mesh, along left, posterior, superior",
+               take_spacing)
         ->excludes("--like");
     add_choice(command, "--frame", frames, "Patient frame of meshes that do not state one",
                [&arguments](std::size_t i) { arguments.frame = i == 0 ? PatientFrame::lps : PatientFrame::ras; });
@@ -125,7 +125,7 @@ std::vector<PlannedOutput> planned_outputs(const OutputArguments& arguments) {
     refuse_if(outputs.size() != 1 || is_standard(outputs.front()), bad_usage,
               "--to: needs one --output, a file, whose name the formats share");
     for (const std::string_view word : split(arguments.to, ',')) {
-        const std::string name = lower_case(std::string(word));
+        const std::string name = lower_case(word);
         const auto* const format =
             std::find_if(formats.begin(), formats.end(), [&](const NamedFormat& known) { return known.name == name; });
         refuse_if(format == formats.end(), bad_usage,
@@ -204,22 +204,13 @@ std::vector<PlannedOutput> plan_outputs(const OutputArguments& arguments, std::s
     return outputs;
 }
 
-std::vector<std::filesystem::path> files_of(const std::vector<PlannedOutput>& outputs, bool several_meshes) {
-    std::vector<std::filesystem::path> all;
+std::vector<std::string> files_of(const std::vector<PlannedOutput>& outputs, bool several_meshes) {
+    std::vector<std::string> all;
     for (const PlannedOutput& output : outputs) {
         const std::vector<std::string> files = output.files(several_meshes);
         all.insert(all.end(), files.begin(), files.end());
     }
     return all;
-}
-
-PatientFrame patient_frame_of(const MeshFile& mesh, const ImageArguments& arguments, const std::string& name) {
-    if (mesh.patient_frame != PatientFrame::unstated) {
-        return mesh.patient_frame;
-    }
-    refuse_if(arguments.frame == PatientFrame::unstated, bad_usage,
-              name + ": states no patient frame; --frame lps or --frame ras says it");
-    return arguments.frame;
 }
 
 void require_image_serves(const ImageGeometry& image, const std::vector<PlannedOutput>& outputs,

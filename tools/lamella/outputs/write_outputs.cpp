@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "files/flags.hpp"
-#include "files/streams.hpp"
+#include "files/mesh_input.hpp"
 #include "lamella/io/svg.hpp"
 #include "lamella/version.hpp"
 #include "terminal/console.hpp"
@@ -235,10 +235,6 @@ void write_record_beside(const PlannedOutput& output, Record record, const Conte
     done_or_thrown(write_record(record, output.record_path()));
 }
 
-std::string said_of(const OpenLayers& open) {
-    return describe(open, "--stitch ");
-}
-
 OpenLayers open_layers_of(const SliceResult& result, const Context& context) {
     return *done_or_thrown(audit(result, MeshView{}, {.volume = false, .ledger = false, .crossings = false}, context)).open;
 }
@@ -254,7 +250,7 @@ void write_outputs(OutputJob& job, const Context& context, const Note& note) {
         }
     }
     for (const SlicedPart& part : job.parts) {
-        refuse_if(job.arguments.strict && part.open.layers > 0, bad_input, part.name + ": --strict: " + said_of(part.open));
+        refuse_if(job.arguments.strict && part.open.layers > 0, bad_input, part.name + ": --strict: " + part.open_words());
     }
     if (job.finish_streamed) {
         job.finish_streamed();

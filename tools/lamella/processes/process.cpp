@@ -15,13 +15,12 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <spawn.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "files/streams.hpp"
+#include "files/mesh_input.hpp"
 #include "terminal/console.hpp"
 
 namespace lamella::cli {
@@ -36,34 +35,27 @@ Failure no_process(int error_number) {
     return {bad_input, "cannot start a process for a mesh: " + std::generic_category().message(error_number)};
 }
 
-pid_t spawn(const ToolCall& call, int output) {
-    std::vector<std::string> words = {"lamella", call.command, "--worker=" + std::to_string(::getpid())};
-    words.insert(words.end(), call.words.begin(), call.words.end());
+pid_t spawn(std::vector<std::string> words, const std::string& folder, int output) {
+    words.insert(words.begin(), "lamella");
+    words.insert(words.begin() + 2, "--worker=" + std::to_string(::getpid()));
     std::vector<char*> pointers;
     pointers.reserve(words.size() + 1);
     for (std::string& word : words) {
         pointers.push_back(word.data());
     }
     pointers.push_back(nullptr);
-    posix_spawn_file_actions_t files;
-    posix_spawnattr_t attributes;
-    ::posix_spawn_file_actions_init(&files);
-    ::posix_spawnattr_init(&attributes);
-    ::posix_spawn_file_actions_adddup2(&files, output, STDOUT_FILENO);
-    ::posix_spawn_file_actions_adddup2(&files, output, STDERR_FILENO);
-    ::posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    if (!call.folder.empty()) {
-        ::posix_spawn_file_actions_addchdir_np(&files, call.folder.c_str());
-    }
-    ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
     (void)std::signal(SIGCHLD, SIG_DFL);  // Where it is ignored, nobody learns how a process ended.
-    pid_t process = -1;
-    // The link leads to this program even where its file was replaced meanwhile.
-    const int error_number = ::posix_spawn(&process, "/proc/self/exe", &files, &attributes, pointers.data(), environ);
-    ::posix_spawn_file_actions_destroy(&files);
-    ::posix_spawnattr_destroy(&attributes);
-    if (error_number != 0) {
-        throw no_process(error_number);
+    const pid_t process = ::fork();
+    if (process < 0) {
+        throw no_process(errno);
+    }
+    if (process == 0) {  // until exec, only calls that need no lock of another thread
+        ::setpgid(0, 0);
+        const bool ready = ::dup2(::open("/dev/null", O_RDONLY | O_CLOEXEC), STDIN_FILENO) >= 0 &&
+                           ::dup2(output, STDOUT_FILENO) >= 0 && ::dup2(output, STDERR_FILENO) >= 0 &&
+                           (folder.empty() || ::chdir(folder.c_str()) == 0);
+        // The link leads to this program even where its file was replaced meanwhile.
+        ::_exit(ready ? ::execv("/proc/self/exe", pointers.data()) : bad_input);
     }
     return process;
 }
@@ -122,14 +114,15 @@ void declare_worker(CLI::App& command) {
     command.add_option_function<pid_t>("--worker", end_with)->group("");
 }
 
-ProcessEnd run_process(const ToolCall& call, double timeout_s, const std::function<bool()>& stop) {
+ProcessEnd run_process(std::vector<std::string> words, const std::string& folder, double timeout_s,
+                       const std::function<bool()>& stop) {
     std::array<int, 2> ends{};
     if (::pipe2(ends.data(), O_CLOEXEC) != 0) {
         throw no_process(errno);
     }
     const Descriptor reading(ends[0]);
     std::optional<Descriptor> writing(ends[1]);
-    const pid_t process = spawn(call, writing->number());
+    const pid_t process = spawn(std::move(words), folder, writing->number());
     writing.reset();  // so that the end of the process is the end of what it prints
     const Stopwatch watch;
     bool late = false;

@@ -19,7 +19,7 @@
 #include "lamella/io/report.hpp"
 #include "outputs/outputs.hpp"
 #include "slicing/tuning.hpp"
-#include "terminal/stages.hpp"
+#include "terminal/console.hpp"
 
 namespace lamella::cli {
 

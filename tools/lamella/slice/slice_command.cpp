@@ -4,8 +4,7 @@
 #include <memory>
 #include <utility>
 
-#include "commands.hpp"
-#include "files/streams.hpp"
+#include "files/mesh_input.hpp"
 #include "lamella/io.hpp"
 #include "lamella/io/mesh_stream.hpp"
 #include "lamella/lamella.hpp"
@@ -13,7 +12,7 @@
 #include "outputs/outputs.hpp"
 #include "processes/process.hpp"
 #include "slice/slice.hpp"
-#include "terminal/stages.hpp"
+#include "terminal/console.hpp"
 
 namespace lamella::cli {
 
@@ -44,9 +43,14 @@ std::filesystem::path folder_beside(const SliceArguments& arguments) {
     return temporary_folder();
 }
 
-/// True of formats that take one layer after the other: SVG and tables.
-bool takes_layers(const PlannedOutput& output) {
-    return output.format == OutputFormat::svg || output.format == OutputFormat::table;
+/// The patient frame of a mesh: what its file states, else --frame. Throws Failure where neither says it.
+PatientFrame patient_frame_of(const MeshFile& mesh, const ImageArguments& arguments, const std::string& name) {
+    if (mesh.patient_frame != PatientFrame::unstated) {
+        return mesh.patient_frame;
+    }
+    refuse_if(arguments.frame == PatientFrame::unstated, bad_usage,
+              name + ": states no patient frame; --frame lps or --frame ras says it");
+    return arguments.frame;
 }
 
 class SliceCommand {
@@ -125,16 +129,19 @@ private:
             file_plan_.reads(mesh, "the mesh");
         }
         job_.outputs = plan_outputs(arguments_.outputs, arguments_.mesh_count(), arguments_.image, file_plan_);
+        const auto takes_layers = [](const PlannedOutput& output) {
+            return output.format == OutputFormat::svg || output.format == OutputFormat::table;
+        };
         streams_ = arguments_.in_ranges() &&
                    (job_.outputs.empty() ||
                     (arguments_.meshes.size() == 1 && std::all_of(job_.outputs.begin(), job_.outputs.end(), takes_layers)));
-        std::vector<std::filesystem::path> files = files_of(job_.outputs, arguments_.mesh_count() > 1);
+        std::vector<std::string> files = files_of(job_.outputs, arguments_.mesh_count() > 1);
         if (const std::string& report = arguments_.report; !report.empty()) {
             refuse_if(!are_all_layers(arguments_.options), bad_usage,
                       "--report: not with --layers, as it judges the whole mesh");
             refuse_if(arguments_.mesh_count() > 1, bad_usage, "--report: one mesh a report, not several");
             require_writable(report);
-            file_plan_.writes(report, "--report", "--report");
+            file_plan_.writes(report, "--report", "the report");
             files.emplace_back(report);
         }
         stages_.interrupt().tidy(std::move(files));
@@ -198,7 +205,7 @@ private:
                                         .read = {.mm_per_unit = arguments_.unit_mm.value_or(1)}};
             mesh.stream = done_or_thrown(open_mesh(path, options));
         } else {
-            mesh.file = read_mesh_of(arguments_, stages_.bar());
+            mesh.file = read_mesh_of(arguments_, stages_);
         }
         mesh.warnings = mesh.about().warnings;
         const PatientFrame asked = arguments_.image.frame;

@@ -7,79 +7,14 @@
 #include <fstream>
 #include <memory>
 #include <system_error>
+#include <thread>
 
+#include <pthread.h>
 #include <unistd.h>
 
+#include "lamella/io/text_file.hpp"
+
 namespace lamella::cli {
-
-namespace {
-
-constexpr std::string_view blanks = " \t\r\v\f";
-
-std::string_view trimmed(std::string_view text) {
-    const std::size_t first = text.find_first_not_of(blanks);
-    return first == std::string_view::npos ? std::string_view{}
-                                           : text.substr(first, text.find_last_not_of(blanks) - first + 1);
-}
-
-/// For messages: shortened, and fit to print, as what is no number may be of a binary file.
-std::string quoted(std::string_view word) {
-    constexpr std::size_t longest = 40;
-    return "'" + printable(word.substr(0, longest)) + (word.size() > longest ? "...'" : "'");
-}
-
-/// Stands between white space and semicolons.
-struct Word {
-    std::string_view text;
-    std::size_t line;
-};
-
-struct WordList {
-    std::vector<Word> words;
-    bool in_columns = false;  ///< separated by semicolons or tabs
-};
-
-WordList words_of(std::string_view text) {
-    constexpr std::string_view separators = " \t\r\v\f;";
-    WordList list;
-    for (std::size_t number = 1; !text.empty(); ++number) {
-        const std::size_t line_end = std::min(text.find('\n'), text.size());
-        const std::string_view line = text.substr(0, std::min(line_end, text.find('#')));
-        text.remove_prefix(std::min(line_end + 1, text.size()));
-        list.in_columns = list.in_columns || line.find_first_of("\t;") != std::string_view::npos;
-        for (std::size_t begin = line.find_first_not_of(separators); begin != std::string_view::npos;) {
-            const std::size_t end = std::min(line.find_first_of(separators, begin), line.size());
-            list.words.push_back({line.substr(begin, end - begin), number});
-            begin = line.find_first_not_of(separators, end);
-        }
-    }
-    return list;
-}
-
-/// True if commas are decimal ones: in columns of whole numbers and such as 0,5. Throws Failure of a file that may be read
-/// in both ways.
-bool has_decimal_commas(const WordList& list, const std::string& path) {
-    const auto separates = [](const Word& word) {
-        return word.text.find('.') != std::string_view::npos ||
-               (word.text.find(',') != std::string_view::npos && !is_decimal_comma(word.text));
-    };
-    const auto pair =
-        std::find_if(list.words.begin(), list.words.end(), [](const Word& word) { return is_decimal_comma(word.text); });
-    if (pair == list.words.end()) {
-        return false;
-    }
-    const bool separated = std::any_of(list.words.begin(), list.words.end(), separates);
-    if (separated && !list.in_columns) {
-        return false;
-    }
-    if (separated || !list.in_columns) {
-        throw Failure(bad_input, path + ":" + std::to_string(pair->line) + ": " + quoted(pair->text) +
-                                     " is one number or two: write numbers as 0.5, or separate them by ; or blanks");
-    }
-    return true;
-}
-
-}  // namespace
 
 std::string complaint(std::string_view text) {
     return "lamella: " + printable(text) + "\n";
@@ -94,15 +29,11 @@ void warn(std::string_view text) {
 }
 
 std::string grouped(std::uint64_t count) {
-    const std::string digits = std::to_string(count);
-    std::string text;
-    for (std::size_t i = 0; i < digits.size(); ++i) {
-        if (i > 0 && (digits.size() - i) % 3 == 0) {
-            text += ',';
-        }
-        text += digits[i];
+    std::string digits = std::to_string(count);
+    for (std::size_t end = digits.size(); end > 3; end -= 3) {
+        digits.insert(end - 3, ",");
     }
-    return text;
+    return digits;
 }
 
 std::string counted(std::uint64_t count, std::string_view noun, std::string_view plural) {
@@ -131,13 +62,10 @@ std::string hexadecimal(std::uint64_t value) {
 }
 
 std::string file_size_text(std::uint64_t bytes) {
-    constexpr std::uint64_t kilobyte = 1000;
-    constexpr std::uint64_t megabyte = 1000 * kilobyte;
-    if (bytes < 10 * kilobyte) {
-        return grouped(bytes) + " bytes";
-    }
-    return bytes < megabyte ? rounded(static_cast<double>(bytes) / kilobyte, 1) + " kB"
-                            : rounded(static_cast<double>(bytes) / megabyte, 1) + " MB";
+    const auto size = static_cast<double>(bytes);
+    return size < 1e4   ? grouped(bytes) + " bytes"
+           : size < 1e6 ? rounded(size / 1e3, 1) + " kB"
+                        : rounded(size / 1e6, 1) + " MB";
 }
 
 void print(std::string_view words) {
@@ -182,6 +110,73 @@ void ProgressBar::wipe() {
     }
 }
 
+Interrupt::Interrupt() {
+    sigemptyset(&signals_);
+    for (const int signal_number : {SIGINT, SIGTERM, SIGHUP}) {
+        // A caller that ignores a signal (nohup, a shell's background jobs) means it for its children too.
+        struct sigaction action {};
+        if (::sigaction(signal_number, nullptr, &action) != 0 || action.sa_handler != SIG_IGN) {
+            sigaddset(&signals_, signal_number);
+        }
+    }
+    pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
+    // A closed pipe and a file size limit become errors of write(), reported like a full disk.
+    (void)std::signal(SIGPIPE, SIG_IGN);
+    (void)std::signal(SIGXFSZ, SIG_IGN);
+    try {
+        std::thread([this] { wait_for_signals(); }).detach();
+    } catch (const std::system_error& refused) {
+        throw Failure(bad_input,
+                      "cannot start a thread, as there are too many or too little memory: " + refused.code().message());
+    }
+}
+
+void Interrupt::tidy(std::vector<std::string> outputs) {
+    const std::lock_guard lock(mutex_);
+    outputs_ = std::move(outputs);
+}
+
+Callback<bool()> Interrupt::defer() noexcept {
+    deferring_ = true;
+    return {this, [](void* own) noexcept { return static_cast<Interrupt*>(own)->signal_ != 0; }};
+}
+
+void Interrupt::end_deferring() noexcept {
+    deferring_ = false;
+    die_if_interrupted();
+}
+
+void Interrupt::wait_for_signals() {
+    int signal_number = 0;
+    while (sigwait(&signals_, &signal_number) == 0) {
+        if (!deferring_ || signal_ != 0) {
+            die_by(signal_number);
+        }
+        signal_ = signal_number;
+    }
+}
+
+/// As if the signal had never been handled: shells and schedulers see its number in the exit status.
+void Interrupt::die_by(int signal_number) noexcept {
+    const std::lock_guard lock(mutex_);
+    for (const std::string& output : outputs_) {
+        remove_unfinished(output);
+    }
+    complain("interrupted");
+    sigset_t only;
+    sigemptyset(&only);
+    sigaddset(&only, signal_number);
+    (void)std::signal(signal_number, SIG_DFL);
+    pthread_sigmask(SIG_UNBLOCK, &only, nullptr);
+    (void)::raise(signal_number);
+}
+
+void Interrupt::die_if_interrupted() noexcept {
+    if (const int signal_number = signal_; signal_number != 0) {
+        die_by(signal_number);
+    }
+}
+
 std::optional<std::uint64_t> system_number(const std::string& path, std::string_view key) {
     std::ifstream file(path);
     std::uint64_t number = 0;
@@ -199,61 +194,11 @@ std::uint64_t peak_rss_bytes() {
 }
 
 std::optional<double> parse_number(std::string_view text) noexcept {
-    if (text.size() > 1 && text[0] == '+' && text[1] != '-') {
-        text.remove_prefix(1);
-    }
     double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
-        return std::nullopt;
-    }
-    return value;
-}
-
-std::optional<std::vector<double>> parse_list(std::string_view text) {
-    std::vector<double> values;
-    for (const std::string_view piece : split(text, ',')) {
-        const std::optional<double> value = parse_number(trimmed(piece));
-        if (!value) {
-            return std::nullopt;
-        }
-        values.push_back(*value);
-    }
-    return values;
-}
-
-std::array<double, 3> parse_triple(std::string_view text, const std::string& option) {
-    const std::vector<double> values = parse_list(text).value_or(std::vector<double>());
-    refuse_if(values.size() != 3, bad_usage, option + ": '" + std::string(text) + "' is not three numbers X,Y,Z");
-    return {values[0], values[1], values[2]};
-}
-
-std::uint64_t parse_bytes(const std::string& text, const std::string& option) {
-    std::uint64_t bytes = 0;
-    const char* const end = text.data() + text.size();
-    const auto [stop, problem] = std::from_chars(text.data(), end, bytes);
-    std::string_view suffix(stop, static_cast<std::size_t>(end - stop));
-    unsigned shift = 0;
-    if (!suffix.empty()) {
-        constexpr std::string_view letters = "KMGT";
-        const std::size_t letter = letters.find(suffix.front() == 'k' ? 'K' : suffix.front());
-        shift = letter == std::string_view::npos ? 64 : 10 * (static_cast<unsigned>(letter) + 1);
-        suffix.remove_prefix(1);
-    }
-    const bool rest = !(suffix.empty() || suffix == "B" || suffix == "iB");
-    if (problem != std::errc() || rest || shift == 64 || bytes == 0 || bytes > (std::uint64_t{1} << 62 >> shift)) {
-        throw Failure(bad_usage, option + ": '" + text + "' is not a number of bytes, such as 4000000000 or 4G");
-    }
-    return bytes << shift;
-}
-
-bool parse_layers(std::string_view text, std::uint64_t& first, std::uint64_t& end) {
-    const auto part = [](std::string_view digits, std::uint64_t& value) {
-        return digits.empty() || read_integer(digits, value);
-    };
-    const std::size_t colon = text.find(':');
-    return colon != std::string_view::npos && part(text.substr(0, colon), first) && part(text.substr(colon + 1), end) &&
-           first < end;
+    const char* at = text.data();
+    const char* const end = at + text.size();
+    const bool is_number = !text.empty() && !is_space(*at) && read_number(at, end, value) == NumberText::read && at == end;
+    return is_number ? std::optional(value) : std::nullopt;
 }
 
 bool is_decimal_comma(std::string_view text) noexcept {
@@ -299,29 +244,6 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
     }
     pieces.push_back(text);
     return pieces;
-}
-
-NumberFile read_numbers(const std::string& path) {
-    const std::string whole = read_text(path);
-    const WordList list = words_of(whole);
-    const bool decimal = has_decimal_commas(list, path);
-    NumberFile numbers;
-    for (const Word& word : list.words) {
-        for (const std::string_view piece : split(word.text, decimal ? ' ' : ',')) {
-            if (piece.empty()) {
-                continue;
-            }
-            const std::string text = with_point(piece);
-            const std::optional<double> value = parse_number(text);
-            if (!value) {
-                throw Failure(bad_input, path + ":" + std::to_string(word.line) + ": " + quoted(std::string_view(text)) +
-                                             " is not a number");
-            }
-            numbers.values.push_back(*value);
-            numbers.lines.push_back(word.line);
-        }
-    }
-    return numbers;
 }
 
 }  // namespace lamella::cli

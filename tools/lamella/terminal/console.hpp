@@ -1,12 +1,16 @@
 // Text for people: counts with separators, the progress bar, single-line messages. Numbers and small text files as people
 // write them: on the command line, in manifests, heights, matrices. And how a command fails: by one line for a person and an
-// exit status for a script.
+// exit status for a script. A command as stages: the bar shows each, and SIGINT, SIGTERM and SIGHUP end it in an orderly
+// way, so that nothing half-written stays behind.
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <chrono>
+#include <csignal>
 #include <cstdint>
 #include <limits>
+#include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -17,6 +21,7 @@
 #include "base/clock.hpp"
 #include "base/words.hpp"
 #include "io/text/text.hpp"
+#include "lamella/context.hpp"
 #include "lamella/error.hpp"
 #include "lamella/io/name_text.hpp"
 
@@ -47,22 +52,10 @@ inline void refuse_if(bool wrong, ExitStatus status, const std::string& line) {
 
 /// The exit status and line for an error of the library.
 inline Failure failure_of(const Error& error) {
-    switch (error.code) {
-        case ErrorCode::invalid_argument:
-        case ErrorCode::bad_planes:
-        case ErrorCode::result_too_large:
-            return {bad_usage, error.message};
-        case ErrorCode::unwritable_file:
-            return {bad_output, error.message};
-        case ErrorCode::unreadable_file:
-        case ErrorCode::malformed_mesh:
-        case ErrorCode::empty_mesh:
-        case ErrorCode::bad_coordinate:
-        case ErrorCode::out_of_memory:
-        case ErrorCode::cancelled:
-            break;
-    }
-    return {bad_input, error.message};
+    const bool usage = error.code == ErrorCode::invalid_argument || error.code == ErrorCode::bad_planes ||
+                       error.code == ErrorCode::result_too_large;
+    const bool output = error.code == ErrorCode::unwritable_file;
+    return {usage ? bad_usage : output ? bad_output : bad_input, error.message};
 }
 
 /// Throws Failure unless the library did what it was asked for. A line on what is wrong with `mesh`, where one is given,
@@ -167,23 +160,90 @@ std::optional<std::uint64_t> system_number(const std::string& path, std::string_
 /// Largest resident size so far.
 std::uint64_t peak_rss_bytes();
 
+// --- stages
+
+/// Signals, which a thread of its own takes until the process ends. Construct it before any other thread, so that all of
+/// them inherit the blocked signals, and never destroy it.
+class Interrupt {
+public:
+    Interrupt();  ///< throws Failure
+    Interrupt(const Interrupt&) = delete;
+    Interrupt& operator=(const Interrupt&) = delete;
+
+    /// The files that will be written: what is unfinished of them goes with the process.
+    void tidy(std::vector<std::string> outputs);
+
+    /// From here on a signal becomes a stop request; until here it ends the process, and so does always the second one. One
+    /// that comes when all is written is too late: the command ends as it would have.
+    Callback<bool()> defer() noexcept;
+
+    /// From here on a signal ends the process again, and one that was deferred does so now.
+    void end_deferring() noexcept;
+
+    /// Ends the process as the deferred signal would have, if one came.
+    void die_if_interrupted() noexcept;
+
+private:
+    void wait_for_signals();
+    void die_by(int signal_number) noexcept;
+
+    std::atomic<bool> deferring_ = false;
+    std::atomic<int> signal_ = 0;
+    sigset_t signals_{};
+    std::mutex mutex_;  ///< of the outputs
+    std::vector<std::string> outputs_;
+};
+
+/// The stages of a command, of which the bar shows each.
+class Stages {
+public:
+    Stages(ProgressBar::When progress, int threads, Interrupt& interrupt)
+        : bar_(progress), threads_(threads), interrupt_(interrupt) {}
+
+    /// Returns what `call` does, which takes a Context. From here on a signal is a stop request.
+    template <class Call>
+    auto run(std::string_view what, const Call& call) {
+        const auto show = [&](double fraction) noexcept { bar_.show(what, fraction); };
+        const Wiping wiping{bar_};
+        show(0);
+        return call(Context{.threads = threads_,
+                            .stop = interrupt_.defer(),
+                            .progress = bar_.shown() ? Callback<void(double)>(show) : Callback<void(double)>()});
+    }
+
+    /// The value that it makes; `ms` gets how long that takes. Throws Failure where it makes none.
+    template <class Call>
+    auto done(std::string_view what, const Call& call, double* ms = nullptr) {
+        const Stopwatch watch;
+        auto made = done_or_thrown(run(what, call));
+        if (ms != nullptr) {
+            *ms = watch.ms();
+        }
+        return made;
+    }
+
+    void warn(std::string_view text) {
+        bar_.wipe();
+        cli::warn(text);
+    }
+
+    Interrupt& interrupt() noexcept { return interrupt_; }
+
+private:
+    struct Wiping {
+        ProgressBar& bar;
+        ~Wiping() { bar.wipe(); }
+    };
+
+    ProgressBar bar_;
+    int threads_;
+    Interrupt& interrupt_;
+};
+
 // --- what people write
 
 /// All of `text` as one finite number; a leading + is allowed.
 std::optional<double> parse_number(std::string_view text) noexcept;
-
-/// "1,2.5,3" (spaces around numbers allowed), or nothing if any part is not a number.
-std::optional<std::vector<double>> parse_list(std::string_view text);
-
-/// Exactly three numbers with commas between; throws Failure naming `option`.
-std::array<double, 3> parse_triple(std::string_view text, const std::string& option);
-
-/// A number of bytes, at least 1: "1500000", "200K", "512M", "2GB", "1TiB", all of powers of 1024. Throws Failure naming
-/// `option`.
-std::uint64_t parse_bytes(const std::string& text, const std::string& option);
-
-/// "A:B", "A:" or ":B": layers from A up to, but not with, B. False where it is none of these; what is not given stays.
-bool parse_layers(std::string_view text, std::uint64_t& first, std::uint64_t& end);
 
 /// All of the file. Throws Failure (bad_input) of one that cannot be read, or is larger than `most_bytes`.
 std::string read_bytes(const std::string& path, std::size_t most_bytes = std::numeric_limits<std::size_t>::max());
@@ -194,15 +254,6 @@ std::string read_text(const std::string& path);
 
 /// The pieces between separators, of which one more than of these: text that ends with one has an empty last piece.
 std::vector<std::string_view> split(std::string_view text, char separator);
-
-struct NumberFile {
-    std::vector<double> values;
-    std::vector<std::size_t> lines;  ///< where each value stands, from 1
-};
-
-/// Numbers separated by white space, semicolons or commas; # begins a comment. In columns separated by semicolons or tabs
-/// commas may be decimal ones. Throws Failure naming the file and the line.
-NumberFile read_numbers(const std::string& path);
 
 /// True if all of `text` is digits with one comma between them, as 0,5.
 bool is_decimal_comma(std::string_view text) noexcept;

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstring>
 #include <filesystem>
-#include <limits>
 #include <span>
 #include <type_traits>
 
@@ -129,20 +128,8 @@ double length_mm(const SliceResult& result, const Contour& contour) {
     return length * result.info.grid_mm;
 }
 
-/// As LayerTable does: NaN where a contour is open.
-double perimeter_mm(const SliceResult& result, const Layer& layer) {
-    double perimeter = 0;
-    for (const Contour& contour : result.contours_of(layer)) {
-        perimeter += contour.role == Role::open ? std::numeric_limits<double>::quiet_NaN() : length_mm(result, contour);
-    }
-    return perimeter;
-}
-
 py::array_t<double> areas(const HeldResult& held) {
     return numbers_of(held.result, [](const LayerView& layer) { return layer.area_mm2(); });
-}
-py::array_t<double> perimeters(const HeldResult& held) {
-    return numbers_of(held.result.layers, [&](const Layer& layer) { return perimeter_mm(held.result, layer); });
 }
 py::array_t<double> contour_areas(const HeldResult& held) {
     LayerView any;
@@ -335,7 +322,6 @@ void define_results(py::module_& module) {
     held.def_property_readonly(
             "layer_of", [](const HeldResult& h) { return copy_of(h.result.info.layer_of, py::dtype::of<std::int64_t>()); })
         .def("areas", &areas)
-        .def("perimeters", &perimeters)
         .def("contour_areas", &contour_areas)
         .def("contour_lengths", &contour_lengths)
         .def_property_readonly("options", [](const HeldResult& h) { return dict_of(h.result.info.options); })

@@ -1,14 +1,21 @@
-"""The other calls: prepared meshes, parts, streams, sections, checks, welding, files, segments."""
+"""All calls, and the options of slice(): what they do is the engine's tests' to show; that each arrives is shown here."""
 
 import gc
 import gzip
+import inspect
 import os
+import pickle
+import re
+import subprocess
 
 import numpy as np
 import pytest
-from support import write_stl
+from support import write_off, write_stl
 
 import lamella
+from lamella._options import OPTIONS
+
+TOOL = os.environ.get("LAMELLA_TOOL")
 
 
 def test_a_prepared_mesh_gives_the_slices_of_the_mesh(torus):
@@ -19,11 +26,10 @@ def test_a_prepared_mesh_gives_the_slices_of_the_mesh(torus):
     assert prepared.nbytes >= 48 * len(torus[1])
     assert prepared.grid == 2.0**-20
     assert "4,608 triangles" in repr(prepared)
-
-
-def test_a_prepared_mesh_keeps_its_frame(cube):
-    prepared = lamella.prepare(*cube, normal=[1, 0, 0], unit="cm")
-    assert prepared.slice([50]).frame == pytest.approx(lamella.slice(*cube, normal=[1, 0, 0], unit="cm", heights=[50]).frame)
+    frame = {"normal": [1, 0, 0], "unit": "cm"}
+    placed, same = lamella.prepare(*torus, **frame).slice([50]), lamella.slice(*torus, **frame, heights=[50])
+    assert placed.hash == same.hash
+    assert placed.frame == pytest.approx(same.frame)
 
 
 def test_parts_keep_their_numbers_and_have_no_ledger(cube, tmp_path):
@@ -63,9 +69,10 @@ def test_chunks_of_a_stream_are_the_layers_of_the_slice(torus, chunk, options):
         assert layers.areas == pytest.approx(whole.areas[first : first + len(layers)])
         first += len(layers)
     assert first == len(whole)
+    assert len(whole.origins) == (len(whole.points) if "origins" in options else 0)
 
 
-def test_a_section_lies_in_its_plane(torus):
+def test_sections_lie_in_their_planes(torus, cube):
     origin, normal = np.array([3.0, 1, -2]), np.array([1.0, 2, 3])
     cut = lamella.section(torus, origin=origin, normal=normal)
     flat = np.column_stack((cut.points, np.zeros(len(cut.points)), np.ones(len(cut.points))))
@@ -73,9 +80,6 @@ def test_a_section_lies_in_its_plane(torus):
     assert np.abs((space - origin) @ normal / np.linalg.norm(normal)).max() < 1e-5
     ring = np.hypot(space[:, 0], space[:, 2]) - 20
     assert np.abs(np.hypot(ring, space[:, 1]) - 7).max() < 0.1
-
-
-def test_sections_count_from_the_origin(cube):
     cuts = lamella.section_multiplane(cube, [5, 5, 5], [0, 0, -2], [4, -4, 9])
     assert cuts.layers["z"].tolist() == [-4, 4, 9]
     assert cuts.layer_of.tolist() == [1, 0, 2]
@@ -86,8 +90,7 @@ def test_sections_count_from_the_origin(cube):
 def test_check_finds_faults_with_places(cube):
     vertices, faces = cube
     clean = lamella.check(vertices, faces)
-    assert clean.clean
-    assert clean.verdict == "closed and clean"
+    assert (clean.clean, clean.verdict) == (True, "closed and clean")
     assert clean.info["volume"] == pytest.approx(1000)
     assert clean.shells["volume"] == pytest.approx([1000])
     assert all(finding.count == 0 for finding in clean.findings.values())
@@ -111,24 +114,22 @@ def test_welding_closes_cracks(cube):
     assert lamella.check(welded).clean
     assert welded.info["joined"] > 0
     assert 0 < welded.info["largest_move"] <= 0.01
-    assert len(welded) == 12
-    assert welded.vertices.shape == (8, 3)
+    assert (len(welded), welded.vertices.shape) == (12, (8, 3))
     assert lamella.slice(welded, heights=[5]).certificate.holds
     assert lamella.check(lamella.weld(triangles / 10, tolerance=0.01, unit="cm")).clean
 
 
 def test_files_are_read_with_views_of_their_bytes(torus, tmp_path):
+    path = tmp_path / "torus.stl"
     triangles = torus[0][torus[1]]
-    write_stl(tmp_path / "torus.stl", triangles)
-    mesh = lamella.read(tmp_path / "torus.stl")
-    assert len(mesh) == len(triangles)
+    write_stl(path, triangles)
+    mesh = lamella.read(path)
+    assert (len(mesh), mesh.info["format"], mesh.path) == (len(triangles), "STL", str(path))
     assert (mesh.triangles == triangles.astype("f4")).all()
     assert mesh.triangles.strides[0] == 50
     assert not mesh.triangles.flags.owndata
     assert (mesh.vertices[mesh.faces] == mesh.triangles).all()
-    assert mesh.info["format"] == "STL"
-    assert mesh.path == str(tmp_path / "torus.stl")
-    (tmp_path / "torus.stl.gz").write_bytes(gzip.compress((tmp_path / "torus.stl").read_bytes()))
+    (tmp_path / "torus.stl.gz").write_bytes(gzip.compress(path.read_bytes()))
     assert lamella.slice(tmp_path / "torus.stl.gz").hash == lamella.slice(mesh).hash == lamella.slice(mesh.triangles).hash
     triangles = mesh.triangles
     copy = triangles.copy()
@@ -158,19 +159,122 @@ def test_segments_become_contours():
     rings = [np.stack((ring, np.roll(ring, -1, axis=0)), axis=1) for ring in (outer, hole)]
     segments = np.random.default_rng(1).permutation(np.concatenate(rings))
     layer = lamella.assemble(segments)
-    assert layer.area == pytest.approx(81 - 9)
-    assert layer.perimeter == pytest.approx(36 + 12)
-    (polygon,) = layer.polygons()
-    assert len(polygon.holes) == 1
+    assert (layer.area, layer.perimeter) == (pytest.approx(81 - 9), pytest.approx(36 + 12))
+    assert [len(polygon.holes) for polygon in layer.polygons()] == [1]
     assert lamella.assemble(segments.reshape(-1, 4).tolist()).area == pytest.approx(72)
-
-
-def test_keys_decide_which_ends_meet():
-    ring = np.array([[0, 0], [4, 0], [4, 4], [0, 4]], dtype=float)
-    segments = np.stack((ring, np.roll(ring, -1, axis=0)), axis=1)
-    numbers = np.arange(4)
-    keys = np.column_stack((numbers, (numbers + 1) % 4))
-    assert lamella.assemble(segments, keys).area == 16
+    # Keys decide which ends meet.
+    keys = np.column_stack((np.arange(4), (np.arange(4) + 1) % 4))
+    assert lamella.assemble(rings[0], keys).area == 81
     keys[3, 1] = 99
-    cut = lamella.assemble(segments, keys)
+    cut = lamella.assemble(rings[0], keys)
     assert (str(cut.area), len(cut.polylines())) == ("nan", 1)
+
+
+def test_contours_of_others_become_regions():
+    low = np.array([[0, 0], [4, 0], [4, 4], [0, 4]])
+    assert lamella.region_of([low, low[::-1] / 2 + 1], fill_rule="even-odd").area == 12
+    assert lamella.region_of([low], offset=1, grid=0.001).area == pytest.approx(36)
+    assert lamella.region_of([]).area == 0
+
+
+def test_given_heights_come_in_any_order_and_shape(cube):
+    s = lamella.slice(*cube, heights=[7, 2, 7, 5])
+    assert s.layers["z"].tolist() == [2, 5, 7]
+    assert s.layer_of.tolist() == [2, 0, 2, 1]
+    assert lamella.slice(*cube, heights=5).layers["z"].tolist() == [5]
+    assert lamella.slice(*cube, heights=np.arange(10)[::-2]).layers["z"].tolist() == [1, 3, 5, 7, 9]
+    assert len(lamella.slice(*cube, heights=[])) == 0
+
+
+# Values of what is neither a number, a word nor a flag, and what the engine's members hold then.
+STRUCTURED = {
+    "heights": ([7, 2], [[7, 2]]),
+    "layers": ((1, 3), [1, 3]),
+    "transform": (np.diag([2, 2, 2, 1]), [np.diag([2, 2, 2, 1])[:3].tolist()]),
+    "grid": (2.0**-19, [2.0**-19]),
+    "fill_from": ([(2, "even-odd")], [[(2, 1)]]),
+}
+
+
+def another_value(name, option):
+    """Not the default, and what the engine's members hold then."""
+    if name in STRUCTURED:
+        return STRUCTURED[name]
+    if option.kind == "flag":
+        return True, [True]
+    if option.kind == "choice":
+        return option.words[-1], [len(option.words) - 1]
+    return (option.least or 0) + 0.25, [(option.least or 0) + 0.25]
+
+
+def options_of(result):
+    return {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in result._native.options.items()}
+
+
+@pytest.mark.parametrize("name", sorted(OPTIONS.keys() - {"content"}))  # which the next test shows
+def test_each_option_arrives(cube, name):
+    value, members = another_value(name, OPTIONS[name])
+    expected = dict(zip(OPTIONS[name].fields, members))
+    defaults, given = (options_of(lamella.slice(*cube, **{"stitch": 0, **options})) for options in ({}, {name: value}))
+    assert len(members) == len(OPTIONS[name].fields)
+    assert given == {**defaults, **expected}
+    assert all(defaults[field] != member for field, member in expected.items())
+
+
+@pytest.mark.parametrize("content, areas", [("upward-faces", [0, 100, 0]), ("downward-faces", [100, 0, 0])])
+def test_faces_are_projected_onto_layers(cube, content, areas):
+    assert lamella.slice(*cube, heights=[3, 5, 12], content=content).areas == pytest.approx(areas)
+
+
+def test_options_are_shown_by_help():
+    shown = inspect.signature(lamella.slice).parameters
+    assert {*OPTIONS, "mesh", "faces", "unit", "normal", "orient_shells", "memory_limit", "threads", "progress"} == set(shown)
+    assert (shown["fill_rule"].default, shown["stitch"].default, shown["heights"].default) == ("non-zero", "auto", None)
+    assert all(f"\n    {name} : " in lamella.slice.__doc__ for name in shown)
+    assert 'stitch : float or \'auto\'\n        Join ends of open polylines' in lamella.slice.__doc__
+
+
+def test_threads_are_those_asked_for(torus):
+    one, two = (lamella.slice(*torus, threads=threads) for threads in (1, 2))
+    assert (one.info["threads"], one.hash) == (1, two.hash)
+
+
+def test_shells_turned_inwards_are_warned_of_and_turned(cube):
+    corners, faces = cube
+    pair = np.concatenate([corners[faces], (corners + (5, 5, 0))[faces[:, ::-1]]])
+    with pytest.warns(lamella.MeshWarning, match="in 1 layer shells turned inwards overlap others"):
+        crossed = lamella.slice(pair, heights=[5])
+    assert crossed.areas[0] == pytest.approx(150)
+    assert crossed.info["cancelled_layers"] == 1
+    assert crossed.certificate.verdict == "solid is not what the mesh encloses"
+    assert (crossed.certificate.differing_layers, crossed.certificate.differing_solid) == (1, pytest.approx(150))
+    turned = lamella.Mesh(pair.reshape(-1, 9), None, 1, None, {}).orient_shells()
+    assert turned.info == {"shells": 2, "turned": 1, "complete": True}
+    united = lamella.slice(pair, heights=[5], orient_shells=True)
+    assert united.areas[0] == pytest.approx(175)
+    assert united.hash == lamella.slice(turned, heights=[5]).hash == pickle.loads(pickle.dumps(united)).hash
+
+
+CASES = [
+    (["--layer-height", "0.5", "--layers", "2:6"], {"layer_height": 0.5, "layers": (2, 6)}),
+    (["--stitch-direction", "any", "--grid", "finest"], {"stitch_direction": "any", "grid": "finest"}),
+    (["--planes", "1,-2,3.5"], {"heights": [1, -2, 3.5]}),
+    (["--normal", "1,2,3"], {"normal": [1, 2, 3]}),
+    (["--unit", "in", "--side", "above", "--datum", "zero"], {"unit": "in", "side": "above", "datum": "zero"}),
+    (["--grid", "0.001", "--first-height", "0.5"], {"grid": 0.001, "first_height": 0.5}),
+    (["--fill-rule", "non-zero", "--closing", "0.3", "--offset", "-0.2"], {"fill_rule": "non-zero", "closing": 0.3, "offset": -0.2}),
+    (["--simplify", "0.05", "--flag-closing", "0.4"], {"simplify": 0.05, "flag_closing": 0.4}),
+]
+
+
+@pytest.mark.filterwarnings("ignore::lamella.MeshWarning")
+@pytest.mark.skipif(TOOL is None, reason="LAMELLA_TOOL does not name the command line tool")
+@pytest.mark.parametrize("arguments, options", CASES)
+def test_slices_are_those_of_the_command_line_tool(torus, tmp_path, arguments, options):
+    path = tmp_path / "torus.off"
+    write_off(path, torus[0].astype("f4"), torus[1])
+    printed = subprocess.run([TOOL, "slice", path, "--hash", *arguments], check=True, capture_output=True, text=True).stdout
+    expected = re.search(r"^hash +(\w+)$", printed, re.MULTILINE)[1]
+    assert lamella.slice(path, **options).hash == expected
+    mesh = lamella.read(path)
+    assert lamella.slice(mesh.vertices.copy(), mesh.faces.astype("i8"), **options).hash == expected

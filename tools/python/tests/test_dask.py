@@ -3,7 +3,6 @@
 import concurrent.futures
 import json
 import os
-import stat
 import subprocess
 
 import numpy as np
@@ -55,12 +54,6 @@ def folder(torus, cube, tmp_path, monkeypatch):
     return tmp_path
 
 
-def program(path, text):
-    path.write_text("#!/bin/sh\n" + text)
-    path.chmod(path.stat().st_mode | stat.S_IXUSR)
-    return str(path)
-
-
 def listing(folder):
     return sorted(path.name for path in folder.iterdir())
 
@@ -99,7 +92,9 @@ def test_what_is_done_is_not_done_again(folder):
     assert inode_after(["cube.off"], layer_height=1) != first
     # A leftover of an earlier run by another division, which did not come to its end.
     (folder / "results.0-of-7.jsonl").write_text("")
-    inode_after(["cube.off", "torus.off"], force=True)
+    name = os.fsdecode(b'a "b", gr\xfc\xdfe\n.off')  # any file name will do
+    os.rename("torus.off", name)
+    inode_after(["cube.off", name], force=True)
 
 
 @needs_tool
@@ -108,51 +103,45 @@ def test_options_are_those_of_the_tool(folder):
     lamella.dask.slice_many(Client(), ["torus.off"], "{stem}.csv", tool=TOOL, results=folder / "log", **names).rows()
     expected = lamella.slice("torus.off", fill_rule="non-zero", heights=[-1, 2.5, 7], largest_only=True, offset=-1)
     areas = np.genfromtxt("torus.csv", delimiter=",", names=True, dtype=None, encoding=None)["area_mm2"]
-    assert areas == pytest.approx(expected.areas)
-    assert listing(folder / "log") == ["results.jsonl"]
+    assert (areas == pytest.approx(expected.areas), listing(folder / "log")) == (True, ["results.jsonl"])
     with pytest.raises(lamella.InvalidArgumentError, match="layer_height must be a number"):
         lamella.dask.slice_many(Client(), ["torus.off"], "t.csv", layer_height={})
 
 
+WRONG = [
+    (["torus.off"], "{stem}.csv", {"layer_hight": 1}, "--layer-hight"),
+    (["torus.off"], "{stem}.nii", {"like": "none.nii", "frame": "lps"}, "none.nii"),
+    (["torus.off", "sub/torus.off"], "{stem}.csv", {}, "'torus.csv' is written for 'torus.off' too"),
+]
+
+
 @needs_tool
-@pytest.mark.parametrize(
-    "paths, output, options, words",
-    [
-        (["torus.off"], "{stem}.csv", {"layer_hight": 1}, "--layer-hight"),
-        (["torus.off"], "{stem}.nii", {"like": "none.nii", "frame": "lps"}, "none.nii"),
-        (["torus.off", "sub/torus.off"], "{stem}.csv", {}, "both write 'torus.csv'"),
-    ],
-)
+@pytest.mark.parametrize("paths, output, options, words", WRONG)
 def test_what_is_wrong_for_all_is_an_error_of_the_call(folder, paths, output, options, words):
     many = lamella.dask.slice_many(Client(), paths, output, tool=TOOL, **options)
     with pytest.raises(lamella.InvalidArgumentError, match=words):
         many.rows()
 
 
-@needs_tool
-def test_any_file_name_will_do(folder):
-    name = os.fsdecode(b'a "b", gr\xfc\xdfe\n.off')
-    os.rename("cube.off", name)
-    (row,) = lamella.dask.slice_many(Client(), [name], "{stem}.svg", tool=TOOL).rows()
-    assert row["status"] == "done"
-    assert len(listing(folder)) == 5
-
-
 def test_what_is_lost_is_tried_again(folder):
-    killed = program(folder / "killed", "echo x >> tries; kill -9 $$\n")
-    many = lamella.dask.slice_many(Client(), ["cube.off"], "{stem}.svg", tool=killed, retries=2)
+    def begun(words, retries=0):
+        """By a program of these words, where there are any."""
+        path = folder / "program"
+        if words:
+            path.write_text(f"#!/bin/sh\n{words}\n")
+            path.chmod(0o755)
+        tool = str(path) if words else "no-such-program"
+        return lamella.dask.slice_many(Client(), ["cube.off"], "{stem}.svg", tool=tool, retries=retries)
+
+    many = begun("echo x >> tries; kill -9 $$", retries=2)
     assert many.rows() == [{"mesh": "cube.off", "status": "failed", "reason": "the batch was killed by signal 9"}]
     assert (folder / "tries").read_text() == "x\n" * 3
     with pytest.raises(lamella.dask.LostItemError):
         many.futures[0].result()
-    refused = program(folder / "refused", "echo lamella: no such option >&2; exit 2\n")
     with pytest.raises(lamella.InvalidArgumentError, match="^no such option$"):
-        lamella.dask.slice_many(Client(), ["cube.off"], "{stem}.svg", tool=refused, retries=0).rows()
-    full = program(folder / "full", "echo lamella: no space left >&2; exit 4\n")
-    (row,) = lamella.dask.slice_many(Client(), ["cube.off"], "{stem}.svg", tool=full, retries=0).rows()
-    assert row["reason"] == "no space left"
-    many = lamella.dask.slice_many(Client(), ["cube.off"], "{stem}.svg", tool="no-such-program", retries=0)
-    assert many.frame()["reason"].tolist() == ["the worker has no program 'no-such-program'"]
+        begun("echo lamella: no such option >&2; exit 2").rows()
+    assert begun("echo lamella: no space left >&2; exit 4").rows()[0]["reason"] == "no space left"
+    assert begun("").rows()[0]["reason"] == "the worker has no program 'no-such-program'"
 
 
 def test_meshes_ask_for_the_memory_of_a_worker(folder):

@@ -1,4 +1,4 @@
-"""README, the pages on Python, the notebook and the examples in docstrings run, and are true."""
+"""README, the pages on Python, the notebook and the examples in docstrings run, and are true; so are the types."""
 
 import doctest
 import importlib
@@ -6,6 +6,8 @@ import json
 import pathlib
 import pkgutil
 import re
+import subprocess
+import sys
 
 import pytest
 from support import write_off, write_stl
@@ -17,61 +19,56 @@ NOTEBOOK = pathlib.Path(__file__).resolve().parents[1] / "examples/first_steps.i
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 
 
-@pytest.fixture
-def folder(torus, tmp_path, monkeypatch):
-    """With the mesh that the pages cut."""
-    write_stl(tmp_path / "bone.stl", torus[0][torus[1]])
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-def run_page(path, least):
-    blocks = re.findall(r"^```python\n(.*?)^```$", path.read_text(), flags=re.MULTILINE | re.DOTALL)
-    assert len(blocks) >= least
-    names = {}
-    for block in blocks:
-        exec(compile(block, str(path), "exec"), names)
+def run(text, path):
+    """Runs a program in Python; its names."""
+    names = {"__name__": "page", "__file__": str(path)}
+    exec(compile(text, str(path), "exec"), names)
     return names
 
 
-def test_readme_plots_areas_over_height(folder, capsys, matplotlib):
-    names = run_page(ROOT / "README.md", 1)
-    assert (folder / "areas.png").stat().st_size > 1000
+@pytest.fixture
+def names_of(torus, tmp_path, monkeypatch, matplotlib):
+    """Runs a page's blocks in Python, in a folder with the mesh that the pages cut."""
+    write_stl(tmp_path / "bone.stl", torus[0][torus[1]])
+    monkeypatch.chdir(tmp_path)
+
+    def names_of_page(name, least):
+        blocks = re.findall(r"^```python\n(.*?)^```$", (ROOT / name).read_text(), flags=re.MULTILINE | re.DOTALL)
+        assert len(blocks) >= least
+        return run("".join(blocks), ROOT / name)
+
+    return names_of_page
+
+
+def test_readme_plots_areas_over_height(names_of, capsys, tmp_path):
+    names = names_of("README.md", 1)
+    assert (tmp_path / "areas.png").stat().st_size > 1000
     assert capsys.readouterr().out.startswith("<lamella.Result: 540 layers")
     assert len(names["s"].areas) == 540
 
 
-def test_the_page_on_python_is_true(folder, capsys, matplotlib):
-    names = run_page(ROOT / "tools/docs/python.md", 5)
+def test_the_page_on_python_is_true(names_of, capsys, tmp_path):
+    names = names_of("tools/docs/python.md", 5)
     assert "faces[0] = [" in capsys.readouterr().out
     assert names["holes_per_layer"].tolist() == [int((layer.contours["role"] == lamella.Role.HOLE).sum()) for layer in names["s"]]
     assert len(names["outline"]) == names["longest"]["point_count"]
-    assert (folder / "bone.svg").exists()
-    assert (folder / "bone.json").exists()
+    assert {"bone.svg", "bone.json"} <= {path.name for path in tmp_path.iterdir()}
 
 
-def test_the_gallery_shows_what_draws_its_pictures(torus, tmp_path, matplotlib):
-    page = (ROOT / "tools/docs/gallery.md").read_text()
+def test_the_gallery_draws_its_pictures(torus, tmp_path, matplotlib):
     path = ROOT / "tools/python/examples/gallery.py"
-    program = path.read_text()
-    names = {"__name__": "gallery"}
-    exec(compile(program, str(path), "exec"), names)
-    shown = re.findall(r"^```py\n(.*?)^```$", page, flags=re.MULTILINE | re.DOTALL)
-    assert len(shown) == len(names["PICTURES"])
-    assert all(block in program for block in shown)
     write_off(tmp_path / "torus.off", *torus)
-    names["main"](tmp_path / "torus.off", tmp_path)
-    for draw in names["PICTURES"]:
-        assert f"python_{draw.__name__}.png" in page
-        assert (ROOT / f"tools/pictures/python_{draw.__name__}.png").exists()
-        assert (tmp_path / f"python_{draw.__name__}.png").stat().st_size > 1000
+    drawn = run(path.read_text(), path)["main"](tmp_path / "torus.off", tmp_path)
+    shown = re.findall(r"\(../pictures/(python_\w+.png)\)", (ROOT / "tools/docs/gallery.md").read_text())
+    assert drawn == shown
+    for name in shown:
+        assert (ROOT / "tools/pictures" / name).exists()
+        assert (tmp_path / name).stat().st_size > 1000
 
 
 def test_the_notebook_runs(capsys, matplotlib):
     cells = [cell for cell in json.loads(NOTEBOOK.read_text())["cells"] if cell["cell_type"] == "code"]
-    names = {}
-    for cell in cells:
-        exec(compile("".join(cell["source"]), str(NOTEBOOK), "exec"), names)
+    names = run("\n".join("".join(cell["source"]) for cell in cells), NOTEBOOK)
     told = capsys.readouterr().out
     assert "certificate holds" in told
     assert "3 boundary edges" in told
@@ -86,7 +83,52 @@ def test_examples_run(name, doctest_namespace):
     assert result.failed == 0
 
 
-def test_there_are_examples(doctest_namespace):
+def test_there_are_examples():
     finder = doctest.DocTestFinder()
-    examples = [test for name in MODULES for test in finder.find(importlib.import_module(name)) if test.examples]
-    assert len(examples) >= 12
+    assert sum(bool(test.examples) for name in MODULES for test in finder.find(importlib.import_module(name))) >= 12
+
+
+# A program as mypy wants it, and lines with what it must say of each.
+RIGHT = """
+import distributed
+import numpy as np
+import numpy.typing as npt
+import lamella
+import lamella.dask
+
+result: lamella.Result = lamella.slice("liver.stl", layer_height=0.1, fill_rule="non-zero", progress=True)
+areas: npt.NDArray[np.float64] = result.areas
+first: float = result[0].z
+layers: list[lamella.Layer] = result[2:5]
+mesh: lamella.Mesh = lamella.read("liver.stl")
+again: lamella.Result = lamella.prepare(mesh).slice([1.0, 2.0], threads=2)
+joined: lamella.Layer = lamella.region_of([mesh.vertices[:, :2]], fill_rule="even-odd", offset=0.1)
+for chunk in lamella.stream(mesh.vertices, mesh.faces, layer_height=0.01, chunk=64):
+    total: float = chunk.volume
+cut: lamella.Layer = lamella.section(mesh, origin=[0, 0, 1], normal=[0, 1, 1], stitch=0.1)
+edges: int = lamella.check(mesh)["boundary_edges"].count
+
+def table(client: distributed.Client) -> list[dict[str, object]]:
+    return lamella.dask.slice_many(client, ["liver.stl"], "{stem}.svg", retries=1, layer_height=0.1).rows()
+"""
+
+WRONG = [
+    ('lamella.slice("liver.stl", layer_hight=0.1)', 'Unexpected keyword argument "layer_hight"'),
+    ('lamella.slice("liver.stl", layer_height="thin")', 'Argument "layer_height"'),
+    ('lamella.section("liver.stl", origin=[0, 0, 0], normal=[0, 0, 1], layer_height=1)', '"layer_height"'),
+    ('lamella.slice("liver.stl").area', '"Result" has no attribute "area"'),
+    ('x: str = lamella.slice("liver.stl")[0].z', "Incompatible types in assignment"),
+]
+
+
+def test_types_of_the_package_and_programs(tmp_path):
+    pytest.importorskip("mypy")
+    (tmp_path / "right.py").write_text(RIGHT)
+    (tmp_path / "wrong.py").write_text("import lamella\n" + "\n".join(line for line, _ in WRONG) + "\n")
+    command = [sys.executable, "-m", "mypy", "--strict", "--ignore-missing-imports", "--enable-incomplete-feature=Unpack"]
+    files = ["lamella", tmp_path / "right.py", tmp_path / "wrong.py"]
+    run = subprocess.run([*command, "--cache-dir", tmp_path / "cache", *files], cwd=pathlib.Path(lamella.__file__).parents[1], capture_output=True, text=True, check=False)
+    said = [line for line in run.stdout.splitlines() if ": error: " in line]
+    assert [line for line in said if "wrong.py" not in line] == []
+    for row, (line, words) in enumerate(WRONG, start=2):
+        assert any(f"wrong.py:{row}:" in told and words in told for told in said), (line, run.stdout + run.stderr)

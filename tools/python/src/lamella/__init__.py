@@ -44,13 +44,12 @@ Wherever a mesh is asked for, any of these will do, and arrays are not copied:
 Coordinates are in mm unless `unit` says otherwise. Faces run counter-clockwise as seen from outside.
 """
 
-from ._check import Check, Finding, check
 from ._errors import (  # fmt: skip
     CancelledError, CoordinateError, EmptyMeshError, Error, InvalidArgumentError, MalformedMeshError, MeshTypeError,
     MeshWarning, OutOfMemoryError, PlanesError, ResultTooLargeError, UnreadableFileError, UnwritableFileError,
 )
 from ._layer import NO_TRIANGLE, SEVERAL_PARTS, ContourFlag, Layer, Polygon, Role
-from ._mesh import Mesh, read, weld
+from ._mesh import Check, Finding, Mesh, check, read, weld
 from ._native import version as __version__
 from ._result import Certificate, Result
 from ._slice import Prepared, assemble, prepare, region_of, section, section_multiplane, slice, slice_parts, stream

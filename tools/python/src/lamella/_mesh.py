@@ -1,33 +1,23 @@
-"""Meshes: from files, and as views of whatever holds vertices and faces."""
+"""Meshes: from files, and as views of whatever holds vertices and faces. check(): what is wrong with one, and where."""
 
 from __future__ import annotations
 
 import os
-from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple, Union
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _native
 from ._errors import CoordinateError, Error, InvalidArgumentError, MeshTypeError, MeshWarning, warn
-from ._options import ProgressLike, affine, array_of, mm_per_unit, number, refuse, slice_options
+from ._options import FrameKeywords, ProgressLike, affine, array_of, mm_per_unit, number, refuse, slice_options, whole_number
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 MeshLike = Any
 """Vertices, triangles, a path, a `Mesh`, or an object with ``.vertices`` and ``.faces`` or with ``.points``: see `slice`."""
-
-
-class Arrays(NamedTuple):
-    """A mesh as arrays that the engine can read where they lie."""
-
-    vertices: npt.NDArray[Any]
-    """(n, 3), or (m, 9) triangles."""
-    faces: Optional[npt.NDArray[Any]]
-    """(m, 3), or None for triangles."""
-    given_faces: Optional[npt.NDArray[Any]]
-    """As they were given, for messages."""
-    unit: float
-    """mm that a coordinate has."""
-    path: Optional[str]
 
 
 class View:
@@ -35,11 +25,11 @@ class View:
 
     __slots__ = ("_meshes", "native")
 
-    def __init__(self, meshes: List[Arrays], placements: Optional[Sequence[Optional[npt.NDArray[Any]]]] = None) -> None:
+    def __init__(self, meshes: List[Mesh], placements: Optional[Sequence[Optional[npt.NDArray[Any]]]] = None) -> None:
         """With placements they are parts."""
         self._meshes = meshes
-        rows = [(mesh.vertices, mesh.faces, mesh.unit, move) for mesh, move in zip(meshes, placements or [None])]
-        self.native = _native.View(rows, placements is not None)
+        rows = [(mesh._vertices, mesh._faces, mesh.unit, move) for mesh, move in zip(meshes, placements or [None])]
+        self.native: _native.View = _native.View(rows, placements is not None)
 
     @property
     def mesh_count(self) -> int:
@@ -47,7 +37,7 @@ class View:
 
     @property
     def triangle_count(self) -> int:
-        return sum(len(mesh.vertices if mesh.faces is None else mesh.faces) for mesh in self._meshes)
+        return sum(map(len, self._meshes))
 
     def run(self, call: Callable[..., Any], *arguments: Any) -> Any:
         """``call(native view, *arguments)``. An error that blames a triangle names the row of what was given."""
@@ -65,15 +55,15 @@ class View:
         mesh = self._meshes[0]
         error.path = mesh.path
         triangle = error.triangle
-        if mesh.given_faces is None or triangle is None:
+        if mesh._given_faces is None or triangle is None:
             return None
-        face = mesh.given_faces[triangle]
+        face = mesh._given_faces[triangle]
         row = f"faces[{triangle}] = {face.tolist()}"
         if isinstance(error, InvalidArgumentError):
-            return type(error)(f"{row}: there are {len(mesh.vertices)} vertices", triangle=triangle, path=mesh.path)
+            return type(error)(f"{row}: there are {len(mesh._vertices)} vertices", triangle=triangle, path=mesh.path)
         if isinstance(error, CoordinateError):
-            known = face[(face >= 0) & (face < len(mesh.vertices))]
-            corners = mesh.vertices[known].astype(np.float64)
+            known = face[(face >= 0) & (face < len(mesh._vertices))]
+            corners = mesh._vertices[known].astype(np.float64)
             worst = int(np.argmax(np.where(np.isfinite(corners), np.abs(corners), np.inf).max(axis=1)))
             vertex = int(known[worst])
             text = f"vertices[{vertex}] = {corners[worst].tolist()}: not finite, or beyond 1e9 mm"
@@ -100,6 +90,7 @@ class Mesh:
     def __init__(self, vertices: npt.NDArray[Any], faces: Optional[npt.NDArray[Any]], unit: float, path: Optional[str], info: Dict[str, Any]) -> None:
         self._vertices = vertices
         self._faces = faces
+        self._given_faces: Optional[npt.NDArray[Any]] = None  # for messages, as they were given
         self.unit = unit
         self.path = path
         self.info = info
@@ -213,22 +204,23 @@ def oriented(view: View, *, threads: int = 0, progress: ProgressLike = None) -> 
 
 def as_view(mesh: MeshLike, faces: Optional[npt.ArrayLike], *, unit: Union[None, str, float]) -> View:
     """A mesh in any form that users may have."""
-    return View([_arrays_of(mesh, faces, unit)])
+    return View([_mesh_from(mesh, faces, unit)])
 
 
 def as_views(meshes: Sequence[Any], transforms: Optional[Sequence[Any]], *, unit: Union[None, str, float]) -> View:
     """Several of them, each with a transform of its own."""
     if not isinstance(meshes, Iterable):
         refuse(f"meshes must be a sequence of them, not {meshes!r}")
-    arrays = [_arrays_of(mesh, None, unit) for mesh in meshes]
-    moves = [None] * len(arrays) if transforms is None else list(transforms)
-    if len(moves) != len(arrays):
-        refuse(f"there are {len(arrays)} meshes and {len(moves)} transforms")
+    given = [_mesh_from(mesh, None, unit) for mesh in meshes]
+    moves = [None] * len(given) if transforms is None else list(transforms)
+    if len(moves) != len(given):
+        refuse(f"there are {len(given)} meshes and {len(moves)} transforms")
     matrices = [None if move is None else affine(f"transforms[{i}]", move) for i, move in enumerate(moves)]
-    return View(arrays, matrices)
+    return View(given, matrices)
 
 
-def _arrays_of(mesh: MeshLike, faces: Optional[npt.ArrayLike], unit: Union[None, str, float]) -> Arrays:
+def _mesh_from(mesh: MeshLike, faces: Optional[npt.ArrayLike], unit: Union[None, str, float]) -> Mesh:
+    """With arrays that the engine can read where they lie."""
     mm = mm_per_unit("mm" if unit is None else unit)
     if isinstance(mesh, (str, bytes, os.PathLike)):
         if faces is not None:
@@ -236,7 +228,7 @@ def _arrays_of(mesh: MeshLike, faces: Optional[npt.ArrayLike], unit: Union[None,
         mesh = read(mesh, unit=mm)
     if isinstance(mesh, Mesh) and faces is None:
         keeps_unit = unit is None or mesh.info.get("states_unit", False)
-        return _checked(mesh._vertices, mesh._faces, mesh.unit if keeps_unit else mm)._replace(path=mesh.path)
+        return _checked(mesh._vertices, mesh._faces, mesh.unit if keeps_unit else mm, mesh.path)
     vertices, its_faces = (mesh, faces) if faces is not None else _parts_of(mesh)
     return _checked(vertices, its_faces, mm)
 
@@ -285,11 +277,13 @@ def _faces_of_vtk(faces: Any) -> npt.NDArray[Any]:
     return flat.reshape(-1, 4)[:, 1:]
 
 
-def _checked(vertices: Any, faces: Any, unit: float) -> Arrays:
+def _checked(vertices: Any, faces: Any, unit: float, path: Optional[str] = None) -> Mesh:
     if faces is None:
-        return Arrays(_triangles(vertices), None, None, unit, None)
+        return Mesh(_triangles(vertices), None, unit, path, {})
     given = array_of(faces, "faces", "iu")
-    return Arrays(_rows(_coordinates(vertices, "vertices"), "vertices", 3), _indices(given), given, unit, None)
+    mesh = Mesh(_rows(_coordinates(vertices, "vertices"), "vertices", 3), _indices(given), unit, path, {})
+    mesh._given_faces = given
+    return mesh
 
 
 def _triangles(values: Any) -> npt.NDArray[Any]:
@@ -323,3 +317,96 @@ def _rows(array: npt.NDArray[Any], name: str, width: int, shape: str = "(n, 3)")
     if array.strides[1] == array.itemsize and array.strides[0] >= width * array.itemsize:
         return array
     return np.ascontiguousarray(array)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """All faults of one kind. The arrays have a row for each place that is kept."""
+
+    count: int
+    at_least: bool
+    """The search was cut short: there may be more."""
+    points: npt.NDArray[np.float64]
+    """(k, 3, 3), mm: a point, the ends of an edge or gap, or a face's corners; NaN in the rows beyond ``point_count``."""
+    point_count: npt.NDArray[np.int32]
+    triangles: npt.NDArray[np.int64]
+    """(k, 2): triangles that are part of it, or -1."""
+    parts: npt.NDArray[np.int64]
+    """Faces at an edge, edges of a loop, fans at a vertex; else 0."""
+    measure: npt.NDArray[np.float64]
+    """A loop's length or a gap's width in mm, a sliver's ratio, a shell's volume in mm³; else 0."""
+    closed: npt.NDArray[np.bool_]
+    """True of loops that close."""
+
+
+def _finding(count: int, at_least: bool, places: npt.NDArray[np.void]) -> Finding:
+    points = places["points"].copy()
+    points[np.arange(3) >= places["point_count"][:, None]] = np.nan
+    others = {name: places[name] for name in ("point_count", "triangles", "parts", "measure", "closed")}
+    return Finding(count, at_least, points, **others)
+
+
+@dataclass(frozen=True, repr=False)
+class Check:
+    """What `check` found."""
+
+    verdict: str
+    """One line."""
+    clean: bool
+    """No fault was found but slivers, which slicing does not mind."""
+    complete: bool
+    """No search was cut short."""
+    info: Dict[str, Any]
+    """Counts of triangles and edges, box, volume and area."""
+    shells: npt.NDArray[np.void]
+    """A row for each set of connected triangles: ``triangles``, ``closed``, ``volume`` (mm³), ``orientation``, ``depth``,
+    ``parent``, ``triangle`` and ``first``, a triangle and vertex of it."""
+    findings: Dict[str, Finding]
+    """By kind: "boundary_edges", "crossing_faces", ...; all kinds are there."""
+
+    def __getitem__(self, fault: str) -> Finding:
+        """The finding of that kind."""
+        return self.findings[fault]
+
+    def __repr__(self) -> str:
+        return f"<lamella.Check: {self.verdict}>"
+
+
+def check(
+    mesh: MeshLike,
+    faces: Optional[npt.ArrayLike] = None,
+    *,
+    tolerance: float = 0.01,
+    sliver_ratio: float = 100,
+    most_places: int = 1000,
+    **options: Unpack[FrameKeywords],
+) -> Check:
+    """Find every departure of a mesh from a closed, oriented surface without self-intersections.
+
+    Parameters
+    ----------
+    mesh, faces
+        As for `slice`.
+    tolerance : float
+        For T-junctions and cracks, mm.
+    sliver_ratio : float
+        Longest side over the height on it, from which on a triangle is a sliver.
+    most_places : int
+        Kept of each kind; all are counted.
+    **options
+        As for `prepare`.
+
+    Examples
+    --------
+    >>> found = lamella.check(corners, faces[:3])
+    >>> found
+    <lamella.Check: not clean: 3 boundary edges, 1 boundary loop>
+    >>> found["boundary_edges"].points[0, :2]
+    array([[ 0.,  0.,  0.],
+           [ 0., 30.,  0.]])
+    """
+    view = as_view(mesh, faces, unit=options.pop("unit", None))
+    limits = number("tolerance", tolerance), number("sliver_ratio", sliver_ratio), whole_number("most_places", most_places)
+    found: Dict[str, Any] = view.run(_native.check, slice_options(options, FrameKeywords), *limits)
+    found["findings"] = {kind: _finding(*fault) for kind, fault in found["findings"].items()}
+    return Check(**found)

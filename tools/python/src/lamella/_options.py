@@ -8,19 +8,34 @@ import math
 import operator
 import sys
 import textwrap
-from typing import Any, Callable, Dict, List, Mapping, NoReturn, Optional, Sequence, Tuple, TypedDict, TypeVar, Union
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, NoReturn, Optional, Sequence, Tuple, TypedDict, TypeVar, Union
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _native
+from . import _native, _option_table
 from ._errors import InvalidArgumentError
-from ._option_table import (  # fmt: skip
-    OPTIONS, FrameOptions, HeightOptions, LayerOptions, Option, RegionOptions, TransformOptions, UniformOptions,
-)
+from ._option_table import FrameOptions, HeightOptions, LayerOptions, RegionOptions, TransformOptions, UniformOptions
 
 ProgressLike = Union[None, bool, Callable[[float], Any]]
 """True for a bar, or a callable that takes a fraction from 0 to 1."""
+
+
+class Option(NamedTuple):
+    text: str
+    kind: str
+    fields: Tuple[str, ...]
+    """Of SliceOptions: one, or both ends of a range."""
+    default: Any
+    words: Tuple[str, ...] = ()
+    special: Mapping[str, float] = {}
+    """A word that stands for a number."""
+    least: Optional[float] = None
+    exclusive: bool = False
+    """It must be more than `least`."""
+
+
+OPTIONS = {name: Option(**row) for name, row in _option_table.OPTIONS.items()}
 
 
 class CallKeywords(TypedDict, total=False):

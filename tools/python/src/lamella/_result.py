@@ -146,7 +146,8 @@ class Result:
     @functools.cached_property
     def perimeters(self) -> npt.NDArray[np.float64]:
         """Length of the contours of each layer, mm. NaN, not known, where some are open."""
-        return self._native.perimeters()
+        lengths = np.where(self.contours["role"] == Role.OPEN, np.nan, self.contour_lengths)
+        return np.bincount(self._layer_of_contours, lengths, len(self)).astype(np.float64)
 
     @functools.cached_property
     def contour_areas(self) -> npt.NDArray[np.float64]:
@@ -201,12 +202,16 @@ class Result:
             raise InvalidArgumentError(f"the certificate is for one mesh, and there are {view.mesh_count}")
         return Certificate(**view.run(lambda native: _native.certify(self._native, native)))
 
+    @property
+    def _layer_of_contours(self) -> npt.NDArray[np.int64]:
+        return np.repeat(np.arange(len(self)), self.layers["contour_count"])
+
     def contours_frame(self) -> pandas.DataFrame:
         """One row per contour as a pandas DataFrame: layer, z, role, area, length, points, parent, part, flags, segments."""
         import pandas
 
         contours, layers = self.contours, self.layers
-        layer = np.repeat(np.arange(len(layers)), layers["contour_count"])
+        layer = self._layer_of_contours
         measured = {
             "layer": layer + self.first_layer,
             "z": layers["z"][layer],

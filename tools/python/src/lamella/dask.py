@@ -172,16 +172,8 @@ def slice_many(
     # A task of its own, and not an argument of each: were it lost with its worker, it would be made again.
     listed = scheduler.submit(list, names, key=f"{call}-paths")
     futures = [
-        scheduler.submit(
-            batch.slice_one,
-            listed,
-            i,
-            needs[i],
-            key=f"{call}-{i}",
-            retries=retries,
-            resources={"MEMORY": needs[i]} if needs[i] else None,
-        )
-        for i in range(len(names))
+        scheduler.submit(batch.slice_one, listed, i, need, key=f"{call}-{i}", retries=retries, resources={"MEMORY": need} if need else None)
+        for i, need in enumerate(needs)
     ]
     return Many(names, futures, scheduler.submit(batch.join, futures, key=f"{call}-join", retries=retries))
 

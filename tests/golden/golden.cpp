@@ -1,16 +1,46 @@
-#include "golden/calls.hpp"
+#include "golden/golden.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
+#include <fstream>
+#include <iomanip>
+
+#include <catch2/catch.hpp>
 
 namespace golden {
 
-using lamella::ContourForm;
 using lamella::MeshView;
 using lamella::SliceResult;
 
 namespace {
+
+const std::string path = std::string(LAMELLA_TESTS_DIR) + "/golden/hashes.txt";
+
+std::string group_of(const std::string& name) {
+    const std::size_t colon = name.find(": ");
+    return colon == std::string::npos ? "" : name.substr(0, colon);
+}
+
+Hashes read_lines() {
+    Hashes lines;
+    std::ifstream in(path);
+    std::uint64_t hash = 0;
+    std::string name;
+    while (in >> std::hex >> hash && std::getline(in >> std::ws, name)) {
+        lines[name] = hash;
+    }
+    return lines;
+}
+
+void write_lines(const Hashes& lines) {
+    std::ofstream out(path);
+    for (const auto& [name, hash] : lines) {
+        out << std::hex << std::setw(16) << std::setfill('0') << hash << ' ' << name << '\n';
+    }
+    REQUIRE(out.good());
+}
 
 std::uint64_t hash_of_shapes(const SliceResult& result) {
     Hash hash;
@@ -51,24 +81,41 @@ std::uint64_t hash_of_numbers(const SliceResult& result) {
     return hash.add(info.box.min_mm, info.box.max_mm).value();
 }
 
-/// Other ways to the result of one thread.
-struct Way {
-    int threads;
-    std::int64_t band_planes;
-    ContourForm form;
-};
-constexpr Way other_ways[] = {{1, 1, ContourForm::swept},
-                              {3, 3, ContourForm::swept},
-                              {8, 0, ContourForm::swept},
-                              {1, 0, ContourForm::assembled},
-                              {3, 1, ContourForm::assembled}};
-
 void add_result(Hashes& hashes, const std::string& name, const SliceResult& result) {
     add(hashes, name, hash_of_shapes(result));
     add(hashes, name + ", numbers", hash_of_numbers(result));
 }
 
 }  // namespace
+
+void add(Hashes& hashes, const std::string& name, std::uint64_t hash) {
+    INFO(name);
+    CHECK(hashes.emplace(name, hash).second);
+}
+
+void check_golden(const std::string& group, const Hashes& produced) {
+    Hashes lines = read_lines();
+    Hashes committed = lines;
+    std::erase_if(committed, [&](const auto& line) { return group_of(line.first) != group; });
+    Hashes found;
+    for (const auto& [name, hash] : produced) {
+        found.emplace(group.empty() ? name : group + ": " + name, hash);
+    }
+    if (std::getenv("LAMELLA_UPDATE_GOLDEN") != nullptr) {  // NOLINT(concurrency-mt-unsafe)
+        std::erase_if(lines, [&](const auto& line) { return committed.count(line.first) == 1; });
+        lines.insert(found.begin(), found.end());
+        write_lines(lines);
+        return;
+    }
+    for (const auto& [name, hash] : found) {
+        INFO(name << ", committed: " << committed.count(name));
+        CHECK(committed[name] == hash);
+        committed.erase(name);
+    }
+    for (const auto& [name, hash] : committed) {
+        FAIL_CHECK("committed, but no longer produced: " << name);
+    }
+}
 
 Hash& add_contours(Hash& hash, std::span<const lamella::Contour> contours, std::span<const lamella::Point> points) {
     for (const lamella::Contour& contour : contours) {
@@ -112,17 +159,16 @@ std::uint64_t add_slices(Hashes& hashes, const std::string& name, const MeshView
     const SliceResult first = sliced(mesh, options, {.threads = 1}, tuning);
     add_result(hashes, name, first);
     std::uint64_t bands = first.info.bands;
-    for (const Way& way : other_ways) {
-        INFO(name << ", threads " << way.threads << ", planes a band " << way.band_planes << ", assembled "
-                  << (way.form == ContourForm::assembled));
-        tuning.band_planes = way.band_planes;
-        tuning.form = way.form;
-        const SliceResult result = sliced(mesh, options, {.threads = way.threads}, tuning);
+    const std::vector<Way> all_ways = ways();
+    // Among them eight threads in bands of the default size, swept: these work on wide planes together.
+    for (std::size_t i = 2; i < all_ways.size(); i += 7) {
+        INFO(name << ", " << all_ways[i]);
+        tuning.band_planes = all_ways[i].tuning.band_planes;
+        tuning.form = all_ways[i].tuning.form;
+        const SliceResult result = sliced(mesh, options, all_ways[i].context, tuning);
         CHECK(hash_of_shapes(result) == hash_of_shapes(first));
         CHECK(hash_of_numbers(result) == hash_of_numbers(first));
-        if (way.band_planes == 0) {
-            bands = std::max(bands, result.info.bands);
-        }
+        bands = std::max(bands, tuning.band_planes == 0 ? result.info.bands : 0);
     }
     return bands;
 }

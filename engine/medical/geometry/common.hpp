@@ -1,4 +1,4 @@
-// The headers of image files, and directions in the patient.
+// Directions in the patient, refusals, and texts: what the files of medical data have in common.
 #pragma once
 
 #include <algorithm>
@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "lamella/io/name_text.hpp"
 #include "lamella/medical/geometry.hpp"
 #include "lamella/result.hpp"
 
@@ -50,21 +51,10 @@ inline NearestAxis nearest_axis(const Direction& a) noexcept {
     return {static_cast<std::size_t>(most - a.begin()), *most < 0};
 }
 
-/// The first bytes of a file, or of what gzip holds.
-struct ImageHeader {
-    std::string name;
-    std::string bytes;
-
-    [[noreturn]] void refuse(const std::string& what) const;
-};
-
 /// Throws Refused: unreadable_file, "cannot read 'NAME': REASON".
 [[noreturn]] void refuse_unreadable(const std::string& name, int error_number);
 /// Throws Refused: malformed_mesh, "NAME: WHAT".
 [[noreturn]] void refuse_image(const std::string& name, const std::string& what);
-inline void ImageHeader::refuse(const std::string& what) const {
-    refuse_image(name, what);
-}
 
 /// Throws Refused: invalid_argument, "'PATH': WHAT".
 [[noreturn]] void refuse_output(const std::filesystem::path& path, const std::string& what);
@@ -76,9 +66,19 @@ std::string_view trimmed(std::string_view text, std::string_view padding = " \t\
 /// Finite numbers between separators; nothing where something else stands there.
 std::optional<std::vector<double>> numbers_in(std::string_view text, char separator);
 
-/// Both throw Refused where it is no such image.
-ImageGeometry read_nifti(const ImageHeader& header);
-ImageGeometry read_nrrd(const ImageHeader& header);
+/// A cell of a CSV file: in UTF-8, and quoted where it has to be.
+inline std::string csv_text(const std::string& bytes) {
+    std::string text = utf8_text(bytes);
+    if (text.find_first_of(",\"\r\n") == std::string::npos) {
+        return text;
+    }
+    std::string all = "\"";
+    for (const char c : text) {
+        all += c == '"' ? "\"\"" : std::string(1, c);
+    }
+    return all + "\"";
+}
+
 /// The geometry of the one series of DICOM images in a folder. n files: O(n log n). Throws Refused and std::bad_alloc.
 ImageGeometry read_dicom_folder(const std::filesystem::path& folder);
 

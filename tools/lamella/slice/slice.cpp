@@ -1,12 +1,16 @@
 #include "slice/slice.hpp"
 
+#include <array>
 #include <atomic>
 #include <cmath>
+#include <initializer_list>
+#include <limits>
 #include <memory>
 #include <utility>
+#include <variant>
 
+#include "files/flags.hpp"
 #include "files/mesh_input.hpp"
-#include "files/streams.hpp"
 #include "lamella/io/svg.hpp"
 #include "lamella/medical/table.hpp"
 #include "options/asked.hpp"
@@ -16,6 +20,71 @@
 namespace lamella::cli {
 
 namespace {
+
+// --- flags
+
+/// The heading in the help of what neither prints nor pictures need.
+constexpr const char* experiments = "Experiments";
+
+void declare_mending(CLI::App& command, SliceArguments& arguments) {
+    add_number(command, "--weld", "MM", "Join vertices at most MM apart before slicing (off)",
+               [&arguments](double mm) { arguments.weld_mm = mm; });
+    command.add_flag("--orient-shells", arguments.orient_shells,
+                     "Turn each closed shell outwards, or inwards where it bounds a cavity, before slicing");
+    add_triple(command, "--normal", "Cut perpendicular to this direction",
+               [&arguments](const std::array<double, 3>& normal) {
+                   const double length = std::hypot(normal[0], normal[1], normal[2]);
+                   arguments.options.frame.transform = Transform::from_normal(normal[0], normal[1], normal[2]);
+                   return length > 0 && std::isfinite(length) ? "" : " has no direction";
+               });
+}
+
+void declare_experiments(CLI::App& command, SliceArguments& arguments) {
+    static constexpr std::array<std::string_view, 2> forms = {"swept", "assembled"};
+    Tuning& tuning = arguments.tuning;
+    const auto random_heights = [&tuning]() -> RandomHeights& {
+        return tuning.random_heights ? *tuning.random_heights : tuning.random_heights.emplace();
+    };
+    const auto random = [random_heights](const std::string& text) {
+        const std::size_t colon = std::min(text.find(':'), text.size());
+        const std::optional<double> least = parse_number(text.substr(0, colon));
+        const std::optional<double> most = parse_number(text.substr(std::min(colon + 1, text.size())));
+        RandomHeights& heights = random_heights();
+        heights.min_step_mm = least.value_or(0);
+        heights.max_step_mm = most.value_or(0);
+        return heights.min_step_mm > 0 && heights.max_step_mm >= heights.min_step_mm
+                   ? ""
+                   : "'" + text + "' is not MIN:MAX in mm with 0 < MIN <= MAX";
+    };
+    add_parsed(command, "--random-heights", "MIN:MAX", "Random steps between MIN and MAX mm", random)
+        ->check(given)
+        ->group(experiments);
+    add_count(command, "--seed", "Seed of the random heights (1)",
+              [random_heights](std::uint64_t seed) { random_heights().seed = seed; })
+        ->needs("--random-heights")
+        ->group(experiments);
+    add(command, "--band", tuning.band_planes, "N", "Planes swept as one task (0: chosen by the work)")
+        ->check(CLI::Range(0, std::numeric_limits<int>::max()))
+        ->group(experiments);
+    add_choice(command, "--form", forms, "How contours are built (swept); the results are identical", tuning.form)
+        ->group(experiments);
+}
+
+void declare_how(CLI::App& command, SliceArguments& arguments) {
+    static constexpr std::array<std::string_view, 1> objects = {"objects"};
+    command.add_flag("--map", arguments.map_file, "Map the mesh file into memory instead of reading it");
+    add_bytes(command, "--memory", "BYTES[k|M|G]",
+              "Slice a binary STL or PLY file larger than memory, in ranges of layers within so many bytes (at least 300k a "
+              "thread)",
+              arguments.memory_bytes);
+    add_choice(command, "--split", objects,
+               "Make each 3MF object, OBJ object or group, or STL solid a mesh with its own label, ROI and row",
+               [&arguments](std::size_t) { arguments.split = true; });
+    command.add_flag("--hash", arguments.hash, "Print the hash of the result");
+    add_text(command, "--report", arguments.report, "FILE|-", "JSON report to write; - for standard output");
+}
+
+// --- stages
 
 /// The least distance between two planes at different heights, if there are two.
 std::optional<double> least_plane_distance(const SliceOptions& options) {
@@ -53,47 +122,52 @@ std::vector<std::string> doubts_of(const SliceInfo& info, const SliceArguments& 
 }
 
 /// Outputs that take one layer after the other.
-struct Streams {
-    std::vector<SvgStream> svgs;
-    std::vector<LayerTableStream> tables;
-    Status begun;
-
-    template <class Use>
-    void for_each(Use use) {
-        std::for_each(svgs.begin(), svgs.end(), use);
-        std::for_each(tables.begin(), tables.end(), use);
-    }
-
+class Streams {
+public:
     void begin(const OutputJob& job, const std::string& mesh_name, const SliceInfo& info) {
         const ImageGeometry* const image = job.image ? &*job.image : nullptr;
-        const auto add = [this](auto stream, auto& streams) {
-            if (stream) {
-                streams.push_back(std::move(stream).value());
-            } else {
-                begun = stream.error();
-            }
-        };
-        for (auto output = job.outputs.begin(); begun && output != job.outputs.end(); ++output) {
-            output->format == OutputFormat::svg ? add(SvgStream::begin(info, output_path(output->path)), svgs)
-                                                : add(LayerTableStream::begin(mesh_name, output->path, image), tables);
+        for (const PlannedOutput& output : job.outputs) {
+            output.format == OutputFormat::svg ? add(SvgStream::begin(info, output_path(output.path)))
+                                               : add(LayerTableStream::begin(mesh_name, output.path, image));
         }
     }
 
-    bool failed() noexcept {
-        bool any = !begun;
-        for_each([&](const auto& stream) { any = any || stream.failed(); });
-        return any;
+    void add(const LayerView& layer) {
+        for (Any& stream : streams_) {
+            std::visit([&](auto& one) { one.add(layer); }, stream);
+        }
     }
+
+    bool failed() const noexcept { return !begun_ || std::any_of(streams_.begin(), streams_.end(), has_failed); }
 
     /// Puts the files in their places, or none where some failed before. Throws Failure.
     void finish() {
-        Status status = begun;
+        done_or_thrown(begun_);
         // Streams that failed come first: they ended the slicing, and the others lack layers.
-        for (const bool failed : {true, false}) {
-            for_each([&](auto& stream) { status = status && stream.failed() == failed ? stream.finish() : status; });
+        std::stable_partition(streams_.begin(), streams_.end(), has_failed);
+        for (Any& stream : streams_) {
+            done_or_thrown(std::visit([](auto& one) { return one.finish(); }, stream));
         }
-        done_or_thrown(status);
     }
+
+private:
+    using Any = std::variant<SvgStream, LayerTableStream>;
+
+    static bool has_failed(const Any& stream) noexcept {
+        return std::visit([](const auto& one) { return one.failed(); }, stream);
+    }
+
+    template <class Stream>
+    void add(Result<Stream> stream) {
+        if (begun_ && stream) {
+            streams_.emplace_back(std::move(stream).value());
+        } else if (begun_) {
+            begun_ = stream.error();
+        }
+    }
+
+    std::vector<Any> streams_;
+    Status begun_;
 };
 
 template <class T>
@@ -212,6 +286,31 @@ std::string findings(const ReportParts& parts) {
 
 }  // namespace
 
+void declare(CLI::App& command, SliceArguments& arguments) {
+    add_text(command, "mesh", arguments.meshes, "MESH|-", mesh_help("Mesh files, or - for standard input"))->required();
+    declare_reading(command, arguments);
+    declare_outputs(command, arguments.outputs);
+    declare_image(command, arguments.image);
+    declare_options(command, arguments.options);
+    declare_mending(command, arguments);
+    declare_experiments(command, arguments);
+    declare_how(command, arguments);
+    const auto exclude = [&command](const char* one, std::initializer_list<const char*> others) {
+        for (const char* const other : others) {
+            command.get_option(one)->excludes(command.get_option(other));
+        }
+    };
+    exclude("--layer-height", {"--planes", "--random-heights"});
+    exclude("--planes", {"--random-heights", "--first-height", "--datum"});
+    exclude("--random-heights", {"--first-height", "--datum"});
+    exclude("--normal", {"--transform"});
+    exclude("--memory", {"--weld", "--orient-shells", "--map", "--split"});
+    for (const char* const image : {"--like", "--spacing"}) {
+        exclude(image,
+                {"--layer-height", "--planes", "--random-heights", "--first-height", "--datum", "--normal", "--transform"});
+    }
+}
+
 void cut_at(SliceOptions& options, std::vector<double> heights) {
     options.heights_mm = std::move(heights);
     options.planes.first_height_mm.reset();
@@ -223,7 +322,7 @@ std::vector<std::string> warnings_of(const SlicedPart& part, const SliceArgument
     const SliceInfo& info = part.result.info;
     std::vector<std::string> warnings;
     if (part.open.layers > 0 && !arguments.outputs.strict) {  // which says the same
-        warnings.push_back(arguments.name() + (arguments.split ? ", " + part.name : "") + ": " + said_of(part.open));
+        warnings.push_back(arguments.name() + (arguments.split ? ", " + part.name : "") + ": " + part.open_words());
     }
     if (info.segments == 0) {
         warnings.push_back("no plane meets the mesh, which reaches from " + exact_text(info.box.min_mm[2]) + " to " +
@@ -280,7 +379,7 @@ std::function<void()> slice_streamed(const OutputJob& job, SlicedPart& part, con
             out_of_memory = out_of_memory || (!open && open.error().code == ErrorCode::out_of_memory);
             part.open.add(open ? *open : OpenLayers{});
             stitches.insert(stitches.end(), view.stitches.begin(), view.stitches.end());
-            streams->for_each([&](auto& stream) { stream.add(view); });
+            streams->add(view);
         });
     };
     const auto stop = [&]() noexcept { return out_of_memory || streams->failed() || (asked.stop && asked.stop()); };
@@ -328,7 +427,7 @@ std::string summary(const SlicedPart& part, const ReportParts& parts, const Tool
             grouped(info.holes) + ", open " + grouped(info.open_contours);
     text += when(info.flat_contours > 0, ", without area " + grouped(info.flat_contours));
     text += when(info.overruled_contours > 0, ", turned against their facets " + grouped(info.overruled_contours)) + "\n";
-    text += when(part.open.layers > 0, "open      " + said_of(part.open) + "\n");
+    text += when(part.open.layers > 0, "open      " + part.open_words() + "\n");
     text += when(run.print_hash && part.hash, "hash      " + hexadecimal(part.hash.value_or(0)) + "\n");
     return text + findings(parts) + times(info, run) + "memory    " + file_size_text(run.peak_rss_bytes) + " at the peak\n" +
            run.ranges + wrote(run.outputs);

@@ -1,12 +1,77 @@
-#include "medical/hdf5/archive_file.hpp"
+// The columns of an archive: which datasets there are, and which member of a result each holds.
+#pragma once
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
+#include <optional>
+#include <span>
+#include <tuple>
+#include <type_traits>
+#include <vector>
+
+#include <hdf5.h>
+
+#include "base/little_endian.hpp"
+#include "lamella/result.hpp"
 
 namespace lamella {
 
-namespace {
+using NumberType = hid_t (*)();
+
+/// Little-endian, as hosts are.
+template <class Number>
+hid_t hdf5_type() {
+    if constexpr (std::is_same_v<Number, double>) {
+        return H5T_IEEE_F64LE;
+    } else {
+        const std::array<hid_t, 4> types = std::is_signed_v<Number>
+                                               ? std::array{H5T_STD_I8LE, H5T_STD_I16LE, H5T_STD_I32LE, H5T_STD_I64LE}
+                                               : std::array{H5T_STD_U8LE, H5T_STD_U16LE, H5T_STD_U32LE, H5T_STD_U64LE};
+        return types[static_cast<std::size_t>(std::countr_zero(sizeof(Number)))];
+    }
+}
+
+/// The things that a column has a row for: columns of one kind are equally long.
+enum ColumnKind : std::uint8_t {
+    layer_rows,
+    contour_rows,
+    point_rows,
+    origin_rows,
+    stitch_rows,
+    height_rows,
+    fill_change_rows
+};
+
+/// How many rows the columns of each kind have.
+using KindRows = std::array<std::uint64_t, fill_change_rows + 1>;
+
+struct Column {
+    const char* path;
+    ColumnKind kind;
+    NumberType type;
+    std::size_t width;  ///< numbers a row
+    std::size_t row_bytes;
+    const char* unit;
+    const char* meaning;  ///< or ""
+    /// Rows from `first` on, as they lie in the file.
+    void (*get)(const SliceResult& result, std::uint64_t first, std::span<std::byte> to);
+    /// Takes rows into `result`, whose arrays are large enough: how many are in their range before one that is not. Null
+    /// where all follows from other columns, and stands in the file for other programs.
+    std::uint64_t (*set)(SliceResult& result, std::uint64_t first, std::span<const std::byte> from) = nullptr;
+    std::optional<ColumnKind> names = std::nullopt;  ///< its numbers are indices of such rows
+    bool has_end = false;                            ///< a last row tells where the last layer or contour ends
+
+    /// Left out where there are no rows.
+    bool is_optional() const noexcept { return kind > point_rows; }
+    std::uint64_t rows_among(const KindRows& rows) const noexcept { return rows[kind] + (has_end ? 1 : 0); }
+};
+
+namespace columns {
 
 using Index = std::uint64_t;
 using In = const SliceResult&;
@@ -36,19 +101,15 @@ Index set_rows(Out result, Index first, std::span<const std::byte> from) {
     return count;
 }
 
-/// A column that is only written.
-template <class Row, class Get>
-constexpr Column derived(const char* path, ColumnKind kind, const char* unit, const char* meaning, Get) {
-    constexpr bool is_point = std::is_same_v<Row, Point>;
-    const auto type = &hdf5_type<std::conditional_t<is_point, std::int32_t, Row>>;
-    return {path,    kind,         type, is_point ? 2U : 1U, sizeof(Row), unit, meaning, &get_rows<Row, Get>,
-            nullptr, std::nullopt, false};
-}
-
+/// A column of what Get gives. Set takes a value and returns whether it is in its range; null for what is only written.
 template <class Row, class Get, class Set>
-constexpr Column column(const char* path, ColumnKind kind, const char* unit, const char* meaning, Get get, Set) {
-    Column made = derived<Row>(path, kind, unit, meaning, get);
-    made.set = &set_rows<Row, Set>;
+constexpr Column column(const char* path, ColumnKind kind, const char* unit, const char* meaning, Get, Set) {
+    constexpr bool is_point = std::is_same_v<Row, Point>;
+    using Number = std::conditional_t<is_point, std::int32_t, Row>;
+    Column made{path, kind, &hdf5_type<Number>, is_point ? 2U : 1U, sizeof(Row), unit, meaning, &get_rows<Row, Get>};
+    if constexpr (!std::is_null_pointer_v<Set>) {
+        made.set = &set_rows<Row, Set>;
+    }
     return made;
 }
 
@@ -63,11 +124,26 @@ constexpr Column member(const char* path, ColumnKind kind, const char* unit, con
     return column<Row>(path, kind, unit, meaning, get, set);
 }
 
-/// The same, its numbers being indices of rows of that kind; of an end, those where rows begin, and where the last one ends.
-constexpr Column naming(ColumnKind kind, Column column, bool has_end = false) {
+/// The same, its numbers being indices of rows of that kind.
+constexpr Column naming(ColumnKind kind, Column column) {
     column.names = kind;
-    column.has_end = has_end;
     return column;
+}
+
+/// Where the items of each row begin, and where the last ones end.
+template <auto rows, auto first, auto items>
+constexpr Column begins(const char* path, ColumnKind kind, ColumnKind names, const char* meaning) {
+    const auto get = [](In r, Index i) { return i < (r.*rows).size() ? (r.*rows)[i].*first : Index{(r.*items).size()}; };
+    const auto set = [](Out r, Index i, Index value) {
+        if (i == (r.*rows).size()) {
+            return value == (r.*items).size();
+        }
+        (r.*rows)[i].*first = value;
+        return true;
+    };
+    Column made = naming(names, column<Index>(path, kind, "", meaning, get, set));
+    made.has_end = true;
+    return made;
 }
 
 constexpr auto any = [](In, auto) { return true; };
@@ -85,7 +161,8 @@ constexpr const char* grid_unit = "grid unit";
     member<Row>(                                            \
         path, kind##_rows, unit, meaning, [](auto& r, Index i) -> auto& { return r.place; }, good)
 
-constexpr std::array columns = {
+/// Those of one kind stand side by side.
+constexpr std::array all = {
     MEMBER("/layers/bottom_mm", layer, double, "mm", "where the slab of material begins", layers[i].bottom_mm, finite),
     MEMBER("/layers/plane_mm", layer, double, "mm", "the height asked for; of an image: from slice 0 along axis_i x axis_j",
            layers[i].plane_mm, finite),
@@ -97,32 +174,13 @@ constexpr std::array columns = {
             return (z & 1) != 0;
         }),
     MEMBER("/layers/segments", layer, std::uint64_t, "", "triangles that the plane crosses", layers[i].segments, any),
-    derived<std::uint8_t>("/layers/open", layer_rows, "", "1: some contour is open, so that area and centroid are not known",
-                          [](In r, Index i) { return std::isnan(r[i].area_mm2()); }),
-    naming(contour_rows,
-           column<std::uint64_t>(
-               "/layers/first_contour", layer_rows, "", "of each layer, and where the last one ends",
-               [](In r, Index i) { return i < r.layers.size() ? r.layers[i].first_contour : Index{r.contours.size()}; },
-               [](Out r, Index i, Index v) {
-                   if (i == r.layers.size()) {
-                       return v == r.contours.size();
-                   }
-                   r.layers[i].first_contour = v;
-                   return true;
-               }),
-           true),
-    naming(point_rows,
-           column<std::uint64_t>(
-               "/contours/first_point", contour_rows, "", "of each contour, and where the last one ends",
-               [](In r, Index i) { return i < r.contours.size() ? r.contours[i].first_point : Index{r.points.size()}; },
-               [](Out r, Index i, Index v) {
-                   if (i == r.contours.size()) {
-                       return v == r.points.size();
-                   }
-                   r.contours[i].first_point = v;
-                   return true;
-               }),
-           true),
+    column<std::uint8_t>(
+        "/layers/open", layer_rows, "", "1: some contour is open, so that area and centroid are not known",
+        [](In r, Index i) { return std::isnan(r[i].area_mm2()); }, nullptr),
+    begins<&SliceResult::layers, &Layer::first_contour, &SliceResult::contours>(
+        "/layers/first_contour", layer_rows, contour_rows, "of each layer, and where the last one ends"),
+    begins<&SliceResult::contours, &Contour::first_point, &SliceResult::points>(
+        "/contours/first_point", contour_rows, point_rows, "of each contour, and where the last one ends"),
     naming(contour_rows, MEMBER("/contours/parent", contour, std::int64_t, "", "the smallest contour around it; -1: none",
                                 contours[i].parent, any)),
     MEMBER("/contours/segments", contour, std::uint32_t, "", "triangles that it comes from", contours[i].segments, any),
@@ -136,12 +194,14 @@ constexpr std::array columns = {
            at_most<orientation_overruled + orientation_mixed + stitched + would_close>),
     MEMBER("/contours/part", contour, std::uint32_t, "", "the mesh that it comes from; 2^32 - 1: several", contours[i].part,
            [](In r, std::uint32_t v) { return v < r.info.part_count || v == several_parts; }),
-    derived<double>("/contours/area_mm2", contour_rows, "mm^2", "positive for outers, negative for holes, 0 for others",
-                    [](In r, Index i) {
-                        LayerView view;
-                        view.grid_mm = r.info.grid_mm;
-                        return view.area_mm2(r.contours[i]) + 0.0;  // never -0
-                    }),
+    column<double>(
+        "/contours/area_mm2", contour_rows, "mm^2", "positive for outers, negative for holes, 0 for others",
+        [](In r, Index i) {
+            LayerView view;
+            view.grid_mm = r.info.grid_mm;
+            return view.area_mm2(r.contours[i]) + 0.0;  // never -0
+        },
+        nullptr),
     MEMBER("/points", point, Point, grid_unit, "x and y; times grid_mm of the root: mm", points[i], on_grid),
     MEMBER("/origins/triangle", origin, std::uint32_t, "",
            "of each point: the triangle that the edge from there was cut from", origins[i].triangle, any),
@@ -167,13 +227,14 @@ constexpr std::array columns = {
 };
 #undef MEMBER
 
-}  // namespace
+}  // namespace columns
 
-std::span<const Column> all_columns() noexcept {
-    return columns;
-}
-
-std::vector<RowRange> ranges_of(std::uint64_t rows, const Column& column) {
+/// Rows of a column that are worked on at once: about a MiB.
+struct RowRange {
+    std::uint64_t first = 0;
+    std::size_t count = 0;
+};
+inline std::vector<RowRange> ranges_of(std::uint64_t rows, const Column& column) {
     const std::uint64_t at_once = (std::uint64_t{1} << 20) / column.row_bytes;
     std::vector<RowRange> ranges;
     for (std::uint64_t first = 0; first < rows; first += at_once) {
@@ -182,20 +243,20 @@ std::vector<RowRange> ranges_of(std::uint64_t rows, const Column& column) {
     return ranges;
 }
 
-KindRows rows_of(const SliceResult& result) noexcept {
+inline KindRows rows_of(const SliceResult& result) noexcept {
     const SliceOptions& options = result.info.options;
-    KindRows rows;
-    rows[layer_rows] = result.layers.size();
-    rows[contour_rows] = result.contours.size();
-    rows[point_rows] = result.points.size();
-    rows[origin_rows] = result.origins.size();
-    rows[stitch_rows] = result.stitches.size();
-    rows[height_rows] = options.heights_mm ? options.heights_mm->size() : 0;
-    rows[fill_change_rows] = options.region.fill_from.size();
-    return rows;
+    return {result.layers.size(),           result.contours.size(), result.points.size(),
+            result.origins.size(),          result.stitches.size(), options.heights_mm ? options.heights_mm->size() : 0,
+            options.region.fill_from.size()};
 }
 
-void resize(SliceResult& result, const KindRows& rows) {
+/// What the columns of options hold.
+inline auto option_columns(const SliceInfo& info) noexcept {
+    return std::tie(info.options.heights_mm, info.layer_of, info.options.region.fill_from);
+}
+
+/// Arrays of so many rows, their contents unspecified; heights only where the options have some.
+inline void resize(SliceResult& result, const KindRows& rows) {
     SliceOptions& options = result.info.options;
     result.layers.resize_discarding(rows[layer_rows]);
     result.contours.resize_discarding(rows[contour_rows]);

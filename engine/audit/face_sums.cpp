@@ -1,9 +1,8 @@
 #include "audit/face_sums.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
+#include <utility>
 
 #include "slicing/grid/exact.hpp"
 #include "slicing/grid/mesh_edge.hpp"
@@ -35,75 +34,112 @@ std::array<std::int32_t, 3> ascending(std::int32_t a, std::int32_t b, std::int32
     return {std::min(low, c), std::max(low, std::min(high, c)), std::max(high, c)};
 }
 
-// Four numbers side by side, which take one register where there is AVX2. Passed by reference: how they would be passed by
-// value depends on the processor.
-using Four = double __attribute__((vector_size(32)));
-using FourWhole = std::int64_t __attribute__((vector_size(32)));
-constexpr Four none = {};
+/// From the apex, within one slab: where the corner ends, and where it entered the slab.
+struct Stretch {
+    double to;
+    double from;
+};
 
-/// Rounded to whole numbers, which are below 2^51: they then stand in the low bits of the sum.
-constexpr double rounding_shift = 0x1.8p52;
-
-[[gnu::always_inline]] inline void add_rounded(std::int64_t* at, const Four& shifted) {
-    FourWhole sum;
-    std::memcpy(&sum, at, sizeof sum);
-    sum += reinterpret_cast<FourWhole>(shifted) - std::bit_cast<std::int64_t>(rounding_shift);
-    std::memcpy(at, &sum, sizeof sum);
+template <bool rises>
+Stretch stretch_within(const double* z, const FaceCorner& corner, std::size_t slab) noexcept {
+    const double below = z[static_cast<std::ptrdiff_t>(slab) - 1];
+    return rises ? Stretch{std::min(z[slab], corner.base) - corner.apex, std::max(below - corner.apex, 0.0)}
+                 : Stretch{corner.apex - std::max(below, corner.base), std::max(corner.apex - z[slab], 0.0)};
 }
 
-[[gnu::always_inline]] inline void add_limbs(std::int64_t* low, std::int64_t* middle, std::int64_t* top, const Four& value) {
-    const Four top_limb = value * (1 / top_limb_unit) + rounding_shift;
-    const Four rest = value - (top_limb - rounding_shift) * top_limb_unit;
-    const Four middle_limb = rest * (1 / limb_unit) + rounding_shift;
-    add_rounded(top, top_limb);
-    add_rounded(middle, middle_limb);
-    add_rounded(low, rest - (middle_limb - rounding_shift) * limb_unit + rounding_shift);
+void add_limbs(std::int64_t* low, std::int64_t* middle, std::int64_t* top, double value) noexcept {
+    const auto top_limb = static_cast<std::int64_t>(value / top_limb_unit);
+    const double rest = value - static_cast<double>(top_limb) * top_limb_unit;
+    const auto middle_limb = static_cast<std::int64_t>(rest / limb_unit);
+    *top += top_limb;
+    *middle += middle_limb;
+    *low += static_cast<std::int64_t>(rest - static_cast<double>(middle_limb) * limb_unit);
+}
+
+template <bool rises>
+void add_corner_portable(const double* z, const FaceCorner& corner, CornerSums& sums) {
+    for (std::size_t s = corner.first; s <= corner.last; ++s) {
+        const auto [to, from] = stretch_within<rises>(z, corner, s);
+        const double square = to * to;
+        const double square_from = from * from;
+        add_limbs(sums.volumes(0) + s, sums.volumes(1) + s, sums.volumes(2) + s,
+                  corner.volume_bend * (to - from) * (square + to * from + square_from));
+        if (s < corner.last) {
+            add_limbs(sums.areas(0) + s, sums.areas(1) + s, sums.areas(2) + s,
+                      corner.area_bend * (rises ? square : square_from));
+        }
+    }
+}
+
+#ifdef LAMELLA_X86_FORMS
+
+/// Precondition: whole, and below 2^51.
+LAMELLA_AVX2_INLINE __m256i whole_lanes(__m256d value) {
+    const __m256d shift = _mm256_set1_pd(0x1.8p52);  // the number then stands in the low bits of the sum
+    return _mm256_sub_epi64(_mm256_castpd_si256(_mm256_add_pd(value, shift)), _mm256_castpd_si256(shift));
+}
+
+LAMELLA_AVX2_INLINE __m256d towards_zero(__m256d value) {
+    return _mm256_round_pd(value, _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC);
+}
+
+LAMELLA_AVX2_INLINE void add_lanes(std::int64_t* at, __m256d whole) {
+    auto* const lanes = reinterpret_cast<__m256i*>(at);
+    _mm256_storeu_si256(lanes, _mm256_add_epi64(_mm256_loadu_si256(lanes), whole_lanes(whole)));
+}
+
+LAMELLA_AVX2_INLINE void add_limb_lanes(std::int64_t* low, std::int64_t* middle, std::int64_t* top, __m256d value) {
+    const __m256d top_unit = _mm256_set1_pd(top_limb_unit);
+    const __m256d unit = _mm256_set1_pd(limb_unit);
+    const __m256d top_limb = towards_zero(_mm256_mul_pd(value, _mm256_set1_pd(1 / top_limb_unit)));
+    const __m256d rest = _mm256_sub_pd(value, _mm256_mul_pd(top_limb, top_unit));
+    const __m256d middle_limb = towards_zero(_mm256_mul_pd(rest, _mm256_set1_pd(1 / limb_unit)));
+    add_lanes(top, top_limb);
+    add_lanes(middle, middle_limb);
+    add_lanes(low, towards_zero(_mm256_sub_pd(rest, _mm256_mul_pd(middle_limb, unit))));
 }
 
 /// Four slabs at a time, always the same four: what one face stores the next one loads, and a load that spans two stores
 /// would wait for both.
 template <bool rises>
-[[gnu::always_inline]] inline void add_corner(const double* z, const FaceCorner& corner, CornerSums& sums) {
-    const Four base = none + corner.base;
+LAMELLA_AVX2 void add_corner_avx2(const double* z, const FaceCorner& corner, CornerSums& sums) {
+    const __m256d apex = _mm256_set1_pd(corner.apex);
+    const __m256d base = _mm256_set1_pd(corner.base);
+    const __m256d area_bend = _mm256_set1_pd(corner.area_bend);
+    const __m256d volume_bend = _mm256_set1_pd(corner.volume_bend);
+    const __m256d zero = _mm256_setzero_pd();
+    const __m256i before = _mm256_set1_epi64x(std::int64_t{corner.first} - 1);
+    const __m256i last = _mm256_set1_epi64x(corner.last);
     for (std::size_t s = corner.first - corner.first % CornerSums::lanes; s <= corner.last; s += CornerSums::lanes) {
-        Four above;
-        Four below;
-        std::memcpy(&above, z + s, sizeof above);
-        std::memcpy(&below, z + static_cast<std::ptrdiff_t>(s) - 1, sizeof below);
-        // From the apex, within one slab: where the corner ends, and where it entered the slab.
-        const Four to = rises ? (above < base ? above : base) - corner.apex : corner.apex - (below > base ? below : base);
-        const Four entered = rises ? below - corner.apex : corner.apex - above;
-        const Four from = entered > none ? entered : none;
-        const Four square = to * to;
-        const Four square_from = from * from;
-        const FourWhole number = FourWhole{0, 1, 2, 3} + static_cast<std::int64_t>(s);
-        const FourWhole begun = number >= std::int64_t{corner.first};
-        const FourWhole slabs = begun & (number <= std::int64_t{corner.last});
-        const FourWhole planes = begun & (number < std::int64_t{corner.last});
-        const Four volume = corner.volume_bend * (to - from) * (square + to * from + square_from);
-        const Four area = corner.area_bend * (rises ? square : square_from);
-        add_limbs(sums.volumes(0) + s, sums.volumes(1) + s, sums.volumes(2) + s, slabs ? volume : none);
-        add_limbs(sums.areas(0) + s, sums.areas(1) + s, sums.areas(2) + s, planes ? area : none);
+        const __m256d above = _mm256_loadu_pd(z + s);
+        const __m256d below = _mm256_loadu_pd(z + static_cast<std::ptrdiff_t>(s) - 1);
+        const __m256d to =
+            rises ? _mm256_sub_pd(_mm256_min_pd(above, base), apex) : _mm256_sub_pd(apex, _mm256_max_pd(below, base));
+        const __m256d from = _mm256_max_pd(rises ? _mm256_sub_pd(below, apex) : _mm256_sub_pd(apex, above), zero);
+        const __m256d square = _mm256_mul_pd(to, to);
+        const __m256d square_from = _mm256_mul_pd(from, from);
+        const __m256d volume = _mm256_mul_pd(_mm256_mul_pd(volume_bend, _mm256_sub_pd(to, from)),
+                                             _mm256_add_pd(_mm256_add_pd(square, _mm256_mul_pd(to, from)), square_from));
+        const __m256d area = _mm256_mul_pd(area_bend, rises ? square : square_from);
+        const __m256i number =
+            _mm256_add_epi64(_mm256_set1_epi64x(static_cast<std::int64_t>(s)), _mm256_setr_epi64x(0, 1, 2, 3));
+        const __m256i begun = _mm256_cmpgt_epi64(number, before);
+        const __m256i slabs = _mm256_andnot_si256(_mm256_cmpgt_epi64(number, last), begun);
+        const __m256i planes = _mm256_and_si256(_mm256_cmpgt_epi64(last, number), begun);
+        add_limb_lanes(sums.volumes(0) + s, sums.volumes(1) + s, sums.volumes(2) + s,
+                       _mm256_and_pd(volume, _mm256_castsi256_pd(slabs)));
+        add_limb_lanes(sums.areas(0) + s, sums.areas(1) + s, sums.areas(2) + s,
+                       _mm256_and_pd(area, _mm256_castsi256_pd(planes)));
     }
 }
 
-template <bool rises>
-void add_corner_portable(const double* z, const FaceCorner& corner, CornerSums& sums) {
-    add_corner<rises>(z, corner, sums);
-}
-
-#ifdef LAMELLA_X86_FORMS
-template <bool rises>
-LAMELLA_AVX2 void add_corner_avx2(const double* z, const FaceCorner& corner, CornerSums& sums) {
-    add_corner<rises>(z, corner, sums);
-}
-#endif
-
 constexpr Form<CornerKernels> forms_of_corners[] = {
-#ifdef LAMELLA_X86_FORMS
     {InstructionSet::avx2, {add_corner_avx2<true>, add_corner_avx2<false>}},
-#endif
     {InstructionSet::portable, {add_corner_portable<true>, add_corner_portable<false>}}};
+#else
+constexpr Form<CornerKernels> forms_of_corners[] = {
+    {InstructionSet::portable, {add_corner_portable<true>, add_corner_portable<false>}}};
+#endif
 
 }  // namespace
 

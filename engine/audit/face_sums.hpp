@@ -69,7 +69,7 @@ struct FaceCorner {
     PlaneIndex last;
 };
 
-/// Adds a corner to `sums`; each number is rounded to nearest, ties to even, so that opposite faces cancel.
+/// Adds a corner to `sums`; each number is rounded towards zero, so that opposite faces cancel.
 using AddCorner = void (*)(const double* z, const FaceCorner& corner, CornerSums& sums);
 struct CornerKernels {
     AddCorner rising;   ///< for corners whose apex is their lowest point

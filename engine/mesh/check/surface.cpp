@@ -126,6 +126,8 @@ Array<std::uint32_t> loose_corners(const GridMesh& mesh, const EmbeddedStars& st
 std::size_t count_fans(const GridMesh& mesh, std::span<const std::uint32_t> corners) {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> spokes;  // the other end of an edge, and which corner has it
     std::vector<std::array<std::uint32_t, 2>> beside;             // of each corner: those joined to it, or itself
+    beside.reserve(corners.size());
+    spokes.reserve(2 * corners.size());
     for (std::uint32_t i = 0; i < corners.size(); ++i) {
         beside.push_back({i, i});
         for (const std::uint32_t end : mesh.faces[corners[i] / 3].corners) {

@@ -4,11 +4,11 @@
 #     bench/run.sh            everything; takes tens of minutes, the first time some more for the meshes
 #     bench/run.sh --quick    a hundredth of the sizes, into build/bench-quick: shows only that the benchmarks run
 #
-# The raw output goes to build/bench-runs, a line of JSON for each benchmark. The medians go to bench/results/summary.json,
-# from which the tables are made.
+# The raw output goes to build/bench-runs: Google Benchmark's JSON, with every measurement, and the like. The medians go to
+# bench/results/summary.json, from which the tables are made.
 #
-# PIN=LIST pins the whole process to these cores (taskset -c LIST). FILTER=REGEX runs only the benchmarks that match. The
-# medians of all others stay, if they were measured on the same machine.
+# PIN=LIST pins the whole process to these cores (taskset -c LIST). FILTER=REGEX runs only the benchmarks that match,
+# FILTER=-REGEX only those that do not. The medians of all others stay, if they were measured on the same machine.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source tools/packages.sh
@@ -56,7 +56,8 @@ if [[ ! -e "$cache/read/3mf.3mf" ]]; then
 fi
 
 stage "benchmarks"
-"${pin[@]}" build/bench/lamella_bench "$cache" ../shared/models "${FILTER:-.}" "$size" > "$runs/bench.jsonl"
+"${pin[@]}" build/bench/lamella_bench "$@" --cache "$cache" --shared ../shared/models --benchmark_filter="${FILTER:-.}" \
+    --benchmark_out="$runs/bench.json" --benchmark_display_aggregates_only=true
 
 stage "peak memory and first slices"
 for mesh in ../shared/models/{liver,femur,brain}.stl "$cache"/{scan,figure,skull}.stl; do

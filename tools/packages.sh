@@ -6,8 +6,8 @@ build_packages=(
     zlib1g-dev libexpat1-dev libzip-dev pkg-config
     libssl-dev libpng-dev libhdf5-dev
 )
-# bench/: the first is only compared with.
-bench_packages=(libpolyclipping-dev python3-numpy python3-matplotlib time)
+# bench/: the second is only compared with.
+bench_packages=(libbenchmark-dev libpolyclipping-dev python3-numpy python3-matplotlib time)
 test_packages=(libxml2-utils libcgal-dev python3)
 # tools/python: the package needs numpy, the others are for its tests.
 python_packages=(

@@ -80,14 +80,14 @@ Figures time_small(int threads) {
 
 }  // namespace
 
-void run_hosts(const Options& options, const Case& wanted) {
-    benchmark(options, "host/" + wanted.name + "/prepared", host_threads,
-              [&] { return time_prepared(prepared(wanted), options.quick ? 1 : 9); });
+void add_hosts(const Options& options, const Case& wanted) {
+    add_benchmark(options, "host/" + wanted.name + "/prepared", host_threads,
+                  [=](benchmark::State&) { return time_prepared(prepared(wanted), options.quick ? 1 : 9); });
 }
 
-void run_small_calls(const Options& options) {
+void add_small_calls(const Options& options) {
     for (const int threads : {1, host_threads}) {
-        benchmark(options, "host/box/small", threads, [=] { return time_small(threads); });
+        add_benchmark(options, "host/box/small", threads, [=](benchmark::State&) { return time_small(threads); });
     }
 }
 

@@ -88,21 +88,21 @@ private:
 
 }  // namespace
 
-void run_masks(const Options& options) {
-    const auto run = [&](const char* way, auto work) {
+void add_masks(const Options& options) {
+    const auto add = [&](const char* way, auto work) {
         for (const int threads : {1, 2}) {
-            benchmark(options, std::string("mask/bone/") + way, threads, [&] {
+            add_benchmark(options, std::string("mask/bone/") + way, threads, [=](benchmark::State& state) {
                 const models::Recipe recipe{.triangles = std::uint64_t{options.quick ? 40'000U : 4'000'000U}};
                 static const Masked masked(cached_mesh(options, "mask_bone", recipe));
-                Figures figures = measure(options, [&] { work(masked, threads); });
+                Figures figures = measure(state, [&] { work(masked, threads); });
                 figures["voxels/s"] = rate_of(voxels, figures);
                 return figures;
             });
         }
     };
-    run("raster", [](const Masked& masked, int threads) { masked.draw(threads); });
-    run("nii", [](const Masked& masked, int threads) { (void)masked.write("mask.nii", threads); });
-    run("nrrd", [](const Masked& masked, int threads) { (void)masked.write("mask.nrrd", threads); });
+    add("raster", [](const Masked& masked, int threads) { masked.draw(threads); });
+    add("nii", [](const Masked& masked, int threads) { (void)masked.write("mask.nii", threads); });
+    add("nrrd", [](const Masked& masked, int threads) { (void)masked.write("mask.nrrd", threads); });
 }
 
 }  // namespace lamella::bench

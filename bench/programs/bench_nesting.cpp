@@ -26,7 +26,7 @@ std::vector<Point> ring(Point low, std::int32_t length, bool hole) {
 }
 
 /// Square rings on a square lattice, of which every second is the hole of the one before it.
-Figures time_nesting(const Options& options, std::uint32_t contours) {
+Figures time_nesting(benchmark::State& state, std::uint32_t contours) {
     constexpr std::int32_t side = 64 * steps;
     const auto row = static_cast<std::int32_t>(std::ceil(std::sqrt(contours / 2)));
     std::vector<std::vector<Point>> rings;
@@ -59,17 +59,17 @@ Figures time_nesting(const Options& options, std::uint32_t contours) {
             item.parent = -1;
         }
     };
-    Figures figures = measure(options, without_answer, [&] { nester.nest(items); });
+    Figures figures = measure(state, without_answer, [&] { nester.nest(items); });
     figures["contours/s"] = rate_of(contours, figures);
     return figures;
 }
 
 }  // namespace
 
-void run_nesting(const Options& options) {
+void add_nesting(const Options& options) {
     for (const std::uint32_t contours : {10U, 100U, 1'000U, 10'000U}) {
-        benchmark(options, "nesting/rings_" + std::to_string(contours) + "/series", 1,
-                  [&] { return time_nesting(options, contours); });
+        add_benchmark(options, "nesting/rings_" + std::to_string(contours) + "/series", 1,
+                      [=](benchmark::State& state) { return time_nesting(state, contours); });
     }
 }
 

@@ -68,7 +68,7 @@ Layer2d comb(std::int32_t teeth) {
     return layer;
 }
 
-Figures time_region(const Options& options, const Layer2d& layer, FillRule rule) {
+Figures time_region(benchmark::State& state, const Layer2d& layer, FillRule rule) {
     const RegionRules rules{.fill_rule = rule};
     constexpr double unit_mm = 1;  // so that areas are in square grid units
     const std::vector<std::span<const Point>> contours = layer.spans();
@@ -77,7 +77,7 @@ Figures time_region(const Options& options, const Layer2d& layer, FillRule rule)
         (rule == FillRule::non_zero ? layer.non_zero : layer.even_odd)) {
         fail("the region has not the known area");
     }
-    Figures figures = measure(options, [&] { checked(region_of(contours, rules, unit_mm)); });
+    Figures figures = measure(state, [&] { checked(region_of(contours, rules, unit_mm)); });
     figures["peak_bytes"] = static_cast<double>(memory.peak());
     return figures;
 }
@@ -194,28 +194,28 @@ Figures time_layers(const MeshView& mesh, int rounds) {
 
 }  // namespace
 
-void run_regions(const Options& options) {
+void add_regions(const Options& options) {
     const std::int32_t less = options.quick ? 10 : 1;
-    const auto run = [&](const std::string& name, const auto& make) {
+    const auto add = [&](const std::string& name, auto make) {
         for (const FillRule rule : {FillRule::non_zero, FillRule::even_odd}) {
-            benchmark(options, "region/" + name + "/" + std::string(lamella::name_of(rule)), 1,
-                      [&] { return time_region(options, make(), rule); });
+            add_benchmark(options, "region/" + name + "/" + std::string(lamella::name_of(rule)), 1,
+                          [=](benchmark::State& state) { return time_region(state, make(), rule); });
         }
     };
-    run("boxes_40000_apart", [=] { return boxes(200 / less, step / 2); });
-    run("boxes_40000_touching", [=] { return boxes(200 / less, 0); });
-    run("rods_240x240", [=] { return bars(240 / less); });
-    run("comb_16000", [=] { return comb(16'000 / less); });
-    run("bars_500x500", [=] { return bars(500 / less); });
-    run("bars_1000x1000", [=] { return bars(1'000 / less); });
+    add("boxes_40000_apart", [=] { return boxes(200 / less, step / 2); });
+    add("boxes_40000_touching", [=] { return boxes(200 / less, 0); });
+    add("rods_240x240", [=] { return bars(240 / less); });
+    add("comb_16000", [=] { return comb(16'000 / less); });
+    add("bars_500x500", [=] { return bars(500 / less); });
+    add("bars_1000x1000", [=] { return bars(1'000 / less); });
 }
 
-void run_slices_with_regions(const Options& options, const Case& wanted) {
+void add_slices_with_regions(const Options& options, const Case& wanted) {
     const int rounds = options.quick ? 1 : 3;
-    benchmark(options, "regions/" + wanted.name + "/slices", region_threads,
-              [&] { return time_slices(prepared(wanted).mesh->view(), 3 * rounds); });
-    benchmark(options, "regions/" + wanted.name + "/layers", 1,
-              [&] { return time_layers(prepared(wanted).mesh->view(), rounds); });
+    add_benchmark(options, "regions/" + wanted.name + "/slices", region_threads,
+                  [=](benchmark::State&) { return time_slices(prepared(wanted).mesh->view(), 3 * rounds); });
+    add_benchmark(options, "regions/" + wanted.name + "/layers", 1,
+                  [=](benchmark::State&) { return time_layers(prepared(wanted).mesh->view(), rounds); });
 }
 
 }  // namespace lamella::bench

@@ -19,7 +19,6 @@ namespace lamella::bench {
 struct Options {
     std::filesystem::path cache = "bench-models";  ///< generated meshes are kept here from run to run
     std::filesystem::path shared;                  ///< folder of real meshes, if there are any
-    std::string filter;                            ///< regular expression: the benchmarks that are run
     bool quick = false;                            ///< a hundredth of all sizes, to test the benchmarks
 };
 

@@ -1,5 +1,5 @@
-// Benchmarks of the engine. Prints a line of JSON for each whose name matches FILTER: its figures, or its error.
-#include <string>
+// Benchmarks of the engine. Options besides Google Benchmark's: --cache DIR, --shared DIR, --quick.
+#include <CLI/CLI.hpp>
 
 #include "measure.hpp"
 
@@ -7,23 +7,24 @@ namespace lamella::bench {
 
 namespace {
 
-void run_all(const Words& words) {
-    const Options options{.cache = words[0], .shared = words[1], .filter = words[2], .quick = words[3] == "quick"};
+void add_all(const Options& options) {
     for (const int threads : thread_counts()) {
-        benchmark(options, "copy/memory/warm", threads, [=] { return Figures{{"bytes/s", copy_bandwidth(threads)}}; });
+        add_benchmark(options, "copy/memory/warm", threads, [=](benchmark::State&) {
+            return Figures{{"bytes/s", copy_bandwidth(threads)}};
+        });
     }
-    run_nesting(options);
-    run_reads(options);
-    run_regions(options);
-    run_masks(options);
-    run_small_calls(options);
+    add_nesting(options);
+    add_reads(options);
+    add_regions(options);
+    add_masks(options);
+    add_small_calls(options);
     for (const Case& each : make_catalogue(options)) {
-        run_end_to_end(options, each);
+        add_end_to_end(options, each);
         if (each.hosts) {
-            run_hosts(options, each);
+            add_hosts(options, each);
         }
         if (each.regions) {
-            run_slices_with_regions(options, each);
+            add_slices_with_regions(options, each);
         }
     }
 }
@@ -32,6 +33,19 @@ void run_all(const Words& words) {
 
 }  // namespace lamella::bench
 
-int main(int count, char** words) {
-    return lamella::bench::run_program(count, words, "CACHE SHARED FILTER full|quick", lamella::bench::run_all);
+int main(int count, char** words) try {
+    benchmark::Initialize(&count, words);
+    lamella::bench::Options options;
+    CLI::App others("Benchmarks of the engine");
+    others.add_option("--cache", options.cache, "Folder in which generated meshes are kept");
+    others.add_option("--shared", options.shared, "Folder of real meshes");
+    others.add_flag("--quick", options.quick, "A hundredth of all sizes, to test the benchmarks");
+    CLI11_PARSE(others, count, words);
+    lamella::bench::add_all(options);
+    benchmark::RunSpecifiedBenchmarks();
+    benchmark::Shutdown();
+    return 0;
+} catch (const std::exception& failure) {
+    std::fprintf(stderr, "%s: %s\n", words[0], failure.what());
+    return 1;
 }

@@ -2,10 +2,8 @@
 
 #include <cmath>
 #include <cstring>
-#include <ctime>
 #include <exception>
 #include <map>
-#include <regex>
 #include <utility>
 
 #include "base/parallel.hpp"
@@ -95,33 +93,38 @@ Prepared& prepared(const Case& wanted) {
     return *last;
 }
 
-Figures measure(const Options& options, const std::function<void()>& setup, const std::function<void()>& work) {
-    const std::size_t least_calls = options.quick ? 1 : 5;
-    const double least_ms = options.quick ? 5 : 1000;
-    std::vector<double> ms;
-    std::vector<double> cpu_ms;
-    for (double all_ms = 0; ms.size() < least_calls || all_ms < least_ms; all_ms += ms.back()) {
+Figures measure(benchmark::State& state, const std::function<void()>& setup, const std::function<void()>& work) {
+    double all_ms = 0;
+    for (auto _ : state) {
         setup();
-        const std::clock_t before = std::clock();
-        ms.push_back(ms_of(work));
-        cpu_ms.push_back(1000 * static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC);
+        const double ms = ms_of(work);
+        state.SetIterationTime(ms / 1000);
+        all_ms += ms;
     }
-    return {{"real_time", median_of(std::move(ms))}, {"cpu_time", median_of(std::move(cpu_ms))}};
+    return {{"real_time", all_ms / static_cast<double>(state.iterations())}};
 }
 
-void benchmark(const Options& options, const std::string& name, int threads, const std::function<Figures()>& run) {
-    Json row{{"name", name + "/threads:" + std::to_string(threads)}};
-    const auto full_name = row["name"].get<std::string>();
-    if (!std::regex_search(full_name, std::regex(options.filter))) {
-        return;
-    }
-    std::fprintf(stderr, "%s\n", full_name.c_str());
-    try {
-        row.update(Json(run()));
-    } catch (const std::exception& failure) {
-        row["error"] = failure.what();
-    }
-    print(row);
+void add_benchmark(const Options& options, const std::string& name, int threads,
+                   const std::function<Figures(benchmark::State&)>& run) {
+    const auto run_guarded = [run](benchmark::State& state) {
+        try {
+            Figures figures = run(state);
+            if (figures.erase("real_time") == 0) {  // it took its own times, and has not gone through the iterations
+                for (auto _ : state) {
+                    state.SetIterationTime(1);
+                }
+            }
+            state.counters.insert(figures.begin(), figures.end());
+        } catch (const std::exception& failure) {
+            state.SkipWithError(failure.what());
+        }
+    };
+    benchmark::RegisterBenchmark((name + "/threads:" + std::to_string(threads)).c_str(), run_guarded)
+        ->UseManualTime()
+        ->MeasureProcessCPUTime()
+        ->Unit(benchmark::kMillisecond)
+        ->MinTime(options.quick ? 0.005 : 0.2)
+        ->Repetitions(options.quick ? 1 : 5);
 }
 
 }  // namespace lamella::bench

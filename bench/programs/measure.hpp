@@ -1,6 +1,8 @@
 // What all benchmarks share: cases ready to be timed, timing, names and figures. What fails throws std::runtime_error.
 #pragma once
 
+#include <benchmark/benchmark.h>
+
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -49,12 +51,11 @@ private:
 /// Prepares the case unless it is the one asked for last, whose mesh the next case may share.
 Prepared& prepared(const Case& wanted);
 
-/// Times only work(); setup() runs before each call. Medians of at least five calls that take a second together: "real_time"
-/// and "cpu_time", ms.
-Figures measure(const Options& options, const std::function<void()>& setup, const std::function<void()>& work);
-inline Figures measure(const Options& options, const std::function<void()>& work) {
+/// Times only work(); setup() runs before each iteration. "real_time" is the mean, ms.
+Figures measure(benchmark::State& state, const std::function<void()>& setup, const std::function<void()>& work);
+inline Figures measure(benchmark::State& state, const std::function<void()>& work) {
     return measure(
-        options, [] {}, work);
+        state, [] {}, work);
 }
 
 /// Items a second of what was measured.
@@ -62,18 +63,19 @@ inline double rate_of(std::uint64_t items, const Figures& figures) {
     return 1000 * static_cast<double>(items) / figures.at("real_time");
 }
 
-/// Runs the benchmark "NAME/threads:N", NAME being "what/case/variant", if that matches the filter. Prints its figures, or
-/// what it throws as its error.
-void benchmark(const Options& options, const std::string& name, int threads, const std::function<Figures()>& run);
+/// Registers the benchmark "NAME/threads:N", NAME being "what/case/variant". It runs after this call. Its counters are the
+/// figures that run() returns, its error is what run() throws.
+void add_benchmark(const Options& options, const std::string& name, int threads,
+                   const std::function<Figures(benchmark::State&)>& run);
 
 // One function for each source file of benchmarks.
-void run_end_to_end(const Options& options, const Case& wanted);
-void run_hosts(const Options& options, const Case& wanted);
-void run_small_calls(const Options& options);
-void run_slices_with_regions(const Options& options, const Case& wanted);
-void run_regions(const Options& options);
-void run_nesting(const Options& options);
-void run_reads(const Options& options);
-void run_masks(const Options& options);
+void add_end_to_end(const Options& options, const Case& wanted);
+void add_hosts(const Options& options, const Case& wanted);
+void add_small_calls(const Options& options);
+void add_slices_with_regions(const Options& options, const Case& wanted);
+void add_regions(const Options& options);
+void add_nesting(const Options& options);
+void add_reads(const Options& options);
+void add_masks(const Options& options);
 
 }  // namespace lamella::bench

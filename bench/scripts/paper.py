@@ -197,9 +197,10 @@ def main():
     os.makedirs(told.results, exist_ok=True)
     measured = bench.measure()
     rows = Rows(measured, told.threads)
+    search = json.loads(subprocess.run([bench.program("bench/lamella_lower_bound")], check=True, capture_output=True).stdout)
     bench.say("tables and figures")
     pictures = [*draw_pictures(bench), *draw_figures(rows, told.results)]
-    pathlib.Path(told.results, "paper.md").write_text(page(rows, told, PEERS, pictures))
+    pathlib.Path(told.results, "paper.md").write_text(page(rows, told, PEERS, search, pictures))
     bench.say("written to " + os.path.join(told.results, "paper.md"))
     if failures(measured):
         raise SystemExit("\n".join(failures(measured)))

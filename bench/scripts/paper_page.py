@@ -224,7 +224,16 @@ def draw_figures(rows, folder):
     return [f"paper_figure_{number}.svg" for number in (9, 11, 12)]
 
 
-def page(rows, told, peers, pictures):
+def lower_bound(search):
+    lines = []
+    for one in search:
+        n, k, by_search, by_sweep = one.values()
+        least = n * math.log2(k)
+        lines.append([*(f"{count:,.0f}" for count in (n, k, least, by_search, by_sweep)), f"{(by_search + by_sweep) / least:.2f}"])
+    return markdown_table(["n", "k", "n log2 k", "comparisons of the search", "of the sweep", "all / n log2 k"], lines)
+
+
+def page(rows, told, peers, search, pictures):
     machine = machine_table(told.build, build="Release, mimalloc for all methods", limit=f"{told.limit} s",
                             command="`bench/paper.sh " + " ".join(sys.argv[3:]) + "`")
     return "\n\n".join([
@@ -236,5 +245,6 @@ def page(rows, told, peers, pictures):
         "## Table 4: both, uniform", table_4(rows), PARK,
         "## Peers, uniform", PEERS, peer_table(rows, peers),
         "## Fitted exponents", exponents(rows),
+        "## The lower bound (3.5)", "Instances of the multipoint search problem, posed as meshes.", lower_bound(search),
         "## Bars", bars(rows),
         "## Figures", "\n".join(f"![{name}]({name})" for name in pictures)]) + "\n"

@@ -3,8 +3,8 @@
 
     summary.py BUILD RUN_FOLDER RESULTS_FOLDER full|quick [--add]
 
-Reads the lines of bench.jsonl and once.jsonl from RUN_FOLDER. With --add, medians of earlier runs on the same machine are kept unless
-this run measured them again."""
+Reads bench.json and once.jsonl from RUN_FOLDER. With --add, medians of earlier runs on the same machine are kept unless this run
+measured them again."""
 import json
 import os
 import pathlib
@@ -13,16 +13,20 @@ import sys
 
 from readme_table import field, machine
 
+# Numbers of a run that its medians leave out.
+NOT_FIGURES = {"family_index", "per_family_instance_index", "repetitions", "repetition_index", "iterations", "threads", "hash"}
 
-def medians(lines):
-    """One row for all lines of a benchmark, "what/case/variant/threads:N": medians to eight digits, of those that did not fail."""
+
+def medians(all_runs):
+    """One row for all runs of a benchmark, "what/case/variant/threads:N": medians to eight digits, of those that did not fail."""
     by_name = {}
-    for line in lines:
-        by_name.setdefault(line.pop("name"), []).append(line)
+    for run in all_runs:
+        by_name.setdefault("/".join(run["name"].split("/")[:4]), []).append(run)
     for name, runs in by_name.items():
-        good = [run for run in runs if "error" not in run]
-        figures = {key: float(f"{statistics.median(run[key] for run in good):.8g}") for run in good[:1] for key in run if key != "hash"}
-        yield {"name": name, **figures, "errors": list(dict.fromkeys(run["error"] for run in runs if "error" in run))}
+        good = [run for run in runs if "error_message" not in run]
+        keys = [key for key, value in (good[0] if good else {}).items() if isinstance(value, (int, float)) and key not in NOT_FIGURES]
+        yield {"name": name, **{key: float(f"{statistics.median(run[key] for run in good):.8g}") for key in keys},
+               "errors": list(dict.fromkeys(run["error_message"] for run in runs if "error_message" in run))}
 
 
 def context_of(build, sizes):
@@ -72,8 +76,9 @@ class Results:
 
 def main():
     build, run, results, sizes = sys.argv[1:5]
-    lines = [json.loads(line) for name in ("bench", "once") for line in pathlib.Path(run, f"{name}.jsonl").read_text().splitlines()]
-    summary = {"context": context_of(build, sizes), "medians": list(medians(lines))}
+    runs = [row for row in json.loads(pathlib.Path(run, "bench.json").read_text())["benchmarks"] if row["run_type"] != "aggregate"]
+    runs += map(json.loads, pathlib.Path(run, "once.jsonl").read_text().splitlines())
+    summary = {"context": context_of(build, sizes), "medians": list(medians(runs))}
     path = pathlib.Path(results, "summary.json")
     if "--add" in sys.argv[5:] and path.exists():
         summary = added(json.loads(path.read_text()), summary)

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <functional>
 #include <map>
+#include <numeric>
 #include <set>
 #include <span>
 #include <utility>
@@ -13,6 +14,7 @@
 
 #include "engine/slicing.hpp"
 #include "geometry.hpp"
+#include "lower_bound.hpp"
 #include "methods.hpp"
 #include "models/models.hpp"
 #include "oracle/oracle.hpp"
@@ -407,6 +409,37 @@ TEST_CASE("a contour of two segments closes, and segments of no length are dropp
         CHECK((lines_of(contours[0], false) == std::vector<Line>{{true, {{0, 0}, {4, 0}}}}));
         CHECK(contours[1].empty());
         CHECK((lines_of(contours[2], false) == std::vector<Line>{{false, {{1, 1}, {2, 2}}}}));
+    }
+}
+
+TEST_CASE("slicing solves multipoint search, in n log k comparisons or a few more", "[baselines]") {
+    CHECK((solution_of(SegmentLists(3), 2) == std::vector<std::uint32_t>{3, 3}));
+    constexpr std::uint32_t n = 4000;
+    for (const std::uint32_t k : {1U, 2U, 7U, 16U, 300U, 1U << 12}) {
+        INFO(k << " planes");
+        const SearchInstance instance = make_search_instance(n, k);
+        const Problem problem = instance.problem();
+        const std::vector<Facet> facets = quantised(problem);
+        REQUIRE(facets.size() == n);
+        REQUIRE(std::ranges::is_sorted(problem.planes, std::less_equal<>()));
+        for (std::size_t j = 0; j < n; ++j) {
+            const auto above = std::ranges::upper_bound(problem.planes, z_min(facets[j]));
+            REQUIRE(above - problem.planes.begin() == instance.solution[j]);
+            REQUIRE(z_max(facets[j]) == *above + 1);
+        }
+        for (const SlicingMethod* method : {&trivial_slicing, &tata_slicing, &incremental_slicing, &sort_first_slicing}) {
+            INFO(method->name);
+            const SegmentLists lists = method->slice(problem);
+            CHECK(std::accumulate(lists.begin(), lists.end(), std::size_t{0},
+                                  [](std::size_t sum, const auto& list) { return sum + list.size(); }) == n);
+            CHECK((solution_of(lists, n) == instance.solution));
+        }
+        const auto at_last = static_cast<std::uint64_t>(std::ranges::count(instance.solution, k - 1));
+        CHECK(k * at_last < 2 * n + 8 * k);  // each plane is as likely as the others
+        const ComparisonCount count = count_comparisons(problem);
+        CHECK(static_cast<double>(count.search) >= n * std::log2(k));
+        CHECK(static_cast<double>(count.search) <= n * (1 + std::ceil(std::log2(k))));
+        CHECK(count.sweep == 2 * n - at_last);  // no plane takes triangles of the last one out of the active set
     }
 }
 

@@ -25,7 +25,8 @@ std::span<const Gap> GapCloser::close(std::span<const PolylineEnds> polylines, c
     }
     list_sites(polylines);
     gaps_.clear();
-    for (SiteNumber site = 0; site < sites_.size(); ++site) {
+    // Where no sense changes, last points alone find all pairs.
+    for (SiteNumber site = sense_ == StitchDirection::oriented ? first_sites_ : 0; site < sites_.size(); ++site) {
         while (count_at(site) > 0) {
             follow_chain(site);
         }

@@ -25,10 +25,9 @@ std::span<const Gap> GapCloser::close(std::span<const PolylineEnds> polylines, c
     }
     list_sites(polylines);
     gaps_.clear();
-    for (SiteNumber site = 0; site < sites_.size(); ++site) {
-        while (count_at(site) > 0) {
-            follow_chain(site);
-        }
+    follow_chains(first_sites_, static_cast<SiteNumber>(sites_.size()));
+    if (sense_ == StitchDirection::any) {  // else nothing is left to join
+        follow_chains(0, first_sites_);
     }
     sort_gaps(polylines);
     return gaps_;
@@ -66,6 +65,15 @@ PolylineEnd GapCloser::take(SiteNumber site) noexcept {
         take_off(site);
     }
     return end;
+}
+
+/// Until no end is left at the sites from `begin` to `end`.
+void GapCloser::follow_chains(SiteNumber begin, SiteNumber end) {
+    for (SiteNumber site = begin; site < end; ++site) {
+        while (count_at(site) > 0) {
+            follow_chain(site);
+        }
+    }
 }
 
 /// Follows the chain from `first` to the site nearest to it, to the one nearest to that, and so on. Pairs come ever earlier

@@ -112,6 +112,7 @@ private:
     std::uint32_t count_at(SiteNumber site) const noexcept { return sites_[site].end - sites_[site].next; }
     PolylineEnd take(SiteNumber site) noexcept;
     void take_off(SiteNumber site) noexcept { trees_[is_last(site) ? 1 : 0].take_off(site - base_of(is_last(site))); }
+    void follow_chains(SiteNumber begin, SiteNumber end);
     void follow_chain(SiteNumber first);
     SiteNumber nearest_of(bool last, Point to, double most_squared, SiteNumber but) const;
     SiteNumber nearest(SiteNumber site) const;

@@ -125,14 +125,14 @@ struct Case {
 std::vector<Case> cases() {
     using enum models::Shape;
     using enum models::Order;
-    const Soup tilted = soup_of(torus, random, 100'000);
+    const Soup tilted = soup_of(torus, random, 50'000);
     const Soup kinds = every_kind();
     const Transform turn = Transform::from_normal(1, 2, 3);
     const std::vector<double> heights{-30, 90, 20.5, 20.5, 1e7, 3, 77.125, 1.5, 60, 60.1, 60.2, 140};
     const PlaneOptions on_faces{.first_height_mm = 0.25};
     return {
-        {"in the order of height", soup_of(bone, z, 150'000), uniform(0.5)},
-        {"in any order", soup_of(gyroid, random, 150'000), uniform(0.4)},
+        {"in the order of height", soup_of(bone, z, 75'000), uniform(0.5)},
+        {"in any order", soup_of(gyroid, random, 75'000), uniform(0.4)},
         {"facets as tall as the part", soup_of(prism, random, 20'000), uniform(1)},
         {"listed heights, some of them twice and some beyond the mesh", tilted, {.heights_mm = heights}},
         {"random heights", tilted, {}, {.random_heights = RandomHeights{0.05, 3, 7}}},

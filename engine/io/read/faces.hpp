@@ -2,7 +2,8 @@
 #pragma once
 
 #include <limits>
-#include <memory>
+#include <utility>
+#include <vector>
 
 #include "base/function_ref.hpp"
 #include "io/read/chunk_list.hpp"
@@ -12,13 +13,21 @@
 
 namespace lamella {
 
-/// Readers take fewer vertices than this.
-inline constexpr std::size_t most_vertices = std::numeric_limits<std::uint32_t>::max();
+/// No vertex: readers take fewer vertices than this.
+inline constexpr std::uint32_t polygon_mark = std::numeric_limits<std::uint32_t>::max();
+inline constexpr std::uint32_t quad_mark = polygon_mark - 1;
+inline constexpr std::size_t most_vertices = quad_mark;
 
-/// The triangles of the faces of one piece of a file, in their order.
+/// The triangles of the faces of one piece of a file, in their order. Where vertices are not known yet, a face of n corners
+/// takes the room of the 3 (n - 2) indices of its triangles, so that cut() can put these in its place:
+///
+///     a triangle   | a | b | c |
+///     a quad       | quad mark | place | a | b | c | d |
+///     n corners    | mark | place | n | a | b | c | d | e | ...
 class FaceList {
 public:
-    /// `vertices` must have their coordinates before the first face is added. What the list holds is counted in `budget`.
+    /// `vertices` have their coordinates before the first face is added, or are none: not known yet. What the list holds is
+    /// counted in `budget`.
     FaceList(MemoryBudget& budget, const VertexCoordinates& vertices, const Memory* memory)
         : budget_(&budget), vertices_(vertices), indices_(memory) {}
 
@@ -45,19 +54,18 @@ public:
     std::uint64_t bytes() const noexcept { return bytes_; }
     /// Moves all to `to`.
     void move_to(std::uint32_t* to) { indices_.move_to(to); }
+    /// Cuts what add() could not, of the list's `indices` after move_to(). Throws as add().
+    void cut(std::span<std::uint32_t> indices, const VertexCoordinates& vertices);
 
 private:
     static constexpr std::size_t smallest = 3 << 6;
     static constexpr std::size_t largest = 3 << 10;  // little is left unused of what the budget counts
 
-    /// Memory for cutting, and how much of it the budget counts.
-    struct Scratch {
-        PolygonTriangulator triangulator;
-        std::vector<std::uint32_t> triangles;
-        std::uint64_t bytes = 0;
-    };
-
     void add_polygon(std::span<const std::uint32_t> corners, const char* place, bool has_lines);
+    void add_uncut(std::span<const std::uint32_t> corners, const char* place);
+    void put(std::span<const std::uint32_t> values);
+    void triangulate(std::span<const std::uint32_t> corners, const char* place, bool has_lines, std::uint32_t* out);
+    void take_scratch(std::uint64_t bytes);
     std::span<std::uint32_t> room() {
         if (const std::size_t bytes = indices_.next_bytes(); bytes > 0) {
             budget_->take(bytes, 1);
@@ -70,7 +78,10 @@ private:
     VertexCoordinates vertices_;
     ChunkList<std::uint32_t, smallest, largest> indices_;  // chunks of whole triangles
     std::uint64_t bytes_ = 0;                              // taken from the budget
-    std::unique_ptr<Scratch> scratch_;
+    PolygonTriangulator triangulator_;
+    std::vector<std::uint32_t> scratch_;  // triangles of a polygon across chunks, or corners whose place they take
+    std::uint64_t scratch_bytes_ = 0;     // for cutting, taken from the budget
+    const char* first_uncut_ = nullptr;   // from which places count
     LeftOut small_;
 };
 
@@ -83,12 +94,11 @@ std::vector<FaceList> parse_faces(std::size_t pieces, const VertexCoordinates& v
 void give_faces(std::span<FaceList> lists, MemoryBudget& budget, const FileSource& source, std::string_view text,
                 MeshFile& mesh);
 
-/// For formats that list vertices and faces as text. Calls put_vertices(piece, coordinates) for every piece, where
-/// `coordinates` are those of vertex 0, three doubles each, and then add_faces(piece, faces). Coordinates are doubles, as
-/// few decimals are exact floats; they are read and sliced as fast. Throws errors.
+/// For formats that list vertices and faces as text. Calls parse(piece, coordinates, faces) for every piece, where
+/// `coordinates` are those of vertex 0, three doubles each. Coordinates are doubles, as few decimals are exact floats; they
+/// are read and sliced as fast. Throws errors.
 void read_faces(const FileContents& file, std::size_t vertices, std::size_t pieces,
-                FunctionRef<void(std::size_t piece, std::byte* coordinates)> put_vertices,
-                FunctionRef<void(std::size_t piece, FaceList& faces)> add_faces, MeshFile& mesh);
+                FunctionRef<void(std::size_t piece, std::byte* coordinates, FaceList& faces)> parse, MeshFile& mesh);
 
 /// Gives `mesh` room for vertices, whose coordinates are still to be written. Throws Refused.
 void allocate_vertices(std::size_t count, Number type, MemoryBudget& budget, const Memory* memory, MeshFile& mesh);

@@ -7,8 +7,6 @@
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
-#include <utility>
-#include <variant>
 
 #include "base/little_endian.hpp"
 #include "lamella/mesh.hpp"
@@ -29,12 +27,29 @@ constexpr bool is_integer(NumberType type) noexcept {
 /// Calls `f` with a value of the type, whose number does not matter.
 template <class F>
 decltype(auto) with_type(NumberType type, F&& f) {
-    using Sample = std::variant<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t, std::int32_t, std::uint32_t,
-                                std::int64_t, std::uint64_t, float, double>;
-    constexpr std::array<Sample, 10> samples = {std::int8_t{},  std::uint8_t{},  std::int16_t{}, std::uint16_t{},
-                                                std::int32_t{}, std::uint32_t{}, std::int64_t{}, std::uint64_t{},
-                                                float{},        double{}};
-    return std::visit(std::forward<F>(f), samples[static_cast<std::size_t>(type)]);
+    switch (type) {
+        case NumberType::int8:
+            return f(std::int8_t{});
+        case NumberType::uint8:
+            return f(std::uint8_t{});
+        case NumberType::int16:
+            return f(std::int16_t{});
+        case NumberType::uint16:
+            return f(std::uint16_t{});
+        case NumberType::int32:
+            return f(std::int32_t{});
+        case NumberType::uint32:
+            return f(std::uint32_t{});
+        case NumberType::int64:
+            return f(std::int64_t{});
+        case NumberType::uint64:
+            return f(std::uint64_t{});
+        case NumberType::float32:
+            return f(float{});
+        case NumberType::float64:
+            break;
+    }
+    return f(double{});
 }
 
 /// The unsigned type of the size of `T`.

@@ -17,6 +17,7 @@ namespace {
 
 using Vector = std::array<double, 3>;
 
+constexpr std::uint32_t no_leaf = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint32_t leaf_corners = 8;
 
 /// Steps through the tree after which a polygon is refused: so many a corner, and some for each polygon. A step takes about
@@ -99,22 +100,6 @@ bool same_place(const A& a, const B& b) {
     return a.x == b.x && a.y == b.y;
 }
 
-/// True if the diagonal from the first to the third corner lies within the quad: both halves then have the same orientation.
-bool splits_at_first(std::span<const std::uint32_t> quad, const VertexCoordinates& vertices) {
-    const Vector first = vertices[quad[0]];
-    const Vector diagonal = minus(vertices[quad[2]], first);
-    return dot(cross(minus(vertices[quad[1]], first), diagonal), cross(diagonal, minus(vertices[quad[3]], first))) > 0;
-}
-
-std::size_t fan(std::span<const std::uint32_t> corners, std::uint32_t* out) {
-    for (std::size_t i = 2; i < corners.size(); ++i) {
-        *out++ = corners[0];
-        *out++ = corners[i - 1];
-        *out++ = corners[i];
-    }
-    return corners.size() - 2;
-}
-
 /// Twice the area vector, of Newell.
 Vector area_of(std::span<const std::uint32_t> corners, const VertexCoordinates& vertices) {
     const Vector origin = vertices[corners[0]];
@@ -133,13 +118,30 @@ Vector area_of(std::span<const std::uint32_t> corners, const VertexCoordinates& 
 
 }  // namespace
 
+bool splits_at_first(std::span<const std::uint32_t> quad, const VertexCoordinates& vertices) {
+    const Vector first = vertices[quad[0]];
+    const Vector diagonal = minus(vertices[quad[2]], first);
+    const double product =
+        dot(cross(minus(vertices[quad[1]], first), diagonal), cross(diagonal, minus(vertices[quad[3]], first)));
+    return product > 0 && product <= std::numeric_limits<double>::max();
+}
+
+std::size_t fan(std::span<const std::uint32_t> corners, std::uint32_t* out) {
+    for (std::size_t i = 2; i < corners.size(); ++i) {
+        *out++ = corners[0];
+        *out++ = corners[i - 1];
+        *out++ = corners[i];
+    }
+    return corners.size() - 2;
+}
+
 std::size_t PolygonTriangulator::triangulate(std::span<const std::uint32_t> corners, const VertexCoordinates& vertices,
                                              std::uint32_t* out) {
     assert(corners.size() >= 3);
     if (corners.size() == 3 || (corners.size() == 4 && splits_at_first(corners, vertices))) {
         return fan(corners, out);
     }
-    if (corners.size() >= std::numeric_limits<std::uint32_t>::max()) {
+    if (corners.size() >= no_leaf) {
         return 0;  // corners are numbered by 32 bits
     }
     project(corners, vertices);
@@ -213,9 +215,11 @@ bool PolygonTriangulator::clip_ears(std::span<const std::uint32_t> corners, std:
             corners_[here.previous].next = here.next;
             corners_[here.next].previous = here.previous;
             for (const std::uint32_t changed : {here.previous, here.next}) {
-                can_block_[changed] = static_cast<std::uint8_t>(can_block_[changed] != 0 && !turns_left(changed));
+                if (leaf_of_[changed] != no_leaf && turns_left(changed)) {
+                    forget(changed);
+                }
             }
-            can_block_[at] = 0;
+            forget(at);
             at = here.previous;
             --left;
             in_vain = 0;
@@ -237,11 +241,10 @@ bool PolygonTriangulator::is_ear(std::uint32_t corner, Rule rule) {
 void PolygonTriangulator::build_tree() {
     blockers_.clear();
     blockers_.reserve(corners_.size());
-    can_block_.assign(corners_.size(), 0);
+    leaf_of_.assign(corners_.size(), no_leaf);
     for (std::uint32_t i = 0; i < corners_.size(); ++i) {
         if (!turns_left(i)) {
             blockers_.push_back(i);
-            can_block_[i] = 1;
         }
     }
     nodes_.clear();
@@ -255,7 +258,7 @@ void PolygonTriangulator::build_tree() {
 /// Gives `node` its box, and either two children or its corners.
 void PolygonTriangulator::split(std::uint32_t node) {
     Node here = nodes_[node];
-    const std::uint32_t count = here.end - here.begin;
+    here.alive = here.end - here.begin;
     here.low_x = here.low_y = std::numeric_limits<double>::infinity();
     here.high_x = here.high_y = -std::numeric_limits<double>::infinity();
     for (std::uint32_t i = here.begin; i < here.end; ++i) {
@@ -265,18 +268,33 @@ void PolygonTriangulator::split(std::uint32_t node) {
         here.high_x = std::max(here.high_x, corner.x);
         here.high_y = std::max(here.high_y, corner.y);
     }
-    if (count > leaf_corners) {
+    if (here.alive > leaf_corners) {
         const bool by_x = here.high_x - here.low_x > here.high_y - here.low_y;
-        const std::uint32_t middle = here.begin + count / 2;
+        const std::uint32_t middle = here.begin + here.alive / 2;
         std::nth_element(blockers_.begin() + here.begin, blockers_.begin() + middle, blockers_.begin() + here.end,
                          [this, by_x](std::uint32_t a, std::uint32_t b) {
                              return by_x ? corners_[a].x < corners_[b].x : corners_[a].y < corners_[b].y;
                          });
         here.children = static_cast<std::uint32_t>(nodes_.size());
-        nodes_.push_back({.begin = here.begin, .end = middle});
-        nodes_.push_back({.begin = middle, .end = here.end});
+        nodes_.push_back({.begin = here.begin, .end = middle, .parent = node});
+        nodes_.push_back({.begin = middle, .end = here.end, .parent = node});
+    } else {
+        for (std::uint32_t i = here.begin; i < here.end; ++i) {
+            leaf_of_[blockers_[i]] = node;
+        }
     }
     nodes_[node] = here;
+}
+
+/// Takes `corner` from the tree: it was clipped or became convex.
+void PolygonTriangulator::forget(std::uint32_t corner) {
+    std::uint32_t node = std::exchange(leaf_of_[corner], no_leaf);
+    if (node == no_leaf) {
+        return;
+    }
+    for (--nodes_[node].alive; node != 0; --nodes_[node].alive) {
+        node = nodes_[node].parent;
+    }
 }
 
 bool PolygonTriangulator::blocked(std::uint32_t corner, Rule rule) {
@@ -290,7 +308,7 @@ bool PolygonTriangulator::blocked(std::uint32_t corner, Rule rule) {
         ++steps_;
         const bool one_place = node.low_x == node.high_x && node.low_y == node.high_y;
         const Corner place{node.low_x, node.low_y};
-        if (misses(node, a, b, c) || (one_place && (same_place(place, a) || same_place(place, c)))) {
+        if (node.alive == 0 || misses(node, a, b, c) || (one_place && (same_place(place, a) || same_place(place, c)))) {
             continue;  // the ends of a diagonal block nothing; many corners may lie there
         }
         if (node.children != 0) {
@@ -298,9 +316,9 @@ bool PolygonTriangulator::blocked(std::uint32_t corner, Rule rule) {
             open_.push_back(node.children + 1);
             continue;
         }
-        steps_ += (one_place && same_place(place, b) ? neighbour_steps : 1) * (node.end - node.begin);
+        steps_ += (one_place && same_place(place, b) ? neighbour_steps : 1) * node.alive;
         for (std::uint32_t i = node.begin; i < node.end; ++i) {
-            if (can_block_[blockers_[i]] != 0 && blocks(blockers_[i], corner, rule)) {
+            if (leaf_of_[blockers_[i]] != no_leaf && blocks(blockers_[i], corner, rule)) {
                 return true;
             }
         }

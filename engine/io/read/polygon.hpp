@@ -36,6 +36,12 @@ private:
     }
 };
 
+/// True if the diagonal from the first to the third corner lies within the quad: both halves then have the same orientation.
+/// False where a coordinate is not finite, as then the product is not.
+bool splits_at_first(std::span<const std::uint32_t> quad, const VertexCoordinates& vertices);
+/// Writes the triangles that the first corner makes with every other edge. Returns their number.
+std::size_t fan(std::span<const std::uint32_t> corners, std::uint32_t* out);
+
 /// Cuts polygons into triangles. Holds nothing but scratch memory, which is kept from polygon to polygon: one for each
 /// thread. The same polygon always gives the same triangles.
 ///
@@ -68,7 +74,7 @@ private:
         std::uint32_t next = 0;
     };
 
-    /// A node of a tree over those corners that could lie in an ear.
+    /// A node of a tree over those corners that could lie in an ear: a box, and how many corners in it still can.
     struct Node {
         double low_x = 0;
         double low_y = 0;
@@ -77,6 +83,8 @@ private:
         std::uint32_t begin = 0;  ///< in blockers_
         std::uint32_t end = 0;
         std::uint32_t children = 0;  ///< the first of two; 0: a leaf
+        std::uint32_t parent = 0;
+        std::uint32_t alive = 0;
     };
 
     /// Corners that keep a convex corner from being clipped: those in or on the triangle; only those strictly within;
@@ -91,6 +99,7 @@ private:
     bool clip_ears(std::span<const std::uint32_t> corners, std::uint32_t* out);
     void build_tree();
     void split(std::uint32_t node);
+    void forget(std::uint32_t corner);
     bool is_ear(std::uint32_t corner, Rule rule);
     bool blocked(std::uint32_t corner, Rule rule);
     bool misses(const Node& node, const Corner& a, const Corner& b, const Corner& c) const;
@@ -99,7 +108,7 @@ private:
 
     std::vector<Corner> corners_;
     std::vector<std::uint32_t> blockers_;
-    std::vector<std::uint8_t> can_block_;  ///< of a corner, which is in the tree, not clipped and not convex
+    std::vector<std::uint32_t> leaf_of_;  ///< of a corner; `no_leaf`: not in the tree
     std::vector<Node> nodes_;
     std::vector<std::uint32_t> open_;  ///< nodes yet to be searched
     std::uint64_t steps_ = 0;

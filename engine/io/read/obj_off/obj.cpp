@@ -1,7 +1,5 @@
 // Wavefront OBJ: vertices and faces. All other statements are skipped, with a warning where they may hold a shape.
 
-#include <tuple>
-
 #include "base/words.hpp"
 #include "io/read/faces.hpp"
 #include "io/read/stated.hpp"
@@ -75,7 +73,6 @@ struct ObjNotes {
     PartMarks names;
     LeftOut skipped;   ///< statements that may hold a shape and are not read
     LeftOut decimals;  ///< vertex numbers with decimals that are 0
-    bool only_vertices = false;
 
     void add(const ObjNotes& next, std::size_t first_triangle) {
         add_marks(names, next.names, first_triangle);
@@ -84,8 +81,7 @@ struct ObjNotes {
     }
 };
 
-/// Reads the statements of one piece in three passes: numbers may count from vertices before them, and faces are cut into
-/// triangles where all vertices are known.
+/// Reads the statements of one piece twice: its vertices are counted before numbers that count from them are read.
 ///
 ///     v X Y Z [W | R G B [A]]
 ///     f CORNER CORNER CORNER ...          with CORNER = V[/[VT][/[VN]]]; also fo, of old
@@ -93,33 +89,33 @@ class ObjParser : private LineParser {
 public:
     ObjParser(std::string_view piece, ObjNotes& notes) : LineParser(piece), notes_(notes) {}
 
-    /// Returns how many vertices there are, and whether there is nothing else.
-    std::pair<std::size_t, bool> count_vertices() {
+    std::size_t count_vertices() {
         std::size_t count = 0;
-        bool others = false;
         for (Statement statement = next(); statement != Statement::none; statement = next()) {
             count += statement == Statement::vertex ? 1 : 0;
-            others = others || statement != Statement::vertex;
             skip_rest();
         }
-        return {count, !others};
+        return count;
     }
 
-    /// Reads vertices, of which the whole file has `vertex_count`, to `coordinates` or, without these, all else to `faces`.
-    void parse(std::size_t first_vertex, std::size_t vertex_count, std::byte* coordinates, FaceList* faces) {
+    /// `vertex_count` is the whole file's, as faces may refer to later vertices.
+    void parse(const TextPiece& piece, std::size_t vertex_count, std::byte* coordinates, FaceList& faces) {
         constexpr int weight_or_colour = 4;
         vertex_count_ = vertex_count;
-        seen_ = first_vertex;
+        seen_ = piece.first;
         for (Statement statement = next(); statement != Statement::none; statement = next()) {
             if (statement == Statement::vertex) {
-                if (coordinates != nullptr) {
-                    double xyz[3];
-                    vertex(xyz, weight_or_colour);
-                    std::memcpy(coordinates + seen_ * sizeof xyz, xyz, sizeof xyz);
-                }
+                double xyz[3];
+                vertex(xyz, weight_or_colour);
+                std::memcpy(coordinates + seen_ * sizeof xyz, xyz, sizeof xyz);
                 ++seen_;
-            } else if (faces != nullptr) {
-                other(statement, *faces);
+            } else if (statement == Statement::face) {
+                face();
+                faces.add(corners_, statement_);
+            } else if (!skips_silently()) {
+                notes_.skipped.add(statement_);
+            } else if (p_ - statement_ == 1 && (*statement_ == 'o' || *statement_ == 'g')) {
+                add_mark(notes_.names, faces.triangles(), *statement_ == 'g', p_, skip_line(p_, end_));
             }
             skip_rest();
         }
@@ -134,17 +130,6 @@ private:
         statement_ = p_;
         p_ = skip_word(p_, end_);
         return statement_at(statement_, p_);
-    }
-
-    void other(Statement statement, FaceList& faces) {
-        if (statement == Statement::face) {
-            face();
-            faces.add(corners_, statement_);
-        } else if (!skips_silently()) {
-            notes_.skipped.add(statement_);
-        } else if (p_ - statement_ == 1 && (*statement_ == 'o' || *statement_ == 'g')) {
-            add_mark(notes_.names, faces.triangles(), *statement_ == 'g', p_, skip_line(p_, end_));
-        }
     }
 
     /// Whether a statement that is not read holds no shape, or is part of one that a warning names.
@@ -238,25 +223,18 @@ void parse_obj(FileContents& file, MeshFile& mesh) {
     const FileSource& source = file.source;
     const LeftOut after_backslash = join_lines(file);
     std::vector<TextPiece> pieces = cut_at_lines(file.text);
-    std::vector<ObjNotes> notes(pieces.size());
-    const auto parser = [&](std::size_t i) { return ObjParser(pieces[i].text, notes[i]); };
     source.parallel().run(pieces.size(), [&](std::size_t i, int) {
-        std::tie(pieces[i].count, notes[i].only_vertices) = parser(i).count_vertices();
+        ObjNotes parse_takes_them;
+        pieces[i].count = ObjParser(pieces[i].text, parse_takes_them).count_vertices();
     });
     const std::size_t vertices = number_items(pieces);
+    std::vector<ObjNotes> notes(pieces.size());
     std::vector<std::size_t> triangles(pieces.size());
-    const auto put_vertices = [&](std::size_t i, std::byte* coordinates) {
-        if (pieces[i].count > 0) {
-            parser(i).parse(pieces[i].first, vertices, coordinates, nullptr);
-        }
+    const auto parse = [&](std::size_t i, std::byte* coordinates, FaceList& faces) {
+        ObjParser(pieces[i].text, notes[i]).parse(pieces[i], vertices, coordinates, faces);
+        triangles[i] = faces.triangles();
     };
-    const auto add_faces = [&](std::size_t i, FaceList& faces) {
-        if (!notes[i].only_vertices) {
-            parser(i).parse(pieces[i].first, vertices, nullptr, &faces);
-            triangles[i] = faces.triangles();
-        }
-    };
-    read_faces(file, vertices, pieces.size(), put_vertices, add_faces, mesh);
+    read_faces(file, vertices, pieces.size(), parse, mesh);
     ObjNotes all;
     std::size_t first_triangle = 0;
     for (std::size_t i = 0; i < notes.size(); ++i) {

@@ -6,8 +6,6 @@
 //     X Y Z ...                     for each vertex; normal, colour and texture are skipped
 //     CORNERS V V V ... [COLOUR]    for each face, with vertices numbered from 0
 
-#include <limits>
-
 #include "base/words.hpp"
 #include "io/read/faces.hpp"
 #include "io/read/stated.hpp"
@@ -89,7 +87,7 @@ public:
     const char* rest() const { return p_; }
 
     /// Reads items [first, last), vertices to `coordinates` and faces to `faces`.
-    void items(std::size_t first, std::size_t last, const OffCounts& counts, std::byte* coordinates, FaceList* faces) {
+    void items(std::size_t first, std::size_t last, const OffCounts& counts, std::byte* coordinates, FaceList& faces) {
         for (std::size_t item = first; item < last; ++item) {
             next_word();
             item_ = p_;
@@ -97,9 +95,11 @@ public:
                 vertex_item(coordinates + item * 3 * sizeof(double));
             } else {
                 face_item(counts.vertices);
-                faces->add(corners_, item_);
+                faces.add(corners_, item_);
             }
-            p_ = layout_ == OffLayout::lines ? skip_line(p_, end_) : p_;
+            if (layout_ == OffLayout::lines) {
+                p_ = skip_line(p_, end_);
+            }
         }
     }
 
@@ -113,10 +113,10 @@ public:
         }
     }
 
-    /// Skips at most so many lines with items. Returns how many there are.
-    std::size_t skip_items(std::size_t most = std::numeric_limits<std::size_t>::max()) {
+    /// The number of lines with items, which are not parsed.
+    std::size_t count_lines() {
         std::size_t lines = 0;
-        for (; lines < most && next_word(); ++lines) {
+        for (; next_word(); ++lines) {
             p_ = skip_line(p_, end_);
         }
         return lines;
@@ -208,22 +208,16 @@ void read_lines(const FileContents& file, MeshFile& mesh) {
     }
     std::vector<TextPiece> pieces = cut_at_lines(body);
     const auto parser = [&](std::size_t i) { return OffParser(pieces[i].text, OffLayout::lines, parallel); };
-    parallel.run(pieces.size(), [&](std::size_t i, int) { pieces[i].count = parser(i).skip_items(); });
+    parallel.run(pieces.size(), [&](std::size_t i, int) { pieces[i].count = parser(i).count_lines(); });
     const std::size_t lines = number_items(pieces);
-    const auto put_vertices = [&](std::size_t i, std::byte* coordinates) {
-        parser(i).items(pieces[i].first, std::min(pieces[i].end_item(), counts.vertices), counts, coordinates, nullptr);
-    };
-    const auto add_faces = [&](std::size_t i, FaceList& faces) {
-        const std::size_t first = std::max(pieces[i].first, counts.vertices);
+    const auto parse = [&](std::size_t i, std::byte* coordinates, FaceList& faces) {
         const std::size_t last = std::min(pieces[i].end_item(), counts.items());
-        OffParser own = parser(i);
-        own.skip_items(first < last ? first - pieces[i].first : 0);
-        own.items(first, last, counts, nullptr, &faces);
+        parser(i).items(pieces[i].first, last, counts, coordinates, faces);
         if (i + 1 == pieces.size() && lines < counts.items()) {
             throw TextError{body.data() + body.size(), "expected " + counts.words() + ", found the end of the file"};
         }
     };
-    read_faces(file, std::min(counts.vertices, lines), pieces.size(), put_vertices, add_faces, mesh);
+    read_faces(file, std::min(counts.vertices, lines), pieces.size(), parse, mesh);
     if (lines > counts.items()) {
         mesh.warnings.push_back(file.source.name() + ": ignored " + counted(lines - counts.items(), "line") +
                                 " after the last of " + counted(counts.faces, "face"));
@@ -245,14 +239,11 @@ void read_numbers(const FileContents& file, const TextError& refused, MeshFile& 
             if (!counts.fit(static_cast<std::size_t>(end - parser.rest()))) {
                 continue;
             }
-            const auto put_vertices = [&](std::size_t, std::byte* to) {
-                parser.items(0, counts.vertices, counts, to, nullptr);
-            };
-            const auto add_faces = [&](std::size_t, FaceList& faces) {
-                parser.items(counts.vertices, counts.items(), counts, nullptr, &faces);
+            const auto parse = [&](std::size_t, std::byte* coordinates, FaceList& faces) {
+                parser.items(0, counts.items(), counts, coordinates, faces);
                 parser.end();
             };
-            read_faces(file, counts.vertices, 1, put_vertices, add_faces, mesh);
+            read_faces(file, counts.vertices, 1, parse, mesh);
         } catch (const TextError& error) {
             if (!cut_off && error.at == end && parser.item() != nullptr && parser.item() > refused.at) {
                 cut_off = error;

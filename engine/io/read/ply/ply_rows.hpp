@@ -41,8 +41,9 @@ public:
             value = static_cast<unsigned char>(*p_++);
             return true;
         }
-        if (type == NumberType::int32 && end_ - p_ >= 4) {  // nearly all indices
-            value = load_number<std::int32_t>(p_, swapped_);
+        if ((type == NumberType::int32 || type == NumberType::uint32) && end_ - p_ >= 4) {  // nearly all indices
+            const auto bits = load_number<std::uint32_t>(p_, swapped_);
+            value = type == NumberType::int32 ? static_cast<std::int32_t>(bits) : std::int64_t{bits};
             p_ += 4;
             return true;
         }

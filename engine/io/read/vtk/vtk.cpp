@@ -264,7 +264,7 @@ private:
         }
         for (const std::string_view name : {polygons, strips, std::string_view("VERTICES"), std::string_view("LINES")}) {
             if (scanner_.accept(name)) {
-                return cells(name);
+                return cells(name, name == polygons || name == strips);
             }
         }
         if (scanner_.accept("FIELD")) {
@@ -288,7 +288,8 @@ private:
         points_ = scanner_.numbers(3 * count, type, type == NumberType::float32 ? type : NumberType::float64, "POINTS");
     }
 
-    void cells(std::string_view section) {
+    /// They are skipped unless they are wanted.
+    void cells(std::string_view section, bool wanted) {
         const std::string name(section);
         CellArray array{.name = section,
                         .kind = section == strips ? CellKind::strips : CellKind::polygons,
@@ -299,26 +300,35 @@ private:
         array.cells = scanner_.count("cells of " + name);
         const std::uint64_t corners = scanner_.count("numbers of " + name);
         if (array.counted) {
-            array.corners = scanner_.numbers(corners, NumberType::int32, NumberType::uint32, name);
+            array.corners = numbers(corners, NumberType::int32, NumberType::uint32, name, wanted);
         } else if (array.cells > 0) {  // else there are neither cells nor any of the arrays
-            array.ends = integers("OFFSETS", array.cells, NumberType::uint64, name);
-            if (integer_at(array.ends, 0) != 0) {
+            array.ends = integers("OFFSETS", array.cells, NumberType::uint64, name, wanted);
+            if (wanted && integer_at(array.ends, 0) != 0) {
                 throw file_.error_at(array.ends, 0, "the offsets of " + name + " do not begin with 0");
             }
-            array.ends = without_first(file_, std::move(array.ends));
+            array.ends = wanted ? without_first(file_, std::move(array.ends)) : NumberArray();
             --array.cells;  // of which each but the first offset ends one
-            array.corners = integers("CONNECTIVITY", corners, NumberType::uint32, name);
+            array.corners = integers("CONNECTIVITY", corners, NumberType::uint32, name, wanted);
         }
-        if (section == polygons || section == strips) {
+        if (wanted) {
             cells_.push_back(std::move(array));
         }
     }
 
     /// An array after its keyword and type.
-    NumberArray integers(std::string_view keyword, std::uint64_t count, NumberType as, const std::string& name) {
+    NumberArray integers(std::string_view keyword, std::uint64_t count, NumberType as, const std::string& name,
+                         bool wanted) {
         scanner_.require(keyword, "'" + std::string(keyword) + "' of " + name);
         const NumberType type = scanner_.type(true);
-        return scanner_.numbers(count, type, as, name);
+        return numbers(count, type, as, name, wanted);
+    }
+
+    NumberArray numbers(std::uint64_t count, NumberType type, NumberType as, const std::string& name, bool wanted) {
+        if (wanted) {
+            return scanner_.numbers(count, type, as, name);
+        }
+        scanner_.skip_numbers(count, type, name);
+        return {};
     }
 
     void field() {

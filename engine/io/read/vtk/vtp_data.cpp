@@ -2,6 +2,7 @@
 
 #include <zlib.h>
 
+#include <atomic>
 #include <limits>
 #include <new>
 
@@ -105,15 +106,14 @@ class ArrayReader {
 public:
     ArrayReader(VtkFile& file, const VtpForm& form, const VtpArray& array) : file_(file), form_(form), array_(array) {}
 
-    /// Its `count` numbers, which lie where they are or in a storage of their own. `narrow`: none of them needs more than 32
-    /// bits; what does becomes the largest.
-    NumberArray read(std::uint64_t count, bool narrow) {
+    /// Its `count` numbers, which lie where they are or in a storage of their own.
+    NumberArray read(std::uint64_t count) {
         if (count > std::numeric_limits<std::uint64_t>::max() / sizeof(double)) {
             fail("should have " + std::to_string(count) + " numbers, which no file has");
         }
         const std::uint64_t total = count * size_of(array_.type);
         NumberArray numbers;
-        numbers.data = form_.compressor.empty() ? read_plain(total) : read_compressed(total, narrow);
+        numbers.data = form_.compressor.empty() ? read_plain(total) : read_compressed(total);
         numbers.count = count;
         numbers.type = narrow_ ? NumberType::uint32 : array_.type;
         numbers.big_endian = form_.big_endian && !narrow_;
@@ -135,7 +135,7 @@ private:
         return bytes(form_.header_bytes, total, storage_);
     }
 
-    const std::byte* read_compressed(std::uint64_t total, bool narrow) {
+    const std::byte* read_compressed(std::uint64_t total) {
         if (form_.compressor != zlib_compressor) {
             fail("is compressed by '" + printable(form_.compressor) + "', which is not read: only " +
                  std::string(zlib_compressor) + " is");
@@ -147,8 +147,12 @@ private:
         Array<std::byte> decoded(file_.source.memory());
         const std::byte* const packed = bytes((3 + blocks.ends.size()) * form_.header_bytes, blocks.ends.back(), decoded);
         // Integers of 64 bits compress so well that they would exceed the memory limit of a small file.
-        narrow_ = narrow && size_of(array_.type) == wide && blocks.bytes % wide == 0 && blocks.last_bytes % wide == 0;
-        inflate(blocks, packed, total);
+        narrow_ = is_integer(array_.type) && size_of(array_.type) == wide && blocks.bytes % wide == 0 &&
+                  blocks.last_bytes % wide == 0;
+        if (!inflate(blocks, packed, total)) {
+            narrow_ = false;
+            inflate(blocks, packed, total);
+        }
         file_.budget.give_back(decoded.size());
         return storage_.data();
     }
@@ -204,8 +208,11 @@ private:
         return blocks;
     }
 
-    void inflate(const Blocks& blocks, const std::byte* packed, std::uint64_t total) {
-        storage_.resize_discarding(taken(narrow_ ? total / 2 : total));
+    /// By `narrow_` into integers of 32 bits. False: some do not fit, and nothing is held.
+    bool inflate(const Blocks& blocks, const std::byte* packed, std::uint64_t total) {
+        const std::uint64_t held = taken(narrow_ ? total / 2 : total);
+        storage_.resize_discarding(held);
+        std::atomic<bool> fits{true};
         const std::size_t count = blocks.ends.size();
         const Parallel& parallel = file_.source.parallel();
         const std::uint64_t room_bytes = narrow_ ? std::max(blocks.bytes, blocks.last_bytes) : 0;
@@ -226,20 +233,28 @@ private:
             if (answer != Z_OK || got != wanted) {
                 fail("is damaged: its compressed block " + std::to_string(i) + " does not expand to what is counted");
             }
-            if (narrow_) {
-                narrow(out, wanted / wide, storage_.data() + i * blocks.bytes / 2);
+            if (narrow_ && !narrow(out, wanted / wide, storage_.data() + i * blocks.bytes / 2)) {
+                fits.store(false, std::memory_order_relaxed);
             }
         });
         file_.budget.give_back(rooms_bytes);
+        if (!fits) {
+            storage_ = Array<std::byte>(file_.source.memory());
+            file_.budget.give_back(held);
+        }
+        return fits;
     }
 
-    void narrow(const std::byte* from, std::uint64_t count, std::byte* to) const {
-        constexpr std::uint64_t largest = std::numeric_limits<std::uint32_t>::max();
+    /// False: some integer does not fit.
+    bool narrow(const std::byte* from, std::uint64_t count, std::byte* to) const {
+        std::uint64_t all = 0;
         for (std::uint64_t i = 0; i < count; ++i) {
             const auto value = load_number<std::uint64_t>(from + i * wide, form_.big_endian);
-            const auto narrow = static_cast<std::uint32_t>(std::min(value, largest));
+            const auto narrow = static_cast<std::uint32_t>(value);
             std::memcpy(to + i * sizeof narrow, &narrow, sizeof narrow);
+            all |= value;
         }
+        return all <= std::numeric_limits<std::uint32_t>::max();
     }
 
     /// Counts bytes that are about to be allocated.
@@ -267,7 +282,7 @@ private:
 
 NumberArray load_array(VtkFile& file, const VtpForm& form, const VtpArray& array, std::uint64_t count, NumberType as) {
     if (array.format != VtpArray::Format::ascii) {
-        return ArrayReader(file, form, array).read(count, is_integer(as));
+        return ArrayReader(file, form, array).read(count);
     }
     const char* p = array.content.data();
     const char* const end = p + array.content.size();

@@ -288,21 +288,28 @@ TEST_CASE("rays through edges and vertices of the shell around count once", "[ch
     }
 }
 
-TEST_CASE("a search of piled up triangles ends at its budget and reports that", "[check]") {
+TEST_CASE("a search of piled up triangles ends at its budget, reports that, and finds all else", "[check]") {
     Soup soup;
-    for (int i = 0; i < 6000; ++i) {  // all boxes meet, and no two triangles
-        shapes::append(soup, triangle({0, 0, 1.0 * i}, {1, 0, 9000.0 + i}, {0, 1, 9000.0 + i}));
+    for (int i = 0; i < 12'000; ++i) {  // all boxes meet, and no two triangles
+        shapes::append(soup, triangle({0, 0, 0.5 * i}, {1, 0, 9000 + 0.5 * i}, {0, 1, 9000 + 0.5 * i}));
     }
     const CheckOptions options{.tolerance_mm = 0};
     const MeshCheck fewer = findings_of(only(soup, 0, 1000), options);
     CHECK(fewer.complete());
     CHECK(make_verdict(fewer).value() == "not clean: 3000 boundary edges, 1000 boundary loops");
+    // Groups of faces far before and behind the pile, which takes nothing from them.
+    for (const double at : {-20'060.0, -20'040.0, -20'020.0, -20'000.0, 20'000.0, 20'020.0, 20'040.0, 20'060.0}) {
+        shapes::append(soup, triangle({at, at, at}, {at + 8, at, at}, {at, at + 8, at}));
+        shapes::append(soup, triangle({at + 1, at + 1, at - 4}, {at + 1, at + 1, at + 4}, {at + 8, at + 8, at}));
+    }
     const MeshCheck check = findings_of(soup, options);
     CHECK(check.of(Fault::crossing_faces).at_least);
+    CHECK(check.of(Fault::crossing_faces).count == 8);
     CHECK(check.of(Fault::touching_faces).at_least);
     CHECK_FALSE(check.of(Fault::boundary_edge).at_least);
     CHECK_FALSE(check.complete());
-    CHECK(make_verdict(check).value() == "not clean: 18000 boundary edges, 6000 boundary loops, as far as was searched");
+    CHECK(make_verdict(check).value() ==
+          "not clean: 36048 boundary edges, 12016 boundary loops, at least 8 crossings of faces, as far as was searched");
 }
 
 TEST_CASE("only as many places as asked for are kept, all are counted", "[check]") {

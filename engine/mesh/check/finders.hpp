@@ -127,9 +127,11 @@ public:
 
     void add(const Item& item) {
         ++count_;
-        kept_.insert(item);
-        if (kept_.size() > most_) {
+        if (kept_.size() < most_) {
+            kept_.insert(item);
+        } else if (most_ > 0 && item < *kept_.rbegin()) {
             kept_.erase(std::prev(kept_.end()));
+            kept_.insert(item);
         }
     }
 
@@ -151,42 +153,67 @@ constexpr std::size_t search_budget(std::size_t items) {
     return (std::size_t{1} << 29) + 1024 * items;
 }
 
-/// How many queries search_within() makes in one call of run(): few, so that each may cost much.
-constexpr std::size_t queries_a_run = 512;
+/// How many queries search_within() makes in one call of run() at first.
+constexpr std::size_t queries_a_run = std::size_t{1} << 14;
 
-/// Calls search(query, limit, found) for one query after another on all threads, which adds to `found`, stops at the limit
-/// and returns what it cost; and keep(item) for all that is found, on one thread at a time, a query's items in the order in
-/// which it found them. The limit is an equal share, within a run, of what is left of the budget: where the search ends
-/// depends on the queries alone. Returns whether every query was searched to its end.
+/// Calls search(query, limit, found) for all queries on all threads, which adds to `found`, stops at the limit and returns
+/// what it cost; and keep(item) for all that is found, on one thread at a time, a query's items in the order in which it
+/// found them. Most queries are done at the first attempt, at which each may cost a little. Those that take more are begun
+/// anew when all others are done, so that a pile of faces takes nothing from the rest of the mesh: each may then cost an
+/// equal share, within a run, of what is left of the budget. Where the search ends depends on the queries alone. Returns
+/// whether every query was searched to its end.
 template <class Item, class Search, class Keep>
 bool search_within(std::size_t budget, std::size_t queries, const Parallel& parallel, Search search, Keep keep) {
+    constexpr std::size_t most_at_first = std::size_t{1} << 16;
+    constexpr std::size_t later_a_run = 256;
     constexpr std::size_t most_for_one = std::size_t{1} << 25;  // so that a query ends soon after a stop is asked for
-    constexpr std::size_t grain = 8;
     std::vector<std::vector<Item>> found(static_cast<std::size_t>(parallel.threads()));  // by worker, of one query
     std::vector<std::size_t> costs(queries_a_run);
     std::mutex keeping;
-    bool complete = true;
-    for (std::size_t first = 0; first < queries; first += queries_a_run) {
-        const std::size_t limit = std::min(most_for_one, budget / queries_a_run);
-        if (limit == 0) {
-            return false;
-        }
-        const std::size_t count = std::min(queries_a_run, queries - first);
-        parallel.run_ranges(count, grain, [&](std::size_t begin, std::size_t end, int worker) {
+    // What is found of a query that reaches the limit is kept at its last attempt only.
+    const auto attempt = [&](std::size_t count, std::size_t limit, bool last, auto query) {
+        parallel.run_ranges(count, last ? 1 : 16, [&](std::size_t begin, std::size_t end, int worker) {
             std::vector<Item>& own = found[static_cast<std::size_t>(worker)];
             for (std::size_t i = begin; i != end; ++i) {
                 own.clear();
-                costs[i] = search(first + i, limit, own);
-                if (!own.empty()) {
+                costs[i] = search(query(i), limit, own);
+                if (!own.empty() && (last || costs[i] < limit)) {
                     const std::lock_guard lock(keeping);
                     std::for_each(own.begin(), own.end(), keep);
                 }
             }
         });
         for (std::size_t i = 0; i < count; ++i) {
-            complete = complete && costs[i] < limit;
             budget -= std::min(budget, costs[i]);
         }
+    };
+    std::vector<std::size_t> later;
+    std::size_t in_vain = budget / 2;  // what attempts without success may still cost
+    std::size_t first = 0;
+    for (; first < queries && in_vain > 0; first += queries_a_run) {
+        const std::size_t count = std::min(queries_a_run, queries - first);
+        const std::size_t limit = std::min(most_at_first, budget / queries_a_run);
+        attempt(count, limit, false, [first](std::size_t i) { return first + i; });
+        for (std::size_t i = 0; i < count; ++i) {
+            if (costs[i] >= limit) {
+                in_vain -= std::min(in_vain, costs[i]);
+                later.push_back(first + i);
+            }
+        }
+    }
+    for (; first < queries; ++first) {
+        later.push_back(first);
+    }
+    bool complete = true;
+    for (std::size_t begin = 0; begin < later.size(); begin += later_a_run) {
+        const std::size_t count = std::min(later_a_run, later.size() - begin);
+        const std::size_t limit = std::min(most_for_one, budget / later_a_run);
+        if (limit == 0) {
+            return false;
+        }
+        attempt(count, limit, true, [&](std::size_t i) { return later[begin + i]; });
+        complete = complete && std::all_of(costs.begin(), costs.begin() + static_cast<std::ptrdiff_t>(count),
+                                           [limit](std::size_t cost) { return cost < limit; });
     }
     return complete;
 }

@@ -32,13 +32,32 @@ struct Met {
     FacePair faces;
 };
 
-/// True if a vertex with an embedded star is common to both.
-bool share_star(const Face& face, const Face& other, const EmbeddedStars& stars) {
-    return std::any_of(face.corners.begin(), face.corners.end(), [&](std::uint32_t vertex) {
-        const auto& [a, b, c] = other.corners;
-        return (vertex == a || vertex == b || vertex == c) && stars.contains(vertex);
-    });
-}
+/// The vertices of a group's faces that have embedded stars.
+class GroupStars {
+public:
+    GroupStars(const GridMesh& mesh, const EmbeddedStars& stars, std::size_t begin, std::size_t end) {
+        constexpr std::int32_t none = -1;
+        for (std::size_t face = begin; face != end; ++face) {
+            for (std::size_t corner = 0; corner < 3; ++corner) {
+                const std::uint32_t vertex = mesh.faces[face].corners[corner];
+                vertices_[corner][face - begin] = stars.contains(vertex) ? static_cast<std::int32_t>(vertex) : none;
+            }
+        }
+    }
+
+    /// Which faces share one with the other.
+    LaneBits shared_by(const Face& other) const {
+        Int32x8 same(0);
+        for (const std::uint32_t vertex : other.corners) {
+            const Int32x8 all(static_cast<std::int32_t>(vertex));
+            same = same | (all == Int32x8(vertices_[0])) | (all == Int32x8(vertices_[1])) | (all == Int32x8(vertices_[2]));
+        }
+        return same.bits();
+    }
+
+private:
+    std::array<Int32x8::Stored, 3> vertices_{};  ///< by corner
+};
 
 /// For a crossing, the segment in which the faces meet; else the middle of their boxes' intersection.
 FaultPlace place_of(const GridMesh& mesh, const FacePair& pair, bool cross) {
@@ -86,14 +105,18 @@ std::vector<std::uint8_t> find_meeting_faces(const GridMesh& mesh, const FaceTre
     std::vector<std::uint8_t> meets_other(shells.size());
     // Compares the faces of a group with all after them in the tree.
     const auto meet_group = [&](std::size_t group, std::size_t limit, std::vector<Met>& found) {
+        const std::size_t begin = tree.group_begin(group);
+        const GroupStars own(mesh, stars, begin, tree.group_end(group));
         return tree.search_pairs(group, limit, [&](std::size_t other, LaneBits bits) {
+            bits &= ~own.shared_by(mesh.faces[other]);
+            if (bits == 0) {
+                return;
+            }
+            const ExactFace theirs = exact(mesh, other);
             each_lane(bits, [&](std::size_t lane) {
-                const std::size_t face = tree.group_begin(group) + lane;
-                if (share_star(mesh.faces[face], mesh.faces[other], stars)) {
-                    return;
-                }
-                if (const Meeting meeting = meet(exact(mesh, face), exact(mesh, other)); meeting != Meeting::none) {
-                    found.push_back({meeting, {static_cast<std::uint32_t>(face), static_cast<std::uint32_t>(other)}});
+                if (const Meeting meeting = meet(exact(mesh, begin + lane), theirs); meeting != Meeting::none) {
+                    found.push_back(
+                        {meeting, {static_cast<std::uint32_t>(begin + lane), static_cast<std::uint32_t>(other)}});
                 }
             });
         });

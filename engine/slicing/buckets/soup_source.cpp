@@ -9,29 +9,44 @@ namespace lamella {
 
 namespace {
 
-/// A triangle on the grid, as count_each() and write_each() read it.
+/// A triangle on the grid, as count_each() reads it.
 struct SoupTriangle {
     GridTriangle v;
-    const PlaneSet* all_planes;
-    std::size_t number;
+    const PlaneSet& all_planes;
 
     bool is_degenerate() const noexcept { return lamella::is_degenerate(v); }
     PlaneRange planes() const noexcept {
         const auto [low, high] = std::minmax({v[0].z, v[1].z, v[2].z});
-        return all_planes->between(low, high);
-    }
-    std::uint8_t write(CrossedTriangle& to, PlaneIndex last) const noexcept {
-        to = order_by_height(v, static_cast<std::uint32_t>(number));
-        to.middle_and_source |= all_planes->first_above(to.middle.z);
-        to.last = last;
-        return height_order_of(v).lower;
+        return all_planes.between(low, high);
     }
 };
 
-/// Gives triangle t.
+/// The degenerate ones of a whole block.
 template <class Read>
-auto triangles_of(const Read& read, const PlaneSet& planes) noexcept {
-    return [&read, &planes](std::size_t t) { return SoupTriangle{read(t), &planes, t}; };
+std::uint64_t find_degenerate(const Read& read, std::size_t begin, ShareCounts& counts) {
+    std::uint64_t mask = 0;
+    for (std::size_t t = 0; t < block_triangles; ++t) {
+        mask |= std::uint64_t{is_degenerate(read(begin + t))} << t;
+    }
+    counts.degenerate += static_cast<std::uint64_t>(std::popcount(mask));
+    return mask;
+}
+
+/// As ShareRecords::write_each(), but read once, which takes longer than to wait for memory.
+template <class Reader>
+void scatter_each(const Reader& read, const PlaneSet& planes, std::size_t begin, std::uint64_t crossed, ShareRecords& to) {
+    for (; crossed != 0; crossed &= crossed - 1) {
+        const std::size_t t = begin + static_cast<std::size_t>(std::countr_zero(crossed));
+        const GridTriangle v = read(t);
+        CrossedTriangle record = order_by_height(v, static_cast<std::uint32_t>(t));
+        record.middle_and_source |= planes.first_above(record.middle.z);
+        record.last = planes.first_above(record.upper.z);
+        const std::uint32_t at = to.take_place({planes.first_above(record.lower.z), record.last});
+        to.records[at] = record;
+        if (to.lowest_corners != nullptr) {
+            to.lowest_corners[at] = height_order_of(v).lower;
+        }
+    }
 }
 
 }  // namespace
@@ -51,11 +66,15 @@ void SoupSource::count(double unit_mm) {
             if (skipped) {
                 return 0;
             }
-            if (!scan.usable() || end - begin < block_triangles || may_be_degenerate) {
-                return count_each(triangles_of(read, planes_), begin, end, may_be_degenerate, counts);
+            if (!scan.usable() || end - begin < block_triangles) {
+                const auto triangle = [&](std::size_t t) { return SoupTriangle{read(t), planes_}; };
+                return count_each(triangle, begin, end, may_be_degenerate, counts);
             }
             SoupScan::Ranges ranges;
-            const std::uint64_t mask = scan.ranges(begin, ranges);
+            std::uint64_t mask = scan.ranges(begin, ranges);
+            if (may_be_degenerate) {
+                mask &= ~find_degenerate(read, begin, counts);
+            }
             for (std::uint64_t crossed = mask; crossed != 0; crossed &= crossed - 1) {
                 const int t = std::countr_zero(crossed);
                 counts.add(ranges.first[t], ranges.last[t]);
@@ -73,7 +92,7 @@ std::size_t SoupSource::scatter(std::span<const PlaneIndex> reach_end, std::span
             if (scan.usable() && begin + block_triangles <= mesh_.triangle_count) {
                 scan.write(begin, crossed, to);
             } else {
-                to.write_each(triangles_of(read, planes_), begin, crossed);
+                scatter_each(read, planes_, begin, crossed, to);
             }
         };
         return scatter_blocks({mesh_.triangle_count, parallel_}, parallel_, buckets_, reach_end, reaching, origins,

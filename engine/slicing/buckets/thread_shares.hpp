@@ -177,27 +177,23 @@ struct ShareRecords {
         return at;
     }
 
-    /// The triangles begin + b with bit b in `crossed`. First where records go, then the records: a store that waits for
-    /// memory would hold up the next ones, and loads that are a multiple of 4096 bytes away from it.
+    /// The triangles begin + b with bit b in `crossed`, which are quick to read. First where records go, then the records: a
+    /// store that waits for memory would hold up the next ones, and loads that are a multiple of 4096 bytes away from it.
     template <class Read>
     void write_each(const Read& read, std::size_t begin, std::uint64_t crossed) {
-        struct Place {
-            decltype(read(begin)) triangle;
-            std::uint32_t record;
-            PlaneIndex last;
-        };
-        std::array<Place, block_triangles> places;
+        std::array<Reaching, block_triangles> places;
         std::size_t count = 0;
-        for (; crossed != 0; crossed &= crossed - 1) {
-            Place& place = places[count++];
-            place.triangle = read(begin + static_cast<std::size_t>(std::countr_zero(crossed)));
-            const PlaneRange cut = place.triangle.planes();
-            place.record = take_place(cut);
-            place.last = cut.end;
-            __builtin_prefetch(records + place.record, 1);
+        for (std::uint64_t left = crossed; left != 0; left &= left - 1) {
+            const PlaneRange cut = read(begin + static_cast<std::size_t>(std::countr_zero(left))).planes();
+            const std::uint32_t at = take_place(cut);
+            __builtin_prefetch(records + at, 1);
+            places[count++] = {at, cut.first, cut.end};
         }
-        for (const Place& place : std::span(places).first(count)) {
-            const std::uint8_t lowest = place.triangle.write(records[place.record], place.last);
+        count = 0;
+        for (std::uint64_t left = crossed; left != 0; left &= left - 1, ++count) {
+            const Reaching& place = places[count];
+            const auto triangle = read(begin + static_cast<std::size_t>(std::countr_zero(left)));
+            const std::uint8_t lowest = triangle.write(records[place.record], place.last);
             if (lowest_corners != nullptr) {
                 lowest_corners[place.record] = lowest;
             }

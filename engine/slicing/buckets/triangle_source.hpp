@@ -159,9 +159,9 @@ struct Buckets {
     Array<std::uint64_t> crossed_mask{memory};  // a bit a triangle, so that the second read skips what is not cut
     Array<std::uint32_t> counters{memory};      // per thread and plane
     BlockTable blocks{memory};                  // of soups
-    Array<std::uint8_t> used{memory};           // of indexed meshes: 1 where a triangle has the vertex
-    Array<PlacedVertex> vertices{memory};       // of indexed meshes: those that are used
-    Array<std::uint32_t> touched{memory};       // of prepared meshes: blocks that planes pass through
+    Array<std::uint8_t> used{memory};      // of indexed meshes: 1 where a triangle has the vertex; empty: all can be placed
+    Array<PlacedVertex> vertices{memory};  // of indexed meshes: those that can be placed
+    Array<std::uint32_t> touched{memory};  // of prepared meshes: blocks that planes pass through
 };
 
 /// A record whose triangle reaches beyond the planes that its first plane is swept with.

@@ -19,7 +19,7 @@ namespace {
 /// Makes `array` hold `count`, the first `kept` of which stay. Where `more` will follow, there is some room for them.
 template <class T>
 void extend(Array<T>& array, std::size_t kept, std::size_t count, const StopCheck& stop, bool more = false) {
-    if (count > array.capacity()) {
+    if (kept > 0 && count > array.capacity()) {
         Array<T> larger(array.memory());
         larger.resize_discarding(more ? count + kept / 2 : count);
         StopPace pace;
@@ -29,7 +29,7 @@ void extend(Array<T>& array, std::size_t kept, std::size_t count, const StopChec
         });
         array = std::move(larger);
     }
-    array.set_size(count);
+    array.resize_discarding(count);
 }
 
 }  // namespace

@@ -20,6 +20,7 @@
 #define LAMELLA_AVX2 __attribute__((target("avx2")))
 #define LAMELLA_AVX2_INLINE __attribute__((target("avx2"), always_inline)) inline
 #define LAMELLA_AVX512 __attribute__((target("avx512f,avx512vl,avx512dq,avx2,popcnt")))
+#define LAMELLA_AVX512_INLINE __attribute__((target("avx512f,avx512vl,avx512dq,avx2,popcnt"), always_inline)) inline
 #endif
 
 namespace lamella {

@@ -114,15 +114,8 @@ LAMELLA_AVX2 void find_smallest(const Point* ring, std::size_t count, RingFacts&
     }
 }
 
-/// Four points a step, for rings that fill a vector; points left over are taken one by one. Neighbours come from shifting
-/// the vectors before and after into this one, not from loading them back from the ring, which would wait for the stores:
-///
-///     before  [ .. .. .. a ]  here  [ b c d e ]  next  [ f .. .. .. ]
-///     previous                      [ a b c d ]
-///     after                         [ c d e f ]
-///
-/// AVX2 has no arithmetic shift of 64 bits: products are biased by 2^63 to be unsigned, and the bias is taken off at the
-/// end.
+/// Four points a step, as in trace_avx512, for rings that fill a vector; points left over are taken one by one. AVX2 has
+/// no arithmetic shift of 64 bits: products are biased by 2^63 to be unsigned, and the bias is taken off at the end.
 LAMELLA_AVX2 RingFacts trace_avx2(const Point* points, const std::uint32_t* slots, std::size_t count, Point* ring) {
     if (count < 8) {
         return trace_portable(points, slots, count, ring);
@@ -142,6 +135,7 @@ LAMELLA_AVX2 RingFacts trace_avx2(const Point* points, const std::uint32_t* slot
     for (std::size_t i = 0; i < whole; i += 4) {
         const __m256i next = gather_four(points, slots + i + 4);
         _mm256_storeu_si256(reinterpret_cast<__m256i*>(ring + i), here);
+        // Neighbours by shifting registers: loading them back would wait for the stores.
         const __m256i after = _mm256_permute4x64_epi64(_mm256_blend_epi32(here, next, 0x03), 0x39);
         const __m256i previous = _mm256_permute4x64_epi64(_mm256_blend_epi32(here, before, 0xC0), 0x93);
         low = _mm256_min_epi32(low, here);
@@ -215,6 +209,83 @@ LAMELLA_AVX2 std::size_t select_equal_avx2(const std::uint32_t* values, std::siz
 
 constexpr Kernels avx2{pierce_avx2, trace_avx2, select_equal_avx2};
 
+// --- AVX-512: eight points a step
+
+LAMELLA_AVX512 __m512i gather_eight(const Point* points, const std::uint32_t* slots) {
+    const __m256i at = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(slots));
+    return _mm512_mask_i32gather_epi64(_mm512_setzero_si512(), 0xFF, at, points, sizeof(Point));
+}
+
+LAMELLA_AVX512 __m256i lower_half(__m512i v) {
+    return _mm512_maskz_extracti64x4_epi64(0xF, v, 0);
+}
+LAMELLA_AVX512 __m256i upper_half(__m512i v) {
+    return _mm512_maskz_extracti64x4_epi64(0xF, v, 1);
+}
+
+/// Eight points a step. Neighbours come from shifting the vectors before and after into this one, not from loading them
+/// back from the ring, which would wait for the stores; x lies in the low half of each 64-bit lane and y in the high one:
+///
+///     before  [ .. .. .. .. .. .. .. a ]  here  [ b c d e f g h i ]  next  [ j .. .. .. .. .. .. .. ]
+///     previous                                  [ a b c d e f g h ]
+///     after                                     [ c d e f g h i j ]
+LAMELLA_AVX512 RingFacts trace_avx512(const Point* points, const std::uint32_t* slots, std::size_t count, Point* ring) {
+    const __m512i first = _mm512_set1_epi64(std::bit_cast<std::int64_t>(points[slots[0]]));
+    const __m512i low_half = _mm512_set1_epi64(0xFFFFFFFF);
+    __m512i low = first;
+    __m512i high = first;
+    __m512i low_sum = _mm512_setzero_si512();
+    __m512i high_sum = _mm512_setzero_si512();
+    unsigned repeats = 0;
+    __m512i before = _mm512_set1_epi64(std::bit_cast<std::int64_t>(points[slots[count - 1]]));
+    __m512i here = gather_eight(points, slots);
+    for (std::size_t i = 0; i < count; i += 8) {
+        const std::size_t left = count - i;
+        const auto lanes = static_cast<__mmask8>(left >= 8 ? 0xFF : (1U << left) - 1);
+        const __m512i next = left > 8 ? gather_eight(points, slots + i + 8) : first;
+        here = _mm512_mask_blend_epi64(lanes, first, here);  // the first point follows the last
+        _mm512_storeu_si512(ring + i, here);
+        const __m512i previous = _mm512_maskz_alignr_epi64(0xFF, here, before, 7);
+        const __m512i after = _mm512_maskz_alignr_epi64(0xFF, next, here, 1);
+        low = _mm512_maskz_min_epi32(0xFFFF, low, here);
+        high = _mm512_maskz_max_epi32(0xFFFF, high, here);
+        repeats |= _mm512_mask_cmpeq_epi64_mask(lanes, here, after);
+        const __m512i dy = _mm512_maskz_srli_epi64(0xFF, _mm512_sub_epi32(after, previous), 32);
+        const __m512i product = _mm512_maskz_mul_epi32(0xFF, _mm512_sub_epi32(here, first), dy);
+        low_sum = _mm512_add_epi64(low_sum, _mm512_and_si512(product, low_half));
+        high_sum = _mm512_add_epi64(high_sum, _mm512_maskz_srai_epi64(0xFF, product, 32));
+        before = here;
+        here = next;
+    }
+    RingFacts facts{};
+    facts.has_repeats = repeats != 0;
+    finish_facts(facts, _mm256_min_epi32(lower_half(low), upper_half(low)),
+                 _mm256_max_epi32(lower_half(high), upper_half(high)),
+                 _mm256_add_epi64(lower_half(low_sum), upper_half(low_sum)),
+                 _mm256_add_epi64(lower_half(high_sum), upper_half(high_sum)));
+    find_smallest(ring, count, facts);
+    return fits_halves(facts) ? facts : trace_portable(points, slots, count, ring);
+}
+
+LAMELLA_AVX512 std::size_t select_equal_avx512(const std::uint32_t* values, std::size_t count, std::uint32_t value,
+                                               std::uint32_t* indices) {
+    const __m512i wanted = _mm512_set1_epi32(static_cast<int>(value));
+    __m512i index = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < count; i += 16) {
+        const std::size_t left = count - i;
+        const auto lanes = static_cast<__mmask16>(left >= 16 ? 0xFFFF : (1U << left) - 1);
+        const __mmask16 same = _mm512_mask_cmpeq_epi32_mask(lanes, _mm512_maskz_loadu_epi32(lanes, values + i), wanted);
+        // No branch on whether there is one: it would often be mispredicted.
+        _mm512_storeu_si512(indices + found, _mm512_maskz_compress_epi32(same, index));
+        found += static_cast<std::size_t>(std::popcount(same));
+        index = _mm512_add_epi32(index, _mm512_set1_epi32(16));
+    }
+    return found;
+}
+
+constexpr Kernels avx512{pierce_avx2, trace_avx512, select_equal_avx512};
+
 #endif
 
 }  // namespace
@@ -222,6 +293,7 @@ constexpr Kernels avx2{pierce_avx2, trace_avx2, select_equal_avx2};
 std::span<const Form<Kernels>> kernel_forms() noexcept {
     static constexpr Form<Kernels> forms[] = {
 #ifdef LAMELLA_X86_FORMS
+        {InstructionSet::avx512, avx512},
         {InstructionSet::avx2, avx2},
 #endif
         {InstructionSet::portable, portable}};

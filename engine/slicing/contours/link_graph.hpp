@@ -77,6 +77,7 @@ private:
     void finish_order();
 
     void walk_open();
+    void walk_old_starts();
     void walk_old_runs();
     void walk_rest();
     void walk_from(Slot start);
@@ -93,6 +94,7 @@ private:
     Vector<Slot> order_next_{worker_.memory()};
     Vector<std::uint64_t> breaks_{worker_.memory()};  // bit p: the walk does not go on from position p to p + 1
     Vector<WalkedContour> contours_{worker_.memory()};
+    Vector<WalkedContour> old_contours_{worker_.memory()};  // the last plane's, while walking
     std::uint32_t ordered_ = 0;
     std::uint32_t filled_ = 0;  // of order_next_
     std::size_t changes_ = 0;   // links written, slots made and freed since the last walk
@@ -107,6 +109,20 @@ inline constexpr std::size_t run_padding = 16;
 inline void copy_run(const Slot* run, std::uint32_t length, Slot* to) {
     for (std::uint32_t i = 0; i < length; i += run_padding) {
         std::memcpy(to + i, run + i, run_padding * sizeof(Slot));
+    }
+}
+
+/// positions[run[i]] = first + i.
+inline void number_run(const Slot* run, std::uint32_t length, std::uint32_t first, std::uint32_t* positions) {
+    std::uint32_t i = 0;
+    for (; i + 4 <= length; i += 4) {
+        positions[run[i]] = first + i;
+        positions[run[i + 1]] = first + i + 1;
+        positions[run[i + 2]] = first + i + 2;
+        positions[run[i + 3]] = first + i + 3;
+    }
+    for (; i < length; ++i) {
+        positions[run[i]] = first + i;
     }
 }
 

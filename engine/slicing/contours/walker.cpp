@@ -55,6 +55,7 @@ void LinkGraph::walk() {
         grow_exactly(order_next_, room + live() / 32, worker_);
     }
     filled_ = 0;
+    old_contours_.swap(contours_);
     contours_.clear();
     if (!one_orientation) {
         walk_any_orientation();
@@ -63,6 +64,7 @@ void LinkGraph::walk() {
             walk_open();
         }
         if (!by_links_) {
+            walk_old_starts();
             walk_old_runs();
         }
         walk_rest();
@@ -105,7 +107,19 @@ void LinkGraph::walk_open() {
     }
 }
 
-/// Contours that hold a slot of the last plane.
+/// Contours that go on from where one of the last plane's began. They are most, and walk_old_runs() then finds their runs
+/// walked.
+void LinkGraph::walk_old_starts() {
+    for (const WalkedContour& contour : old_contours_) {
+        const std::uint32_t position = contour.begin + 1;
+        const Slot slot = order_[position];
+        if (position_[slot] == position && !walked(slot)) {
+            walk_from(slot);
+        }
+    }
+}
+
+/// Contours that hold any slot of the last plane: parts that split off.
 void LinkGraph::walk_old_runs() {
     for (std::uint32_t position = 1; filled_ < live() && position <= ordered_; position = next_break(position) + 1) {
         const Slot slot = order_[position];
@@ -157,9 +171,7 @@ bool LinkGraph::follow_runs(Slot start) {
             const Slot* run = order_.data() + from;
             copy_run(run, length, out + filled);
             if (filled + 1 != from) {
-                for (std::uint32_t i = 0; i < length; ++i) {
-                    positions[run[i]] = filled + 1 + i;
-                }
+                number_run(run, length, filled + 1, positions);
             }
             filled += length;
             last = run[length - 1];

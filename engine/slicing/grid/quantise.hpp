@@ -182,12 +182,76 @@ private:
     double scale_;
 };
 
-/// Calls use(reader) with the faster reader for this unit; both give the same grid triangles.
+#ifdef __SSE2__
+/// Each argument holds x, y, z and an unused lane. Every vertex is written by one store: a load that spans two stores would
+/// wait until both have reached the cache.
+inline void store_vertices(GridTriangle& grid, __m128i first, __m128i second, __m128i third) noexcept {
+    static_assert(sizeof(GridTriangle) == 9 * sizeof(std::int32_t), "nine coordinates without padding");
+    auto* out = reinterpret_cast<std::int32_t*>(grid.data());
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(out), first);
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(out + 3), second);
+    _mm_storel_epi64(reinterpret_cast<__m128i*>(out + 6), third);
+    out[8] = _mm_cvtsi128_si32(_mm_shuffle_epi32(third, _MM_SHUFFLE(2, 2, 2, 2)));
+}
+
+/// Float vertices, no transform, a unit that is a power of two: scaling is then exact in float, and a vertex is one
+/// multiplication and one conversion. Nothing is read beyond a triangle:
+///
+///     x0 y0 z0 x1 y1 z1 x2 y2 z2
+///     [---a-----]    [---c-----]
+///              [---b-----]
+class FloatReader {
+public:
+    FloatReader(const MeshView& mesh, double unit_mm) noexcept
+        : mesh_(mesh), scale_(_mm_set1_ps(static_cast<float>(1 / (2 * unit_mm)))) {}
+
+    GridTriangle operator()(std::size_t t) const noexcept { return mesh_.indices == nullptr ? soup(t) : indexed(t); }
+
+private:
+    __m128i round_even(__m128 mm) const noexcept {
+        const __m128i half = _mm_cvtps_epi32(_mm_mul_ps(mm, scale_));
+        return _mm_add_epi32(half, half);
+    }
+
+    GridTriangle soup(std::size_t t) const noexcept {
+        const auto* at = reinterpret_cast<const float*>(mesh_.vertex_at(t));
+        const __m128 c = _mm_loadu_ps(at + 5);
+        GridTriangle grid;
+        store_vertices(grid, round_even(_mm_loadu_ps(at)), round_even(_mm_loadu_ps(at + 3)),
+                       round_even(_mm_shuffle_ps(c, c, _MM_SHUFFLE(3, 3, 2, 1))));
+        return grid;
+    }
+
+    __m128i vertex(std::size_t index) const noexcept {
+        float xyz[3];
+        std::memcpy(xyz, mesh_.vertex_at(index), sizeof xyz);
+        return round_even(_mm_setr_ps(xyz[0], xyz[1], xyz[2], 0));
+    }
+
+    GridTriangle indexed(std::size_t t) const noexcept {
+        GridTriangle grid;
+        store_vertices(grid, vertex(mesh_.vertex_of(t, 0)), vertex(mesh_.vertex_of(t, 1)), vertex(mesh_.vertex_of(t, 2)));
+        return grid;
+    }
+
+    MeshView mesh_;
+    __m128 scale_;
+};
+#endif
+
+/// Calls use(reader) with the fastest reader for this input; all give the same grid triangles.
 template <class Use>
 decltype(auto) with_reader(const MeshView& mesh, const Placing& placing, double unit_mm, Use&& use) {
     int exponent = 0;
-    return std::frexp(unit_mm, &exponent) == 0.5 ? use(GridReader<true>(mesh, placing, unit_mm))
-                                                 : use(GridReader<false>(mesh, placing, unit_mm));
+    if (std::frexp(unit_mm, &exponent) != 0.5) {
+        return use(GridReader<false>(mesh, placing, unit_mm));
+    }
+#ifdef __SSE2__
+    if (mesh.vertex_type == Number::f32 && placing.transform.is_identity()) {
+        return use(FloatReader(mesh, unit_mm));
+    }
+#endif
+    return use(GridReader<true>(mesh, placing, unit_mm));
 }
 
 }  // namespace lamella

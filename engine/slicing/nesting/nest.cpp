@@ -118,16 +118,37 @@ void Nester::sort_by_start(std::span<const NestItem> items) {
 
 /// Every ring becomes the parent of the starts inside it that have none yet: the smallest ring first.
 void Nester::find_parents(std::span<const NestItem> items) {
-    starts_.assign(rings_.size(), [this](std::size_t ring) { return start_of(ring); });
+    constexpr std::size_t few = 64;  // are compared sooner than a tree is built
+    has_tree_ = rings_.size() > few;
+    if (has_tree_) {
+        starts_.assign(rings_.size(), [this](std::size_t ring) { return start_of(ring); });
+    }
     sort_by_size(items);
     for (const SortKey& key : by_size_) {
         const NestItem& contour = items[rings_[key.index].item];
         found_.clear();
-        starts_.find_in(grown(contour.box, -1), [this](Point, std::uint32_t ring) {
-            found_.push_back(ring);
-            return true;
-        });
+        if (has_tree_) {
+            starts_.find_in(grown(contour.box, -1), [this](Point, std::uint32_t ring) {
+                found_.push_back(ring);
+                return true;
+            });
+        } else {
+            find_among_few(contour.box, key.index);
+        }
         take_in(contour, key.index);
+    }
+}
+
+/// The starts in the box of a ring that have no parent yet. They come after the ring's own, by x.
+void Nester::find_among_few(const FlatBox& box, std::uint32_t ring) {
+    for (std::uint32_t other = ring + 1; other < rings_.size(); ++other) {
+        const Point start = start_of(other);
+        if (start.x >= box.high.x) {
+            return;
+        }
+        if (start.x > box.low.x && box.low.y < start.y && start.y < box.high.y && rings_[other].parent < 0) {
+            found_.push_back(other);
+        }
     }
 }
 
@@ -171,7 +192,9 @@ void Nester::take_in(const NestItem& contour, std::uint32_t ring) {
 
 void Nester::adopt(std::uint32_t ring, std::uint32_t child) {
     rings_[child].parent = static_cast<std::int32_t>(ring);
-    starts_.take_off(child);
+    if (has_tree_) {
+        starts_.take_off(child);
+    }
 }
 
 /// The facets' orientation decides the role unless a winding number, here or outside, is negative. Then the number of

@@ -8,8 +8,8 @@
 // every point strictly inside is larger, and starts strictly decrease from child to parent.
 //
 // Contours are visited from small to large. Each becomes the parent of the starts strictly inside it that have none yet. The
-// starts in its box are found in a tree, off which starts with a parent are taken, so that a nest of any depth costs one
-// test a contour. Starts in the box of one contour are tested together.
+// starts in its box are found by x, or where they are many in a tree, off which starts with a parent are taken. A nest of
+// any depth thus costs one test a contour. Starts in the box of one contour are tested together.
 //
 // O(q log q) for q contours and points, also for deep nests and for arrays of separate contours. Two cases cost more. A
 // start inside the boxes of k contours, but not inside the contours, costs O(k) (L shapes nested in each other's corner).
@@ -137,6 +137,7 @@ private:
     void sort_by_start(std::span<const NestItem> items);
     void find_parents(std::span<const NestItem> items);
     Point start_of(std::size_t ring) const noexcept { return nesting::point_of(by_start_[ring].key); }
+    void find_among_few(const FlatBox& box, std::uint32_t ring);
     void sort_by_size(std::span<const NestItem> items);
     void take_in(const NestItem& contour, std::uint32_t ring);
     void adopt(std::uint32_t ring, std::uint32_t child);
@@ -148,7 +149,8 @@ private:
     Vector<nesting::SortKey> by_size_{worker_.memory()};   // of rings_: their areas
     Vector<nesting::SortKey> spare_keys_{worker_.memory()};
     Vector<nesting::Ring> rings_{worker_.memory()};
-    PointTree starts_{worker_};                      // of rings_ that have no parent yet
+    PointTree starts_{worker_};  // of rings_ that have no parent yet, where they are many
+    bool has_tree_ = false;
     Vector<std::uint32_t> found_{worker_.memory()};  // rings with starts in a contour's box
     nesting::ManyInside many_inside_{worker_};
 };

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
@@ -54,37 +55,44 @@ void check(const Source& from, const SliceCall& call) {
     }
 }
 
-/// The target that a destination stands for. Throws Refused where it makes no sense.
-std::unique_ptr<LayerTarget> target_of(const Destination& to, const Memory* memory) {
-    if (to.sink() != nullptr) {
-        return std::make_unique<SinkTarget>(*to.sink());
+using AnyTarget = std::variant<std::monostate, ResultTarget, SinkTarget, HostTarget>;
+
+/// The target that a destination stands for, made in `target`; null for no destination. Throws Refused where it makes no
+/// sense.
+LayerTarget* target_of(const Destination* to, const Memory* memory, AnyTarget& target) {
+    if (to == nullptr) {
+        return nullptr;
     }
-    if (to.arrays() != nullptr) {
-        return std::make_unique<HostTarget>(*to.arrays());
+    if (to->sink() != nullptr) {
+        return &target.emplace<SinkTarget>(*to->sink());
     }
-    if (to.result()->points.memory() != memory) {
-        *to.result() = SliceResult(memory);
+    if (to->arrays() != nullptr) {
+        return &target.emplace<HostTarget>(*to->arrays());
     }
-    return std::make_unique<ResultTarget>(*to.result());
+    if (to->result()->points.memory() != memory) {
+        *to->result() = SliceResult(memory);
+    }
+    return &target.emplace<ResultTarget>(*to->result());
 }
 
 /// Any source to any destination. Where that is null, `info` gets what is known before anything is cut.
 void slice_source(const Source& from, const Destination* to, const SliceCall& call, SliceInfo& info) {
-    const std::unique_ptr<LayerTarget> target = to != nullptr ? target_of(*to, call.context.memory) : nullptr;
+    AnyTarget any;
+    LayerTarget* const target = target_of(to, call.context.memory, any);
     check(from, call);
     if (from.other() != nullptr) {
-        from.other()->slice(target.get(), call, info);
+        from.other()->slice(target, call, info);
     } else if (from.is_parts()) {
-        slice_parts({from.parts(), from.part_count()}, call, target.get(), info);
+        slice_parts({from.parts(), from.part_count()}, call, target, info);
     } else if (call.options.content != LayerContent::section) {
-        slice_faces(from.mesh(), call, target.get(), info);
+        slice_faces(from.mesh(), call, target, info);
     } else if (const PreparedImpl* const prepared = from.prepared(); prepared != nullptr) {
         const SliceOptions options = options_for(*prepared, call.options);
         PreparedSource source(*prepared, call.kept.source_tools());
-        slice_layers(source, target.get(), {options, call.tuning, call.context, call.kept}, info);
+        slice_layers(source, target, {options, call.tuning, call.context, call.kept}, info);
     } else {
         const Placing placing = placing_of(from.mesh(), call.options.frame);
-        slice_layers(*source_of(from.mesh(), placing, nullptr, call.kept.source_tools()), target.get(), call, info);
+        slice_layers(*source_of(from.mesh(), placing, nullptr, call.kept.source_tools()), target, call, info);
     }
 }
 

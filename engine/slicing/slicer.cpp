@@ -92,7 +92,8 @@ void slice_source(const Source& from, const Destination* to, const SliceCall& ca
         slice_layers(source, target, {options, call.tuning, call.context, call.kept}, info);
     } else {
         const Placing placing = placing_of(from.mesh(), call.options.frame);
-        slice_layers(*source_of(from.mesh(), placing, nullptr, call.kept.source_tools()), target, call, info);
+        AnySource source;
+        slice_layers(source_of(from.mesh(), placing, nullptr, call.kept.source_tools(), source), target, call, info);
     }
 }
 

@@ -262,12 +262,12 @@ Bounds IndexedSource::measure(double asked_mm) {
     return require(measure_bounds(mesh_, placing_, asked_mm, parallel_, buckets_.blocks));
 }
 
-std::unique_ptr<TriangleSource> source_of(const MeshView& mesh, const Placing& placing, const SharedFrame* frame,
-                                          const SourceTools& tools) {
+TriangleSource& source_of(const MeshView& mesh, const Placing& placing, const SharedFrame* frame, const SourceTools& tools,
+                          AnySource& source) {
     if (IndexedSource::pays_for(mesh)) {
-        return std::make_unique<IndexedSource>(mesh, placing, frame, tools);
+        return source.emplace<IndexedSource>(mesh, placing, frame, tools);
     }
-    return std::make_unique<SoupSource>(mesh, placing, frame, tools);
+    return source.emplace<SoupSource>(mesh, placing, frame, tools);
 }
 
 }  // namespace lamella

@@ -11,7 +11,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
+#include <variant>
 
 #include "lamella/mesh.hpp"
 #include "slicing/buckets/thread_shares.hpp"
@@ -74,9 +74,11 @@ private:
     void place_vertices();
 };
 
-/// The source that serves a mesh.
-std::unique_ptr<TriangleSource> source_of(const MeshView& mesh, const Placing& placing, const SharedFrame* frame,
-                                          const SourceTools& tools);
+using AnySource = std::variant<std::monostate, SoupSource, IndexedSource>;
+
+/// The source that serves a mesh, made in `source`.
+TriangleSource& source_of(const MeshView& mesh, const Placing& placing, const SharedFrame* frame, const SourceTools& tools,
+                          AnySource& source);
 
 // Float soups in blocks of 64 triangles, sixteen at a time with AVX-512: the planes that cut them, and their records. Other
 // meshes and processors take one triangle at a time, with the same result.

@@ -302,7 +302,8 @@ private:
         SliceResult& own = sliced_.emplace_back(call_.context.memory);
         ResultTarget target(own);
         try {
-            slice_layers(*source_of(mesh, placing_of(parts_[p]), &frame_, call_.kept.source_tools()),
+            AnySource source;
+            slice_layers(source_of(mesh, placing_of(parts_[p]), &frame_, call_.kept.source_tools(), source),
                          whole ? &target : nullptr, {options, call_.tuning, context, call_.kept}, own.info);
         } catch (Refused& refused) {
             throw Refused{blame(std::move(refused.error), p)};

@@ -41,10 +41,11 @@ void LayerTarget::begin_bands(const OutputPlan& plan, std::size_t lead, bool ori
     head_ = 0;
     aborted_ = false;
     totals_ = {};
-    in_flight_.assign(plan.bands.size(), {});
-    idle_.clear();
+    plan.scratch.in_flight.assign(plan.bands.size(), {});
+    in_flight_ = plan.scratch.in_flight;
+    plan.scratch.idle.clear();
     for (const auto& output : plan.scratch.outputs) {
-        idle_.push_back(output.get());
+        plan.scratch.idle.push_back(output.get());
     }
 }
 
@@ -54,13 +55,13 @@ BandOutput* LayerTarget::acquire(std::size_t band) {
     if (aborted_) {
         return nullptr;
     }
-    if (idle_.empty()) {
-        auto& outputs = plan_->scratch.outputs;
-        outputs.push_back(std::make_unique<BandOutput>(plan_->scratch.memory));
-        idle_.push_back(outputs.back().get());
+    auto& [memory, outputs, idle, in_flight, placed] = plan_->scratch;
+    if (idle.empty()) {
+        outputs.push_back(std::make_unique<BandOutput>(memory));
+        idle.push_back(outputs.back().get());
     }
-    BandOutput* const output = in_flight_[band].output = idle_.back();
-    idle_.pop_back();
+    BandOutput* const output = in_flight_[band].output = idle.back();
+    idle.pop_back();
     output->first_layer = plan_->bands[band].first;
     output->with_origins = with_origins_;
     output->reader = nullptr;
@@ -70,7 +71,7 @@ BandOutput* LayerTarget::acquire(std::size_t band) {
 }
 
 void LayerTarget::put_idle(std::size_t band) {
-    idle_.push_back(std::exchange(in_flight_[band].output, nullptr));
+    plan_->scratch.idle.push_back(std::exchange(in_flight_[band].output, nullptr));
 }
 
 void LayerTarget::abort() {
@@ -101,7 +102,7 @@ void PlacedTarget::begin_placing(const OutputPlan& plan, std::span<Point> points
 }
 
 void PlacedTarget::make_room(std::size_t band, BandOutput& output, std::unique_lock<std::mutex>& lock) {
-    const Stretch room = in_flight_[band].room = find_room(band);
+    const PointStretch room = in_flight_[band].room = find_room(band);
     const std::uint64_t size = room.end - room.begin;
     if (size > 0) {
         output.begin(points_.subspan(room.begin, size), with_origins_ ? origins_.subspan(room.begin, size) : origins_);
@@ -113,7 +114,7 @@ void PlacedTarget::make_room(std::size_t band, BandOutput& output, std::unique_l
 
 /// Where the band's points will lie if each unfinished band before it has a point for each segment. None if the points of
 /// another band may come to lie there.
-LayerTarget::Stretch PlacedTarget::find_room(std::size_t band) const noexcept {
+PointStretch PlacedTarget::find_room(std::size_t band) const noexcept {
     std::uint64_t begin = all_.points;
     std::uint64_t taken = 0;
     for (std::size_t b = head_; b < band; ++b) {
@@ -122,7 +123,7 @@ LayerTarget::Stretch PlacedTarget::find_room(std::size_t band) const noexcept {
     }
     const std::uint64_t end = begin + plan_->bands[band].segments;
     const bool is_free = !outgrown_ && taken <= begin && end <= points_.size();
-    return is_free ? Stretch{begin, end} : Stretch{};
+    return is_free ? PointStretch{begin, end} : PointStretch{};
 }
 
 void PlacedTarget::submit(std::size_t band) {
@@ -158,7 +159,7 @@ void PlacedTarget::submit(std::size_t band) {
 bool PlacedTarget::clear_rooms(std::uint64_t end) {
     const std::size_t begun_end = std::min(head_ + lead_ + 1, in_flight_.size());
     for (std::size_t b = head_ + 1; b < begun_end; ++b) {
-        InFlight& later = in_flight_[b];
+        BandInFlight& later = in_flight_[b];
         if (later.room.begin < end && later.room.end > 0) {
             assert(outgrown_);
             if (!later.done) {
@@ -173,7 +174,7 @@ bool PlacedTarget::clear_rooms(std::uint64_t end) {
 
 void PlacedTarget::place_head() {
     PlacedBand& placed = (*placed_)[head_];
-    InFlight& head = in_flight_[head_];
+    BandInFlight& head = in_flight_[head_];
     BandOutput& output = *head.output;
     placed.first_point = all_.points;
     placed.first_contour = all_.contours;
@@ -220,7 +221,7 @@ bool PlacedTarget::copy_points(std::size_t band) const {
 
 std::uint64_t PlacedTarget::points_in_place() const noexcept {
     const auto kept =
-        std::find_if(in_flight_.begin(), in_flight_.end(), [](const InFlight& b) { return b.output != nullptr; });
+        std::find_if(in_flight_.begin(), in_flight_.end(), [](const BandInFlight& b) { return b.output != nullptr; });
     return kept == in_flight_.end() ? all_.points
                                     : (*placed_)[static_cast<std::size_t>(kept - in_flight_.begin())].first_point;
 }

@@ -32,6 +32,18 @@ struct PlacedBand {
     Vector<Stitch> stitches;
 };
 
+/// Points [begin, end) of an array; none where it is empty.
+struct PointStretch {
+    std::uint64_t begin = 0;
+    std::uint64_t end = 0;
+};
+
+struct BandInFlight {
+    BandOutput* output = nullptr;  ///< from acquire() until its points are where they belong
+    bool done = false;
+    PointStretch room{};  ///< of PlacedTarget: until the band is placed or moves to a buffer
+};
+
 /// Memory of targets, kept from call to call.
 struct OutputScratch {
     explicit OutputScratch(const Memory* from) noexcept : memory(from) {}
@@ -43,6 +55,8 @@ struct OutputScratch {
 
     const Memory* memory;
     std::vector<std::unique_ptr<BandOutput>> outputs{};
+    std::vector<BandOutput*> idle{};  ///< of outputs
+    std::vector<BandInFlight> in_flight{};
     std::vector<PlacedBand> placed{};
 };
 
@@ -100,17 +114,6 @@ public:
     virtual void finish() = 0;
 
 protected:
-    /// Points [begin, end) of an array; none where it is empty.
-    struct Stretch {
-        std::uint64_t begin = 0;
-        std::uint64_t end = 0;
-    };
-    struct InFlight {
-        BandOutput* output = nullptr;  ///< from acquire() until its points are where they belong
-        bool done = false;
-        Stretch room{};  ///< of PlacedTarget: until the band is placed or moves to a buffer
-    };
-
     void begin_bands(const OutputPlan& plan, std::size_t lead, bool origins);
     /// Where an empty output is to put the band's points. `lock` may be given up.
     virtual void make_room(std::size_t band, BandOutput& output, std::unique_lock<std::mutex>& lock) = 0;
@@ -120,15 +123,12 @@ protected:
     const OutputPlan* plan_ = nullptr;
     std::mutex mutex_;
     std::condition_variable changed_;
-    std::vector<InFlight> in_flight_;   ///< of each band
-    std::atomic<std::size_t> head_{0};  ///< written with mutex_ held
+    std::span<BandInFlight> in_flight_;  ///< of each band
+    std::atomic<std::size_t> head_{0};   ///< written with mutex_ held
     std::size_t lead_ = 0;
     bool with_origins_ = false;
     bool aborted_ = false;
     LayerTotals totals_;  ///< of all bands of the plan that were placed or handed over
-
-private:
-    std::vector<BandOutput*> idle_;
 };
 
 /// Sweeps bands [begin, end) side by side: fill(band, worker, output) appends the layers of one. No thread is left waiting
@@ -197,7 +197,7 @@ protected:
 
 private:
     void make_room(std::size_t band, BandOutput& output, std::unique_lock<std::mutex>& lock) override;
-    Stretch find_room(std::size_t band) const noexcept;
+    PointStretch find_room(std::size_t band) const noexcept;
     bool clear_rooms(std::uint64_t end);
     void place_head();
     bool copy_points(std::size_t band) const;

@@ -124,6 +124,7 @@ MeshFile parse(FileSource& source, const Reader& reader) {
         reader.check(source);
     }
     FileContents file{source, source.take()};
+    source.parallel().begin_stage(0.99, 2);  // formats differ in their runs: some more or fewer do no harm
     const Clock::time_point start = Clock::now();
     MeshFile mesh;  // may take the file's bytes, in which errors count lines
     try {
@@ -225,7 +226,7 @@ MeshFile read(const std::filesystem::path& path, const ReadOptions& options, con
     const Clock::time_point start = Clock::now();
     const InputFile file = require(InputFile::open(path, options.name));
     const Parallel parallel(context);
-    parallel.begin_stage(0.99, 3);  // formats differ in their runs: some more or fewer do no harm
+    parallel.begin_stage(0.6);
     FileSource source(file, options, parallel);
     const std::filesystem::path named = options.name.empty() ? path : std::filesystem::path();
     MeshFile mesh = source.sample().starts_with(gzip_magic) ? read_compressed(source, file, named, options)
@@ -288,7 +289,7 @@ FileSource::FileSource(const InputFile& file, const ReadOptions& options, const 
     if (contents_) {
         sample_ = as_text(contents_->span().first(sample_.size()));
     } else {
-        require(file_.read(std::as_writable_bytes(std::span(sample_)), parallel_));
+        require(file_.read_at(0, std::as_writable_bytes(std::span(sample_))));
     }
 }
 

@@ -126,7 +126,7 @@ TEST_CASE("areas are exact in boxes too wide for vectors, and beyond 64 bits", "
 TEST_CASE("edges pierce a plane at the interpolated points", "[engine][kernels]") {
     std::mt19937 random(23);
     const auto even = [&random](std::int32_t reach) {
-        return static_cast<std::int32_t>(random() % (reach / 2)) * 2 - reach / 2;
+        return static_cast<std::int32_t>(random() % static_cast<unsigned>(reach / 2)) * 2 - reach / 2;
     };
     lamella::Worker worker;
     lamella::ActiveEdges edges(nullptr);

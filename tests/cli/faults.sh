@@ -99,7 +99,7 @@ test_second_signal() {
     sphere ball.stl 100000
     echo precious > out.svg
     mkfifo pipe
-    local reader tool signal begin
+    local reader tool signal begin command status
     for signal in INT TERM; do
         sleep 60 < pipe &
         reader=$!
@@ -121,6 +121,17 @@ test_second_signal() {
         kill "$reader"
         wait "$reader" 2> /dev/null
         expect_files ball.stl out.svg pipe
+    done
+    for command in info check; do  # one signal ends what waits for its next mesh
+        sleep 60 > pipe &
+        reader=$!
+        start_tool "$command" ball.stl - < pipe
+        sleep 1
+        kill "$tool"
+        status=0
+        wait "$tool" || status=$?
+        kill "$reader"
+        ((status == 128 + 15)) || fail "$command: exit status $status"
     done
 }
 

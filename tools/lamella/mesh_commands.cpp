@@ -67,6 +67,7 @@ void run(const MeshList& meshes, Interrupt& interrupt) {
             return check(mesh.view(), {.frame = arguments.options.frame, .counts_only = true}, context);
         };
         const MeshCheck info = done_or_thrown(stages.run("inspecting", inspect), arguments.name());
+        interrupt.end_deferring();  // what is left may block on a pipe
         for (const std::string& doubt : doubts_of_scale(arguments, mesh, {info.box, info.grid_mm})) {
             warn(doubt);
         }
@@ -250,15 +251,14 @@ private:
         const MeshCheck found = done_or_thrown(
             stages.run("checking", [&](const Context& context) { return check(file.view(), options, context); }),
             mesh.name());
+        interrupt_.end_deferring();  // what is left may block on a pipe
         for (std::string& doubt : doubts_of_scale(mesh, file, {found.box, found.grid_mm})) {
             warn(doubt);
             file.warnings.push_back(std::move(doubt));
         }
         const Stopwatch marking;
         if (!arguments_.marks.empty()) {
-            done_or_thrown(stages.run("writing", [&](const Context& /*shows no progress*/) {
-                return write_marks(found, output_path(arguments_.marks));
-            }));
+            done_or_thrown(write_marks(found, output_path(arguments_.marks)));
         }
         if (!arguments_.report.empty()) {
             const double write_ms = arguments_.marks.empty() ? 0 : marking.ms();

@@ -129,7 +129,7 @@ private:
     /// The name of an option, or "" where the word names the mesh itself. Adds it to those that were `named`.
     std::string name_of(const std::string& word, std::size_t line, std::set<std::string>& named) const {
         const bool mesh = word == "path" || word == "mesh";
-        const std::string name = mesh ? "" : options_.name_of(word);
+        std::string name = mesh ? "" : options_.name_of(word);
         refuse_at(line, !mesh && name.empty(), "'" + word + "' is neither path nor an option of lamella slice");
         refuse_at(line, !named.insert(name).second, "'" + word + "' stands there twice");
         return name;
@@ -433,8 +433,9 @@ std::vector<Item> plan_items(const CLI::App& command, const std::vector<std::str
                 files.reads(file, "the file of an option");
             }
             for (const std::string& file : item.all_files()) {
-                files.writes(file, "--output",
-                             "written for '" + item.mesh + "' too; {parent} or {dir} in --output tells them apart");
+                const std::string option = file == item.report ? "--report" : "--output";
+                files.writes(file, option,
+                             "written for '" + item.mesh + "' too; {parent} or {dir} in " + option + " tells them apart");
             }
         } catch (const Failure& failure) {  // What is wrong with a row of a manifest is wrong with a file.
             throw source.place.empty() ? failure : Failure(bad_input, source.place + ": " + failure.what());

@@ -284,7 +284,7 @@ CLI::Option* add_number(CLI::App& command, const std::string& flag, const std::s
 CLI::Option* add_bytes(CLI::App& command, const std::string& flag, const std::string& type, const std::string& help,
                        std::uint64_t& bytes) {
     const auto take = [&bytes](std::string text) {
-        const std::string wrong = "'" + text + "' is not a number of bytes, such as 4000000000 or 4G";
+        std::string wrong = "'" + text + "' is not a number of bytes, such as 4000000000 or 4G";
         try {
             (void)CLI::AsSizeValue(false)(text);
         } catch (const CLI::ValidationError&) {

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -31,8 +32,10 @@ constexpr std::chrono::milliseconds patience{2000};  ///< between asking a proce
 constexpr std::chrono::milliseconds between_looks{100};
 constexpr std::size_t most_text = std::size_t{1} << 20;  ///< of one process that is kept
 
+constexpr const char* cannot_start = "cannot start a process for a mesh: ";
+
 Failure no_process(int error_number) {
-    return {bad_input, "cannot start a process for a mesh: " + std::generic_category().message(error_number)};
+    return {bad_input, cannot_start + std::generic_category().message(error_number)};
 }
 
 pid_t spawn(std::vector<std::string> words, const std::string& folder, int output) {
@@ -55,7 +58,11 @@ pid_t spawn(std::vector<std::string> words, const std::string& folder, int outpu
                            ::dup2(output, STDOUT_FILENO) >= 0 && ::dup2(output, STDERR_FILENO) >= 0 &&
                            (folder.empty() || ::chdir(folder.c_str()) == 0);
         // The link leads to this program even where its file was replaced meanwhile.
-        ::_exit(ready ? ::execv("/proc/self/exe", pointers.data()) : bad_input);
+        if (ready) {
+            ::execv("/proc/self/exe", pointers.data());
+        }
+        ::dprintf(output, "%s%s\n", cannot_start, ::strerrordesc_np(errno));
+        ::_exit(bad_input);
     }
     return process;
 }

@@ -153,7 +153,7 @@ public:
 private:
     using Any = std::variant<SvgStream, LayerTableStream>;
 
-    static bool has_failed(const Any& stream) noexcept {
+    static bool has_failed(const Any& stream) {
         return std::visit([](const auto& one) { return one.failed(); }, stream);
     }
 

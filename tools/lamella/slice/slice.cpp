@@ -34,8 +34,11 @@ void declare_mending(CLI::App& command, SliceArguments& arguments) {
     add_triple(command, "--normal", "Cut perpendicular to this direction",
                [&arguments](const std::array<double, 3>& normal) {
                    const double length = std::hypot(normal[0], normal[1], normal[2]);
+                   if (!(length > 0 && std::isfinite(length))) {
+                       return " has no direction";
+                   }
                    arguments.options.frame.transform = Transform::from_normal(normal[0], normal[1], normal[2]);
-                   return length > 0 && std::isfinite(length) ? "" : " has no direction";
+                   return "";
                });
 }
 

@@ -45,8 +45,12 @@ public:
                                                        " parts or " + std::to_string(most_end_records) +
                                                        " directories that are read");
         }
-        zip_error_t error;
-        zip_error_init(&error);
+        struct OwnError : zip_error_t {
+            OwnError() noexcept : zip_error_t() { zip_error_init(this); }
+            OwnError(const OwnError&) = delete;
+            OwnError& operator=(const OwnError&) = delete;
+            ~OwnError() { zip_error_fini(this); }
+        } error;
         zip_source_t* const source = zip_source_buffer_create(own.data(), own.size(), 0, &error);
         zip_.reset(source != nullptr ? zip_open_from_source(source, ZIP_RDONLY, &error) : nullptr);
         if (zip_ == nullptr) {

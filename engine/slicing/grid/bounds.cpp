@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <string>
 
@@ -18,83 +17,147 @@ namespace {
 
 constexpr std::size_t grain = (1 << 12) / block_triangles;  // blocks per task
 
-/// The box of some blocks, whether all in it was finite, and whether every index names a vertex.
+constexpr std::int64_t no_triangle_yet = std::numeric_limits<std::int64_t>::max();
+
+/// The box of some blocks, whether all in it was finite, and the first triangle with an index that names no vertex.
 struct Partial {
     Bounds box = Bounds::empty();
     bool finite = true;
-    bool has_vertices = true;
+    std::int64_t bad_index = no_triangle_yet;
 
     void add(const Partial& other) noexcept {
         box.add(other.box);
         finite = finite && other.finite;
-        has_vertices = has_vertices && other.has_vertices;
+        bad_index = std::min(bad_index, other.bad_index);
     }
 };
 
-/// A corner of a triangle in vectors of the mesh's own numbers: x, y, z and a lane that nothing looks at.
-template <class Vector, std::size_t vectors>
-struct Corner {
-    static constexpr std::size_t lanes = 4 / vectors;
+/// True where two vertices of the triangle lie within `reach` of each other on every axis.
+bool has_near_vertices(const RawTriangle& t, double reach) {
+    const auto near = [&](const double* a, const double* b) {
+        return std::abs(a[0] - b[0]) <= reach && std::abs(a[1] - b[1]) <= reach && std::abs(a[2] - b[2]) <= reach;
+    };
+    return near(t.v, t.v + 3) || near(t.v + 3, t.v + 6) || near(t.v + 6, t.v);
+}
 
-    Vector part[vectors];
-
-    double operator[](std::size_t axis) const noexcept { return part[axis / lanes][axis % lanes]; }
-
-    /// True if all three lie within `reach` of each other's.
-    bool is_near(const Corner& other, double reach) const noexcept {
-        return std::abs((*this)[0] - other[0]) <= reach && std::abs((*this)[1] - other[1]) <= reach &&
-               std::abs((*this)[2] - other[2]) <= reach;
-    }
-};
-
-/// Blocks [begin, end) of `triangles` triangles, of which read(t, i) gives corner i.
-template <class Vector, std::size_t vectors, class Read>
-Partial measure_blocks(const Read& read, std::size_t triangles, std::size_t begin, std::size_t end, BlockTable& table) {
-    using Vertex = Corner<Vector, vectors>;
+/// Blocks [begin, end) of any mesh.
+Partial measure_general(const MeshView& mesh, const Placing& placing, std::size_t begin, std::size_t end,
+                        BlockTable& table) {
+    const PlacedReader read(mesh, placing);
     Partial all;
-    Vertex poison{};  // becomes NaN, and stays so, at the first value that is not finite
+    double poison = 0;  // times zero: becomes NaN, and stays so, at the first value that is not finite
     for (std::size_t block = begin; block < end; ++block) {
-        Vertex low;
-        Vertex high;
-        std::fill_n(low.part, vectors, Vector{} + std::numeric_limits<float>::infinity());
-        std::fill_n(high.part, vectors, Vector{} - std::numeric_limits<float>::infinity());
+        Bounds box = Bounds::empty();
         bool near = false;
-        const std::size_t last = std::min(triangles, (block + 1) * block_triangles);
+        const std::size_t last = std::min(mesh.triangle_count, (block + 1) * block_triangles);
         for (std::size_t t = block * block_triangles; t < last; ++t) {
-            const Vertex v[3] = {read(t, 0), read(t, 1), read(t, 2)};
-            for (std::size_t i = 0; i < vectors; ++i) {
-                for (const Vertex& vertex : v) {
-                    low.part[i] = vertex.part[i] < low.part[i] ? vertex.part[i] : low.part[i];
-                    high.part[i] = vertex.part[i] > high.part[i] ? vertex.part[i] : high.part[i];
-                }
-                poison.part[i] += (v[0].part[i] + v[1].part[i] + v[2].part[i]) * Vector{};
+            const RawTriangle raw = read(t);
+            for (int i = 0; i < 9; ++i) {
+                box.add(i % 3, raw.v[i], raw.v[i]);
+                poison += raw.v[i] * 0.0;
             }
-            near = near || v[0].is_near(v[1], table.near_mm) || v[1].is_near(v[2], table.near_mm) ||
-                   v[2].is_near(v[0], table.near_mm);
+            near = near || has_near_vertices(raw, table.near_mm);
         }
-        table.blocks[block] = {low[2], high[2], near};
-        all.box.add({{low[0], low[1], low[2]}, {high[0], high[1], high[2]}});
+        table.blocks[block] = {box.min_mm[2], box.max_mm[2], near};
+        all.box.add(box);
     }
-    all.finite = poison[0] == 0 && poison[1] == 0 && poison[2] == 0;
+    all.finite = poison == 0;
     return all;
 }
 
-/// Float soups without a transform are measured in floats, which is faster.
-Partial measure_blocks(const MeshView& mesh, const Placing& placing, std::size_t begin, std::size_t end, BlockTable& table) {
-    if (mesh.vertex_type == Number::f32 && mesh.indices == nullptr && placing.transform.is_identity()) {
-        const auto read = [at = mesh.vertex_at(0), step = mesh.vertex_step()](std::size_t t, std::size_t corner) {
-            prefetch_ahead(at + t * step, 1);
-            float xyz[3];
-            std::memcpy(xyz, at + t * step + corner * sizeof xyz, sizeof xyz);
-            return Corner<FourFloats, 1>{{FourFloats{xyz[0], xyz[1], xyz[2], 0}}};
-        };
-        return measure_blocks<FourFloats, 1>(read, mesh.triangle_count, begin, end, table);
+#ifdef __SSE2__
+
+// A float soup without a transform: three vectors that cover a triangle and nothing beyond it.
+//
+//     x0 y0 z0 x1 y1 z1 x2 y2 z2
+//     [---a-----]
+//              [---b-----]
+//                    [---c-----]
+
+constexpr int offsets[3] = {0, 3, 5};
+
+/// A box of each of the nine numbers of a triangle.
+struct SoupBox {
+    __m128 low[3];
+    __m128 high[3];
+
+    SoupBox() noexcept {
+        for (int v = 0; v < 3; ++v) {
+            low[v] = _mm_set1_ps(std::numeric_limits<float>::infinity());
+            high[v] = _mm_set1_ps(-std::numeric_limits<float>::infinity());
+        }
     }
-    const auto read = [placed = PlacedReader(mesh, placing)](std::size_t t, std::size_t corner) {
-        const auto [xy, z] = placed.vertex(t, corner);
-        return Corner<TwoDoubles, 2>{{xy, z}};
-    };
-    return measure_blocks<TwoDoubles, 2>(read, mesh.triangle_count, begin, end, table);
+    void add(int v, __m128 least, __m128 greatest) noexcept {
+        low[v] = _mm_min_ps(low[v], least);
+        high[v] = _mm_max_ps(high[v], greatest);
+    }
+    Bounds by_axis() const noexcept {
+        float low9[9];
+        float high9[9];
+        for (int v = 0; v < 3; ++v) {
+            _mm_storeu_ps(low9 + offsets[v], low[v]);
+            _mm_storeu_ps(high9 + offsets[v], high[v]);
+        }
+        Bounds box = Bounds::empty();
+        for (int i = 0; i < 9; ++i) {
+            box.add(i % 3, static_cast<double>(low9[i]), static_cast<double>(high9[i]));
+        }
+        return box;
+    }
+};
+
+/// True if the first three lanes are all within `reach` of 0.
+bool all_within(__m128 difference, __m128 reach) noexcept {
+    const __m128 size = _mm_andnot_ps(_mm_set1_ps(-0.0F), difference);
+    return (_mm_movemask_ps(_mm_cmple_ps(size, reach)) & 7) == 7;
+}
+
+Partial measure_soup(const MeshView& mesh, std::size_t begin, std::size_t end, BlockTable& table) {
+    const __m128 reach = _mm_set1_ps(static_cast<float>(table.near_mm));
+    const std::byte* const vertices = mesh.vertex_at(0);
+    const std::size_t stride = mesh.vertex_step();
+    SoupBox all;
+    __m128 nan = _mm_setzero_ps();
+    for (std::size_t block = begin; block < end; ++block) {
+        const std::size_t last = std::min(mesh.triangle_count, (block + 1) * block_triangles);
+        SoupBox box;
+        bool near = false;
+        for (std::size_t t = block * block_triangles; t < last; ++t) {
+            prefetch_ahead(vertices + t * stride, 1);
+            const auto* at = reinterpret_cast<const float*>(vertices + t * stride);
+            __m128 value[3];
+            for (int v = 0; v < 3; ++v) {
+                value[v] = _mm_loadu_ps(at + offsets[v]);
+                box.add(v, value[v], value[v]);
+            }
+            const __m128 third = _mm_shuffle_ps(value[2], value[2], _MM_SHUFFLE(3, 3, 2, 1));
+            near |= all_within(_mm_sub_ps(value[0], value[1]), reach);
+            near |= all_within(_mm_sub_ps(value[1], third), reach);
+            near |= all_within(_mm_sub_ps(third, value[0]), reach);
+            nan = _mm_or_ps(nan, _mm_or_ps(_mm_cmpunord_ps(value[0], value[1]), _mm_cmpunord_ps(value[2], value[2])));
+        }
+        const Bounds by_axis = box.by_axis();
+        table.blocks[block] = {by_axis.min_mm[2], by_axis.max_mm[2], near};
+        for (int v = 0; v < 3; ++v) {
+            all.add(v, box.low[v], box.high[v]);
+        }
+    }
+    Partial found;
+    found.box = all.by_axis();
+    found.finite = _mm_movemask_ps(nan) == 0;  // infinity shows in the box
+    return found;
+}
+
+#endif
+
+/// Blocks [begin, end).
+Partial measure_blocks(const MeshView& mesh, const Placing& placing, std::size_t begin, std::size_t end, BlockTable& table) {
+#ifdef __SSE2__
+    if (mesh.vertex_type == Number::f32 && mesh.indices == nullptr && placing.transform.is_identity()) {
+        return measure_soup(mesh, begin, end, table);
+    }
+#endif
+    return measure_general(mesh, placing, begin, end, table);
 }
 
 std::string axis_text(int i) {
@@ -161,19 +224,20 @@ Result<Bounds> measure_bounds(const MeshView& mesh, const Placing& placing, doub
     PerWorker<Partial> partial(parallel.workers_for(table.blocks.size() / grain));
     parallel.run_ranges(table.blocks.size(), grain, [&](std::size_t begin, std::size_t end, int worker) {
         const auto w = static_cast<std::size_t>(worker);
-        const std::size_t last = std::min(mesh.triangle_count, end * block_triangles);
-        if (mesh.indices != nullptr && first_bad_index(mesh, begin * block_triangles, last) >= 0) {
-            partial[w].has_vertices = false;
-            return;
+        if (mesh.indices != nullptr) {
+            const std::size_t last = std::min(mesh.triangle_count, end * block_triangles);
+            if (const std::int64_t bad = first_bad_index(mesh, begin * block_triangles, last); bad >= 0) {
+                partial[w].bad_index = std::min(partial[w].bad_index, bad);
+                return;
+            }
         }
         partial[w].add(measure_blocks(mesh, placing, begin, end, table));
     });
     Partial all;
     partial.for_each([&all](const Partial& p) { all.add(p); });
-    if (!all.has_vertices) {
-        const std::int64_t bad = first_bad_index(mesh, 0, mesh.triangle_count);
-        return Error{ErrorCode::invalid_argument, "triangle " + std::to_string(bad) + " has an index beyond the last vertex",
-                     bad};
+    if (all.bad_index != no_triangle_yet) {
+        return Error{ErrorCode::invalid_argument,
+                     "triangle " + std::to_string(all.bad_index) + " has an index beyond the last vertex", all.bad_index};
     }
     if (!all.finite || !(all.box.farthest() <= largest_coordinate_mm)) {
         return first_bad_coordinate(mesh, placing);

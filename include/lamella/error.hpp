@@ -31,7 +31,7 @@ enum class ErrorCode : std::uint8_t {
     bad_planes,        ///< a height that is not finite, planes that are one on the grid, a step under two units, too many
     result_too_large,  ///< the result is known to exceed the memory limit; nothing was allocated for it
     out_of_memory,     ///< an allocation failed
-    cancelled,         ///< the caller's StopCheck said so
+    cancelled,         ///< the host's Context::stop said so
     unwritable_file,   ///< the output could not be created or written
 };
 
@@ -55,18 +55,20 @@ public:
     explicit operator bool() const noexcept { return value_.has_value(); }
     bool ok() const noexcept { return value_.has_value(); }
 
-    /// Precondition of value access: ok().
+    /// Precondition of value access: ok(). A temporary gives its value away, so that `for (... : *slice(mesh))` is safe.
     T& value() & { return *value_; }
     const T& value() const& { return *value_; }
-    T&& value() && { return std::move(*value_); }
+    T value() && { return std::move(*value_); }
     T& operator*() & { return *value_; }
     const T& operator*() const& { return *value_; }
-    T* operator->() { return &*value_; }
-    const T* operator->() const { return &*value_; }
+    T operator*() && { return std::move(*value_); }
+    T* operator->() & { return &*value_; }
+    const T* operator->() const& { return &*value_; }
+    const T* operator->() const&& = delete;  // name the Result: its value ends with it
 
     /// Precondition: not ok().
     const Error& error() const& { return error_; }
-    Error&& error() && { return std::move(error_); }
+    Error error() && { return std::move(error_); }
 
 private:
     std::optional<T> value_;
@@ -81,7 +83,8 @@ public:
 
     explicit operator bool() const noexcept { return !error_.has_value(); }
     bool ok() const noexcept { return !error_.has_value(); }
-    const Error& error() const { return *error_; }
+    const Error& error() const& { return *error_; }
+    Error error() && { return *std::move(error_); }
 
 private:
     std::optional<Error> error_;

@@ -3,6 +3,8 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -26,6 +28,11 @@ void slice_with(Slicer& slicer, const shapes::Soup& soup, const SliceOptions& op
     REQUIRE(slicer.slice(view_of(soup), options, context).ok());
 }
 
+template <class Result>
+concept reaches_into_temporaries = requires(Result result) {
+    std::move(result)->layers;
+};
+
 shapes::Soup plate() {
     return shapes::box({0, 0, 0}, {20, 20, 2});
 }
@@ -35,6 +42,19 @@ shapes::Soup large() {
 }
 
 }  // namespace
+
+TEST_CASE("a result made in the head of a loop lives as long as the loop", "[engine][slicer]") {
+    const shapes::Soup soup = plate();
+    Slicer slicer;
+    double volume = 0;
+    for (const lamella::LayerView layer : *slicer.slice(view_of(soup), uniform(0.5))) {
+        volume += 0.5 * layer.area_mm2();
+    }
+    CHECK(volume == 800);
+    static_assert(std::is_same_v<decltype(*slicer.slice(view_of(soup))), SliceResult>);
+    static_assert(std::is_same_v<decltype(slicer.slice(view_of(soup)).value()), SliceResult>);
+    static_assert(!reaches_into_temporaries<lamella::Result<SliceResult>>);
+}
 
 TEST_CASE("a slicer says what it holds of the host's memory", "[engine][slicer]") {
     CountingMemory memory;

@@ -18,7 +18,7 @@ namespace {
 /// The closed contours of layers spread over a mesh.
 std::vector<Polygons> layers_of(const std::filesystem::path& file, std::size_t count) {
     const shapes::Soup soup = soup_of(file);
-    const lamella::Box box = check(view_of(soup), {.counts_only = true})->box;
+    const lamella::Box box = check(view_of(soup), {.counts_only = true}).value().box;
     std::vector<Polygons> layers(count);
     for (std::size_t i = 0; i < count; ++i) {
         lamella::SliceOptions options;
@@ -78,7 +78,7 @@ TEST_CASE("contours of real meshes equal the exact ones", "[models]") {
     for (const std::filesystem::path& file : real_meshes()) {
         INFO(file);
         const shapes::Soup soup = soup_of(file);
-        const double grid_mm = check(view_of(soup), {.counts_only = true})->grid_mm;
+        const double grid_mm = check(view_of(soup), {.counts_only = true}).value().grid_mm;
         for (const std::uint64_t seed : {0U, 3U}) {
             const lamella::SliceResult result =
                 sliced(soup, exact::through_vertices(soup, grid_mm, seed, 6), {}, exact::form_of(seed));

@@ -72,7 +72,7 @@ TEST_CASE("OBJ and OFF without their first words are known by the file's name", 
     CHECK_FALSE(read_mesh(dir.write("a.txt", prose)).ok());
     CHECK_FALSE(read_mesh(dir.write("b.obj", "vase and flowers\nvery nice\n")).ok());
     refuses(dir.write("a.txt", "3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), "text that begins with '3 1 0'");
-    CHECK(read_mesh(dir.write("stl.off", text_stl(numbered_facets(1))))->format == MeshFormat::stl);
+    CHECK(read_mesh(dir.write("stl.off", text_stl(numbered_facets(1)))).value().format == MeshFormat::stl);
 }
 
 }  // namespace lamella::input_test

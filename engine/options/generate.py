@@ -37,8 +37,8 @@ KINDS = {  # their types in C++, in C and in Python
 MORE_IN_C = {"heights_mm": [("size_t", "height_count"), ("int32_t", "at_heights")], "fill_from": [("size_t", "fill_from_count")]}
 
 
-FIELDS = {"name", "group", "type", "default", "least", "above", "needs", "special", "special_text", "user_default", "since",
-          "python", "tool", "why", "text", "more", "help"}  # fmt: skip
+FIELDS = {"name", "group", "type", "default", "least", "above", "needs_region", "special", "special_text", "user_default",
+          "since", "python", "tool", "why", "text", "more", "help"}  # fmt: skip
 
 
 def check(options):
@@ -50,7 +50,6 @@ def check(options):
         problems += [] if re.fullmatch("[a-z][a-z0-9_]*", name) else ["a name is lower_case"]
         problems += ["it is described twice"] if names.count(name) > 1 else []
         problems += [] if fields.get("group", "") in GROUPS else [f"no group is called '{fields['group']}'"]
-        problems += [] if fields.get("needs", name) in names else [f"no option is called '{fields['needs']}', which it needs"]
         if problems:
             raise SystemExit(f"options.toml: {name or fields}: {problems[0]}")
 
@@ -146,7 +145,7 @@ def table(options):
         limits = f"{o.least}, {str(o.exclusive).lower()}"
         special = f"{quoted(o.special)}, {o.special_value}"
         yield f"OPTION({o.kind}, {o.name}, {o.path}, {quoted(o.python)}, {quoted(o.flag)}, {limits}, {special},"
-        yield f"       {quoted(o.fields.get('needs', ''))}, {quoted(o.help)})"
+        yield f"       {str(o.fields.get('needs_region', False)).lower()}, {quoted(o.help)})"
 
 
 def words(options):

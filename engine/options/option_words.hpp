@@ -1,9 +1,12 @@
-// How the choices among options are spelled. Written by generate.py.
+// What options.toml says of each option by itself: how its choices are spelled, written by generate.py, its bounds, and
+// whether it needs a region.
 #pragma once
 
 #include <array>
+#include <limits>
 #include <string_view>
 
+#include "lamella/error.hpp"
 #include "lamella/options.hpp"
 
 namespace lamella::detail {
@@ -27,3 +30,15 @@ constexpr std::array<std::string_view, 5> words_of(FillRule /*any*/) {
 // end words
 
 }  // namespace lamella::detail
+
+namespace lamella {
+
+inline constexpr double no_limit = std::numeric_limits<double>::infinity();  ///< for options.inc
+
+/// Error: invalid_argument, which begins with the option's name in C++ and C.
+Status check_limits(const SliceOptions& options);
+
+/// The first option asked for that needs a region, as Python spells it and almost as C++, C and the tool do; empty if none.
+std::string_view needing_region(const SliceOptions& options);
+
+}  // namespace lamella

@@ -16,13 +16,11 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <utility>
 
 #include "base/clock.hpp"
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
-#include "options/option_words.hpp"
 #include "slicing/sweep/band_sweep.hpp"
 #include "slicing/sweep/wide_plane.hpp"
 
@@ -131,27 +129,13 @@ void bucket_by_bands(TriangleSource& source, std::uint64_t most_band_segments, c
     info.bands = bands.bands.size();
 }
 
-template <class Choice>
-void check_choice(Choice choice) {
-    if (static_cast<std::size_t>(choice) >= detail::words_of(choice).size()) {
-        throw Refused{{ErrorCode::invalid_argument, "an option is none of its choices"}};
-    }
-}
-
 }  // namespace
 
 void check_options(const SliceOptions& options, const Tuning& tuning) {
-    check_choice(options.content);
-    check_choice(options.stitch_direction);
-    check_choice(options.planes.datum);
-    check_choice(options.planes.side);
     if (tuning.band_planes < 0) {
         throw Refused{{ErrorCode::invalid_argument, "the number of planes in a band must not be negative"}};
     }
-    if (options.stitch_mm != stitch_by_mesh && (!(options.stitch_mm >= 0) || !std::isfinite(options.stitch_mm))) {
-        throw Refused{{ErrorCode::invalid_argument, "the length of stitches must be finite and not negative"}};
-    }
-    require(check_rules(working_rules(options)));
+    require(check_rules(options));
 }
 
 void count_layers(TriangleSource& source, const SliceCall& call, SliceInfo& info) {

@@ -250,7 +250,7 @@ TEST_CASE("rules of regions that cannot be kept are refused with what is possibl
     constexpr FillRule none = FillRule::contours;
     std::vector<std::pair<RegionRules, std::string>> cases = {
         // a part of the message; empty where the rules are taken
-        {by(closing, -1), "not -1 mm"},
+        {by(closing, -1), "not -1"},
         {by(offset, -1), ""},
         {by(offset, 0, 1), ""},
         {by(offset, -0.25), "offset of -0.25 mm is under"},
@@ -261,17 +261,17 @@ TEST_CASE("rules of regions that cannot be kept are refused with what is possibl
         {from(FillRule::positive, {{4, FillRule::positive}, {4, FillRule::even_odd}}),
          "from layer 4 on stands before one from layer 4 on"},
         {from(FillRule::positive, {{3, FillRule::positive}, {7, FillRule::even_odd}}), ""},
-        {from(static_cast<FillRule>(5), {}), "there is no such fill rule"},
-        {from(FillRule::positive, {{1, static_cast<FillRule>(200)}}), "there is no such fill rule"},
+        {from(static_cast<FillRule>(5), {}), "fill_rule is none of its choices"},
+        {from(FillRule::positive, {{1, static_cast<FillRule>(200)}}), "fill_from has a rule that is none of its choices"},
         {{.fill_rule = none, .flag_closing_mm = 1}, ""},  // a mark needs no region
     };
     for (const double bad : {-1.0, -infinity, infinity, not_a_number}) {
-        cases.push_back({by(closing, bad), "the closing radius must be finite and not negative"});
-        cases.push_back({by(flag, bad), "the radius of the mark for near contours must be finite and not negative"});
-        cases.push_back({by(&RegionRules::simplify_mm, bad), "the tolerance of simplification"});
-        cases.push_back({by(offset, bad), std::abs(bad) == 1 ? "" : "the offset must be finite, not"});
-        cases.push_back({by(offset, 0, bad), "the miter limit must be finite and at least 1, not"});
-        cases.push_back({by(offset, 0, bad == -1 ? 0.999 : 0), "the miter limit must be finite and at least 1, not"});
+        cases.push_back({by(closing, bad), "closing_mm must be finite and at least 0, not"});
+        cases.push_back({by(flag, bad), "flag_closing_mm must be finite and at least 0, not"});
+        cases.push_back({by(&RegionRules::simplify_mm, bad), "simplify_mm must be finite and at least 0, not"});
+        cases.push_back({by(offset, bad), std::abs(bad) == 1 ? "" : "offset_mm must be finite, not"});
+        cases.push_back({by(offset, 0, bad), "miter_limit must be finite and at least 1, not"});
+        cases.push_back({by(offset, 0, bad == -1 ? 0.999 : 0), "miter_limit must be finite and at least 1, not"});
     }
     for (double RegionRules::*const length : {closing, offset, flag}) {
         cases.push_back({by(length, std::nextafter(reach_mm, infinity), 1), "is beyond the grid"});
@@ -280,11 +280,10 @@ TEST_CASE("rules of regions that cannot be kept are refused with what is possibl
         cases.push_back({by(length, 0.49), "of 0.49 mm is under the grid unit of 0.5 mm: nothing would happen"});
         cases.push_back({by(length, 0.5), ""});
     }
-    const std::pair<RegionRules, std::string> need_regions[] = {
-        {{.closing_mm = 1}, "closing"},
-        {{.offset_mm = -1}, "an offset"},
-        {{.drop_collinear = true}, "dropping collinear points"},
-        {{.largest_only = true}, "keeping the largest contour only"}};
+    const std::pair<RegionRules, std::string> need_regions[] = {{{.closing_mm = 1}, "closing"},
+                                                                {{.offset_mm = -1}, "offset"},
+                                                                {{.drop_collinear = true}, "drop_collinear"},
+                                                                {{.largest_only = true}, "largest_only"}};
     for (auto [rules, name] : need_regions) {
         cases.push_back({rules, name + " needs a region, but layer 0 has the fill rule contours, which makes none; choose "
                                        "another rule, such as non-zero"});

@@ -143,8 +143,8 @@ TEST_CASE("what is wrong with a part is said of that part", "[engine][parts]") {
         {{part_of(dust), part_of(good)}, uniform(1), ErrorCode::empty_mesh, "part 0: each of 12 triangles has"},
         {{part_of(good)}, unite, ErrorCode::invalid_argument, "uniting parts needs a region, but layer 0 has"},
         {{part_of(good)}, unite_some, ErrorCode::invalid_argument, "uniting parts needs a region, but layer 4 has"},
-        {{part_of(good)}, uniform(-1), ErrorCode::invalid_argument, "the layer height must be positive"},
-        {{part_of(bad)}, closing, ErrorCode::invalid_argument, "the closing radius"}};
+        {{part_of(good)}, uniform(-1), ErrorCode::invalid_argument, "layer_height_mm must be"},
+        {{part_of(bad)}, closing, ErrorCode::invalid_argument, "closing_mm must be"}};
     for (const auto& [parts, options, code, message] : cases) {
         const lamella::Error error = failure_of(parts, options);
         CHECK(error.code == code);

@@ -235,7 +235,7 @@ TEST_CASE("slabs refuse what has no meaning for them", "[engine][slabs][errors]"
     options.region.fill_rule = lamella::FillRule::even_odd;
     CHECK_THAT(failure_of(view_of(box), options).message, Catch::Contains("fill rule"));
     options.region = {.closing_mm = -1};
-    CHECK_THAT(failure_of(view_of(box), options).message, Catch::StartsWith("the closing radius"));
+    CHECK_THAT(failure_of(view_of(box), options).message, Catch::StartsWith("closing_mm must be"));
     options.region = {};
     options.origins = true;
     CHECK_THAT(failure_of(view_of(box), options).message, Catch::Contains("no origins"));

@@ -1,6 +1,8 @@
 // Slicers and prepared meshes: what they hold, what they give back, and what they refuse. That they slice as a mesh alone is
-// sliced: test_sources.cpp.
+// sliced: test_sources.cpp. And the bounds of options.
+#include <cmath>
 #include <limits>
+#include <optional>
 #include <random>
 #include <string>
 #include <type_traits>
@@ -9,14 +11,17 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/words.hpp"
 #include "engine/counting_memory.hpp"
 #include "engine/everywhere.hpp"
 #include "engine/slicing.hpp"
+#include "options/option_words.hpp"
 #include "slicing/buckets/prepared_source.hpp"
 
 using lamella::ErrorCode;
 using lamella::Frame;
 using lamella::MeshView;
+using lamella::no_limit;
 using lamella::PreparedMesh;
 using lamella::SliceOptions;
 using lamella::Slicer;
@@ -54,6 +59,42 @@ TEST_CASE("a result made in the head of a loop lives as long as the loop", "[eng
     static_assert(std::is_same_v<decltype(*slicer.slice(view_of(soup))), SliceResult>);
     static_assert(std::is_same_v<decltype(slicer.slice(view_of(soup)).value()), SliceResult>);
     static_assert(!reaches_into_temporaries<lamella::Result<SliceResult>>);
+}
+
+TEST_CASE("options are held to the bounds and choices of their descriptions, and refused by name", "[engine][errors]") {
+    const shapes::Soup soup = plate();
+    std::string bounds;
+    const auto check = [&]<class Option>(const std::string& name, auto set, Option, double least, bool exclusive,
+                                         double special) {
+        const auto is_refused = [&](auto value) {
+            SliceOptions options{.region = {.fill_rule = lamella::FillRule::non_zero}};
+            set(options, value);
+            const auto sliced = slice(view_of(soup), options);
+            return code_of(sliced) == ErrorCode::invalid_argument && sliced.error().message.starts_with(name + " ");
+        };
+        INFO(name);
+        if constexpr (std::is_enum_v<Option>) {
+            const auto end = lamella::detail::words_of(Option{}).size();
+            CHECK((!is_refused(static_cast<Option>(end - 1)) && is_refused(static_cast<Option>(end))));
+        } else if constexpr (std::is_same_v<Option, double> || std::is_same_v<Option, std::optional<double>>) {
+            CHECK((is_refused(no_limit) && is_refused(-no_limit) && is_refused(std::nan(""))));
+            CHECK((special == 0 || !is_refused(special)));
+            if (least > -no_limit) {
+                bounds += name + (exclusive ? " > " : " >= ") + lamella::exact_text(least) + "; ";
+                CHECK(is_refused(least) == exclusive);
+                CHECK((is_refused(std::nextafter(least, -no_limit)) && !is_refused(std::nextafter(least, no_limit))));
+            } else {
+                CHECK(!is_refused(-1.0));
+            }
+        }
+    };
+#define OPTION(kind, name, path, python, flag, least, exclusive, word, special, ...) \
+    check(                                                                           \
+        #name, [](SliceOptions& it, auto value) { it.path = value; }, SliceOptions().path, least, exclusive, special);
+#include "options/options.inc"
+    CHECK(bounds ==
+          "layer_height_mm > 0; stitch_mm >= 0; grid_mm >= 0; closing_mm >= 0; miter_limit >= 1; "
+          "simplify_mm >= 0; flag_closing_mm >= 0; ");
 }
 
 TEST_CASE("a slicer says what it holds of the host's memory", "[engine][slicer]") {

@@ -52,7 +52,7 @@ Status check_all(ContoursView contours, const RegionRules& rules, double grid_mm
         return Error{ErrorCode::invalid_argument,
                      "the grid unit must be finite and above 0, not " + exact_text(grid_mm) + " mm"};
     }
-    if (Status status = check_rules(rules); !status) {
+    if (Status status = check_rules({.region = rules}); !status) {
         return status;
     }
     const Result<std::int32_t> farthest = check_points(contours, worker);

@@ -144,12 +144,6 @@ void PlaneSet::check_distinct() const {
 void PlaneSet::build_uniform(const SliceOptions& options, const Bounds& bounds, std::uint64_t memory_limit) {
     const double h = options.layer_height_mm;
     const auto& [first_height_mm, datum, side, first_layer, end_layer] = options.planes;
-    if (!(h > 0) || !std::isfinite(h)) {
-        refuse(ErrorCode::invalid_argument, "the layer height must be positive");
-    }
-    if (first_height_mm && !std::isfinite(*first_height_mm)) {
-        refuse(ErrorCode::invalid_argument, "the first height must be finite");
-    }
     if (h < 2 * unit_mm_) {
         refuse(ErrorCode::bad_planes, "a layer height of " + mm_text(h) + " is under two grid units (" +
                                           mm_text(2 * unit_mm_) + "); choose a finer grid");

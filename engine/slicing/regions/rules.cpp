@@ -22,39 +22,22 @@ Error refusal(std::string message) {
 struct NamedLength {
     std::string_view name;
     double mm;
-    bool may_be_negative;
     bool moves_edges;
 };
 
 std::array<NamedLength, 4> lengths_of(const RegionRules& rules) {
-    return {{{"the closing radius", rules.closing_mm, false, true},
-             {"the offset", rules.offset_mm, true, true},
-             {"the radius of the mark for near contours", rules.flag_closing_mm, false, true},
-             {"the tolerance of simplification", rules.simplify_mm, false, false}}};
-}
-
-Status check_lengths(const RegionRules& rules) {
-    for (const NamedLength& length : lengths_of(rules)) {
-        if (!std::isfinite(length.mm) || (length.mm < 0 && !length.may_be_negative)) {
-            return refusal(std::string(length.name) + " must be finite" +
-                           (length.may_be_negative ? "" : " and not negative") + ", not " + exact_text(length.mm) + " mm");
-        }
-    }
-    if (!(rules.miter_limit >= 1) || !std::isfinite(rules.miter_limit)) {
-        return refusal("the miter limit must be finite and at least 1, not " + exact_text(rules.miter_limit));
-    }
-    return {};
-}
-
-bool is_a_rule(FillRule rule) noexcept {
-    return static_cast<std::size_t>(rule) < detail::words_of(FillRule{}).size();
+    return {{{"the closing radius", rules.closing_mm, true},
+             {"the offset", rules.offset_mm, true},
+             {"the radius of the mark for near contours", rules.flag_closing_mm, true},
+             {"the tolerance of simplification", rules.simplify_mm, false}}};
 }
 
 Status check_layers(const RegionRules& rules) {
     const auto& from = rules.fill_from;
-    if (!is_a_rule(rules.fill_rule) ||
-        !std::all_of(from.begin(), from.end(), [](const FillFrom& own) { return is_a_rule(own.rule); })) {
-        return refusal("there is no such fill rule");
+    constexpr std::size_t rules_known = detail::words_of(FillRule{}).size();
+    if (std::any_of(from.begin(), from.end(),
+                    [](const FillFrom& own) { return static_cast<std::size_t>(own.rule) >= rules_known; })) {
+        return refusal("fill_from has a rule that is none of its choices");
     }
     for (std::size_t i = 1; i < from.size(); ++i) {
         if (from[i].first_layer <= from[i - 1].first_layer) {
@@ -64,20 +47,6 @@ Status check_layers(const RegionRules& rules) {
         }
     }
     return {};
-}
-
-/// The name of a rule that only a region can be given; empty if nothing of it is asked for.
-std::string_view needs_region(const RegionRules& rules) {
-    if (rules.closing_mm > 0) {
-        return "closing";
-    }
-    if (rules.offset_mm != 0) {
-        return "an offset";
-    }
-    if (rules.drop_collinear) {
-        return "dropping collinear points";
-    }
-    return rules.largest_only ? "keeping the largest contour only" : "";
 }
 
 /// As moved_mm(), and how far contours would move that are only flagged.
@@ -116,14 +85,15 @@ RegionRules working_rules(const SliceOptions& options) {
     return rules;
 }
 
-Status check_rules(const RegionRules& rules) {
-    if (Status status = check_lengths(rules); !status) {
+Status check_rules(const SliceOptions& options) {
+    if (Status status = check_limits(options); !status) {
         return status;
     }
+    const RegionRules rules = working_rules(options);
     if (Status status = check_layers(rules); !status) {
         return status;
     }
-    const std::string_view what = needs_region(rules);
+    const std::string_view what = needing_region(options);
     return what.empty() ? Status() : check_every_layer(rules, what);
 }
 

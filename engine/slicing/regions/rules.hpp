@@ -19,9 +19,9 @@ bool keeps_solid(const RegionRules& rules) noexcept;
 /// The rules as they work: the pieces of faces are united, whatever the fill rule.
 RegionRules working_rules(const SliceOptions& options);
 
-/// Lengths, the miter limit and the order of layers, and whether all that is asked for has a region to be done to. Error:
-/// invalid_argument, one line that names the rule.
-Status check_rules(const RegionRules& rules);
+/// The bounds of all options, the order of layers, and whether all that is asked for has a region to be done to. Error:
+/// invalid_argument, one line that names the option.
+Status check_rules(const SliceOptions& options);
 
 /// The unit for meshes within `bounds` and for what the rules make of their contours: choose_unit(), then check_reach().
 Result<ChosenUnit> choose_unit_for(const Bounds& bounds, double asked_mm, bool coarser, const RegionRules& rules);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -14,8 +13,6 @@
 namespace lamella::cli {
 
 namespace {
-
-constexpr double no_limit = std::numeric_limits<double>::infinity();
 
 // --- text that people write
 
@@ -344,7 +341,7 @@ void declare_options(CLI::App& command, SliceOptions& options, std::string_view 
                        : "'" + text + "' is not A:B with A < B, such as 0:100";
         });
     };
-#define OPTION(kind, name, path, python, flag, least, exclusive, word, value, needs, help)            \
+#define OPTION(kind, name, path, python, flag, least, exclusive, word, value, needs_region, help)     \
     if (is_wanted(flag)) {                                                                            \
         declare_##kind(command, OptionLine{flag, help, least, exclusive, word, value}, options.path); \
     }

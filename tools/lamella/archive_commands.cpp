@@ -236,6 +236,7 @@ void add_convert_command(CLI::App& app, Interrupt& interrupt) {
              "Archives of lamella slice, several for a mask or a table; or a mesh, for .stl and .ply")
         ->required();
     declare_outputs(*command, arguments->outputs);
+    arguments->outputs.besides = ", and of a mesh .stl and .ply";
     command->get_option("--output")->required();
     add_text(*command, "--like", arguments->image.like, "IMAGE",
              "The image at whose slices the archives were cut, for outputs that need more of it");

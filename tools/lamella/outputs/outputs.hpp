@@ -24,6 +24,7 @@ namespace lamella::cli {
 struct OutputArguments {
     std::vector<std::string> outputs;  ///< paths, or -
     std::string to;                    ///< formats
+    std::string besides{};             ///< what the command writes, too, for messages
     bool coverage = false;
     bool strict = false;
     std::optional<HoleForm> holes{};  ///< of structure sets

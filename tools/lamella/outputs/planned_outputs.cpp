@@ -116,7 +116,7 @@ std::vector<PlannedOutput> planned_outputs(const OutputArguments& arguments) {
         for (const std::string& path : outputs) {
             const NamedFormat* const format = format_by_end(path);
             if (format == nullptr) {
-                require_extension(path, "--output", all_formats(&NamedFormat::end));
+                require_extension(path, "--output", all_formats(&NamedFormat::end) + arguments.besides);
             }
             planned.push_back({path, format == nullptr ? OutputFormat::svg : format->format});
         }

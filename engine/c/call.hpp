@@ -106,6 +106,7 @@ void set_defaults(lamella_context& context) noexcept;
 void set_defaults(lamella_mesh& mesh) noexcept;
 void set_defaults(lamella_options& options) noexcept;
 void set_defaults(lamella_arrays& arrays) noexcept;
+void set_defaults(lamella_audit_result& found) noexcept;
 
 template <class T>
 T defaults() noexcept {
@@ -114,20 +115,30 @@ T defaults() noexcept {
     return it;
 }
 
+/// The size that the program's struct begins with, 0 of a null one. Throws Refused where it was not initialised.
+template <class T>
+std::uint32_t require_initialised(const T* given) {
+    std::uint32_t size = 0;
+    if (given == nullptr) {
+        return size;
+    }
+    std::memcpy(&size, given, sizeof size);
+    if (size < 2 * sizeof size || size > largest_struct) {
+        refuse("struct_size of " + std::string(Sized<T>::name) + " is " + std::to_string(size) + ": initialise it by " +
+               Sized<T>::init);
+    }
+    return size;
+}
+
 /// What the program gave, and the defaults beyond; all defaults where it gave nothing. Throws Refused where what the library
 /// does not know is set.
 template <class T>
 T read_sized(const T* given) {
     check_sized<T>();
     T whole = defaults<T>();
-    if (given == nullptr) {
+    const std::uint32_t size = require_initialised(given);
+    if (size == 0) {
         return whole;
-    }
-    std::uint32_t size = 0;
-    std::memcpy(&size, given, sizeof size);
-    const std::string name = Sized<T>::name;
-    if (size < 2 * sizeof size || size > largest_struct) {
-        refuse("struct_size of " + name + " is " + std::to_string(size) + ": initialise it by " + Sized<T>::init);
     }
     std::memcpy(&whole, given, std::min<std::size_t>(size, sizeof(T)));
     const auto* const bytes = reinterpret_cast<const unsigned char*>(given);
@@ -136,8 +147,8 @@ T read_sized(const T* given) {
         set = set || whole.reserved != 0;
     }
     if (set) {
-        refuse(name + " has a field set that lamella " + version + " does not know: initialise it by " + Sized<T>::init +
-               ", or use a later version of the library");
+        refuse(std::string(Sized<T>::name) + " has a field set that lamella " + version +
+               " does not know: initialise it by " + Sized<T>::init + ", or use a later version of the library");
     }
     return whole;
 }

@@ -109,6 +109,12 @@ void set_defaults(lamella_arrays& arrays) noexcept {
     arrays.scale = 1;
 }
 
+void set_defaults(lamella_audit_result& found) noexcept {
+    found.volume = LAMELLA_VOLUME_NOT_ASKED;
+    found.structure = -1;
+    found.mesh_mm3 = found.slabs_mm3 = std::numeric_limits<double>::quiet_NaN();
+}
+
 void set_defaults(lamella_options& options) noexcept {
     const SliceOptions cpp;
 #define OPTION(kind, name, path, ...) give(cpp.path, options.name);

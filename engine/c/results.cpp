@@ -58,18 +58,18 @@ lamella_check_result check_of(const MeshCheck& found, bool counts_only) noexcept
 }
 
 lamella_audit_result audit_of(const Audit& found) noexcept {
-    lamella_audit_result c{};
+    auto c = defaults<lamella_audit_result>();
     c.open_layers = found.open->layers;
     c.open_share = found.open->share();
     c.stitch_mm = found.open->reach_mm;
     c.stuck_layers = found.open->stuck;
     c.crossings = found.crossings->count;
     c.structure = *found.structure ? LAMELLA_OK : status_of(found.structure->error().code);
-    const VolumeCertificate none;
-    const VolumeCertificate& volume = found.volume ? *found.volume : none;
-    c.volume = static_cast<std::int32_t>(volume.verdict);
-    c.mesh_mm3 = volume.mesh_mm3;
-    c.slabs_mm3 = volume.slabs_mm3;
+    if (found.volume) {
+        c.volume = static_cast<std::int32_t>(found.volume->verdict);
+        c.mesh_mm3 = found.volume->mesh_mm3;
+        c.slabs_mm3 = found.volume->slabs_mm3;
+    }
     if (found.ledger) {
         c.triangles_between_planes = found.ledger->between;
         c.shells_between_planes = found.ledger->shells.count;
@@ -106,24 +106,8 @@ lamella_info info_of(const SliceInfo& info) noexcept {
     c.grid_mm = info.grid_mm;
     copy_box(info.box, c.min_mm, c.max_mm);
     c.stitch_mm = info.options.stitch_mm;
-    c.part_count = info.part_count;
-    c.first_layer = info.first_layer;
-    c.planned_layers = info.planned_layers;
-    c.triangles = info.triangles;
-    c.degenerate = info.degenerate;
-    c.crossed = info.crossed;
-    c.layers = info.layers;
-    c.segments = info.segments;
-    c.contours = info.contours;
-    c.points = info.points;
-    c.stitches = info.stitches;
-    c.holes = info.holes;
-    c.open_contours = info.open_contours;
-    c.flat_contours = info.flat_contours;
-    c.overruled_contours = info.overruled_contours;
-    c.would_close_contours = info.would_close_contours;
-    c.emptied_layers = info.emptied_layers;
-    c.cancelled_layers = info.cancelled_layers;
+#define COUNTER(name) c.name = info.name;
+#include "slicing/result/counters.inc"
     c.layer_of = info.layer_of.data();
     c.layer_of_count = info.layer_of.size();
     return c;
@@ -169,11 +153,14 @@ void lamella_result_view(const lamella_result* result, lamella_view* view) {
 }
 
 int32_t lamella_result_layer(const lamella_result* result, uint64_t layer, lamella_layer_view* view) {
-    if (result == nullptr || layer >= result->result.size()) {
-        return LAMELLA_INVALID_ARGUMENT;
-    }
-    api::write_sized(api::view_of(result->result[layer]), view);
-    return LAMELLA_OK;
+    return api::called(nullptr, [&] {
+        api::require_initialised(view);
+        api::require_given(result, "the result");
+        if (layer >= result->result.size()) {
+            api::refuse("the result has no such layer");
+        }
+        api::write_sized(api::view_of(result->result[layer]), view);
+    });
 }
 
 uint64_t lamella_result_hash(const lamella_result* result) {
@@ -219,6 +206,7 @@ int32_t lamella_next_island(const lamella_contour* contours, uint64_t contour_co
 int32_t lamella_check(const lamella_mesh* mesh, const lamella_options* options, int32_t counts_only,
                       const lamella_context* context, lamella_check_result* found, lamella_error* error) {
     return api::called(error, [&] {
+        api::require_initialised(found);
         const api::Host host(context);
         lamella::SliceOptions frame;
         api::read_options(options, frame);
@@ -264,6 +252,7 @@ void lamella_welded_free(lamella_welded* welded) {
 int32_t lamella_audit(const lamella_result* result, const lamella_mesh* mesh, const lamella_context* context,
                       lamella_audit_result* found, lamella_error* error) {
     return api::called(error, [&] {
+        api::require_initialised(found);
         api::require_given(result, "the result");
         const api::Host host(context);
         const lamella::MeshView view = mesh == nullptr ? lamella::MeshView{} : api::read_mesh(mesh);
@@ -291,6 +280,7 @@ void lamella_init_sized(void* it, int32_t kind, size_t size) {
     api::init_if<lamella_mesh>(kind, it, size);
     api::init_if<lamella_options>(kind, it, size);
     api::init_if<lamella_arrays>(kind, it, size);
+    api::init_if<lamella_audit_result>(kind, it, size);
     const auto bytes = static_cast<std::uint32_t>(size);
     std::memcpy(it, &bytes, sizeof bytes);
 }

@@ -147,6 +147,7 @@ int32_t lamella_slice_to(lamella_slicer* slicer, const lamella_destination* to, 
                          const lamella_options* options, const lamella_context* context, lamella_info* info,
                          lamella_error* error) {
     return api::called(error, [&] {
+        api::require_initialised(info);
         const auto where = api::read_sized(to);
         api::require_one({where.result, where.sink, where.arrays}, "result, sink and arrays of a destination");
         api::Kept kept(slicer);
@@ -160,6 +161,7 @@ int32_t lamella_slice_to(lamella_slicer* slicer, const lamella_destination* to, 
 int32_t lamella_outline(lamella_slicer* slicer, const lamella_source* from, const lamella_options* options,
                         const lamella_context* context, lamella_info* info, lamella_error* error) {
     return api::called(error, [&] {
+        api::require_initialised(info);
         api::Kept kept(slicer);
         const api::Host host(context);
         api::read_options(options, kept->options);

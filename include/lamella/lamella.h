@@ -26,20 +26,18 @@
  * The shape is that of C++, whose headers say what each call does: a source is sliced by options within a context to a
  * destination. Here stands what C adds.
  *
- * Structs that grow from version to version begin with their size and are initialised by LAMELLA_INIT. A library that is
- * newer than the program gives fields that the program does not know their defaults. One that is older refuses the struct
- * with LAMELLA_INVALID_ARGUMENT where a field is set that it does not know, and takes it where such fields are 0, as the
- * initialisation leaves them. Fields named `reserved` are 0, too. The structs without a size (points, contours, layers)
- * never change. Enumerations are kept in int32_t.
+ * Structs that begin with their size may grow. LAMELLA_INIT initialises them, those that a call fills too: one that was not
+ * is refused, and void functions leave it alone. A library newer than the program gives fields that the program does not
+ * know their defaults; an older one refuses a struct in which a field that it does not know is not 0. Fields named
+ * `reserved` are 0. Structs without a size never change. Enumerations are kept in int32_t.
  *
- * What a call returns is a status, LAMELLA_OK or what went wrong; `error`, which may be NULL, then says more. A handle that
- * was made is given back by its _free(), which takes NULL too. Views point into their handle and live as long, or until it
- * is filled anew. No call throws, prints, aborts or keeps global state. Callbacks must not throw or jump out:
- * one that fails notes it, so that `stop` ends the call, and the program looks at the note when the call is over, whatever
- * its status (tools/docs/embedding.md shows it in Python).
+ * Calls return a status, LAMELLA_OK or what went wrong; `error`, which may be NULL, then says more. A handle is given back
+ * by its _free(), which takes NULL too. Views point into their handle, until it is filled anew or freed. No call throws,
+ * prints, aborts or keeps global state. Callbacks must not throw or jump out: one that fails notes it, `stop` ends the call,
+ * and the program looks at the note after it, whatever the status (tools/docs/embedding.md shows it in Python).
  *
- * A handle may be used by one thread at a time, but for a prepared mesh: that any number of threads may slice at once, each
- * with a slicer and a result of its own. */
+ * A handle may be used by one thread at a time. But any number may slice a prepared mesh at once, each with a slicer and a
+ * result of its own. */
 #ifndef LAMELLA_LAMELLA_H
 #define LAMELLA_LAMELLA_H
 
@@ -67,11 +65,9 @@ enum { /* see lamella/error.hpp */
 typedef struct lamella_error {
     uint32_t struct_size;
     int32_t status;
-    int64_t part;        /* index of the offending part, or -1 */
-    int64_t triangle;    /* index of the offending triangle, or -1 */
-    int64_t plane;       /* index of the offending plane, or -1 */
-    int64_t byte_offset; /* where in a file, or -1 */
-    char message[512];   /* one line, cut off where it is longer */
+    int64_t part, triangle, plane; /* indices of the offending ones, or -1 */
+    int64_t byte_offset;           /* where in a file, or -1 */
+    char message[512];             /* one line, cut off where it is longer */
 } lamella_error;
 
 /* --- What a call may use of its host: lamella/context.hpp */
@@ -261,19 +257,10 @@ typedef struct lamella_info {
     uint64_t planned_layers;
     uint64_t triangles;
     uint64_t degenerate; /* dropped: two equal vertices on the grid */
-    uint64_t crossed;
-    uint64_t layers;
-    uint64_t segments;
-    uint64_t contours; /* from here on known at the end only */
-    uint64_t points;
-    uint64_t stitches;
-    uint64_t holes;
-    uint64_t open_contours;
-    uint64_t flat_contours;
-    uint64_t overruled_contours;
-    uint64_t would_close_contours;
-    uint64_t emptied_layers;
-    uint64_t cancelled_layers;
+    uint64_t crossed, layers, segments;
+    uint64_t contours, points, stitches, holes; /* from here on known at the end only */
+    uint64_t open_contours, flat_contours, overruled_contours, would_close_contours;
+    uint64_t emptied_layers, cancelled_layers;
     const uint64_t* layer_of; /* the layer of each height given: of the result, or of the slicer until its next call */
     uint64_t layer_of_count;
 } lamella_info;
@@ -306,8 +293,7 @@ typedef struct lamella_island {
     uint64_t hole_count;
 } lamella_island;
 
-/* The islands of a layer's contours one after the other, from `*at` = 0 on: 1, with the next one in `*island`, or 0 after
- * the last. */
+/* The islands of a layer's contours in turn, from `*at` = 0 on: 1 with the next in `*island`, or 0 after the last. */
 LAMELLA_C_API int32_t lamella_next_island(const lamella_contour* contours, uint64_t contour_count, uint64_t* at,
                                           lamella_island* island);
 
@@ -426,12 +412,8 @@ typedef struct lamella_check_result {
     int32_t closed;   /* every edge has as many faces one way as the other */
     int32_t clean;    /* no fault was found but slivers; 0 with `counts_only` */
     int32_t complete; /* no search was cut short */
-    uint64_t triangles;
-    uint64_t degenerate;
-    uint64_t edges;
-    uint64_t boundary_edges;
-    uint64_t overfull_edges;
-    uint64_t mismatched_edges;
+    uint64_t triangles, degenerate;
+    uint64_t edges, boundary_edges, overfull_edges, mismatched_edges;
     uint64_t shells;
     double min_mm[3], max_mm[3];
     double volume_mm3;
@@ -453,13 +435,14 @@ LAMELLA_C_API void lamella_welded_mesh(const lamella_welded* welded, lamella_mes
 LAMELLA_C_API void lamella_welded_free(lamella_welded* welded);
 
 enum {
-    LAMELLA_VOLUME_HOLDS = 0, LAMELLA_VOLUME_AREAS_DIFFER = 1, LAMELLA_VOLUME_VOLUMES_DIFFER = 2,
-    LAMELLA_VOLUME_OPEN_MESH = 3, LAMELLA_VOLUME_NOT_AS_WALKED = 4, LAMELLA_VOLUME_SOLID_DIFFERS = 5
+    LAMELLA_VOLUME_NOT_ASKED = -1, LAMELLA_VOLUME_HOLDS = 0, LAMELLA_VOLUME_AREAS_DIFFER = 1,
+    LAMELLA_VOLUME_VOLUMES_DIFFER = 2, LAMELLA_VOLUME_OPEN_MESH = 3, LAMELLA_VOLUME_NOT_AS_WALKED = 4,
+    LAMELLA_VOLUME_SOLID_DIFFERS = 5
 };
 
 typedef struct lamella_audit_result {
     uint32_t struct_size;
-    int32_t volume; /* LAMELLA_VOLUME_HOLDS ... */
+    int32_t volume; /* LAMELLA_VOLUME_NOT_ASKED ... */
     double mesh_mm3;
     double slabs_mm3;
     uint64_t open_layers;
@@ -469,11 +452,11 @@ typedef struct lamella_audit_result {
     uint64_t triangles_between_planes;
     uint64_t shells_between_planes;
     uint64_t crossings;
-    int32_t structure; /* LAMELLA_OK, or not as slicing makes results */
+    int32_t structure; /* LAMELLA_OK; else not as slicing makes results; -1: not asked */
     int32_t reserved;
 } lamella_audit_result;
 
-/* `mesh` is what was sliced, or NULL: then volume and what lies between planes are left out. */
+/* `mesh` is what was sliced. NULL: volumes are not asked for, and nothing is counted between planes. */
 LAMELLA_C_API int32_t lamella_audit(const lamella_result* result, const lamella_mesh* mesh, const lamella_context* context,
                                     lamella_audit_result* found, lamella_error* error);
 

@@ -18,12 +18,16 @@
 inline auto facts_of(const lamella::Layer& layer) {
     return std::tuple(layer.bottom_mm, layer.plane_mm, layer.top_mm, layer.contour_count, layer.segments, layer.plane);
 }
+/// Of a SliceInfo or a lamella_info.
+template <class Info>
+auto counters_of(const Info& info) {
+    return std::array{
+#define COUNTER(name) info.name,
+#include "slicing/result/counters.inc"
+    };
+}
 inline auto facts_of(const lamella::SliceInfo& info) {
-    return std::tuple(std::array{info.triangles, info.degenerate, info.crossed, info.layers, info.segments, info.contours,
-                                 info.points, info.stitches, info.holes, info.open_contours, info.flat_contours,
-                                 info.overruled_contours, info.would_close_contours, info.emptied_layers,
-                                 info.cancelled_layers, info.part_count, info.first_layer, info.planned_layers},
-                      info.box, info.grid_mm, info.options.frame.transform, info.options.stitch_mm);
+    return std::tuple(counters_of(info), info.box, info.grid_mm, info.options.frame.transform, info.options.stitch_mm);
 }
 
 /// For points, contours and origins, which have no byte between their members.

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
@@ -88,10 +89,7 @@ void check_bytes(const T* found, const Array<Other>& expected) {
 }
 
 void check_info(const lamella_info& it, const SliceInfo& expected) {
-    CHECK(std::array{it.triangles, it.degenerate, it.crossed, it.layers, it.segments, it.contours, it.points, it.stitches,
-                     it.holes, it.open_contours, it.flat_contours, it.overruled_contours, it.would_close_contours,
-                     it.emptied_layers, it.cancelled_layers, it.part_count, it.first_layer,
-                     it.planned_layers} == std::get<0>(facts_of(expected)));
+    CHECK(counters_of(it) == counters_of(expected));
     CHECK(it.grid_mm == expected.grid_mm);
     CHECK(std::equal(it.max_mm, it.max_mm + 3, std::begin(expected.box.max_mm)));
     CHECK(std::vector(it.layer_of, it.layer_of + it.layer_of_count) == expected.layer_of);
@@ -475,5 +473,20 @@ TEST_CASE("regions, contours of segments, checks, welding and audits go through 
     CHECK(judged.mesh_mm3 == Approx(volume));
     REQUIRE(lamella_audit(sliced(open, options_at(0.5)).get(), nullptr, nullptr, &judged, nullptr) == LAMELLA_OK);
     CHECK(judged.open_layers == 18);
-    CHECK(judged.volume == LAMELLA_VOLUME_OPEN_MESH);
+    CHECK((judged.volume == LAMELLA_VOLUME_NOT_ASKED && std::isnan(judged.mesh_mm3)));
+
+    // What no call has filled claims nothing.
+    judged = fresh<lamella_audit_result>(LAMELLA_AUDIT_RESULT);
+    CHECK((judged.volume == LAMELLA_VOLUME_NOT_ASKED && judged.structure != LAMELLA_OK));
+    judged.struct_size = found.struct_size = layer.struct_size = 0;
+    lamella_info info{};
+    const lamella_source source = source_of(mesh);
+    const lamella_destination to = into(&made, nullptr, nullptr);
+    for (const std::int32_t status :
+         {lamella_audit(made, nullptr, nullptr, &judged, nullptr),
+          lamella_check(&mesh, nullptr, 0, nullptr, &found, nullptr), lamella_result_layer(made, 0, &layer),
+          lamella_slice_to(nullptr, &to, &source, nullptr, nullptr, &info, nullptr),
+          lamella_outline(nullptr, &source, nullptr, nullptr, &info, nullptr)}) {
+        CHECK(status == LAMELLA_INVALID_ARGUMENT);
+    }
 }

@@ -1,6 +1,9 @@
 // Slicers and prepared meshes: what they hold, what they give back, and what they refuse. That they slice as a mesh alone is
-// sliced: test_sources.cpp. And the bounds of options.
+// sliced: test_sources.cpp. And the bounds of options, and the counters of C.
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <optional>
 #include <random>
@@ -12,6 +15,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/words.hpp"
+#include "c/call.hpp"
 #include "engine/counting_memory.hpp"
 #include "engine/everywhere.hpp"
 #include "engine/slicing.hpp"
@@ -95,6 +99,20 @@ TEST_CASE("options are held to the bounds and choices of their descriptions, and
     CHECK(bounds ==
           "layer_height_mm > 0; stitch_mm >= 0; grid_mm >= 0; closing_mm >= 0; miter_limit >= 1; "
           "simplify_mm >= 0; flag_closing_mm >= 0; ");
+}
+
+TEST_CASE("each counter of a slice has its own field of C's info, and none is left out", "[c]") {
+    lamella::SliceInfo info{
+        .options = {.stitch_mm = 0.5}, .grid_doublings = 1, .box = {{1, 2, 3}, {4, 5, 6}}, .layer_of = {7}};
+    std::uint64_t next = 1000;
+#define COUNTER(name) info.name = ++next;
+#include "slicing/result/counters.inc"
+    CHECK(counters_of(info).size() == 3 + (&info.bands - &info.triangles));  // those of the plan and those in a row
+    const lamella_info found = lamella::c::info_of(info);
+    CHECK(counters_of(found) == counters_of(info));
+    std::array<std::uint64_t, sizeof found / sizeof next> words{};
+    std::memcpy(words.data(), &found, sizeof found);
+    CHECK(std::count(words.begin(), words.end(), 0U) == 0);  // a field that is forgotten stays 0
 }
 
 TEST_CASE("a slicer says what it holds of the host's memory", "[engine][slicer]") {

@@ -29,11 +29,8 @@ void add(const SliceInfo& part, SliceInfo& sum) noexcept {
          {&StageTimes::bucket, &StageTimes::sweep, &StageTimes::contours, &StageTimes::nesting, &StageTimes::fill}) {
         sum.ms.*stage += part.ms.*stage;
     }
-    for (const auto count : {&SliceInfo::contours, &SliceInfo::points, &SliceInfo::stitches, &SliceInfo::holes,
-                             &SliceInfo::open_contours, &SliceInfo::flat_contours, &SliceInfo::overruled_contours,
-                             &SliceInfo::would_close_contours, &SliceInfo::emptied_layers, &SliceInfo::cancelled_layers}) {
-        sum.*count += part.*count;
-    }
+#define END_COUNTER(name) sum.name += part.name;
+#include "slicing/result/counters.inc"
 }
 
 class FileSlicing {

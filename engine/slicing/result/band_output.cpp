@@ -1,7 +1,6 @@
 #include "slicing/result/band_output.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <type_traits>
 #include <utility>
 
@@ -23,30 +22,14 @@ void copy_paced(const T* from, std::size_t count, StopPace& pace, Array<T>& to) 
 }  // namespace
 
 void LayerTotals::add(const LayerTotals& other) noexcept {
-    contours += other.contours;
-    points += other.points;
-    stitches += other.stitches;
-    for (std::size_t role = 0; role < std::size(by_role); ++role) {
-        by_role[role] += other.by_role[role];
-    }
-    overruled += other.overruled;
-    would_close += other.would_close;
-    cancelled_layers += other.cancelled_layers;
-    emptied_layers += other.emptied_layers;
+#define END_COUNTER(name) name += other.name;
+#include "slicing/result/counters.inc"
 }
 
 void LayerTotals::describe(SliceInfo& info) const noexcept {
-    const auto of = [this](Role role) { return by_role[static_cast<std::size_t>(role)]; };
-    info.contours = contours;
-    info.points = points;
-    info.stitches = stitches;
-    info.holes = of(Role::hole);
-    info.open_contours = of(Role::open);
-    info.flat_contours = of(Role::flat);
-    info.overruled_contours = overruled;
-    info.would_close_contours = would_close;
+#define END_COUNTER(name) info.name = name;
+#include "slicing/result/counters.inc"
     info.emptied_layers = info.options.region.keeps_contours() ? 0 : emptied_layers;
-    info.cancelled_layers = cancelled_layers;
 }
 
 void BandOutput::finish_layer() {

@@ -15,24 +15,22 @@ namespace lamella {
 
 /// Numbers of what was made, for the summary.
 struct LayerTotals {
-    std::uint64_t contours = 0;
-    std::uint64_t points = 0;
-    std::uint64_t stitches = 0;
-    std::uint64_t by_role[4] = {};  ///< index: Role
-    std::uint64_t overruled = 0;
-    std::uint64_t would_close = 0;
-    std::uint64_t cancelled_layers = 0;
-    std::uint64_t emptied_layers = 0;  ///< which have segments but no contour
+#define END_COUNTER(name) std::uint64_t name = 0;
+#include "slicing/result/counters.inc"
 
     void add(const Contour& contour) noexcept {
         ++contours;
         points += contour.point_count;
-        ++by_role[static_cast<std::size_t>(contour.role)];
-        overruled += (contour.flags & orientation_overruled) != 0 ? 1 : 0;
-        would_close += (contour.flags & ContourFlag::would_close) != 0 ? 1 : 0;
+        holes += contour.role == Role::hole ? 1 : 0;
+        open_contours += contour.role == Role::open ? 1 : 0;
+        flat_contours += contour.role == Role::flat ? 1 : 0;
+        overruled_contours += (contour.flags & orientation_overruled) != 0 ? 1 : 0;
+        would_close_contours += (contour.flags & would_close) != 0 ? 1 : 0;
     }
     /// Precondition: its contours are counted in it.
-    void add(const Layer& layer) noexcept { emptied_layers += layer.segments > 0 && layer.contour_count == 0 ? 1 : 0; }
+    void add(const Layer& layer) noexcept {
+        emptied_layers += layer.segments > 0 && layer.contour_count == 0 ? 1 : 0;
+    }
     void add(const LayerTotals& other) noexcept;
     /// Sets them in the summary, whose options are known.
     void describe(SliceInfo& info) const noexcept;

@@ -150,24 +150,8 @@ OpenLayers open_layers(const HeldResult& held) {
 /// What a result states beside its options, by the names of Python.
 template <class Info, class Visit>
 void each_figure(Info& info, Visit visit) {
-    visit("triangles", info.triangles);
-    visit("degenerate", info.degenerate);
-    visit("crossed", info.crossed);
-    visit("layers", info.layers);
-    visit("segments", info.segments);
-    visit("contours", info.contours);
-    visit("points", info.points);
-    visit("stitches", info.stitches);
-    visit("holes", info.holes);
-    visit("open_contours", info.open_contours);
-    visit("flat_contours", info.flat_contours);
-    visit("overruled_contours", info.overruled_contours);
-    visit("would_close_contours", info.would_close_contours);
-    visit("emptied_layers", info.emptied_layers);
-    visit("cancelled_layers", info.cancelled_layers);
-    visit("first_layer", info.first_layer);
-    visit("planned_layers", info.planned_layers);
-    visit("part_count", info.part_count);
+#define COUNTER(name) visit(#name, info.name);
+#include "slicing/result/counters.inc"
     visit("grid", info.grid_mm);
     visit("grid_doublings", info.grid_doublings);
     visit("min", info.box.min_mm);

@@ -37,7 +37,7 @@ install_missing "${build_packages[@]}" "${bench_packages[@]}"
 generator=()
 [[ -e build/CMakeCache.txt ]] || generator=(-G Ninja)
 cmake -S . -B build "${generator[@]}" -DCMAKE_BUILD_TYPE=Release -DLAMELLA_BUILD_BENCH=ON -DLAMELLA_LARGE_UNITS=OFF > /dev/null
-cmake --build build --parallel --target lamella_bench lamella_peak lamella_first lamella_cli | tail -n 1
+cmake --build build --parallel "$(nproc)" --target lamella_bench lamella_peak lamella_first lamella_cli | tail -n 1
 
 # Delete cached meshes that an older generator or catalogue made.
 if [[ -n "$(find tools/models bench/programs/catalogue.cpp -newer "$cache/made" 2> /dev/null || echo unknown)" ]]; then

@@ -23,7 +23,7 @@ install_missing "${build_packages[@]}" "${picture_packages[@]}"
 generator=()
 [[ -e build/CMakeCache.txt ]] || generator=(-G Ninja)
 step "Configuring" cmake -S . -B build "${generator[@]}" -DCMAKE_BUILD_TYPE=Release -DLAMELLA_BUILD_BENCH=OFF
-step "Building lamella (the first time, a few minutes)" cmake --build build --parallel --target lamella_cli
+step "Building lamella (the first time, a few minutes)" cmake --build build --parallel "$(nproc)" --target lamella_cli
 step "Making a bone of $triangles triangles, 150 mm tall" "$lamella" make bone --triangles "$triangles" --height 150 -o "$out/bone.stl"
 echo "Slicing it into layers of 0.2 mm"
 "$lamella" slice "$out/bone.stl" --layer-height 0.2 -o "$out/bone.svg" --report "$out/report.json"

@@ -8,8 +8,8 @@
 //         std::printf("%d %d\n", point.x, point.y);
 //     }
 //
-// It differs from std::vector in two things. Its memory comes from the host where the host gives one (memory.hpp), and a new
-// size leaves the elements unwritten: writing fresh pages is the largest single cost of slicing.
+// It differs from std::vector in two things. Its memory comes from the host where the host gives one (context.hpp), and a
+// new size leaves the elements unwritten: writing fresh pages is the largest single cost of slicing.
 #pragma once
 
 #include <cassert>

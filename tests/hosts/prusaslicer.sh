@@ -64,7 +64,7 @@ END
 build_lamella() {
     logged lamella_configure cmake -S "$root" -B "$work/lamella/build" -G Ninja -DCMAKE_BUILD_TYPE=Release "${launcher[@]}" \
         -DLAMELLA_BUILD_TESTS=OFF -DLAMELLA_BUILD_BENCH=OFF -DLAMELLA_BUILD_TOOLS=OFF -DLAMELLA_BUILD_IO=OFF
-    logged lamella_build nice -n 5 cmake --build "$work/lamella/build" --parallel
+    logged lamella_build nice -n 5 cmake --build "$work/lamella/build" --parallel "$(nproc)"
     logged lamella_install cmake --install "$work/lamella/build" --prefix "$prefix"
 }
 

@@ -1,6 +1,8 @@
 // The questions of audit(), each answered in a source of its own.
 #pragma once
 
+#include <cstdint>
+#include <cstdlib>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -53,13 +55,23 @@ struct ResultPlace {
     void require(bool kept, std::string_view broken) const;
 };
 
-/// Within a closed path, in square units.
-inline Int128 twice_area_of(std::span<const Point> points) noexcept {
-    Int128 sum = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        sum += cross(points[i], points[i + 1 == points.size() ? 0 : i + 1]);
+/// Twice the area within a closed path, in square units, and how far its edges run along the axes.
+struct PathSize {
+    Int128 twice_area = 0;
+    std::uint64_t length = 0;  ///< up to 2^32 edges of up to 2^32
+};
+
+inline PathSize size_of(std::span<const Point> points) noexcept {
+    PathSize size;
+    Point from = points.empty() ? Point{} : points.back();
+    for (const Point to : points) {
+        const std::int64_t along_x = std::int64_t{to.x} - from.x;
+        const std::int64_t along_y = std::int64_t{to.y} - from.y;
+        size.twice_area += Int128{std::int64_t{from.x} + to.x} * along_y;
+        size.length += static_cast<std::uint64_t>(std::abs(along_x) + std::abs(along_y));
+        from = to;
     }
-    return sum;
+    return size;
 }
 
 inline bool has_area(const Contour& contour) noexcept {

@@ -43,7 +43,7 @@ void check_points(const Contour& contour, std::span<const Point> points, const R
 }
 
 void check_area(const Contour& contour, std::span<const Point> points, const ResultPlace& at) {
-    const Int128 twice_area = is_closed(contour) ? twice_area_of(points) : 0;
+    const Int128 twice_area = is_closed(contour) ? size_of(points).twice_area : 0;
     const int sign = contour.role == Role::outer ? 1 : (contour.role == Role::hole ? -1 : 0);
     at.require(twice_area == to_int128(contour.twice_area), "the area is not that of its points");
     at.require(sign_of(twice_area) == sign, "the area's sign does not suit the role");

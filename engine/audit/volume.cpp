@@ -97,13 +97,10 @@ LayerSize size_of(const SliceResult& result, const Layer& layer, bool solid) {
     std::uint64_t segments = 0;
     for (const Contour& contour : result.contours_of(layer)) {
         segments += contour.segments;
-        const std::span<const Point> points = result.points_of(contour);
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            const Point next = points[i + 1 == points.size() ? 0 : i + 1];
-            length += std::abs(std::int64_t{next.x} - points[i].x) + std::abs(std::int64_t{next.y} - points[i].y);
-        }
+        const PathSize own = size_of(result.points_of(contour));
+        length += own.length;
         const int run = contour.role == Role::outer ? 1 : (contour.role == Role::hole ? -1 : 0);
-        twice_area += twice_area_of(points) * (solid ? std::abs(run) : run * contour.orientation);
+        twice_area += own.twice_area * (solid ? std::abs(run) : run * contour.orientation);
     }
     return {static_cast<double>(twice_area) / 2, static_cast<double>(length), segments == layer.segments};
 }

@@ -107,6 +107,14 @@ void PlaneSet::build(const Array<Layer>& layers) {
         padded_[i + 1] = layers[i].plane.z();
     }
     padded_[count_ + 1] = above_all;
+    if (count_ > 1) {  // evenly spaced planes are found by division again
+        const double planes_per_unit = (count_ - 1) / (static_cast<double>(z(count_ - 1)) - z(0));
+        bool even = true;
+        for (PlaneIndex i = 0; i < count_; ++i) {
+            even = even && std::abs((static_cast<double>(z(i)) - z(0)) * planes_per_unit - i) <= 1;
+        }
+        inverse_step_ = even ? planes_per_unit : 0;
+    }
     make_table();
 }
 

@@ -24,6 +24,9 @@ void LayerBuilder::build(BandOutput& out) {
 void LayerBuilder::close_gaps(BandOutput& out) {
     Vector<Path>& paths = contours_.paths;
     const auto first_open = std::partition(paths.begin(), paths.end(), [](const Path& path) { return path.item.closed; });
+    if (first_open == paths.end()) {
+        return;
+    }
     const auto closed = std::span(paths).first(static_cast<std::size_t>(first_open - paths.begin()));
     PolylineRepair& repair = repair_ ? *repair_ : repair_.emplace(worker_);
     if (repair.join(std::span(paths).subspan(closed.size()), closed,

@@ -44,15 +44,36 @@ run_tests() {
     ctest --test-dir "$1" --label-exclude "long|paper$($all || echo '|thorough')" --parallel "$jobs" --output-on-failure "${@:2}"
 }
 
-# variant NAME WHAT OPTION...: builds build/NAME and runs its tests, of which the end of ctest's output is shown, which lists
-# skipped tests too.
+# meanwhile COMMAND...: runs it beside what follows, so that no processor waits for the last of its parts. One at a time, in a
+# process group of its own: without one its programs would ignore SIGINT.
+# await: waits for its end, and fails if it has failed.
+beside=
+meanwhile() {
+    await
+    set -m
+    "$@" &
+    set +m
+    beside=$!
+}
+await() {
+    local process=$beside
+    beside=
+    [[ -z $process ]] || wait "$process"
+}
+trap '[[ -z $beside ]] || kill -- "-$beside" 2> /dev/null || true' EXIT
+
+# Shows the end of ctest's output, which lists skipped tests too.
+test_variant() {
+    quietly "build/$1/tests.log" run_tests "build/$1"
+    printf '\n== tests: %s\n%s\n' "$2" "$(sed -n '/tests passed/,$p' "build/$1/tests.log")"
+}
+
+# variant NAME WHAT OPTION...: builds build/NAME and runs its tests meanwhile.
 variant() {
     stage "$2"
     configure "build/$1" "${@:3}"
     build "build/$1"
-    stage "tests: $2"
-    quietly "build/$1/tests.log" run_tests "build/$1"
-    sed -n '/tests passed/,$p' "build/$1/tests.log"
+    meanwhile test_variant "$1" "$2"
 }
 
 # A Debug build by Clang, so that assertions check the invariants. Light optimisation and few, large units keep it short.
@@ -92,14 +113,9 @@ check_format() {
     find engine include tests bench tools -name '*.[ch]pp' -print0 | xargs -0 clang-format --dry-run -Werror
 }
 
-check_docs() {
-    stage "documentation"
+# The documentation, and the binary form of the C interface: programs that were compiled with an older header must still run.
+check_interfaces() {
     quietly build/docs.log tools/docs.sh
-}
-
-# Programs that were compiled with an older header of the C interface must still run.
-check_abi() {
-    stage "binary form of the C interface"
     quietly build/abi.log tests/abi/check.sh build/engine/liblamella_c.so
     quietly build/abi.log tests/abi/check.sh build/engine/liblamella_c.so --self-test
 }
@@ -143,6 +159,7 @@ if [[ "${1:-}" == --core ]]; then
     variant core "the engine alone" -DCMAKE_BUILD_TYPE=Release -DLAMELLA_LARGE_UNITS=ON -DLAMELLA_BUILD_MEDICAL=OFF \
         -DLAMELLA_BUILD_TOOLS=OFF -DLAMELLA_BUILD_BENCH=OFF -DLAMELLA_BUILD_PYTHON=OFF -DLAMELLA_THOROUGH_TESTS=OFF \
         -DLAMELLA_TEST_ROOMS="engine|oracle"
+    await
     exit
 fi
 install_missing "${test_packages[@]}" "${python_packages[@]}"
@@ -156,11 +173,11 @@ fi
 stage "release build"
 if $all; then
     build_release ON ON
-    check_docs
-    check_abi
+    meanwhile check_interfaces
     check_libcxx
     check_memory
     check_threads
+    await
 else
     build_release OFF OFF
 fi

@@ -80,7 +80,7 @@ variant() {
 readonly sanitized=(-DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g1" -DLAMELLA_LARGE_UNITS=ON
     -DLAMELLA_BUILD_BENCH=OFF)
 
-# build_release THOROUGH BENCH: each ON or OFF. A new build that only tests need takes half a minute less in large units.
+# build_release THOROUGH BENCH: each ON or OFF. A new build that only tests need takes a minute less in large units.
 build_release() {
     local units=()
     [[ -e build/CMakeCache.txt ]] || units=(-DLAMELLA_LARGE_UNITS=ON)

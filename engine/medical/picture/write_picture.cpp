@@ -71,15 +71,15 @@ std::string decimal_text(double value, int decimals) {
 // --- what is drawn
 
 /// The layers at one height, and where on the canvas they are drawn.
-struct Cell {
+struct SheetCell {
     double height_mm = 0;
     std::vector<LayerView> layers{};  ///< of each part: empty where it has none there
     Rectangle area{};
 };
 
 /// The layer of each part whose slab holds the height, of several the one that is nearest.
-Cell cell_at(std::span<const PicturePart> parts, double height_mm) {
-    Cell cell{.height_mm = height_mm};
+SheetCell cell_at(std::span<const PicturePart> parts, double height_mm) {
+    SheetCell cell{.height_mm = height_mm};
     cell.layers.resize(parts.size());
     for (std::size_t part = 0; part < parts.size(); ++part) {
         const SliceResult& result = *parts[part].result;
@@ -98,7 +98,7 @@ Cell cell_at(std::span<const PicturePart> parts, double height_mm) {
 }
 
 /// Of all parts' heights, each from the middle of one of `count` equal shares.
-std::vector<Cell> evenly_spaced(std::span<const PicturePart> parts, std::size_t count) {
+std::vector<SheetCell> evenly_spaced(std::span<const PicturePart> parts, std::size_t count) {
     std::vector<double> heights;
     for (const PicturePart& part : parts) {
         for (const Layer& layer : part.result->layers) {
@@ -107,7 +107,7 @@ std::vector<Cell> evenly_spaced(std::span<const PicturePart> parts, std::size_t 
     }
     std::sort(heights.begin(), heights.end());
     heights.erase(std::unique(heights.begin(), heights.end()), heights.end());
-    std::vector<Cell> cells(std::min(count, heights.size()));
+    std::vector<SheetCell> cells(std::min(count, heights.size()));
     for (std::size_t i = 0; i < cells.size(); ++i) {
         cells[i] = cell_at(parts, heights[(2 * i + 1) * heights.size() / (2 * cells.size())]);
     }
@@ -115,7 +115,7 @@ std::vector<Cell> evenly_spaced(std::span<const PicturePart> parts, std::size_t 
 }
 
 /// Around the meshes, and around all that is drawn, which rules may have moved beyond them: mm, in the frame of the slicing.
-Bounds box_of(std::span<const PicturePart> parts, const std::vector<Cell>& cells) {
+Bounds box_of(std::span<const PicturePart> parts, const std::vector<SheetCell>& cells) {
     Bounds box = Bounds::empty();
     for (const PicturePart& part : parts) {
         const Box& own = part.result->info.box;
@@ -124,7 +124,7 @@ Bounds box_of(std::span<const PicturePart> parts, const std::vector<Cell>& cells
             box.add(axis, own.min_mm[i], own.max_mm[i]);
         }
     }
-    for (const Cell& cell : cells) {
+    for (const SheetCell& cell : cells) {
         for (const LayerView& layer : cell.layers) {
             for (const Point& point : layer.points) {
                 const PointMm at = layer.to_mm(point);
@@ -149,7 +149,7 @@ Bounds box_of(std::span<const PicturePart> parts, const std::vector<Cell>& cells
 
 /// The height of each, with as many decimals as tell them all, at most three; of an image's slices in the patient, and along
 /// which axis.
-std::vector<std::string> labels_of(const std::vector<Cell>& cells, const ImageGeometry* image) {
+std::vector<std::string> labels_of(const std::vector<SheetCell>& cells, const ImageGeometry* image) {
     static constexpr std::array<const char*, 3> axes = {"L ", "P ", "S "};
     std::vector<std::string> labels(cells.size());
     std::size_t idle = 4;  // zeros at the end of all, and the point before three of them
@@ -286,7 +286,7 @@ struct Page {
 
 /// Rows of one cell, so few that a sheet of them takes some MB.
 struct Strip {
-    const Cell* cell = nullptr;
+    const SheetCell* cell = nullptr;
     int begin = 0;
     int end = 0;
 };
@@ -365,7 +365,7 @@ struct LayerBrush {
     }
 };
 
-Status draw(std::span<const PicturePart> parts, std::vector<Cell> cells, const std::filesystem::path& path,
+Status draw(std::span<const PicturePart> parts, std::vector<SheetCell> cells, const std::filesystem::path& path,
             PictureOptions options, const Context& context) {
     constexpr int most_strip_pixels = 1 << 18;
     if (options.image != nullptr) {

@@ -26,7 +26,7 @@
 #include <span>
 #include <utility>
 
-#include "base/rounding.hpp"
+#include "base/system/processor.hpp"
 #include "geometry.hpp"
 
 namespace lamella::baselines {

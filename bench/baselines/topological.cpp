@@ -16,7 +16,7 @@
 
 #include <utility>
 
-#include "base/rounding.hpp"
+#include "base/system/processor.hpp"
 #include "geometry.hpp"
 #include "topology.hpp"
 

@@ -1,9 +1,9 @@
 #include "lamella/array.hpp"
-#include "lamella/context.hpp"
 
 #include <new>
 
-#include <sys/mman.h>
+#include "base/system/machine.hpp"
+#include "lamella/context.hpp"
 
 namespace lamella::detail {
 
@@ -43,8 +43,7 @@ void* take_memory(const Memory* memory, std::size_t bytes) {
     const std::size_t taken = whole_pages(bytes);
     void* const block = ::operator new(taken, alignment_for(bytes));
     if (takes_huge_pages(bytes)) {
-        // Advice only: where the kernel has no huge pages to give, small ones serve.
-        (void)::madvise(block, taken / huge_page * huge_page, MADV_HUGEPAGE);
+        advise_huge_pages(block, taken / huge_page * huge_page);
     }
     return block;
 }

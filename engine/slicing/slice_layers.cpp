@@ -21,6 +21,7 @@
 #include "base/clock.hpp"
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
+#include "base/system/processor.hpp"
 #include "slicing/sweep/band_sweep.hpp"
 #include "slicing/sweep/wide_plane.hpp"
 

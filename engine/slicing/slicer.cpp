@@ -1,7 +1,6 @@
 // Where calls of slices enter: from any source, to any destination.
 #include "slicing/slicer.hpp"
 
-#include <unistd.h>
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -11,6 +10,7 @@
 
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
+#include "base/system/machine.hpp"
 #include "lamella/destination.hpp"
 #include "lamella/slice.hpp"
 #include "lamella/source.hpp"
@@ -144,8 +144,7 @@ Result<SliceResult> slice(const Source& from, const SliceOptions& options, const
 namespace detail {
 
 std::uint64_t usual_memory_limit() {
-    const auto pages = static_cast<std::uint64_t>(std::max(0L, ::sysconf(_SC_PHYS_PAGES)));
-    return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) / 2;
+    return physical_memory_bytes() / 2;
 }
 
 SlicerImpl::SlicerImpl(const Memory* host) : counted(host), usual_limit(usual_memory_limit()) {}

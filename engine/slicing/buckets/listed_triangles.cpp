@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/system/processor.hpp"
 #include "slicing/buckets/thread_shares.hpp"
 
 namespace lamella {
@@ -77,7 +78,7 @@ private:
                         break;
                     }
                     CrossedTriangle& place = records_[there.next++];
-                    __builtin_prefetch(&place + 2, 1);  // of the same list, and likely the next to be moved
+                    prefetch_to_write(&place + 2);  // of the same list, and likely the next to be moved
                     std::swap(record, place);
                 }
                 if (list_of(record) == list) {  // `head` may have a record that stays

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/dispatch.hpp"
+#include "base/system/processor.hpp"
 
 namespace lamella {
 
@@ -229,7 +230,7 @@ struct SoupKernel {
         write_each(scan, begin, crossed, [&to](std::size_t t, std::uint8_t lowest, PlaneRange cut) -> CrossedTriangle& {
             const std::uint32_t at = to.take_place(cut);
             CrossedTriangle& record = to.records[at];
-            __builtin_prefetch(&record + 2, 1);  // of the same list, and likely the next to be written
+            prefetch_to_write(&record + 2);  // of the same list, and likely the next to be written
             record.triangle = static_cast<std::uint32_t>(t);
             if (to.lowest_corners != nullptr) {
                 to.lowest_corners[at] = lowest;

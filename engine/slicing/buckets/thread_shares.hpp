@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "base/parallel.hpp"
+#include "base/system/processor.hpp"
 #include "slicing/buckets/triangle_source.hpp"
 #include "slicing/grid/bounds.hpp"
 #include "slicing/planes/plane_set.hpp"
@@ -186,7 +187,7 @@ struct ShareRecords {
         for (std::uint64_t left = crossed; left != 0; left &= left - 1) {
             const PlaneRange cut = read(begin + static_cast<std::size_t>(std::countr_zero(left))).planes();
             const std::uint32_t at = take_place(cut);
-            __builtin_prefetch(records + at, 1);
+            prefetch_to_write(records + at);
             places[count++] = {at, cut.first, cut.end};
         }
         count = 0;

@@ -4,7 +4,7 @@
 #include <array>
 #include <bit>
 
-#include "base/rounding.hpp"
+#include "base/system/processor.hpp"
 
 namespace lamella {
 

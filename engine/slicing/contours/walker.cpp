@@ -4,6 +4,8 @@
 #include <bit>
 #include <cassert>
 
+#include "base/system/processor.hpp"
+
 namespace lamella {
 
 /// To be called before the slots are freed.
@@ -202,8 +204,8 @@ bool LinkGraph::follow_links(Slot start) {
         do {
             const Slot slot = slot_of(next);
             const Slot soon = old_order[positions[slot] + ahead];
-            __builtin_prefetch(by_ref + port_of(soon, target_port));
-            __builtin_prefetch(positions + soon, 1);
+            prefetch_to_read(by_ref + port_of(soon, target_port));
+            prefetch_to_write(positions + soon);
             out[filled] = slot;
             positions[slot] = ++filled;
             next = by_ref[next | source_port].across;

@@ -7,6 +7,7 @@
 
 #include "base/dispatch.hpp"
 #include "base/parallel.hpp"
+#include "base/system/processor.hpp"
 #include "base/words.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/grid/quantise.hpp"
@@ -65,7 +66,7 @@ Partial measure_general(const MeshView& mesh, const Placing& placing, std::size_
     return all;
 }
 
-#ifdef __SSE2__
+#ifdef LAMELLA_SSE2
 
 // A float soup without a transform: three vectors that cover a triangle and nothing beyond it.
 //
@@ -152,7 +153,7 @@ Partial measure_soup(const MeshView& mesh, std::size_t begin, std::size_t end, B
 
 /// Blocks [begin, end).
 Partial measure_blocks(const MeshView& mesh, const Placing& placing, std::size_t begin, std::size_t end, BlockTable& table) {
-#ifdef __SSE2__
+#ifdef LAMELLA_SSE2
     if (mesh.vertex_type == Number::f32 && mesh.indices == nullptr && placing.transform.is_identity()) {
         return measure_soup(mesh, begin, end, table);
     }

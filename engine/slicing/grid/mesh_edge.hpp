@@ -7,7 +7,7 @@
 
 #include "base/little_endian.hpp"
 #include "base/numbers.hpp"
-#include "base/rounding.hpp"
+#include "base/system/processor.hpp"
 #include "lamella/grid.hpp"
 #include "lamella/layers.hpp"
 #include "slicing/grid/quantise.hpp"

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "base/rounding.hpp"
+#include "base/system/processor.hpp"
 #include "lamella/grid.hpp"
 #include "lamella/mesh.hpp"
 #include "lamella/options.hpp"
@@ -182,7 +182,7 @@ private:
     double scale_;
 };
 
-#ifdef __SSE2__
+#ifdef LAMELLA_SSE2
 /// Each argument holds x, y, z and an unused lane. Every vertex is written by one store: a load that spans two stores would
 /// wait until both have reached the cache.
 inline void store_vertices(GridTriangle& grid, __m128i first, __m128i second, __m128i third) noexcept {
@@ -246,7 +246,7 @@ decltype(auto) with_reader(const MeshView& mesh, const Placing& placing, double 
     if (std::frexp(unit_mm, &exponent) != 0.5) {
         return use(GridReader<false>(mesh, placing, unit_mm));
     }
-#ifdef __SSE2__
+#ifdef LAMELLA_SSE2
     if (mesh.vertex_type == Number::f32 && placing.transform.is_identity()) {
         return use(FloatReader(mesh, unit_mm));
     }

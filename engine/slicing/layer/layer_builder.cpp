@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "base/clock.hpp"
 #include "base/numbers.hpp"
+#include "base/system/processor.hpp"
 
 namespace lamella {
 

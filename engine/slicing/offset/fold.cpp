@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "base/rounding.hpp"
+#include "base/system/processor.hpp"
 #include "slicing/offset/raw_offset.hpp"
 
 namespace lamella {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "base/rounding.hpp"
+#include "base/system/processor.hpp"
 #include "slicing/grid/exact.hpp"
 
 namespace lamella {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include "base/clock.hpp"
+#include "base/system/processor.hpp"
 #include "lamella/context.hpp"
 #include "slicing/buckets/triangle_source.hpp"
 
@@ -175,8 +175,8 @@ std::span<const BandSweep::Pending> BandSweep::take_passing(PlaneIndex plane) {
     for (std::size_t i = 0; i < count; ++i) {
         passing_[i] = pending_[passing_at_[i]];
         const auto* record = reinterpret_cast<const char*>(&buckets_->records[passing_[i].record]);
-        __builtin_prefetch(record);
-        __builtin_prefetch(record + sizeof(CrossedTriangle) - 1);
+        prefetch_to_read(record);
+        prefetch_to_read(record + sizeof(CrossedTriangle) - 1);
     }
     for (std::size_t i = count; i-- > 0;) {  // the last ones move into the gaps
         --pending_count_;

@@ -15,6 +15,7 @@
 #include <span>
 
 #include "base/parallel.hpp"
+#include "base/system/processor.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "slicing/buckets/triangle_source.hpp"

@@ -1,0 +1,183 @@
+#include <cerrno>
+#include <cstdlib>
+#include <system_error>
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/system/file.hpp"
+
+namespace lamella {
+
+namespace {
+
+int error_where(bool failed) noexcept {
+    return failed ? errno : 0;
+}
+
+FileKind kind_of(mode_t mode) noexcept {
+    return S_ISREG(mode)    ? FileKind::regular
+           : S_ISDIR(mode)  ? FileKind::folder
+           : S_ISFIFO(mode) ? FileKind::fifo
+           : S_ISSOCK(mode) ? FileKind::socket
+                            : FileKind::device;
+}
+
+int read_status(int failure, const struct stat& found, FileStatus& status) noexcept {
+    if (failure != 0) {
+        return errno;
+    }
+#ifdef __APPLE__
+    const timespec changed = found.st_mtimespec;
+#else
+    const timespec changed = found.st_mtim;
+#endif
+    constexpr std::uint64_t nanoseconds = 1'000'000'000;
+    status = {kind_of(found.st_mode), found.st_mode & 07777U, static_cast<std::uint64_t>(found.st_size),
+              static_cast<std::uint64_t>(changed.tv_sec) * nanoseconds + static_cast<std::uint64_t>(changed.tv_nsec)};
+    return 0;
+}
+
+/// Calls step(bytes done so far), which gives how many more are, until all are. What a signal interrupts is tried again.
+template <class Step>
+int in_steps(std::size_t bytes, int none_done, const Step& step) noexcept {
+    for (std::size_t done = 0; done < bytes;) {
+        const ssize_t more = step(done);
+        if (more == 0 || (more < 0 && errno != EINTR)) {
+            return more == 0 ? none_done : errno;
+        }
+        done += static_cast<std::size_t>(more > 0 ? more : 0);
+    }
+    return 0;
+}
+
+/// Lets an Array own a mapping: it takes address space, over which the file is then mapped. Pages are aligned enough.
+constexpr Memory mapped_memory = {
+    {nullptr,
+     [](void*, std::size_t bytes, std::size_t) noexcept -> void* {
+         void* const memory = ::mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+         return memory == MAP_FAILED ? nullptr : memory;
+     }},
+    {nullptr, [](void*, void* memory, std::size_t bytes, std::size_t) noexcept { ::munmap(memory, bytes); }}};
+
+std::string unique_name(const std::filesystem::path& folder, std::string_view prefix) {
+    return (folder / (std::string(prefix) + "-XXXXXX")).string();
+}
+
+}  // namespace
+
+std::string system_message(int error_number) {
+    return std::generic_category().message(error_number);
+}
+
+std::string path_text(const std::filesystem::path& path) {
+    return path.native();
+}
+
+int File::open_to_read(const std::filesystem::path& path) noexcept {
+    handle_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    return error_where(!is_open());
+}
+
+int File::open_to_write(const std::filesystem::path& path) noexcept {
+    handle_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+    return error_where(!is_open());
+}
+
+int File::create(const std::filesystem::path& path) noexcept {
+    handle_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    return error_where(!is_open());
+}
+
+int File::create_unique(const std::filesystem::path& folder, std::string_view prefix, std::filesystem::path& made) {
+    std::string name = unique_name(folder, prefix);
+    handle_ = ::mkostemp(name.data(), O_CLOEXEC);
+    const int failure = error_where(!is_open());
+    made = std::move(name);
+    return failure;
+}
+
+int File::create_scratch(const std::filesystem::path& folder) {
+    std::filesystem::path name;
+    const int failure = create_unique(folder, ".lamella", name);
+    if (failure == 0) {
+        (void)remove_file(name);  // at once, so that no end of the process leaves it behind
+    }
+    return failure;
+}
+
+int File::duplicate(int number) noexcept {
+    handle_ = ::fcntl(number, F_DUPFD_CLOEXEC, 0);
+    return error_where(!is_open());
+}
+
+int File::status(FileStatus& status) const noexcept {
+    struct stat found {};
+    return read_status(::fstat(static_cast<int>(handle_), &found), found, status);
+}
+
+int File::set_mode(unsigned mode) noexcept {
+    return error_where(::fchmod(static_cast<int>(handle_), static_cast<mode_t>(mode)) != 0);
+}
+
+int File::read_at(std::span<std::byte> into, std::uint64_t offset) const noexcept {
+    return in_steps(into.size(), ended, [&](std::size_t done) {
+        return ::pread(static_cast<int>(handle_), into.data() + done, into.size() - done, static_cast<off_t>(offset + done));
+    });
+}
+
+int File::write_at(std::span<const std::byte> from, std::uint64_t offset) noexcept {
+    return in_steps(from.size(), EIO, [&](std::size_t done) {
+        return ::pwrite(static_cast<int>(handle_), from.data() + done, from.size() - done,
+                        static_cast<off_t>(offset + done));
+    });
+}
+
+int File::write(std::string_view text) noexcept {
+    return in_steps(text.size(), EIO, [&](std::size_t done) {
+        return ::write(static_cast<int>(handle_), text.data() + done, text.size() - done);
+    });
+}
+
+int File::close() noexcept {
+    return is_open() ? error_where(::close(static_cast<int>(std::exchange(handle_, none))) != 0) : 0;
+}
+
+int File::map(std::size_t bytes, Array<std::byte>& into) const {
+    into = Array<std::byte>(&mapped_memory);
+    into.resize_discarding(bytes);
+    constexpr int over_it = MAP_PRIVATE | MAP_FIXED;
+    if (::mmap(into.data(), bytes, PROT_READ | PROT_WRITE, over_it, static_cast<int>(handle_), 0) == MAP_FAILED) {
+        return errno;
+    }
+    (void)::madvise(into.data(), bytes, MADV_WILLNEED);  // advice only
+    return 0;
+}
+
+int status_of(const std::filesystem::path& path, FileStatus& status) noexcept {
+    struct stat found {};
+    return read_status(::stat(path.c_str(), &found), found, status);
+}
+
+int check_writable(const std::filesystem::path& path) noexcept {
+    return error_where(::access(path.c_str(), W_OK) != 0);
+}
+
+int replace_file(const std::filesystem::path& from, const std::filesystem::path& to) noexcept {
+    return error_where(::rename(from.c_str(), to.c_str()) != 0);
+}
+
+int remove_file(const std::filesystem::path& path) noexcept {
+    return error_where(::unlink(path.c_str()) != 0);
+}
+
+int create_unique_folder(const std::filesystem::path& folder, std::string_view prefix, std::filesystem::path& made) {
+    std::string name = unique_name(folder, prefix);
+    const int failure = error_where(::mkdtemp(name.data()) == nullptr);
+    made = std::move(name);
+    return failure;
+}
+
+}  // namespace lamella

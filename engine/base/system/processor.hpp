@@ -1,0 +1,64 @@
+// The processor's own instructions where it has them, else portable forms that give the same numbers. LAMELLA_PORTABLE, an
+// option of the build, takes the portable forms everywhere.
+#pragma once
+
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#if defined(__SSE2__) && !defined(LAMELLA_PORTABLE)
+#define LAMELLA_SSE2
+#include <emmintrin.h>
+#endif
+#if defined(__x86_64__) && !defined(LAMELLA_PORTABLE)
+#include <x86intrin.h>
+#endif
+
+namespace lamella {
+
+/// To split a fused phase's time by: only the ratios are used. About 7 ns; a call to the system's clock would be felt at
+/// three a layer.
+inline std::uint64_t ticks() noexcept {
+#if defined(__x86_64__) && !defined(LAMELLA_PORTABLE)
+    return __rdtsc();
+#else
+    return static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count());
+#endif
+}
+
+/// To nearest, ties to even, as one instruction: std::nearbyint without SSE4.1 is a library call, measured at a quarter of
+/// the sweep. Precondition: the rounded value fits 32 bits.
+inline std::int32_t round_to_int(double value) noexcept {
+#ifdef LAMELLA_SSE2
+    return _mm_cvtsd_si32(_mm_set_sd(value));
+#else
+    return static_cast<std::int32_t>(std::nearbyint(value));
+#endif
+}
+
+// Asks for what is read or written soon, which need not exist.
+#if defined(__GNUC__) && !defined(LAMELLA_PORTABLE)
+inline void prefetch_to_read(const void* at) noexcept {
+    __builtin_prefetch(at);
+}
+inline void prefetch_to_write(const void* at) noexcept {
+    __builtin_prefetch(at, 1);
+}
+#else
+inline void prefetch_to_read(const void* /*at*/) noexcept {}
+inline void prefetch_to_write(const void* /*at*/) noexcept {}
+#endif
+
+/// How far ahead of streams that the processor's own prefetchers do not keep up with: measured, and flat from 4 KiB on.
+inline constexpr std::size_t prefetch_bytes = 4096;
+
+/// Asks for [at + prefetch_bytes, at + prefetch_bytes + bytes).
+inline void prefetch_ahead(const std::byte* at, std::size_t bytes) noexcept {
+    constexpr std::size_t cache_line = 64;
+    for (std::size_t offset = 0; offset < bytes; offset += cache_line) {
+        prefetch_to_read(at + prefetch_bytes + offset);
+    }
+}
+
+}  // namespace lamella

@@ -173,7 +173,7 @@ void CornerSums::carry() noexcept {
 FaceSums::FaceSums(const PlaneSet& planes, const PlaneHeights& heights, CornerScale scale)
     : planes_(planes),
       z_(heights.z()),
-      kernels_(best_of(corner_kernel_forms())),
+      kernels_(best_of(corner_kernel_forms(), instruction_set())),
       area_scale_(std::ldexp(1.0, scale.area_bits)),
       volume_scale_(std::ldexp(1.0, scale.volume_bits)),
       corners_(planes.size()),

@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <string>
 #include <utility>
 
 #include "base/clock.hpp"
@@ -61,7 +62,7 @@ public:
         if (!is_wide(band)) {
             return false;
         }
-        WidePlane wide(kept_.memory, parallel_, rules_);
+        WidePlane wide(kept_.memory, kept_.instructions, parallel_, rules_);
         const std::uint64_t start = ticks();
         if (!wide.build(kept_.bands.bands[band].first, kept_.bands.seeds_of(band), kept_.buckets, kept_.planes, output)) {
             return false;
@@ -80,7 +81,7 @@ public:
     BandSweep& of(int worker) {
         auto& sweep = kept_.sweeps[static_cast<std::size_t>(worker)];
         if (sweep == nullptr) {
-            sweep = std::make_unique<BandSweep>(kept_.memory);
+            sweep = std::make_unique<BandSweep>(kept_.memory, kept_.instructions);
         }
         sweep->set_rules(rules_);
         return *sweep;
@@ -135,6 +136,10 @@ void bucket_by_bands(TriangleSource& source, std::uint64_t most_band_segments, c
 void check_options(const SliceOptions& options, const Tuning& tuning) {
     if (tuning.band_planes < 0) {
         throw Refused{{ErrorCode::invalid_argument, "the number of planes in a band must not be negative"}};
+    }
+    if (tuning.instructions && !runs(*tuning.instructions)) {
+        throw Refused{{ErrorCode::invalid_argument, "this processor, or this build of lamella, has no " +
+                                                        std::string(name_of(*tuning.instructions)) + " instructions"}};
     }
     require(check_rules(options));
 }

@@ -108,7 +108,7 @@ Result<SliceInfo> slice_tuned(Slicer& slicer, const Destination& to, const Sourc
         if (&options == &info.options) {
             own = options;
         }
-        slice_source(from, &to, {own ? *own : options, tuning, context, SlicerImpl::of(slicer, context)}, info);
+        slice_source(from, &to, {own ? *own : options, tuning, context, SlicerImpl::of(slicer, context, tuning)}, info);
         return to.result() != nullptr ? SliceInfo(info) : std::move(info);
     });
 }
@@ -122,7 +122,7 @@ Result<SliceResult> Slicer::slice(const Source& from, const SliceOptions& option
     return guarded(context, [&]() -> Result<SliceResult> {
         SliceResult result(context.memory);
         const Destination to(result);
-        slice_source(from, &to, {options, {}, context, SlicerImpl::of(*this, context)}, result.info);
+        slice_source(from, &to, {options, {}, context, SlicerImpl::of(*this, context, {})}, result.info);
         return result;
     });
 }
@@ -132,7 +132,7 @@ Result<SliceInfo> Slicer::outline(const Source& from, const SliceOptions& option
         Context quiet = context;
         quiet.progress = {};
         SliceInfo info;
-        slice_source(from, nullptr, {options, {}, quiet, SlicerImpl::of(*this, context)}, info);
+        slice_source(from, nullptr, {options, {}, quiet, SlicerImpl::of(*this, context, {})}, info);
         return info;
     });
 }
@@ -147,12 +147,14 @@ std::uint64_t usual_memory_limit() {
     return physical_memory_bytes() / 2;
 }
 
-SlicerImpl::SlicerImpl(const Memory* host) : counted(host), usual_limit(usual_memory_limit()) {}
+SlicerImpl::SlicerImpl(const Memory* host, InstructionSet level)
+    : counted(host), instructions(level), usual_limit(usual_memory_limit()) {}
 
-SlicerImpl& SlicerImpl::of(Slicer& slicer, const Context& context) {
+SlicerImpl& SlicerImpl::of(Slicer& slicer, const Context& context, const Tuning& tuning) {
+    const InstructionSet level = tuning.instructions ? *tuning.instructions : instruction_set();
     std::unique_ptr<SlicerImpl>& kept = slicer.impl_;
-    if (kept == nullptr || kept->counted.host() != context.memory) {
-        kept = std::make_unique<SlicerImpl>(context.memory);
+    if (kept == nullptr || kept->counted.host() != context.memory || kept->instructions != level) {
+        kept = std::make_unique<SlicerImpl>(context.memory, level);
     }
     if (kept->parallel == nullptr || !kept->parallel->serves(context)) {
         kept->parallel = std::make_unique<Parallel>(context);

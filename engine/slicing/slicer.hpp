@@ -15,6 +15,7 @@
 #include "slicing/planes/plane_set.hpp"
 #include "slicing/result/layer_target.hpp"
 #include "slicing/sweep/band_sweep.hpp"
+#include "slicing/tuning.hpp"
 
 namespace lamella::detail {
 
@@ -52,13 +53,12 @@ private:
 };
 
 struct SlicerImpl {
-    explicit SlicerImpl(const Memory* host);
+    SlicerImpl(const Memory* host, InstructionSet level);
 
-    /// What the slicer keeps, for a call that begins on this thread. Where the call's memory is another one, it is made
-    /// anew.
-    static SlicerImpl& of(Slicer& slicer, const Context& context);
+    /// What the slicer keeps, for a call that begins on this thread; made anew where memory or instructions differ.
+    static SlicerImpl& of(Slicer& slicer, const Context& context, const Tuning& tuning);
 
-    SourceTools source_tools() noexcept { return {*parallel, planes, buckets}; }
+    SourceTools source_tools() noexcept { return {*parallel, planes, buckets, instructions}; }
 
     std::size_t bytes() const noexcept;
     /// See Slicer::trim(). Throws std::bad_alloc.
@@ -66,6 +66,7 @@ struct SlicerImpl {
 
     CountedMemory counted;
     const Memory* memory = counted.memory();
+    const InstructionSet instructions;
     std::uint64_t usual_limit;
     std::unique_ptr<Parallel> parallel;  // kept, since threads return sooner to an arena that they have just left
     PlaneSet planes{memory};

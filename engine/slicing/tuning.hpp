@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "base/dispatch.hpp"
 #include "lamella/slice.hpp"
 
 namespace lamella {
@@ -30,6 +31,7 @@ struct RandomHeights {
 struct Tuning {
     std::int64_t band_planes = 0;  ///< swept as one task; 0: chosen by the work in them
     ContourForm form = ContourForm::swept;
+    std::optional<InstructionSet> instructions{};   ///< of kernels; none: the highest level that the processor runs
     std::optional<RandomHeights> random_heights{};  ///< in place of the options' plan; SliceInfo::options then lists them
 };
 

@@ -9,6 +9,7 @@
 #include <catch2/catch.hpp>
 
 #include "audit/face_sums.hpp"
+#include "engine/slicing.hpp"
 #include "lamella/result.hpp"
 #include "rings.hpp"
 #include "slicing/contours/kernels.hpp"
@@ -83,6 +84,27 @@ lamella::PlaneSet planes_from(std::int32_t lowest, std::size_t count) {
 }
 
 }  // namespace
+
+TEST_CASE("a level takes its own forms, and one that the processor lacks is refused by name", "[engine][kernels]") {
+    const auto forms = lamella::kernel_forms();
+    CHECK(&lamella::best_of(forms, lamella::InstructionSet::portable) == &lamella::portable_of(forms));
+    CHECK(&lamella::best_of(forms, lamella::instruction_set()) == &lamella::supported(forms).front().kernel);
+    const shapes::Soup box = shapes::box({0, 0, 0}, {1, 1, 1});
+    std::size_t refused = 0;
+    for (std::size_t i = 0; i < lamella::instruction_set_names.size(); ++i) {
+        const auto level = static_cast<lamella::InstructionSet>(i);
+        lamella::Slicer slicer;
+        lamella::SliceResult result;
+        const auto info = slice_tuned(slicer, result, view_of(box), uniform(0.25), {.instructions = level});
+        REQUIRE(info.ok() == lamella::runs(level));
+        if (!info) {
+            CHECK(info.error().code == lamella::ErrorCode::invalid_argument);
+            CHECK(info.error().message.find(name_of(level)) != std::string::npos);
+            ++refused;
+        }
+    }
+    CHECK(refused > 0);  // no processor has those of x86 and of ARM
+}
 
 TEST_CASE("all forms of the kernels agree with the portable form", "[engine][kernels]") {
     std::mt19937 random(7);

@@ -30,7 +30,8 @@ struct Curve {
 };
 
 Curve offset_of(const Ring& ring, double distance, double miter_limit = 3) {
-    RawOffset offset(nullptr);
+    lamella::Worker worker;
+    RawOffset offset(worker);
     const RawCurve facts = offset.append(ring, distance, miter_limit);
     const auto points = offset.points_of(facts);
     return {facts, {points.begin(), points.end()}};

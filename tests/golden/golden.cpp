@@ -163,6 +163,7 @@ std::uint64_t add_slices(Hashes& hashes, const std::string& name, const MeshView
     // Among them eight threads in bands of the default size, swept: these work on wide planes together.
     for (std::size_t i = 2; i < all_ways.size(); i += 7) {
         INFO(name << ", " << all_ways[i]);
+        tuning.instructions = all_ways[i].tuning.instructions;
         tuning.band_planes = all_ways[i].tuning.band_planes;
         tuning.form = all_ways[i].tuning.form;
         const SliceResult result = sliced(mesh, options, all_ways[i].context, tuning);

@@ -49,7 +49,7 @@ def reached(root, without=()):
 
 def fields_of_sweep(root):
     """By clang's picture of the record, in which a member's members follow it, indented by two."""
-    source = '#include "slicing/sweep/band_sweep.hpp"\nvoid make(const lamella::Memory* memory) { lamella::BandSweep sweep(memory); }\n'
+    source = '#include "slicing/sweep/band_sweep.hpp"\nvoid make(const lamella::Memory* memory) { lamella::BandSweep sweep(memory, {}); }\n'
     command = ["clang++", "-std=c++20", f"-I{root / 'engine'}", f"-I{root / 'include'}", "-Xclang", "-fdump-record-layouts", "-fsyntax-only", "-xc++", "-"]
     picture = subprocess.run(command, input=source, capture_output=True, text=True, check=True).stdout
     lines = re.search(r"^ *0 \| class lamella::BandSweep\n((?:.*\|  .*\n)*)", picture, re.MULTILINE)[1].splitlines()

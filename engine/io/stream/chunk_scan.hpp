@@ -113,11 +113,12 @@ inline FileBox measure_file(const TriangleFile& file, std::span<const std::byte>
 class ChunkScan {
 public:
     ChunkScan(const TriangleFile& file, std::span<const std::byte> resident, std::size_t chunk_triangles,
-              const Placing& placing, double unit_mm, const PlaneSet& planes)
+              const Placing& placing, double unit_mm, const PlaneSet& planes, InstructionSet instructions)
         : reader_(file, resident, chunk_triangles),
           placing_(placing),
           unit_mm_(unit_mm),
           planes_(planes),
+          instructions_(instructions),
           found_(chunk_triangles),
           counts_(planes.size()) {}
 
@@ -126,7 +127,7 @@ public:
     std::span<const CrossedTriangle> scan(std::size_t index, bool near) {
         found_count_ = 0;
         const MeshView chunk = reader_.read(index);
-        const SoupScan soup(chunk, placing_, unit_mm_, planes_);
+        const SoupScan soup(chunk, placing_, unit_mm_, planes_, instructions_);
         // Else blocks that lie between planes would be left out, which takes longer to find than to read them.
         measured_ = near || !soup.usable() || chunk.triangle_count % block_triangles != 0;
         if (measured_) {
@@ -186,6 +187,7 @@ private:
     Placing placing_;
     double unit_mm_;
     const PlaneSet& planes_;
+    InstructionSet instructions_;
     std::vector<CrossedTriangle> found_;
     std::size_t found_count_ = 0;
     bool measured_ = false;  ///< the chunk at hand

@@ -153,8 +153,8 @@ private:
             }
             auto& scan = scans_[static_cast<std::size_t>(worker)];
             if (scan == nullptr) {
-                scan =
-                    std::make_unique<ChunkScan>(file_, resident_.span(), chunk_triangles, placing_, frame_.unit.mm, planes_);
+                scan = std::make_unique<ChunkScan>(file_, resident_.span(), chunk_triangles, placing_, frame_.unit.mm,
+                                                   planes_, call_.kept.instructions);
             }
             const std::span<const CrossedTriangle> found = scan->scan(begin + i, near);
             if (keep) {
@@ -297,7 +297,7 @@ private:
             most_cut_ = span.triangles;
         }
         const auto start = Clock::now();
-        const SliceCall call{options_, call_.tuning, context, detail::SlicerImpl::of(scratch_, context)};
+        const SliceCall call{options_, call_.tuning, context, detail::SlicerImpl::of(scratch_, context, call_.tuning)};
         ListedSource source(store_.listed(span.begin, span.end), span.triangles, frame_, call.kept.source_tools());
         SliceInfo own;
         slice_layers(source, target_, call, own, span.begin);

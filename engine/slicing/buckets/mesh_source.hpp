@@ -85,7 +85,8 @@ TriangleSource& source_of(const MeshView& mesh, const Placing& placing, const Sh
 
 class SoupScan {
 public:
-    SoupScan(const MeshView& mesh, const Placing& placing, double unit_mm, const PlaneSet& planes) noexcept;
+    SoupScan(const MeshView& mesh, const Placing& placing, double unit_mm, const PlaneSet& planes,
+             InstructionSet instructions) noexcept;
 
     /// True where this processor and mesh allow it.
     bool usable() const noexcept { return kernels_ != nullptr; }
@@ -117,7 +118,7 @@ private:
         void (*write)(const SoupScan& scan, std::size_t begin, std::uint64_t crossed, ShareRecords& to);
         std::size_t (*append)(const SoupScan& scan, std::size_t begin, std::uint64_t wanted, CrossedTriangle* records);
     };
-    static const Kernels* kernels() noexcept;
+    static const Kernels* kernels(InstructionSet instructions) noexcept;
 
     const std::byte* vertices_;
     std::int32_t stride_;

@@ -18,7 +18,8 @@ constexpr PlaneIndex most_scanned_planes = 1 << 28;  // indices of gathers are s
 
 }  // namespace
 
-SoupScan::SoupScan(const MeshView& mesh, const Placing& placing, double unit_mm, const PlaneSet& planes) noexcept
+SoupScan::SoupScan(const MeshView& mesh, const Placing& placing, double unit_mm, const PlaneSet& planes,
+                   InstructionSet instructions) noexcept
     : vertices_(mesh.vertex_at(0)),
       stride_(static_cast<std::int32_t>(mesh.vertex_step())),
       scale_(static_cast<float>(1 / (2 * unit_mm))),
@@ -27,7 +28,7 @@ SoupScan::SoupScan(const MeshView& mesh, const Placing& placing, double unit_mm,
     const bool allowed = mesh.vertex_type == Number::f32 && mesh.indices == nullptr && mesh.vertex_step() < (1U << 20) &&
                          placing.transform.is_identity() && std::frexp(unit_mm, &exponent) == 0.5 && planes.size() > 0 &&
                          planes.size() <= most_scanned_planes;
-    kernels_ = allowed ? kernels() : nullptr;
+    kernels_ = allowed ? kernels(instructions) : nullptr;
     if (planes.uniform() && planes.size() <= most_by_arithmetic && planes.planes_per_unit() * least_step_units <= 1) {
         planes_per_unit_ = static_cast<float>(planes.planes_per_unit());
     }
@@ -253,7 +254,7 @@ struct SoupKernel {
 #endif
 
 /// Null: one triangle at a time is the portable form.
-const SoupScan::Kernels* SoupScan::kernels() noexcept {
+const SoupScan::Kernels* SoupScan::kernels(InstructionSet instructions) noexcept {
 #ifdef LAMELLA_X86_FORMS
     static constexpr Kernels avx512{SoupKernel::ranges, SoupKernel::write, SoupKernel::append};
 #endif
@@ -262,7 +263,7 @@ const SoupScan::Kernels* SoupScan::kernels() noexcept {
         {InstructionSet::avx512, &avx512},
 #endif
         {InstructionSet::portable, nullptr}};
-    return best_of<const Kernels*>(forms);
+    return best_of<const Kernels*>(forms, instructions);
 }
 
 }  // namespace lamella

@@ -57,7 +57,7 @@ Bounds SoupSource::measure(double asked_mm) {
 
 void SoupSource::count(double unit_mm) {
     unit_mm_ = unit_mm;
-    const SoupScan scan(mesh_, placing_, unit_mm, planes_);
+    const SoupScan scan(mesh_, placing_, unit_mm, planes_, instructions_);
     with_reader(mesh_, placing_, unit_mm, [&](const auto& read) {
         const auto count_block = [&](std::size_t begin, std::size_t end, ShareCounts& counts) -> std::uint64_t {
             const std::size_t block = begin / block_triangles;
@@ -86,7 +86,7 @@ void SoupSource::count(double unit_mm) {
 }
 
 std::size_t SoupSource::scatter(std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching, bool origins) {
-    const SoupScan scan(mesh_, placing_, unit_mm_, planes_);
+    const SoupScan scan(mesh_, placing_, unit_mm_, planes_, instructions_);
     return with_reader(mesh_, placing_, unit_mm_, [&](const auto& read) {
         const auto scatter_block = [&](std::size_t begin, std::uint64_t crossed, ShareRecords& to) {
             if (scan.usable() && begin + block_triangles <= mesh_.triangle_count) {

@@ -11,6 +11,7 @@
 #include <cstring>
 #include <span>
 
+#include "base/dispatch.hpp"
 #include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "lamella/array.hpp"
@@ -181,6 +182,7 @@ struct SourceTools {
     const Parallel& parallel;
     const PlaneSet& planes;
     Buckets& buckets;
+    InstructionSet instructions;
 };
 
 /// All that is known of triangles before they are read.
@@ -214,11 +216,16 @@ public:
 
 protected:
     TriangleSource(const SourceInfo& own, const SourceTools& tools) noexcept
-        : info(own), parallel_(tools.parallel), planes_(tools.planes), buckets_(tools.buckets) {}
+        : info(own),
+          parallel_(tools.parallel),
+          planes_(tools.planes),
+          buckets_(tools.buckets),
+          instructions_(tools.instructions) {}
 
     const Parallel& parallel_;
     const PlaneSet& planes_;
     Buckets& buckets_;
+    InstructionSet instructions_;
 };
 
 }  // namespace lamella

@@ -190,7 +190,7 @@ private:
     void seat(Slot slot, int port, const MeetingEnd& end, std::span<Link> links) noexcept;
     void seat_pairs(std::span<const MeetingEnd> ends, std::span<Link> links);
 
-    const Kernels& kernels_ = best_of(kernel_forms());
+    const Kernels& kernels_ = best_of(kernel_forms(), worker_.instructions());
 
     // slots
     Vector<MeshEdge> edges_{worker_.memory()};

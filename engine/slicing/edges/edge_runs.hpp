@@ -113,7 +113,7 @@ private:
     void write_runs(const Piece& piece) noexcept;
 
     Worker& worker_;
-    const FindTurns find_turns_ = best_of(find_turns_forms());
+    const FindTurns find_turns_ = best_of(find_turns_forms(), worker_.instructions());
     std::int32_t margin_ = 0;
     Vector<EdgePath> paths_{worker_.memory()};
     std::uint64_t edges_ = 0;

@@ -114,7 +114,7 @@ private:
     }
 
     Worker& worker_;
-    const Kernels& kernels_ = best_of(kernel_forms());
+    const Kernels& kernels_ = best_of(kernel_forms(), worker_.instructions());
     Vector<Point> rings_{worker_.memory()};          // the plane's points in walking order
     Vector<PointOrigin> origins_{worker_.memory()};  // of rings_
 };

@@ -144,7 +144,7 @@ private:
     void assign_roles(std::span<NestItem> items);
 
     Worker& worker_;
-    nesting::AddEdges add_edges_ = best_of(nesting::add_edges_forms());
+    nesting::AddEdges add_edges_ = best_of(nesting::add_edges_forms(), worker_.instructions());
     Vector<nesting::SortKey> by_start_{worker_.memory()};  // of rings_: their starts
     Vector<nesting::SortKey> by_size_{worker_.memory()};   // of rings_: their areas
     Vector<nesting::SortKey> spare_keys_{worker_.memory()};

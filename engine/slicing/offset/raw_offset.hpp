@@ -70,6 +70,7 @@
 
 #include "base/dispatch.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "lamella/grid.hpp"
 
 namespace lamella {
@@ -120,8 +121,7 @@ struct RawCurve {
 /// One per thread; scratch is kept.
 class RawOffset {
 public:
-    explicit RawOffset(const Memory* memory)
-        : kernels_(best_of(offset_kernel_forms())), numbers_(memory), miters_(memory), points_(memory) {}
+    explicit RawOffset(Worker& worker) noexcept : worker_(worker) {}
 
     /// The fate of a curve with edges that turn round: omitted, it has no points.
     enum class Turned : bool { written, omitted };
@@ -157,12 +157,13 @@ private:
     bool keep_directions(std::size_t count) const noexcept;
     Point* write_corner(std::span<const Point> contour, std::size_t corner, const Shape& shape, Point* out) const;
 
-    const OffsetKernels& kernels_;
-    Vector<double> numbers_;  // what edges_ and corners_ point to
-    Vector<Point> miters_;
+    Worker& worker_;
+    const OffsetKernels& kernels_ = best_of(offset_kernel_forms(), worker_.instructions());
+    Vector<double> numbers_{worker_.memory()};  // what edges_ and corners_ point to
+    Vector<Point> miters_{worker_.memory()};
     OffsetEdges edges_{};
     OffsetCorners corners_{};  // the first stands at the end too
-    Vector<Point> points_;
+    Vector<Point> points_{worker_.memory()};
 };
 
 }  // namespace lamella

@@ -101,10 +101,11 @@ public:
 private:
     /// What a thread builds layers with.
     struct Builder {
-        Builder(const Memory* memory, const StopCheck& stop) : worker(memory, stop), given(memory) {}
+        explicit Builder(const detail::SlicerImpl& kept)
+            : worker(kept.parallel->memory(), kept.parallel->stop(), kept.instructions) {}
         Worker worker;
         LayerBuilder layers{worker};
-        Vector<Path> given;
+        Vector<Path> given{worker.memory()};
     };
 
     /// Without contours.
@@ -158,7 +159,7 @@ private:
     void unite(std::size_t l, int worker, BandOutput& output) {
         auto& builder = builders_[static_cast<std::size_t>(worker)];
         if (builder == nullptr) {
-            builder = std::make_unique<Builder>(parallel_.memory(), parallel_.stop());
+            builder = std::make_unique<Builder>(call_.kept);
             builder->layers.rules = &rules_;
         }
         builder->given.clear();

@@ -92,8 +92,8 @@ private:
     Fill filled_{worker_};
     Fill moved_{worker_};  // dilated for closing, or offset
     Fill closed_{worker_};
-    RawOffset moved_curves_{worker_.memory()};
-    RawOffset closed_curves_{worker_.memory()};
+    RawOffset moved_curves_{worker_};
+    RawOffset closed_curves_{worker_};
 };
 
 }  // namespace lamella

@@ -72,7 +72,7 @@ private:
 /// One per thread; scratch is kept from band to band.
 class BandSweep {
 public:
-    explicit BandSweep(const Memory* memory) : worker_(memory) {}
+    BandSweep(const Memory* memory, InstructionSet instructions) : worker_(memory, instructions) {}
 
     /// One layer in so many is timed: reading clocks at every layer would slow small ones.
     static constexpr PlaneIndex timing_stride = 8;
@@ -119,7 +119,7 @@ private:
     void pierce(std::int32_t z);
 
     Worker worker_;
-    const Kernels& kernels_ = best_of(kernel_forms());
+    const Kernels& kernels_ = best_of(kernel_forms(), worker_.instructions());
     LinkGraph graph_{worker_};
     ActiveEdges edges_{worker_.memory()};
     LayerBuilder layers_{worker_};

@@ -25,8 +25,8 @@ namespace lamella {
 
 class WidePlane {
 public:
-    WidePlane(const Memory* memory, const Parallel& parallel, const LayerRules& rules)
-        : worker_(memory, parallel.stop()), parallel_(parallel) {
+    WidePlane(const Memory* memory, InstructionSet instructions, const Parallel& parallel, const LayerRules& rules)
+        : worker_(memory, parallel.stop(), instructions), parallel_(parallel) {
         layer_.rules = &rules;
         layer_.ticks = &ticks_;
     }

@@ -71,6 +71,10 @@ void declare_experiments(CLI::App& command, SliceArguments& arguments) {
         ->group(experiments);
     add_choice(command, "--form", forms, "How contours are built (swept); the results are identical", tuning.form)
         ->group(experiments);
+    add_choice(command, "--instructions", instruction_set_names,
+               "Instructions of the inner loops (the processor's highest); the results are identical",
+               [&tuning](std::size_t level) { tuning.instructions = static_cast<InstructionSet>(level); })
+        ->group(experiments);
 }
 
 void declare_how(CLI::App& command, SliceArguments& arguments) {

@@ -24,6 +24,9 @@
 #define LAMELLA_AVX2_INLINE __attribute__((target("avx2"), always_inline)) inline
 #define LAMELLA_AVX512 __attribute__((target("avx512f,avx512vl,avx512dq,avx2,popcnt")))
 #define LAMELLA_AVX512_INLINE __attribute__((target("avx512f,avx512vl,avx512dq,avx2,popcnt"), always_inline)) inline
+#elif defined(__aarch64__) && defined(__GNUC__)
+#define LAMELLA_NEON_FORMS
+#include <arm_neon.h>
 #endif
 
 namespace lamella {
@@ -52,6 +55,10 @@ inline bool runs(InstructionSet level) noexcept {
         return runs(InstructionSet::avx2) && __builtin_cpu_supports("avx512f") != 0 &&
                __builtin_cpu_supports("avx512vl") != 0 && __builtin_cpu_supports("avx512dq") != 0 &&
                __builtin_cpu_supports("popcnt") != 0;
+    }
+#elif defined(LAMELLA_NEON_FORMS)
+    if (level == InstructionSet::neon) {
+        return true;
     }
 #endif
     return level == InstructionSet::portable;

@@ -35,6 +35,30 @@ std::size_t select_equal_portable(const std::uint32_t* values, std::size_t count
 
 constexpr Kernels portable{pierce_portable, trace_portable, select_equal_portable};
 
+#if defined(LAMELLA_X86_FORMS) || defined(LAMELLA_NEON_FORMS)
+
+/// True if all differences within the box fit the 32-bit halves that vector multiplication takes.
+bool fits_halves(const RingFacts& facts) {
+    return width_of(facts.box) <= INT32_MAX && height_of(facts.box) <= INT32_MAX;
+}
+
+/// The points from `whole` on, which do not fill a vector that another follows.
+inline void add_rest(const Point* points, const std::uint32_t* slots, std::size_t whole, std::size_t count, Point* ring,
+                     RingFacts& facts) {
+    const Point first = points[slots[0]];
+    Point last = points[slots[whole > 0 ? whole - 1 : count - 1]];
+    for (std::size_t i = whole; i < count; ++i) {
+        const Point point = points[slots[i]];
+        const Point next = i + 1 < count ? points[slots[i + 1]] : first;
+        ring[i] = point;
+        facts.box.include({point, point});
+        facts.has_repeats = facts.has_repeats || point == next;
+        facts.twice_area += Int128{std::int64_t{point.x} - first.x} * (std::int64_t{next.y} - last.y);
+        last = point;
+    }
+}
+
+#endif
 #ifdef LAMELLA_X86_FORMS
 
 // --- AVX2: four edges, four points a step
@@ -61,11 +85,6 @@ LAMELLA_AVX2 void pierce_avx2(const EdgeArrays& edges, std::int32_t z, std::size
 
 LAMELLA_AVX2 __m256i load_points(const Point* at) {
     return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at));
-}
-
-/// True if all differences within the box fit the 32-bit halves that vector multiplication takes.
-bool fits_halves(const RingFacts& facts) {
-    return width_of(facts.box) <= INT32_MAX && height_of(facts.box) <= INT32_MAX;
 }
 
 /// Folds four lanes of lowest and highest points and of sums into `facts`.
@@ -152,16 +171,7 @@ LAMELLA_AVX2 RingFacts trace_avx2(const Point* points, const std::uint32_t* slot
     facts.has_repeats = _mm256_testz_si256(repeats, repeats) == 0;
     finish_facts(facts, low, high, low_sum, high_sum);
     facts.twice_area -= Int128{whole} << 63;
-    Point last = points[slots[whole > 0 ? whole - 1 : count - 1]];
-    for (std::size_t i = whole; i < count; ++i) {
-        const Point point = points[slots[i]];
-        const Point next = i + 1 < count ? points[slots[i + 1]] : first;
-        ring[i] = point;
-        facts.box.include({point, point});
-        facts.has_repeats = facts.has_repeats || point == next;
-        facts.twice_area += Int128{std::int64_t{point.x} - first.x} * (std::int64_t{next.y} - last.y);
-        last = point;
-    }
+    add_rest(points, slots, whole, count, ring, facts);
     find_smallest(ring, count, facts);
     return fits_halves(facts) ? facts : trace_portable(points, slots, count, ring);
 }
@@ -286,6 +296,104 @@ LAMELLA_AVX512 std::size_t select_equal_avx512(const std::uint32_t* values, std:
 
 constexpr Kernels avx512{pierce_avx2, trace_avx512, select_equal_avx512};
 
+#elif defined(LAMELLA_NEON_FORMS)
+
+// --- NEON: two edges, four points a step. Its speed is not measured.
+
+/// Where two edges pierce, along one axis. Product and sum are rounded apart, as in the portable form.
+int32x2_t pierce_two(const std::int32_t* from, const double* slopes, float64x2_t rise) {
+    const float64x2_t start = vcvtq_f64_s64(vmovl_s32(vld1_s32(from)));
+    return vmovn_s64(vcvtnq_s64_f64(vaddq_f64(start, vmulq_f64(vld1q_f64(slopes), rise))));
+}
+
+void pierce_neon(const EdgeArrays& edges, std::int32_t z, std::size_t count, Point* points) {
+    for (std::size_t e = 0; e < count; e += 2) {
+        const float64x2_t rise = vcvtq_f64_s64(vsubl_s32(vdup_n_s32(z), vld1_s32(edges.z + e)));
+        vst2_s32(reinterpret_cast<std::int32_t*>(points + e),
+                 {{pierce_two(edges.x + e, edges.slope_x + e, rise), pierce_two(edges.y + e, edges.slope_y + e, rise)}});
+    }
+}
+
+int32x4x2_t gather_four(const Point* points, const std::uint32_t* slots) {
+    const auto at = [=](int i) { return vld1_s32(reinterpret_cast<const std::int32_t*>(points + slots[i])); };
+    const int32x4_t low = vcombine_s32(at(0), at(1));
+    const int32x4_t high = vcombine_s32(at(2), at(3));
+    return {{vuzp1q_s32(low, high), vuzp2q_s32(low, high)}};
+}
+
+/// Sums of products in two halves: 2^31 products of 64 bits fit.
+struct HalfSums {
+    uint64x2_t low = vdupq_n_u64(0);
+    int64x2_t high = vdupq_n_s64(0);
+
+    void add(int64x2_t products) {
+        low = vaddw_u32(low, vmovn_u64(vreinterpretq_u64_s64(products)));
+        high = vaddw_s32(high, vshrn_n_s64(products, 32));
+    }
+    Int128 sum() const { return (Int128{vaddvq_s64(high)} << 32) + Int128{vaddvq_u64(low)}; }
+};
+
+/// Of points [begin, end), those with the least x.
+void note_smallest(const Point* ring, std::size_t begin, std::size_t end, std::size_t none, RingFacts& facts) {
+    for (std::size_t i = begin; i < end; ++i) {
+        if (ring[i].x == facts.box.low.x && (facts.smallest == none || ring[i].y <= ring[facts.smallest].y)) {
+            facts.many_smallest = facts.smallest != none && ring[i].y == ring[facts.smallest].y;
+            facts.smallest = facts.many_smallest ? facts.smallest : i;
+        }
+    }
+}
+
+/// Four points a step, as trace_avx512 has eight, with x and y in a vector each.
+RingFacts trace_neon(const Point* points, const std::uint32_t* slots, std::size_t count, Point* ring) {
+    constexpr std::size_t lanes = 4;
+    if (count < 2 * lanes) {
+        return trace_portable(points, slots, count, ring);
+    }
+    const Point first = points[slots[0]];
+    const Point last = points[slots[count - 1]];
+    int32x4x2_t before{{vdupq_n_s32(last.x), vdupq_n_s32(last.y)}};
+    int32x4x2_t here = gather_four(points, slots);
+    int32x4x2_t low{{vdupq_n_s32(first.x), vdupq_n_s32(first.y)}};
+    int32x4x2_t high = low;
+    uint32x4_t repeats = vdupq_n_u32(0);
+    HalfSums sums;
+    const std::size_t whole = (count - lanes) / lanes * lanes;  // a whole vector follows each
+    for (std::size_t i = 0; i < whole; i += lanes) {
+        const int32x4x2_t next = gather_four(points, slots + i + lanes);
+        vst2q_s32(reinterpret_cast<std::int32_t*>(ring + i), here);
+        const int32x4_t after_y = vextq_s32(here.val[1], next.val[1], 1);
+        const uint32x4_t same_x = vceqq_s32(here.val[0], vextq_s32(here.val[0], next.val[0], 1));
+        repeats = vorrq_u32(repeats, vandq_u32(same_x, vceqq_s32(here.val[1], after_y)));
+        for (int axis = 0; axis < 2; ++axis) {
+            low.val[axis] = vminq_s32(low.val[axis], here.val[axis]);
+            high.val[axis] = vmaxq_s32(high.val[axis], here.val[axis]);
+        }
+        const int32x4_t dx = vsubq_s32(here.val[0], vdupq_n_s32(first.x));
+        const int32x4_t dy = vsubq_s32(after_y, vextq_s32(before.val[1], here.val[1], 3));
+        sums.add(vmull_s32(vget_low_s32(dx), vget_low_s32(dy)));
+        sums.add(vmull_high_s32(dx, dy));
+        before = here;
+        here = next;
+    }
+    RingFacts facts{};
+    facts.box = {{vminvq_s32(low.val[0]), vminvq_s32(low.val[1])}, {vmaxvq_s32(high.val[0]), vmaxvq_s32(high.val[1])}};
+    facts.has_repeats = vmaxvq_u32(repeats) != 0;
+    facts.twice_area = sums.sum();
+    add_rest(points, slots, whole, count, ring, facts);
+    facts.smallest = count;
+    const int32x4_t lowest_x = vdupq_n_s32(facts.box.low.x);
+    for (std::size_t i = 0; i < count; i += lanes) {
+        const std::size_t end = std::min(count, i + lanes);
+        if (end == count ||
+            vmaxvq_u32(vceqq_s32(vld2q_s32(reinterpret_cast<std::int32_t*>(ring + i)).val[0], lowest_x)) != 0) {
+            note_smallest(ring, i, end, count, facts);
+        }
+    }
+    return fits_halves(facts) ? facts : trace_portable(points, slots, count, ring);
+}
+
+constexpr Kernels neon{pierce_neon, trace_neon, select_equal_portable};
+
 #endif
 
 }  // namespace
@@ -295,6 +403,8 @@ std::span<const Form<Kernels>> kernel_forms() noexcept {
 #ifdef LAMELLA_X86_FORMS
         {InstructionSet::avx512, avx512},
         {InstructionSet::avx2, avx2},
+#elif defined(LAMELLA_NEON_FORMS)
+        {InstructionSet::neon, neon},
 #endif
         {InstructionSet::portable, portable}};
     return forms;

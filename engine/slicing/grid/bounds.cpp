@@ -7,7 +7,6 @@
 
 #include "base/dispatch.hpp"
 #include "base/parallel.hpp"
-#include "base/system/processor.hpp"
 #include "base/words.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/grid/quantise.hpp"
@@ -66,7 +65,55 @@ Partial measure_general(const MeshView& mesh, const Placing& placing, std::size_
     return all;
 }
 
-#ifdef LAMELLA_SSE2
+#if defined(LAMELLA_SSE2)
+#define LAMELLA_FOUR_FLOATS
+
+/// Four floats, as every x86-64 has them.
+struct Floats {
+    using Vector = __m128;
+    using Lanes = __m128;
+    static Vector all_of(float value) noexcept { return _mm_set1_ps(value); }
+    static Vector load(const float* at) noexcept { return _mm_loadu_ps(at); }
+    static void store(float* at, Vector v) noexcept { _mm_storeu_ps(at, v); }
+    /// `b` where that is NaN, or both are zeros.
+    static Vector least(Vector a, Vector b) noexcept { return _mm_min_ps(a, b); }
+    static Vector greatest(Vector a, Vector b) noexcept { return _mm_max_ps(a, b); }
+    /// Lanes 1, 2 and 3, then another one.
+    static Vector upper_three(Vector v) noexcept { return _mm_shuffle_ps(v, v, _MM_SHUFFLE(3, 3, 2, 1)); }
+    /// True if the first three lanes are all within `reach` of each other.
+    static bool are_near(Vector a, Vector b, Vector reach) noexcept {
+        const Vector size = _mm_andnot_ps(_mm_set1_ps(-0.0F), _mm_sub_ps(a, b));
+        return (_mm_movemask_ps(_mm_cmple_ps(size, reach)) & 7) == 7;
+    }
+    /// Sets the lanes of `nan` where one of the two is NaN.
+    static void add_nan(Lanes& nan, Vector a, Vector b) noexcept { nan = _mm_or_ps(nan, _mm_cmpunord_ps(a, b)); }
+    static bool any(Lanes lanes) noexcept { return _mm_movemask_ps(lanes) != 0; }
+};
+
+#elif defined(LAMELLA_NEON_FORMS)
+#define LAMELLA_FOUR_FLOATS
+
+/// The same, as every ARM of 64 bits has them.
+struct Floats {
+    using Vector = float32x4_t;
+    using Lanes = uint32x4_t;
+    static Vector all_of(float value) noexcept { return vdupq_n_f32(value); }
+    static Vector load(const float* at) noexcept { return vld1q_f32(at); }
+    static void store(float* at, Vector v) noexcept { vst1q_f32(at, v); }
+    static Vector least(Vector a, Vector b) noexcept { return vbslq_f32(vcltq_f32(a, b), a, b); }
+    static Vector greatest(Vector a, Vector b) noexcept { return vbslq_f32(vcgtq_f32(a, b), a, b); }
+    static Vector upper_three(Vector v) noexcept { return vextq_f32(v, v, 1); }
+    static bool are_near(Vector a, Vector b, Vector reach) noexcept {
+        return vminvq_u32(vsetq_lane_u32(0xFFFFFFFF, vcaleq_f32(vsubq_f32(a, b), reach), 3)) != 0;
+    }
+    static void add_nan(Lanes& nan, Vector a, Vector b) noexcept {
+        nan = vornq_u32(nan, vandq_u32(vceqq_f32(a, a), vceqq_f32(b, b)));
+    }
+    static bool any(Lanes lanes) noexcept { return vmaxvq_u32(lanes) != 0; }
+};
+
+#endif
+#ifdef LAMELLA_FOUR_FLOATS
 
 // A float soup without a transform: three vectors that cover a triangle and nothing beyond it.
 //
@@ -79,25 +126,25 @@ constexpr int offsets[3] = {0, 3, 5};
 
 /// A box of each of the nine numbers of a triangle.
 struct SoupBox {
-    __m128 low[3];
-    __m128 high[3];
+    Floats::Vector low[3];
+    Floats::Vector high[3];
 
     SoupBox() noexcept {
         for (int v = 0; v < 3; ++v) {
-            low[v] = _mm_set1_ps(std::numeric_limits<float>::infinity());
-            high[v] = _mm_set1_ps(-std::numeric_limits<float>::infinity());
+            low[v] = Floats::all_of(std::numeric_limits<float>::infinity());
+            high[v] = Floats::all_of(-std::numeric_limits<float>::infinity());
         }
     }
-    void add(int v, __m128 least, __m128 greatest) noexcept {
-        low[v] = _mm_min_ps(low[v], least);
-        high[v] = _mm_max_ps(high[v], greatest);
+    void add(int v, Floats::Vector lower, Floats::Vector upper) noexcept {
+        low[v] = Floats::least(low[v], lower);
+        high[v] = Floats::greatest(high[v], upper);
     }
     Bounds by_axis() const noexcept {
         float low9[9];
         float high9[9];
         for (int v = 0; v < 3; ++v) {
-            _mm_storeu_ps(low9 + offsets[v], low[v]);
-            _mm_storeu_ps(high9 + offsets[v], high[v]);
+            Floats::store(low9 + offsets[v], low[v]);
+            Floats::store(high9 + offsets[v], high[v]);
         }
         Bounds box = Bounds::empty();
         for (int i = 0; i < 9; ++i) {
@@ -107,18 +154,12 @@ struct SoupBox {
     }
 };
 
-/// True if the first three lanes are all within `reach` of 0.
-bool all_within(__m128 difference, __m128 reach) noexcept {
-    const __m128 size = _mm_andnot_ps(_mm_set1_ps(-0.0F), difference);
-    return (_mm_movemask_ps(_mm_cmple_ps(size, reach)) & 7) == 7;
-}
-
 Partial measure_soup(const MeshView& mesh, std::size_t begin, std::size_t end, BlockTable& table) {
-    const __m128 reach = _mm_set1_ps(static_cast<float>(table.near_mm));
+    const Floats::Vector reach = Floats::all_of(static_cast<float>(table.near_mm));
     const std::byte* const vertices = mesh.vertex_at(0);
     const std::size_t stride = mesh.vertex_step();
     SoupBox all;
-    __m128 nan = _mm_setzero_ps();
+    Floats::Lanes nan{};
     for (std::size_t block = begin; block < end; ++block) {
         const std::size_t last = std::min(mesh.triangle_count, (block + 1) * block_triangles);
         SoupBox box;
@@ -126,16 +167,17 @@ Partial measure_soup(const MeshView& mesh, std::size_t begin, std::size_t end, B
         for (std::size_t t = block * block_triangles; t < last; ++t) {
             prefetch_ahead(vertices + t * stride, 1);
             const auto* at = reinterpret_cast<const float*>(vertices + t * stride);
-            __m128 value[3];
+            Floats::Vector value[3];
             for (int v = 0; v < 3; ++v) {
-                value[v] = _mm_loadu_ps(at + offsets[v]);
+                value[v] = Floats::load(at + offsets[v]);
                 box.add(v, value[v], value[v]);
             }
-            const __m128 third = _mm_shuffle_ps(value[2], value[2], _MM_SHUFFLE(3, 3, 2, 1));
-            near |= all_within(_mm_sub_ps(value[0], value[1]), reach);
-            near |= all_within(_mm_sub_ps(value[1], third), reach);
-            near |= all_within(_mm_sub_ps(third, value[0]), reach);
-            nan = _mm_or_ps(nan, _mm_or_ps(_mm_cmpunord_ps(value[0], value[1]), _mm_cmpunord_ps(value[2], value[2])));
+            const Floats::Vector third = Floats::upper_three(value[2]);
+            near |= Floats::are_near(value[0], value[1], reach);
+            near |= Floats::are_near(value[1], third, reach);
+            near |= Floats::are_near(third, value[0], reach);
+            Floats::add_nan(nan, value[0], value[1]);
+            Floats::add_nan(nan, value[2], value[2]);
         }
         const Bounds by_axis = box.by_axis();
         table.blocks[block] = {by_axis.min_mm[2], by_axis.max_mm[2], near};
@@ -145,7 +187,7 @@ Partial measure_soup(const MeshView& mesh, std::size_t begin, std::size_t end, B
     }
     Partial found;
     found.box = all.by_axis();
-    found.finite = _mm_movemask_ps(nan) == 0;  // infinity shows in the box
+    found.finite = !Floats::any(nan);  // infinity shows in the box
     return found;
 }
 
@@ -153,7 +195,7 @@ Partial measure_soup(const MeshView& mesh, std::size_t begin, std::size_t end, B
 
 /// Blocks [begin, end).
 Partial measure_blocks(const MeshView& mesh, const Placing& placing, std::size_t begin, std::size_t end, BlockTable& table) {
-#ifdef LAMELLA_SSE2
+#ifdef LAMELLA_FOUR_FLOATS
     if (mesh.vertex_type == Number::f32 && mesh.indices == nullptr && placing.transform.is_identity()) {
         return measure_soup(mesh, begin, end, table);
     }

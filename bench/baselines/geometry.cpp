@@ -1,7 +1,5 @@
 #include "geometry.hpp"
 
-#include <utility>
-
 #include "slicing/grid/quantise.hpp"
 
 namespace lamella::baselines {

@@ -24,7 +24,6 @@
 #include <limits>
 #include <optional>
 #include <span>
-#include <utility>
 
 #include "base/system/processor.hpp"
 #include "geometry.hpp"

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <map>
-#include <span>
 
-#include "geometry.hpp"
 #include "slicing/contours/slot_table.hpp"
 #include "slicing/grid/mesh_edge.hpp"
 

@@ -2,7 +2,6 @@
 // Predicates are exact; points are rounded. Planes are declared parallel to two axes, which CGAL slices by a faster
 // method.
 #include <array>
-#include <utility>
 #include <vector>
 
 #include <CGAL/AABB_halfedge_graph_segment_primitive.h>

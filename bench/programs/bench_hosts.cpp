@@ -1,7 +1,6 @@
 // Times the calls that hosts make beside whole slices: single planes of a prepared mesh, all planes of it, and small meshes
 // with a Slicer that is kept.
 #include <algorithm>
-#include <string>
 #include <vector>
 
 #include "engine/counting_memory.hpp"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "slicing/grid/exact.hpp"
 #include "slicing/grid/mesh_edge.hpp"

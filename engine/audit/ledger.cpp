@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <tuple>
-#include <utility>
 #include <vector>
 
 #include "audit/questions.hpp"

@@ -20,7 +20,6 @@
 #include <utility>
 
 #include "base/clock.hpp"
-#include "base/guard.hpp"
 #include "base/parallel.hpp"
 #include "base/system/processor.hpp"
 #include "slicing/sweep/band_sweep.hpp"

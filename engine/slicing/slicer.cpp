@@ -2,17 +2,13 @@
 #include "slicing/slicer.hpp"
 
 #include <algorithm>
-#include <memory>
 #include <optional>
-#include <string>
 #include <utility>
 #include <variant>
 
 #include "base/guard.hpp"
-#include "base/parallel.hpp"
 #include "base/system/machine.hpp"
 #include "lamella/destination.hpp"
-#include "lamella/slice.hpp"
 #include "lamella/source.hpp"
 #include "slicing/buckets/mesh_source.hpp"
 #include "slicing/buckets/prepared_source.hpp"

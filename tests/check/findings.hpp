@@ -1,9 +1,6 @@
 // Shared by the tests of the diagnosis.
 #pragma once
 
-#include <map>
-#include <string>
-
 #include <catch2/catch.hpp>
 
 #include "engine/shapes.hpp"

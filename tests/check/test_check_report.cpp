@@ -1,5 +1,7 @@
 // The report and the marks, and that they do not depend on the order of triangles and vertices. Their bytes: tests/golden;
 // files that cannot be written: tests/cli.
+#include <map>
+
 #include <nlohmann/json.hpp>
 
 #include "check/findings.hpp"

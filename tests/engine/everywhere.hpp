@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstring>
 #include <span>
-#include <string>
 #include <tuple>
 #include <type_traits>
 #include <utility>

@@ -1,6 +1,5 @@
 // What sinks and the host's arrays promise of their own: order, memory, what does not fit. That they get the layers of a
 // result: test_sources.cpp.
-#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>

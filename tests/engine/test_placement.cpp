@@ -1,5 +1,4 @@
 // Placement of bands in the result, in whatever order they finish.
-#include <algorithm>
 #include <random>
 #include <utility>
 #include <vector>

@@ -2,8 +2,6 @@
 // and results that would be too large.
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <span>
 #include <utility>
 #include <vector>
 

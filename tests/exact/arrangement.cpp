@@ -1,6 +1,5 @@
 #include "exact/arrangement.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 #include <unordered_set>

@@ -1,6 +1,5 @@
 #include "golden/golden.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>

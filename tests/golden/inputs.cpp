@@ -4,9 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <functional>
-#include <map>
 #include <numeric>
-#include <utility>
 
 #include "engine/slicing.hpp"
 #include "input/mesh_files.hpp"

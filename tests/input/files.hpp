@@ -2,13 +2,10 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cstdint>
 #include <cstring>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include <zlib.h>
 

@@ -2,9 +2,7 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstring>
-#include <optional>
 #include <regex>
 #include <string>
 #include <utility>

@@ -2,7 +2,6 @@
 #include <atomic>
 #include <chrono>
 #include <functional>
-#include <utility>
 
 #include "medical/support.hpp"
 

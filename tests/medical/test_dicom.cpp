@@ -1,5 +1,4 @@
 // Headers in every encoding. Series at any angle, of even and uneven slices: tests/readers/structure_set.py.
-#include <cstdio>
 #include <map>
 #include <string_view>
 #include <utility>

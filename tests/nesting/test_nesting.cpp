@@ -4,7 +4,6 @@
 #include <iterator>
 #include <random>
 #include <tuple>
-#include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>

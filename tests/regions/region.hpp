@@ -6,7 +6,6 @@
 
 #include <cstdint>
 #include <random>
-#include <span>
 #include <string>
 #include <vector>
 

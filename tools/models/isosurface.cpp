@@ -1,7 +1,6 @@
 // Chooses the lattice whose isosurface has the requested numbers of triangles and crossings.
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <optional>
 
 #include "models/lattice.hpp"

@@ -1,7 +1,6 @@
 #include "models/models.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cassert>
 #include <cmath>

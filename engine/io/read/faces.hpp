@@ -2,7 +2,6 @@
 #pragma once
 
 #include <limits>
-#include <utility>
 #include <vector>
 
 #include "base/function_ref.hpp"

@@ -12,7 +12,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/guard.hpp"
 #include "io/text/text.hpp"
 #include "lamella/io/name_text.hpp"
 #include "lamella/io/text_file.hpp"

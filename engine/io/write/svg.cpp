@@ -12,7 +12,6 @@
 #include <cstdio>
 #include <limits>
 #include <memory>
-#include <new>
 #include <string>
 #include <string_view>
 #include <utility>

@@ -3,7 +3,6 @@
 #include <expat.h>
 
 #include <algorithm>
-#include <array>
 #include <new>
 
 #include "io/read/input_file.hpp"

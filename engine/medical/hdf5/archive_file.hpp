@@ -7,11 +7,9 @@
 // file after a failure. Reading is the reverse: HDF5 tells where columns lie, and all threads read their rows.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>

@@ -1,16 +1,11 @@
 #include "mesh/check/grid_mesh.hpp"
 
-#include <algorithm>
-#include <array>
-#include <bit>
 #include <cassert>
 #include <iterator>
 #include <limits>
-#include <span>
 #include <tuple>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include "base/distribute.hpp"
 #include "base/numbers.hpp"

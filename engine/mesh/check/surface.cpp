@@ -3,7 +3,6 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <functional>
 #include <span>
 #include <utility>
 #include <vector>

@@ -4,7 +4,6 @@
 #include <numeric>
 
 #include "base/parallel.hpp"
-#include "base/vector.hpp"
 
 namespace lamella {
 

@@ -1,15 +1,10 @@
 #include "slicing/grid/bounds.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <string>
 
 #include "base/dispatch.hpp"
-#include "base/parallel.hpp"
 #include "base/words.hpp"
 #include "lamella/grid.hpp"
-#include "slicing/grid/quantise.hpp"
 
 namespace lamella {
 

@@ -1,7 +1,6 @@
 #include "slicing/handover/sink_target.hpp"
 
 #include <algorithm>
-#include <span>
 #include <tuple>
 
 #include "base/guard.hpp"

@@ -2,10 +2,7 @@
 #include "lamella/layers.hpp"
 
 #include <algorithm>
-#include <new>
 #include <stdexcept>
-#include <utility>
-#include <vector>
 
 #include "base/guard.hpp"
 #include "base/parallel.hpp"

@@ -1,10 +1,7 @@
 #include "slicing/nesting/inside.hpp"
 
-#include <algorithm>
 #include <bit>
 #include <limits>
-
-#include "base/vector.hpp"
 
 namespace lamella::nesting {
 

@@ -1,14 +1,9 @@
 #include "slicing/nesting/nest.hpp"
 
-#include <algorithm>
 #include <cassert>
-#include <compare>
 #include <iterator>
 #include <limits>
 #include <tuple>
-#include <utility>
-
-#include "base/numbers.hpp"
 
 namespace lamella {
 

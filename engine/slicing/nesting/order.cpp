@@ -1,6 +1,5 @@
 #include "slicing/nesting/order.hpp"
 
-#include <algorithm>
 #include <bit>
 #include <iterator>
 #include <numeric>

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 
 #include "base/system/processor.hpp"
 #include "slicing/grid/exact.hpp"

@@ -1,7 +1,5 @@
 #include "slicing/planes/plane_set.hpp"
 
-#include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -10,7 +8,6 @@
 
 #include "base/guard.hpp"
 #include "base/numbers.hpp"
-#include "base/vector.hpp"
 #include "base/words.hpp"
 #include "lamella/result.hpp"
 #include "slicing/grid/quantise.hpp"

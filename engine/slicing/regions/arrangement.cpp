@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cassert>
 
-#include "slicing/nesting/nest.hpp"
-
 namespace lamella {
 
 namespace {

@@ -6,7 +6,6 @@
 
 #include "base/guard.hpp"
 #include "base/numbers.hpp"
-#include "slicing/nesting/nest.hpp"
 #include "slicing/offset/fold.hpp"
 
 namespace lamella {

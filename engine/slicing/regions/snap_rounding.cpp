@@ -9,7 +9,6 @@
 
 #include "base/numbers.hpp"
 #include "slicing/grid/exact.hpp"
-#include "slicing/nesting/nest.hpp"
 
 namespace lamella {
 

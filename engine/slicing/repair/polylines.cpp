@@ -4,10 +4,8 @@
 #include <functional>
 #include <limits>
 #include <tuple>
-#include <utility>
 
 #include "slicing/grid/exact.hpp"
-#include "slicing/nesting/nest.hpp"
 
 namespace lamella {
 

@@ -4,7 +4,6 @@
 #include <type_traits>
 #include <utility>
 
-#include "base/vector.hpp"
 #include "slicing/result/layer_target.hpp"
 
 namespace lamella {

@@ -1,6 +1,5 @@
 #include "slicing/result/layer_target.hpp"
 
-#include <algorithm>
 #include <cassert>
 #include <cstring>
 #include <string>
@@ -8,8 +7,6 @@
 #include <utility>
 
 #include "base/guard.hpp"
-#include "base/parallel.hpp"
-#include "base/vector.hpp"
 #include "base/words.hpp"
 
 namespace lamella {

@@ -7,7 +7,6 @@
 #include <limits>
 #include <new>
 
-#include "base/numbers.hpp"
 #include "slicing/grid/exact.hpp"
 #include "slicing/nesting/order.hpp"
 

@@ -5,7 +5,6 @@
 
 #include "base/system/processor.hpp"
 #include "lamella/context.hpp"
-#include "slicing/buckets/triangle_source.hpp"
 
 namespace lamella {
 

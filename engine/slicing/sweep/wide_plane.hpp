@@ -10,7 +10,6 @@
 // edges.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <span>
 

@@ -5,7 +5,6 @@
 // of the run and nothing of the machine, so that the same meshes give the same bytes.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>

@@ -1,6 +1,5 @@
 // lamella batch: many meshes, each sliced by a process of its own, resumed where it was left.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -8,7 +7,6 @@
 #include <limits>
 #include <memory>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
 #include <sched.h>

@@ -1,14 +1,12 @@
 #include "files/flags.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <system_error>
 #include <utility>
 
 #include "options/option_words.hpp"
-#include "terminal/console.hpp"
 
 namespace lamella::cli {
 

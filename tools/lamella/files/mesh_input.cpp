@@ -4,10 +4,8 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
-#include <cmath>
 #include <csignal>
 #include <cstdlib>
-#include <utility>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -16,7 +14,6 @@
 
 #include "io/write/output_file.hpp"
 #include "lamella/io/text_file.hpp"
-#include "terminal/console.hpp"
 
 namespace lamella::cli {
 

@@ -4,7 +4,6 @@
 #include <cstdlib>
 #include <iterator>
 #include <set>
-#include <system_error>
 
 #include "files/flags.hpp"
 #include "files/mesh_input.hpp"

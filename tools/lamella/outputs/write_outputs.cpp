@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <string_view>
 #include <system_error>
-#include <utility>
 
 #include "files/flags.hpp"
 #include "files/mesh_input.hpp"

@@ -10,12 +10,9 @@
 #include <variant>
 
 #include "files/flags.hpp"
-#include "files/mesh_input.hpp"
 #include "lamella/io/svg.hpp"
 #include "lamella/medical/table.hpp"
 #include "options/asked.hpp"
-#include "outputs/outputs.hpp"
-#include "terminal/console.hpp"
 
 namespace lamella::cli {
 

@@ -4,9 +4,7 @@
 // way, so that nothing half-written stays behind.
 #pragma once
 
-#include <array>
 #include <atomic>
-#include <chrono>
 #include <csignal>
 #include <cstdint>
 #include <limits>

@@ -7,7 +7,6 @@
 #include <memory>
 #include <numeric>
 #include <utility>
-#include <vector>
 
 #include "adapter.hpp"
 #include "engine/shapes.hpp"

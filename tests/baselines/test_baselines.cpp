@@ -1,16 +1,9 @@
 // The algorithms that the paper describes or compares find the oracle's segments and the engine's contours.
-#include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <functional>
 #include <map>
 #include <numeric>
 #include <set>
-#include <span>
-#include <utility>
-#include <vector>
-
-#include <catch2/catch.hpp>
 
 #include "engine/slicing.hpp"
 #include "geometry.hpp"

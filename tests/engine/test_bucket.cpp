@@ -1,16 +1,11 @@
 // Bounds, planes, counting, scattering and bands: vector code and tables must find what a loop over triangles and planes
 // finds, and all of it must hold for very many triangles.
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <numeric>
-#include <optional>
 #include <random>
-#include <vector>
-
-#include <catch2/catch.hpp>
 
 #include "engine/counting_memory.hpp"
 #include "engine/slicing.hpp"

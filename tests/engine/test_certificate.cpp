@@ -1,17 +1,10 @@
 // The ledger accounts for every triangle once, and reports all that no plane cuts. The volume certificate holds for every
 // result that the engine makes from a closed mesh, says where it does not apply, and rejects damaged results. The volumes of
 // its slabs are those of the facets, cut at the planes one by one.
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
 #include <numeric>
-#include <string>
-#include <utility>
-#include <vector>
-
-#include <catch2/catch.hpp>
 
 #include "engine/shapes.hpp"
 #include "engine/slicing.hpp"

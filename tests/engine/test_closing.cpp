@@ -1,10 +1,5 @@
 // Closing against dilating and eroding everything, offsets with written-down answers, and marks of near contours.
-#include <cmath>
-#include <random>
-#include <string>
 #include <tuple>
-
-#include <catch2/catch.hpp>
 
 #include "engine/polygons.hpp"
 #include "engine/region_checks.hpp"

@@ -1,15 +1,8 @@
 // The promises of context.hpp: threads, memory, stop, progress, and a host's own threads, whatever they do within what is
 // asked of them.
-#include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <mutex>
-#include <string>
 #include <thread>
-#include <utility>
-#include <vector>
-
-#include <catch2/catch.hpp>
 
 #include "base/parallel.hpp"
 #include "engine/calls.hpp"

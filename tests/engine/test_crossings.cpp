@@ -1,10 +1,6 @@
 // Crossings of contours, on made and random paths, compared with a test of all pairs of edges and corners.
-#include <algorithm>
 #include <array>
 #include <random>
-#include <vector>
-
-#include <catch2/catch.hpp>
 
 #include "engine/slicing.hpp"
 #include "rings.hpp"

@@ -1,15 +1,9 @@
 // What sinks and the host's arrays promise of their own: order, memory, what does not fit. That they get the layers of a
 // result: test_sources.cpp.
-#include <array>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <initializer_list>
-#include <string>
 #include <thread>
-#include <tuple>
-#include <utility>
-#include <vector>
 
 #include <catch2/catch.hpp>
 

@@ -1,10 +1,8 @@
 // Pairs of edges near one another, compared with a test of all pairs.
-#include <algorithm>
 #include <array>
 #include <map>
 #include <random>
 #include <utility>
-#include <vector>
 
 #include <catch2/catch.hpp>
 

@@ -1,11 +1,4 @@
 // Every allocation fails in turn. Each failure must be an error, and no memory may stay allocated.
-#include <algorithm>
-#include <functional>
-#include <optional>
-#include <vector>
-
-#include <catch2/catch.hpp>
-
 #include "engine/calls.hpp"
 #include "engine/counting_memory.hpp"
 #include "input/files.hpp"

@@ -1,15 +1,8 @@
 // Regions by each fill rule, compared with written-down answers and with the winding numbers of random places; and which
 // rules are refused, by which words.
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
-#include <random>
-#include <string>
 #include <tuple>
-#include <vector>
-
-#include <catch2/catch.hpp>
 
 #include "engine/polygons.hpp"
 #include "engine/slicing.hpp"

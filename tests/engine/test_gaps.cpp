@@ -1,15 +1,9 @@
 // Gaps: which ends of polylines are joined, compared with a sorted list of all pairs and a look at every edge that a joint
 // may cross; what becomes of their points; lengths that are given or that the mesh gives; and what is left open.
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <random>
 #include <set>
 #include <sstream>
 #include <string>
-#include <tuple>
-#include <utility>
-#include <vector>
 
 #include <catch2/catch.hpp>
 

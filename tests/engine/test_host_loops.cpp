@@ -5,12 +5,9 @@
 #include <cstdint>
 #include <functional>
 #include <thread>
-#include <vector>
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
-
-#include <catch2/catch.hpp>
 
 #include "engine/slicing.hpp"
 

@@ -1,10 +1,7 @@
 // The loops written for several instruction sets: every form that this processor supports equals the portable one to the
 // bit, and those of the report what an obvious loop gives.
-#include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <random>
-#include <vector>
 
 #include <catch2/catch.hpp>
 

@@ -1,15 +1,7 @@
 // Where contour edges come from, compared with each triangle cut by itself: as the mesh gives them, and as the edges of
 // regions and parts.
-#include <algorithm>
 #include <compare>
 #include <functional>
-#include <map>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
-
-#include <catch2/catch.hpp>
 
 #include "engine/slicing.hpp"
 #include "golden/inputs.hpp"

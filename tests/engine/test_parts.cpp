@@ -1,9 +1,6 @@
 // Several meshes in one result.
-#include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <tuple>
-#include <vector>
 
 #include <catch2/catch.hpp>
 

@@ -1,7 +1,6 @@
 // Placement of bands in the result, in whatever order they finish.
 #include <random>
 #include <utility>
-#include <vector>
 
 #include <catch2/catch.hpp>
 

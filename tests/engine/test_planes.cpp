@@ -1,11 +1,8 @@
 // Where planes lie: spacing, rounding, side, and refused plans; and which layer each of explicit heights gets.
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <random>
 #include <tuple>
-
-#include <catch2/catch.hpp>
 
 #include "engine/slicing.hpp"
 

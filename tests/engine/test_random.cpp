@@ -1,8 +1,5 @@
 // The engine compared with the oracle: soups whose corners often coincide, and generated meshes.
-#include <algorithm>
 #include <random>
-
-#include <catch2/catch.hpp>
 
 #include "engine/rounds.hpp"
 #include "engine/slicing.hpp"

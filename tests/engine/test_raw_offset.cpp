@@ -1,10 +1,5 @@
 // Raw offset curves. Of few corners: points, facts and winding numbers are written down. Of random polygons: against
 // rectangles and wedges one by one.
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <vector>
-
 #include <catch2/catch.hpp>
 
 #include "engine/polygons.hpp"

@@ -1,16 +1,6 @@
 // Simplified contours keep what RegionRules::simplify_mm promises, by plain methods: how far they lie from what they
 // replace, whether edges meet that did not, what lies in what, and where edges come from. Few steps are taken where contours
 // are made to need many.
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <numbers>
-#include <random>
-#include <utility>
-#include <vector>
-
-#include <catch2/catch.hpp>
-
 #include "cpu_time.hpp"
 #include "engine/polygons.hpp"
 #include "engine/region_checks.hpp"

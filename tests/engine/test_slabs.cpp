@@ -1,16 +1,8 @@
 // Projections of upward and downward faces, as drawings, and against a look at every face above and below a place.
 // test_sources.cpp has the tests that they share with slices.
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
 #include <limits>
 #include <random>
-#include <string>
 #include <tuple>
-#include <utility>
-#include <vector>
-
-#include <catch2/catch.hpp>
 
 #include "engine/slicing.hpp"
 #include "oracle/oracle.hpp"

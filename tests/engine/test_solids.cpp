@@ -1,8 +1,5 @@
 // Meshes small enough for all their contours to be known and written down; and contours from the segments that a caller
 // passes, with the caller's keys and ranks.
-
-#include <catch2/catch.hpp>
-
 #include "engine/slicing.hpp"
 #include "lamella/layers.hpp"
 #include "oracle/compare.hpp"

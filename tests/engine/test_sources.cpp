@@ -3,10 +3,6 @@
 #include <initializer_list>
 #include <iterator>
 #include <limits>
-#include <map>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include <catch2/catch.hpp>
 

@@ -1,22 +1,14 @@
 // A stop that comes at any moment ends every call soon; and no call's answer depends on threads.
-#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <functional>
 #include <limits>
-#include <optional>
-#include <random>
-#include <string>
 #include <thread>
-#include <vector>
 
 #include <ctime>
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
-
-#include <catch2/catch.hpp>
 
 #include "engine/calls.hpp"
 #include "engine/polygons.hpp"

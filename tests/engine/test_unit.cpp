@@ -1,13 +1,8 @@
 // The grid's unit, meshes that do not fit the unit asked for, are too small or too far away for their numbers, or are empty,
 // and results that would be too large.
-#include <algorithm>
 #include <cmath>
-#include <utility>
-#include <vector>
 
 #include <unistd.h>
-
-#include <catch2/catch.hpp>
 
 #include "engine/counting_memory.hpp"
 #include "engine/slicing.hpp"

@@ -1,10 +1,6 @@
 // An audit of the structure finds every kind of broken promise. Results are made by hand, then damaged.
-#include <algorithm>
 #include <cmath>
 #include <functional>
-#include <vector>
-
-#include <catch2/catch.hpp>
 
 #include "engine/slicing.hpp"
 #include "lamella/audit.hpp"

@@ -1,6 +1,5 @@
 // Meshes as callers hold them: soup or indexed, float, double or whole numbers, strided, transformed in double or in their
 // own numbers. Vertices that are placed once give what their triangles give corner by corner.
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -8,9 +7,6 @@
 #include <numeric>
 #include <random>
 #include <tuple>
-#include <vector>
-
-#include <catch2/catch.hpp>
 
 #include "engine/rounds.hpp"
 #include "engine/slicing.hpp"

@@ -1,8 +1,6 @@
 // Random closed meshes, sliced by the engine and in exact arithmetic. They are oriented outwards and do not intersect
 // themselves unless stated. Most have vertices, edges and faces at equal heights, where planes are then placed. The long
 // test runs the short one on thousands of seeds.
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -11,7 +9,6 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/convex_hull_3.h>
-#include <catch2/catch.hpp>
 
 #include "engine/shapes.hpp"
 #include "engine/slicing.hpp"

@@ -2,11 +2,9 @@
 // layer is seen in the arrangement of both, so that the judge has another algorithm and another code base than the engine.
 #include "exact/judge.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <random>
 #include <set>
-#include <stdexcept>
 
 #include "exact/arrangement.hpp"
 #include "oracle/compare.hpp"

@@ -3,8 +3,6 @@
 #include <array>
 #include <random>
 
-#include <catch2/catch.hpp>
-
 #include "engine/slicing.hpp"
 #include "exact/judge.hpp"
 #include "lamella/check.hpp"

@@ -1,9 +1,5 @@
 // Regions of random polygons, judged in exact arithmetic. The long test runs the short one on a hundred thousand.
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <numbers>
-#include <random>
 
 #include <catch2/catch.hpp>
 

@@ -3,13 +3,9 @@
 #include <array>
 #include <atomic>
 #include <cstdlib>
-#include <functional>
 #include <iterator>
 #include <limits>
 #include <new>
-#include <optional>
-
-#include <catch2/catch.hpp>
 
 #include "engine/calls.hpp"
 #include "input/files.hpp"

@@ -1,6 +1,5 @@
 // Checks soups with corners on small integers. What check() finds must agree with what it counts alone, and must depend
 // neither on threads nor on the order of triangles and corners.
-#include <algorithm>
 #include <cmath>
 
 #include "bytes.hpp"

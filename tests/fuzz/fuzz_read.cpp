@@ -1,10 +1,5 @@
 // Reads any bytes under any file name, then inspects and slices the mesh. The first byte chooses the file's extension and
 // how the file is read a second time. Both readings must give the same.
-#include <array>
-#include <filesystem>
-
-#include <stdlib.h>
-
 #include "bytes.hpp"
 #include "lamella/io.hpp"
 #include "lamella/lamella.hpp"

@@ -1,7 +1,5 @@
 // Regions of polygons on small lattices and over the whole grid, by every rule. A region must keep its promises, must not
 // depend on the contours' order or starts, must be its own region, and closing must agree with closing everything.
-#include <algorithm>
-#include <cmath>
 #include <iterator>
 
 #include "bytes.hpp"

@@ -1,7 +1,5 @@
 // Slices soups with corners on small integers, which often coincide. Both forms, other bands and threads, and shuffled
 // triangles must all give the same valid result.
-#include <array>
-
 #include "bytes.hpp"
 #include "lamella/io.hpp"
 #include "lamella/lamella.hpp"

@@ -1,9 +1,5 @@
 // Runs a fuzz target on the named files and on the files in the named folders. The corpus of the fuzzers becomes a test
 // for any compiler.
-#include <algorithm>
-#include <cstdio>
-#include <filesystem>
-
 #include "bytes.hpp"
 #include "temp_folder.hpp"
 

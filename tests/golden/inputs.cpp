@@ -1,7 +1,5 @@
 #include "golden/inputs.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cstddef>
 #include <functional>
 #include <numeric>

@@ -1,11 +1,7 @@
 // The inputs themselves, whose generators use sums, products and square roots alone, which every platform rounds alike;
 // files that are read; and slices of the embedded meshes: every option that decides what comes out, whatever the threads,
 // bands and form.
-#include <algorithm>
-#include <span>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include <catch2/catch.hpp>
 

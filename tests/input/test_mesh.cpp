@@ -1,14 +1,11 @@
 // Meshes in memory: transforms, what is counted of them, and welding: which vertices become one. That nothing else changes:
 // tests/golden.
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <map>
 #include <random>
-
-#include <catch2/catch.hpp>
 
 #include "engine/slicing.hpp"
 #include "lamella/check.hpp"

@@ -1,5 +1,4 @@
 // PLY in all its forms. What is refused or warned of: cases/ply.txt.
-#include <algorithm>
 #include <random>
 
 #include "read.hpp"

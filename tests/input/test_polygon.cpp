@@ -1,11 +1,9 @@
 // Triangles of polygons. Where all of them turn the same way and their boundary is the polygon, they cover it exactly once:
 // how often a point is covered is then how often the outline winds around it. That is what is checked, in integers.
-#include <cmath>
 #include <cstdint>
 #include <map>
 #include <numeric>
 #include <random>
-#include <vector>
 
 #include <catch2/catch.hpp>
 

@@ -1,12 +1,8 @@
 // A stop that comes while a file is read ends the reading soon, in every format and on every way through its reader.
-#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
 #include <random>
-#include <vector>
-
-#include <catch2/catch.hpp>
 
 #include "cpu_time.hpp"
 #include "engine/slicing.hpp"

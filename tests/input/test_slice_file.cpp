@@ -2,7 +2,6 @@
 #include <cmath>
 #include <optional>
 #include <thread>
-#include <tuple>
 
 #include "engine/counting_memory.hpp"
 #include "engine/everywhere.hpp"

@@ -1,6 +1,4 @@
 #include <cstdlib>
-#include <random>
-#include <span>
 
 #include "engine/polygons.hpp"
 #include "medical/dicom/data_set.hpp"

@@ -1,12 +1,10 @@
 // Generated meshes of every shape are what was asked for, and files hold them. The bytes of files: tests/golden; how writing
 // fails or stops: tests/cli.
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <numbers>
-#include <string>
 
 #include <catch2/catch.hpp>
 

@@ -1,9 +1,4 @@
 // Real meshes: known answers, findings, and what must hold whatever the mesh.
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <vector>
-
 #include "engine/region_checks.hpp"
 #include "engine/slicing.hpp"
 #include "lamella/io.hpp"

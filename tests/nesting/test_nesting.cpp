@@ -1,10 +1,7 @@
 // Orientation and nesting of one layer, compared with a brute-force oracle; and its parts: sorting by keys, points within
 // contours.
-#include <algorithm>
 #include <iterator>
-#include <random>
 #include <tuple>
-#include <vector>
 
 #include <catch2/catch.hpp>
 

@@ -1,13 +1,10 @@
 // Reports and SVG files of one layer put together by hand, with numbers that the expected texts can be worked out from.
 // Those of whole meshes, with all that slices say of themselves: tests/golden. And JSON as text, read back by a library.
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <regex>
 #include <sstream>
-#include <string>
 
-#include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
 #include "engine/slicing.hpp"

@@ -4,8 +4,6 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <catch2/catch.hpp>
-
 #include "engine/slicing.hpp"
 #include "input/read.hpp"
 #include "io/write/output_file.hpp"

@@ -10,12 +10,7 @@
 
 namespace lamella::check_test {
 
-using shapes::box;
-using shapes::flipped;
-using shapes::joined;
-using shapes::moved;
-using shapes::tetrahedron;
-using shapes::triangle;
+using namespace shapes;
 
 namespace {
 
@@ -86,7 +81,7 @@ Soup moebius_strip(int quads) {
     };
     Soup soup = quad(at(quads - 1, -2), at(0, 2), at(0, -2), at(quads - 1, 2));
     for (int i = 0; i + 1 < quads; ++i) {
-        shapes::append(soup, quad(at(i, -2), at(i + 1, -2), at(i + 1, 2), at(i, 2)));
+        append(soup, quad(at(i, -2), at(i + 1, -2), at(i + 1, 2), at(i, 2)));
     }
     return soup;
 }
@@ -104,15 +99,13 @@ Soup nest() {
 const Soup large = tetrahedron({0, 0, 0}, {0, 30, 0}, {30, 0, 0}, {0, 0, 30});
 const Soup spike = tetrahedron({4, 4, -4}, {4, 6, -4}, {6, 4, -4}, {5, 5, 4});
 
-}  // namespace
-
 TEST_CASE("faults of edges and vertices are found", "[check]") {
     const Soup fan = joined({triangle({0, 0, 0}, {0, 0, 2}, {2, 0, 0}), triangle({0, 0, 0}, {0, 0, 2}, {0, 3, 0}),
                              triangle({0, 0, 0}, {0, 0, 2}, {-4, -4, 0})});
-    const Soup octahedron = shapes::octasphere({0, 0, 0}, 1, 0);
+    const Soup octahedron = octasphere({0, 0, 0}, 1, 0);
     check_rows({
         {"a closed box has none", box({1, 2, 3}, {3, 4, 5}), "shell 8"},
-        {"a sphere", shapes::octasphere({1, 2, 3}, 30, 5), "shell 112929"},
+        {"a sphere", octasphere({1, 2, 3}, 30, 5), "shell 112929"},
         {"however close the sheets", box({0, 0, 0}, {9, 9, 1.0 / 1024}),
          "8 needles at 0,0,0 0,0,0.000976562 0,9,0 #10 measure 9216; shell 0.0791016"},
         {"a missing side is four boundary edges in a loop", without(cube(2), 2, 2),
@@ -226,7 +219,7 @@ TEST_CASE("faces that meet are found", "[check]") {
 TEST_CASE("a body exported a thousand times meets another as often as if exported once", "[check]") {
     Soup soup = spike;
     for (int i = 0; i < 1000; ++i) {
-        shapes::append(soup, large);
+        append(soup, large);
     }
     const MeshCheck check = findings_of(joined({soup, flipped(large)}));
     CHECK(check.complete());
@@ -277,7 +270,7 @@ TEST_CASE("shells, their orientations and nesting are found", "[check]") {
 
 TEST_CASE("rays through edges and vertices of the shell around count once", "[check]") {
     // The inner corners stand straight below vertices, edges and diagonals of the outer top, and beside vertical faces.
-    const Soup outer = shapes::octasphere({0, 0, 0}, 8, 1);
+    const Soup outer = octasphere({0, 0, 0}, 8, 1);
     for (const double x : {-1.0, 0.0, 1.0}) {
         for (const double y : {-1.0, 0.0, 1.0}) {
             const MeshCheck inside = findings_of(joined({outer, flipped(box({x, y, -1}, {x + 1, y + 1, 0}))}));
@@ -291,7 +284,7 @@ TEST_CASE("rays through edges and vertices of the shell around count once", "[ch
 TEST_CASE("a search of piled up triangles ends at its budget, reports that, and finds all else", "[check]") {
     Soup soup;
     for (int i = 0; i < 12'000; ++i) {  // all boxes meet, and no two triangles
-        shapes::append(soup, triangle({0, 0, 0.5 * i}, {1, 0, 9000 + 0.5 * i}, {0, 1, 9000 + 0.5 * i}));
+        append(soup, triangle({0, 0, 0.5 * i}, {1, 0, 9000 + 0.5 * i}, {0, 1, 9000 + 0.5 * i}));
     }
     const CheckOptions options{.tolerance_mm = 0};
     const MeshCheck fewer = findings_of(only(soup, 0, 1000), options);
@@ -299,8 +292,8 @@ TEST_CASE("a search of piled up triangles ends at its budget, reports that, and 
     CHECK(make_verdict(fewer).value() == "not clean: 3000 boundary edges, 1000 boundary loops");
     // Groups of faces far before and behind the pile, which takes nothing from them.
     for (const double at : {-20'060.0, -20'040.0, -20'020.0, -20'000.0, 20'000.0, 20'020.0, 20'040.0, 20'060.0}) {
-        shapes::append(soup, triangle({at, at, at}, {at + 8, at, at}, {at, at + 8, at}));
-        shapes::append(soup, triangle({at + 1, at + 1, at - 4}, {at + 1, at + 1, at + 4}, {at + 8, at + 8, at}));
+        append(soup, triangle({at, at, at}, {at + 8, at, at}, {at, at + 8, at}));
+        append(soup, triangle({at + 1, at + 1, at - 4}, {at + 1, at + 1, at + 4}, {at + 8, at + 8, at}));
     }
     const MeshCheck check = findings_of(soup, options);
     CHECK(check.of(Fault::crossing_faces).at_least);
@@ -313,8 +306,8 @@ TEST_CASE("a search of piled up triangles ends at its budget, reports that, and 
 }
 
 TEST_CASE("only as many places as asked for are kept, all are counted", "[check]") {
-    const MeshCheck check = findings_of(shapes::random_soup(3, 40, 20), {.most_places = 3});
-    const MeshCheck none = findings_of(shapes::random_soup(3, 40, 20), {.most_places = 0});
+    const MeshCheck check = findings_of(random_soup(3, 40, 20), {.most_places = 3});
+    const MeshCheck none = findings_of(random_soup(3, 40, 20), {.most_places = 0});
     CHECK(check.of(Fault::boundary_edge).count > 100);
     for (std::size_t i = 0; i < fault_count; ++i) {
         CHECK(check.findings[i].places.size() == std::min<std::uint64_t>(3, check.findings[i].count));
@@ -339,8 +332,6 @@ TEST_CASE("unusable input and options are refused", "[check]") {
     CHECK(check(view).error().triangle == 1);
 }
 
-namespace {
-
 OrientedMesh oriented(const Soup& soup, double mm_per_unit = 1, const Context& context = {}) {
     MeshView mesh = MeshView::soup(std::span<const double>(soup));
     mesh.mm_per_unit = mm_per_unit;
@@ -353,8 +344,6 @@ OrientedMesh oriented(const Soup& soup, double mm_per_unit = 1, const Context& c
 double volume_of(const OrientedMesh& oriented) {
     return check(oriented.view(), {.counts_only = true}).value().volume_mm3;
 }
-
-}  // namespace
 
 TEST_CASE("orient: shells are turned outwards, and inwards within an odd number of others", "[check][orient]") {
     const Soup nested[] = {box({0, 0, 0}, {10, 10, 10}), box({1, 1, 1}, {9, 9, 9}), box({2, 2, 2}, {8, 8, 8})};
@@ -378,8 +367,8 @@ TEST_CASE("orient: a shell that touches another from inside lies within it; one 
     CHECK(volume_of(oriented(joined({body, flipped(box({0, 0, 5}, {10, 10, 15}))}))) == 2000);
     CHECK(volume_of(oriented(joined({flipped(body), flipped(box({10, 0, 0}, {12, 3, 3}))}))) == 1018);
     // All corners of the ball lie within the box, or nearly: its faces cross those of the box.
-    CHECK(oriented(joined({body, flipped(shapes::octasphere({5, 5, 5}, 5.5, 3))})).turned_shells == 1);
-    CHECK(oriented(joined({body, shapes::octasphere({5, 5, 5}, 4.5, 3)})).turned_shells == 1);
+    CHECK(oriented(joined({body, flipped(octasphere({5, 5, 5}, 5.5, 3))})).turned_shells == 1);
+    CHECK(oriented(joined({body, octasphere({5, 5, 5}, 4.5, 3)})).turned_shells == 1);
 }
 
 TEST_CASE("orient: what is open stays; the answer has the unit, and does not depend on threads", "[check][orient]") {
@@ -391,7 +380,7 @@ TEST_CASE("orient: what is open stays; the answer has the unit, and does not dep
     REQUIRE(beside.ok());
     CHECK(beside->turned_shells == 1);
     CHECK_FALSE(beside->complete);
-    const Soup many = shapes::random_tetrahedra(7, 200, 60);
+    const Soup many = random_tetrahedra(7, 200, 60);
     const OrientedMesh one = oriented(many, 10, {.threads = 1});
     const OrientedMesh several = oriented(many, 10, {.threads = 5});
     CHECK(one.mesh.mm_per_unit == 10);
@@ -399,4 +388,5 @@ TEST_CASE("orient: what is open stays; the answer has the unit, and does not dep
     CHECK(std::equal(one.mesh.indices.begin(), one.mesh.indices.end(), several.mesh.indices.begin()));
 }
 
+}  // namespace
 }  // namespace lamella::check_test

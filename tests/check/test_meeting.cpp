@@ -118,8 +118,6 @@ std::vector<GridTriangle> drawn_triangles(std::size_t count, const Lattice& on) 
     return triangles;
 }
 
-}  // namespace
-
 TEST_CASE("triangles meet where both have a point, which separating axes find in either order", "[check]") {
     const Lattice lattice = GENERATE(values<Lattice>({{3, 3, 2},
                                                       {4, 4, 2},
@@ -164,8 +162,6 @@ TEST_CASE("the largest triangles of the grid are distinguished by one unit", "[c
     CHECK_FALSE(contains(face, half(GridVertex{0, 2, 2})));
     CHECK_FALSE(contains(face, half(GridVertex{2, 0, 2})));
 }
-
-namespace {
 
 /// A cone without its base: `faces` around the apex, which go round it `rounds` times, up and down by turns.
 Soup cone(int faces, int rounds) {
@@ -222,8 +218,6 @@ std::array<std::uint64_t, 4> meetings_in(const Soup& soup) {
     return counts;
 }
 
-}  // namespace
-
 TEST_CASE("every pair of faces that meet is found, whatever the faces around their vertices do", "[check]") {
     std::vector<Soup> soups = {cone(7, 1), cone(7, 2), cone(15, 4)};
     for (std::uint64_t seed = 0; seed < 24; ++seed) {  // small and large triangles, coincidences of every kind
@@ -244,4 +238,5 @@ TEST_CASE("every pair of faces that meet is found, whatever the faces around the
     CHECK((seen[1] > 100 && seen[2] > 1000 && seen[3] > 10));
 }
 
+}  // namespace
 }  // namespace lamella::check_test

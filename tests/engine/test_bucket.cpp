@@ -1,6 +1,5 @@
 // Bounds, planes, counting, scattering and bands: vector code and tables must find what a loop over triangles and planes
 // finds, and all of it must hold for very many triangles.
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -14,11 +13,7 @@
 #include "slicing/buckets/triangle_source.hpp"
 #include "slicing/planes/plane_set.hpp"
 
-using lamella::BandPlan;
-using lamella::Buckets;
-using lamella::MeshView;
-using lamella::PlaneIndex;
-using lamella::PlaneSet;
+using namespace lamella;
 
 namespace {
 
@@ -55,8 +50,8 @@ std::vector<float> flattened(std::vector<float> soup, float height) {
 
 /// Where planes lie.
 struct Plan {
-    lamella::SliceOptions options;
-    std::optional<lamella::RandomHeights> random{};
+    SliceOptions options;
+    std::optional<RandomHeights> random{};
 };
 
 Plan uniform_plan(double height_mm) {
@@ -64,7 +59,7 @@ Plan uniform_plan(double height_mm) {
 }
 
 Plan random_plan(double least_mm, double most_mm) {
-    return {{}, lamella::RandomHeights{least_mm, most_mm}};
+    return {{}, RandomHeights{least_mm, most_mm}};
 }
 
 /// A few planes far apart and many close together, so that some cells of the table hold a hundred.
@@ -90,10 +85,9 @@ std::vector<std::byte> records(const std::vector<float>& soup, std::size_t strid
 constexpr double mebibyte = 1 << 20;
 
 /// Upper bound for the memory that slicing may hold besides the input.
-double allowance(const lamella::SliceResult& result) {
-    const std::size_t arrays = result.layers.size() * sizeof(lamella::Layer) +
-                               result.contours.size() * sizeof(lamella::Contour) +
-                               result.points.size() * sizeof(lamella::Point);
+double allowance(const SliceResult& result) {
+    const std::size_t arrays = result.layers.size() * sizeof(Layer) + result.contours.size() * sizeof(Contour) +
+                               result.points.size() * sizeof(Point);
     return 48 * static_cast<double>(result.info.crossed) + 1.2 * static_cast<double>(arrays) + 64 * mebibyte;
 }
 
@@ -109,10 +103,8 @@ Buckets counted(const std::vector<std::uint32_t>& segments, std::uint32_t listed
     return buckets;
 }
 
-}  // namespace
-
 TEST_CASE("slices of soups of every kind are those of the oracle, at every stride, in every band", "[engine][bucket]") {
-    const double unit_mm = lamella::default_grid_mm;
+    const double unit_mm = default_grid_mm;
     struct Sample {
         const char* name;
         Plan plan;
@@ -142,12 +134,12 @@ TEST_CASE("slices of soups of every kind are those of the oracle, at every strid
             for (const MeshView& view : views) {
                 const Way& way = all_ways[(turn + turn / 8) % all_ways.size()];
                 ++turn;
-                lamella::Tuning tuning = way.tuning;
+                Tuning tuning = way.tuning;
                 tuning.random_heights = plan.random;
-                lamella::SliceOptions options = plan.options;
+                SliceOptions options = plan.options;
                 options.frame.grid_mm = plan.options.layer_height_mm < 0.001 ? 0 : grid_mm;
                 INFO(name << ", view " << &view - views << ", grid " << grid_mm << ", " << way);
-                const lamella::SliceResult result = sliced(view, options, way.context, tuning);
+                const SliceResult result = sliced(view, options, way.context, tuning);
                 const auto triangles = oracle::quantise(wide, result.info.grid_mm);
                 REQUIRE_THAT(oracle::difference(result, triangles), Catch::Equals(""));
                 CHECK(result.info.degenerate == soup.size() / 9 - triangles.size());
@@ -157,12 +149,12 @@ TEST_CASE("slices of soups of every kind are those of the oracle, at every strid
 }
 
 TEST_CASE("the table finds the first plane above a vertex", "[engine][bucket][planes]") {
-    const lamella::Bounds bounds{{-20, -20, -20}, {20, 20, 20}};
+    const Bounds bounds{{-20, -20, -20}, {20, 20, 20}};
     for (const Plan& plan : {uniform_plan(0.25), uniform_plan(0x1p-18), random_plan(0.01, 0.03), crowded_plan()}) {
         const bool fine = plan.options.layer_height_mm < 0.001;
-        const lamella::Bounds box = fine ? lamella::Bounds{{0, 0, 0}, {1, 1, 0x1p-8}} : bounds;
+        const Bounds box = fine ? Bounds{{0, 0, 0}, {1, 1, 0x1p-8}} : bounds;
         PlaneSet planes(nullptr);
-        planes.build(plan.options, plan.random, {box, {lamella::default_grid_mm, 0}, lamella::Number::f32}, no_limit);
+        planes.build(plan.options, plan.random, {box, {default_grid_mm, 0}, Number::f32}, no_limit);
         REQUIRE(planes.size() > 100);
         const auto check = [&](std::int32_t z) {
             const std::int32_t* end = planes.heights() + planes.size();
@@ -174,8 +166,8 @@ TEST_CASE("the table finds the first plane above a vertex", "[engine][bucket][pl
             check(planes.z(plane) - 1);
             check(planes.z(plane) + 1);
         }
-        check(-lamella::grid_limit);
-        check(lamella::grid_limit);
+        check(-grid_limit);
+        check(grid_limit);
     }
 }
 
@@ -187,7 +179,7 @@ TEST_CASE("bands hold no more segments than asked for, unless seeds would outnum
     for (const std::uint64_t most : {std::uint64_t{1}, std::uint64_t{500}, std::uint64_t{5000}, no_limit}) {
         bands.cut(counted(segments, 200), 2000, 0, 1, most);
         PlaneIndex next = 0;
-        for (const lamella::Band& band : bands.bands) {
+        for (const Band& band : bands.bands) {
             CHECK(band.first == next);
             CHECK((band.last == band.first + 1 || band.segments <= most));
             next = band.last;
@@ -222,9 +214,9 @@ TEST_CASE("degenerate triangles that no plane cuts are counted", "[engine][bucke
         const float width = t % 10 == 0 ? 0.5F : 8.0F;
         soup.insert(soup.end(), {x, 0, 0, x + width, 0, 0, x, 8, t == 77 ? 200.0F : 2.0F});
     }
-    lamella::SliceOptions options = uniform(200, 1.0);
+    SliceOptions options = uniform(200, 1.0);
     CHECK(sliced(MeshView::soup(soup), options).info.degenerate == 64);
-    options.frame.grid_mm = lamella::default_grid_mm * 4;
+    options.frame.grid_mm = default_grid_mm * 4;
     CHECK(sliced(MeshView::soup(soup), options).info.degenerate == 0);
 }
 
@@ -246,8 +238,8 @@ TEST_CASE("a tall prism of 400,000 facets is not copied once per band", "[engine
     std::uint64_t expected = 0;
     for (const std::int64_t band : {0, 1, 3}) {
         CountingMemory memory;
-        lamella::Slicer slicer;
-        lamella::SliceResult result(&memory);
+        Slicer slicer;
+        SliceResult result(&memory);
         value_of(slice_tuned(slicer, result, view_of(prism), uniform(5), {.band_planes = band},
                              {.threads = 2, .memory = &memory}));
         if (band == 1) {
@@ -257,7 +249,7 @@ TEST_CASE("a tall prism of 400,000 facets is not copied once per band", "[engine
         CHECK(result.hash() == expected);
         CHECK(static_cast<double>(memory.peak()) < allowance(result));
         REQUIRE(result.layers.size() == 20);
-        for (const lamella::LayerView layer : result) {
+        for (const LayerView layer : result) {
             REQUIRE(layer.contour_count == 1);
             CHECK(layer.contours[0].segments == 8 * quarters);
             CHECK(layer.area_mm2() == Approx(std::acos(-1.0) * 2500).epsilon(1e-6));
@@ -284,7 +276,9 @@ TEST_CASE("an edge map that grows keeps its entries", "[engine][scale]") {
         const auto [x, y] = place(i);
         add(shapes::triangle({x + 1, y, 2}, {x, y, 0}, {x + 2, y + 2, 3}));
     }
-    const lamella::SliceResult result = sliced(soup, at_heights({1}));
+    const SliceResult result = sliced(soup, at_heights({1}));
     CHECK(result.info.segments == 3 * count);
     CHECK(result.info.open_contours == 2 * count);
 }
+
+}  // namespace

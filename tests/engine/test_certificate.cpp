@@ -10,10 +10,7 @@
 #include "engine/slicing.hpp"
 #include "oracle/oracle.hpp"
 
-using lamella::Ledger;
-using lamella::SliceResult;
-using lamella::VolumeCertificate;
-using lamella::VolumeVerdict;
+using namespace lamella;
 
 namespace {
 
@@ -40,7 +37,7 @@ std::array<std::size_t, 3> pieces_of(const shapes::Soup& soup, const SliceResult
         return set;
     };
     std::vector<Part> parts;
-    std::map<std::pair<std::size_t, std::pair<lamella::GridVertex, lamella::GridVertex>>, std::size_t> shared;
+    std::map<std::pair<std::size_t, std::pair<GridVertex, GridVertex>>, std::size_t> shared;
     for (const oracle::Triangle& t : oracle::quantise(soup, result.info.grid_mm)) {
         const std::array<std::size_t, 3> slabs = {slab_of(t[0].z), slab_of(t[1].z), slab_of(t[2].z)};
         const auto [low, high] = std::minmax({slabs[0], slabs[1], slabs[2]});
@@ -82,8 +79,8 @@ Ledger booked(const shapes::Soup& soup, const SliceResult& result) {
     CHECK(books.cut + books.between + books.degenerate == books.triangles);
     CHECK(books.cut == result.info.crossed);
     CHECK(books.degenerate == result.info.degenerate);
-    lamella::Slab all;
-    for (const lamella::Slab& slab : books.slabs) {
+    Slab all;
+    for (const Slab& slab : books.slabs) {
         all.triangles += slab.triangles;
         all.shells += slab.shells;
         all.peaks += slab.peaks;
@@ -99,8 +96,6 @@ Ledger booked(const shapes::Soup& soup, const SliceResult& result) {
     return books;
 }
 
-}  // namespace
-
 TEST_CASE("ledger: pieces agree with their definition", "[engine][ledger]") {
     for (std::uint64_t seed = 0; seed < 200; ++seed) {
         const int count = 1 + static_cast<int>(seed % 25);
@@ -115,8 +110,6 @@ TEST_CASE("ledger: pieces agree with their definition", "[engine][ledger]") {
         }
     }
 }
-
-namespace {
 
 VolumeCertificate certified(const shapes::Soup& soup, const SliceResult& result, int threads = 1) {
     return value_of(audits::volume_of(result, view_of(soup), {.threads = threads}));
@@ -161,7 +154,7 @@ std::vector<long double> volumes_of(std::span<const oracle::Triangle> triangles,
     std::vector<long double> slabs(result.size() + 1);
     for (const oracle::Triangle& t : triangles) {
         Piece rest;
-        for (const lamella::GridVertex v : t) {
+        for (const GridVertex v : t) {
             rest.push_back({static_cast<long double>(v.x), static_cast<long double>(v.y), static_cast<long double>(v.z)});
         }
         for (std::size_t i = 0; i < slabs.size() && !rest.empty(); ++i) {
@@ -180,8 +173,6 @@ std::vector<long double> volumes_of(std::span<const oracle::Triangle> triangles,
     return slabs;
 }
 
-}  // namespace
-
 TEST_CASE("certificate: random soups never get a wrong verdict", "[engine][certificate]") {
     for (std::uint64_t seed = 0; seed < 300; ++seed) {
         INFO("seed " << seed);
@@ -196,8 +187,8 @@ TEST_CASE("certificate: random soups never get a wrong verdict", "[engine][certi
 }
 
 TEST_CASE("certificate: where solid is not what the mesh encloses both areas are stated", "[engine][certificate]") {
-    lamella::SliceOptions options = at_heights({5, 15, 25});
-    options.region.fill_rule = lamella::FillRule::non_zero;
+    SliceOptions options = at_heights({5, 15, 25});
+    options.region.fill_rule = FillRule::non_zero;
     const auto stated = [&](const shapes::Soup& soup) { return words_for(certified(soup, sliced(soup, options))); };
     const std::string head =
         "not certified: solid is not what the mesh encloses, as shells overlap or are turned inwards: in ";
@@ -217,11 +208,10 @@ TEST_CASE("certificate: a damaged result is rejected, and the layer is named", "
     };
     const Damage damages[] = {
         {"a layer's plane moved", 20,
-         [](SliceResult& r) { r.layers[20].plane = lamella::PlaneHeight(r.layers[20].plane.z() + 2000); }},
+         [](SliceResult& r) { r.layers[20].plane = PlaneHeight(r.layers[20].plane.z() + 2000); }},
         {"a point moved", 12,
          [](SliceResult& r) { r.points[r.contours[r.layers[12].first_contour].first_point + 2].x += 1000; }},
-        {"an outer called a hole", 50,
-         [](SliceResult& r) { r.contours[r.layers[50].first_contour].role = lamella::Role::hole; }},
+        {"an outer called a hole", 50, [](SliceResult& r) { r.contours[r.layers[50].first_contour].role = Role::hole; }},
     };
     for (const Damage& damage : damages) {
         SliceResult result = sliced(mesh, uniform(0.2));
@@ -249,7 +239,7 @@ TEST_CASE("certificate: the result of another mesh is rejected", "[engine][certi
     CHECK(moved.worst_layer > 90);
     // One triangle fewer: the number of triangles differs.
     const shapes::Soup fewer(ball.begin() + 9, ball.end());
-    CHECK(code_of(audits::volume_of(result, view_of(fewer))) == lamella::ErrorCode::invalid_argument);
+    CHECK(code_of(audits::volume_of(result, view_of(fewer))) == ErrorCode::invalid_argument);
     // The same number of triangles, but one is there twice.
     shapes::Soup doubled = ball;
     std::copy_n(doubled.begin() + 9, 9, doubled.begin());
@@ -269,18 +259,18 @@ TEST_CASE("certificate: malformed input is an error", "[engine][certificate]") {
     for (const auto& damage : damages) {
         SliceResult result = sliced(ball, uniform(0.5));
         damage(result);
-        CHECK(code_of(audits::volume_of(result, view_of(ball))) == lamella::ErrorCode::invalid_argument);
-        CHECK(code_of(audits::ledger_of(result, view_of(ball))) == lamella::ErrorCode::invalid_argument);
+        CHECK(code_of(audits::volume_of(result, view_of(ball))) == ErrorCode::invalid_argument);
+        CHECK(code_of(audits::ledger_of(result, view_of(ball))) == ErrorCode::invalid_argument);
     }
     const SliceResult result = sliced(ball, uniform(0.5));
     shapes::Indexed lying = shapes::indexed(ball);
     lying.indices[7] = 1000;
-    CHECK(code_of(audits::volume_of(result, lying.view())) == lamella::ErrorCode::invalid_argument);
+    CHECK(code_of(audits::volume_of(result, lying.view())) == ErrorCode::invalid_argument);
 }
 
 TEST_CASE("the volumes of slabs are those of the facets between planes, and sum to the mesh's, whatever its shells do",
           "[engine][volume][certificate]") {
-    using lamella::models::Shape;
+    using models::Shape;
     constexpr std::uint64_t triangles = 160 * rounds(125);
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 2);
     const shapes::Soup box = shapes::box({1, 1, 1}, {4, 4, 4});
@@ -303,7 +293,7 @@ TEST_CASE("the volumes of slabs are those of the facets between planes, and sum 
             high = std::max(high, mesh[i]);
         }
         const double height = high - low;
-        for (const lamella::SliceOptions& options :
+        for (const SliceOptions& options :
              {uniform(height / 7.3), uniform(height / 80), at_heights({}, 0),
               at_heights({low - 1000 * height, low - height / 8, low + height / 3, high + height / 9}, 0)}) {
             const SliceResult result = sliced(mesh, options);
@@ -324,3 +314,5 @@ TEST_CASE("the volumes of slabs are those of the facets between planes, and sum 
         }
     }
 }
+
+}  // namespace

@@ -5,19 +5,15 @@
 #include "engine/region_checks.hpp"
 #include "engine/slicing.hpp"
 
-using lamella::FillRule;
-using lamella::SliceResult;
-using polygons::box;
-using polygons::Point;
-using polygons::Ring;
-using polygons::Rings;
+using namespace lamella;
+using namespace polygons;
 using regions::RegionRules;
 
 namespace {
 
 using Lines = std::vector<std::string>;
 
-constexpr double unit_mm = lamella::default_grid_mm;
+constexpr double unit_mm = default_grid_mm;
 
 SliceResult region_by(const Rings& rings, const RegionRules& rules) {
     auto made = value_of(regions::region(rings, rules));
@@ -53,15 +49,13 @@ std::vector<bool> marks_of(const Rings& rings, double radius_units, double miter
     rules.flag_closing_mm = radius_units * unit_mm;
     const SliceResult marked = region_by(rings, rules);
     std::vector<bool> marks;
-    for (const lamella::Contour& contour : marked.contours) {
-        marks.push_back((contour.flags & lamella::would_close) != 0);
+    for (const Contour& contour : marked.contours) {
+        marks.push_back((contour.flags & would_close) != 0);
     }
     return marks;
 }
 
 constexpr double radius = 51'380;  // 0.049 mm
-
-}  // namespace
 
 TEST_CASE("gaps under twice the radius are closed, others stay", "[closing]") {
     const int r = GENERATE(1, 2, 7, 1000, 51'380);
@@ -73,9 +67,9 @@ TEST_CASE("gaps under twice the radius are closed, others stay", "[closing]") {
     const SliceResult made = closed(pair, r, limit);
     // At twice the radius exactly the dilated ones have a line in common.
     CHECK(made.contours.size() == (over <= 0 ? 1 : 2));
-    const Rings slot = {box(0, 0, 100 * r, 100 * r), polygons::reversed(box(20 * r, 20 * r, 80 * r, 20 * r + gap))};
+    const Rings slot = {box(0, 0, 100 * r, 100 * r), reversed(box(20 * r, 20 * r, 80 * r, 20 * r + gap))};
     CHECK(closed(slot, r, limit).contours.size() == (over <= 0 ? 1 : 2));
-    const Rings rings = {box(0, 0, 100 * r, 100 * r), polygons::reversed(box(10 * r, 10 * r, 90 * r, 90 * r)),
+    const Rings rings = {box(0, 0, 100 * r, 100 * r), reversed(box(10 * r, 10 * r, 90 * r, 90 * r)),
                          box(10 * r + gap, 10 * r + gap, 90 * r - gap, 90 * r - gap)};
     const SliceResult ringed = closed(rings, r, limit);
     if (limit >= 3) {  // below, the cut corners of the inner one leave holes
@@ -89,15 +83,15 @@ TEST_CASE("closing agrees with closing everything on random polygons", "[closing
     std::mt19937 random(seed);
     const double limit = std::array{1.0, 1.2, 3.0, 10.0}[random() % 4];
     const double r = std::array{2'000.0, 51'380.0, 300'000.0}[random() % 3];
-    closed({polygons::star(random, 40, 400'000, 4'000'000)}, r, limit);
-    closed(polygons::lattice_boxes(random, 30, 40, static_cast<int>(r)), r, limit);
-    closed(polygons::lattice_points(random, 4, 8, 9, static_cast<int>(3 * r)), r, limit);
+    closed({star(random, 40, 400'000, 4'000'000)}, r, limit);
+    closed(lattice_boxes(random, 30, 40, static_cast<int>(r)), r, limit);
+    closed(lattice_points(random, 4, 8, 9, static_cast<int>(3 * r)), r, limit);
     // Notches with edges shorter than the radius, beside one that comes near, and as a hole around a body.
-    const double size = r * std::pow(10, polygons::between(random, 0.3, 2));
-    const Ring slab = polygons::ragged(random, size);
-    closed({slab, polygons::round({0, polygons::rounded(-2.1 * size)}, size, 50)}, r, limit);
-    closed({box(-9 * int(size), -9 * int(size), 9 * int(size), 9 * int(size)), polygons::reversed(slab),
-            polygons::round({0, polygons::rounded(4 * size)}, size, 50)},
+    const double size = r * std::pow(10, between(random, 0.3, 2));
+    const Ring slab = ragged(random, size);
+    closed({slab, round({0, rounded(-2.1 * size)}, size, 50)}, r, limit);
+    closed({box(-9 * int(size), -9 * int(size), 9 * int(size), 9 * int(size)), reversed(slab),
+            round({0, rounded(4 * size)}, size, 50)},
            r, limit);
 }
 
@@ -126,14 +120,14 @@ TEST_CASE("closing agrees with closing everything where folding and rounding are
 }
 
 TEST_CASE("a contour with nothing near is the same contour after closing", "[closing]") {
-    const Rings far = {polygons::round({0, 0}, 1'000'000, 40), polygons::reversed(polygons::round({0, 0}, 400'000, 30)),
-                       polygons::round({5'000'000, 0}, 1'000'000, 40)};
+    const Rings far = {round({0, 0}, 1'000'000, 40), reversed(round({0, 0}, 400'000, 30)),
+                       round({5'000'000, 0}, 1'000'000, 40)};
     CHECK(regions::same(region_by(far, rules_by(radius)), region_by(far, rules_by(0))));
 }
 
 TEST_CASE("offsets of squares can be written down", "[closing]") {
     const Ring square = box(0, 0, 1000, 1000);
-    const Rings frame = {square, polygons::reversed(box(400, 400, 600, 600))};
+    const Rings frame = {square, reversed(box(400, 400, 600, 600))};
     RegionRules merged = rules_by(0, 10);
     merged.drop_collinear = true;
     RegionRules positive = rules_by(5.25, 0, 1);
@@ -193,7 +187,7 @@ TEST_CASE("exactly the contours that closing changes or joins are marked", "[clo
 
 TEST_CASE("a body that closing swallows is marked though no dilated curves meet", "[closing]") {
     // The hole is 10 wide and the body in it 1: dilated by 4 they are 2 and 9 wide.
-    const Rings rings = {box(0, 0, 3000, 3000), polygons::reversed(box(1000, 1000, 2000, 2000)), box(1450, 1450, 1550, 1550),
+    const Rings rings = {box(0, 0, 3000, 3000), reversed(box(1000, 1000, 2000, 2000)), box(1450, 1450, 1550, 1550),
                          box(9000, 0, 9900, 900)};
     CHECK(marks_of(rings, 400) == std::vector<bool>{false, true, true, false});
     CHECK(marks_of(rings, 200) == std::vector<bool>{false, false, false, false});
@@ -205,7 +199,7 @@ TEST_CASE("marked contours are those that closing changes, on random layers", "[
     const unsigned seed = GENERATE(range(1U, 1 + rounds(60)));
     CAPTURE(seed);
     std::mt19937 random(seed);
-    const Rings rings = regions::rings_of(region_by(polygons::lattice_boxes(random, 12, 40, 1000), rules_by(0)));
+    const Rings rings = regions::rings_of(region_by(lattice_boxes(random, 12, 40, 1000), rules_by(0)));
     const auto marks = marks_of(rings, 700);
     const Rings after = regions::rings_of(region_by(rings, rules_by(700)));
     REQUIRE(marks.size() == rings.size());
@@ -219,13 +213,13 @@ TEST_CASE("marked contours are those that closing changes, on random layers", "[
 }
 
 TEST_CASE("closing and offsets that lead beyond the grid are refused", "[closing]") {
-    constexpr std::int32_t end = lamella::grid_limit;
+    constexpr std::int32_t end = grid_limit;
     RegionRules mark = rules_by(0);
     mark.flag_closing_mm = 10 * unit_mm;
     for (const RegionRules& rules : {rules_by(10), rules_by(0, 1), mark}) {
         const auto made = regions::region({box(-end, -end, end, end)}, rules);
         REQUIRE(!made.ok());
-        CHECK(made.error().code == lamella::ErrorCode::invalid_argument);
+        CHECK(made.error().code == ErrorCode::invalid_argument);
         CHECK_THAT(made.error().message, Catch::Contains("beyond the grid"));
     }
     // Dilated, both meet at their feet in an acute notch. Its miter on the way back leads farther down than the first
@@ -237,7 +231,7 @@ TEST_CASE("closing and offsets that lead beyond the grid are refused", "[closing
     };
     const auto made = regions::region(feet(-end + 10'000), rules_by(1000, 0, 10));
     REQUIRE(!made.ok());
-    CHECK(made.error().code == lamella::ErrorCode::invalid_argument);
+    CHECK(made.error().code == ErrorCode::invalid_argument);
     CHECK_THAT(made.error().message, Catch::Contains("beyond the grid, which ends at 1073741824 units"));
     CHECK(closed(feet(-end + 11'000), 1000, 10).contours.size() == 2);
 }
@@ -245,13 +239,13 @@ TEST_CASE("closing and offsets that lead beyond the grid are refused", "[closing
 TEST_CASE("each layer has the rule that it is given", "[closing]") {
     // A box within a box, both upright: two windings inside.
     const shapes::Soup soup = shapes::joined({shapes::box({0, 0, 0}, {10, 10, 10}), shapes::box({2, 2, 0}, {8, 8, 10})});
-    lamella::SliceOptions options = at_heights({1, 3, 5, 7, 9});
+    SliceOptions options = at_heights({1, 3, 5, 7, 9});
     options.region.fill_rule = FillRule::non_zero;
     options.region.fill_from = {{1, FillRule::even_odd}, {3, FillRule::contours}, {4, FillRule::outermost}};
-    const lamella::SliceResult result = sliced(soup, options);
+    const SliceResult result = sliced(soup, options);
     std::vector<double> areas;
     std::vector<std::uint64_t> counts;
-    for (const lamella::LayerView layer : result) {
+    for (const LayerView layer : result) {
         areas.push_back(layer.area_mm2());
         counts.push_back(layer.contour_count);
     }
@@ -260,7 +254,7 @@ TEST_CASE("each layer has the rule that it is given", "[closing]") {
 }
 
 TEST_CASE("contours over the whole grid cross in the right places", "[closing]") {
-    constexpr std::int32_t end = lamella::grid_limit;
+    constexpr std::int32_t end = grid_limit;
     const Ring square = box(-end, -end, end, end);
     const Ring diamond = {{-end, 0}, {0, -end}, {end, 0}, {0, end}};
     const double whole = 4.0 * end * end;
@@ -279,8 +273,10 @@ TEST_CASE("contours over the whole grid cross in the right places", "[closing]")
     CHECK(regions::area_of(region_by({bow}, positive)) == whole / 4);
     std::mt19937 random(3);
     for (int i = 0; i < 20; ++i) {
-        const Rings rings = polygons::lattice_points(random, 6, 12, 5, 1 << 29);
+        const Rings rings = lattice_points(random, 6, 12, 5, 1 << 29);
         region_by(rings, odd);
         region_by(rings, positive);
     }
 }
+
+}  // namespace

@@ -11,9 +11,7 @@
 #include "input/files.hpp"
 #include "lamella/io.hpp"
 
-using lamella::Callback;
-using lamella::Context;
-using lamella::ErrorCode;
+using namespace lamella;
 
 namespace {
 
@@ -25,13 +23,11 @@ struct LateStop {
     bool operator()() noexcept { return ++asked >= from; }
 };
 
-}  // namespace
-
 TEST_CASE("every call refuses negative threads, ends when asked to, and shows rising progress up to 1, one thread at a time",
           "[engine][control][threads]") {
     const TempFolder folder;
     const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 5, 4);
-    using namespace lamella::input_test;
+    using namespace input_test;
     ContextCalls calls(view_of(soup), folder.write("a.stl", binary_stl(numbered_facets(5000))), 0.1);
     for (const ContextCall& call : calls.all_and_small()) {
         INFO(call.name);
@@ -59,7 +55,7 @@ TEST_CASE("every call refuses negative threads, ends when asked to, and shows ri
 
 TEST_CASE("a host is asked once in an interval, and one yes of its is one for all threads", "[engine][control][threads]") {
     LateStop host{2};
-    lamella::PacedStop paced(host);
+    PacedStop paced(host);
     CHECK_FALSE(paced.check()());
     bool answered = false;
     std::thread([&] { answered = paced.check()(); }).join();  // another thread's first look
@@ -70,7 +66,7 @@ TEST_CASE("a host is asked once in an interval, and one yes of its is one for al
     }
     CHECK(host.asked == 2);
     host.from = 9;
-    const auto until = std::chrono::steady_clock::now() + lamella::PacedStop::interval;
+    const auto until = std::chrono::steady_clock::now() + PacedStop::interval;
     paced.follow(host);
     CHECK_FALSE(paced.check()());
     CHECK_FALSE(paced.check()());
@@ -79,7 +75,7 @@ TEST_CASE("a host is asked once in an interval, and one yes of its is one for al
 
 TEST_CASE("the first yes ends a slice, whenever it comes", "[engine][control][cancel][threads]") {
     const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 5, 5);
-    const lamella::SliceOptions options = uniform(0.001);
+    const SliceOptions options = uniform(0.001);
     LateStop never{~std::uint64_t{0}};
     (void)sliced(soup, options, {.threads = 1, .stop = never});
     REQUIRE(never.asked >= 4);
@@ -94,7 +90,7 @@ TEST_CASE("a slow progress sink holds up no other thread", "[engine][control][th
     // The sink returns only once all planes but those of its own band are through: a lock that it held would end in a hang.
     const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 5);
     std::atomic<std::uint64_t> layers = 0;
-    const auto count = [&](const lamella::LayerView&) noexcept { ++layers; };
+    const auto count = [&](const LayerView&) noexcept { ++layers; };
     std::atomic<bool> first = true;
     std::uint64_t meanwhile = 0;
     const auto wait = [&](double) noexcept {
@@ -107,14 +103,14 @@ TEST_CASE("a slow progress sink holds up no other thread", "[engine][control][th
         }
         meanwhile = layers - before;
     };
-    sliced_to(lamella::LayerSink{.take = count, .order = lamella::SinkOrder::any}, view_of(soup), uniform(0.01),
+    sliced_to(LayerSink{.take = count, .order = SinkOrder::any}, view_of(soup), uniform(0.01),
               {.threads = 2, .progress = wait}, {.band_planes = 20});
     CHECK(meanwhile >= 40);
 }
 
 TEST_CASE("a size that memory does not hold leaves an array as it was", "[engine][control][memory]") {
     CountingMemory memory(1000);
-    lamella::Array<int> array(&memory);
+    Array<int> array(&memory);
     array.resize_discarding(10);
     array[9] = 7;
     CHECK_THROWS_AS(array.resize_discarding(1000), std::bad_alloc);
@@ -123,20 +119,18 @@ TEST_CASE("a size that memory does not hold leaves an array as it was", "[engine
 }
 
 TEST_CASE("what is documented as noexcept is", "[engine][control]") {
-    const lamella::MeshView mesh;
-    const lamella::SliceResult result;
-    const lamella::MeshCheck check;
+    const MeshView mesh;
+    const SliceResult result;
+    const MeshCheck check;
     STATIC_REQUIRE(noexcept(slice(mesh)));
-    STATIC_REQUIRE(noexcept(lamella::assemble({})));
+    STATIC_REQUIRE(noexcept(assemble({})));
     STATIC_REQUIRE(noexcept(audit(result)));
-    STATIC_REQUIRE(noexcept(lamella::make_verdict(check)));
-    STATIC_REQUIRE(noexcept(lamella::make_report_json(result)));
-    STATIC_REQUIRE(noexcept(lamella::format_names()));
-    STATIC_REQUIRE(noexcept(lamella::Slicer()));
-    STATIC_REQUIRE_FALSE(noexcept(std::declval<lamella::Array<int>&>().resize_discarding(1)));
+    STATIC_REQUIRE(noexcept(make_verdict(check)));
+    STATIC_REQUIRE(noexcept(make_report_json(result)));
+    STATIC_REQUIRE(noexcept(format_names()));
+    STATIC_REQUIRE(noexcept(Slicer()));
+    STATIC_REQUIRE_FALSE(noexcept(std::declval<Array<int>&>().resize_discarding(1)));
 }
-
-namespace {
 
 using Body = Callback<void()>;
 
@@ -151,12 +145,12 @@ const shapes::Soup& closed() {
 /// The answers of every call that takes threads, as text. Audits do not depend on the order of triangles.
 std::string answers(const Context& context, const shapes::Soup& audited = closed()) {
     static const shapes::Soup open = shapes::without(closed(), 100, 3);
-    static const lamella::SliceResult of_closed = sliced(closed(), uniform(0.05), {.threads = 1});
-    static const lamella::SliceResult of_open = sliced(open, uniform(0.05), {.threads = 1});
+    static const SliceResult of_closed = sliced(closed(), uniform(0.05), {.threads = 1});
+    static const SliceResult of_open = sliced(open, uniform(0.05), {.threads = 1});
     require_at_every_destination(of_open, view_of(open), uniform(0.05), {context, {.band_planes = 7}});
-    const lamella::Audit found = value_of(audit(of_closed, view_of(audited), {}, context));
-    CHECK(found.volume->verdict == lamella::VolumeVerdict::holds);
-    const lamella::MeshCheck counts = value_of(check(view_of(open), {.counts_only = true}, context));
+    const Audit found = value_of(audit(of_closed, view_of(audited), {}, context));
+    CHECK(found.volume->verdict == VolumeVerdict::holds);
+    const MeshCheck counts = value_of(check(view_of(open), {.counts_only = true}, context));
     std::string report = value_of(make_report_json(of_closed, {.audit = &found}));
     const std::size_t time = report.find("\"report\": ");  // that writing it took
     report.erase(time, report.find('\n', time) - time);
@@ -180,8 +174,6 @@ void run_threads(int count, const Body& body) noexcept {
         thread.join();
     }
 }
-
-}  // namespace
 
 TEST_CASE("answers do not depend on the number of threads, nor audits on the order of triangles",
           "[engine][executor][threads]") {
@@ -243,3 +235,5 @@ TEST_CASE("a call may be made from within a task of another one's executor", "[e
     CHECK(answers({.executor = pool, .executor_threads = 2}) == expected());
     CHECK(inner == expected());
 }
+
+}  // namespace

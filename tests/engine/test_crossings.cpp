@@ -5,10 +5,7 @@
 #include "engine/slicing.hpp"
 #include "rings.hpp"
 
-using lamella::Crossings;
-using lamella::Point;
-using lamella::Role;
-using lamella::SliceResult;
+using namespace lamella;
 using rings::side;
 using Points = std::vector<Point>;
 
@@ -145,8 +142,6 @@ Layer wide_layer(std::int32_t every) {
     return layer;
 }
 
-}  // namespace
-
 TEST_CASE("crossings: all threads search one wide layer, with the same answer", "[engine][crossings][threads]") {
     const SliceResult result = audits::made_result({{square(0, 0, 10), square(5, 5, 10)}, wide_layer(68)});
     const Crossings one = found(result);
@@ -155,7 +150,7 @@ TEST_CASE("crossings: all threads search one wide layer, with the same answer", 
     const SliceResult too_many = audits::made_result({wide_layer(1)});
     const Crossings some = found(too_many);
     CHECK(some.at_least);
-    CHECK(some.count == lamella::most_crossings_in_layer);
+    CHECK(some.count == most_crossings_in_layer);
     for (const int threads : {2, 3}) {
         CHECK(audits::same(found(result, threads), one));
         CHECK(audits::same(found(too_many, threads), some));
@@ -185,7 +180,7 @@ TEST_CASE("crossings: random layers agree with a test of all pairs", "[engine][c
 }
 
 TEST_CASE("crossings: they are exact up to the limits of the grid", "[engine][crossings]") {
-    constexpr std::int32_t far = lamella::grid_limit;
+    constexpr std::int32_t far = grid_limit;
     CHECK(count_in({open_path({{-far, -far}, {far, far}}), open_path({{-far, far}, {far, -far}})}) == 1);
     CHECK(count_in({open_path({{-far, -far}, {far, far - 1}}), open_path({{-far, -far + 1}, {far, far}})}) == 0);
     CHECK(count_in({square(-far, -far, far), square(-1, -1, far)}) == 2);
@@ -210,3 +205,5 @@ TEST_CASE("crossings: a search that takes too long stops and reports a lower bou
     CHECK(crossings.layers[0].at_least);
     CHECK(crossings.count == 0);
 }
+
+}  // namespace

@@ -11,16 +11,7 @@
 #include "engine/everywhere.hpp"
 #include "golden/inputs.hpp"
 
-using lamella::Error;
-using lamella::ErrorCode;
-using lamella::HostArrays;
-using lamella::LayerSink;
-using lamella::LayerView;
-using lamella::Number;
-using lamella::SinkOrder;
-using lamella::SliceInfo;
-using lamella::SliceOptions;
-using lamella::SliceResult;
+using namespace lamella;
 
 namespace {
 
@@ -38,18 +29,15 @@ struct OrderNote {
     }
 };
 
-}  // namespace
-
 TEST_CASE("a sink in any order needs no memory for the layers", "[engine][sink][memory][threads]") {
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 5);
     const auto peak = [&](double layer_height, std::uint64_t& layer_bytes) {
         const CountingMemory memory;
         const auto nothing = [](const LayerView&) noexcept {};
-        lamella::Slicer slicer;
-        const lamella::SliceInfo info =
-            value_of(slicer.slice_to(LayerSink{.take = nothing, .order = SinkOrder::any}, view_of(ball),
-                                     uniform(layer_height), {.threads = 2, .memory = &memory}));
-        layer_bytes = info.points * sizeof(lamella::Point) + info.contours * sizeof(lamella::Contour);
+        Slicer slicer;
+        const SliceInfo info = value_of(slicer.slice_to(LayerSink{.take = nothing, .order = SinkOrder::any}, view_of(ball),
+                                                        uniform(layer_height), {.threads = 2, .memory = &memory}));
+        layer_bytes = info.points * sizeof(Point) + info.contours * sizeof(Contour);
         CHECK(slicer.bytes() >= memory.held());
         slicer.reset();
         CHECK(memory.held() == 0);
@@ -83,10 +71,10 @@ TEST_CASE("what is put aside for an ascending sink ends at its window, and goes 
         note(view);
     };
     const auto stop = [&]() noexcept { return ended.load(); };
-    lamella::Slicer slicer;
+    Slicer slicer;
     const auto info = slice_tuned(slicer, LayerSink{.take = take}, view_of(prism), uniform(1), {.band_planes = 400},
                                   {.threads = 2, .stop = stop, .memory = &memory});
-    CHECK(code_of(info) == (ends ? std::optional(lamella::ErrorCode::cancelled) : std::nullopt));
+    CHECK(code_of(info) == (ends ? std::optional(ErrorCode::cancelled) : std::nullopt));
     CHECK(note.next == (ends ? 1 : 800));
     CHECK(note.in_order);
     CHECK(memory.peak() < 120'000'000);
@@ -99,9 +87,9 @@ TEST_CASE("a slow sink gets every layer, an ascending one in plane order by one 
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 3);
     shapes::Soup hollow = shapes::joined({shapes::flipped(shapes::scaled(ball, {0.5, 0.5, 0.5})), ball});
     hollow.resize(hollow.size() - 9 * std::size_t{20});
-    lamella::SliceOptions options = uniform(0.1);
+    SliceOptions options = uniform(0.1);
     options.stitch_mm = 50;
-    const lamella::SliceResult expected = sliced(hollow, options);
+    const SliceResult expected = sliced(hollow, options);
     REQUIRE(expected.stitches.size() > 3);
     for (const SinkOrder order : orders) {
         ComparedLayers compared(expected);
@@ -115,8 +103,8 @@ TEST_CASE("a slow sink gets every layer, an ascending one in plane order by one 
             }
             compared(view);
         };
-        const lamella::SliceInfo info = sliced_to(LayerSink{.take = slow, .order = order}, view_of(hollow), options,
-                                                  {.threads = 4}, {.band_planes = band});
+        const SliceInfo info = sliced_to(LayerSink{.take = slow, .order = order}, view_of(hollow), options, {.threads = 4},
+                                         {.band_planes = band});
         require_same(info, expected.info);
         compared.require_all(expected.size());
         CHECK(note.in_order);
@@ -136,9 +124,9 @@ TEST_CASE("a sink may end the call, and gets no layer more", "[engine][sink][con
                 }
             };
             const auto stop = [&]() noexcept { return ended.load(); };
-            const auto info = lamella::Slicer().slice_to(LayerSink{.take = end_at_ten, .order = order}, view_of(ball),
-                                                         uniform(0.02), {.threads = threads, .stop = stop});
-            CHECK(code_of(info) == lamella::ErrorCode::cancelled);
+            const auto info = Slicer().slice_to(LayerSink{.take = end_at_ten, .order = order}, view_of(ball), uniform(0.02),
+                                                {.threads = threads, .stop = stop});
+            CHECK(code_of(info) == ErrorCode::cancelled);
             CHECK((order == SinkOrder::any || layers == 11));
             CHECK(layers < 900);
         }
@@ -148,7 +136,7 @@ TEST_CASE("a sink may end the call, and gets no layer more", "[engine][sink][con
 TEST_CASE("a sink may slice", "[engine][sink][executor][threads]") {
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 3);
     const shapes::Soup box = shapes::box({0, 0, 0}, {4, 4, 4});
-    const auto one_by_one = [](int workers, lamella::Callback<void()> body) noexcept {
+    const auto one_by_one = [](int workers, Callback<void()> body) noexcept {
         for (int i = 0; i < workers; ++i) {
             body();
         }
@@ -157,32 +145,27 @@ TEST_CASE("a sink may slice", "[engine][sink][executor][threads]") {
         for (const SinkOrder order : orders) {
             std::atomic<std::uint64_t> contours{0};
             const auto slicing = [&](const LayerView&) noexcept {
-                lamella::Slicer slicer;
-                lamella::SliceResult result;
+                Slicer slicer;
+                SliceResult result;
                 const auto info =
                     slice_tuned(slicer, result, view_of(box), uniform(0.05), {.band_planes = 3}, {.threads = 3});
                 contours += info.ok() ? result.contours.size() : 0;
             };
-            lamella::Context context{.threads = 4};
+            Context context{.threads = 4};
             if (has_executor) {
                 context.executor = one_by_one;
                 context.executor_threads = 4;
             }
-            const lamella::SliceInfo info = sliced_to(LayerSink{.take = slicing, .order = order}, view_of(ball),
-                                                      uniform(0.25), context, {.band_planes = 2});
+            const SliceInfo info = sliced_to(LayerSink{.take = slicing, .order = order}, view_of(ball), uniform(0.25),
+                                             context, {.band_planes = 2});
             CHECK(contours == 80 * info.layers);
         }
     }
 }
 
-namespace {
-
-Error refusal_of(const HostArrays& arrays, const lamella::Source& mesh, const SliceOptions& options,
-                 const lamella::Context& context = {}) {
-    return error_of(lamella::Slicer().slice_to(arrays, mesh, options, context));
+Error refusal_of(const HostArrays& arrays, const Source& mesh, const SliceOptions& options, const Context& context = {}) {
+    return error_of(Slicer().slice_to(arrays, mesh, options, context));
 }
-
-}  // namespace
 
 TEST_CASE("what does not fit is refused, and nothing beyond the capacities is written", "[engine][host][threads]") {
     const SliceOptions options{.layer_height_mm = 0.5, .stitch_mm = 50};
@@ -222,7 +205,7 @@ TEST_CASE("a scale that the type cannot take is refused before anything is cut",
     const SliceOptions options = at_heights({2});  // 200 units at most
     const auto code = [&](Number type, double scale) {
         const GuardedArrays host({8, 1, 1}, {.type = type, .scale = scale});
-        const auto code = code_of(lamella::Slicer().slice_to(host.arrays, view_of(box), options));
+        const auto code = code_of(Slicer().slice_to(host.arrays, view_of(box), options));
         CHECK(host.guards_stand());
         return std::string(!code ? "fits" : *code == ErrorCode::invalid_argument ? "refused" : "?");
     };
@@ -239,7 +222,7 @@ TEST_CASE("a scale that the type cannot take is refused before anything is cut",
         CHECK(code(type, scale) == expected);
     }
     SliceOptions offset = options;  // counts, too: 200 units fit, 300 do not
-    offset.region.fill_rule = lamella::FillRule::non_zero;
+    offset.region.fill_rule = FillRule::non_zero;
     offset.region.offset_mm = 50;
     const GuardedArrays host({8, 1, 1}, {.scale = 1e7});
     CHECK(refusal_of(host.arrays, view_of(box), offset).code == ErrorCode::invalid_argument);
@@ -247,11 +230,11 @@ TEST_CASE("a scale that the type cannot take is refused before anything is cut",
 
 TEST_CASE("parts and faces that do not fit are refused before progress shows the end", "[engine][host][parts][slabs]") {
     const shapes::Soup box = shapes::box({0, 0, 0}, {10, 10, 4});
-    lamella::Part parts[2];
+    Part parts[2];
     parts[0].mesh = parts[1].mesh = view_of(box);
     SliceOptions faces = uniform(1);
-    faces.content = lamella::LayerContent::upward_faces;
-    std::vector<lamella::Layer> layers(100);
+    faces.content = LayerContent::upward_faces;
+    std::vector<Layer> layers(100);
     double reached = -1;
     const auto note = [&](double done) noexcept { reached = done; };
     for (const HostArrays& arrays : {HostArrays{}, HostArrays{.layers = layers}}) {
@@ -270,13 +253,13 @@ TEST_CASE("arrays that contradict themselves are refused, and a layer without co
     using Change = void (*)(HostArrays&);
     for (const Change change : std::initializer_list<Change>{[](HostArrays& it) { it.points = nullptr; },
                                                              [](HostArrays& it) {
-                                                                 it.contours = {static_cast<lamella::Contour*>(nullptr), 1};
+                                                                 it.contours = {static_cast<Contour*>(nullptr), 1};
                                                              },
                                                              [](HostArrays& it) {
-                                                                 it.layers = {static_cast<lamella::Layer*>(nullptr), 1};
+                                                                 it.layers = {static_cast<Layer*>(nullptr), 1};
                                                              },
                                                              [](HostArrays& it) {
-                                                                 it.stitches = {static_cast<lamella::Stitch*>(nullptr), 1};
+                                                                 it.stitches = {static_cast<Stitch*>(nullptr), 1};
                                                              },
                                                              [](HostArrays& it) { it.point_stride = 15; },
                                                              [](HostArrays& it) { it.point_type = Number::u32; }}) {
@@ -285,10 +268,10 @@ TEST_CASE("arrays that contradict themselves are refused, and a layer without co
         CHECK(refusal_of(host.arrays, view_of(box), options).code == ErrorCode::invalid_argument);
     }
     CHECK(refusal_of({}, view_of(box), options).code == ErrorCode::result_too_large);
-    CHECK(refusal_of({}, lamella::MeshView{}, options).code == ErrorCode::empty_mesh);
-    CHECK(code_of(lamella::Slicer().outline(lamella::MeshView{}, options)) == ErrorCode::empty_mesh);
+    CHECK(refusal_of({}, MeshView{}, options).code == ErrorCode::empty_mesh);
+    CHECK(code_of(Slicer().outline(MeshView{}, options)) == ErrorCode::empty_mesh);
     for (const Number type : {Number::i32, Number::f64}) {
-        lamella::Layer layer;
+        Layer layer;
         const HostArrays arrays{.point_type = type, .layers = {&layer, 1}};
         CHECK(sliced_to(arrays, view_of(box), at_heights({9})).points == 0);
         CHECK(layer.plane_mm == 9);
@@ -299,12 +282,14 @@ TEST_CASE("arrays that contradict themselves are refused, and a layer without co
 TEST_CASE("a slice into the host's arrays allocates nothing of their size", "[engine][host][memory][threads]") {
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 5);
     const SliceOptions options = uniform(0.0005);
-    const SliceInfo outline = value_of(lamella::Slicer().outline(view_of(ball), options));
+    const SliceInfo outline = value_of(Slicer().outline(view_of(ball), options));
     for (const Number type : {Number::i32, Number::f64}) {
         const CountingMemory memory;
         const GuardedArrays host({outline.segments, outline.layers, outline.layers}, {.type = type});
         const SliceInfo info = sliced_to(host.arrays, view_of(ball), options, {.threads = 2, .memory = &memory});
         CHECK(memory.held() == 0);
-        CHECK(memory.peak() < info.points * sizeof(lamella::Point) / 2);
+        CHECK(memory.peak() < info.points * sizeof(Point) / 2);
     }
 }
+
+}  // namespace

@@ -10,9 +10,7 @@
 #include "rings.hpp"
 #include "slicing/edges/pair_search.hpp"
 
-using lamella::EdgePath;
-using lamella::FlatBox;
-using lamella::Point;
+using namespace lamella;
 
 namespace {
 
@@ -32,7 +30,7 @@ std::array<std::size_t, 4> pair_of(std::size_t a, std::size_t i, std::size_t b, 
     return std::pair(a, i) < std::pair(b, j) ? std::array{a, i, b, j} : std::array{b, j, a, i};
 }
 
-Pairs found(lamella::EdgePairs& search, const Layer& layer, std::int32_t margin) {
+Pairs found(EdgePairs& search, const Layer& layer, std::int32_t margin) {
     search.clear();
     for (std::size_t p = 0; p < layer.size(); ++p) {
         search.add(layer[p].given(p));
@@ -123,12 +121,10 @@ Layer random_layer(std::mt19937& random, const Kind& kind) {
     return layer;
 }
 
-}  // namespace
-
 TEST_CASE("edge pairs: random layers agree with a test of all pairs", "[engine][pairs]") {
     std::mt19937 random(21);
-    lamella::Worker worker;
-    lamella::EdgePairs search(worker);
+    Worker worker;
+    EdgePairs search(worker);
     for (int round = 0; round < 6000; ++round) {
         const Kind kind{4, 20, round % 2 == 0 ? 8 : 200, round % 2 == 0 ? 3 : 20, false};
         const Layer layer = random_layer(random, kind);
@@ -150,8 +146,8 @@ TEST_CASE("edge pairs: random layers agree with a test of all pairs", "[engine][
 
 TEST_CASE("edge pairs: layers of thousands of edges agree with a test of all pairs", "[engine][pairs]") {
     std::mt19937 random(23);
-    lamella::Worker worker;
-    lamella::EdgePairs search(worker);
+    Worker worker;
+    EdgePairs search(worker);
     for (int round = 0; round < 12; ++round) {
         const bool many = round % 2 == 0;
         const Kind kind{many ? std::size_t{300} : 6, many ? std::size_t{8} : 600, 1'000'000, 20'000, false};
@@ -180,8 +176,8 @@ TEST_CASE("edge pairs: neighbouring runs that lead away from each other are not 
         const std::int32_t right = std::min((i + 10) % 40, 40 - (i + 10) % 40);
         layer[0].points.push_back({1000 * right, 1000 * up});
     }
-    lamella::Worker worker;
-    lamella::EdgePairs search(worker);
+    Worker worker;
+    EdgePairs search(worker);
     for (const std::size_t start : {0U, 7U, 39U}) {
         layer[0].start = start;
         const Pairs pairs = found(search, layer, 0);
@@ -194,8 +190,8 @@ TEST_CASE("edge pairs: a search ends where it is told to, and at its limit", "[e
     for (std::int32_t i = 0; i < 100; ++i) {
         layer.push_back({{{0, i}, {1000, 100 - i}}, false, 0});
     }
-    lamella::Worker worker;
-    lamella::EdgePairs search(worker);
+    Worker worker;
+    EdgePairs search(worker);
     const std::size_t all = found(search, layer, 0).size();
     CHECK(all == 100 * 99 / 2);
     std::size_t met = 0;
@@ -217,5 +213,7 @@ TEST_CASE("edge pairs: a search ends where it is told to, and at its limit", "[e
     for (std::size_t p = 0; p < layer.size(); ++p) {
         search.add(layer[p].given(p));
     }
-    CHECK_THROWS_AS(search.find(0, unlimited, count), lamella::Stopped);
+    CHECK_THROWS_AS(search.find(0, unlimited, count), Stopped);
 }
+
+}  // namespace

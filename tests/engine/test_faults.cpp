@@ -3,15 +3,13 @@
 #include "engine/counting_memory.hpp"
 #include "input/files.hpp"
 
-using lamella::ErrorCode;
-using lamella::FillRule;
-using lamella::SliceOptions;
+using namespace lamella;
 
 namespace {
 
 /// Runs `call` until it succeeds. In each run, the first failing allocation is `step` later. Returns how often it failed.
-std::uint64_t fail_everywhere(const std::function<std::optional<ErrorCode>(const lamella::Context&)>& call,
-                              lamella::Context context = {}, std::uint64_t step = 1) {
+std::uint64_t fail_everywhere(const std::function<std::optional<ErrorCode>(const Context&)>& call, Context context = {},
+                              std::uint64_t step = 1) {
     std::optional<ErrorCode> code = ErrorCode::out_of_memory;
     std::uint64_t at = 1;
     for (; code; at += step) {
@@ -27,19 +25,17 @@ std::uint64_t fail_everywhere(const std::function<std::optional<ErrorCode>(const
 
 void fail_slicing_everywhere(const shapes::Soup& soup, const SliceOptions& options, const Way& way, std::uint64_t step = 1) {
     const std::uint64_t failures = fail_everywhere(
-        [&](const lamella::Context& context) {
-            lamella::Slicer slicer;
-            lamella::SliceResult result(context.memory);
+        [&](const Context& context) {
+            Slicer slicer;
+            SliceResult result(context.memory);
             return code_of(slice_tuned(slicer, result, view_of(soup), options, way.tuning, context));
         },
         way.context, step);
     CHECK(failures > 0);
 }
 
-}  // namespace
-
 TEST_CASE("every call fails cleanly at each of its allocations", "[engine][faults][sink][host]") {
-    using namespace lamella::input_test;
+    using namespace input_test;
     const TempFolder folder;
     const shapes::Soup soup = everything();
     const auto facets = numbered_facets(500);
@@ -52,7 +48,7 @@ TEST_CASE("every call fails cleanly at each of its allocations", "[engine][fault
         }
     }
     const auto text = folder.write("text.stl", text_stl(facets));
-    CHECK(0 < fail_everywhere([&](const lamella::Context& c) { return code_of(lamella::read_mesh(text, {}, c)); }));
+    CHECK(0 < fail_everywhere([&](const Context& c) { return code_of(read_mesh(text, {}, c)); }));
 }
 
 TEST_CASE("a slice fails cleanly at each of its allocations, in every form and by every rule",
@@ -63,8 +59,7 @@ TEST_CASE("a slice fails cleanly at each of its allocations, in every form and b
             fail_slicing_everywhere(everything(), uniform(0.4), way);
         }
     }
-    fail_slicing_everywhere(everything(), {}, {{.threads = 1}, {.random_heights = lamella::RandomHeights{0.2, 0.6, 4}}});
-    using lamella::LayerContent;
+    fail_slicing_everywhere(everything(), {}, {{.threads = 1}, {.random_heights = RandomHeights{0.2, 0.6, 4}}});
     std::vector<SliceOptions> asked;
     for (const LayerContent content : {LayerContent::upward_faces, LayerContent::downward_faces}) {
         for (const double closing_mm : {0.0, 0.6}) {
@@ -75,7 +70,7 @@ TEST_CASE("a slice fails cleanly at each of its allocations, in every form and b
     for (const FillRule rule : {FillRule::contours, FillRule::even_odd, united, FillRule::positive}) {
         asked.push_back({.layer_height_mm = 0.7, .stitch_mm = 2, .region = {.fill_rule = rule}});
     }
-    for (const lamella::RegionRules& rules : std::initializer_list<lamella::RegionRules>{
+    for (const RegionRules& rules : std::initializer_list<RegionRules>{
              {.fill_rule = united, .closing_mm = 0.01},
              {.fill_rule = united, .closing_mm = 0.6},
              {.fill_rule = united, .closing_mm = 2},
@@ -111,8 +106,8 @@ TEST_CASE("a slicer that ran out of memory slices again", "[engine][faults][thre
     const SliceOptions options = uniform(0.4);
     const std::uint64_t expected = sliced(soup, options).hash();
     for (std::uint64_t at = 1; at < 200; at += 7) {
-        lamella::Slicer slicer;
-        lamella::SliceResult result;
+        Slicer slicer;
+        SliceResult result;
         const CountingMemory memory(~std::size_t{0}, at);
         (void)slicer.slice_to(result, view_of(soup), options, {.threads = 2, .memory = &memory});
         INFO("allocation " << at);
@@ -121,3 +116,5 @@ TEST_CASE("a slicer that ran out of memory slices again", "[engine][faults][thre
         CHECK(memory.held() == 0);
     }
 }
+
+}  // namespace

@@ -8,15 +8,9 @@
 #include "engine/slicing.hpp"
 #include "regions/region.hpp"
 
+using namespace lamella;
+using namespace polygons;
 using Catch::Contains;
-using lamella::FillRule;
-using lamella::RegionRules;
-using lamella::Role;
-using lamella::SliceResult;
-using polygons::Point;
-using polygons::reversed;
-using polygons::Ring;
-using polygons::Rings;
 
 namespace {
 
@@ -28,7 +22,7 @@ using Outcomes = std::vector<Outcome>;
 
 /// Slices at mid-height solids that extend from z = 0 to 10.
 SliceResult filled(const shapes::Soup& soup, FillRule rule) {
-    lamella::SliceOptions options = at_heights({5});
+    SliceOptions options = at_heights({5});
     options.region.fill_rule = rule;
     SliceResult result = sliced(soup, options);
     CHECK(result.info.options.region.fill_rule == rule);
@@ -38,7 +32,7 @@ SliceResult filled(const shapes::Soup& soup, FillRule rule) {
 Outcome outcome_of(const SliceResult& result) {
     const auto count = [&](Role role) {
         return static_cast<double>(std::count_if(result.contours.begin(), result.contours.end(),
-                                                 [role](const lamella::Contour& contour) { return contour.role == role; }));
+                                                 [role](const Contour& contour) { return contour.role == role; }));
     };
     const double area = result[0].area_mm2();
     return {count(Role::outer), count(Role::hole), std::isnan(area) ? -1 : area};
@@ -60,8 +54,6 @@ shapes::Soup solids(const std::vector<Square>& squares) {
     }
     return soup;
 }
-
-}  // namespace
 
 TEST_CASE("fill rules: what becomes of solids that overlap, touch, lie in each other or are inverted", "[engine][fill]") {
     struct Case {
@@ -117,7 +109,7 @@ TEST_CASE("fill rules: what becomes of solids that overlap, touch, lie in each o
     };
     for (const Case& one : cases) {
         for (std::size_t r = 0; r < 4; ++r) {
-            INFO(one.name << ", " << lamella::name_of(all_rules[r]));
+            INFO(one.name << ", " << name_of(all_rules[r]));
             const SliceResult result = filled(solids(one.squares), all_rules[r]);
             CHECK(outcome_of(result) == one.expected[r]);
             CHECK(result.info.cancelled_layers == (one.cancelled && all_rules[r] == FillRule::non_zero ? 1 : 0));
@@ -131,7 +123,7 @@ TEST_CASE("fill rules: what becomes of solids that overlap, touch, lie in each o
 
 TEST_CASE("fill rules: what is empty is joined in a point, what is solid is not, and bodies lie in the hole that they touch",
           "[engine][fill][regions]") {
-    const auto square = [](std::int32_t low, std::int32_t high) { return polygons::box(low, low, high, high); };
+    const auto square = [](std::int32_t low, std::int32_t high) { return box(low, low, high, high); };
     // The hole's boundary passes the tip, but begins elsewhere. A and B begin there, and the tip lies strictly within the
     // outermost contour alone. From B the way past the left of the tip leads to A first.
     //
@@ -142,7 +134,7 @@ TEST_CASE("fill rules: what is empty is joined in a point, what is solid is not,
     //     |   |\    |
     //     |   B  ---+
     //     +---------+
-    const Ring around = polygons::box(-100, -100, 200, 200);
+    const Ring around = box(-100, -100, 200, 200);
     const Ring spiked = {{0, 0}, {0, 100}, {100, 100}, {100, 60}, {50, 50}, {100, 40}, {100, 0}};
     const Ring above = {{50, 50}, {70, 90}, {60, 90}};
     const Ring below = {{50, 50}, {60, 20}, {70, 20}};
@@ -167,7 +159,7 @@ TEST_CASE("fill rules: what is empty is joined in a point, what is solid is not,
     for (const auto& [rings, rule, expected] : cases) {
         const SliceResult region = regions::region_of(rings, rule);
         std::string text;
-        for (const lamella::Contour& contour : region.contours) {
+        for (const Contour& contour : region.contours) {
             text += std::string(contour.role == Role::outer ? "outer " : "hole ") + std::to_string(contour.point_count) +
                     " in " + (contour.parent < 0 ? "-" : std::to_string(contour.parent)) + ", ";
         }
@@ -184,15 +176,15 @@ TEST_CASE("fill rules fill places by their winding number, though contours cross
     constexpr std::int32_t step = 1 << 20;
     Rings contours;
     for (std::size_t count = 1 + random() % 4; count > 0; --count) {
-        contours.push_back(polygons::lattice_points(random, 1, 3 + random() % 8, 12, step)[0]);
+        contours.push_back(lattice_points(random, 1, 3 + random() % 8, 12, step)[0]);
     }
     for (const FillRule rule : {FillRule::even_odd, FillRule::non_zero, FillRule::positive}) {
         const SliceResult region = regions::region_of(contours, rule);
         REQUIRE(regions::broken_promise(region) == "");
         for (int i = 0; i < 60; ++i) {
             const Point near = contours[0][random() % contours[0].size()];
-            const double reach = step * std::pow(10, polygons::between(random, -2, 1));
-            const auto place = [&](std::int32_t from) { return from + polygons::between(random, -reach, reach); };
+            const double reach = step * std::pow(10, between(random, -2, 1));
+            const auto place = [&](std::int32_t from) { return from + between(random, -reach, reach); };
             const rings::PlaceOf<double> at{place(near.x), place(near.y)};
             const auto winding = [&](const Rings& rings) {
                 int sum = 0;
@@ -201,22 +193,20 @@ TEST_CASE("fill rules fill places by their winding number, though contours cross
                 }
                 return sum;
             };
-            INFO(lamella::name_of(rule) << " at " << at.x << ", " << at.y);
+            INFO(name_of(rule) << " at " << at.x << ", " << at.y);
             REQUIRE((winding(regions::rings_of(region)) == 1) == regions::fills(rule, winding(contours)));
         }
     }
 }
 
-namespace {
-
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
-constexpr double reach_mm = lamella::grid_limit * coarse_unit_mm;
+constexpr double reach_mm = grid_limit * coarse_unit_mm;
 
 /// The message with which slicing a cube on a grid of 0.5 mm is refused; empty where it is not.
 std::string refusal_of(RegionRules rules) {
     const shapes::Soup cube = shapes::box({0, 0, 0}, {10, 10, 10});
-    lamella::SliceOptions options = at_heights({5});
+    SliceOptions options = at_heights({5});
     options.region = std::move(rules);
     const auto result = slice(view_of(cube), options);
     return result ? std::string() : error_of(result).message;
@@ -229,11 +219,9 @@ RegionRules by(double RegionRules::*length, double mm, double miter_limit = 3) {
     return rules;
 }
 
-RegionRules from(FillRule rule, std::vector<lamella::FillFrom> later) {
+RegionRules from(FillRule rule, std::vector<FillFrom> later) {
     return {.fill_rule = rule, .fill_from = std::move(later)};
 }
-
-}  // namespace
 
 TEST_CASE("rules of regions that cannot be kept are refused with what is possible", "[engine][regions]") {
     constexpr double RegionRules::*closing = &RegionRules::closing_mm;
@@ -286,8 +274,8 @@ TEST_CASE("rules of regions that cannot be kept are refused with what is possibl
         rules.fill_from = {{0, FillRule::positive}};  // the first rule is in use for no layer
         cases.push_back({rules, ""});
     }
-    const lamella::Point corners[] = {{0, 0}, {40, 0}, {40, 40}, {0, 40}};
-    const std::span<const lamella::Point> square[] = {corners};
+    const Point corners[] = {{0, 0}, {40, 0}, {40, 40}, {0, 40}};
+    const std::span<const Point> square[] = {corners};
     for (const auto& [rules, message] : cases) {
         INFO(message);
         const std::string refusal = refusal_of(rules);
@@ -307,9 +295,9 @@ TEST_CASE("layers of which the rules leave nothing are counted", "[engine][regio
     // One plane below the solids, one through an inverted and an upright one, one through the inverted one alone.
     const shapes::Soup soup =
         shapes::joined({shapes::flipped(shapes::box({0, 0, 0}, {4, 4, 20})), shapes::box({10, 0, 0}, {14, 4, 10})});
-    lamella::SliceOptions options = at_heights({-5, 5, 15});
+    SliceOptions options = at_heights({-5, 5, 15});
     options.region.fill_rule = GENERATE(FillRule::contours, FillRule::non_zero, FillRule::positive);
-    const lamella::SliceResult result = sliced(soup, options);
+    const SliceResult result = sliced(soup, options);
     CHECK(result.info.emptied_layers == (options.region.fill_rule == FillRule::positive ? 1 : 0));
     CHECK(result.layers[2].contour_count == (options.region.fill_rule == FillRule::positive ? 0 : 1));
 }
@@ -317,7 +305,7 @@ TEST_CASE("layers of which the rules leave nothing are counted", "[engine][regio
 TEST_CASE("the largest outer contour alone stays, with its holes", "[regions]") {
     std::mt19937 random(3);
     for (int number = 0; number < 1200; ++number) {
-        const Rings rings = polygons::lattice_boxes(random, 2 + polygons::below(random, 6), 15, 10);
+        const Rings rings = lattice_boxes(random, 2 + below(random, 6), 15, 10);
         const FillRule rule = std::array{FillRule::even_odd, FillRule::non_zero, FillRule::positive,
                                          FillRule::outermost}[static_cast<std::size_t>(number) % 4];
         const SliceResult whole = regions::region_of(rings, rule);
@@ -334,10 +322,12 @@ TEST_CASE("the largest outer contour alone stays, with its holes", "[regions]") 
         }
         const RegionRules rules{.fill_rule = rule, .largest_only = true};
         const SliceResult found = regions::region_of(rings, rules);
-        INFO(lamella::name_of(rule) << " of " << regions::text_of(rings));
+        INFO(name_of(rule) << " of " << regions::text_of(rings));
         REQUIRE(regions::broken_promise(whole) == "");
         REQUIRE(regions::fault_in(found) == "");
         REQUIRE(regions::difference(regions::canonical(kept), regions::region_in(found)) == "");
         REQUIRE(regions::dependence_on_order(rings, rules, found, random) == "");
     }
 }
+
+}  // namespace

@@ -12,19 +12,8 @@
 #include "rings.hpp"
 #include "slicing/repair/polylines.hpp"
 
-using lamella::describe;
-using lamella::GapCloser;
-using lamella::GapRules;
-using lamella::OpenLayers;
-using lamella::Point;
-using lamella::PolylineEnds;
-using lamella::Role;
-using lamella::SliceOptions;
-using lamella::SliceResult;
-using lamella::Stitch;
-using lamella::StitchDirection;
-using shapes::Soup;
-using shapes::wall;
+using namespace lamella;
+using namespace shapes;
 
 namespace {
 
@@ -55,7 +44,7 @@ Joints uncrossed(const Joints& joints, const std::vector<Line>& lines, double cr
                 crossed = crossed || lies_between(joint, points[i], points[(i + 1) % points.size()]);
             }
         }
-        if (!crossed || lamella::squared_distance(joint.first, joint.second) <= crossing_reach * crossing_reach) {
+        if (!crossed || squared_distance(joint.first, joint.second) <= crossing_reach * crossing_reach) {
             kept.push_back(joint);
         }
     }
@@ -74,7 +63,7 @@ Joints nearest_first(const std::vector<Line>& lines, const GapRules& rules) {
             const bool turns = a % 2 == b % 2;
             const bool listed =
                 turns ? rules.sense == StitchDirection::any && std::pair(ends[a], a) < std::pair(ends[b], b) : a % 2 != 0;
-            const double squared = lamella::squared_distance(ends[a], ends[b]);
+            const double squared = squared_distance(ends[a], ends[b]);
             if (listed && !lines[a / 2].closed && !lines[b / 2].closed && squared <= rules.reach * rules.reach) {
                 all.emplace_back(squared, turns, ends[a], ends[b], a, b);
             }
@@ -93,14 +82,13 @@ Joints nearest_first(const std::vector<Line>& lines, const GapRules& rules) {
 }
 
 /// The gaps that the engine closes.
-Joints stitched(lamella::PolylineRepair& repair, std::vector<Line> lines, const GapRules& rules) {
-    std::vector<lamella::Path> open;
-    std::vector<lamella::Path> around;
+Joints stitched(PolylineRepair& repair, std::vector<Line> lines, const GapRules& rules) {
+    std::vector<Path> open;
+    std::vector<Path> around;
     for (auto& [points, closed] : lines) {
-        (closed ? around : open)
-            .push_back(closed ? lamella::closed_path(points, nullptr) : lamella::open_path(points, nullptr));
+        (closed ? around : open).push_back(closed ? closed_path(points, nullptr) : open_path(points, nullptr));
     }
-    lamella::Vector<Stitch> stitches(nullptr);
+    Vector<Stitch> stitches(nullptr);
     const bool any = repair.join(open, around, rules, 7, stitches);
     CHECK(any == !stitches.empty());
     Joints joints;
@@ -130,7 +118,7 @@ Soup random_walls(std::mt19937& random) {
         auto from = draw();
         for (std::size_t walls = 1 + random() % 4; walls > 0; --walls) {
             const auto to = draw();
-            shapes::append(soup, wall(from, to));
+            append(soup, wall(from, to));
             from = to;
         }
     }
@@ -140,7 +128,7 @@ Soup random_walls(std::mt19937& random) {
 using Edges = std::multiset<std::pair<Point, Point>>;
 
 /// Directed edges of a contour from point to point.
-Edges edges_of(const lamella::LayerView& layer, const lamella::Contour& contour) {
+Edges edges_of(const LayerView& layer, const Contour& contour) {
     Edges edges;
     const auto points = layer.points_of(contour);
     for (std::size_t i = contour.role == Role::open ? 1 : 0; i < points.size(); ++i) {
@@ -161,23 +149,21 @@ OpenLayers open_of(const SliceResult& result, int threads = 1) {
 
 /// A square tube of a metre whose lower wall lacks what lies between x = 495 and 505.
 Soup cracked_tube() {
-    return shapes::joined({wall({0, 0}, {495, 0}), wall({505, 0}, {1000, 0}), wall({1000, 0}, {1000, 1000}),
-                           wall({1000, 1000}, {0, 1000}), wall({0, 1000}, {0, 0})});
+    return joined({wall({0, 0}, {495, 0}), wall({505, 0}, {1000, 0}), wall({1000, 0}, {1000, 1000}),
+                   wall({1000, 1000}, {0, 1000}), wall({0, 1000}, {0, 0})});
 }
 
 SliceOptions by_mesh() {
     SliceOptions options = at_heights({3, 5});
-    options.stitch_mm = lamella::stitch_by_mesh;
+    options.stitch_mm = stitch_by_mesh;
     return options;
 }
-
-}  // namespace
 
 TEST_CASE("the gaps that are closed, and their order, are those of a list of all pairs without joints that cross something",
           "[engine][gaps]") {
     std::mt19937 random(21);
-    lamella::Worker worker;
-    lamella::PolylineRepair repair(worker);
+    Worker worker;
+    PolylineRepair repair(worker);
     std::size_t joined[2] = {0, 0};
     std::size_t left_open = 0;
     for (int turn = 0; turn < 3000; ++turn) {
@@ -218,7 +204,7 @@ TEST_CASE("closing gaps takes memory in proportion to the ends, not to their pai
     std::mt19937 random(23);
     constexpr std::size_t count = 20'000;
     CountingMemory memory;
-    lamella::Worker worker(&memory);
+    Worker worker(&memory);
     GapCloser closer(worker);
     for (const StitchDirection sense : {StitchDirection::oriented, StitchDirection::any}) {
         const GapRules rules{1 << 30, 1 << 30, sense};
@@ -239,11 +225,11 @@ TEST_CASE("joined in any sense: each segment is kept once, and most run as befor
         options.stitch_direction = StitchDirection::any;
         const SliceResult result = sliced(walls, options);  // of which the audit finds that no segment is lost
         Edges before;
-        for (const lamella::Contour& contour : open.contours) {
+        for (const Contour& contour : open.contours) {
             before.merge(edges_of(open[0], contour));
         }
         std::size_t others = 0;
-        for (const lamella::Contour& contour : result.contours) {
+        for (const Contour& contour : result.contours) {
             std::size_t forwards = 0;
             std::size_t backwards = 0;
             for (const auto& [from, to] : edges_of(result[0], contour)) {
@@ -253,13 +239,12 @@ TEST_CASE("joined in any sense: each segment is kept once, and most run as befor
                 backwards += turned;
                 others += !kept && !turned;
             }
-            if ((contour.flags & lamella::orientation_overruled) != 0 &&
-                (contour.orientation > 0) != (contour.role == Role::outer)) {
+            if ((contour.flags & orientation_overruled) != 0 && (contour.orientation > 0) != (contour.role == Role::outer)) {
                 std::swap(forwards, backwards);  // turned round once more, as its role demands
             }
             REQUIRE(forwards >= backwards);
             REQUIRE(contour.segments == forwards + backwards);
-            REQUIRE(((contour.flags & lamella::orientation_mixed) != 0) == (backwards != 0));
+            REQUIRE(((contour.flags & orientation_mixed) != 0) == (backwards != 0));
             mixed += backwards != 0;
         }
         REQUIRE(others == result.stitches.size());
@@ -270,9 +255,9 @@ TEST_CASE("joined in any sense: each segment is kept once, and most run as befor
 TEST_CASE("gaps up to the requested length are closed, and each is reported", "[engine][gaps]") {
     constexpr auto oriented = StitchDirection::oriented;
     constexpr auto any = StitchDirection::any;
-    const Soup open = shapes::without(shapes::box({0, 0, 0}, {10, 10, 10}), 4, 2);
-    const Soup alike = shapes::joined({wall({0, 0}, {20, 0}), wall({0, 10}, {20, 10})});  // run the same way
-    const Soup agreeing = shapes::joined({wall({0, 0}, {10, 0}), wall({14, 0}, {24, 0}), wall({24, 8}, {0, 8})});
+    const Soup open = without(box({0, 0, 0}, {10, 10, 10}), 4, 2);
+    const Soup alike = joined({wall({0, 0}, {20, 0}), wall({0, 10}, {20, 10})});  // run the same way
+    const Soup agreeing = joined({wall({0, 0}, {10, 0}), wall({14, 0}, {24, 0}), wall({24, 8}, {0, 8})});
     const Texts left_open = {"open 0 x6 in -: 20,0 20,9 20,20 11,20 0,20 0,11 0,0"};
     const Texts apart = {"open 0 x2 in -: 0,0 18,0 40,0", "open 0 x2 in -: 0,20 18,20 40,20"};
     const Texts joined = {"outer + x6 in -: 0,0 9,0 20,0 28,0 37,0 48,0 48,16 26,16 0,16"};
@@ -316,7 +301,7 @@ TEST_CASE("the mesh's length is a hundredth of its box's diagonal, and closes a 
 }
 
 TEST_CASE("a gap with a wall in it stays open by the mesh's length, and not by one that is given", "[engine][gaps]") {
-    const Soup tube = shapes::joined({cracked_tube(), wall({500, -5}, {500, 5}), wall({500, 5}, {500, -5})});
+    const Soup tube = joined({cracked_tube(), wall({500, -5}, {500, 5}), wall({500, 5}, {500, -5})});
     const SliceResult open = sliced(tube, by_mesh());
     CHECK(open.info.open_contours > 0);
     SliceOptions given = by_mesh();
@@ -329,10 +314,9 @@ TEST_CASE("a gap with a wall in it stays open by the mesh's length, and not by o
 }
 
 TEST_CASE("the length that closes what is left is no shorter than what was closed", "[engine][gaps][open_layers]") {
-    const Soup walled =
-        shapes::joined({wall({0, 2000}, {495, 2000}), wall({501, 2000}, {1000, 2000}), wall({1000, 2000}, {0, 2100}),
-                        wall({0, 2100}, {0, 2000}), wall({498, 1990}, {498, 2010}), wall({498, 2010}, {498, 1990})});
-    const SliceResult result = sliced(shapes::joined({cracked_tube(), walled}), by_mesh());
+    const Soup walled = joined({wall({0, 2000}, {495, 2000}), wall({501, 2000}, {1000, 2000}), wall({1000, 2000}, {0, 2100}),
+                                wall({0, 2100}, {0, 2000}), wall({498, 1990}, {498, 2010}), wall({498, 2010}, {498, 1990})});
+    const SliceResult result = sliced(joined({cracked_tube(), walled}), by_mesh());
     const auto open = open_of(result);
     CHECK(open.layers == 2);
     CHECK(open.reach_mm == Approx(10));
@@ -342,9 +326,9 @@ TEST_CASE("a mesh is stitched by its own box, each of several parts too", "[engi
     const Soup tube = cracked_tube();
     const SliceResult whole = sliced(tube, by_mesh());
     CHECK(whole.stitches.size() == 2);
-    lamella::Transform far;
+    Transform far;
     far.m[3] = 5000;
-    const std::vector<lamella::Part> parts = {{.mesh = view_of(tube)}, {.mesh = view_of(tube), .placement = far}};
+    const std::vector<Part> parts = {{.mesh = view_of(tube)}, {.mesh = view_of(tube), .placement = far}};
     const SliceResult together = sliced(parts, by_mesh());
     CHECK(together.info.options.stitch_mm == whole.info.options.stitch_mm);
     CHECK(together.stitches.size() == 4);
@@ -352,9 +336,9 @@ TEST_CASE("a mesh is stitched by its own box, each of several parts too", "[engi
 }
 
 TEST_CASE("open layers: their area is not known, and their share of the height is", "[engine][open_layers]") {
-    const Soup closed = shapes::box({0, 0, 0}, {10, 20, 30});
-    const Soup open = shapes::moved(shapes::without(closed, 10, 2), {0, 0, 30});
-    const SliceResult result = sliced(shapes::joined({closed, open}), uniform(1));
+    const Soup closed = box({0, 0, 0}, {10, 20, 30});
+    const Soup open = moved(without(closed, 10, 2), {0, 0, 30});
+    const SliceResult result = sliced(joined({closed, open}), uniform(1));
     const OpenLayers found = open_of(result);
     CHECK(found.layers == 30);
     CHECK(found.crossed == 60);
@@ -369,7 +353,7 @@ TEST_CASE("open layers: their area is not known, and their share of the height i
 }
 
 TEST_CASE("open layers: the length closes all, and a little less does not", "[engine][open_layers]") {
-    const Soup ball = shapes::octasphere({0, 0, 0}, 10, 3);
+    const Soup ball = octasphere({0, 0, 0}, 10, 3);
     Soup torn;
     for (std::size_t i = 0; i < ball.size(); i += 9) {  // but for every 13th triangle
         if (i % (13 * 9) != 0) {
@@ -394,9 +378,9 @@ TEST_CASE("open layers: the length closes all, and a little less does not", "[en
 }
 
 TEST_CASE("open layers: ends of two meshes are not joined", "[engine][open_layers]") {
-    const Soup one = shapes::without(shapes::box({0, 0, 0}, {10, 10, 10}), 10, 2);
-    const Soup other = shapes::moved(one, {1, 0, 0});
-    const std::vector<lamella::Part> parts = {{.mesh = view_of(one)}, {.mesh = view_of(other)}};
+    const Soup one = without(box({0, 0, 0}, {10, 10, 10}), 10, 2);
+    const Soup other = moved(one, {1, 0, 0});
+    const std::vector<Part> parts = {{.mesh = view_of(one)}, {.mesh = view_of(other)}};
     const SliceResult both = sliced(parts, uniform(1));
     CHECK(open_of(both).layers == 10);
     CHECK(open_of(both).reach_mm == open_of(sliced(one, uniform(1))).reach_mm);
@@ -414,3 +398,5 @@ TEST_CASE("open layers: the words name the length, rounded up to two digits", "[
     CHECK(describe({2, 9, 2, 0, 0, 1231}, "--stitch ").ends_with("no length of --stitch would close them"));
     CHECK(describe({2, 9, 0, 1, 2, 1231}, "").ends_with("; 1300 would close them"));
 }
+
+}  // namespace

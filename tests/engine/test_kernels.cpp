@@ -14,16 +14,15 @@
 #include "slicing/planes/plane_set.hpp"
 #include "slicing/sweep/band_sweep.hpp"
 
-using lamella::Kernels;
-using lamella::Point;
+using namespace lamella;
 
 namespace {
 
 /// A random ring of `count` points; with `repeats`, one point equals the one before it.
 void check_ring(const Kernels& form, std::size_t count, std::int32_t reach, bool repeats, std::mt19937& random) {
-    const Kernels& portable = lamella::portable_of(lamella::kernel_forms());
+    const Kernels& portable = portable_of(kernel_forms());
     std::uniform_int_distribution<std::int32_t> coordinate(-reach, reach);
-    const std::size_t room = count + 2 * lamella::padded_count;
+    const std::size_t room = count + 2 * padded_count;
     std::vector<Point> points(room);
     std::vector<std::uint32_t> slots(room, 0);
     for (std::size_t i = 0; i < count; ++i) {
@@ -36,10 +35,10 @@ void check_ring(const Kernels& form, std::size_t count, std::int32_t reach, bool
     }
     std::vector<Point> ring(room);
     std::vector<Point> expected_ring(room);
-    const lamella::RingFacts facts = form.trace(points.data(), slots.data(), count, ring.data());
-    const lamella::RingFacts expected = portable.trace(points.data(), slots.data(), count, expected_ring.data());
+    const RingFacts facts = form.trace(points.data(), slots.data(), count, ring.data());
+    const RingFacts expected = portable.trace(points.data(), slots.data(), count, expected_ring.data());
     CHECK((facts.box == expected.box));
-    CHECK(lamella::to_integer128(facts.twice_area) == lamella::to_integer128(expected.twice_area));
+    CHECK(to_integer128(facts.twice_area) == to_integer128(expected.twice_area));
     CHECK(facts.has_repeats == expected.has_repeats);
     CHECK((expected.has_repeats || !repeats));
     ring.resize(count);
@@ -69,13 +68,13 @@ std::vector<std::uint32_t> turns_of(const std::vector<Point>& points) {
 }
 
 /// Planes 20 units apart.
-lamella::PlaneSet planes_from(std::int32_t lowest, std::size_t count) {
-    lamella::Array<lamella::Layer> layers;
+PlaneSet planes_from(std::int32_t lowest, std::size_t count) {
+    Array<Layer> layers;
     layers.resize_discarding(count);
     for (std::size_t i = 0; i < count; ++i) {
-        layers[i].plane = lamella::PlaneHeight(lowest + 20 * static_cast<std::int32_t>(i));
+        layers[i].plane = PlaneHeight(lowest + 20 * static_cast<std::int32_t>(i));
     }
-    lamella::PlaneSet planes(nullptr);
+    PlaneSet planes(nullptr);
     planes.build(layers);
     return planes;
 }
@@ -105,8 +104,8 @@ TEST_CASE("a level takes its own forms, and one that the processor lacks is refu
 
 TEST_CASE("all forms of the kernels agree with the portable form", "[engine][kernels]") {
     std::mt19937 random(7);
-    for (const auto& [needs, form] : lamella::supported(lamella::kernel_forms())) {
-        for (const std::int32_t reach : {3, 1 << 20, lamella::grid_limit}) {
+    for (const auto& [needs, form] : supported(kernel_forms())) {
+        for (const std::int32_t reach : {3, 1 << 20, grid_limit}) {
             for (std::size_t count = 1; count < 70; ++count) {
                 check_ring(form, count, reach, false, random);
                 check_ring(form, count, reach, true, random);
@@ -116,7 +115,7 @@ TEST_CASE("all forms of the kernels agree with the portable form", "[engine][ker
 }
 
 TEST_CASE("areas are exact in boxes too wide for vectors, and beyond 64 bits", "[engine][kernels]") {
-    constexpr std::int32_t far = lamella::grid_limit;
+    constexpr std::int32_t far = grid_limit;
     std::vector<Point> along_x;
     std::vector<Point> along_y;
     for (std::int32_t i = 0; i < 12; ++i) {  // back and forth between the ends of one axis, 2^31 apart
@@ -130,14 +129,14 @@ TEST_CASE("areas are exact in boxes too wide for vectors, and beyond 64 bits", "
     REQUIRE(rings::twice_area(turns) > INT64_MAX);
     for (std::vector<Point> points : {along_x, along_y, turns}) {
         const std::size_t count = points.size();
-        const lamella::Int128 expected = rings::twice_area(points);
-        points.resize(count + lamella::padded_count, points[0]);
+        const Int128 expected = rings::twice_area(points);
+        points.resize(count + padded_count, points[0]);
         std::vector<std::uint32_t> slots(points.size());
         std::iota(slots.begin(), slots.end(), 0U);
-        for (const auto& [needs, form] : lamella::supported(lamella::kernel_forms())) {
+        for (const auto& [needs, form] : supported(kernel_forms())) {
             std::vector<Point> ring(points.size());
-            CHECK(lamella::to_integer128(form.trace(points.data(), slots.data(), count, ring.data()).twice_area) ==
-                  lamella::to_integer128(expected));
+            CHECK(to_integer128(form.trace(points.data(), slots.data(), count, ring.data()).twice_area) ==
+                  to_integer128(expected));
         }
     }
 }
@@ -147,22 +146,22 @@ TEST_CASE("edges pierce a plane at the interpolated points", "[engine][kernels]"
     const auto even = [&random](std::int32_t reach) {
         return static_cast<std::int32_t>(random() % static_cast<unsigned>(reach / 2)) * 2 - reach / 2;
     };
-    lamella::Worker worker;
-    lamella::ActiveEdges edges(nullptr);
-    for (lamella::Slot count = 1; count < 40; ++count) {
+    Worker worker;
+    ActiveEdges edges(nullptr);
+    for (Slot count = 1; count < 40; ++count) {
         edges.reserve(count, worker);
         std::vector<Point> expected;
-        for (lamella::Slot slot = 0; slot < count; ++slot) {
-            const lamella::GridVertex lower{even(1 << 29), even(1 << 29), -1000 - even(1 << 10)};
-            const lamella::GridVertex upper{even(1 << 29), even(1 << 29), 1000 + even(1 << 10)};
-            edges.put(slot, lamella::MeshEdge::between(lower, upper));
+        for (Slot slot = 0; slot < count; ++slot) {
+            const GridVertex lower{even(1 << 29), even(1 << 29), -1000 - even(1 << 10)};
+            const GridVertex upper{even(1 << 29), even(1 << 29), 1000 + even(1 << 10)};
+            edges.put(slot, MeshEdge::between(lower, upper));
             const double height = upper.z - lower.z;
             const double rise = 77.0 - lower.z;
             expected.push_back({static_cast<std::int32_t>(std::nearbyint(lower.x + (upper.x - lower.x) / height * rise)),
                                 static_cast<std::int32_t>(std::nearbyint(lower.y + (upper.y - lower.y) / height * rise))});
         }
-        for (const auto& [needs, form] : lamella::supported(lamella::kernel_forms())) {
-            std::vector<Point> points(count + lamella::padded_count);
+        for (const auto& [needs, form] : supported(kernel_forms())) {
+            std::vector<Point> points(count + padded_count);
             form.pierce(edges.arrays(0), 77, count, points.data());
             points.resize(count);
             CHECK(points == expected);
@@ -182,8 +181,8 @@ TEST_CASE("select_equal finds the positions that a loop finds, and writes only w
                     expected.push_back(static_cast<std::uint32_t>(i));
                 }
             }
-            for (const auto& [needs, kernels] : lamella::supported(lamella::kernel_forms())) {
-                std::vector<std::uint32_t> found(count + lamella::select_padding + 1, 77);
+            for (const auto& [needs, kernels] : supported(kernel_forms())) {
+                std::vector<std::uint32_t> found(count + select_padding + 1, 77);
                 const std::size_t n = kernels.select_equal(values.data(), count, 0xFFFFFFF0U, found.data());
                 CHECK(found.back() == 77);
                 found.resize(n);
@@ -204,10 +203,10 @@ TEST_CASE("every form finds where paths turn, also along the axes", "[engine][cr
         if (round % 3 == 0) {  // long runs
             std::sort(points.begin(), points.end());
         }
-        for (const auto& [needs, form] : lamella::supported(lamella::find_turns_forms())) {
+        for (const auto& [needs, form] : supported(find_turns_forms())) {
             std::vector<std::uint32_t> turns(points.size());
             std::vector<Point> with_room = points;
-            with_room.resize(points.size() + lamella::turn_lanes, points[random() % points.size()]);
+            with_room.resize(points.size() + turn_lanes, points[random() % points.size()]);
             turns.resize(form(with_room.data(), points.size() - 1, turns.data()));
             REQUIRE(turns == turns_of(points));
         }
@@ -216,23 +215,23 @@ TEST_CASE("every form finds where paths turn, also along the axes", "[engine][cr
 
 TEST_CASE("every form adds a corner of a face alike", "[engine][volume][kernels]") {
     std::mt19937 random(7);
-    const lamella::PlaneSet planes = planes_from(1, 37);
-    const lamella::PlaneHeights heights(planes);
+    const PlaneSet planes = planes_from(1, 37);
+    const PlaneHeights heights(planes);
     for (int round = 0; round < 2000; ++round) {
         const auto low = 2 * static_cast<std::int32_t>(random() % 400) - 20;
         const auto high = low + 2 * static_cast<std::int32_t>(1 + random() % 300);
         const double bend = std::ldexp(static_cast<double>(random()) - 0x1p31, static_cast<int>(random() % 60));
-        const lamella::PlaneIndex first = planes.first_above(low);
-        const lamella::PlaneIndex last = planes.first_above(high);
-        const auto sums_of = [&](const lamella::CornerKernels& form) {
-            lamella::CornerSums sums(planes.size());
+        const PlaneIndex first = planes.first_above(low);
+        const PlaneIndex last = planes.first_above(high);
+        const auto sums_of = [&](const CornerKernels& form) {
+            CornerSums sums(planes.size());
             form.rising(heights.z(), {double(low), double(high), bend, bend / 3, first, last}, sums);
             form.falling(heights.z(), {double(high), double(low), -bend, -bend / 3, first, last}, sums);
             return sums;
         };
-        const lamella::CornerSums expected = sums_of(lamella::portable_of(lamella::corner_kernel_forms()));
-        for (const auto& [needs, form] : lamella::supported(lamella::corner_kernel_forms())) {
-            const lamella::CornerSums sums = sums_of(form);
+        const CornerSums expected = sums_of(portable_of(corner_kernel_forms()));
+        for (const auto& [needs, form] : supported(corner_kernel_forms())) {
+            const CornerSums sums = sums_of(form);
             for (std::size_t i = 0; i <= planes.size(); ++i) {
                 REQUIRE(sums.area(i) == expected.area(i));
                 REQUIRE(sums.volume(i) == expected.volume(i));
@@ -242,21 +241,23 @@ TEST_CASE("every form adds a corner of a face alike", "[engine][volume][kernels]
 }
 
 TEST_CASE("sums of millions of equal corners do not overflow their limbs", "[engine][volume]") {
-    const lamella::PlaneSet planes = planes_from(101, 1);
-    const lamella::PlaneHeights heights(planes);
-    const lamella::GridTriangle face = {lamella::GridVertex{0, 0, 0}, {2'000'006, 14, 154}, {6, 2'000'002, 306}};
-    lamella::FaceSums once(planes, heights, {60, 28});
+    const PlaneSet planes = planes_from(101, 1);
+    const PlaneHeights heights(planes);
+    const GridTriangle face = {GridVertex{0, 0, 0}, {2'000'006, 14, 154}, {6, 2'000'002, 306}};
+    FaceSums once(planes, heights, {60, 28});
     once.add(face);
-    lamella::PlaneSums single;
+    PlaneSums single;
     once.add_to(single, 0);
     REQUIRE(single.area != 0);
     constexpr int times = 6'000'000;
-    lamella::FaceSums often(planes, heights, {60, 28});
+    FaceSums often(planes, heights, {60, 28});
     for (int i = 0; i < times; ++i) {
         often.add(face);
     }
-    lamella::PlaneSums all;
+    PlaneSums all;
     often.add_to(all, 0);
     CHECK(all.area == single.area * times);
     CHECK(all.volume == single.volume * times);
 }
+
+}  // namespace

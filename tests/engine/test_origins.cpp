@@ -7,14 +7,7 @@
 #include "golden/inputs.hpp"
 #include "oracle/oracle.hpp"
 
-using lamella::ContourForm;
-using lamella::FillRule;
-using lamella::LayerView;
-using lamella::Part;
-using lamella::Point;
-using lamella::PointOrigin;
-using lamella::SliceOptions;
-using lamella::SliceResult;
+using namespace lamella;
 
 namespace {
 
@@ -29,7 +22,7 @@ using Cuts = std::vector<Cut>;
 
 /// None if the cut has no length.
 std::optional<Cut> cut_of(const oracle::Triangle& t, PointOrigin origin, std::int32_t z) {
-    const std::vector<lamella::Segment> segments = oracle::segments_at(std::span(&t, 1), z);
+    const std::vector<Segment> segments = oracle::segments_at(std::span(&t, 1), z);
     if (segments.empty() || segments[0].from == segments[0].to) {
         return {};
     }
@@ -59,7 +52,7 @@ public:
     }
 
     /// The cuts of all triangles whose cut has a length. Of triangles with the same corners the smallest stands for all.
-    void add_cuts(lamella::PlaneHeight plane, Cuts& cuts) const {
+    void add_cuts(PlaneHeight plane, Cuts& cuts) const {
         for (const std::uint32_t t : stands_for_) {
             if (const std::optional<Cut> cut = cut_of(triangles_[t], {t, part_}, plane.z())) {
                 cuts.push_back(*cut);
@@ -69,13 +62,13 @@ public:
 
     /// The contour edges of a layer that come from a triangle of this part and have a length, as the facets run.
     void add_edges(const LayerView& layer, Cuts& edges) const {
-        for (const lamella::Contour& contour : layer.contours) {
+        for (const Contour& contour : layer.contours) {
             const std::span<const Point> points = layer.points_of(contour);
-            const bool open = contour.role == lamella::Role::open;
+            const bool open = contour.role == Role::open;
             for (std::size_t i = 0; i < points.size() - (open ? 1 : 0) && contour.part == part_; ++i) {
                 const Point next = points[i + 1 < points.size() ? i + 1 : 0];
                 const PointOrigin& origin = layer.origins_of(contour)[i];
-                if (origin.triangle != lamella::no_triangle && points[i] != next) {
+                if (origin.triangle != no_triangle && points[i] != next) {
                     edges.push_back(runs_down(origin)
                                         ? Cut{points[i], next, origin}
                                         : Cut{next, points[i], {origin.triangle, part_, origin.end_edge, origin.edge}});
@@ -128,8 +121,8 @@ std::optional<PointOrigin> origin_along(const Cuts& cuts, Point from, Point to) 
         if (rings::lies_on(begin, end, from) && rings::lies_on(begin, end, to) &&
             (!smallest || std::pair(own.part, own.triangle) < std::pair(smallest->part, smallest->triangle))) {
             smallest = own;
-            smallest->edge = from == begin ? own.edge : from == end ? own.end_edge : lamella::no_edge;
-            smallest->end_edge = to == end ? own.end_edge : to == begin ? own.edge : lamella::no_edge;
+            smallest->edge = from == begin ? own.edge : from == end ? own.end_edge : no_edge;
+            smallest->end_edge = to == end ? own.end_edge : to == begin ? own.edge : no_edge;
         }
     }
     return smallest;
@@ -143,7 +136,7 @@ void check_region(const Meshes& parts, const SliceResult& result) {
         for (const Triangles& triangles : all) {
             triangles.add_cuts(layer.plane, cuts);
         }
-        for (const lamella::Contour& contour : layer.contours) {
+        for (const Contour& contour : layer.contours) {
             const auto points = layer.points_of(contour);
             for (std::size_t i = 0; i < points.size(); ++i) {
                 const auto along = origin_along(cuts, points[i], points[i + 1 < points.size() ? i + 1 : 0]);
@@ -162,7 +155,7 @@ SliceOptions with_origins(SliceOptions options, FillRule rule = FillRule::contou
 }
 
 /// Requires a valid result whose origins suit the mesh and that is otherwise the same as without origins.
-SliceResult traced(const lamella::Source& source, SliceOptions options, const lamella::Tuning& tuning = {}) {
+SliceResult traced(const Source& source, SliceOptions options, const Tuning& tuning = {}) {
     SliceResult result = sliced(source, with_origins(options, options.region.fill_rule), {}, tuning);
     REQUIRE(result.origins.size() == result.points.size());
     require_ok(audits::structure_of(result, source));
@@ -172,7 +165,7 @@ SliceResult traced(const lamella::Source& source, SliceOptions options, const la
     REQUIRE(without.hash() == result.hash());
     return result;
 }
-SliceResult traced(const shapes::Soup& soup, const SliceOptions& options, const lamella::Tuning& tuning = {}) {
+SliceResult traced(const shapes::Soup& soup, const SliceOptions& options, const Tuning& tuning = {}) {
     return traced(view_of(soup), options, tuning);
 }
 
@@ -207,8 +200,6 @@ std::size_t without_triangle(const SliceResult& result) {
     return static_cast<std::size_t>(std::count(result.origins.begin(), result.origins.end(), PointOrigin()));
 }
 
-}  // namespace
-
 TEST_CASE("each contour edge names the triangle that it cuts, and the edges at its ends, in any order of triangles",
           "[engine][origins]") {
     for (const auto& [mesh_name, mesh] : difficult_meshes()) {
@@ -236,7 +227,7 @@ TEST_CASE("contour edges of random triangles name them, joined gaps no triangle"
             const SliceResult stitched = traced(soup, options, {.form = form});
             check_contours({soup}, stitched);
             const auto gaps = std::count_if(stitched.stitches.begin(), stitched.stitches.end(),
-                                            [](const lamella::Stitch& gap) { return gap.from != gap.to; });
+                                            [](const Stitch& gap) { return gap.from != gap.to; });
             CHECK(without_triangle(stitched) == static_cast<std::size_t>(gaps));
         }
     }
@@ -262,23 +253,23 @@ TEST_CASE("contours equal in every point come in the order of their triangles", 
 TEST_CASE("an open polyline ends at the edge of its last triangle", "[engine][origins][repair]") {
     const shapes::Soup open = shapes::without(shapes::box({0, 0, 0}, {4, 4, 4}), 4, 2);  // no front
     const SliceResult result = traced(open, at_heights({2}));
-    REQUIRE(result.contours[0].role == lamella::Role::open);
+    REQUIRE(result.contours[0].role == Role::open);
     const PointOrigin& last = result.origins[result.origins.size() - 2];
-    CHECK(result.origins[result.origins.size() - 1] == PointOrigin{last.triangle, 0, last.end_edge, lamella::no_edge});
+    CHECK(result.origins[result.origins.size() - 1] == PointOrigin{last.triangle, 0, last.end_edge, no_edge});
 }
 
 TEST_CASE("an audit of the structure finds origins that do not suit the result or the mesh", "[engine][origins]") {
     const shapes::Soup box = shapes::box({0, 0, 0}, {4, 4, 4});
-    const lamella::MeshView mesh = view_of(box);
+    const MeshView mesh = view_of(box);
     SliceResult result = traced(box, at_heights({2, 3}));
     REQUIRE(result.origins[0] == PointOrigin{5, 0, 2, 0});
-    const auto complaint = [&](const PointOrigin& origin, const lamella::Source& source) {
+    const auto complaint = [&](const PointOrigin& origin, const Source& source) {
         const PointOrigin right = std::exchange(result.origins[0], origin);
-        const lamella::Status status = audits::structure_of(result, source);
+        const Status status = audits::structure_of(result, source);
         result.origins[0] = right;
         return status ? std::string() : status.error().message;
     };
-    constexpr auto none = lamella::no_triangle;
+    constexpr auto none = no_triangle;
     const std::pair<PointOrigin, const char*> damages[] = {
         // Seen without the mesh.
         {{none, 0, 2, 0}, "an origin without a triangle, yet with an edge or a part"},
@@ -292,7 +283,7 @@ TEST_CASE("an audit of the structure finds origins that do not suit the result o
         {{9, 0, 2, 0}, "the point does not lie on the edge that its origin names"},
         {{5, 0, 1, 0}, "the point does not lie on the edge that its origin names"},
         {{5, 0, 2, 1}, "the contour edge does not end on the edge that its origin names"},
-        {{9, 0, lamella::no_edge, lamella::no_edge}, "the contour edge does not lie in the origin's triangle"}};
+        {{9, 0, no_edge, no_edge}, "the contour edge does not lie in the origin's triangle"}};
     for (const auto& [origin, message] : damages) {
         CHECK_THAT(complaint(origin, mesh), Catch::EndsWith("contour 0, point 0: " + std::string(message)));
     }
@@ -362,7 +353,7 @@ TEST_CASE("an edge of several without the points between comes from the first of
         for (std::size_t i = 0; i < 4; ++i) {
             REQUIRE(dropped.points[i] == whole.points[2 * i]);
             PointOrigin expected = whole.origins[2 * i];
-            expected.end_edge = lamella::no_edge;
+            expected.end_edge = no_edge;
             CHECK(dropped.origins[i] == expected);
         }
     }
@@ -375,11 +366,12 @@ TEST_CASE("origins name the part where there are several, up to 65535", "[engine
     options.unite_parts = true;
     const SliceResult united = traced(parts, options);
     CHECK(std::any_of(united.contours.begin(), united.contours.end(),
-                      [](const lamella::Contour& contour) { return contour.part == lamella::several_parts; }));
+                      [](const Contour& contour) { return contour.part == several_parts; }));
     check_region(meshes, united);
     const shapes::Soup one = shapes::triangle({0, 0, 0}, {4, 0, 4}, {0, 4, 4});
-    const lamella::Error error =
-        failure_of(std::vector<Part>(65536, Part{.mesh = view_of(one)}), with_origins(at_heights({2})));
-    CHECK(error.code == lamella::ErrorCode::invalid_argument);
+    const Error error = failure_of(std::vector<Part>(65536, Part{.mesh = view_of(one)}), with_origins(at_heights({2})));
+    CHECK(error.code == ErrorCode::invalid_argument);
     CHECK(error.message == "origins name one of at most 65535 parts, not of 65536");
 }
+
+}  // namespace

@@ -6,21 +6,16 @@
 
 #include "engine/everywhere.hpp"
 
-using lamella::Contour;
-using lamella::ErrorCode;
-using lamella::FillRule;
-using lamella::Part;
-using lamella::SliceOptions;
-using lamella::SliceResult;
+using namespace lamella;
 
 namespace {
 
-Part part_of(const shapes::Soup& soup, const lamella::Transform& transform = {}) {
+Part part_of(const shapes::Soup& soup, const Transform& transform = {}) {
     return {view_of(soup), transform};
 }
 
-lamella::Transform moved_by(double x, double y, double z) {
-    lamella::Transform transform;
+Transform moved_by(double x, double y, double z) {
+    Transform transform;
     transform.m[3] = x;
     transform.m[7] = y;
     transform.m[11] = z;
@@ -28,7 +23,7 @@ lamella::Transform moved_by(double x, double y, double z) {
 }
 
 using Parts = std::vector<Part>;
-SliceResult united(const Parts& parts, SliceOptions options, const lamella::Context& context = {}) {
+SliceResult united(const Parts& parts, SliceOptions options, const Context& context = {}) {
     options.unite_parts = true;
     return sliced(parts, options, context);
 }
@@ -44,18 +39,16 @@ std::uint64_t hash_without_parts(SliceResult result) {
 std::vector<std::string> named_at(const SliceResult& result, std::size_t layer) {
     std::vector<std::string> names;
     for (const Contour& contour : result.contours_of(result.layers[layer])) {
-        const std::string role = contour.role == lamella::Role::outer  ? "outer "
-                                 : contour.role == lamella::Role::hole ? "hole "
-                                 : contour.role == lamella::Role::flat ? "flat "
-                                                                       : "open ";
-        names.push_back(role + (contour.part == lamella::several_parts ? "several" : std::to_string(contour.part)));
+        const std::string role = contour.role == Role::outer  ? "outer "
+                                 : contour.role == Role::hole ? "hole "
+                                 : contour.role == Role::flat ? "flat "
+                                                              : "open ";
+        names.push_back(role + (contour.part == several_parts ? "several" : std::to_string(contour.part)));
     }
     return names;
 }
 
 using Lines = std::vector<std::string>;
-
-}  // namespace
 
 TEST_CASE("parts are cut as each is alone, at the planes and on the grid of the box around all, and lie side by side",
           "[engine][parts]") {
@@ -63,21 +56,21 @@ TEST_CASE("parts are cut as each is alone, at the planes and on the grid of the 
     const shapes::Soup torn = shapes::without(ball, 40, 30);
     const shapes::Soup bar = shapes::box({-4, 4, 0.5}, {40, 6, 20});
     const shapes::Soup far = shapes::box({0, 0, 21}, {1500, 4, 25});  // for which the grid is coarser
-    const Parts parts = {part_of(ball), part_of(bar, lamella::Transform::from_normal(1, 2, 30)),
+    const Parts parts = {part_of(ball), part_of(bar, Transform::from_normal(1, 2, 30)),
                          part_of(torn), part_of(far),
                          part_of(bar),  part_of(torn, moved_by(3, 0, 0.25))};
     const shapes::Soup within = shapes::joined({ball, shapes::box({0, 0, -7}, {1500, 4, 25})});
     const SliceResult plan = sliced(within, uniform(0.2));
-    for (const lamella::RegionRules& rules :
-         {lamella::RegionRules{}, {.fill_rule = FillRule::non_zero, .closing_mm = 0.5, .simplify_mm = 0.05}}) {
+    for (const RegionRules& rules :
+         {RegionRules{}, {.fill_rule = FillRule::non_zero, .closing_mm = 0.5, .simplify_mm = 0.05}}) {
         SliceOptions options{.layer_height_mm = 0.2, .stitch_mm = 5, .origins = true, .region = rules};
         const SliceResult whole = sliced(parts, options, {.threads = 3});
         CHECK(whole.info.part_count == parts.size());
-        CHECK(whole.info.grid_mm == 2 * lamella::default_grid_mm);
+        CHECK(whole.info.grid_mm == 2 * default_grid_mm);
         REQUIRE(whole.size() == plan.size());
         options.frame.grid_mm = whole.info.grid_mm;
         options.heights_mm.emplace();
-        for (const lamella::Layer& layer : whole.layers) {
+        for (const Layer& layer : whole.layers) {
             options.heights_mm->push_back(layer.plane_mm);
         }
         std::vector<std::size_t> contours(whole.size(), 0);
@@ -88,14 +81,14 @@ TEST_CASE("parts are cut as each is alone, at the planes and on the grid of the 
             SliceResult alone = sliced(parts[p].mesh, options);
             stitches += alone.stitches.size();
             std::for_each(alone.contours.begin(), alone.contours.end(), [p](Contour& own) { own.part = p; });
-            for (lamella::PointOrigin& origin : alone.origins) {
-                origin.part = static_cast<std::uint16_t>(origin.triangle == lamella::no_triangle ? 0 : p);
+            for (PointOrigin& origin : alone.origins) {
+                origin.part = static_cast<std::uint16_t>(origin.triangle == no_triangle ? 0 : p);
             }
             for (std::size_t l = 0; l < whole.size(); ++l) {
-                const lamella::LayerView own = alone[l];
-                lamella::LayerView found = whole[l];
+                const LayerView own = alone[l];
+                LayerView found = whole[l];
                 REQUIRE(found.plane == plan.layers[l].plane);
-                static_cast<lamella::Layer&>(found) = own;
+                static_cast<Layer&>(found) = own;
                 found.first_contour = whole.layers[l].first_contour + contours[l];
                 found.first_point += points[l];
                 found.contours = found.contours.subspan(std::exchange(contours[l], contours[l] + own.contours.size()),
@@ -110,15 +103,15 @@ TEST_CASE("parts are cut as each is alone, at the planes and on the grid of the 
         CHECK(std::accumulate(contours.begin(), contours.end(), std::size_t{0}) == whole.contours.size());
         CHECK(stitches == whole.stitches.size());
         CHECK(std::is_sorted(whole.stitches.begin(), whole.stitches.end(),
-                             [](const lamella::Stitch& x, const lamella::Stitch& y) { return x.layer < y.layer; }));
+                             [](const Stitch& x, const Stitch& y) { return x.layer < y.layer; }));
         CHECK_FALSE(audits::ledger_of(whole, view_of(ball)).ok());
         CHECK_FALSE(audits::volume_of(whole, view_of(ball)).ok());
     }
     // Its far end is at the grid's very limit, which a grid chosen by the mesh takes.
     const shapes::Soup limit = shapes::box({0, 0, 0}, {1024, 4, 1});
-    CHECK(sliced(Parts{part_of(limit), part_of(bar)}, uniform(0.5)).info.grid_mm == lamella::default_grid_mm);
-    CHECK(sliced(Parts{part_of(bar), part_of(bar)}, uniform(0.5, lamella::finest_grid)).info.grid_mm ==
-          sliced(bar, uniform(0.5, lamella::finest_grid)).info.grid_mm);
+    CHECK(sliced(Parts{part_of(limit), part_of(bar)}, uniform(0.5)).info.grid_mm == default_grid_mm);
+    CHECK(sliced(Parts{part_of(bar), part_of(bar)}, uniform(0.5, finest_grid)).info.grid_mm ==
+          sliced(bar, uniform(0.5, finest_grid)).info.grid_mm);
 }
 
 TEST_CASE("what is wrong with a part is said of that part", "[engine][parts]") {
@@ -143,7 +136,7 @@ TEST_CASE("what is wrong with a part is said of that part", "[engine][parts]") {
         {{part_of(good)}, uniform(-1), ErrorCode::invalid_argument, "layer_height_mm must be"},
         {{part_of(bad)}, closing, ErrorCode::invalid_argument, "closing_mm must be"}};
     for (const auto& [parts, options, code, message] : cases) {
-        const lamella::Error error = failure_of(parts, options);
+        const Error error = failure_of(parts, options);
         CHECK(error.code == code);
         CHECK_THAT(error.message, Catch::StartsWith(message));
         CHECK((code != ErrorCode::bad_coordinate || error.triangle == 4));
@@ -152,12 +145,12 @@ TEST_CASE("what is wrong with a part is said of that part", "[engine][parts]") {
 
 TEST_CASE("the memory limit is for all parts", "[engine][parts][errors]") {
     const shapes::Soup soup = shapes::box({0, 0, 0}, {4, 4, 100});
-    const std::uint64_t contents = 10'000 * (8 * sizeof(lamella::Point) + sizeof(Contour));
-    const std::uint64_t layers = 10'000 * sizeof(lamella::Layer);
+    const std::uint64_t contents = 10'000 * (8 * sizeof(Point) + sizeof(Contour));
+    const std::uint64_t layers = 10'000 * sizeof(Layer);
     const std::uint64_t limit = layers + 2 * contents;
     const Parts two = {part_of(soup), part_of(soup)};
     CHECK(sliced(two, uniform(0.01), {.memory_limit_bytes = limit}).contours.size() == 20'000);
-    const lamella::Context smaller{.memory_limit_bytes = limit - 1};
+    const Context smaller{.memory_limit_bytes = limit - 1};
     CHECK(failure_of(two, uniform(0.01), smaller).code == ErrorCode::result_too_large);
     CHECK(sliced(Parts{part_of(soup)}, uniform(0.01), smaller).contours.size() == 10'000);
 }
@@ -167,7 +160,7 @@ TEST_CASE("a broken order of parts is found", "[engine][parts][validate]") {
     const auto damaged = [&](void (*damage)(SliceResult&)) {
         SliceResult result = sliced(Parts{part_of(cube), part_of(cube, moved_by(20, 0, 0)), part_of(cube)}, at_heights({5}));
         damage(result);
-        const lamella::Status status = audits::structure_of(result);
+        const Status status = audits::structure_of(result);
         return status ? std::string("valid") : status.error().message;
     };
     CHECK(damaged([](SliceResult&) {}) == "valid");
@@ -184,7 +177,7 @@ TEST_CASE("united parts are the region of one mesh that has all of them", "[engi
     SliceOptions options = uniform(0.1);
     options.region.fill_rule = GENERATE(FillRule::even_odd, FillRule::non_zero, FillRule::positive);
     options.region.simplify_mm = GENERATE(0.0, 0.05);
-    options.frame.grid_mm = lamella::default_grid_mm;
+    options.frame.grid_mm = default_grid_mm;
     const SliceResult whole = sliced(shapes::joined({ball, other, small, inverted}), options);
     const Parts given = {part_of(ball), part_of(other), part_of(small), part_of(inverted)};
     const SliceResult parts = united(given, options);
@@ -237,3 +230,5 @@ TEST_CASE("open polylines of united parts stay as they are", "[engine][parts][re
     CHECK(named_at(closed, 0) == Lines{"outer 1"});
     CHECK(closed.stitches.size() == 1);
 }
+
+}  // namespace

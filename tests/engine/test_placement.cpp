@@ -8,8 +8,7 @@
 #include "engine/rounds.hpp"
 #include "slicing/result/layer_target.hpp"
 
-using lamella::BandOutput;
-using lamella::Point;
+using namespace lamella;
 
 TEST_CASE("bands with more or fewer points than segments are placed in order", "[engine][placement][threads]") {
     // Mostly as many points as segments; else one fewer (repeats) or a few more (open polylines, points of a fill rule).
@@ -18,7 +17,7 @@ TEST_CASE("bands with more or fewer points than segments are placed in order", "
     const auto draw = [&](std::uint32_t below) { return static_cast<std::uint32_t>(random() % below); };
     const bool outgrow = draw(2) == 0;
     const bool with_origins = draw(2) == 0;
-    std::vector<lamella::Band> bands;
+    std::vector<Band> bands;
     std::vector<std::uint32_t> counts;
     std::vector<Point> expected;
     std::uint64_t segments = 0;
@@ -35,20 +34,20 @@ TEST_CASE("bands with more or fewer points than segments are placed in order", "
     // Often too little room, since a result has 64 points more than segments are expected: what it does not hold is kept
     // until all is done.
     constexpr std::size_t threads = 3;
-    const lamella::Parallel parallel({.threads = threads});
-    lamella::OutputScratch scratch(nullptr);
-    lamella::SliceResult result;
-    const auto layer_at = [](lamella::PlaneIndex) { return lamella::Layer{}; };
-    const lamella::OutputPlan plan{.layers = static_cast<lamella::PlaneIndex>(bands.size()),
-                                   .layer_at = layer_at,
-                                   .segments = draw(2) == 0 ? segments : 1 + draw(static_cast<std::uint32_t>(segments) / 2),
-                                   .cutting = 0,
-                                   .bands = bands,
-                                   .parallel = parallel,
-                                   .scratch = scratch,
-                                   .origins = with_origins,
-                                   .info = result.info};
-    lamella::ResultTarget placement(result);
+    const Parallel parallel({.threads = threads});
+    OutputScratch scratch(nullptr);
+    SliceResult result;
+    const auto layer_at = [](PlaneIndex) { return Layer{}; };
+    const OutputPlan plan{.layers = static_cast<PlaneIndex>(bands.size()),
+                          .layer_at = layer_at,
+                          .segments = draw(2) == 0 ? segments : 1 + draw(static_cast<std::uint32_t>(segments) / 2),
+                          .cutting = 0,
+                          .bands = bands,
+                          .parallel = parallel,
+                          .scratch = scratch,
+                          .origins = with_origins,
+                          .info = result.info};
+    ResultTarget placement(result);
     placement.begin(plan);
 
     // One interleaving of `threads` threads. A step begins the next band, reserves space for a point, writes it, or
@@ -99,6 +98,6 @@ TEST_CASE("bands with more or fewer points than segments are placed in order", "
     REQUIRE(result.origins.size() == (with_origins ? expected.size() : 0));
     for (std::size_t i = 0; i < expected.size() && with_origins; ++i) {
         CHECK(result.origins[i] ==
-              lamella::PointOrigin{static_cast<std::uint32_t>(expected[i].y), static_cast<std::uint16_t>(expected[i].x)});
+              PointOrigin{static_cast<std::uint32_t>(expected[i].y), static_cast<std::uint16_t>(expected[i].x)});
     }
 }

@@ -6,18 +6,14 @@
 
 #include "engine/slicing.hpp"
 
-using lamella::Datum;
-using lamella::Number;
-using lamella::PlaneSide;
-using lamella::SliceOptions;
-using lamella::SliceResult;
+using namespace lamella;
 using shapes::box;
 
 namespace {
 
-std::vector<std::int32_t> planes_of(const lamella::SliceResult& result) {
+std::vector<std::int32_t> planes_of(const SliceResult& result) {
     std::vector<std::int32_t> planes;
-    for (const lamella::Layer& layer : result.layers) {
+    for (const Layer& layer : result.layers) {
         planes.push_back(layer.plane.z());
     }
     return planes;
@@ -26,8 +22,8 @@ std::vector<std::int32_t> planes_of(const lamella::SliceResult& result) {
 using Planes = std::vector<std::int32_t>;
 using Layers = std::vector<std::uint64_t>;
 
-lamella::Tuning at_random(double least_mm, double most_mm, std::uint64_t seed) {
-    return {.random_heights = lamella::RandomHeights{least_mm, most_mm, seed}};
+Tuning at_random(double least_mm, double most_mm, std::uint64_t seed) {
+    return {.random_heights = RandomHeights{least_mm, most_mm, seed}};
 }
 
 /// The plane of a height, by the rule as options.hpp states it.
@@ -80,14 +76,12 @@ std::vector<double> drawn_heights(std::mt19937& random, double unit_mm) {
     return heights;
 }
 
-}  // namespace
-
 TEST_CASE("uniform planes lie in the middle of their layers or from a first height on, strictly inside the mesh",
           "[engine][planes]") {
     struct Case {
         double bottom_mm, top_mm;  ///< of the mesh
         double layer_mm;
-        lamella::PlaneOptions options;
+        PlaneOptions options;
         Planes expected;
     };
     const auto above = PlaneSide::above;
@@ -130,13 +124,13 @@ TEST_CASE("explicit heights outside the mesh, and far beyond the grid, give empt
 
 TEST_CASE("random heights stay between their bounds and repeat by seed", "[engine][planes]") {
     const shapes::Soup soup = box({0, 0, 5}, {1, 1, 25});
-    const lamella::SliceResult result = sliced(soup, {}, {}, at_random(0.016, 0.032, 7));
+    const SliceResult result = sliced(soup, {}, {}, at_random(0.016, 0.032, 7));
     REQUIRE(result.layers.size() > 625);
     REQUIRE(result.layers.size() < 1250);
     double below = 5;
     double least = 1;
     double most = 0;
-    for (const lamella::Layer& layer : result.layers) {
+    for (const Layer& layer : result.layers) {
         least = std::min(least, layer.plane_mm - below);
         most = std::max(most, layer.plane_mm - below);
         below = layer.plane_mm;
@@ -146,12 +140,12 @@ TEST_CASE("random heights stay between their bounds and repeat by seed", "[engin
     CHECK(most - least > 0.015);
     CHECK(sliced(soup, {}, {}, at_random(0.016, 0.032, 7)).hash() == result.hash());
     CHECK(sliced(soup, {}, {}, at_random(0.016, 0.032, 8)).hash() != result.hash());
-    const lamella::SliceResult listed = sliced(soup, result.info.options);  // the heights that were drawn
+    const SliceResult listed = sliced(soup, result.info.options);  // the heights that were drawn
     CHECK(listed.hash() == result.hash());
     CHECK(listed.info.options == result.info.options);
-    for (const auto& [least, most, code] : {std::tuple(1e-7, 1e-3, lamella::ErrorCode::bad_planes),
-                                            std::tuple(2.0, 1.0, lamella::ErrorCode::invalid_argument)}) {
-        lamella::Slicer slicer;
+    for (const auto& [least, most, code] :
+         {std::tuple(1e-7, 1e-3, ErrorCode::bad_planes), std::tuple(2.0, 1.0, ErrorCode::invalid_argument)}) {
+        Slicer slicer;
         SliceResult none;
         CHECK(code_of(slice_tuned(slicer, none, view_of(soup), {}, at_random(least, most, 1))) == code);
     }
@@ -160,7 +154,7 @@ TEST_CASE("random heights stay between their bounds and repeat by seed", "[engin
 TEST_CASE("layers by height count towards the memory limit", "[engine][planes][errors]") {
     const shapes::Soup soup = box({0, 0, 0}, {4, 4, 4});
     const SliceOptions options = at_heights(std::vector<double>(10000, 2.0));
-    CHECK(failure_of(view_of(soup), options, {.memory_limit_bytes = 10000}).code == lamella::ErrorCode::result_too_large);
+    CHECK(failure_of(view_of(soup), options, {.memory_limit_bytes = 10000}).code == ErrorCode::result_too_large);
     CHECK(sliced(soup, options, {.memory_limit_bytes = 90000}).layers.size() == 1);
 }
 
@@ -169,7 +163,7 @@ TEST_CASE("layers far thicker than the mesh do not cut it", "[engine][planes]") 
     const shapes::Soup soup = box({-1, -1, -1}, {1, 1, 1});
     for (const double layer_mm : {5'000.0, 10'000.0, 1e6, 1e300}) {
         for (const Datum datum : {Datum::mesh_min, Datum::zero}) {
-            lamella::SliceOptions options = uniform(layer_mm);
+            SliceOptions options = uniform(layer_mm);
             options.planes.datum = datum;
             double last = 0;
             const auto note = [&](double fraction) noexcept { last = fraction; };
@@ -200,3 +194,5 @@ TEST_CASE("every height has the layer of its plane, whatever their order", "[eng
         CHECK(std::is_sorted(sorted.info.layer_of.begin(), sorted.info.layer_of.end()));
     }
 }
+
+}  // namespace

@@ -5,15 +5,14 @@
 #include "engine/slicing.hpp"
 #include "oracle/compare.hpp"
 
-using lamella::ContourForm;
+using namespace lamella;
 
 namespace {
 
 constexpr double fine_unit_mm = 0.125;
 
-lamella::SliceResult check_against_oracle(const shapes::Soup& soup, const lamella::SliceOptions& options,
-                                          const Way& way = {}) {
-    lamella::SliceResult result = sliced(soup, options, way.context, way.tuning);
+SliceResult check_against_oracle(const shapes::Soup& soup, const SliceOptions& options, const Way& way = {}) {
+    SliceResult result = sliced(soup, options, way.context, way.tuning);
     const std::string found = oracle::difference(result, oracle::quantise(soup, result.info.grid_mm));
     REQUIRE_THAT(found, Catch::Equals(""));
     return result;
@@ -23,19 +22,17 @@ lamella::SliceResult check_against_oracle(const shapes::Soup& soup, const lamell
 void check_assembled(const shapes::Soup& soup, std::int32_t z, std::uint64_t seed) {
     const std::vector<oracle::Triangle> triangles = oracle::quantise(soup, fine_unit_mm);
     const oracle::Layer expected = oracle::slice_at(triangles, z);
-    std::vector<lamella::Segment> segments = oracle::segments_at(triangles, z);
+    std::vector<Segment> segments = oracle::segments_at(triangles, z);
     std::shuffle(segments.begin(), segments.end(), std::mt19937_64(seed));
     REQUIRE_THAT(oracle::difference(value_of(assemble(segments)), expected), Catch::Equals(""));
 }
-
-}  // namespace
 
 TEST_CASE("soups and tetrahedra with coincident corners agree with the oracle in every form and band", "[engine][random]") {
     const ContourForm form = GENERATE(ContourForm::swept, ContourForm::assembled);
     for (std::uint64_t seed = 0; seed < rounds(400); ++seed) {
         const std::uint64_t range = 2 + seed % 4;
         INFO("seed " << seed);
-        const lamella::SliceOptions options = through_quarters(range);
+        const SliceOptions options = through_quarters(range);
         const Way way{{.threads = 1 + static_cast<int>(seed % 2)},
                       {.band_planes = seed % 7 == 0 ? 1 + static_cast<std::int64_t>(seed % 5) : 0, .form = form}};
         const shapes::Soup soup = shapes::random_soup(seed, 3 + static_cast<int>(seed % 40), range);
@@ -47,13 +44,13 @@ TEST_CASE("soups and tetrahedra with coincident corners agree with the oracle in
 }
 
 TEST_CASE("generated meshes agree with the oracle", "[engine][random]") {
-    using lamella::models::Shape;
+    using models::Shape;
     const Shape shape = GENERATE(Shape::sphere, Shape::torus, Shape::gyroid, Shape::bone, Shape::prism);
     const shapes::Soup soup = generated(shape, 4000);
     REQUIRE_FALSE(soup.empty());
     for (const ContourForm form : {ContourForm::swept, ContourForm::assembled}) {
         check_against_oracle(soup, uniform(0.25), {{}, {.form = form}});
-        check_against_oracle(soup, {}, {{}, {.form = form, .random_heights = lamella::RandomHeights{0.1, 0.5, 3}}});
+        check_against_oracle(soup, {}, {{}, {.form = form, .random_heights = RandomHeights{0.1, 0.5, 3}}});
     }
 }
 
@@ -73,18 +70,20 @@ TEST_CASE("the comparison finds every difference", "[engine][random]") {
                         shapes::triangle({9, 0, 0}, {12, 0, 0}, {9, 0, 8})});
     const oracle::Layer expected = oracle::slice_at(oracle::quantise(shells, coarse_unit_mm), 5);
     const auto differs = [&](auto&& damage) {
-        lamella::SliceResult result = sliced(shells, at_heights({3}));
+        SliceResult result = sliced(shells, at_heights({3}));
         damage(result);
         return !oracle::difference(result, result.layers[0], expected).empty();
     };
-    CHECK_FALSE(differs([](lamella::SliceResult&) {}));
-    CHECK(differs([](lamella::SliceResult& r) { r.points[3].x += 1; }));
-    CHECK(differs([](lamella::SliceResult& r) { r.contours[1].parent = -1; }));
-    CHECK(differs([](lamella::SliceResult& r) { r.contours[1].role = lamella::Role::outer; }));
-    CHECK(differs([](lamella::SliceResult& r) { r.contours[1].orientation = 1; }));
-    CHECK(differs([](lamella::SliceResult& r) { r.contours[1].flags = 1; }));
-    CHECK(differs([](lamella::SliceResult& r) { ++r.contours[2].segments; }));
-    CHECK(differs([](lamella::SliceResult& r) { r.contours[0].twice_area.low ^= 1; }));
-    CHECK(differs([](lamella::SliceResult& r) { --r.layers[0].contour_count; }));
-    CHECK(differs([](lamella::SliceResult& r) { std::rotate(&r.points[0], &r.points[1], &r.points[0] + 8); }));
+    CHECK_FALSE(differs([](SliceResult&) {}));
+    CHECK(differs([](SliceResult& r) { r.points[3].x += 1; }));
+    CHECK(differs([](SliceResult& r) { r.contours[1].parent = -1; }));
+    CHECK(differs([](SliceResult& r) { r.contours[1].role = Role::outer; }));
+    CHECK(differs([](SliceResult& r) { r.contours[1].orientation = 1; }));
+    CHECK(differs([](SliceResult& r) { r.contours[1].flags = 1; }));
+    CHECK(differs([](SliceResult& r) { ++r.contours[2].segments; }));
+    CHECK(differs([](SliceResult& r) { r.contours[0].twice_area.low ^= 1; }));
+    CHECK(differs([](SliceResult& r) { --r.layers[0].contour_count; }));
+    CHECK(differs([](SliceResult& r) { std::rotate(&r.points[0], &r.points[1], &r.points[0] + 8); }));
 }
+
+}  // namespace

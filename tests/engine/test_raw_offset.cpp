@@ -6,14 +6,8 @@
 #include "rings.hpp"
 #include "slicing/offset/raw_offset.hpp"
 
-using lamella::RawCurve;
-using lamella::RawOffset;
-using polygons::between;
-using polygons::Point;
-using polygons::ragged;
-using polygons::reversed;
-using polygons::Ring;
-using polygons::rounded;
+using namespace lamella;
+using namespace polygons;
 
 namespace {
 
@@ -66,7 +60,7 @@ bool is_simple(const Ring& ring) {
 Ring simple_ring(std::mt19937& random, double size) {
     for (;;) {
         const std::uint32_t kind = random() % 3;
-        Ring ring = kind == 2 ? ragged(random, size) : polygons::star(random, 3 + random() % 12, 0.2 * size, size);
+        Ring ring = kind == 2 ? ragged(random, size) : star(random, 3 + random() % 12, 0.2 * size, size);
         for (Point& p : ring) {
             const double step = kind == 1 ? size / 4 : 1;
             p = {rounded(step * std::round(p.x / step)), rounded(step * std::round(p.y / step))};
@@ -157,10 +151,8 @@ Place sample(std::mt19937& random, const Curve& curve, double size, double dista
     return {near.x + between(random, -reach, reach), near.y + between(random, -reach, reach)};
 }
 
-}  // namespace
-
 TEST_CASE("raw offsets of a few corners are known", "[engine][raw_offset]") {
-    constexpr std::int32_t far = lamella::grid_limit;
+    constexpr std::int32_t far = grid_limit;
     const Ring large{{-far, -far}, {far, -far}, {far, far}, {-far, far}};
     const Ring needle{{0, -200}, {100000, 0}, {0, 200}};
     const Ring spiked{{0, 0}, {4000, 0}, {4000, 2000}, {9000, 2000}, {4000, 2000}, {4000, 4000}, {0, 4000}};
@@ -226,23 +218,23 @@ TEST_CASE("all forms of the offset's kernels agree with the portable form", "[en
         Ring miters;
         double least = 0;
     };
-    const auto measured = [](const lamella::OffsetKernels& form, const Ring& ring, double distance) {
+    const auto measured = [](const OffsetKernels& form, const Ring& ring, double distance) {
         const std::size_t each = ring.size() + 1;
         Measured result(ring.size());
         double* const at = result.numbers.data();
-        const lamella::OffsetEdges edges{at, at + each, at + 2 * each};
+        const OffsetEdges edges{at, at + each, at + 2 * each};
         form.edges(ring.data(), ring.size(), edges);
         result.least =
             form.corners(ring.data(), ring.size(), edges, distance, {at + 3 * each, at + 4 * each, result.miters.data()});
         return result;
     };
-    for (const auto& [needs, form] : lamella::supported(lamella::offset_kernel_forms())) {
+    for (const auto& [needs, form] : supported(offset_kernel_forms())) {
         for (int round = 0; round < 300; ++round) {
             const double size = round % 2 == 0 ? 1e3 : 1e8;
             const Ring ring = simple_ring(random, size);
             const double distance = between(random, -2, 2) * size;
             const Measured result = measured(form, ring, distance);
-            const Measured expected = measured(lamella::portable_of(lamella::offset_kernel_forms()), ring, distance);
+            const Measured expected = measured(portable_of(offset_kernel_forms()), ring, distance);
             CHECK(result.numbers == expected.numbers);
             CHECK(result.miters == expected.miters);
             CHECK(result.least == expected.least);
@@ -277,3 +269,5 @@ TEST_CASE("the positive region of a curve is solid, rectangles and wedges", "[en
     CHECK(mixed > 100);
     CHECK(inside > 5000);
 }
+
+}  // namespace

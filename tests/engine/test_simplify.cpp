@@ -7,20 +7,13 @@
 #include "engine/slicing.hpp"
 #include "slicing/simplify/simplifier.hpp"
 
-using lamella::Contour;
-using lamella::FillRule;
-using lamella::LayerView;
-using lamella::PointOrigin;
-using lamella::Role;
-using lamella::SliceOptions;
-using lamella::SliceResult;
-using polygons::below;
-using polygons::Point;
-using polygons::Ring;
-using polygons::Rings;
+using namespace lamella;
+using namespace polygons;
 using rings::Int128;
 
 namespace {
+
+using polygons::Ring;
 
 /// A contour before, and what is left of it: indices of its points, from the start on.
 struct Simplified {
@@ -178,7 +171,7 @@ void compare(const LayerView& before, const LayerView& after, double tolerance, 
 
 /// Without simplification where `units` is 0.
 SliceResult region_by(const Rings& rings, double units, FillRule rule = FillRule::contours) {
-    const double tolerance_mm = units == 0 ? 0 : (units + 0.5) * lamella::default_grid_mm;
+    const double tolerance_mm = units == 0 ? 0 : (units + 0.5) * default_grid_mm;
     return value_of(regions::region(rings, {.fill_rule = rule, .simplify_mm = tolerance_mm}));
 }
 
@@ -198,8 +191,8 @@ Ring wavy(std::mt19937& random, Point centre, double radius, int count, double w
     Ring ring;
     for (int i = 0; i < count; ++i) {
         const double angle = 2 * std::numbers::pi * i / count;
-        const double r = radius + wave * std::sin(turns * angle) + rough * polygons::between(random, -1, 1);
-        const Point p = polygons::at_angle(centre, r, angle);
+        const double r = radius + wave * std::sin(turns * angle) + rough * between(random, -1, 1);
+        const Point p = at_angle(centre, r, angle);
         if (std::find(ring.begin(), ring.end(), p) == ring.end()) {
             ring.push_back(p);
         }
@@ -249,8 +242,6 @@ Rings crossing_needles(int count) {
     return rings;
 }
 
-}  // namespace
-
 TEST_CASE("contours close to one another, in crowds, and across one another keep every promise", "[engine][simplify]") {
     std::mt19937 random(5);
     const FillRule rules[] = {FillRule::contours, FillRule::non_zero, FillRule::even_odd};
@@ -273,7 +264,7 @@ TEST_CASE("contours close to one another, in crowds, and across one another keep
             }
         }
         for (std::size_t i = 0; i < rings.size(); i += 2) {
-            rings[i] = kind == 1 ? rings[i] : polygons::reversed(rings[i]);
+            rings[i] = kind == 1 ? rings[i] : reversed(rings[i]);
         }
         const std::int32_t most[] = {1500, 12, 3000};
         const Comparison sizes = simplify(rings, 1 + below(random, most[kind]), kind == 2 ? rules[turn / 3 % 3] : rules[0]);
@@ -292,16 +283,16 @@ TEST_CASE("a crescent thinner than the tolerance keeps its orientation", "[engin
     }
     for (const double tolerance : {10.0, 100.0, 1000.0, 1e5}) {
         simplify({crescent}, tolerance);
-        simplify({polygons::reversed(crescent)}, tolerance);
+        simplify({reversed(crescent)}, tolerance);
     }
 }
 
 TEST_CASE("contours as wide as the grid are simplified exactly, and a circle to about as many points as are needed",
           "[engine][simplify]") {
     const double needed = std::numbers::pi / std::acos(1 - 1000 / 1e6);  // of chords with a sagitta of the tolerance
-    const auto left = static_cast<double>(simplify({polygons::round({0, 0}, 1e6, 5000)}, 1000).points_after);
+    const auto left = static_cast<double>(simplify({round({0, 0}, 1e6, 5000)}, 1000).points_after);
     CHECK((left >= needed && left <= 2 * needed));
-    constexpr std::int32_t far = lamella::grid_limit;
+    constexpr std::int32_t far = grid_limit;
     const Ring square = {{-far, -far}, {0, -far + 1000}, {far, -far}, {far - 1000, 0},
                          {far, far},   {5, far - 1001},  {-far, far}};
     CHECK(simplify({square}, 1000).points_after == 5);
@@ -355,3 +346,5 @@ TEST_CASE("layers of which far more edges cross than there are points stay whole
     CHECK(region_by(crossing_needles(10), 3).points.size() == 80);
     CHECK(region_by(crossing_needles(4000), 3).points.size() == 40'000);
 }
+
+}  // namespace

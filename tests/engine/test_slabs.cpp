@@ -8,16 +8,14 @@
 #include "oracle/oracle.hpp"
 #include "rings.hpp"
 
-using lamella::PlaneSide;
-using lamella::SliceOptions;
-using lamella::SliceResult;
+using namespace lamella;
 
 namespace {
 
 using Lines = std::vector<std::string>;
 
 SliceOptions upward(SliceOptions options) {
-    options.content = lamella::LayerContent::upward_faces;
+    options.content = LayerContent::upward_faces;
     return options;
 }
 
@@ -28,20 +26,20 @@ struct Slabs {
 };
 
 /// Requires success and two valid results.
-Slabs slabs_of(const lamella::Source& mesh, SliceOptions options, const lamella::Context& context = {}) {
-    options.content = lamella::LayerContent::upward_faces;
+Slabs slabs_of(const Source& mesh, SliceOptions options, const Context& context = {}) {
+    options.content = LayerContent::upward_faces;
     SliceResult top = sliced(mesh, options, context);
-    options.content = lamella::LayerContent::downward_faces;
+    options.content = LayerContent::downward_faces;
     return {std::move(top), sliced(mesh, options, context)};
 }
-Slabs slabs_of(const shapes::Soup& soup, const SliceOptions& options, const lamella::Context& context = {}) {
+Slabs slabs_of(const shapes::Soup& soup, const SliceOptions& options, const Context& context = {}) {
     return slabs_of(view_of(soup), options, context);
 }
 
 /// Twice the net area in square units.
-oracle::Int128 twice_area(std::span<const lamella::Contour> contours) {
+oracle::Int128 twice_area(std::span<const Contour> contours) {
     oracle::Int128 sum = 0;
-    for (const lamella::Contour& contour : contours) {
+    for (const Contour& contour : contours) {
         sum += (oracle::Int128{contour.twice_area.high} << 64) + contour.twice_area.low;
     }
     return sum;
@@ -63,7 +61,7 @@ oracle::Int128 twice_upward_area(const shapes::Soup& soup, double grid_mm) {
 /// The layer is solid at a place in grid units.
 bool covers(const SliceResult& result, std::size_t layer, double x, double y) {
     int winding = 0;
-    for (const lamella::Contour& contour : result.contours_of(result.layers[layer])) {
+    for (const Contour& contour : result.contours_of(result.layers[layer])) {
         winding += rings::winding(result.points_of(contour), rings::PlaceOf<double>{x, y}).value_or(0);
     }
     return winding > 0;
@@ -147,8 +145,6 @@ std::size_t judge_by_plumbs(const shapes::Soup& moved, double mirror, const Slab
     return judged;
 }
 
-}  // namespace
-
 TEST_CASE("a horizontal face on a plane lies above it or below it as the plan says", "[engine][slabs]") {
     SliceOptions options = at_heights({-2, 0, 5, 10, 12});
     const shapes::Soup box = shapes::box({0, 0, 0}, {4, 4, 10});
@@ -187,7 +183,7 @@ TEST_CASE("one of very many layers is what its two planes alone give", "[engine]
         CHECK(twice_area(all.top[layer].contours) == twice_area(two.top[0].contours));
         CHECK(all.top.layers[layer].segments == two.top.layers[0].segments);
         const Slabs below = slabs_of(ball, at_heights({heights[planes - layer], heights[planes - 1 - layer]}, 0));
-        const lamella::LayerView low = all.bottom[planes - layer];
+        const LayerView low = all.bottom[planes - layer];
         CHECK(twice_area(low.contours) == twice_area(below.bottom[1].contours));
         CHECK(low.segments == below.bottom.layers[1].segments);
         CHECK(low.segments > 0);
@@ -199,7 +195,7 @@ TEST_CASE("rules of regions follow the union", "[engine][slabs][regions]") {
     const shapes::Soup tilted = shapes::joined({shapes::quad({0, 0, 3}, {4, 0, 3}, {4, 4, 3}, {0, 4, 3}),
                                                 shapes::quad({4, 0, 3}, {8, 0, 3}, {8, 4, 3}, {4, 4, 3})});
     const std::string left = "outer + x4 in -: 0,0 8,0 8,8 0,8";
-    const std::tuple<shapes::Soup, lamella::RegionRules, Lines> cases[] = {
+    const std::tuple<shapes::Soup, RegionRules, Lines> cases[] = {
         {tilted, {}, {"outer + x6 in -: 0,0 8,0 16,0 16,8 8,8 0,8"}},
         {tilted, {.drop_collinear = true}, {"outer + x6 in -: 0,0 16,0 16,8 0,8"}},
         {parts, {}, {left, "outer + x4 in -: 10,0 16,0 16,8 10,8"}},
@@ -218,13 +214,13 @@ TEST_CASE("rules of regions follow the union", "[engine][slabs][regions]") {
 TEST_CASE("slabs refuse what has no meaning for them", "[engine][slabs][errors]") {
     const shapes::Soup box = shapes::box({0, 0, 0}, {4, 4, 4});
     SliceOptions options = upward(at_heights({1}));
-    const std::vector<lamella::Part> parts = {{.mesh = view_of(box)}};
+    const std::vector<Part> parts = {{.mesh = view_of(box)}};
     CHECK_THAT(failure_of(parts, options).message, Catch::Contains("one mesh"));
     CHECK_THAT(failure_of(value_of(prepare(view_of(box))), options).message, Catch::Contains("one mesh"));
-    const lamella::Error large = failure_of(view_of(box), options, {.memory_limit_bytes = 79});
-    CHECK(large.code == lamella::ErrorCode::result_too_large);
+    const Error large = failure_of(view_of(box), options, {.memory_limit_bytes = 79});
+    CHECK(large.code == ErrorCode::result_too_large);
     CHECK(large.message == "1 layer with 2 pieces of faces need 80 bytes, more than the memory limit of 79");
-    options.region.fill_rule = lamella::FillRule::even_odd;
+    options.region.fill_rule = FillRule::even_odd;
     CHECK_THAT(failure_of(view_of(box), options).message, Catch::Contains("fill rule"));
     options.region = {.closing_mm = -1};
     CHECK_THAT(failure_of(view_of(box), options).message, Catch::StartsWith("closing_mm must be"));
@@ -246,7 +242,7 @@ TEST_CASE("every place is covered as the faces above and below it say", "[engine
         }
         SliceOptions options = at_heights(heights, 0x1p-20);
         options.planes.side = random() % 2 == 0 ? PlaneSide::below : PlaneSide::above;
-        const lamella::Context context{.threads = 1 + static_cast<int>(random() % 3)};
+        const Context context{.threads = 1 + static_cast<int>(random() % 3)};
         shapes::Soup moved = soup;
         const bool mirrored = random() % 2 == 0;
         if (mirrored) {
@@ -263,3 +259,5 @@ TEST_CASE("every place is covered as the faces above and below it say", "[engine
     }
     CHECK(judged > 60 * 40 / 2);
 }
+
+}  // namespace

@@ -33,7 +33,7 @@ using lamella::SliceResult;
 
 namespace {
 
-void slice_with(Slicer& slicer, const shapes::Soup& soup, const SliceOptions& options, const lamella::Context& context) {
+void slice_with(Slicer& slicer, const shapes::Soup& soup, const SliceOptions& options, const Context& context) {
     REQUIRE(slicer.slice(view_of(soup), options, context).ok());
 }
 
@@ -131,11 +131,11 @@ TEST_CASE("a slicer says what it holds of the host's memory", "[engine][slicer]"
 }
 
 TEST_CASE("a slicer gives back what the last call did not need", "[engine][slicer]") {
-    const lamella::Context context{.threads = GENERATE(1, 3)};
+    const Context context{.threads = GENERATE(1, 3)};
     SliceOptions thin = uniform(0.02);
     const bool with_regions = GENERATE(false, true);
     if (with_regions) {
-        thin.region.fill_rule = lamella::FillRule::non_zero;
+        thin.region.fill_rule = FillRule::non_zero;
         thin.region.closing_mm = 0.1;
     }
     Slicer fresh;
@@ -154,7 +154,7 @@ TEST_CASE("a slicer gives back what the last call did not need", "[engine][slice
 
 TEST_CASE("a small slice is done by the calling thread alone", "[engine][slicer][executor]") {
     int runs = 0;
-    const auto pool = [&runs](int, lamella::Callback<void()> body) noexcept {
+    const auto pool = [&runs](int, Callback<void()> body) noexcept {
         ++runs;
         body();
     };
@@ -176,7 +176,7 @@ TEST_CASE("a prepared mesh outlives the memory of the mesh", "[engine][prepare]"
 TEST_CASE("a prepared mesh is sliced on its own grid and in its own frame", "[engine][prepare]") {
     const shapes::Soup soup = shapes::box({0, 0, 0}, {4, 6, 8});
     SliceOptions options = at_heights({1, 3});
-    options.frame.transform = lamella::Transform::from_normal(1, 0, 0);
+    options.frame.transform = Transform::from_normal(1, 0, 0);
     const PreparedMesh made = value_of(prepare(view_of(soup), options.frame));
     CHECK(made.frame() == options.frame);
     SliceOptions left_out = options;
@@ -187,12 +187,12 @@ TEST_CASE("a prepared mesh is sliced on its own grid and in its own frame", "[en
     other.frame.grid_mm = 0.25;
     CHECK(failure_of(made, other).code == ErrorCode::invalid_argument);
     other = options;
-    other.frame.transform = lamella::Transform::scale(2);
+    other.frame.transform = Transform::scale(2);
     CHECK(failure_of(made, other).code == ErrorCode::invalid_argument);
 }
 
 TEST_CASE("a mesh that no grid holds cannot be prepared; of one that is empty slicing says so", "[engine][prepare]") {
-    const auto failure = [](const MeshView& mesh, const Frame& frame = {}, const lamella::Context& context = {}) {
+    const auto failure = [](const MeshView& mesh, const Frame& frame = {}, const Context& context = {}) {
         return error_of(prepare(mesh, frame, context));
     };
     shapes::Soup soup = shapes::box({0, 0, 0}, {4, 6, 8});
@@ -235,12 +235,14 @@ TEST_CASE("a plane reads little more than the triangles that it cuts", "[engine]
         soup.insert(soup.end(), {x, 0, z, x + 1, 0, z, x, 1, z + (t % 100 == 0 ? 100.5F : 0.05F)});
     }
     const PreparedMesh made = value_of(prepare(view_of(soup)));
-    const lamella::detail::PreparedImpl& prepared = *lamella::Source(made).prepared();
-    lamella::PlaneSet planes(nullptr);
+    const detail::PreparedImpl& prepared = *Source(made).prepared();
+    PlaneSet planes(nullptr);
     planes.build({.heights_mm = {{50.1}}}, {}, prepared.frame, 1 << 20);
-    lamella::Buckets buckets(nullptr);
-    const lamella::Parallel parallel({.threads = 1});
-    lamella::PreparedSource(prepared, {parallel, planes, buckets}).count(prepared.frame.unit.mm);
+    Buckets buckets(nullptr);
+    const Parallel parallel({.threads = 1});
+    PreparedSource(prepared, {parallel, planes, buckets}).count(prepared.frame.unit.mm);
     CHECK(buckets.segment_count >= 2000);
     CHECK(buckets.touched.size() * 64 <= 2 * buckets.segment_count);
 }
+
+}  // namespace

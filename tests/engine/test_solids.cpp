@@ -4,29 +4,23 @@
 #include "lamella/layers.hpp"
 #include "oracle/compare.hpp"
 
-using lamella::EndKey;
-using lamella::Segment;
-using lamella::SliceResult;
-using shapes::box;
-using shapes::flipped;
-using shapes::joined;
-using shapes::only;
-using shapes::triangle;
-using shapes::without;
+using namespace lamella;
+using namespace shapes;
+
 using Lines = std::vector<std::string>;
 
 namespace {
 
 /// The contours at height `mm` on the coarse grid. The oracle must find the same.
-Lines cut(const shapes::Soup& soup, double mm) {
-    const lamella::SliceResult result = sliced(soup, at_heights({mm}));
+Lines cut(const Soup& soup, double mm) {
+    const SliceResult result = sliced(soup, at_heights({mm}));
     CHECK(oracle::difference(result, oracle::quantise(soup, coarse_unit_mm)).empty());
     return contours_at(result, 0);
 }
 
-const shapes::Soup cube = box({0, 0, 0}, {4, 4, 4});
-const shapes::Soup large = box({0, 0, 0}, {8, 8, 8});
-const shapes::Soup inner = box({2, 2, 2}, {6, 6, 6});
+const Soup cube = box({0, 0, 0}, {4, 4, 4});
+const Soup large = box({0, 0, 0}, {8, 8, 8});
+const Soup inner = box({2, 2, 2}, {6, 6, 6});
 
 const std::string square = " 0,0 1,0 8,0 8,1 8,8 7,8 0,8 0,7";
 const std::string large_square = " 0,0 5,0 16,0 16,5 16,16 11,16 0,16 0,11";
@@ -35,13 +29,11 @@ const std::string inner_clockwise = " 4,4 4,11 4,12 11,12 12,12 12,5 12,4 5,4";
 
 constexpr std::size_t front = 4;  // index of the first triangle of a box's front side
 
-}  // namespace
-
 TEST_CASE("a cube gives one outer contour", "[engine][solids]") {
     CHECK(cut(cube, 1) == Lines{"outer + x8 in -:" + square});
-    const lamella::SliceResult result = sliced(cube, at_heights({1, 2, 3, 4}));
+    const SliceResult result = sliced(cube, at_heights({1, 2, 3, 4}));
     REQUIRE(result.layers.size() == 4);
-    for (const lamella::LayerView layer : result) {
+    for (const LayerView layer : result) {
         CHECK(layer.area_mm2() == 16);
         CHECK(layer.segments == 8);
     }
@@ -53,14 +45,13 @@ TEST_CASE("a cube gives one outer contour", "[engine][solids]") {
 TEST_CASE("the contours of small meshes are known", "[engine][solids]") {
     struct Case {
         const char* name;
-        shapes::Soup soup;
+        Soup soup;
         double height_mm;
         Lines expected;
     };
-    const shapes::Soup corner =
-        joined({triangle({0, 0, 0}, {0, 4, 0}, {4, 0, 0}), triangle({0, 0, 0}, {4, 0, 0}, {0, 0, 4}),
-                triangle({0, 0, 0}, {0, 0, 4}, {0, 4, 0}), triangle({4, 0, 0}, {0, 4, 0}, {0, 0, 4})});
-    const shapes::Soup sheet = triangle({0, 0, 0}, {4, 0, 0}, {0, 0, 4});
+    const Soup corner = joined({triangle({0, 0, 0}, {0, 4, 0}, {4, 0, 0}), triangle({0, 0, 0}, {4, 0, 0}, {0, 0, 4}),
+                                triangle({0, 0, 0}, {0, 0, 4}, {0, 4, 0}), triangle({4, 0, 0}, {0, 4, 0}, {0, 0, 4})});
+    const Soup sheet = triangle({0, 0, 0}, {4, 0, 0}, {0, 0, 4});
     const std::string outer = "outer + x8 in -:";
     const std::string once = "outer + x3 in -: 0,0 7,0 0,7";
     const std::string islet = " 6,6 7,6 10,6 10,7 10,10 9,10 6,10 6,9";
@@ -118,8 +109,6 @@ TEST_CASE("the contours of small meshes are known", "[engine][solids]") {
     }
 }
 
-namespace {
-
 EndKey key(std::uint64_t a) {
     return {a, 0, 0};
 }
@@ -127,14 +116,12 @@ EndKey key(std::uint64_t a) {
 SliceResult assembled(const std::vector<Segment>& segments) {
     SliceResult layer = value_of(assemble(segments));
     std::uint64_t sum = 0;
-    for (const lamella::Contour& contour : layer.contours) {
+    for (const Contour& contour : layer.contours) {
         sum += contour.segments;
     }
     REQUIRE(sum == segments.size());
     return layer;
 }
-
-}  // namespace
 
 TEST_CASE("ranks decide which ends meet at a shared key", "[assemble]") {
     // Two squares meet at (4, 4). Counter-clockwise from the east: a source, a target from the north, a source to the
@@ -169,3 +156,5 @@ TEST_CASE("assemble terminates and uses each segment once for any input", "[asse
     }
     CHECK_FALSE(assembled(segments).contours.empty());
 }
+
+}  // namespace

@@ -9,13 +9,7 @@
 #include "engine/everywhere.hpp"
 #include "golden/golden.hpp"
 
-using lamella::ErrorCode;
-using lamella::FillRule;
-using lamella::LayerContent;
-using lamella::MeshView;
-using lamella::Number;
-using lamella::SliceOptions;
-using lamella::SliceResult;
+using namespace lamella;
 using shapes::octasphere;
 
 namespace {
@@ -41,8 +35,8 @@ std::map<std::string, SliceOptions> asked_of(const shapes::Soup& mesh) {
     asked["origins of some layers, turned and above"] = {
         .layer_height_mm = 0.5,
         .origins = true,
-        .planes = {.side = lamella::PlaneSide::above, .first_layer = 3, .end_layer = 12},
-        .frame = {.transform = lamella::Transform::from_normal(1, 2, 3), .grid_mm = 0x1p-18}};
+        .planes = {.side = PlaneSide::above, .first_layer = 3, .end_layer = 12},
+        .frame = {.transform = Transform::from_normal(1, 2, 3), .grid_mm = 0x1p-18}};
     asked["regions"] = {.layer_height_mm = region_layer_mm,
                         .region = {.fill_rule = FillRule::non_zero,
                                    .offset_mm = -0.4,
@@ -69,7 +63,7 @@ std::vector<Question> questions() {
                                                 shapes::flipped(octasphere({1, 0, 0}, 4, 2)),
                                                 shapes::box({19.05, -3, -8}, {25, 3, 8}), octasphere({30, 0, 0}, 4.95, 3)});
     constexpr FillRule united = FillRule::non_zero;
-    for (const lamella::RegionRules& rules : std::initializer_list<lamella::RegionRules>{
+    for (const RegionRules& rules : std::initializer_list<RegionRules>{
              {.fill_rule = FillRule::outermost},
              {.fill_rule = united, .largest_only = true},
              {.fill_rule = united, .drop_collinear = true},
@@ -93,7 +87,7 @@ std::vector<Question> questions() {
     all.push_back({"torn", meshes.at("torn ball"), {.layer_height_mm = 0.05, .stitch_mm = 1}, true});
     all.push_back({"gaps in any direction",
                    meshes.at("tangle"),
-                   {.layer_height_mm = 0.05, .stitch_mm = 1, .stitch_direction = lamella::StitchDirection::any},
+                   {.layer_height_mm = 0.05, .stitch_mm = 1, .stitch_direction = StitchDirection::any},
                    true});
     return all;
 }
@@ -101,7 +95,7 @@ std::vector<Question> questions() {
 /// A mesh as every source that can be made of it in memory, as floats where asked for.
 class EverySource {
 public:
-    EverySource(const shapes::Soup& soup, const lamella::Frame& frame, bool as_floats = false)
+    EverySource(const shapes::Soup& soup, const Frame& frame, bool as_floats = false)
         : soup_(soup, as_floats ? Form::f32_soup : Form::f64_soup),
           shuffled_(shapes::shuffled(soup, 5), as_floats ? Form::f32_soup : Form::f64_soup),
           indexed_(soup, as_floats ? Form::f32_indexed : Form::f64_indexed),
@@ -110,8 +104,8 @@ public:
 
     MeshView mesh() const { return soup_.view(); }
     /// Those that may be asked so: faces are those of a mesh, and origins depend on the order of triangles.
-    std::vector<std::pair<std::string, lamella::Source>> all(const SliceOptions& options) const {
-        std::vector<std::pair<std::string, lamella::Source>> sources = {{"soup", mesh()}, {"indexed", indexed_.view()}};
+    std::vector<std::pair<std::string, Source>> all(const SliceOptions& options) const {
+        std::vector<std::pair<std::string, Source>> sources = {{"soup", mesh()}, {"indexed", indexed_.view()}};
         if (options.content == LayerContent::section) {
             sources.insert(sources.end(), {{"prepared", prepared_}, {"part", part_}});
         }
@@ -126,18 +120,18 @@ private:
     golden::HeldMesh soup_;
     golden::HeldMesh shuffled_;
     golden::HeldMesh indexed_;
-    lamella::PreparedMesh prepared_;
-    std::vector<lamella::Part> part_;
+    PreparedMesh prepared_;
+    std::vector<Part> part_;
 };
 
 /// An outline says, and a sink is told before its first layer, all but the counts of contours.
-void require_known_before(const lamella::SliceInfo& expected, const lamella::Source& source, const SliceOptions& options) {
-    lamella::SliceInfo told;
+void require_known_before(const SliceInfo& expected, const Source& source, const SliceOptions& options) {
+    SliceInfo told;
     std::uint64_t layers = 0;
-    const auto begin = [&](const lamella::SliceInfo& info) noexcept { told = layers == 0 ? info : lamella::SliceInfo{}; };
-    const auto take = [&](const lamella::LayerView& /*layer*/) noexcept { ++layers; };
-    sliced_to(lamella::LayerSink{.take = take, .begin = begin}, source, options);
-    for (const lamella::SliceInfo& info : {value_of(lamella::Slicer().outline(source, options)), told}) {
+    const auto begin = [&](const SliceInfo& info) noexcept { told = layers == 0 ? info : SliceInfo{}; };
+    const auto take = [&](const LayerView& /*layer*/) noexcept { ++layers; };
+    sliced_to(LayerSink{.take = take, .begin = begin}, source, options);
+    for (const SliceInfo& info : {value_of(Slicer().outline(source, options)), told}) {
         const bool adds_points = options.region.fill_rule != FillRule::contours || options.content != LayerContent::section;
         CHECK((adds_points || info.segments >= expected.contours));
         CHECK((adds_points || (expected.open_contours > 0 ? 2 : 1) * info.segments >= expected.points));
@@ -156,19 +150,19 @@ void require_known_before(const lamella::SliceInfo& expected, const lamella::Sou
 }
 
 struct Nothing {
-    void operator()(const lamella::LayerView& /*layer*/) const noexcept {}
+    void operator()(const LayerView& /*layer*/) const noexcept {}
 };
 
 /// Slices to every destination fail with the same error.
-void require_refused_alike(const lamella::Source& source, const SliceOptions& options, const lamella::Context& context,
-                           const lamella::Error& expected) {
-    lamella::SliceResult result;
+void require_refused_alike(const Source& source, const SliceOptions& options, const Context& context,
+                           const Error& expected) {
+    SliceResult result;
     GuardedArrays host({1000, 1000, 1000});
     Nothing nothing;
-    const lamella::LayerSink sinks[] = {{.take = nothing}, {.take = nothing, .order = lamella::SinkOrder::any}};
-    for (const lamella::Destination to : {lamella::Destination(result), lamella::Destination(sinks[0]),
-                                          lamella::Destination(sinks[1]), lamella::Destination(host.arrays)}) {
-        const lamella::Error found = error_of(lamella::Slicer().slice_to(to, source, options, context));
+    const LayerSink sinks[] = {{.take = nothing}, {.take = nothing, .order = SinkOrder::any}};
+    for (const Destination to :
+         {Destination(result), Destination(sinks[0]), Destination(sinks[1]), Destination(host.arrays)}) {
+        const Error found = error_of(Slicer().slice_to(to, source, options, context));
         CHECK(found.code == expected.code);
         CHECK(found.message == expected.message);
         CHECK(found.triangle == expected.triangle);
@@ -183,17 +177,17 @@ const PointForm forms[] = {
     {Number::f64, 0, 0x1p-20, 0}, {Number::f64, 40, 1e-6 / 7, 5},
 };
 
-static_assert(std::forward_iterator<lamella::Islands::Iterator> && std::forward_iterator<SliceResult::Iterator>);
+static_assert(std::forward_iterator<Islands::Iterator> && std::forward_iterator<SliceResult::Iterator>);
 
 /// The islands hold every outer and every hole once.
 void check_islands(const SliceResult& result) {
     std::size_t held = 0;
-    for (const lamella::LayerView layer : result) {
-        for (const lamella::Island island : layer.islands()) {
+    for (const LayerView layer : result) {
+        for (const Island island : layer.islands()) {
             held += 1 + island.holes.size();
-            for (const lamella::Contour& hole : island.holes) {  // in its outer, or in a hole of it
-                const lamella::Contour* const around = layer.parent_of(hole);
-                REQUIRE((around == island.outer || around->role == lamella::Role::hole));
+            for (const Contour& hole : island.holes) {  // in its outer, or in a hole of it
+                const Contour* const around = layer.parent_of(hole);
+                REQUIRE((around == island.outer || around->role == Role::hole));
             }
         }
     }
@@ -201,7 +195,7 @@ void check_islands(const SliceResult& result) {
 }
 
 /// The next of some ranges of layers has the bytes that it has in the whole.
-void require_layers_alone(const SliceResult& whole, const lamella::Source& source, SliceOptions options, const Way& way,
+void require_layers_alone(const SliceResult& whole, const Source& source, SliceOptions options, const Way& way,
                           std::size_t next) {
     const std::size_t k = whole.size();
     const std::size_t first = k < 2 ? 0 : next * 7 % k;
@@ -219,17 +213,15 @@ void require_layers_alone(const SliceResult& whole, const lamella::Source& sourc
     CHECK(part.info.planned_layers == whole.info.planned_layers);
     CHECK(part.info.layer_of == whole.info.layer_of);
     ComparedLayers compared(whole, first);
-    sliced_to(lamella::LayerSink{.take = compared}, source, options, way.context, way.tuning);
+    sliced_to(LayerSink{.take = compared}, source, options, way.context, way.tuning);
     compared.require_all(end - first);
 }
-
-}  // namespace
 
 TEST_CASE("a question has one answer, whatever is sliced, to where, by how many threads, and which of its layers",
           "[engine][determinism][sources][sink][host][prepare][layers][slicer][threads]") {
     const std::vector<Way> all_ways = ways();
     const shapes::Soup broken(18, 1e300);
-    lamella::Slicer kept;  // from question to question, and after refused ones
+    Slicer kept;  // from question to question, and after refused ones
     SliceResult again;
     std::size_t first_way = 0;  // of the question
     std::size_t turn = 0;
@@ -275,13 +267,13 @@ TEST_CASE("every destination gets planes that all threads work on together, or t
                         shapes::moved(shapes::prism(8, 90, 1), {600, 0, 0})});
     const shapes::Soup open = shapes::without(prisms, 12, 1);  // each band is begun twice
     for (const shapes::Soup& mesh : {prisms, open, shapes::joined({prisms, shapes::only(prisms, 12, 1)})}) {
-        const lamella::SliceResult expected = sliced(mesh, options, {.threads = 1});
+        const SliceResult expected = sliced(mesh, options, {.threads = 1});
         const std::uint64_t doubled = mesh.size() > prisms.size() ? 1 : 0;  // a facet, which is an open polyline
         CHECK(expected.layers[1].contour_count == 3 + doubled);
         CHECK(expected.info.open_contours == 3 * doubled);
         require_at_every_destination(expected, view_of(mesh), options, {.context = {.threads = 2}});
         // No plane is wide in this form.
-        require_same(sliced(mesh, options, {.threads = 2}, {.form = lamella::ContourForm::assembled}), expected);
+        require_same(sliced(mesh, options, {.threads = 2}, {.form = ContourForm::assembled}), expected);
         options.stitch_mm = mesh == prisms ? 1 : 0;
     }
 }
@@ -296,7 +288,7 @@ TEST_CASE("an empty mesh gives every destination empty layers where asked for", 
             options.content = content;
             CHECK(failure_of(view_of(mesh), options).code == ErrorCode::empty_mesh);
             options.allow_empty = true;
-            const lamella::SliceResult given = sliced(mesh, options);
+            const SliceResult given = sliced(mesh, options);
             REQUIRE(given.layers.size() == 2);
             CHECK(given.layers[0].plane_mm == 2);
             CHECK(given.layers[0].contour_count == 0);
@@ -310,12 +302,12 @@ TEST_CASE("an empty mesh gives every destination empty layers where asked for", 
         }
         SliceOptions options = at_heights({5, 2, 5});
         options.allow_empty = true;
-        const lamella::SliceResult given = sliced(mesh, options);
+        const SliceResult given = sliced(mesh, options);
         for (const auto& [name, source] : sources.all(options)) {
             INFO(name);
             require_at_every_destination(given, source, options);
         }
-        CHECK(sliced(view_of(mesh), options, {}, {.random_heights = lamella::RandomHeights{1, 2, 3}}).layers.empty());
+        CHECK(sliced(view_of(mesh), options, {}, {.random_heights = RandomHeights{1, 2, 3}}).layers.empty());
         options.heights_mm.reset();
         options.layer_height_mm = -1;
         CHECK(failure_of(view_of(mesh), options).code == ErrorCode::invalid_argument);
@@ -338,17 +330,17 @@ TEST_CASE("every destination and content refuses alike, in the same words, and n
         ErrorCode code;
         std::int64_t triangle = -1;
         std::int64_t plane = -1;
-        lamella::Context context{};
+        Context context{};
     };
     const auto layers = [](std::uint64_t first, std::uint64_t end) {
         return SliceOptions{.layer_height_mm = 1, .planes = {.first_layer = first, .end_layer = end}};
     };
-    const lamella::Frame too_large{.transform = lamella::Transform::scale(1e39), .as_mesh_numbers = true};
+    const Frame too_large{.transform = Transform::scale(1e39), .as_mesh_numbers = true};
     std::vector<Refusal> refusals = {
         {view_of(box), layers(4, 9), ErrorCode::bad_planes},
         {view_of(box), layers(2, 2), ErrorCode::bad_planes},
         {view_of(box), layers(3, 1), ErrorCode::bad_planes},
-        {view_of(box), layers(lamella::all_layers, lamella::all_layers), ErrorCode::bad_planes},
+        {view_of(box), layers(all_layers, all_layers), ErrorCode::bad_planes},
         {view_of(floats), {.frame = too_large}, ErrorCode::bad_coordinate, 0},
         {MeshView{}, at_heights({1}), ErrorCode::empty_mesh},
         {view_of(point), at_heights({1}), ErrorCode::empty_mesh},
@@ -378,14 +370,14 @@ TEST_CASE("every destination and content refuses alike, in the same words, and n
         }
     }
     for (const auto& [mesh, options, code, triangle, plane, context] : refusals) {
-        const lamella::Error expected = failure_of(mesh, options, context);
+        const Error expected = failure_of(mesh, options, context);
         INFO(expected.message);
         CHECK(expected.code == code);
         CHECK((triangle < 0 || expected.triangle == triangle));
         CHECK((plane < 0 || expected.plane == plane));
         for (const LayerContent content :
              {LayerContent::section, LayerContent::upward_faces, LayerContent::downward_faces}) {
-            INFO(lamella::name_of(content));
+            INFO(name_of(content));
             SliceOptions asked = options;
             asked.content = content;
             require_refused_alike(mesh, asked, context, expected);
@@ -393,5 +385,7 @@ TEST_CASE("every destination and content refuses alike, in the same words, and n
     }
     CHECK_THAT(failure_of(view_of(far), uniform(1e-5)).message,
                Catch::Contains("planes 0 and 1 (") && Catch::Contains("the same on the grid"));
-    CHECK(code_of(lamella::Slicer().slice_to(lamella::LayerSink{}, view_of(box))) == ErrorCode::invalid_argument);
+    CHECK(code_of(Slicer().slice_to(LayerSink{}, view_of(box))) == ErrorCode::invalid_argument);
 }
+
+}  // namespace

@@ -15,8 +15,7 @@
 #include "engine/slicing.hpp"
 #include "models/models.hpp"
 
-using lamella::Context;
-using lamella::ErrorCode;
+using namespace lamella;
 
 namespace {
 
@@ -41,19 +40,19 @@ constexpr int stops_each = 4;
 /// The file of a generated mesh, and what is read of it.
 class MadeFile {
 public:
-    explicit MadeFile(lamella::models::Shape shape, std::uint64_t count = triangles) {
-        REQUIRE(lamella::models::write_stl({.shape = shape, .triangles = count}, path(), {}).ok());
-        mesh_.emplace(value_of(lamella::read_mesh(path())));
+    explicit MadeFile(models::Shape shape, std::uint64_t count = triangles) {
+        REQUIRE(models::write_stl({.shape = shape, .triangles = count}, path(), {}).ok());
+        mesh_.emplace(value_of(read_mesh(path())));
     }
     std::filesystem::path path() const { return folder_ / "made.stl"; }
-    lamella::MeshView view() const { return mesh_->view(); }
+    MeshView view() const { return mesh_->view(); }
 
 private:
     TempFolder folder_;
-    std::optional<lamella::MeshFile> mesh_;
+    std::optional<MeshFile> mesh_;
 };
 
-using lamella::models::Shape;
+using models::Shape;
 using Run = std::function<std::optional<ErrorCode>(const Context&)>;
 
 /// The longest time that a stop could have waited, as the time of the one thread that works: other processes do not count.
@@ -136,8 +135,6 @@ shapes::Soup burst(std::size_t count) {
     return shapes::scaled(shapes::random_soup(7, static_cast<int>(count), 1'000'000), {2e-5, 2e-5, 2e-5});
 }
 
-}  // namespace
-
 TEST_CASE(
     "every call shows progress up to 1, asks for a stop once in 2 ms at most, in 100 at least, and heeds one at any time",
     "[engine][control][stops][threads]") {
@@ -186,7 +183,7 @@ TEST_CASE(
 
 TEST_CASE("many parts are asked about no more often than one mesh", "[engine][parts][stops]") {
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 2);
-    const std::vector<lamella::Part> parts(500, lamella::Part{.mesh = view_of(ball)});
+    const std::vector<Part> parts(500, Part{.mesh = view_of(ball)});
     AskCount host;
     const Clock::time_point start = Clock::now();
     REQUIRE(slice(parts, uniform(0.5), {.threads = 1, .stop = host}).ok());
@@ -200,47 +197,46 @@ TEST_CASE("a slice looks for a stop every 20 ms, of whatever source, in whatever
     const shapes::Soup needles = burst(triangles / 8);
     const shapes::Soup few_needles = burst(triangles / 100);
     const shapes::Soup bodies = crossing_tetrahedra(triangles);
-    const lamella::SliceOptions one_plane = uniform(150);
-    const lamella::SliceOptions few = uniform(5);
-    const lamella::SliceOptions thin = uniform(0.02);
+    const SliceOptions one_plane = uniform(150);
+    const SliceOptions few = uniform(5);
+    const SliceOptions thin = uniform(0.02);
     struct Case {
         std::string name;
-        lamella::Source mesh;
-        lamella::SliceOptions options;
-        lamella::Tuning tuning{};
+        Source mesh;
+        SliceOptions options;
+        Tuning tuning{};
     };
-    const auto filled = [](lamella::SliceOptions options, lamella::FillRule rule) {
+    const auto filled = [](SliceOptions options, FillRule rule) {
         options.region.fill_rule = rule;
         return options;
     };
-    lamella::SliceOptions stitched = few;
+    SliceOptions stitched = few;
     stitched.stitch_mm = 1;
-    const lamella::SliceOptions shadow{.heights_mm = {{-1e6, 1e6}}, .content = lamella::LayerContent::upward_faces};
+    const SliceOptions shadow{.heights_mm = {{-1e6, 1e6}}, .content = LayerContent::upward_faces};
     CHECK(AskGaps().longest_of([&](const Context& c) { return code_of(prepare(prism.view(), {}, c)); }) <= most_slice_ms);
-    const lamella::PreparedMesh prepared = value_of(prepare(prism.view()));
-    const Case cases[] = {
-        {"one plane through everything", prism.view(), one_plane},
-        {"one plane, assembled", prism.view(), one_plane, {.form = lamella::ContourForm::assembled}},
-        {"one plane, filled", prism.view(), filled(one_plane, lamella::FillRule::non_zero)},
-        {"one plane, prepared", prepared, one_plane},
-        {"projected onto one layer", bone.view(), shadow},
-        {"needles projected", view_of(few_needles), shadow},
-        {"thin layers", bone.view(), thin},
-        {"layers of random heights", bone.view(), thin, {.random_heights = lamella::RandomHeights{0.02, 0.04, 1}}},
-        {"in narrow bands", bone.view(), thin, {.band_planes = 2}},
-        {"open polylines", view_of(needles), few},
-        {"stitched", view_of(needles), stitched},
-        {"even-odd", view_of(bodies), filled(few, lamella::FillRule::even_odd)},
-        {"non-zero", view_of(bodies), filled(few, lamella::FillRule::non_zero)}};
-    const auto nothing = [](const lamella::LayerView&) noexcept {};
-    const lamella::LayerSink sink{.take = nothing};
+    const PreparedMesh prepared = value_of(prepare(prism.view()));
+    const Case cases[] = {{"one plane through everything", prism.view(), one_plane},
+                          {"one plane, assembled", prism.view(), one_plane, {.form = ContourForm::assembled}},
+                          {"one plane, filled", prism.view(), filled(one_plane, FillRule::non_zero)},
+                          {"one plane, prepared", prepared, one_plane},
+                          {"projected onto one layer", bone.view(), shadow},
+                          {"needles projected", view_of(few_needles), shadow},
+                          {"thin layers", bone.view(), thin},
+                          {"layers of random heights", bone.view(), thin, {.random_heights = RandomHeights{0.02, 0.04, 1}}},
+                          {"in narrow bands", bone.view(), thin, {.band_planes = 2}},
+                          {"open polylines", view_of(needles), few},
+                          {"stitched", view_of(needles), stitched},
+                          {"even-odd", view_of(bodies), filled(few, FillRule::even_odd)},
+                          {"non-zero", view_of(bodies), filled(few, FillRule::non_zero)}};
+    const auto nothing = [](const LayerView&) noexcept {};
+    const LayerSink sink{.take = nothing};
     for (const auto& [name, mesh, options, tuning] : cases) {
         for (const bool to_sink : {false, true}) {
             INFO(name << ", to a sink " << to_sink);
             CHECK(AskGaps().longest_of([&, &mesh = mesh, &options = options, &tuning = tuning](const Context& context) {
-                lamella::Slicer slicer;
-                lamella::SliceResult result;
-                const lamella::Destination to = to_sink ? lamella::Destination(sink) : lamella::Destination(result);
+                Slicer slicer;
+                SliceResult result;
+                const Destination to = to_sink ? Destination(sink) : Destination(result);
                 return code_of(slice_tuned(slicer, to, mesh, options, tuning, context));
             }) <= most_slice_ms);
         }
@@ -254,7 +250,7 @@ TEST_CASE("the region of contours that cross 230,400 times looks for a stop ever
 #else
     constexpr std::int32_t bars = 240;
 #endif
-    std::vector<std::array<lamella::Point, 4>> corners;
+    std::vector<std::array<Point, 4>> corners;
     for (std::int32_t i = 0; i < bars; ++i) {
         const std::int32_t low = 1'000'000 * i;
         const std::int32_t high = low + 400'000;
@@ -262,20 +258,21 @@ TEST_CASE("the region of contours that cross 230,400 times looks for a stop ever
         corners.push_back({{{low, -7}, {high, 5}, {high + 3, end}, {low, end + 2}}});
         corners.push_back({{{-7, low}, {end, low + 1}, {end + 2, high}, {5, high + 3}}});
     }
-    const std::vector<std::span<const lamella::Point>> contours(corners.begin(), corners.end());
-    const lamella::RegionRules rules{.fill_rule = lamella::FillRule::non_zero, .closing_mm = GENERATE(0.0, 0.01)};
-    CHECK(AskGaps().longest_of([&](const Context& c) {
-        return code_of(lamella::region_of(contours, rules, lamella::default_grid_mm, c));
-    }) <= most_slice_ms);
+    const std::vector<std::span<const Point>> contours(corners.begin(), corners.end());
+    const RegionRules rules{.fill_rule = FillRule::non_zero, .closing_mm = GENERATE(0.0, 0.01)};
+    CHECK(AskGaps().longest_of([&](const Context& c) { return code_of(region_of(contours, rules, default_grid_mm, c)); }) <=
+          most_slice_ms);
 }
 
 TEST_CASE("assembling a large plane looks for a stop every 20 ms", "[engine][assemble][stops]") {
     const polygons::Ring circle = polygons::round({0, 0}, 5e8, static_cast<int>(4 * triangles));
-    std::vector<lamella::Segment> ring;
+    std::vector<Segment> ring;
     for (std::uint64_t i = 0; i < circle.size(); ++i) {
         const std::uint64_t next = (i + 1) % circle.size();
         ring.push_back({.from_key = {i}, .to_key = {next}, .from = circle[i], .to = circle[next]});
     }
     std::shuffle(ring.begin(), ring.end(), std::mt19937(1));
-    CHECK(AskGaps().longest_of([&](const Context& c) { return code_of(lamella::assemble(ring, c)); }) <= most_slice_ms);
+    CHECK(AskGaps().longest_of([&](const Context& c) { return code_of(assemble(ring, c)); }) <= most_slice_ms);
 }
+
+}  // namespace

@@ -7,33 +7,26 @@
 #include "engine/counting_memory.hpp"
 #include "engine/slicing.hpp"
 
-using lamella::ErrorCode;
-using lamella::MeshScale;
-using lamella::Number;
-using lamella::Part;
-using lamella::SliceOptions;
-using lamella::SliceResult;
+using namespace lamella;
 using shapes::box;
 
 namespace {
 
 /// The scale of a box from (low, low, low) to (low + edge, ...), on the default grid unless told otherwise.
-MeshScale scale_of(double low, double edge, Number number, double grid_mm = lamella::default_grid_mm) {
-    return lamella::judge_scale({{low, low, low}, {low + edge, low + edge, low + edge}}, number, grid_mm);
+MeshScale scale_of(double low, double edge, Number number, double grid_mm = default_grid_mm) {
+    return judge_scale({{low, low, low}, {low + edge, low + edge, low + edge}}, number, grid_mm);
 }
 
-}  // namespace
-
 TEST_CASE("the unit by box is the finest power of two that the mesh fits", "[engine][unit]") {
-    lamella::SliceOptions options;
-    options.frame.grid_mm = lamella::finest_grid;
+    SliceOptions options;
+    options.frame.grid_mm = finest_grid;
     for (const double edge : {1e-6, 0.013, 1.0, 3.0, 700.0, 2.5e4, 8e8}) {
         options.layer_height_mm = edge / 3;
-        const lamella::SliceResult result = sliced(shapes::box({0, 0, 0}, {edge, edge, edge}), options);
+        const SliceResult result = sliced(shapes::box({0, 0, 0}, {edge, edge, edge}), options);
         INFO("edge " << edge << " mm, unit " << result.info.grid_mm);
         CHECK(std::log2(result.info.grid_mm) == std::round(std::log2(result.info.grid_mm)));
-        CHECK(edge <= result.info.grid_mm * (lamella::grid_limit - 2));
-        CHECK(edge > result.info.grid_mm / 2 * (lamella::grid_limit - 2));
+        CHECK(edge <= result.info.grid_mm * (grid_limit - 2));
+        CHECK(edge > result.info.grid_mm / 2 * (grid_limit - 2));
         REQUIRE(result.layers.size() == 3);
         CHECK(result[1].area_mm2() == Approx(edge * edge).epsilon(1e-8));
     }
@@ -41,16 +34,16 @@ TEST_CASE("the unit by box is the finest power of two that the mesh fits", "[eng
 
 TEST_CASE("the unit by box leaves room for what rules move", "[engine][unit]") {
     const shapes::Soup cube = shapes::box({0, 0, 0}, {0.9995, 0.9995, 0.9995});
-    lamella::SliceOptions options = at_heights({0.5}, lamella::finest_grid);
+    SliceOptions options = at_heights({0.5}, finest_grid);
     CHECK(sliced(cube, options).info.grid_mm == 0x1p-30);
-    options.region.fill_rule = lamella::FillRule::non_zero;
+    options.region.fill_rule = FillRule::non_zero;
     CHECK(sliced(cube, options).info.grid_mm == 0x1p-30);
     const auto [offset, close, mark] =
         GENERATE(table<double, double, double>({{0.002, 0, 0}, {0, 0.002, 0}, {0, 0, 0.002}}));
     options.region.offset_mm = offset;
     options.region.closing_mm = close;
     options.region.flag_closing_mm = mark;
-    const lamella::SliceResult grown = sliced(cube, options);
+    const SliceResult grown = sliced(cube, options);
     CHECK(grown.info.grid_mm == 0x1p-29);
     CHECK(grown[0].area_mm2() == Approx(std::pow(0.9995 + 2 * offset, 2)));
     // A unit that may be doubled is; one that is asked for is refused.
@@ -62,18 +55,18 @@ TEST_CASE("the unit by box leaves room for what rules move", "[engine][unit]") {
 
 TEST_CASE("a transform that flattens every mesh is refused, whatever the call", "[engine][unit]") {
     const shapes::Soup cube = shapes::box({0, 0, 0}, {1, 1, 1});
-    lamella::SliceOptions options = uniform(0.1);
+    SliceOptions options = uniform(0.1);
     auto& m = options.frame.transform.m;
     m = GENERATE(std::array<double, 12>{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0},
                  std::array<double, 12>{1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 1});
     CHECK(options.frame.transform.is_singular());
-    const lamella::Error error = failure_of(view_of(cube), options);
+    const Error error = failure_of(view_of(cube), options);
     CHECK(error.code == ErrorCode::invalid_argument);
     CHECK(error.message.find("singular") != std::string::npos);
     CHECK(error_of(check(view_of(cube), {.frame = options.frame, .counts_only = true})).message == error.message);
     CHECK(error_of(prepare(view_of(cube), options.frame)).message == error.message);
     for (const double small : {1e-9, -1e-3, 1e6}) {
-        CHECK_FALSE(lamella::Transform::scale(small).is_singular());
+        CHECK_FALSE(Transform::scale(small).is_singular());
     }
     m = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1e-9, 0};
     CHECK_FALSE(options.frame.transform.is_singular());
@@ -81,8 +74,8 @@ TEST_CASE("a transform that flattens every mesh is refused, whatever the call", 
 
 TEST_CASE("types that numbers of a mesh cannot have are refused, whatever the call", "[engine][unit][errors]") {
     const shapes::Soup soup = shapes::box({0, 0, 0}, {1, 1, 1});
-    lamella::MeshView mesh = view_of(soup);
-    mesh.vertex_type = GENERATE(lamella::Number::u32, lamella::Number::u64);
+    MeshView mesh = view_of(soup);
+    mesh.vertex_type = GENERATE(Number::u32, Number::u64);
     for (const auto& code : {code_of(slice(mesh)), code_of(check(mesh)), code_of(weld(mesh)), code_of(prepare(mesh))}) {
         CHECK(code == ErrorCode::invalid_argument);
     }
@@ -91,7 +84,7 @@ TEST_CASE("types that numbers of a mesh cannot have are refused, whatever the ca
 TEST_CASE("a mesh of which every triangle collapses is empty", "[engine][unit]") {
     const shapes::Soup speck = shapes::box({5, 5, 5}, {5 + 1e-9, 5 + 1e-9, 5 + 1e-9});
     const std::string reason = "each of 12 triangles has two equal corners on the grid of 9.5367431640625e-07 mm";
-    for (const lamella::Error& error :
+    for (const Error& error :
          {failure_of(view_of(speck), uniform(0.1)), error_of(check(view_of(speck), {.counts_only = true}))}) {
         CHECK(error.code == ErrorCode::empty_mesh);
         CHECK(error.message == reason);
@@ -106,7 +99,7 @@ TEST_CASE("a diagonal under 2^20 units is too coarse a grid, whether or not a fi
     CHECK_FALSE(scale_of(0, 0.58, Number::f32).coarse_grid);  // of 1.005 mm
     CHECK(scale_of(0, 100, Number::f64, 1e-3).coarse_grid);
     CHECK(scale_of(1000, 0.5, Number::f64).coarse_grid);
-    CHECK(scale_of(1000, 0.5, Number::f64).finest_grid_mm == lamella::default_grid_mm);  // none finer reaches 1,000 mm
+    CHECK(scale_of(1000, 0.5, Number::f64).finest_grid_mm == default_grid_mm);  // none finer reaches 1,000 mm
     CHECK(scale_of(0, 0.013, Number::f32).finest_grid_mm == 0x1p-36);
 }
 
@@ -114,9 +107,9 @@ TEST_CASE("a number step above a tenth of the layer height is lost precision", "
     CHECK_FALSE(scale_of(5000, 2, Number::f32).coarse_numbers);
     CHECK(scale_of(5000, 2, Number::f32).number_step_mm == 0x1p-11);
     CHECK(scale_of(3e5, 2, Number::f32).coarse_numbers);  // steps of 1/32 mm, layers of 0.2
-    const lamella::Box far{{5000, 0, 0}, {5002, 2, 2}};
-    CHECK(lamella::judge_scale(far, Number::f32, 0x1p-20, 0.004).coarse_numbers);  // the step is 0.00049 mm
-    CHECK_FALSE(lamella::judge_scale(far, Number::f32, 0x1p-20, 0.005).coarse_numbers);
+    const Box far{{5000, 0, 0}, {5002, 2, 2}};
+    CHECK(judge_scale(far, Number::f32, 0x1p-20, 0.004).coarse_numbers);  // the step is 0.00049 mm
+    CHECK_FALSE(judge_scale(far, Number::f32, 0x1p-20, 0.005).coarse_numbers);
     CHECK_FALSE(scale_of(3e5, 2, Number::f64).coarse_numbers);
 }
 
@@ -124,7 +117,7 @@ TEST_CASE("boundary edges are counted on the grid and by exact coordinates", "[e
     shapes::Soup cube = shapes::box({0, 0, 0}, {2, 2, 2});
     for (const auto& [first, exact] : {std::pair(-0.0, 0U), std::pair(1e-9, 4U)}) {  // the same number, one on the grid
         cube[0] = first;
-        const lamella::MeshCheck found = value_of(check(view_of(cube), {.counts_only = true}));
+        const MeshCheck found = value_of(check(view_of(cube), {.counts_only = true}));
         CHECK(found.boundary_edges == 0);
         CHECK(found.exact_boundary_edges == exact);
     }
@@ -172,7 +165,7 @@ TEST_CASE("empty parts take their place among others, and choose no planes", "[e
     CHECK(result.info.box.min_mm[0] == 1);
     CHECK(result.info.part_count == 3);
     const std::vector<Part> none = {{.mesh = view_of(nothing)}, {.mesh = view_of(collapsed)}};
-    options.region.fill_rule = lamella::FillRule::non_zero;
+    options.region.fill_rule = FillRule::non_zero;
     for (const bool united : {false, true}) {
         options.unite_parts = united;
         options.heights_mm.reset();
@@ -185,7 +178,7 @@ TEST_CASE("empty parts take their place among others, and choose no planes", "[e
 TEST_CASE("results known to be too large are refused before they are allocated", "[engine][errors]") {
     const shapes::Soup soup = shapes::box({0, 0, 0}, {4, 4, 100});
     CountingMemory memory;
-    lamella::SliceOptions options = uniform(0.00001);
+    SliceOptions options = uniform(0.00001);
     const auto limited_to = [&](std::uint64_t bytes) {
         return code_of(slice(view_of(soup), options, {.memory = &memory, .memory_limit_bytes = bytes}));
     };
@@ -197,18 +190,18 @@ TEST_CASE("results known to be too large are refused before they are allocated",
     CHECK(limited_to(11'000'000) == ErrorCode::result_too_large);
     // Layers and points fit, but not one contour in each layer too.
     const std::uint64_t layers = 100'000;
-    const std::uint64_t bytes = layers * (sizeof(lamella::Layer) + 8 * sizeof(lamella::Point) + sizeof(lamella::Contour));
+    const std::uint64_t bytes = layers * (sizeof(Layer) + 8 * sizeof(Point) + sizeof(Contour));
     CHECK(limited_to(bytes - 1) == ErrorCode::result_too_large);
     CHECK(sliced(view_of(soup), options, {.memory_limit_bytes = bytes}).contours.size() == layers);
     options.origins = true;
     CHECK(limited_to(bytes) == ErrorCode::result_too_large);
-    CHECK(limited_to(bytes + layers * 8 * sizeof(lamella::PointOrigin)) == std::nullopt);
+    CHECK(limited_to(bytes + layers * 8 * sizeof(PointOrigin)) == std::nullopt);
 }
 
 TEST_CASE("the default limit is half of physical memory", "[engine][errors]") {
     constexpr double height_mm = 240;
     constexpr double layer_height_mm = 2.5e-7;
-    constexpr double layers_bytes = height_mm / layer_height_mm * sizeof(lamella::Layer);
+    constexpr double layers_bytes = height_mm / layer_height_mm * sizeof(Layer);
     const double limit_bytes =
         0.5 * static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
     if (limit_bytes > layers_bytes) {
@@ -216,7 +209,9 @@ TEST_CASE("the default limit is half of physical memory", "[engine][errors]") {
         return;
     }
     const shapes::Soup soup = shapes::box({0, 0, -height_mm / 2}, {4, 4, height_mm / 2});
-    const lamella::Error error = failure_of(view_of(soup), uniform(layer_height_mm, 0x1p-23));
+    const Error error = failure_of(view_of(soup), uniform(layer_height_mm, 0x1p-23));
     CHECK(error.code == ErrorCode::result_too_large);
     CHECK_THAT(error.message, Catch::Contains(std::to_string(static_cast<std::uint64_t>(limit_bytes))));
 }
+
+}  // namespace

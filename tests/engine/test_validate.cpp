@@ -6,11 +6,8 @@
 #include "lamella/audit.hpp"
 #include "lamella/result.hpp"
 
+using namespace lamella;
 using audits::made_result;
-using lamella::Contour;
-using lamella::Point;
-using lamella::Role;
-using lamella::SliceResult;
 using Points = std::vector<Point>;
 
 namespace {
@@ -26,7 +23,7 @@ Points clockwise(std::int32_t low, std::int32_t high) {
 /// Layer 0: an outer with a hole and an island in the hole; a flat and an open contour. Layer 1: empty. Layer 2: an
 /// inverted shell.
 SliceResult sound() {
-    constexpr unsigned overruled = lamella::orientation_overruled;
+    constexpr unsigned overruled = orientation_overruled;
     return made_result({{{square(0, 20)},
                          {clockwise(4, 16), Role::hole, -1, 0},
                          {square(6, 10), Role::outer, 1, 1},
@@ -47,7 +44,7 @@ void check_found(const std::vector<Damage>& damages) {
     for (const Damage& damage : damages) {
         SliceResult result = sound();
         damage.apply(result);
-        const lamella::Status status = audits::structure_of(result);
+        const Status status = audits::structure_of(result);
         INFO("expected: " << damage.expected);
         REQUIRE_FALSE(status.ok());
         CHECK_THAT(status.error().message, Catch::Contains(damage.expected));
@@ -63,8 +60,6 @@ void swap_contours(SliceResult& result, std::size_t a, std::size_t b) {
     std::swap(result.contours[a], result.contours[b]);
     std::swap(result.contours[a].first_point, result.contours[b].first_point);
 }
-
-}  // namespace
 
 TEST_CASE("a valid result passes", "[result][validate]") {
     require_ok(audits::structure_of(sound()));
@@ -86,7 +81,7 @@ TEST_CASE("broken offsets and planes are found", "[result][validate]") {
         {"the summary", [](SliceResult& r) { r.info.open_contours = 0; }},
         {"the summary", [](SliceResult& r) { r.info.overruled_contours = 1; }},
         {"the summary", [](SliceResult& r) { r.info.would_close_contours = 1; }},
-        {"the summary", [](SliceResult& r) { r.contours[0].flags |= lamella::would_close; }},
+        {"the summary", [](SliceResult& r) { r.contours[0].flags |= would_close; }},
         {"the summary", [](SliceResult& r) { r.info.emptied_layers = 1; }},
     });
 }
@@ -125,7 +120,7 @@ TEST_CASE("broken nesting and order are found", "[result][validate]") {
         {"contour 2: the parent is not", [](SliceResult& r) { r.contours[2].parent = 3; }},
         {"contour 6: the parent lies", [](SliceResult& r) { r.contours[6].parent = 0; }},
         {"contour 0: the parent lies", [](SliceResult& r) { r.contours[0].parent = 8; }},
-        {"contour 2: the role", [](SliceResult& r) { r.contours[2].flags = lamella::orientation_overruled; }},
+        {"contour 2: the role", [](SliceResult& r) { r.contours[2].flags = orientation_overruled; }},
         {"contour 6: the role", [](SliceResult& r) { r.contours[6].orientation = -1, r.contours[6].flags = 0; }},
         {"contour 7: contours are not in the order", [](SliceResult& r) { swap_contours(r, 6, 7); }},
         {"contour 2: a hole that",
@@ -167,8 +162,8 @@ TEST_CASE("areas are summed exactly", "[result]") {
     CHECK(result[1].area_mm2() == 0);
     CHECK(result[2].area_mm2() == (400 - 16 - 16) * 0.25);
     CHECK(result.contours[1].twice_area.to_double() == -288);
-    CHECK(lamella::Integer128{0, -1}.to_double() == -0x1p64);
-    CHECK(lamella::Integer128{~std::uint64_t{0}, -1}.to_double() == -1);
+    CHECK(Integer128{0, -1}.to_double() == -0x1p64);
+    CHECK(Integer128{~std::uint64_t{0}, -1}.to_double() == -1);
 }
 
 TEST_CASE("the hash follows its documented layout", "[result][hash]") {
@@ -180,7 +175,7 @@ TEST_CASE("the hash follows its documented layout", "[result][hash]") {
         return state;
     };
     CHECK(SliceResult().hash() == fnv({0}));
-    const SliceResult result = made_result({{{{{-1, 2}, {0, 3}, {0, 2}}, Role::hole, -1, -1, lamella::orientation_mixed}}});
+    const SliceResult result = made_result({{{{{-1, 2}, {0, 3}, {0, 2}}, Role::hole, -1, -1, orientation_mixed}}});
     const std::uint64_t kind = 1 | 0xffU << 8 | 2U << 16;
     const std::uint64_t minus_one = ~std::uint64_t{0};
     CHECK(result.hash() ==
@@ -197,3 +192,5 @@ TEST_CASE("the hash counts parents from the first contour of their layer", "[res
     };
     CHECK(with_hole(0) == with_hole(2));
 }
+
+}  // namespace

@@ -12,17 +12,13 @@
 #include "engine/slicing.hpp"
 #include "slicing/buckets/mesh_source.hpp"
 
-using lamella::MeshView;
-using lamella::Number;
-using lamella::SliceOptions;
-using lamella::SliceResult;
-using lamella::Transform;
+using namespace lamella;
 
 namespace {
 
 const shapes::Soup ball = shapes::octasphere({1, 2, 3}, 10, 3);
 
-std::uint64_t hash_of(const MeshView& view, const lamella::SliceOptions& options = uniform(0.25)) {
+std::uint64_t hash_of(const MeshView& view, const SliceOptions& options = uniform(0.25)) {
     return sliced(view, options).hash();
 }
 
@@ -89,39 +85,36 @@ Mesh<Number> tangle(std::size_t vertices, std::size_t triangles, unsigned seed) 
 }
 
 /// What a mesh gives, in whichever form it is held.
-auto outcome_of(const MeshView& mesh, const lamella::SliceOptions& options = uniform(3),
-                const lamella::Context& context = {}) {
-    const lamella::SliceResult result = sliced(mesh, options, context);
+auto outcome_of(const MeshView& mesh, const SliceOptions& options = uniform(3), const Context& context = {}) {
+    const SliceResult result = sliced(mesh, options, context);
     return std::tuple(result.hash(), result.info.degenerate, result.info.crossed, result.info.box);
 }
 
 template <class Number>
 void check_against_soup() {
     const Mesh<Number> mesh = tangle<Number>(900, 20000, 5);
-    REQUIRE(lamella::IndexedSource::pays_for(mesh.view()));
+    REQUIRE(IndexedSource::pays_for(mesh.view()));
     const std::vector<Number> corners = mesh.soup();
     MeshView soup = mesh.view();
     soup.vertices = corners.data();
     soup.vertex_count = 0;
     soup.indices = nullptr;
-    lamella::SliceOptions turned;
+    SliceOptions turned;
     turned.heights_mm = {{-11, 3, 3, 90, 17.25, 12, 1000}};
     turned.frame.transform.m = {0.3, 0.7, -0.1, 4, 0.7, -0.3, 0.2, 0.1, 0.1, 0.2, 0.9, -2};
-    lamella::SliceOptions as_numbers = turned;
+    SliceOptions as_numbers = turned;
     as_numbers.frame.as_mesh_numbers = true;
-    for (lamella::SliceOptions options : {uniform(7), turned, as_numbers}) {
+    for (SliceOptions options : {uniform(7), turned, as_numbers}) {
         for (const double grid_mm : {0.0, 0.001, 2.5}) {
             options.frame.grid_mm = grid_mm;
             INFO("grid " << grid_mm << ", as mesh numbers " << options.frame.as_mesh_numbers);
-            const lamella::Context context{.threads = options.heights_mm ? 3 : 0};
+            const Context context{.threads = options.heights_mm ? 3 : 0};
             const auto expected = outcome_of(soup, options, context);
             CHECK((std::get<1>(expected) > 1000 && std::get<2>(expected) > 100));
             CHECK(outcome_of(mesh.view(), options, context) == expected);
         }
     }
 }
-
-}  // namespace
 
 TEST_CASE("records of any stride at any address are read", "[engine][views]") {
     const std::vector<float> soup = shapes::floats(ball);
@@ -147,12 +140,11 @@ TEST_CASE("every call applies the unit of a mesh", "[engine][views]") {
     MeshView soup = view_of(brick);
     MeshView indexed = shared.view();
     soup.mm_per_unit = indexed.mm_per_unit = 2;
-    const lamella::SliceResult expected = sliced(doubled, uniform(0.5));
+    const SliceResult expected = sliced(doubled, uniform(0.5));
     const auto prepared = value_of(prepare(soup));
-    const std::vector<lamella::Part> parts = {{.mesh = soup}};
-    for (const lamella::Source& source :
-         {lamella::Source(soup), lamella::Source(indexed), lamella::Source(prepared), lamella::Source(parts)}) {
-        const lamella::SliceResult result = sliced(source, uniform(0.5));
+    const std::vector<Part> parts = {{.mesh = soup}};
+    for (const Source& source : {Source(soup), Source(indexed), Source(prepared), Source(parts)}) {
+        const SliceResult result = sliced(source, uniform(0.5));
         CHECK(result.hash() == expected.hash());
         CHECK(result.info.box == expected.info.box);
         CHECK(result.info.options.frame.transform.is_identity());
@@ -162,7 +154,7 @@ TEST_CASE("every call applies the unit of a mesh", "[engine][views]") {
     CHECK(value_of(audits::volume_of(expected, soup)).mesh_mm3 == 8 * 24);
     for (const double unit : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
         soup.mm_per_unit = unit;
-        CHECK(failure_of(soup, uniform(0.5)).code == lamella::ErrorCode::invalid_argument);
+        CHECK(failure_of(soup, uniform(0.5)).code == ErrorCode::invalid_argument);
     }
 }
 
@@ -188,15 +180,15 @@ TEST_CASE("shared vertices are found by indices of any type and stride", "[engin
 
 // The box of all vertices is that of the mesh where triangles have a vertex on each of its faces.
 TEST_CASE("a vertex that no triangle has may be anything, and moves no face of the box", "[engine][indexed][threads]") {
-    const lamella::Context context{.threads = GENERATE(1, 4)};
+    const Context context{.threads = GENERATE(1, 4)};
     const Mesh<double> mesh = tangle<double>(300, context.threads == 1 ? 2000 : 20000, 15);
     const auto expected = outcome_of(mesh.view(), uniform(3), context);
-    const lamella::Box box = std::get<3>(expected);
+    const Box box = std::get<3>(expected);
     Mesh<double> strays = mesh;
     for (const double anything : {std::numeric_limits<double>::quiet_NaN(), HUGE_VAL, 1e300}) {
         strays.xyz.insert(strays.xyz.end(), 3, anything);
     }
-    REQUIRE(lamella::IndexedSource::pays_for(strays.view()));
+    REQUIRE(IndexedSource::pays_for(strays.view()));
     CHECK(outcome_of(strays.view(), uniform(3), context) == expected);
     unsigned combination = 0;
     for (std::size_t face = 0; face < 6; ++face) {
@@ -235,13 +227,11 @@ TEST_CASE("what is wrong with an indexed mesh is named by its first triangle", "
         Mesh<double> mesh = tangle<double>(300, 20000, 11);
         mesh.xyz.insert(mesh.xyz.end(), vertex.begin(), vertex.end());
         mesh.indices[3 * 12345 + 1] = mesh.indices[3 * 17000 + 1] = index;
-        const lamella::Error error = failure_of(mesh.view(), uniform(3));
+        const Error error = failure_of(mesh.view(), uniform(3));
         CHECK(error.message == message);
-        CHECK(error.code == (index == 300 ? lamella::ErrorCode::bad_coordinate : lamella::ErrorCode::invalid_argument));
+        CHECK(error.code == (index == 300 ? ErrorCode::bad_coordinate : ErrorCode::invalid_argument));
     }
 }
-
-namespace {
 
 /// A rotation about an axis at random, scaled and moved.
 Transform drawn_transform(std::mt19937& random) {
@@ -271,8 +261,6 @@ std::vector<float> moved_in_floats(const std::vector<float>& soup, const Transfo
     }
     return moved;
 }
-
-}  // namespace
 
 TEST_CASE("a transform in the mesh's floats gives the bytes of a mesh moved in floats", "[engine][transform][threads]") {
     std::mt19937 random(5);
@@ -308,12 +296,14 @@ TEST_CASE("parts and audits compute a transform as slicing does", "[engine][tran
         SliceOptions options = uniform(0.4);
         const Transform placed = drawn_transform(random);
         options.frame.as_mesh_numbers = true;
-        const std::vector<lamella::Part> parts = {{.mesh = view_of(soup), .placement = placed}};
+        const std::vector<Part> parts = {{.mesh = view_of(soup), .placement = placed}};
         const SliceResult result = sliced(parts, options);
         const std::vector<float> moved = moved_in_floats(soup, placed);
         CHECK(result.hash() == sliced(view_of(moved), uniform(0.4)).hash());
         options.frame.transform = placed;
         const auto certificate = value_of(audits::volume_of(sliced(view_of(soup), options), view_of(soup)));
-        CHECK(certificate.verdict == lamella::VolumeVerdict::holds);
+        CHECK(certificate.verdict == VolumeVerdict::holds);
     }
 }
+
+}  // namespace

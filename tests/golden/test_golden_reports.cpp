@@ -7,45 +7,45 @@
 #include "lamella/io.hpp"
 #include "temp_folder.hpp"
 
+using namespace lamella;
+
 namespace golden {
 
 namespace {
 
-using Segments = std::vector<lamella::Segment>;
-using lamella::MeshView;
-using lamella::SliceResult;
+using Segments = std::vector<Segment>;
 
-std::uint64_t hash_of_ledger(const lamella::Ledger& ledger) {
+std::uint64_t hash_of_ledger(const Ledger& ledger) {
     Hash hash;
     hash.add(ledger.triangles, ledger.cut, ledger.between, ledger.degenerate, ledger.horizontal, ledger.shells.count,
              ledger.shells.triangles, ledger.peaks.count, ledger.peaks.triangles, ledger.pits.count, ledger.pits.triangles);
     hash.add(ledger.flat_up_mm2, ledger.flat_down_mm2);
-    for (const lamella::Slab& slab : ledger.slabs) {
+    for (const Slab& slab : ledger.slabs) {
         hash.add(slab.layer, slab.triangles, slab.flat_up_mm2, slab.flat_down_mm2, slab.shells, slab.peaks, slab.pits);
     }
-    for (const lamella::SurfacePiece& piece : ledger.pieces) {
+    for (const SurfacePiece& piece : ledger.pieces) {
         hash.add(name_of(piece.kind), piece.layer, piece.at_mm, piece.height_mm, piece.triangles);
     }
     return hash.add(ledger.gaps).value();
 }
 
-std::uint64_t hash_of_volume(const lamella::VolumeCertificate& volume) {
+std::uint64_t hash_of_volume(const VolumeCertificate& volume) {
     return Hash()
         .add(name_of(volume.verdict), volume.mesh_mm3, volume.slabs_mm3, volume.slab_mm3, volume.worst_layer,
              volume.worst_difference_mm2, volume.worst_allowed_mm2)
         .value();
 }
 
-std::uint64_t hash_of_crossings(const lamella::Crossings& crossings) {
+std::uint64_t hash_of_crossings(const Crossings& crossings) {
     Hash hash;
     hash.add(crossings.count, crossings.at_least);
-    for (const lamella::LayerCrossings& layer : crossings.layers) {
+    for (const LayerCrossings& layer : crossings.layers) {
         hash.add(layer.layer, layer.count, layer.at_least, layer.first.x, layer.first.y, layer.contours);
     }
     return hash.value();
 }
 
-std::uint64_t hash_of_counts(const lamella::MeshCheck& mesh) {
+std::uint64_t hash_of_counts(const MeshCheck& mesh) {
     return Hash()
         .add(mesh.triangles, mesh.degenerate, mesh.box.min_mm, mesh.box.max_mm, mesh.volume_mm3, mesh.area_mm2, mesh.edges,
              mesh.boundary_edges, mesh.overfull_edges, mesh.mismatched_edges, mesh.shell_count, mesh.grid_mm, mesh.closed)
@@ -58,7 +58,7 @@ std::string without_times(const std::string& report) {
     return std::regex_replace(report, passing, "");
 }
 
-std::string bytes_written(const TempFolder& folder, const lamella::Status& written, const std::string& name) {
+std::string bytes_written(const TempFolder& folder, const Status& written, const std::string& name) {
     INFO((written ? std::string() : written.error().message));
     REQUIRE(written.ok());
     return bytes_of(folder / name);
@@ -77,22 +77,20 @@ void add_three(Hashes& hashes, const std::string& name, const std::array<const c
 void add_audit(Hashes& hashes, const std::string& name, const MeshView& mesh, const Options& options) {
     const SliceResult result = sliced(mesh, options);
     add_three(hashes, name, {"ledger", "volume", "crossings"}, [&](int threads) {
-        const lamella::Audit found = value_of(audit(result, mesh, {}, {.threads = threads}));
+        const Audit found = value_of(audit(result, mesh, {}, {.threads = threads}));
         return std::array{hash_of_ledger(*found.ledger), hash_of_volume(*found.volume), hash_of_crossings(*found.crossings)};
     });
 }
 
 void add_written(Hashes& hashes, const std::string& name, const MeshView& mesh, const Options& options) {
     const SliceResult result = sliced(mesh, options);
-    const lamella::Audit found = value_of(audit(result, mesh));
-    const lamella::WeldedMesh welded = value_of(weld(mesh, 0.03125));
+    const Audit found = value_of(audit(result, mesh));
+    const WeldedMesh welded = value_of(weld(mesh, 0.03125));
     const std::vector<std::string> warnings = {"one \"warning\""};
-    using lamella::ReportPlace;
-    const std::vector<lamella::ReportMember> members = {
-        {ReportPlace::after_mesh, "output", std::string_view("layers.svg")},
-        {ReportPlace::after_times, "peak_rss_bytes", std::uint64_t{0}},
-        {ReportPlace::at_end, "warnings", std::span<const std::string>(warnings)}};
-    lamella::ReportParts parts{.mesh_name = "mesh.stl", .audit = &found, .members = members};
+    const std::vector<ReportMember> members = {{ReportPlace::after_mesh, "output", std::string_view("layers.svg")},
+                                               {ReportPlace::after_times, "peak_rss_bytes", std::uint64_t{0}},
+                                               {ReportPlace::at_end, "warnings", std::span<const std::string>(warnings)}};
+    ReportParts parts{.mesh_name = "mesh.stl", .audit = &found, .members = members};
     const std::string report = value_of(make_report_json(result, parts));
     CHECK(without_times(report).size() < report.size());
     add(hashes, name + ", report", hash_of(without_times(report)));
@@ -107,10 +105,10 @@ void add_written(Hashes& hashes, const std::string& name, const MeshView& mesh, 
 /// The counts, the JSON and the PLY of faults.
 void add_check(Hashes& hashes, const std::string& name, const MeshView& mesh) {
     add_three(hashes, name, {"inspected", "check", "marks"}, [&](int threads) {
-        const lamella::Context context{.threads = threads};
-        const lamella::MeshCheck found = value_of(check(mesh, {.tolerance_mm = 0.0625, .most_places = 40}, context));
-        const lamella::ReportMember no_warnings{.key = "warnings", .value = std::span<const std::string>()};
-        const lamella::ReportParts parts{.mesh_name = "mesh.stl", .members = {&no_warnings, 1}};
+        const Context context{.threads = threads};
+        const MeshCheck found = value_of(check(mesh, {.tolerance_mm = 0.0625, .most_places = 40}, context));
+        const ReportMember no_warnings{.key = "warnings", .value = std::span<const std::string>()};
+        const ReportParts parts{.mesh_name = "mesh.stl", .members = {&no_warnings, 1}};
         const TempFolder folder;
         return std::array{hash_of_counts(value_of(check(mesh, {.counts_only = true}, context))),
                           hash_of(value_of(make_check_json(found, parts, 30))),
@@ -127,7 +125,7 @@ void add_assembled(Hashes& hashes, const std::string& name, const Segments& segm
 
 /// "NAME, welded" and the slices of the outcome.
 void add_weld(Hashes& hashes, const std::string& name, const MeshView& mesh, double tolerance_mm) {
-    const lamella::WeldedMesh welded = value_of(weld(mesh, tolerance_mm));
+    const WeldedMesh welded = value_of(weld(mesh, tolerance_mm));
     const std::string_view coordinates(reinterpret_cast<const char*>(welded.coordinates.data()), welded.coordinates.size());
     add(hashes, name + ", welded",
         Hash()
@@ -158,7 +156,7 @@ Segments nested_squares() {
         const std::int32_t a = 3 * i;
         const std::int32_t b = 400 - 3 * i;
         const bool backwards = i % 3 == 1;
-        const lamella::Point corners[] = {
+        const Point corners[] = {
             {a, a}, {backwards ? a : b, backwards ? b : a}, {b, b}, {backwards ? b : a, backwards ? a : b}};
         for (std::uint64_t corner = 0; corner < 4; ++corner) {
             const std::uint64_t first = 4 * static_cast<std::uint64_t>(i);
@@ -171,10 +169,10 @@ Segments nested_squares() {
 
 /// Segments between random points of a lattice, so that many meet at a key, some both ways, and some at no other.
 Segments random_segments(std::uint64_t seed, int count, int range) {
-    lamella::models::Random random(seed);
+    models::Random random(seed);
     const auto drawn = [&](int end) { return between(random, 0, end); };
     Segments segments(static_cast<std::size_t>(count));
-    for (lamella::Segment& segment : segments) {
+    for (Segment& segment : segments) {
         segment.from.x = drawn(range);
         segment.from.y = drawn(range);
         segment.to.x = drawn(range);
@@ -186,8 +184,6 @@ Segments random_segments(std::uint64_t seed, int count, int range) {
     }
     return segments;
 }
-
-}  // namespace
 
 TEST_CASE("welded meshes are those committed", "[golden]") {
     Hashes hashes;
@@ -222,9 +218,8 @@ TEST_CASE("reports and SVG files are those committed", "[golden]") {
     each_mesh({"torn body", "tetrahedra"}, [&](const std::string& name, const auto& mesh) {
         add_written(hashes, name + ", explicit", mesh, turned(1, 1, 1, at_heights({-4, 0, 1.5, 3, 10.1}, 0)));
         add_written(hashes, name + ", gaps closed", mesh, filled(Rule::positive, stitched(1, uniform(1.5))));
-        add_written(
-            hashes, name + ", coarse grid", mesh,
-            on_grid(0x1p-4, {.layer_height_mm = 1.5, .planes = {.first_height_mm = 0.25, .datum = lamella::Datum::zero}}));
+        add_written(hashes, name + ", coarse grid", mesh,
+                    on_grid(0x1p-4, {.layer_height_mm = 1.5, .planes = {.first_height_mm = 0.25, .datum = Datum::zero}}));
     });
     check_golden("written", hashes);
 }
@@ -247,4 +242,5 @@ TEST_CASE("contours from segments are those committed", "[golden]") {
     check_golden("assemble", hashes);
 }
 
+}  // namespace
 }  // namespace golden

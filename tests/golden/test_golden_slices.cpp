@@ -9,18 +9,18 @@
 #include "lamella/io.hpp"
 #include "temp_folder.hpp"
 
+using namespace lamella;
+
 namespace golden {
 
 namespace {
-
-using lamella::RandomHeights;
 
 struct Case {
     std::string name;
     std::string mesh;
     Options options;
     Form form = Form::f64_soup;
-    lamella::Tuning tuning{};
+    Tuning tuning{};
 };
 
 /// Axes exchanged, mirrored, halved and moved: all exact.
@@ -47,7 +47,7 @@ std::vector<std::string> small_meshes() {
 }
 
 std::string name_of_rule(Rule rule) {
-    return std::string(lamella::name_of(rule));
+    return std::string(name_of(rule));
 }
 
 /// Every millimetre and half, where the lattice meshes have their vertices, and heights between and outside.
@@ -60,9 +60,9 @@ std::vector<double> listed_heights() {
     return heights;
 }
 
-std::uint64_t hash_of_file(const lamella::MeshFile& file) {
+std::uint64_t hash_of_file(const MeshFile& file) {
     Hash hash;
-    const lamella::MeshView view = file.view();
+    const MeshView view = file.view();
     const std::size_t number = size_of(view.vertex_type);
     const std::size_t rows = view.indices == nullptr ? view.triangle_count : view.vertex_count;
     const std::size_t row_bytes = number * (view.indices == nullptr ? 9 : 3);
@@ -79,16 +79,14 @@ void add_read(Hashes& hashes, const std::string& name, const std::filesystem::pa
     std::vector<std::uint64_t> found;
     for (const bool map : {false, true}) {
         for (const int threads : {1, 3}) {
-            found.push_back(hash_of_file(
-                value_of(lamella::read_mesh(path, {.map_file = map, .mm_per_unit = 0.5}, {.threads = threads}))));
+            found.push_back(
+                hash_of_file(value_of(read_mesh(path, {.map_file = map, .mm_per_unit = 0.5}, {.threads = threads}))));
         }
     }
     INFO(name);
     CHECK(std::count(found.begin(), found.end(), found.front()) == 4);
     add(hashes, name, found.front());
 }
-
-}  // namespace
 
 TEST_CASE("inputs of the golden cases are those committed", "[golden]") {
     Hashes hashes;
@@ -105,7 +103,7 @@ TEST_CASE("inputs of the golden cases are those committed", "[golden]") {
 }
 
 TEST_CASE("generated models have the committed bytes on every platform", "[golden][models]") {
-    using namespace lamella::models;
+    using namespace models;
     std::vector<Recipe> recipes{{.shape = Shape::gyroid, .triangles = 200'000, .seed = 3},
                                 {.shape = Shape::bone, .triangles = 400'000, .seed = 3}};
     for (const Shape shape : {Shape::sphere, Shape::torus, Shape::gyroid, Shape::bone, Shape::prism}) {
@@ -139,10 +137,9 @@ TEST_CASE("outputs are those committed", "[engine][golden]") {
             add(hashes, std::string(name).append(", ").append(plan_name), sliced(shape, options).hash());
         }
         const std::vector<float> floats = shapes::floats(shape);
-        lamella::SliceOptions options = uniform(0.25);
-        options.frame.transform = lamella::Transform::from_normal(1, 2, 3);
-        add(hashes, name + ", float, turned",
-            sliced(lamella::MeshView::soup(std::span<const float>(floats)), options).hash());
+        SliceOptions options = uniform(0.25);
+        options.frame.transform = Transform::from_normal(1, 2, 3);
+        add(hashes, name + ", float, turned", sliced(MeshView::soup(std::span<const float>(floats)), options).hash());
     }
     check_golden("", hashes);
 }
@@ -163,7 +160,7 @@ TEST_CASE("planes of every plan give the committed slices", "[golden]") {
             {{mesh + ", uniform above", mesh, above(uniform(0.5))},
              {mesh + ", uniform from zero",
               mesh,
-              {.layer_height_mm = 0.7, .planes = {.first_height_mm = 0.3, .datum = lamella::Datum::zero}}},
+              {.layer_height_mm = 0.7, .planes = {.first_height_mm = 0.3, .datum = Datum::zero}}},
              {mesh + ", uniform, layers of a tenth", mesh, uniform(0.1)},
              {mesh + ", explicit below", mesh, at_heights(listed_heights(), 0)},
              {mesh + ", explicit above", mesh, above(at_heights(listed_heights(), 0))},
@@ -245,4 +242,5 @@ TEST_CASE("wide planes give the committed slices", "[golden][wide]") {
                          {"boxes, indexed", "wide boxes", at_heights({0.7}, 0), Form::f32_indexed}});
 }
 
+}  // namespace
 }  // namespace golden

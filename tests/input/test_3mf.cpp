@@ -20,8 +20,6 @@ void refuses_package(const std::string& bytes, const std::string& says, ErrorCod
     refuses(dir.write("a.3mf", bytes), ": " + says, code);
 }
 
-}  // namespace
-
 TEST_CASE("a 3MF cube is read as it was written, in the file's unit and not the caller's", "[input][3mf]") {
     const auto path = dir.write("a.3mf", package(model_text(cube_object(), item(1), "unit=\"inch\"")));
     const MeshFile mesh = value_of(read_mesh(path, {.mm_per_unit = 7}));
@@ -111,8 +109,6 @@ TEST_CASE("zip archives that would take libzip long are refused, and those at th
     refuses_package(zip(parts), says);
 }
 
-namespace {
-
 /// `levels` objects, each of which is the one before `times` times; the first is `seed`.
 std::string tower(int levels, std::size_t times, const std::string& seed, const std::string& items = "") {
     std::string resources = object(1, seed);
@@ -121,8 +117,6 @@ std::string tower(int levels, std::size_t times, const std::string& seed, const 
     }
     return package(model_text(resources, items + item(levels)));
 }
-
-}  // namespace
 
 TEST_CASE("more instances and steps than any machine holds are counted and refused", "[input][3mf]") {
     const std::string mesh = mesh_xml(triangulated(cube()));
@@ -155,4 +149,5 @@ TEST_CASE("3MF without memory is an error and leaks nothing", "[input][3mf]") {
     CHECK(failures > 10);
 }
 
+}  // namespace
 }  // namespace lamella::input_test

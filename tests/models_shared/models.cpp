@@ -5,12 +5,12 @@
 #include "models_shared/real_meshes.hpp"
 #include "oracle/oracle.hpp"
 
-using lamella::SliceResult;
+using namespace lamella;
 
 namespace {
 
-lamella::MeshFile mesh_of(const std::filesystem::path& file) {
-    return value_of(lamella::read_mesh(file));
+MeshFile mesh_of(const std::filesystem::path& file) {
+    return value_of(read_mesh(file));
 }
 
 struct KnownAnswer {
@@ -24,14 +24,14 @@ struct Known {
     std::size_t shells;
 };
 
-lamella::MeshCheck findings_of(const std::filesystem::path& file, int threads) {
+MeshCheck findings_of(const std::filesystem::path& file, int threads) {
     return value_of(check(mesh_of(file).view(), {}, {.threads = threads}));
 }
 
-regions::Polygons layer_of(const lamella::SliceResult& result, const lamella::Layer& layer) {
+regions::Polygons layer_of(const SliceResult& result, const Layer& layer) {
     regions::Polygons rings;
-    for (const lamella::Contour& contour : result.contours_of(layer)) {
-        if (contour.role == lamella::Role::outer || contour.role == lamella::Role::hole) {
+    for (const Contour& contour : result.contours_of(layer)) {
+        if (contour.role == Role::outer || contour.role == Role::hole) {
             const auto points = result.points_of(contour);
             rings.emplace_back(points.begin(), points.end());
         }
@@ -47,20 +47,18 @@ shapes::Soup roughened(shapes::Soup soup, double mm) {
     return soup;
 }
 
-std::uint64_t crossings_in(const lamella::SliceResult& result) {
+std::uint64_t crossings_in(const SliceResult& result) {
     return value_of(audits::crossings_of(result)).count;
 }
-
-}  // namespace
 
 TEST_CASE("counts equal those of the paper's program and its table", "[counts]") {
     const KnownAnswer known = GENERATE(KnownAnswer{"liver.stl", 38'142, 6'242, 2'342'005, 15'790, 9'490},
                                        KnownAnswer{"femur.stl", 42'110, 3'155, 1'180'826, 3'338, 30});
-    const lamella::MeshFile mesh = mesh_of(folder / known.file);
-    lamella::SliceOptions options = uniform(0.032);
+    const MeshFile mesh = mesh_of(folder / known.file);
+    SliceOptions options = uniform(0.032);
     options.planes.first_height_mm = 0.008;
     options.frame.grid_mm = 0.004;
-    const auto form = GENERATE(lamella::ContourForm::swept, lamella::ContourForm::assembled);
+    const auto form = GENERATE(ContourForm::swept, ContourForm::assembled);
     const SliceResult result = sliced(mesh, options, {}, {.form = form});
     INFO(known.file);
     CHECK(result.info.triangles - result.info.degenerate == known.kept);
@@ -73,14 +71,14 @@ TEST_CASE("counts equal those of the paper's program and its table", "[counts]")
 
 TEST_CASE("areas times layer height give the volume of closed meshes", "[volume]") {
     const char* file = GENERATE("liver.stl", "femur.stl", "brain.stl", "hip_femur.stl");
-    const lamella::MeshFile mesh = mesh_of(folder / file);
-    const lamella::MeshCheck info = value_of(check(mesh.view(), {.counts_only = true}));
+    const MeshFile mesh = mesh_of(folder / file);
+    const MeshCheck info = value_of(check(mesh.view(), {.counts_only = true}));
     INFO(file);
     CHECK(info.closed);
     const SliceResult result = sliced(mesh, uniform(0.032));
     CHECK(result.info.open_contours == 0);
     double volume = 0;
-    for (const lamella::LayerView layer : result) {
+    for (const LayerView layer : result) {
         volume += layer.area_mm2() * 0.032;
     }
     CHECK(std::abs(volume - info.volume_mm3) < 1e-5 * std::abs(info.volume_mm3));
@@ -93,8 +91,8 @@ TEST_CASE("bones with boundary edges slice, with their open polylines flagged", 
         if (entry.path().extension() != ".stl") {
             continue;
         }
-        const lamella::MeshFile mesh = mesh_of(entry.path());
-        const lamella::MeshCheck info = value_of(check(mesh.view(), {.counts_only = true}));
+        const MeshFile mesh = mesh_of(entry.path());
+        const MeshCheck info = value_of(check(mesh.view(), {.counts_only = true}));
         INFO(entry.path());
         const SliceResult result = sliced(mesh, uniform(0.032));
         // A closed mesh never has open contours. A mesh with boundary edges as tall as a layer has some.
@@ -124,13 +122,11 @@ TEST_CASE("check() finds the known faults of real meshes", "[check]") {
             1},
         Known{"bones/Right_seventh_rib.stl", "not clean: 4 boundary edges, 1 boundary loop, 2 T-junctions", 1});
     INFO(known.file);
-    const lamella::MeshCheck one = findings_of(folder / known.file, 1);
+    const MeshCheck one = findings_of(folder / known.file, 1);
     CHECK(make_verdict(one).value() == known.verdict);
     CHECK(one.shells.size() == known.shells);
     CHECK(make_check_json(one, {}).value() == make_check_json(findings_of(folder / known.file, 3), {}).value());
 }
-
-namespace {
 
 /// Every height at which a vertex lies, ascending and distinct on the grid. Surfaces from CT have thousands of vertices on
 /// whole millimetres.
@@ -147,10 +143,10 @@ std::vector<double> vertex_heights(const shapes::Soup& soup, double grid_mm) {
 }
 
 /// The pairs of a triangle and a plane between its vertices.
-std::uint64_t crossings(const lamella::SliceResult& result, const shapes::Soup& soup) {
+std::uint64_t crossings(const SliceResult& result, const shapes::Soup& soup) {
     const auto planes_below = [&](std::int32_t z) {
         return std::partition_point(result.layers.begin(), result.layers.end(),
-                                    [z](const lamella::Layer& layer) { return layer.plane.z() < z; }) -
+                                    [z](const Layer& layer) { return layer.plane.z() < z; }) -
                result.layers.begin();
     };
     std::uint64_t found = 0;
@@ -161,23 +157,21 @@ std::uint64_t crossings(const lamella::SliceResult& result, const shapes::Soup& 
     return found;
 }
 
-}  // namespace
-
 TEST_CASE("planes at the heights of all vertices lose no triangle of real meshes", "[vertex_heights]") {
     for (const std::filesystem::path& file : real_meshes()) {
         const shapes::Soup soup = soup_of(file);
-        const lamella::MeshCheck info = *check(view_of(soup), {.counts_only = true});
+        const MeshCheck info = *check(view_of(soup), {.counts_only = true});
         std::uint64_t open = 0;
         const std::vector<double> heights = vertex_heights(soup, info.grid_mm);
         for (std::size_t first = 0; first < heights.size(); first += 2000) {  // planes in one slice
-            for (const lamella::PlaneSide side : {lamella::PlaneSide::below, lamella::PlaneSide::above}) {
-                lamella::SliceOptions options;
+            for (const PlaneSide side : {PlaneSide::below, PlaneSide::above}) {
+                SliceOptions options;
                 options.heights_mm.emplace(
                     heights.begin() + static_cast<std::ptrdiff_t>(first),
                     heights.begin() + static_cast<std::ptrdiff_t>(std::min(heights.size(), first + 2000)));
                 options.planes.side = side;
-                const lamella::SliceResult result = sliced(soup, options);
-                INFO(file << ", from " << heights[first] << " mm, above " << (side == lamella::PlaneSide::above));
+                const SliceResult result = sliced(soup, options);
+                INFO(file << ", from " << heights[first] << " mm, above " << (side == PlaneSide::above));
                 CHECK(result.info.segments == crossings(result, soup));
                 open += result.info.open_contours;
             }
@@ -191,10 +185,10 @@ TEST_CASE("closing agrees with closing everything on layers of real meshes", "[c
     const double radius_mm = GENERATE(0.049, 0.4);
     double worst = 0;
     for (const std::filesystem::path& file : real_meshes()) {
-        const lamella::SliceResult result = sliced(soup_of(file), uniform(6));
-        lamella::RegionRules rules;
-        rules.fill_rule = lamella::FillRule::non_zero;
-        for (const lamella::Layer& layer : result.layers) {
+        const SliceResult result = sliced(soup_of(file), uniform(6));
+        RegionRules rules;
+        rules.fill_rule = FillRule::non_zero;
+        for (const Layer& layer : result.layers) {
             const regions::Polygons rings = layer_of(result, layer);
             if (rings.empty()) {
                 continue;
@@ -224,15 +218,15 @@ TEST_CASE("simplified layers of real meshes are valid and cross no more", "[simp
         const shapes::Soup soup = soup_of(file);
         for (const double rough_mm : {0.0, 0.3}) {
             const shapes::Soup rough = roughened(soup, rough_mm);
-            for (const lamella::FillRule rule : {lamella::FillRule::contours, lamella::FillRule::non_zero}) {
-                lamella::SliceOptions options = uniform(3);
+            for (const FillRule rule : {FillRule::contours, FillRule::non_zero}) {
+                SliceOptions options = uniform(3);
                 options.region.fill_rule = rule;
                 options.origins = true;
-                const lamella::SliceResult plain = sliced(rough, options);
+                const SliceResult plain = sliced(rough, options);
                 for (const double tolerance_mm : {0.02, 1.0}) {
                     INFO(file << ", rough by " << rough_mm << " mm, " << name_of(rule) << ", within " << tolerance_mm);
                     options.region.simplify_mm = tolerance_mm;
-                    const lamella::SliceResult simplified = sliced(rough, options);
+                    const SliceResult simplified = sliced(rough, options);
                     require_ok(audits::structure_of(simplified, view_of(rough)));
                     REQUIRE(simplified.contours.size() == plain.contours.size());
                     REQUIRE(crossings_in(simplified) <= crossings_in(plain));
@@ -244,3 +238,5 @@ TEST_CASE("simplified layers of real meshes are valid and cross no more", "[simp
     }
     CHECK(after < before / 2);
 }
+
+}  // namespace

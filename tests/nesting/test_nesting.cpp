@@ -10,18 +10,15 @@
 #include "slicing/nesting/nest.hpp"
 #include "slicing/nesting/order.hpp"
 
-using lamella::NestItem;
+using namespace lamella;
+using namespace polygons;
 using lamella::nesting::SortKey;
-using polygons::below;
-using polygons::box;
-using polygons::Point;
-using polygons::reversed;
-using polygons::Ring;
-using polygons::round;
 
 namespace {
 
-constexpr std::int32_t far = lamella::grid_limit;
+using polygons::Ring;
+
+constexpr std::int32_t far = grid_limit;
 
 struct Contour {
     Ring points;
@@ -41,7 +38,7 @@ std::vector<NestItem> items_of(const Layer& layer) {
             item.start = static_cast<std::uint32_t>(std::min_element(points.begin(), points.end()) - points.begin());
             const rings::Int128 area = rings::twice_area(points);
             item.twice_area = {static_cast<std::uint64_t>(area), static_cast<std::int64_t>(area >> 64)};
-            item.box = lamella::FlatBox::around(points);
+            item.box = FlatBox::around(points);
         }
         items.push_back(item);
     }
@@ -49,7 +46,7 @@ std::vector<NestItem> items_of(const Layer& layer) {
 }
 
 /// Parent, role, orientation, flags, and whether it is turned round.
-using Answer = std::tuple<int, lamella::Role, int, unsigned, bool>;
+using Answer = std::tuple<int, Role, int, unsigned, bool>;
 
 std::vector<Answer> expected_of(const Layer& layer) {
     oracle::Layer nested;
@@ -58,7 +55,7 @@ std::vector<Answer> expected_of(const Layer& layer) {
         own.points = closed ? rings::from_smallest(points) : points;
         own.twice_area = closed ? rings::twice_area(own.points) : 0;
         own.orientation = (own.twice_area > 0) - (own.twice_area < 0);
-        own.role = closed ? lamella::Role::flat : lamella::Role::open;
+        own.role = closed ? Role::flat : Role::open;
     }
     const oracle::Layer as_given = nested;
     oracle::find_parents(nested);
@@ -73,8 +70,8 @@ std::vector<Answer> expected_of(const Layer& layer) {
 
 /// By a nester that has seen other layers before.
 void check_against_oracle(const Layer& layer) {
-    static lamella::Worker worker;
-    static lamella::Nester nester(worker);
+    static Worker worker;
+    static Nester nester(worker);
     std::vector<NestItem> items = items_of(layer);
     nester.nest(items);
     std::vector<Answer> answers;
@@ -103,7 +100,7 @@ Ring distinct(Ring ring) {
 Ring random_walk(std::mt19937& random, int size) {
     Ring ring;
     while (ring.size() < 2) {
-        ring = distinct(polygons::lattice_points(random, 1, 2 + random() % 40, size, 1)[0]);
+        ring = distinct(lattice_points(random, 1, 2 + random() % 40, size, 1)[0]);
     }
     return ring;
 }
@@ -162,8 +159,6 @@ Ring turns(std::int32_t reach, int count) {
     return ring;
 }
 
-}  // namespace
-
 TEST_CASE("random layers agree with the oracle", "[nesting]") {
     std::mt19937 random(GENERATE(1U, 2U, 3U, 4U));
     for (int round = 0; round < 1500; ++round) {
@@ -210,7 +205,7 @@ TEST_CASE("nesting is exact up to the limits of the grid, and for areas beyond 6
 }
 
 TEST_CASE("keys are sorted whatever their number and distribution", "[nesting]") {
-    using Keys = lamella::Vector<SortKey>;
+    using Keys = Vector<SortKey>;
     std::mt19937_64 random(1);
     const int count = GENERATE(0, 1, 2, 24, 25, 100, 1023, 1024, 5000);
     Keys spare;
@@ -230,7 +225,7 @@ TEST_CASE("keys are sorted whatever their number and distribution", "[nesting]")
         }
         Keys expected = keys;
         std::sort(expected.begin(), expected.end(), lamella::nesting::before);
-        lamella::StopPace pace;
+        StopPace pace;
         lamella::nesting::sort_keys(keys, spare, pace);
         CAPTURE(spread);
         REQUIRE(std::equal(keys.begin(), keys.end(), expected.begin(), expected.end(),
@@ -240,8 +235,8 @@ TEST_CASE("keys are sorted whatever their number and distribution", "[nesting]")
 
 TEST_CASE("points within a contour are found by every form of the edge test, one by one and many at once", "[nesting]") {
     std::mt19937 random(9);
-    const auto forms = lamella::supported(lamella::nesting::add_edges_forms());
-    lamella::Worker worker;
+    const auto forms = supported(lamella::nesting::add_edges_forms());
+    Worker worker;
     lamella::nesting::ManyInside many(worker);
     for (int turn = 0; turn < 800; ++turn) {
         const int size = 2 + (turn % 2 == 0 ? below(random, 30) : 1 << below(random, 25));
@@ -266,9 +261,11 @@ TEST_CASE("points within a contour are found by every form of the edge test, one
                 REQUIRE(lamella::nesting::strictly_inside(form, ring.data(), count, query) == inside);
             }
         }
-        lamella::Vector<std::uint32_t> found;
+        Vector<std::uint32_t> found;
         many.test(ring.data(), count, found);
         std::sort(found.begin(), found.end());
         REQUIRE(std::equal(found.begin(), found.end(), expected.begin(), expected.end()));
     }
 }
+
+}  // namespace

@@ -261,21 +261,15 @@ TEST_CASE("an edge map that grows keeps its entries", "[engine][scale]") {
     // The number of edges exceeds half the ends. First come single facets, then pairs that share their short edge: the
     // first faces of all pairs, then the second. The map grows between the first and the second faces.
     constexpr int count = 20'000;
-    const auto place = [](int i) { return std::array<double, 2>{4.0 * (i % 200), 4.0 * (i / 200)}; };
     shapes::Soup soup;
-    const auto add = [&soup](const shapes::Soup& facet) { shapes::append(soup, facet); };
-    for (int i = 0; i < count; ++i) {
-        const auto [x, y] = place(i);
-        add(shapes::triangle({x, y, 0}, {x + 1, y, 0}, {x, y + 1, 2}));
-    }
-    for (int i = count; i < 2 * count; ++i) {
-        const auto [x, y] = place(i);
-        add(shapes::triangle({x, y, 0}, {x + 1, y, 2}, {x, y + 1, 4}));
-    }
-    for (int i = count; i < 2 * count; ++i) {
-        const auto [x, y] = place(i);
-        add(shapes::triangle({x + 1, y, 2}, {x, y, 0}, {x + 2, y + 2, 3}));
-    }
+    const auto add = [&soup](int first, int end, const shapes::Soup& facet) {
+        for (int i = first; i < end; ++i) {
+            shapes::append(soup, shapes::moved(facet, {4.0 * (i % 200), 4.0 * (i / 200), 0}));
+        }
+    };
+    add(0, count, shapes::triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 2}));
+    add(count, 2 * count, shapes::triangle({0, 0, 0}, {1, 0, 2}, {0, 1, 4}));
+    add(count, 2 * count, shapes::triangle({1, 0, 2}, {0, 0, 0}, {2, 2, 3}));
     const SliceResult result = sliced(soup, at_heights({1}));
     CHECK(result.info.segments == 3 * count);
     CHECK(result.info.open_contours == 2 * count);

@@ -286,12 +286,9 @@ TEST_CASE("the volumes of slabs are those of the facets between planes, and sum 
         generated(Shape::bone, triangles),
         generated(Shape::torus, triangles)};
     for (const shapes::Soup& mesh : meshes) {
-        double low = mesh[2];
-        double high = mesh[2];
-        for (std::size_t i = 2; i < mesh.size(); i += 3) {
-            low = std::min(low, mesh[i]);
-            high = std::max(high, mesh[i]);
-        }
+        const Box bounds = value_of(check(view_of(mesh), {.counts_only = true})).box;
+        const double low = bounds.min_mm[2];
+        const double high = bounds.max_mm[2];
         const double height = high - low;
         for (const SliceOptions& options :
              {uniform(height / 7.3), uniform(height / 80), at_heights({}, 0),

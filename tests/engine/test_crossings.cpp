@@ -192,13 +192,10 @@ TEST_CASE("crossings: a search that takes too long stops and reports a lower bou
     Path comb;
     constexpr std::int32_t teeth = 6000;
     for (std::int32_t i = 0; i < teeth; ++i) {
-        comb.points.push_back({4 * i, 0});
-        comb.points.push_back({1'000'000 + 4 * i, 1'000'000});
-        comb.points.push_back({1'000'001 + 4 * i, 1'000'000});
-        comb.points.push_back({1 + 4 * i, 0});
+        const std::int32_t x = 4 * i;
+        comb.points.insert(comb.points.end(), {{x, 0}, {1'000'000 + x, 1'000'000}, {1'000'001 + x, 1'000'000}, {x + 1, 0}});
     }
-    comb.points.push_back({4 * teeth, -10});
-    comb.points.push_back({-1, -10});
+    comb.points.insert(comb.points.end(), {{4 * teeth, -10}, {-1, -10}});
     const Crossings crossings = found(audits::made_result({{comb}}));
     CHECK(crossings.at_least);
     REQUIRE(crossings.layers.size() == 1);

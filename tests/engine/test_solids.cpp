@@ -29,19 +29,6 @@ const std::string inner_clockwise = " 4,4 4,11 4,12 11,12 12,12 12,5 12,4 5,4";
 
 constexpr std::size_t front = 4;  // index of the first triangle of a box's front side
 
-TEST_CASE("a cube gives one outer contour", "[engine][solids]") {
-    CHECK(cut(cube, 1) == Lines{"outer + x8 in -:" + square});
-    const SliceResult result = sliced(cube, at_heights({1, 2, 3, 4}));
-    REQUIRE(result.layers.size() == 4);
-    for (const LayerView layer : result) {
-        CHECK(layer.area_mm2() == 16);
-        CHECK(layer.segments == 8);
-    }
-    CHECK(result.info.triangles == 12);
-    CHECK(result.info.crossed == 8);
-    CHECK(result.info.segments == 32);
-}
-
 TEST_CASE("the contours of small meshes are known", "[engine][solids]") {
     struct Case {
         const char* name;
@@ -56,6 +43,7 @@ TEST_CASE("the contours of small meshes are known", "[engine][solids]") {
     const std::string once = "outer + x3 in -: 0,0 7,0 0,7";
     const std::string islet = " 6,6 7,6 10,6 10,7 10,10 9,10 6,10 6,9";
     const Case cases[] = {
+        {"a cube gives one outer contour", cube, 1, {outer + square}},
         {"two cubes share an edge",
          joined({cube, box({4, 4, 0}, {8, 8, 4})}),
          1,

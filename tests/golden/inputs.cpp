@@ -250,21 +250,14 @@ Soup crossing_bodies() {
 
 /// The walls of a comb: one contour of 8 segments a tooth.
 Soup comb(int teeth) {
-    std::vector<std::array<int, 2>> outline;
+    std::vector<std::array<double, 2>> outline;
     for (int i = 0; i < teeth; ++i) {
-        outline.insert(outline.end(), {{4 * i, 0}, {4 * i + 2, 0}});
+        outline.insert(outline.end(), {{4.0 * i, 0}, {4.0 * i + 2, 0}});
     }
     for (int i = teeth; i-- > 0;) {
-        outline.insert(outline.end(), {{4 * i + 2, 9 + i % 5}, {4 * i, 7 - i % 3}});
+        outline.insert(outline.end(), {{4.0 * i + 2, 9.0 + i % 5}, {4.0 * i, 7.0 - i % 3}});
     }
-    Soup soup;
-    for (std::size_t i = 0; i < outline.size(); ++i) {
-        const auto& p = outline[i];
-        const auto& q = outline[(i + 1) % outline.size()];
-        const auto at = [](const auto& place, double z) { return Xyz{place[0] / 64.0, place[1] / 64.0, z}; };
-        append(soup, quad(at(p, 0), at(q, 0), at(q, 1), at(p, 1)));
-    }
-    return soup;
+    return shapes::scaled(shapes::walls(outline), {1 / 64.0, 1 / 64.0, 0.1});
 }
 
 /// The same triangles, each far in memory from what was its neighbour.

@@ -30,8 +30,6 @@ public:
 
     InputFile(InputFile&& other) noexcept;
     InputFile& operator=(InputFile&&) = delete;
-    InputFile(const InputFile&) = delete;
-    InputFile& operator=(const InputFile&) = delete;
     ~InputFile();
 
     const std::string& name() const noexcept { return name_; }  ///< printable, for messages

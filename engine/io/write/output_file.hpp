@@ -25,8 +25,6 @@ public:
 
     OutputFile(OutputFile&& other) noexcept;
     OutputFile& operator=(OutputFile&&) = delete;
-    OutputFile(const OutputFile&) = delete;
-    OutputFile& operator=(const OutputFile&) = delete;
     ~OutputFile();
 
     /// Space for `bytes` at the end of what is written; advance() must follow with how much of it was used.

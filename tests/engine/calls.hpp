@@ -1,8 +1,10 @@
 // Every call that takes a Context, by name.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +12,14 @@
 #include "engine/everywhere.hpp"
 #include "lamella/io.hpp"
 #include "temp_folder.hpp"
+
+/// Says yes from the ask number `from` on.
+struct LateStop {
+    std::uint64_t from = std::numeric_limits<std::uint64_t>::max();
+    std::atomic<std::uint64_t> asked{0};
+
+    bool operator()() noexcept { return ++asked >= from; }
+};
 
 struct ContextCall {
     std::string name;
@@ -99,9 +109,7 @@ private:
         return all;
     }
 
-    struct Nothing {
-        void operator()(const lamella::LayerView& /*layer*/) noexcept {}
-    };
+    static constexpr auto nothing = [](const lamella::LayerView&) noexcept {};
 
     TempFolder folder_;
     std::filesystem::path svg_ = folder_ / "a.svg";
@@ -119,7 +127,6 @@ private:
     std::vector<std::span<const lamella::Point>> contours_{squares_.begin(), squares_.end()};
     lamella::RegionRules rules_{
         .fill_rule = lamella::FillRule::non_zero, .closing_mm = 60, .offset_mm = -20, .drop_collinear = true};
-    Nothing nothing_;
-    lamella::LayerSink ascending_{.take = nothing_};
-    lamella::LayerSink any_order_{.take = nothing_, .order = lamella::SinkOrder::any};
+    lamella::LayerSink ascending_{.take = nothing};
+    lamella::LayerSink any_order_{.take = nothing, .order = lamella::SinkOrder::any};
 };

@@ -15,14 +15,6 @@ using namespace lamella;
 
 namespace {
 
-/// Says yes from the ask number `from` on.
-struct LateStop {
-    std::uint64_t from;
-    std::atomic<std::uint64_t> asked{0};
-
-    bool operator()() noexcept { return ++asked >= from; }
-};
-
 TEST_CASE("every call refuses negative threads, ends when asked to, and shows rising progress up to 1, one thread at a time",
           "[engine][control][threads]") {
     const TempFolder folder;

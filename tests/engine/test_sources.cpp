@@ -149,16 +149,12 @@ void require_known_before(const SliceInfo& expected, const Source& source, const
     }
 }
 
-struct Nothing {
-    void operator()(const LayerView& /*layer*/) const noexcept {}
-};
-
 /// Slices to every destination fail with the same error.
 void require_refused_alike(const Source& source, const SliceOptions& options, const Context& context,
                            const Error& expected) {
     SliceResult result;
     GuardedArrays host({1000, 1000, 1000});
-    Nothing nothing;
+    const auto nothing = [](const LayerView&) noexcept {};
     const LayerSink sinks[] = {{.take = nothing}, {.take = nothing, .order = SinkOrder::any}};
     for (const Destination to :
          {Destination(result), Destination(sinks[0]), Destination(sinks[1]), Destination(host.arrays)}) {

@@ -1,8 +1,6 @@
 // A stop that comes at any moment ends every call soon; and no call's answer depends on threads.
 #include <array>
-#include <atomic>
 #include <chrono>
-#include <limits>
 #include <thread>
 
 #include <ctime>
@@ -10,6 +8,7 @@
 #include <malloc.h>
 #endif
 
+#include "base/clock.hpp"
 #include "engine/calls.hpp"
 #include "engine/polygons.hpp"
 #include "engine/slicing.hpp"
@@ -18,12 +17,6 @@
 using namespace lamella;
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double ms_since(Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 #ifdef LAMELLA_TESTS_SANITIZED
 constexpr std::uint64_t triangles = 20'000;
@@ -103,19 +96,10 @@ class StopAt {
 public:
     explicit StopAt(double ms) : at_(Clock::now() + std::chrono::microseconds(static_cast<std::int64_t>(1000 * ms))) {}
     bool operator()() const noexcept { return Clock::now() >= at_; }
-    double ms_late() const { return ms_since(at_); }
+    double ms_late() const { return milliseconds_since(at_); }
 
 private:
     Clock::time_point at_;
-};
-
-/// How often a host is asked, on any thread.
-struct AskCount {
-    std::atomic<std::uint64_t> asked{0};
-    bool operator()() noexcept {
-        ++asked;
-        return false;
-    }
 };
 
 /// Bodies through one another, in many small clusters.
@@ -147,14 +131,15 @@ TEST_CASE(
             double before_last = call.shows_progress ? 0 : 1;
             // On a busy machine the thread that reports may wait while others do the rest.
             for (int round = 0; round < 3 && (round == 0 || before_last <= 0.5); ++round) {
-                AskCount host;
+                LateStop host;
                 std::vector<double> seen;
                 const auto note = [&](double fraction) noexcept { seen.push_back(fraction); };
                 const Clock::time_point start = Clock::now();
                 REQUIRE(call.run({.threads = threads, .stop = host, .progress = note}) == std::nullopt);
                 const double layers = call.name.starts_with("slice to a sink") ? 150 / 0.02 + 1 : 0;  // after each, too
                 CHECK(host.asked >= 1);
-                CHECK(static_cast<double>(host.asked) <= std::min(threads, 2) * (ms_since(start) / 2 + 1) + layers);
+                CHECK(static_cast<double>(host.asked) <=
+                      std::min(threads, 2) * (milliseconds_since(start) / 2 + 1) + layers);
                 if (call.shows_progress) {
                     REQUIRE(seen.size() >= 3);
                     CHECK(std::adjacent_find(seen.begin(), seen.end(), std::greater_equal<>()) == seen.end());
@@ -166,7 +151,7 @@ TEST_CASE(
         }
         const Clock::time_point start = Clock::now();
         REQUIRE(call.run({.threads = 2}) == std::nullopt);
-        const double whole = ms_since(start);
+        const double whole = milliseconds_since(start);
         std::vector<double> late;
         for (int round = 0; round < stops_each; ++round) {
             const StopAt stop(std::uniform_real_distribution<double>(0, whole)(random));
@@ -184,10 +169,10 @@ TEST_CASE(
 TEST_CASE("many parts are asked about no more often than one mesh", "[engine][parts][stops]") {
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 2);
     const std::vector<Part> parts(500, Part{.mesh = view_of(ball)});
-    AskCount host;
+    LateStop host;
     const Clock::time_point start = Clock::now();
     REQUIRE(slice(parts, uniform(0.5), {.threads = 1, .stop = host}).ok());
-    CHECK(static_cast<double>(host.asked) <= ms_since(start) / 2 + 1);
+    CHECK(static_cast<double>(host.asked) <= milliseconds_since(start) / 2 + 1);
 }
 
 TEST_CASE("a slice looks for a stop every 20 ms, of whatever source, in whatever form and with whatever rules",

@@ -1,5 +1,5 @@
-// Files, as every system has them: open, read and write at a place, replace, remove. Errors are numbers of <cerrno>, 0 for
-// none, on Windows too; system_message() says what they mean.
+// Open files, as every system has them; names are std::filesystem's. Errors are numbers of <cerrno>, 0 for none, on Windows
+// too.
 #pragma once
 
 #include <cstddef>
@@ -8,33 +8,36 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
+#include "base/function_ref.hpp"
 #include "lamella/array.hpp"
 
 namespace lamella {
 
 std::string system_message(int error_number);
+/// The number of what std::filesystem returns.
+int error_number_of(const std::error_code& error) noexcept;
 
 /// The name's bytes; on Windows, where names are UTF-16, as UTF-8.
 std::string path_text(const std::filesystem::path& path);
-
-enum class FileKind : std::uint8_t { regular, folder, fifo, socket, device };
+/// The path by which the system finds the file: on Windows one that is long is made absolute, and marked.
+std::filesystem::path system_path(const std::filesystem::path& path);
 
 struct FileStatus {
-    FileKind kind = FileKind::regular;
-    unsigned mode = 0;  ///< permissions, where the system has them
+    std::filesystem::file_type type = std::filesystem::file_type::none;
     std::uint64_t size = 0;
     std::uint64_t changed = 0;  ///< when the contents last changed, in the system's finest unit, which may wrap around
 };
 
 /// An open file, or none; move-only. Bytes are written as they are, children of the process do not inherit it, and others
-/// may rename or remove it meanwhile. To open one: precondition: none is open.
+/// may rename or remove it meanwhile. To open one: precondition: none is open. May throw std::bad_alloc.
 class File {
 public:
     /// Returned where a file ends before the bytes asked for.
     static constexpr int ended = -1;
-    /// Else map() is not to be called.
+    /// Else there is no map().
 #if defined(_WIN32) || defined(__EMSCRIPTEN__)
     static constexpr bool can_map = false;
 #else
@@ -43,12 +46,7 @@ public:
 
     File() noexcept = default;
     File(File&& other) noexcept : handle_(std::exchange(other.handle_, none)) {}
-    File& operator=(File&& other) noexcept {
-        std::swap(handle_, other.handle_);
-        return *this;
-    }
-    File(const File&) = delete;
-    File& operator=(const File&) = delete;
+    File& operator=(File&&) = delete;
     ~File() {
         (void)close();
     }
@@ -57,24 +55,21 @@ public:
         return handle_ != none;
     }
 
-    /// A file of any kind. Never waits, as for the other end of a FIFO.
-    int open_to_read(const std::filesystem::path& path) noexcept;
-    /// One that is there, from its begin, whatever its kind.
-    int open_to_write(const std::filesystem::path& path) noexcept;
-    /// A new one to write; EEXIST where there is one of the name.
-    int create(const std::filesystem::path& path) noexcept;
-    /// A new one to read and write, of a name of its own that begins with `prefix`, for this user alone. `made`: its path,
-    /// or the one that could not be made. Throws std::bad_alloc.
-    int create_unique(const std::filesystem::path& folder, std::string_view prefix, std::filesystem::path& made);
-    /// The same, and no end of the process leaves it behind.
+    /// A file of any type. Never waits, as for the other end of a FIFO.
+    int open_to_read(const std::filesystem::path& path);
+    /// One that is there, from its begin, whatever its type.
+    int open_to_write(const std::filesystem::path& path);
+    /// A new one to read and write, with these permissions; EEXIST where there is one of the name.
+    int create(const std::filesystem::path& path, unsigned mode);
+    /// A new one of a name of its own. `made`: its path, or the one that could not be made.
+    int create_unique(const std::filesystem::path& prefix, std::string_view suffix, unsigned mode,
+                      std::filesystem::path& made);
+    /// A new one without a name, which no end of the process leaves behind.
     int create_scratch(const std::filesystem::path& folder);
     /// The open file that has this number in the process: 1 is the standard output.
     int duplicate(int number) noexcept;
 
     int status(FileStatus& status) const noexcept;
-    /// Permissions, as of FileStatus.
-    int set_mode(unsigned mode) noexcept;
-
     /// Fills `into` from byte `offset` on. From several threads at once.
     int read_at(std::span<std::byte> into, std::uint64_t offset) const noexcept;
     int write_at(std::span<const std::byte> from, std::uint64_t offset) noexcept;
@@ -82,8 +77,7 @@ public:
     int write(std::string_view text) noexcept;
     /// Some file systems report a full disk only here.
     int close() noexcept;
-
-    /// The first bytes as a private mapping, which the array unmaps in the end, and has them read in. Throws std::bad_alloc.
+    /// The first bytes as a private mapping, which the array unmaps in the end, and has them read in.
     int map(std::size_t bytes, Array<std::byte>& into) const;
 
 private:
@@ -91,13 +85,11 @@ private:
     std::intptr_t handle_ = none;
 };
 
-int status_of(const std::filesystem::path& path, FileStatus& status) noexcept;
-/// Whether an existing file may be written.
-int check_writable(const std::filesystem::path& path) noexcept;
-/// In one step: whoever opens `to` finds the old file or the new one.
-int replace_file(const std::filesystem::path& from, const std::filesystem::path& to) noexcept;
-int remove_file(const std::filesystem::path& path) noexcept;
-/// As create_unique(), a folder.
-int create_unique_folder(const std::filesystem::path& folder, std::string_view prefix, std::filesystem::path& made);
+/// Of a file that is there.
+int check_writable(const std::filesystem::path& path);
+
+/// Calls make(path) with paths of this beginning and end until one of them is not taken: until it does not return EEXIST.
+int make_unique(const std::filesystem::path& prefix, std::string_view suffix, std::filesystem::path& made,
+                FunctionRef<int(const std::filesystem::path&)> make);
 
 }  // namespace lamella

@@ -1,6 +1,4 @@
 #include <cerrno>
-#include <cstdlib>
-#include <system_error>
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -17,27 +15,13 @@ int error_where(bool failed) noexcept {
     return failed ? errno : 0;
 }
 
-FileKind kind_of(mode_t mode) noexcept {
-    return S_ISREG(mode)    ? FileKind::regular
-           : S_ISDIR(mode)  ? FileKind::folder
-           : S_ISFIFO(mode) ? FileKind::fifo
-           : S_ISSOCK(mode) ? FileKind::socket
-                            : FileKind::device;
-}
-
-int read_status(int failure, const struct stat& found, FileStatus& status) noexcept {
-    if (failure != 0) {
-        return errno;
-    }
-#ifdef __APPLE__
-    const timespec changed = found.st_mtimespec;
-#else
-    const timespec changed = found.st_mtim;
-#endif
-    constexpr std::uint64_t nanoseconds = 1'000'000'000;
-    status = {kind_of(found.st_mode), found.st_mode & 07777U, static_cast<std::uint64_t>(found.st_size),
-              static_cast<std::uint64_t>(changed.tv_sec) * nanoseconds + static_cast<std::uint64_t>(changed.tv_nsec)};
-    return 0;
+std::filesystem::file_type type_of(mode_t mode) noexcept {
+    using Type = std::filesystem::file_type;
+    return S_ISREG(mode)    ? Type::regular
+           : S_ISDIR(mode)  ? Type::directory
+           : S_ISFIFO(mode) ? Type::fifo
+           : S_ISSOCK(mode) ? Type::socket
+                            : Type::character;
 }
 
 /// Calls step(bytes done so far), which gives how many more are, until all are. What a signal interrupts is tried again.
@@ -62,10 +46,6 @@ constexpr Memory mapped_memory = {
      }},
     {nullptr, [](void*, void* memory, std::size_t bytes, std::size_t) noexcept { ::munmap(memory, bytes); }}};
 
-std::string unique_name(const std::filesystem::path& folder, std::string_view prefix) {
-    return (folder / (std::string(prefix) + "-XXXXXX")).string();
-}
-
 }  // namespace
 
 std::string system_message(int error_number) {
@@ -76,36 +56,29 @@ std::string path_text(const std::filesystem::path& path) {
     return path.native();
 }
 
-int File::open_to_read(const std::filesystem::path& path) noexcept {
+std::filesystem::path system_path(const std::filesystem::path& path) {
+    return path;
+}
+
+int File::open_to_read(const std::filesystem::path& path) {
     handle_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     return error_where(!is_open());
 }
 
-int File::open_to_write(const std::filesystem::path& path) noexcept {
+int File::open_to_write(const std::filesystem::path& path) {
     handle_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
     return error_where(!is_open());
 }
 
-int File::create(const std::filesystem::path& path) noexcept {
-    handle_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+int File::create(const std::filesystem::path& path, unsigned mode) {
+    handle_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, static_cast<mode_t>(mode));
     return error_where(!is_open());
 }
 
-int File::create_unique(const std::filesystem::path& folder, std::string_view prefix, std::filesystem::path& made) {
-    std::string name = unique_name(folder, prefix);
-    handle_ = ::mkostemp(name.data(), O_CLOEXEC);
-    const int failure = error_where(!is_open());
-    made = std::move(name);
-    return failure;
-}
-
 int File::create_scratch(const std::filesystem::path& folder) {
-    std::filesystem::path name;
-    const int failure = create_unique(folder, ".lamella", name);
-    if (failure == 0) {
-        (void)remove_file(name);  // at once, so that no end of the process leaves it behind
-    }
-    return failure;
+    std::filesystem::path path;
+    const int failure = create_unique(folder / ".lamella-", {}, 0600, path);
+    return failure == 0 ? error_where(::unlink(path.c_str()) != 0) : failure;
 }
 
 int File::duplicate(int number) noexcept {
@@ -115,11 +88,18 @@ int File::duplicate(int number) noexcept {
 
 int File::status(FileStatus& status) const noexcept {
     struct stat found {};
-    return read_status(::fstat(static_cast<int>(handle_), &found), found, status);
-}
-
-int File::set_mode(unsigned mode) noexcept {
-    return error_where(::fchmod(static_cast<int>(handle_), static_cast<mode_t>(mode)) != 0);
+    if (::fstat(static_cast<int>(handle_), &found) != 0) {
+        return errno;
+    }
+#ifdef __APPLE__
+    const timespec changed = found.st_mtimespec;
+#else
+    const timespec changed = found.st_mtim;
+#endif
+    constexpr std::uint64_t nanoseconds = 1'000'000'000;
+    status = {type_of(found.st_mode), static_cast<std::uint64_t>(found.st_size),
+              static_cast<std::uint64_t>(changed.tv_sec) * nanoseconds + static_cast<std::uint64_t>(changed.tv_nsec)};
+    return 0;
 }
 
 int File::read_at(std::span<std::byte> into, std::uint64_t offset) const noexcept {
@@ -156,28 +136,8 @@ int File::map(std::size_t bytes, Array<std::byte>& into) const {
     return 0;
 }
 
-int status_of(const std::filesystem::path& path, FileStatus& status) noexcept {
-    struct stat found {};
-    return read_status(::stat(path.c_str(), &found), found, status);
-}
-
-int check_writable(const std::filesystem::path& path) noexcept {
+int check_writable(const std::filesystem::path& path) {
     return error_where(::access(path.c_str(), W_OK) != 0);
-}
-
-int replace_file(const std::filesystem::path& from, const std::filesystem::path& to) noexcept {
-    return error_where(::rename(from.c_str(), to.c_str()) != 0);
-}
-
-int remove_file(const std::filesystem::path& path) noexcept {
-    return error_where(::unlink(path.c_str()) != 0);
-}
-
-int create_unique_folder(const std::filesystem::path& folder, std::string_view prefix, std::filesystem::path& made) {
-    std::string name = unique_name(folder, prefix);
-    const int failure = error_where(::mkdtemp(name.data()) == nullptr);
-    made = std::move(name);
-    return failure;
 }
 
 }  // namespace lamella

@@ -1,12 +1,6 @@
 #include "io/read/input_file.hpp"
 
 #include <cassert>
-#include <cerrno>
-
-#include <fcntl.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "io/text/text.hpp"
 
@@ -16,60 +10,25 @@ namespace {
 
 /// Large enough to hide the system call, small enough to share out; a multiple of the huge page that it fills.
 constexpr std::size_t read_piece_bytes = std::size_t{8} << 20;
-constexpr int file_ended = -1;
 
-std::string system_message(int number) {
-    return std::generic_category().message(number);
+const char* name_of(std::filesystem::file_type type) {
+    using Type = std::filesystem::file_type;
+    return type == Type::directory ? "a directory"
+           : type == Type::fifo    ? "a FIFO"
+           : type == Type::socket  ? "a socket"
+                                   : "a device";
 }
-
-const char* kind_of(mode_t mode) {
-    return S_ISDIR(mode) ? "a directory" : S_ISFIFO(mode) ? "a FIFO" : S_ISSOCK(mode) ? "a socket" : "a device";
-}
-
-/// Lets an Array own a mapping: it takes address space, over which the file is then mapped. Pages are aligned enough.
-constexpr Memory mapped_memory = {
-    {nullptr,
-     [](void*, std::size_t bytes, std::size_t) noexcept -> void* {
-         void* const memory = ::mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-         return memory == MAP_FAILED ? nullptr : memory;
-     }},
-    {nullptr, [](void*, void* memory, std::size_t bytes, std::size_t) noexcept { ::munmap(memory, bytes); }}};
 
 }  // namespace
 
-bool has_extension(std::string_view path, std::string_view extension) noexcept {
-    const std::size_t name = path.rfind('/') + 1;  // 0 where there is no slash
+bool has_extension(PathView path, std::string_view extension) noexcept {
+    constexpr std::filesystem::path::value_type separators[] = {'/', std::filesystem::path::preferred_separator, 0};
+    const std::size_t name = path.find_last_of(separators) + 1;  // 0 where there is none
     const std::size_t point = path.rfind('.');
-    return point != std::string_view::npos && point > name && path.size() - point == extension.size() &&
-           begins_in_any_case(path.substr(point), extension);
-}
-
-int read_fully(int descriptor, std::span<std::byte> into, std::uint64_t offset) {
-    while (!into.empty()) {
-        const ssize_t got = ::pread(descriptor, into.data(), into.size(), static_cast<off_t>(offset));
-        if (got < 0 && errno == EINTR) {
-            continue;
-        }
-        if (got <= 0) {
-            return got < 0 ? errno : file_ended;
-        }
-        into = into.subspan(static_cast<std::size_t>(got));
-        offset += static_cast<std::uint64_t>(got);
-    }
-    return 0;
-}
-
-InputFile::InputFile(InputFile&& other) noexcept
-    : descriptor_(std::exchange(other.descriptor_, -1)),
-      name_(std::move(other.name_)),
-      size_(other.size_),
-      changed_s_(other.changed_s_),
-      changed_ns_(other.changed_ns_) {}
-
-InputFile::~InputFile() {
-    if (descriptor_ >= 0) {
-        ::close(descriptor_);
-    }
+    return point != PathView::npos && point > name && path.size() - point == extension.size() &&
+           std::equal(
+               extension.begin(), extension.end(), path.begin() + static_cast<std::ptrdiff_t>(point),
+               [](char wanted, auto c) { return c == wanted || (c < 'a' && lower_case(static_cast<char>(c)) == wanted); });
 }
 
 Error InputFile::error(ErrorCode code, const std::string& what, std::int64_t byte_offset) const {
@@ -77,23 +36,20 @@ Error InputFile::error(ErrorCode code, const std::string& what, std::int64_t byt
 }
 
 Result<InputFile> InputFile::open(const std::filesystem::path& path, std::string_view name) {
-    InputFile file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY),
-                   printable(name.empty() ? std::string_view(path.native()) : name));
-    struct stat status {};
-    if (file.descriptor_ < 0 || ::fstat(file.descriptor_, &status) != 0) {
-        return file.error(ErrorCode::unreadable_file, "cannot be opened: " + system_message(errno));
+    InputFile opened(printable(name.empty() ? path_text(path) : name));
+    int failure = opened.file_.open_to_read(path);
+    failure = failure == 0 ? opened.file_.status(opened.opened_) : failure;
+    if (failure != 0) {
+        return opened.error(ErrorCode::unreadable_file, "cannot be opened: " + system_message(failure));
     }
-    if (!S_ISREG(status.st_mode)) {
-        return file.error(ErrorCode::unreadable_file, std::string("is ") + kind_of(status.st_mode) + ", not a file");
+    if (const auto type = opened.opened_.type; type != std::filesystem::file_type::regular) {
+        return opened.error(ErrorCode::unreadable_file, std::string("is ") + name_of(type) + ", not a file");
     }
-    file.size_ = static_cast<std::uint64_t>(status.st_size);
-    file.changed_s_ = status.st_mtim.tv_sec;
-    file.changed_ns_ = status.st_mtim.tv_nsec;
-    return file;
+    return opened;
 }
 
 Status InputFile::read(std::span<std::byte> into, const Parallel& parallel) const {
-    assert(into.size() <= size_);
+    assert(into.size() <= size());
     std::vector<Status> pieces((into.size() + read_piece_bytes - 1) / read_piece_bytes);
     parallel.run(pieces.size(), [&](std::size_t piece, int) {
         const std::size_t offset = piece * read_piece_bytes;
@@ -104,8 +60,8 @@ Status InputFile::read(std::span<std::byte> into, const Parallel& parallel) cons
 }
 
 Status InputFile::read_at(std::uint64_t offset, std::span<std::byte> into) const {
-    const int failure = read_fully(descriptor_, into, offset);
-    if (failure == file_ended) {
+    const int failure = file_.read_at(into, offset);
+    if (failure == File::ended) {
         return error(ErrorCode::unreadable_file, "shrank while it was read");
     }
     return failure == 0 ? Status()
@@ -115,23 +71,20 @@ Status InputFile::read_at(std::uint64_t offset, std::span<std::byte> into) const
 }
 
 Result<Array<std::byte>> InputFile::map(std::size_t count) const {
-    assert(count > 0 && count <= size_);
-    Array<std::byte> bytes(&mapped_memory);
-    bytes.resize_discarding(count);
-    if (::mmap(bytes.data(), count, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_FIXED, descriptor_, 0) == MAP_FAILED) {
-        return error(ErrorCode::unreadable_file, "cannot be mapped: " + system_message(errno));
+    assert(count > 0 && count <= size());
+    Array<std::byte> bytes;
+    if (const int failure = file_.map(count, bytes); failure != 0) {
+        return error(ErrorCode::unreadable_file, "cannot be mapped: " + system_message(failure));
     }
-    (void)::madvise(bytes.data(), count, MADV_WILLNEED);  // advice only
     return bytes;
 }
 
 Status InputFile::unchanged() const {
-    struct stat status {};
-    if (::fstat(descriptor_, &status) != 0) {
-        return error(ErrorCode::unreadable_file, "cannot be examined: " + system_message(errno));
+    FileStatus now;
+    if (const int failure = file_.status(now); failure != 0) {
+        return error(ErrorCode::unreadable_file, "cannot be examined: " + system_message(failure));
     }
-    if (static_cast<std::uint64_t>(status.st_size) != size_ || status.st_mtim.tv_sec != changed_s_ ||
-        status.st_mtim.tv_nsec != changed_ns_) {
+    if (now.size != opened_.size || now.changed != opened_.changed) {
         return error(ErrorCode::unreadable_file, "changed while it was read");
     }
     return {};

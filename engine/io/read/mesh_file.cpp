@@ -46,7 +46,7 @@ const Reader* first_reader(Passes passes) {
 }
 
 /// By the name, ".gz" left out.
-const Reader* reader_for_name(std::string_view path) noexcept {
+const Reader* reader_for_name(PathView path) noexcept {
     path.remove_suffix(has_extension(path, gz) ? gz.size() : 0);
     return first_reader([path](const Reader& reader) { return has_extension(path, reader.extension); });
 }
@@ -298,9 +298,13 @@ Array<std::byte> FileSource::take() {
         return *std::move(contents_);
     }
     Array<std::byte> bytes(memory());
-    if (options_.map_file && size() > 0) {
-        bytes = require(file_.map(size()));
-    } else {
+    const bool maps = File::can_map && options_.map_file && size() > 0;
+    if constexpr (File::can_map) {
+        if (maps) {
+            bytes = require(file_.map(size()));
+        }
+    }
+    if (!maps) {
         bytes.resize_discarding(size());
         require(file_.read(bytes.span(), parallel_));
     }

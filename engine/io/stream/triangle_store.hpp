@@ -9,23 +9,18 @@
 #include <algorithm>
 #include <atomic>
 #include <cassert>
-#include <cerrno>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <numeric>
 #include <span>
-#include <system_error>
 #include <utility>
 #include <vector>
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include "base/guard.hpp"
-#include "io/read/input_file.hpp"
+#include "base/parallel.hpp"
+#include "base/system/file.hpp"
 #include "lamella/array.hpp"
 #include "slicing/buckets/listed_triangles.hpp"
 #include "slicing/buckets/triangle_source.hpp"
@@ -203,20 +198,8 @@ public:
     /// (unwritable_file).
     SpillFile(const std::filesystem::path& folder, const PlaneCounts& counts)
         : folder_(folder), bin_planes_(even_bins(counts)) {
-        descriptor_ = open_unnamed(folder_);
-        if (descriptor_ < 0) {
-            throw Refused{failed("made")};
-        }
+        refuse_if_failed("made", file_.create_scratch(folder_));
     }
-
-    ~SpillFile() {
-        if (descriptor_ >= 0) {
-            ::close(descriptor_);
-        }
-    }
-
-    SpillFile(const SpillFile&) = delete;
-    SpillFile& operator=(const SpillFile&) = delete;
 
     /// Adds a run, sorted in place first. A triangle that begins below plane `done` counts as one that begins there. Throws
     /// Refused, Stopped.
@@ -234,9 +217,8 @@ public:
         parallel.run((triangles.size() + write_piece - 1) / write_piece, [&](std::size_t i, int) {
             const std::size_t first = i * write_piece;
             const std::size_t count = std::min(write_piece, triangles.size() - first);
-            if (!write_fully(descriptor_, triangles.subspan(first, count), triangles_ + first)) {
-                throw Refused{failed("written")};
-            }
+            refuse_if_failed("written", file_.write_at(std::as_bytes(triangles.subspan(first, count)),
+                                                       (triangles_ + first) * sizeof(CrossedTriangle)));
         });
         triangles_ += triangles.size();
     }
@@ -266,9 +248,7 @@ public:
             Array<CrossedTriangle>& buffer = buffers_[static_cast<std::size_t>(worker)];
             buffer.resize_discarding(piece);
             const std::span<CrossedTriangle> some(buffer.data(), pieces[i].count);
-            if (read_fully(descriptor_, std::as_writable_bytes(some), pieces[i].at * sizeof(CrossedTriangle)) != 0) {
-                throw Refused{failed("read")};
-            }
+            refuse_if_failed("read", file_.read_at(std::as_writable_bytes(some), pieces[i].at * sizeof(CrossedTriangle)));
             const auto wanted = std::partition(some.begin(), some.end(), [&](const CrossedTriangle& t) {
                 const PlaneIndex first = std::max(t.first, done);
                 return first >= begin && first < end;
@@ -281,29 +261,6 @@ public:
 
 private:
     static constexpr std::size_t write_piece = std::size_t{1} << 15;  // triangles
-
-    static int open_unnamed(const std::filesystem::path& folder) {
-        std::string name = (folder / ".lamella-XXXXXX").string();
-        const int descriptor = ::mkostemp(name.data(), O_CLOEXEC);
-        if (descriptor >= 0) {
-            (void)::unlink(name.c_str());  // at once, so that no end of the process leaves it behind
-        }
-        return descriptor;
-    }
-
-    static bool write_fully(int descriptor, std::span<const CrossedTriangle> triangles, std::uint64_t at) {
-        auto left = std::as_bytes(triangles);
-        for (std::uint64_t offset = at * sizeof(CrossedTriangle); !left.empty();) {
-            const ssize_t done = ::pwrite(descriptor, left.data(), left.size(), static_cast<off_t>(offset));
-            if (done <= 0 && (done == 0 || errno != EINTR)) {
-                return false;
-            }
-            const auto bytes = static_cast<std::size_t>(std::max<ssize_t>(done, 0));
-            left = left.subspan(bytes);
-            offset += bytes;
-        }
-        return true;
-    }
 
     /// Where each of some bins begins if all begin about equally many triangles.
     static std::vector<PlaneIndex> even_bins(const PlaneCounts& counts) {
@@ -321,13 +278,15 @@ private:
         return begins;
     }
 
-    Error failed(const char* what) const {
-        return {ErrorCode::unwritable_file, "a temporary file in '" + folder_.string() + "' cannot be " + what + ": " +
-                                                std::generic_category().message(errno)};
+    void refuse_if_failed(const char* what, int failure) const {
+        if (failure != 0) {
+            throw Refused{{ErrorCode::unwritable_file, "a temporary file in '" + path_text(folder_) + "' cannot be " + what +
+                                                           ": " + system_message(failure)}};
+        }
     }
 
     std::filesystem::path folder_;
-    int descriptor_ = -1;
+    File file_;
     std::vector<PlaneIndex> bin_planes_;            ///< first plane of each bin, and one past the last
     std::vector<std::vector<std::uint64_t>> runs_;  ///< where each bin begins, in triangles of the file, and one more
     std::vector<Array<CrossedTriangle>> buffers_;   ///< by thread

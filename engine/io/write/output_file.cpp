@@ -2,16 +2,12 @@
 
 #include <cassert>
 #include <cerrno>
-#include <chrono>
 #include <cstring>
 #include <new>
 #include <system_error>
 #include <utility>
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
+#include "base/system/machine.hpp"
 #include "io/text/text.hpp"
 #include "lamella/io/name_text.hpp"
 #include "lamella/io/text_file.hpp"
@@ -20,41 +16,42 @@ namespace lamella {
 
 namespace {
 
-constexpr int create_attempts = 100;
-
-/// The descriptor of this process that the path stands for, or -1.
-int descriptor_named(std::string_view path) noexcept {
+/// The number of the open file of this process that the path stands for, or -1.
+int descriptor_named(const std::filesystem::path& named) {
     constexpr std::string_view numbered = "/dev/fd/";
+    const std::string path = path_text(named);
     int number = -1;
     if (path.starts_with(numbered)) {
-        return read_integer(path.substr(numbered.size()), number) ? number : -1;
+        return read_integer(std::string_view(path).substr(numbered.size()), number) ? number : -1;
     }
-    return path == "/dev/stdout" ? STDOUT_FILENO : path == "/dev/stderr" ? STDERR_FILENO : -1;
+    return path == "/dev/stdout" ? 1 : path == "/dev/stderr" ? 2 : -1;
 }
 
 /// The beginning of the names of this process's files aside of `destination`: hidden, and short enough for any name limit.
-std::string aside_prefix(const std::filesystem::path& destination) {
+std::filesystem::path aside_prefix(const std::filesystem::path& destination) {
     constexpr std::size_t longest_stem = 180;
-    return "." + destination.filename().string().substr(0, longest_stem) + "." + std::to_string(::getpid()) + "-";
+    std::filesystem::path prefix = ".";
+    prefix += destination.filename().native().substr(0, longest_stem);
+    return prefix += "." + std::to_string(process_number()) + "-";
 }
 
 }  // namespace
 
 Error unwritable(const std::filesystem::path& path, int error_number) {
     return {.code = ErrorCode::unwritable_file,
-            .message = "cannot write '" + printable(path.native()) + "': " + std::generic_category().message(error_number)};
+            .message = "cannot write '" + printable(path_text(path)) + "': " + system_message(error_number)};
 }
 
 void remove_unfinished(const std::filesystem::path& path) noexcept {
     try {
         std::error_code ignored;
-        const std::filesystem::path real = std::filesystem::canonical(path, ignored);
-        const std::filesystem::path& destination = ignored ? path : real;
+        const std::filesystem::path real = std::filesystem::canonical(system_path(path), ignored);
+        const std::filesystem::path destination = system_path(ignored ? path : real);
         const std::filesystem::path folder = destination.has_parent_path() ? destination.parent_path() : ".";
-        const std::string prefix = aside_prefix(destination);
+        const std::filesystem::path prefix = aside_prefix(destination);
         std::filesystem::directory_iterator entry(folder, ignored);
         for (; entry != std::filesystem::directory_iterator(); entry.increment(ignored)) {
-            if (entry->path().filename().string().starts_with(prefix)) {
+            if (entry->path().filename().native().starts_with(prefix.native())) {
                 std::filesystem::remove(entry->path(), ignored);
             }
         }
@@ -63,70 +60,57 @@ void remove_unfinished(const std::filesystem::path& path) noexcept {
 }
 
 Result<OutputFile> OutputFile::create(const std::filesystem::path& target) {
-    if (descriptor_named(target.native()) >= 0) {
+    if (descriptor_named(target) >= 0) {
         OutputFile file(target, target);
         const int error_number = file.open_in_place();
         return error_number == 0 ? Result<OutputFile>(std::move(file)) : unwritable(target, error_number);
     }
-    struct stat existing {};
-    const bool exists = ::stat(target.c_str(), &existing) == 0;
-    if (!exists && errno != ENOENT) {
-        return unwritable(target, errno);
+    std::error_code missing;
+    const std::filesystem::file_status existing = std::filesystem::status(system_path(target), missing);
+    const bool exists = std::filesystem::exists(existing);
+    if (!exists && error_number_of(missing) != ENOENT) {
+        return unwritable(target, error_number_of(missing));
     }
-    if (target.filename().empty() || (exists && S_ISDIR(existing.st_mode))) {
+    if (target.filename().empty() || std::filesystem::is_directory(existing)) {
         return unwritable(target, EISDIR);
     }
-    if (exists && ::access(target.c_str(), W_OK) != 0) {
-        return unwritable(target, errno);
+    const bool in_place = exists && !std::filesystem::is_regular_file(existing);
+    if (const int read_only = exists ? check_writable(target) : 0; read_only != 0) {
+        return unwritable(target, read_only);
     }
-    const bool in_place = exists && !S_ISREG(existing.st_mode);
     std::error_code unresolved;
-    const std::filesystem::path real = std::filesystem::canonical(target, unresolved);
-    OutputFile file(target, unresolved || in_place ? target : real);
+    const std::filesystem::path real = std::filesystem::canonical(system_path(target), unresolved);
+    OutputFile file(target, system_path(unresolved || in_place ? target : real));
     const int error_number = in_place ? file.open_in_place() : file.open_aside();
     if (error_number != 0) {
         return unwritable(target, error_number);
     }
     if (exists && !in_place) {
-        (void)::fchmod(file.descriptor_, existing.st_mode & 07777);  // A file keeps its mode when it is replaced.
+        // A file keeps its mode when it is replaced.
+        std::filesystem::permissions(file.aside_, existing.permissions(), unresolved);
     }
     return file;
 }
 
-int OutputFile::open_in_place() noexcept {
-    const int named = descriptor_named(destination_.native());
-    descriptor_ = named >= 0 ? ::fcntl(named, F_DUPFD_CLOEXEC, 0) : ::open(destination_.c_str(), O_WRONLY | O_CLOEXEC);
-    return descriptor_ < 0 ? errno : 0;
+int OutputFile::open_in_place() {
+    const int named = descriptor_named(destination_);
+    return named >= 0 ? file_.duplicate(named) : file_.open_to_write(destination_);
 }
 
 int OutputFile::open_aside() {
-    const auto now = std::chrono::steady_clock::now().time_since_epoch().count();
-    errno = EEXIST;
-    for (int attempt = 0; attempt < create_attempts && descriptor_ < 0 && errno == EEXIST; ++attempt) {
-        // Beside the target, so that the rename stays within one file system.
-        aside_ = destination_.parent_path() / (aside_prefix(destination_) + std::to_string(now + attempt) + ".part");
-        descriptor_ = ::open(aside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    }
-    return descriptor_ < 0 ? errno : 0;
+    // Beside the target, so that the rename stays within one file system.
+    return file_.create_unique(destination_.parent_path() / aside_prefix(destination_), ".part", 0666, aside_);
 }
 
 OutputFile::OutputFile(std::filesystem::path target, std::filesystem::path destination)
     : target_(std::move(target)), destination_(std::move(destination)), buffer_(new char[buffer_bytes]) {}
 
-OutputFile::OutputFile(OutputFile&& other) noexcept
-    : target_(std::move(other.target_)),
-      destination_(std::move(other.destination_)),
-      aside_(std::move(other.aside_)),
-      buffer_(std::move(other.buffer_)),
-      used_(std::exchange(other.used_, 0)),
-      descriptor_(std::exchange(other.descriptor_, -1)),
-      error_number_(other.error_number_) {}
-
 OutputFile::~OutputFile() {
-    if (descriptor_ >= 0) {
-        ::close(descriptor_);
+    if (file_.is_open()) {
+        (void)file_.close();
         if (!aside_.empty()) {
-            ::unlink(aside_.c_str());
+            std::error_code left_behind;
+            std::filesystem::remove(aside_, left_behind);
         }
     }
 }
@@ -150,7 +134,7 @@ void OutputFile::append(std::string_view text) {
     }
     if (text.size() > buffer_bytes) {
         flush();
-        write_out(text.data(), text.size());
+        write_out(text);
         return;
     }
     char* const to = room(text.size());
@@ -158,38 +142,30 @@ void OutputFile::append(std::string_view text) {
     advance(to + text.size());
 }
 
-void OutputFile::write_out(const char* from, std::size_t bytes) noexcept {
-    while (bytes > 0 && error_number_ == 0) {
-        const ssize_t written = ::write(descriptor_, from, bytes);
-        if (written >= 0) {
-            from += written;
-            bytes -= static_cast<std::size_t>(written);
-        } else if (errno != EINTR) {
-            error_number_ = errno;
-        }
-    }
+void OutputFile::write_out(std::string_view text) noexcept {
+    error_number_ = error_number_ == 0 ? file_.write(text) : error_number_;
 }
 
 void OutputFile::flush() noexcept {
-    write_out(buffer_.get(), used_);
+    write_out({buffer_.get(), used_});
     used_ = 0;
 }
 
 Status OutputFile::commit() {
-    assert(descriptor_ >= 0);
+    assert(file_.is_open());
     flush();
-    // Some file systems report a full disk only on closing.
-    if (::close(std::exchange(descriptor_, -1)) != 0 && error_number_ == 0) {
-        error_number_ = errno;
-    }
+    const int on_closing = file_.close();
+    error_number_ = error_number_ == 0 ? on_closing : error_number_;
     if (aside_.empty()) {
         return error_number_ == 0 ? Status() : unwritable(target_, error_number_);
     }
-    if (error_number_ == 0 && ::rename(aside_.c_str(), destination_.c_str()) != 0) {
-        error_number_ = errno;
+    std::error_code failure;
+    if (error_number_ == 0) {
+        std::filesystem::rename(aside_, destination_, failure);
+        error_number_ = error_number_of(failure);
     }
     if (error_number_ != 0) {
-        ::unlink(aside_.c_str());
+        std::filesystem::remove(aside_, failure);
         return unwritable(target_, error_number_);
     }
     return {};

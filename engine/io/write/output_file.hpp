@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "base/guard.hpp"
+#include "base/system/file.hpp"
 #include "lamella/error.hpp"
 
 namespace lamella {
@@ -23,7 +24,7 @@ public:
     /// Creates the file aside. Errors: unwritable_file. Throws std::bad_alloc.
     static Result<OutputFile> create(const std::filesystem::path& target);
 
-    OutputFile(OutputFile&& other) noexcept;
+    OutputFile(OutputFile&&) noexcept = default;
     OutputFile& operator=(OutputFile&&) = delete;
     ~OutputFile();
 
@@ -41,9 +42,9 @@ public:
 
 private:
     OutputFile(std::filesystem::path target, std::filesystem::path destination);
-    int open_in_place() noexcept;  ///< these two give an error number, or 0
+    int open_in_place();  ///< these two give an error number, or 0
     int open_aside();
-    void write_out(const char* from, std::size_t bytes) noexcept;
+    void write_out(std::string_view text) noexcept;
     void flush() noexcept;
 
     std::filesystem::path target_;       ///< as the caller named it, for messages
@@ -51,7 +52,7 @@ private:
     std::filesystem::path aside_;        ///< empty when the target is written in place
     std::unique_ptr<char[]> buffer_;
     std::size_t used_ = 0;
-    int descriptor_ = -1;
+    File file_;
     int error_number_ = 0;
 };
 

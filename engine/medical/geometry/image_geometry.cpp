@@ -6,12 +6,12 @@
 #include <limits>
 #include <map>
 #include <memory>
-#include <system_error>
 
 #include <fast_float/fast_float.h>
 #include <zlib.h>
 
 #include "base/guard.hpp"
+#include "base/system/file.hpp"
 #include "io/text/text.hpp"
 #include "medical/geometry/common.hpp"
 
@@ -373,8 +373,8 @@ Result<ImageGeometry> geometry_around(const Box& box, const std::array<double, 3
 }
 
 void refuse_unreadable(const std::string& name, int error_number) {
-    throw Refused{{.code = ErrorCode::unreadable_file,
-                   .message = "cannot read '" + name + "': " + std::generic_category().message(error_number)}};
+    throw Refused{
+        {.code = ErrorCode::unreadable_file, .message = "cannot read '" + name + "': " + system_message(error_number)}};
 }
 
 void refuse_image(const std::string& name, const std::string& what) {

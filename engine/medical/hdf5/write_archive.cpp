@@ -1,16 +1,15 @@
 #include <algorithm>
-#include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <memory>
 #include <utility>
 
-#include <unistd.h>
 #include <zlib.h>
 
 #include "base/function_ref.hpp"
 #include "base/guard.hpp"
+#include "base/system/file.hpp"
 #include "base/words.hpp"
 #include "io/write/output_file.hpp"
 #include "lamella/medical/archive.hpp"
@@ -123,27 +122,29 @@ void write_tree(const std::string& path, const std::vector<ArchiveAttribute>& at
 InputFile make_tree(const std::vector<ArchiveAttribute>& attributes, std::vector<PlacedColumn>& columns) {
     std::error_code unknown;
     const std::filesystem::path folder = std::filesystem::temp_directory_path(unknown);
-    std::string path = ((unknown ? "/tmp" : folder) / "lamella-XXXXXX").string();
-    const int descriptor = ::mkstemp(path.data());
-    if (descriptor < 0) {
-        throw Refused{unwritable(path, errno)};
-    }
-    const auto remove = [](const std::string* made) { (void)::unlink(made->c_str()); };
-    const std::unique_ptr<const std::string, decltype(remove)> removed(&path, remove);
+    std::filesystem::path path;
+    File file;
+    const auto require_done = [&](int failure) {
+        if (failure != 0) {
+            throw Refused{unwritable(path, failure)};
+        }
+    };
+    require_done(file.create_unique((unknown ? "/tmp" : folder) / "lamella-", {}, 0600, path));
+    const auto remove = [](const std::filesystem::path* made) {
+        std::error_code left_behind;
+        std::filesystem::remove(*made, left_behind);
+    };
+    const std::unique_ptr<const std::filesystem::path, decltype(remove)> removed(&path, remove);
     // HDF5 cannot close a file that a disk had no room for, and prints so when the program ends. So it is tried before.
-    const std::vector<char> room(std::size_t{1} << 18);
-    std::uint64_t bytes = room.size();
+    const std::string room(std::size_t{1} << 18, '\0');
+    std::uint64_t bytes = 0;
     for (const PlacedColumn& column : columns) {
         bytes += column.bytes();
     }
-    const bool fits = ::write(descriptor, room.data(), room.size()) == static_cast<ssize_t>(room.size()) &&
-                      ::ftruncate(descriptor, static_cast<off_t>(bytes)) == 0;
-    const int error_number = errno == 0 ? ENOSPC : errno;
-    ::close(descriptor);
-    if (!fits) {
-        throw Refused{unwritable(path, error_number)};
-    }
-    write_tree(path, attributes, columns);
+    require_done(file.write(room));
+    require_done(file.write_at(std::as_bytes(std::span("")), room.size() + bytes));
+    require_done(file.close());
+    write_tree(path_text(path), attributes, columns);
     return require(InputFile::open(path));
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/guard.hpp"
+#include "base/system/file.hpp"
 #include "io/read/input_file.hpp"
 #include "lamella/io/name_text.hpp"
 #include "lamella/io/text_file.hpp"
@@ -59,14 +60,14 @@ std::string hexadecimal(const Sha256::Digest& digest) {
 }
 
 [[noreturn]] void refuse_record(const std::filesystem::path& path, const std::string& why) {
-    refuse_image(printable(path.native()), "no record of lamella: " + why);
+    refuse_image(printable(path_text(path)), "no record of lamella: " + why);
 }
 
 /// Returns its bytes. Pipes are read, too, as `<(...)` of a shell are. Throws Refused (unreadable_file).
 std::uint64_t add_file(const std::filesystem::path& path, Sha256& hash, const Context& context) {
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
     if (!file) {
-        refuse_unreadable(printable(path.native()), errno);
+        refuse_unreadable(printable(path_text(path)), errno);
     }
     const PacedStop stop(context.stop);
     std::uint64_t bytes = 0;
@@ -77,7 +78,7 @@ std::uint64_t add_file(const std::filesystem::path& path, Sha256& hash, const Co
         bytes += count;
     }
     if (std::ferror(file.get()) != 0) {
-        refuse_unreadable(printable(path.native()), errno);
+        refuse_unreadable(printable(path_text(path)), errno);
     }
     return bytes;
 }

@@ -100,12 +100,16 @@ void Regions::close(const RegionSteps& steps, Nester& nester) {
 }
 
 /// Edges are replaced from the ring's start on, wherever its points begin. None if then some edge still turns round.
+/// Precondition: the ring's curve is the last one that was appended to moved_curves_.
 std::optional<RawCurve> Regions::fold(const NestItem& ring, double distance, double miter) {
     const std::size_t begin = folded_.size();
+    moved_curves_.list_turned_edges(ring.count, turned_edges_);
+    for (std::uint32_t& edge : turned_edges_) {
+        edge = edge >= ring.start ? edge - ring.start : edge + ring.count - ring.start;
+    }
+    std::sort(turned_edges_.begin(), turned_edges_.end());
     from_start_.resize(ring.count);
     std::rotate_copy(ring.points, ring.points + ring.start, ring.points + ring.count, from_start_.begin());
-    moved_curves_.append(from_start_, distance, miter, RawOffset::Turned::omitted);
-    moved_curves_.list_turned_edges(ring.count, turned_edges_);
     folded_of_.clear();
     if (!fold_edges(from_start_, turned_edges_, distance, miter, folded_, folded_of_)) {
         return {};

@@ -8,7 +8,7 @@ namespace lamella {
 /// Relaxed throughout: the word alone is shared, and nothing is read because of its value that another thread wrote before.
 template <class Word>
 class AtomicWord {
-    static_assert(std::is_integral_v<Word> && sizeof(Word) <= sizeof(void*), "without a lock");
+    static_assert(std::is_integral_v<Word> && __atomic_always_lock_free(sizeof(Word), nullptr));
 
 public:
     explicit AtomicWord(Word& word) noexcept : word_(&word) {}

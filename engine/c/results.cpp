@@ -176,7 +176,7 @@ double lamella_area_mm2(const lamella_layer_view* layer) {
         return 0;
     }
     lamella::LayerView view;
-    view.contours = {api::as_cpp(layer->contours), layer->layer.contour_count};
+    view.contours = lamella::detail::span_of(api::as_cpp(layer->contours), layer->layer.contour_count);
     view.grid_mm = layer->grid_mm;
     return view.area_mm2();
 }
@@ -191,7 +191,8 @@ int32_t lamella_next_island(const lamella_contour* contours, uint64_t contour_co
     if (contours == nullptr || at == nullptr || island == nullptr || *at >= contour_count) {
         return 0;
     }
-    const std::span<const lamella::Contour> rest(api::as_cpp(contours) + *at, contour_count - *at);
+    const std::span<const lamella::Contour> rest =
+        lamella::detail::span_of(api::as_cpp(contours) + *at, contour_count - *at);
     const lamella::Islands islands(rest);
     if (islands.begin() == islands.end()) {
         *at = contour_count;

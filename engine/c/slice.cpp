@@ -66,10 +66,10 @@ HostArrays read_arrays(const lamella_arrays* given) {
             .point_type = static_cast<Number>(c.point_type),
             .point_stride = c.point_stride,
             .scale = c.scale,
-            .contours = {as_cpp(c.contours), c.contour_capacity},
-            .layers = {as_cpp(c.layers), c.layer_capacity},
-            .stitches = {as_cpp(c.stitches), c.stitches == nullptr ? 0 : c.stitch_capacity},
-            .origins = {as_cpp(c.origins), c.origins == nullptr ? 0 : c.point_capacity}};
+            .contours = detail::span_of(as_cpp(c.contours), c.contour_capacity),
+            .layers = detail::span_of(as_cpp(c.layers), c.layer_capacity),
+            .stitches = detail::span_of(as_cpp(c.stitches), c.stitches == nullptr ? 0 : c.stitch_capacity),
+            .origins = detail::span_of(as_cpp(c.origins), c.origins == nullptr ? 0 : c.point_capacity)};
 }
 
 /// A slicer that the program keeps, or one for this call.

@@ -11,6 +11,7 @@
 #include <span>
 #include <utility>
 
+#include "base/bits.hpp"
 #include "base/distribute.hpp"
 #include "base/guard.hpp"
 #include "base/numbers.hpp"
@@ -53,7 +54,7 @@ public:
         return corners;
     }
     static std::uint64_t hash(const Vertex& vertex) noexcept {
-        const auto bits = [&](std::size_t i) { return std::bit_cast<std::uint64_t>(static_cast<double>(vertex.at[i])); };
+        const auto bits = [&](std::size_t i) { return bits_as<std::uint64_t>(static_cast<double>(vertex.at[i])); };
         return mix64(mix64(mix64(bits(0)) ^ bits(1)) ^ bits(2));
     }
     static Real key(const Vertex& vertex) noexcept { return vertex.at[0]; }

@@ -1,6 +1,10 @@
 // Slicing for callers within the library: from any source, for any target.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -25,9 +29,10 @@ struct SliceCall {
     const Context& context;
     detail::SlicerImpl& kept;
 
-    /// Of a result.
+    /// Of a result. What it admits can be addressed.
     std::uint64_t memory_limit() const noexcept {
-        return context.memory_limit_bytes != 0 ? context.memory_limit_bytes : kept.usual_limit;
+        const std::uint64_t asked = context.memory_limit_bytes != 0 ? context.memory_limit_bytes : kept.usual_limit;
+        return std::min<std::uint64_t>(asked, std::numeric_limits<std::size_t>::max());
     }
 };
 

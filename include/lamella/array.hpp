@@ -14,6 +14,9 @@
 
 #include <cassert>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <new>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -27,6 +30,12 @@ namespace detail {
 /// Throws std::bad_alloc.
 void* take_memory(const Memory* memory, std::size_t bytes);
 void give_memory(const Memory* memory, void* block, std::size_t bytes) noexcept;
+
+/// Counts have 64 bits on every platform. One of what lies in memory fits a size.
+template <class T>
+constexpr std::span<T> span_of(T* first, std::uint64_t count) noexcept {
+    return {first, static_cast<std::size_t>(count)};
+}
 }  // namespace detail
 
 /// Move-only. Growing discards the contents unless said otherwise; shrinking keeps the memory, so that an array which is
@@ -55,12 +64,16 @@ public:
 
     /// Size `count`, contents unspecified. O(1) where the capacity suffices. The one call of the public headers that throws:
     /// std::bad_alloc, after which the array is as it was.
-    void resize_discarding(std::size_t count) {
+    void resize_discarding(std::uint64_t count) {
+        const auto size = static_cast<std::size_t>(count);
         if (count > capacity_) {
-            T* fresh = static_cast<T*>(detail::take_memory(memory_, count * sizeof(T)));
-            detail::give_memory(memory_, std::exchange(data_, fresh), std::exchange(capacity_, count) * sizeof(T));
+            if (count > std::numeric_limits<std::size_t>::max() / sizeof(T)) {
+                throw std::bad_array_new_length();
+            }
+            T* fresh = static_cast<T*>(detail::take_memory(memory_, size * sizeof(T)));
+            detail::give_memory(memory_, std::exchange(data_, fresh), std::exchange(capacity_, size) * sizeof(T));
         }
-        size_ = count;
+        size_ = size;
     }
 
     /// Sets the size within the capacity, keeping contents.

@@ -248,15 +248,15 @@ struct LayerView : Layer {
     double grid_mm = default_grid_mm;
 
     std::span<const Point> points_of(const Contour& contour) const noexcept {
-        return points.subspan(contour.first_point - first_point, contour.point_count);
+        return detail::span_of(points.data() + (contour.first_point - first_point), contour.point_count);
     }
     /// Precondition: there are origins.
     std::span<const PointOrigin> origins_of(const Contour& contour) const noexcept {
-        return origins.subspan(contour.first_point - first_point, contour.point_count);
+        return detail::span_of(origins.data() + (contour.first_point - first_point), contour.point_count);
     }
     /// Null where there is none.
     const Contour* parent_of(const Contour& contour) const noexcept {
-        return contour.parent < 0 ? nullptr : &contours[static_cast<std::uint64_t>(contour.parent) - first_contour];
+        return contour.parent < 0 ? nullptr : contours.data() + (static_cast<std::uint64_t>(contour.parent) - first_contour);
     }
     Islands islands() const noexcept { return Islands(contours); }
     PointMm to_mm(Point point) const noexcept { return {point.x * grid_mm, point.y * grid_mm}; }
@@ -311,14 +311,14 @@ struct SliceResult {
     Iterator end() const noexcept { return {this, size()}; }
 
     std::span<const Contour> contours_of(const Layer& layer) const noexcept {
-        return {contours.data() + layer.first_contour, layer.contour_count};
+        return detail::span_of(contours.data() + layer.first_contour, layer.contour_count);
     }
     std::span<const Point> points_of(const Contour& contour) const noexcept {
-        return {points.data() + contour.first_point, contour.point_count};
+        return detail::span_of(points.data() + contour.first_point, contour.point_count);
     }
     /// Precondition: there are origins.
     std::span<const PointOrigin> origins_of(const Contour& contour) const noexcept {
-        return {origins.data() + contour.first_point, contour.point_count};
+        return detail::span_of(origins.data() + contour.first_point, contour.point_count);
     }
     PointMm to_mm(Point point) const noexcept { return {point.x * info.grid_mm, point.y * info.grid_mm}; }
 

@@ -35,7 +35,7 @@ struct WeldedMesh {
 
     MeshView view() const noexcept {
         return {.vertices = coordinates.data(),
-                .vertex_count = vertex_count,
+                .vertex_count = static_cast<std::size_t>(vertex_count),
                 .triangle_count = indices.size() / 3,
                 .indices = indices.data(),
                 .vertex_type = vertex_type,

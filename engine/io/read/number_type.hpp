@@ -2,12 +2,12 @@
 #pragma once
 
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
 
+#include "base/bits.hpp"
 #include "base/little_endian.hpp"
 #include "lamella/mesh.hpp"
 
@@ -70,7 +70,7 @@ T load_number(const void* p, bool swapped) {
     } else if constexpr (sizeof(T) == 8) {
         bits = swapped ? __builtin_bswap64(bits) : bits;
     }
-    return std::bit_cast<T>(bits);
+    return bits_as<T>(bits);
 }
 
 }  // namespace lamella

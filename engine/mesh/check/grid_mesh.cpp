@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "base/bits.hpp"
 #include "base/distribute.hpp"
 #include "base/numbers.hpp"
 #include "mesh/vertex_numbers.hpp"
@@ -44,7 +45,7 @@ struct GridCorners {
 private:
     static std::uint32_t exact_hash(const double* xyz) noexcept {
         const auto bits = [&](int axis) {
-            return std::bit_cast<std::uint64_t>(xyz[axis] + 0.0);  // makes a positive zero of a negative one
+            return bits_as<std::uint64_t>(xyz[axis] + 0.0);  // makes a positive zero of a negative one
         };
         return static_cast<std::uint32_t>(mix64(mix64(mix64(bits(0)) ^ bits(1)) ^ bits(2)));
     }

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 
+#include "base/bits.hpp"
 #include "base/system/processor.hpp"
 
 namespace lamella {
@@ -89,7 +90,7 @@ LAMELLA_AVX2 __m256i load_points(const Point* at) {
 
 /// Folds four lanes of lowest and highest points and of sums into `facts`.
 LAMELLA_AVX2 void finish_facts(RingFacts& facts, __m256i low, __m256i high, __m256i low_sum, __m256i high_sum) {
-    const auto point = [](__m128i lane) { return std::bit_cast<Point>(_mm_cvtsi128_si64(lane)); };
+    const auto point = [](__m128i lane) { return bits_as<Point>(_mm_cvtsi128_si64(lane)); };
     const __m128i low2 = _mm_min_epi32(_mm256_castsi256_si128(low), _mm256_extracti128_si256(low, 1));
     const __m128i high2 = _mm_max_epi32(_mm256_castsi256_si128(high), _mm256_extracti128_si256(high, 1));
     facts.box.low = point(_mm_min_epi32(low2, _mm_unpackhi_epi64(low2, low2)));
@@ -140,7 +141,7 @@ LAMELLA_AVX2 RingFacts trace_avx2(const Point* points, const std::uint32_t* slot
         return trace_portable(points, slots, count, ring);
     }
     const Point first = points[slots[0]];
-    const __m256i origin = _mm256_set1_epi64x(std::bit_cast<std::int64_t>(first));
+    const __m256i origin = _mm256_set1_epi64x(bits_as<std::int64_t>(first));
     const __m256i bias = _mm256_set1_epi64x(INT64_MIN);
     const __m256i low_half = _mm256_set1_epi64x(0xFFFFFFFF);
     __m256i low = origin;
@@ -148,7 +149,7 @@ LAMELLA_AVX2 RingFacts trace_avx2(const Point* points, const std::uint32_t* slot
     __m256i repeats = _mm256_setzero_si256();
     __m256i low_sum = _mm256_setzero_si256();
     __m256i high_sum = _mm256_setzero_si256();
-    __m256i before = _mm256_set1_epi64x(std::bit_cast<std::int64_t>(points[slots[count - 1]]));
+    __m256i before = _mm256_set1_epi64x(bits_as<std::int64_t>(points[slots[count - 1]]));
     __m256i here = gather_four(points, slots);
     const std::size_t whole = (count - 4) / 4 * 4;  // a whole vector follows each
     for (std::size_t i = 0; i < whole; i += 4) {
@@ -240,14 +241,14 @@ LAMELLA_AVX512 __m256i upper_half(__m512i v) {
 ///     previous                                  [ a b c d e f g h ]
 ///     after                                     [ c d e f g h i j ]
 LAMELLA_AVX512 RingFacts trace_avx512(const Point* points, const std::uint32_t* slots, std::size_t count, Point* ring) {
-    const __m512i first = _mm512_set1_epi64(std::bit_cast<std::int64_t>(points[slots[0]]));
+    const __m512i first = _mm512_set1_epi64(bits_as<std::int64_t>(points[slots[0]]));
     const __m512i low_half = _mm512_set1_epi64(0xFFFFFFFF);
     __m512i low = first;
     __m512i high = first;
     __m512i low_sum = _mm512_setzero_si512();
     __m512i high_sum = _mm512_setzero_si512();
     unsigned repeats = 0;
-    __m512i before = _mm512_set1_epi64(std::bit_cast<std::int64_t>(points[slots[count - 1]]));
+    __m512i before = _mm512_set1_epi64(bits_as<std::int64_t>(points[slots[count - 1]]));
     __m512i here = gather_eight(points, slots);
     for (std::size_t i = 0; i < count; i += 8) {
         const std::size_t left = count - i;

@@ -223,7 +223,7 @@ bool SlotTable::settle(std::span<Link> links, SortEnds sort_ends) {
     std::sort(late_ends_.begin(), late_ends_.end(), [](const auto& a, const auto& b) { return a.slot < b.slot; });
     for (auto begin = late_ends_.begin(); begin != late_ends_.end();) {
         const auto end = std::find_if(begin, late_ends_.end(), [begin](const auto& end) { return end.slot != begin->slot; });
-        const std::span<MeetingEnd> ends(begin, end);
+        const std::span<MeetingEnd> ends(&*begin, static_cast<std::size_t>(end - begin));
         sort_ends(ends);
         seat_pairs(ends, links);
         begin = end;

@@ -18,6 +18,7 @@
 #include <span>
 #include <utility>
 
+#include "base/bits.hpp"
 #include "base/eight.hpp"
 #include "base/parallel.hpp"
 #include "base/vector.hpp"
@@ -48,7 +49,7 @@ public:
             numbers.low[axis] = low_[axis][lane];
             numbers.high[axis] = high_[axis][lane];
         }
-        return std::bit_cast<GridBox<Corner>>(numbers);
+        return bits_as<GridBox<Corner>>(numbers);
     }
 
     /// Which meet the other.
@@ -68,7 +69,7 @@ public:
             numbers.low[axis] = *std::min_element(low_[axis].begin(), low_[axis].end());
             numbers.high[axis] = *std::max_element(high_[axis].begin(), high_[axis].end());
         }
-        return std::bit_cast<GridBox<Corner>>(numbers);
+        return bits_as<GridBox<Corner>>(numbers);
     }
 
 private:
@@ -135,7 +136,7 @@ public:
     /// enter(block) gives a bit for each box of the block to go on in.
     template <class Enter, class Visit>
     void search_if(const Enter& enter, Visit visit) const {
-        constexpr std::size_t endless = std::size_t{1} << 62;
+        constexpr std::size_t endless = std::numeric_limits<std::size_t>::max() / 2;
         descend(enter, 0, endless, [&](std::size_t leaf, LaneBits met) {
             bool goes_on = true;
             each_lane(met, [&](std::size_t lane) { goes_on = goes_on && visit(leaf * fan + lane); });

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
 
+#include "base/bits.hpp"
 #include "base/numbers.hpp"
 #include "lamella/grid.hpp"
 
@@ -110,7 +110,7 @@ struct GridBox {
         std::array<std::int32_t, axes> least{};
         most.fill(std::numeric_limits<std::int32_t>::max());
         least.fill(std::numeric_limits<std::int32_t>::min());
-        return {std::bit_cast<Corner>(most), std::bit_cast<Corner>(least)};
+        return {bits_as<Corner>(most), bits_as<Corner>(least)};
     }
     static constexpr GridBox around(const Corner& a, const Corner& b) noexcept {
         return {low_corner(a, b), high_corner(a, b)};
@@ -137,7 +137,7 @@ struct GridBox {
         std::array<std::int32_t, axes> low;
         std::array<std::int32_t, axes> high;
     };
-    constexpr Numbers numbers() const noexcept { return std::bit_cast<Numbers>(*this); }
+    constexpr Numbers numbers() const noexcept { return bits_as<Numbers>(*this); }
 
     friend constexpr auto operator<=>(const GridBox&, const GridBox&) = default;
 };

@@ -155,7 +155,7 @@ void HostTarget::admit_layers(std::uint64_t layers, const SliceInfo& info) {
 void HostTarget::begin(const OutputPlan& plan) {
     std::span<Point> straight;
     if (is_plain(host_)) {
-        straight = {static_cast<Point*>(host_.points), host_.point_capacity};
+        straight = detail::span_of(static_cast<Point*>(host_.points), host_.point_capacity);
     }
     const bool origins = plan.origins && !host_.origins.empty();
     begin_placing(plan, straight, host_.origins.first(origins ? host_.point_capacity : 0), origins, false);

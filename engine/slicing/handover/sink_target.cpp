@@ -37,9 +37,9 @@ struct LayerCursor {
             points += contour.point_count;
         }
         view.contours = contours;
-        view.points = {output.points + first_point, points};
+        view.points = detail::span_of(output.points + first_point, points);
         if (output.with_origins) {
-            view.origins = {output.origins + first_point, points};
+            view.origins = detail::span_of(output.origins + first_point, points);
         }
         view.stitches = take_gaps(index);
         first_contour += contours.size();

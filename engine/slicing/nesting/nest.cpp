@@ -16,10 +16,10 @@ std::strong_ordering compare_size(const NestItem& a, const NestItem& b) noexcept
     if (size_of(a) != size_of(b)) {
         return size_of(a) < size_of(b) ? std::strong_ordering::less : std::strong_ordering::greater;
     }
-    if (const auto order = a.points[a.start] <=> b.points[b.start]; std::is_neq(order)) {
+    if (const auto order = a.points[a.start] <=> b.points[b.start]; order != 0) {
         return order;
     }
-    if (const auto order = a.box <=> b.box; std::is_neq(order)) {
+    if (const auto order = a.box <=> b.box; order != 0) {
         return order;
     }
     return compare_points(a, b);
@@ -44,7 +44,7 @@ std::strong_ordering compare_points(const NestItem& a, const NestItem& b) noexce
         return a.count <=> b.count;
     }
     for (std::uint32_t i = 0, ia = a.start, ib = b.start; i < a.count; ++i) {
-        if (const auto order = a.points[ia] <=> b.points[ib]; std::is_neq(order)) {
+        if (const auto order = a.points[ia] <=> b.points[ib]; order != 0) {
             return order;
         }
         ia = ia + 1 == a.count ? 0 : ia + 1;
@@ -102,7 +102,7 @@ void Nester::sort_by_start(std::span<const NestItem> items) {
     nesting::sort_keys(by_start_, spare_keys_, worker_);
     nesting::sort_equal_keys(by_start_, [items](const SortKey& a, const SortKey& b) {
         const std::strong_ordering order = compare_size(items[a.index], items[b.index]);
-        return std::is_neq(order) ? std::is_lt(order) : a.index < b.index;
+        return order != 0 ? order < 0 : a.index < b.index;
     });
     rings_.clear();
     for (const SortKey& key : by_start_) {
@@ -361,8 +361,8 @@ bool comes_before(const Path& path_a, const Path& path_b) {
     if (key(path_a) != key(path_b)) {
         return key(path_a) < key(path_b);
     }
-    if (const std::strong_ordering by_points = compare_points(a, b); std::is_neq(by_points)) {
-        return std::is_lt(by_points);
+    if (const std::strong_ordering by_points = compare_points(a, b); by_points != 0) {
+        return by_points < 0;
     }
     return a.flags != b.flags || a.origins == nullptr ? a.flags < b.flags : comes_from_less(a, b);
 }

@@ -56,7 +56,7 @@ void Fill::merge_equal_ones() {
     for (std::uint32_t c = 0; c < contours_.size(); ++c) {
         worker_.spend(item_work);
         const NestItem& item = contours_[c].item;
-        if (c > 0 && std::is_eq(compare_points(contours_[c - 1].item, item))) {
+        if (c > 0 && compare_points(contours_[c - 1].item, item) == 0) {
             ++times_.back();
             items_.back().part = part_of_both(items_.back().part, item.part);
         } else {

@@ -15,7 +15,7 @@ namespace {
 
 /// Makes `array` hold `count`, the first `kept` of which stay. Where `more` will follow, there is some room for them.
 template <class T>
-void extend(Array<T>& array, std::size_t kept, std::size_t count, const StopCheck& stop, bool more = false) {
+void extend(Array<T>& array, std::uint64_t kept, std::uint64_t count, const StopCheck& stop, bool more = false) {
     if (kept > 0 && count > array.capacity()) {
         Array<T> larger(array.memory());
         larger.resize_discarding(more ? count + kept / 2 : count);

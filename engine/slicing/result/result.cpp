@@ -56,9 +56,9 @@ LayerView SliceResult::operator[](std::size_t index) const noexcept {
         const Contour& last = view.contours.back();
         view.first_point = view.contours.front().first_point;
         const std::uint64_t count = last.first_point + last.point_count - view.first_point;
-        view.points = {points.data() + view.first_point, count};
+        view.points = detail::span_of(points.data() + view.first_point, count);
         if (!origins.empty()) {
-            view.origins = {origins.data() + view.first_point, count};
+            view.origins = detail::span_of(origins.data() + view.first_point, count);
         }
     }
     if (!stitches.empty()) {

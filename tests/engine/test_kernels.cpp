@@ -79,8 +79,6 @@ PlaneSet planes_from(std::int32_t lowest, std::size_t count) {
     return planes;
 }
 
-}  // namespace
-
 TEST_CASE("a level takes its own forms, and one that the processor lacks is refused by name", "[engine][kernels]") {
     const auto forms = lamella::kernel_forms();
     CHECK(&lamella::best_of(forms, lamella::InstructionSet::portable) == &lamella::portable_of(forms));

@@ -22,14 +22,7 @@
 #include "options/option_words.hpp"
 #include "slicing/buckets/prepared_source.hpp"
 
-using lamella::ErrorCode;
-using lamella::Frame;
-using lamella::MeshView;
-using lamella::no_limit;
-using lamella::PreparedMesh;
-using lamella::SliceOptions;
-using lamella::Slicer;
-using lamella::SliceResult;
+using namespace lamella;
 
 namespace {
 
@@ -50,19 +43,17 @@ shapes::Soup large() {
     return shapes::octasphere({0, 0, 0}, 10, 7);
 }
 
-}  // namespace
-
 TEST_CASE("a result made in the head of a loop lives as long as the loop", "[engine][slicer]") {
     const shapes::Soup soup = plate();
     Slicer slicer;
     double volume = 0;
-    for (const lamella::LayerView layer : *slicer.slice(view_of(soup), uniform(0.5))) {
+    for (const LayerView layer : *slicer.slice(view_of(soup), uniform(0.5))) {
         volume += 0.5 * layer.area_mm2();
     }
     CHECK(volume == 800);
     static_assert(std::is_same_v<decltype(*slicer.slice(view_of(soup))), SliceResult>);
     static_assert(std::is_same_v<decltype(slicer.slice(view_of(soup)).value()), SliceResult>);
-    static_assert(!reaches_into_temporaries<lamella::Result<SliceResult>>);
+    static_assert(!reaches_into_temporaries<Result<SliceResult>>);
 }
 
 TEST_CASE("options are held to the bounds and choices of their descriptions, and refused by name", "[engine][errors]") {
@@ -71,20 +62,20 @@ TEST_CASE("options are held to the bounds and choices of their descriptions, and
     const auto check = [&]<class Option>(const std::string& name, auto set, Option, double least, bool exclusive,
                                          double special) {
         const auto is_refused = [&](auto value) {
-            SliceOptions options{.region = {.fill_rule = lamella::FillRule::non_zero}};
+            SliceOptions options{.region = {.fill_rule = FillRule::non_zero}};
             set(options, value);
             const auto sliced = slice(view_of(soup), options);
             return code_of(sliced) == ErrorCode::invalid_argument && sliced.error().message.starts_with(name + " ");
         };
         INFO(name);
         if constexpr (std::is_enum_v<Option>) {
-            const auto end = lamella::detail::words_of(Option{}).size();
+            const auto end = detail::words_of(Option{}).size();
             CHECK((!is_refused(static_cast<Option>(end - 1)) && is_refused(static_cast<Option>(end))));
         } else if constexpr (std::is_same_v<Option, double> || std::is_same_v<Option, std::optional<double>>) {
             CHECK((is_refused(no_limit) && is_refused(-no_limit) && is_refused(std::nan(""))));
             CHECK((special == 0 || !is_refused(special)));
             if (least > -no_limit) {
-                bounds += name + (exclusive ? " > " : " >= ") + lamella::exact_text(least) + "; ";
+                bounds += name + (exclusive ? " > " : " >= ") + exact_text(least) + "; ";
                 CHECK(is_refused(least) == exclusive);
                 CHECK((is_refused(std::nextafter(least, -no_limit)) && !is_refused(std::nextafter(least, no_limit))));
             } else {
@@ -102,13 +93,12 @@ TEST_CASE("options are held to the bounds and choices of their descriptions, and
 }
 
 TEST_CASE("each counter of a slice has its own field of C's info, and none is left out", "[c]") {
-    lamella::SliceInfo info{
-        .options = {.stitch_mm = 0.5}, .grid_doublings = 1, .box = {{1, 2, 3}, {4, 5, 6}}, .layer_of = {7}};
+    SliceInfo info{.options = {.stitch_mm = 0.5}, .grid_doublings = 1, .box = {{1, 2, 3}, {4, 5, 6}}, .layer_of = {7}};
     std::uint64_t next = 1000;
 #define COUNTER(name) info.name = ++next;
 #include "slicing/result/counters.inc"
     CHECK(counters_of(info).size() == 3 + (&info.bands - &info.triangles));  // those of the plan and those in a row
-    const lamella_info found = lamella::c::info_of(info);
+    const lamella_info found = c::info_of(info);
     CHECK(counters_of(found) == counters_of(info));
     std::array<std::uint64_t, sizeof found / sizeof next> words{};
     std::memcpy(words.data(), &found, sizeof found);

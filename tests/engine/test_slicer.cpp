@@ -142,6 +142,21 @@ TEST_CASE("a slicer gives back what the last call did not need", "[engine][slice
     CHECK(kept.bytes() < large_bytes / 8);
 }
 
+TEST_CASE("a slicer gives back the scratch of regions after a call that made none", "[engine][slicer]") {
+    const Context context{.threads = GENERATE(1, 3)};
+    SliceOptions regions = uniform(0.1);
+    regions.region.fill_rule = FillRule::non_zero;
+    regions.region.closing_mm = 0.1;
+    Slicer fresh;
+    slice_with(fresh, large(), uniform(0.1), context);
+    Slicer kept;
+    slice_with(kept, large(), regions, context);
+    slice_with(kept, large(), uniform(0.1), context);
+    CHECK(kept.bytes() > fresh.bytes() + 65536);
+    kept.trim();
+    CHECK(kept.bytes() < fresh.bytes());
+}
+
 TEST_CASE("a small slice is done by the calling thread alone", "[engine][slicer][executor]") {
     int runs = 0;
     const auto pool = [&runs](int, Callback<void()> body) noexcept {

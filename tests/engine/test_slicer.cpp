@@ -245,7 +245,7 @@ TEST_CASE("a plane reads little more than the triangles that it cuts", "[engine]
     planes.build({.heights_mm = {{50.1}}}, {}, prepared.frame, 1 << 20);
     Buckets buckets(nullptr);
     const Parallel parallel({.threads = 1});
-    PreparedSource(prepared, {parallel, planes, buckets}).count(prepared.frame.unit.mm);
+    PreparedSource(prepared, {parallel, planes, buckets, instruction_set()}).count(prepared.frame.unit.mm);
     CHECK(buckets.segment_count >= 2000);
     CHECK(buckets.touched.size() * 64 <= 2 * buckets.segment_count);
 }

@@ -52,7 +52,7 @@ Status check_limits(const SliceOptions& options) {
 std::string_view needing_region(const SliceOptions& options) {
     const SliceOptions none;
 #define OPTION(kind, name, path, python, flag, least, exclusive, word, special, needs_region, help) \
-    if (needs_region && !(options.path == none.path)) {                                             \
+    if ((needs_region) && !(options.path == none.path)) {                                           \
         return python;                                                                              \
     }
 #include "options/options.inc"

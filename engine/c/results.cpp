@@ -107,7 +107,7 @@ lamella_info info_of(const SliceInfo& info) noexcept {
     copy_box(info.box, c.min_mm, c.max_mm);
     c.stitch_mm = info.options.stitch_mm;
 #define COUNTER(name) c.name = info.name;
-#include "slicing/result/counters.inc"
+#include "options/counters.inc"
     c.layer_of = info.layer_of.data();
     c.layer_of_count = info.layer_of.size();
     return c;

@@ -22,7 +22,7 @@ template <class Info>
 auto counters_of(const Info& info) {
     return std::array{
 #define COUNTER(name) info.name,
-#include "slicing/result/counters.inc"
+#include "options/counters.inc"
     };
 }
 inline auto facts_of(const lamella::SliceInfo& info) {

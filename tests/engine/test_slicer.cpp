@@ -96,7 +96,7 @@ TEST_CASE("each counter of a slice has its own field of C's info, and none is le
     SliceInfo info{.options = {.stitch_mm = 0.5}, .grid_doublings = 1, .box = {{1, 2, 3}, {4, 5, 6}}, .layer_of = {7}};
     std::uint64_t next = 1000;
 #define COUNTER(name) info.name = ++next;
-#include "slicing/result/counters.inc"
+#include "options/counters.inc"
     CHECK(counters_of(info).size() == 3 + (&info.bands - &info.triangles));  // those of the plan and those in a row
     const lamella_info found = c::info_of(info);
     CHECK(counters_of(found) == counters_of(info));

@@ -30,7 +30,7 @@ void add(const SliceInfo& part, SliceInfo& sum) noexcept {
         sum.ms.*stage += part.ms.*stage;
     }
 #define END_COUNTER(name) sum.name += part.name;
-#include "slicing/result/counters.inc"
+#include "options/counters.inc"
 }
 
 class FileSlicing {

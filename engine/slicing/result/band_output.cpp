@@ -22,12 +22,12 @@ void copy_paced(const T* from, std::size_t count, StopPace& pace, Array<T>& to) 
 
 void LayerTotals::add(const LayerTotals& other) noexcept {
 #define END_COUNTER(name) name += other.name;
-#include "slicing/result/counters.inc"
+#include "options/counters.inc"
 }
 
 void LayerTotals::describe(SliceInfo& info) const noexcept {
 #define END_COUNTER(name) info.name = name;
-#include "slicing/result/counters.inc"
+#include "options/counters.inc"
     info.emptied_layers = info.options.region.keeps_contours() ? 0 : emptied_layers;
 }
 

@@ -16,7 +16,7 @@ namespace lamella {
 /// Numbers of what was made, for the summary.
 struct LayerTotals {
 #define END_COUNTER(name) std::uint64_t name = 0;
-#include "slicing/result/counters.inc"
+#include "options/counters.inc"
 
     void add(const Contour& contour) noexcept {
         ++contours;

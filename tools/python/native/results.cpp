@@ -151,7 +151,7 @@ OpenLayers open_layers(const HeldResult& held) {
 template <class Info, class Visit>
 void each_figure(Info& info, Visit visit) {
 #define COUNTER(name) visit(#name, info.name);
-#include "slicing/result/counters.inc"
+#include "options/counters.inc"
     visit("grid", info.grid_mm);
     visit("grid_doublings", info.grid_doublings);
     visit("min", info.box.min_mm);

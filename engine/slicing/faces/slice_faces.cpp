@@ -45,8 +45,8 @@ struct PieceCounts {
 
 /// The scratch with which a thread builds layers.
 struct FaceWorker {
-    explicit FaceWorker(const detail::SlicerImpl& kept)
-        : worker(kept.parallel->memory(), kept.parallel->stop(), kept.instructions) {}
+    FaceWorker(const Parallel& parallel, InstructionSet instructions)
+        : worker(parallel.memory(), parallel.stop(), instructions) {}
     Worker worker;
     EdgeSum sum{worker};
     LayerBuilder builder{worker};
@@ -207,7 +207,7 @@ private:
         fill_bands(target, parallel_, 0, tasks(), [&](std::size_t task, int number, BandOutput& output) {
             auto& worker = workers[static_cast<std::size_t>(number)];
             if (worker == nullptr) {
-                worker = std::make_unique<FaceWorker>(call_.kept);
+                worker = std::make_unique<FaceWorker>(parallel_, call_.kept.instructions);
                 worker->builder.rules = &layer_rules;
             }
             build_task(tasks_[task], pieces.of(task), *worker, output);

@@ -119,6 +119,20 @@ TEST_CASE("closing agrees with closing everything where folding and rounding are
            81'921, 10);
 }
 
+TEST_CASE("closing loses nothing between edges that are bent onto one another", "[closing][regions]") {
+    const shapes::Soup walls = shapes::joined(
+        {shapes::walls({{2, 24}, {0, 34}, {-4, 34}, {-6, 32}, {-12, 22}, {-10, 18}, {-8, 20}, {-4, 18}, {4, 20}}),
+         shapes::walls({{-6, 20}, {-2, 20}, {-8, 14}, {-12, 14}, {-16, 12}, {-22, 22}, {-20, 30}, {-20, 28}, {-8, 28}})});
+    SliceOptions options = at_heights({5.5}, 0);
+    options.frame.grid_mm = 1;
+    options.region.fill_rule = FillRule::positive;
+    const auto area = [&] { return regions::area_of(sliced(walls, options)); };
+    const double open = area();
+    options.region.closing_mm = 9;
+    options.region.miter_limit = 4;
+    CHECK(area() == open);
+}
+
 TEST_CASE("a contour with nothing near is the same contour after closing", "[closing]") {
     const Rings far = {round({0, 0}, 1'000'000, 40), reversed(round({0, 0}, 400'000, 30)),
                        round({5'000'000, 0}, 1'000'000, 40)};

@@ -7,6 +7,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "cpu_time.hpp"
 #include "engine/counting_memory.hpp"
 #include "engine/everywhere.hpp"
 #include "golden/inputs.hpp"
@@ -53,18 +54,21 @@ TEST_CASE("a sink in any order needs no memory for the layers", "[engine][sink][
 
 TEST_CASE("what is put aside for an ascending sink ends at its window, and goes when the call ends",
           "[engine][sink][memory][threads]") {
-    const shapes::Soup prism = shapes::prism(1 << 13, 400, 800);  // half a megabyte a layer
+    shapes::Soup needles;  // half a megabyte a layer, most of it contours of three points
+    for (int i = 0; i < 5000; ++i) {
+        const double x = 3 * (i % 70);
+        const double y = 3 * (i / 70);
+        shapes::append(needles, shapes::tetrahedron({x, y, 0}, {x + 2, y, 0}, {x, y + 2, 0}, {x, y, 1600}));
+    }
     const bool ends = GENERATE(false, true);
     const CountingMemory memory;
     OrderNote note;
     std::atomic<bool> ended{false};
     const auto take = [&](const LayerView& view) noexcept {
         if (view.index == 0) {
-            // The other thread puts aside what it may: until it has asked for no more memory for a second.
-            std::size_t before = 0;
-            for (int i = 0, quiet = 0; i < 100 && quiet < 10; ++i) {
-                quiet = memory.peak() == std::exchange(before, memory.peak()) ? quiet + 1 : 0;
-                std::this_thread::sleep_for(std::chrono::milliseconds(100));
+            // The other thread puts aside what it may: until it has worked no more for a while.
+            for (double before = -1; cpu_ms() - before > 1; std::this_thread::sleep_for(std::chrono::milliseconds(300))) {
+                before = cpu_ms();
             }
             ended = ends;
         }
@@ -72,12 +76,12 @@ TEST_CASE("what is put aside for an ascending sink ends at its window, and goes 
     };
     const auto stop = [&]() noexcept { return ended.load(); };
     Slicer slicer;
-    const auto info = slice_tuned(slicer, LayerSink{.take = take}, view_of(prism), uniform(1), {.band_planes = 400},
+    const auto info = slice_tuned(slicer, LayerSink{.take = take}, view_of(needles), uniform(1), {.band_planes = 400},
                                   {.threads = 2, .stop = stop, .memory = &memory});
     CHECK(code_of(info) == (ends ? std::optional(ErrorCode::cancelled) : std::nullopt));
-    CHECK(note.next == (ends ? 1 : 800));
+    CHECK(note.next == (ends ? 1 : 1600));
     CHECK(note.in_order);
-    CHECK(memory.peak() < 120'000'000);
+    CHECK(memory.peak() < 150'000'000);
 }
 
 TEST_CASE("a slow sink gets every layer, an ascending one in plane order by one thread at a time",

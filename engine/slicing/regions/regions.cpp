@@ -1,6 +1,7 @@
 #include "slicing/regions/regions.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <string>
 #include <utility>
 
@@ -136,7 +137,8 @@ bool Regions::find_alone() {
     for (const Path& kept : moved_.kept()) {
         const std::uint32_t ring = kept.source;
         const RawCurve& curve = curves_[ring];
-        is_alone_[ring] = curve.directions_kept && !curve.reflex_cut && kept.hole == rings_[ring].hole ? 1 : 0;
+        assert(curve.directions_kept);  // one with an edge that turns round crosses itself
+        is_alone_[ring] = !curve.reflex_cut && kept.hole == rings_[ring].hole ? 1 : 0;
         alone += is_alone_[ring];
     }
     return alone == rings_.size() && moved_.region().size() == rings_.size();

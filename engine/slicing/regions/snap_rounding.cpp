@@ -251,44 +251,24 @@ void SnapRounding::add_strands_of(std::uint32_t contour) {
     }
 }
 
-/// The vertices that `takes` holds for, of those in the box of the edge from `a` to `b`, in its direction.
-template <class Takes>
-void SnapRounding::find_vertices(Point a, Point b, const Takes& takes, Vector<Found>& found) {
-    found.clear();
-    tree_.find_along(a, b, [&](Point p, std::uint32_t vertex) {
-        worker_.spend(1);
-        if (p == a || p == b || takes(p)) {
-            found.push_back({p, vertex});
-        }
-    });
-    worker_.spend(query_work);
-    std::sort(found.begin(), found.end(), Along(a, b));
-    assert(found.size() >= 2 && found.front().point == a && found.back().point == b);
-}
-
-/// Strands that were moved are cut where they now lie on a vertex.
+/// The vertices of pixels that an edge passes, in its direction, joined by strands. No strand lies on one more: pixels are
+/// convex, so that an edge that passes those of two vertices passes that of every vertex on the line between them.
 void SnapRounding::bend(const Source& source, std::uint32_t edge) {
     const Point a = source.from(edge);
     const Point b = source.to(edge);
-    find_vertices(
-        a, b, [&](Point p) { return passes_pixel(a, b, p); }, on_edge_);
-    const bool moved =
-        std::any_of(on_edge_.begin(), on_edge_.end(), [&](const Found& on) { return side_of(a, b, on.point) != 0; });
+    on_edge_.clear();
+    tree_.find_along(a, b, [&](Point p, std::uint32_t vertex) {
+        worker_.spend(1);
+        if (p == a || p == b || passes_pixel(a, b, p)) {
+            on_edge_.push_back({p, vertex});
+        }
+    });
+    worker_.spend(query_work);
+    std::sort(on_edge_.begin(), on_edge_.end(), Along(a, b));
+    assert(on_edge_.size() >= 2 && on_edge_.front().point == a && on_edge_.back().point == b);
     const PointOrigin whole = source.item->origin_from_start(edge);
     for (std::size_t i = 0; i + 1 < on_edge_.size(); ++i) {
-        const Found& from = on_edge_[i];
-        const Found& to = on_edge_[i + 1];
-        const PointOrigin origin = stretch_of(whole, i == 0, i + 2 == on_edge_.size());
-        if (moved) {
-            find_vertices(
-                from.point, to.point, [&](Point p) { return side_of(from.point, to.point, p) == 0; }, on_strand_);
-        } else {
-            on_strand_.assign({from, to});
-        }
-        for (std::size_t j = 0; j + 1 < on_strand_.size(); ++j) {
-            add_strand(source, on_strand_[j].vertex, on_strand_[j + 1].vertex,
-                       stretch_of(origin, j == 0, j + 2 == on_strand_.size()));
-        }
+        add_strand(source, on_edge_[i].vertex, on_edge_[i + 1].vertex, stretch_of(whole, i == 0, i + 2 == on_edge_.size()));
     }
 }
 

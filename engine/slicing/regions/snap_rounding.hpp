@@ -149,8 +149,6 @@ private:
 
     void collect_vertices(std::span<const Point> crossings);
     void add_strands_of(std::uint32_t contour);
-    template <class Takes>
-    void find_vertices(Point a, Point b, const Takes& takes, Vector<Found>& found);
     void bend(const Source& source, std::uint32_t edge);
     void add_strand(const Source& source, std::uint32_t from, std::uint32_t to, const PointOrigin& origin);
     void merge_strands();
@@ -161,7 +159,6 @@ private:
     PointTree tree_{worker_};
     Vector<Strand> strands_{worker_.memory()};
     Vector<Found> on_edge_{worker_.memory()};  // vertices that an edge passes, in its direction
-    Vector<Found> on_strand_{worker_.memory()};
     bool any_cancelled_ = false;
 };
 

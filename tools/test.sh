@@ -120,12 +120,12 @@ check_interfaces() {
     quietly build/abi.log tests/abi/check.sh build/engine/liblamella_c.so --self-test
 }
 
-# What macOS has: Clang with libc++. Compiles the libraries in their small units, as hosts do, and runs the golden cases,
-# which must give the bytes of GCC.
+# What macOS has: Clang with libc++; and the portable forms of base/system, as compilers without 128-bit integers take them.
+# Compiles the libraries in their small units, as hosts do, and runs the golden cases, which must give the bytes of GCC.
 check_libcxx() {
     variant libcxx "Clang build with libc++" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_COMPILER=clang++ \
-        -DCMAKE_CXX_FLAGS="-stdlib=libc++" -DCMAKE_CXX_FLAGS_DEBUG="-O0" -DLAMELLA_PARALLEL=std -DLAMELLA_WERROR=ON \
-        -DLAMELLA_BUILD_TOOLS=OFF -DLAMELLA_BUILD_TESTS=OFF -DLAMELLA_BUILD_BENCH=OFF -DLAMELLA_BUILD_GOLDEN_TESTS=ON
+        -DCMAKE_CXX_FLAGS="-stdlib=libc++" -DCMAKE_CXX_FLAGS_DEBUG="-O0" -DLAMELLA_PARALLEL=std -DLAMELLA_PORTABLE=ON \
+        -DLAMELLA_WERROR=ON -DLAMELLA_BUILD_TOOLS=OFF -DLAMELLA_BUILD_TESTS=OFF -DLAMELLA_BUILD_BENCH=OFF -DLAMELLA_BUILD_GOLDEN_TESTS=ON
 }
 
 # Checks every source of the engine, the tools and the oracle, with the headers that they include. Skips the other tests

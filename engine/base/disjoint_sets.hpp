@@ -7,8 +7,8 @@
 #include <numeric>
 #include <utility>
 
-#include "base/atomic_word.hpp"
 #include "base/parallel.hpp"
+#include "base/system/atomic_word.hpp"
 #include "lamella/array.hpp"
 
 namespace lamella {

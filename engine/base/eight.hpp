@@ -7,7 +7,8 @@
 #include <cstdint>
 #include <cstring>
 
-#include "base/dispatch.hpp"
+#include "base/system/lanes.hpp"
+#include "base/system/processor.hpp"
 
 namespace lamella {
 
@@ -44,20 +45,18 @@ public:
     LaneBits bits() const noexcept { return bits_of(low_) | bits_of(high_) << 4; }
 
 private:
-    using Four = std::int32_t __attribute__((vector_size(16)));
+    Int32x8(FourInts low, FourInts high) noexcept : low_(low), high_(high) {}
 
-    Int32x8(Four low, Four high) noexcept : low_(low), high_(high) {}
-
-    static LaneBits bits_of(Four four) noexcept {
-#ifdef LAMELLA_X86_FORMS
+    static LaneBits bits_of(FourInts four) noexcept {
+#ifdef LAMELLA_SSE2
         return static_cast<LaneBits>(_mm_movemask_ps(reinterpret_cast<__m128>(four)));
 #else
-        return (four[0] & 1) | (four[1] & 2) | (four[2] & 4) | (four[3] & 8);
+        return static_cast<LaneBits>((four[0] & 1) | (four[1] & 2) | (four[2] & 4) | (four[3] & 8));
 #endif
     }
 
-    Four low_;
-    Four high_;
+    FourInts low_;
+    FourInts high_;
 };
 
 }  // namespace lamella

@@ -3,11 +3,10 @@
 
 #include <cstdint>
 
+#include "base/system/int128.hpp"
 #include "lamella/integer128.hpp"
 
 namespace lamella {
-
-__extension__ using Int128 = __int128;
 
 inline Integer128 to_integer128(Int128 value) noexcept {
     return {static_cast<std::uint64_t>(value), static_cast<std::int64_t>(value >> 64)};
@@ -33,8 +32,7 @@ inline std::uint64_t mix64(std::uint64_t word) noexcept {
 /// The two halves of a product, folded: every bit depends on most bits of both factors. For where mix64() would take as long
 /// as all else.
 inline std::uint64_t mul_fold(std::uint64_t a, std::uint64_t b) noexcept {
-    __extension__ using Unsigned128 = unsigned __int128;
-    const Unsigned128 product = Unsigned128{a} * b;
+    const Word128 product = Word128{a} * b;
     return static_cast<std::uint64_t>(product) ^ static_cast<std::uint64_t>(product >> 64);
 }
 

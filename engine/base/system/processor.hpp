@@ -37,6 +37,15 @@ inline std::int32_t round_to_int(double value) noexcept {
 #endif
 }
 
+/// The first byte becomes the last.
+constexpr std::uint64_t reversed_bytes(std::uint64_t word) noexcept {
+    constexpr std::uint64_t odd_bytes = 0x00FF00FF00FF00FF;
+    constexpr std::uint64_t odd_pairs = 0x0000FFFF0000FFFF;
+    word = (word >> 8 & odd_bytes) | (word & odd_bytes) << 8;
+    word = (word >> 16 & odd_pairs) | (word & odd_pairs) << 16;
+    return word >> 32 | word << 32;
+}
+
 // Asks for what is read or written soon, which need not exist.
 #if defined(__GNUC__) && !defined(LAMELLA_PORTABLE)
 inline void prefetch_to_read(const void* at) noexcept {

@@ -9,6 +9,7 @@
 
 #include "base/bits.hpp"
 #include "base/little_endian.hpp"
+#include "base/system/processor.hpp"
 #include "lamella/mesh.hpp"
 
 namespace lamella {
@@ -63,14 +64,7 @@ template <class T>
 T load_number(const void* p, bool swapped) {
     Bits<T> bits;
     std::memcpy(&bits, p, sizeof bits);
-    if constexpr (sizeof(T) == 2) {
-        bits = swapped ? __builtin_bswap16(bits) : bits;
-    } else if constexpr (sizeof(T) == 4) {
-        bits = swapped ? __builtin_bswap32(bits) : bits;
-    } else if constexpr (sizeof(T) == 8) {
-        bits = swapped ? __builtin_bswap64(bits) : bits;
-    }
-    return bits_as<T>(bits);
+    return bits_as<T>(swapped ? static_cast<Bits<T>>(reversed_bytes(bits) >> (64 - 8 * sizeof bits)) : bits);
 }
 
 }  // namespace lamella

@@ -364,13 +364,17 @@ std::string uid_of(const std::array<unsigned char, 32>& content, std::string_vie
     Sha256::Digest uuid = hash.digest();  // its first 16 bytes, the most significant one first
     uuid[6] = static_cast<unsigned char>((uuid[6] & 0x0f) | 0x80);
     uuid[8] = static_cast<unsigned char>((uuid[8] & 0x3f) | 0x80);
-    __extension__ unsigned __int128 number = 0;
-    for (std::size_t i = 0; i < 16; ++i) {
-        number = number << 8 | uuid[i];
-    }
     std::string decimals;
-    for (; number != 0; number /= 10) {
-        decimals += static_cast<char>('0' + static_cast<int>(number % 10));
+    for (bool is_done = false; !is_done;) {  // divides them by 10
+        unsigned rest = 0;
+        is_done = true;
+        for (unsigned char& byte : std::span(uuid).first<16>()) {
+            rest = rest << 8 | byte;
+            byte = static_cast<unsigned char>(rest / 10);
+            rest %= 10;
+            is_done = is_done && byte == 0;
+        }
+        decimals += static_cast<char>('0' + rest);
     }
     std::reverse(decimals.begin(), decimals.end());
     return "2.25." + decimals;

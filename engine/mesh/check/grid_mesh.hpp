@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "base/atomic_word.hpp"
 #include "base/parallel.hpp"
+#include "base/system/atomic_word.hpp"
 #include "lamella/array.hpp"
 #include "lamella/check.hpp"
 #include "lamella/weld.hpp"

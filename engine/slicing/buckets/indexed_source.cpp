@@ -4,9 +4,9 @@
 #include <cstring>
 #include <span>
 
-#include "base/atomic_word.hpp"
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
+#include "base/system/atomic_word.hpp"
 #include "slicing/buckets/mesh_source.hpp"
 #include "slicing/buckets/thread_shares.hpp"
 #include "slicing/grid/quantise.hpp"

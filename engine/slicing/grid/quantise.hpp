@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "base/system/lanes.hpp"
 #include "base/system/processor.hpp"
 #include "lamella/grid.hpp"
 #include "lamella/mesh.hpp"
@@ -22,10 +23,6 @@ namespace lamella {
 struct RawTriangle {
     double v[9];
 };
-
-// Numbers that compilers keep side by side in a register.
-using TwoDoubles = double __attribute__((vector_size(16)));
-using FourFloats = float __attribute__((vector_size(16)));
 
 /// From a mesh's coordinates to the space of planes and points.
 struct Placing {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "base/atomic_word.hpp"
+#include "base/system/atomic_word.hpp"
 #include "lamella/context.hpp"
 #include "slicing/grid/mesh_edge.hpp"
 

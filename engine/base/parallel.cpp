@@ -7,8 +7,7 @@
 #include <new>
 
 #ifdef LAMELLA_PARALLEL_STD
-#include <thread>
-#include <vector>
+#include "base/thread_pool.hpp"
 #else
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
@@ -40,21 +39,33 @@ struct Dispenser {
     }
 
     void work(int worker) noexcept {
+        while (step(worker)) {
+        }
+    }
+
+    /// One task, if there is one left.
+    bool step(int worker) noexcept {
         try {
-            for (std::size_t i = claim(); i < count; i = claim()) {
+            const std::size_t i = claim();
+            if (i < count) {
                 task(i, worker);
             }
+            return i < count;
         } catch (...) {
             next.store(count, std::memory_order_relaxed);
             const std::lock_guard lock(mutex);
             if (!failure) {
                 failure = std::current_exception();
             }
+            return false;
         }
     }
 
-    bool has_work() const noexcept {
-        return next.load(std::memory_order_relaxed) < count && !stopped.load(std::memory_order_relaxed);
+    bool has_work() const noexcept { return left() > 0 && !stopped.load(std::memory_order_relaxed); }
+    /// Tasks that nobody has begun.
+    std::size_t left() const noexcept {
+        const std::size_t begun = next.load(std::memory_order_relaxed);
+        return begun < count ? count - begun : 0;
     }
 
 private:
@@ -71,26 +82,49 @@ private:
 
 #ifdef LAMELLA_PARALLEL_STD
 
+/// Starts threads once a run has taken so long that they pay, and keeps them.
 struct Parallel::Arena {
     explicit Arena(int /*threads*/) {}
     static int available() { return static_cast<int>(std::max(1U, std::thread::hardware_concurrency())); }
 
-    template <class Body>
-    static void execute(int workers, const Body& body) {
-        std::vector<std::thread> threads;
-        try {
-            threads.reserve(static_cast<std::size_t>(workers - 1));
-            while (threads.size() + 1 < static_cast<std::size_t>(workers)) {
-                threads.emplace_back(body);
-            }
-        } catch (const std::exception&) {
-            // No memory or no thread is left for more workers: those that there are do the work, and are joined below.
+    void execute(Dispenser& dispenser) noexcept {
+        auto join = [&]() noexcept { dispenser.join(); };
+        const int others = dispenser.workers - 1;
+        ThreadPool::Job job{join, others};
+        ThreadPool* pool = kept.pool();
+        const bool was_there = pool != nullptr;
+        if (was_there) {
+            pool->open(job);
         }
-        body();
-        for (std::thread& thread : threads) {
-            thread.join();
+        const int worker = dispenser.next_worker.fetch_add(1, std::memory_order_relaxed);
+        if ((!was_there || !pool->has(others)) && is_long(dispenser, worker)) {
+            pool = was_there ? pool : kept.make();
+            if (pool != nullptr && !was_there) {
+                pool->open(job);
+            }
+            if (pool != nullptr) {
+                pool->start(static_cast<int>(std::min(dispenser.left(), static_cast<std::size_t>(others))));
+            }
+        }
+        dispenser.work(worker);
+        if (pool != nullptr) {
+            pool->close(job);
         }
     }
+
+    /// Works alone until threads pay, or to the end.
+    static bool is_long(Dispenser& dispenser, int worker) noexcept {
+        constexpr std::chrono::microseconds worth_a_thread{200};  // about twice what it takes to start and to end one
+        const Clock::time_point begin = Clock::now();
+        while (dispenser.step(worker)) {
+            if (Clock::now() - begin > worth_a_thread) {
+                return true;
+            }
+        }
+        return false;
+    }
+
+    KeptPool kept;
 };
 
 #else
@@ -104,11 +138,10 @@ struct Parallel::Arena {
     tbb::task_arena arena;
 
     /// simple_partitioner keeps one worker per task; the arena isolates from the host's own tasks.
-    template <class Body>
-    void execute(int workers, const Body& body) {
+    void execute(Dispenser& dispenser) {
         arena.execute([&] {
             tbb::parallel_for(
-                0, workers, 1, [&](int) { body(); }, tbb::simple_partitioner{});
+                0, dispenser.workers, 1, [&](int) { dispenser.join(); }, tbb::simple_partitioner{});
         });
     }
 };
@@ -164,7 +197,7 @@ void Parallel::run(std::size_t count, FunctionRef<void(std::size_t, int)> task) 
         executor_(workers, join);
     } else if (workers > 1) {
         try {
-            arena_->execute(workers, [&] { dispenser.join(); });
+            arena_->execute(dispenser);
         } catch (const std::exception&) {
             // The dispenser keeps what tasks throw: this is a thread that the system would not start.
             throw std::bad_alloc();

@@ -1,5 +1,5 @@
-// The host's part in a call: threads, stop requests and progress. oneTBB is included in parallel.cpp and nowhere else; the
-// thread-sanitizer build runs the same interface on std::thread, because Debian's oneTBB is not instrumented.
+// The host's part in a call: threads, stop requests and progress. oneTBB is included in parallel.cpp and nowhere else.
+// Without it threads come from thread_pool.hpp, as in the thread-sanitizer build: Debian's oneTBB is not instrumented.
 #pragma once
 
 #include <algorithm>
@@ -119,7 +119,8 @@ private:
     double reported_ = -1;
 };
 
-/// Runs tasks on at most `threads()` threads of the host's executor or of oneTBB. Holds no threads of its own.
+/// Runs tasks on at most `threads()` threads of the host's executor or of oneTBB. Built without oneTBB, it has its own,
+/// which are started by the first run of some length and end with it. One thread or several may call run(), and tasks may.
 class Parallel {
 public:
     /// The threads that `context` stands for: where it names none, all that its executor or the calling thread's task arena

@@ -14,6 +14,10 @@ import tempfile
 # From below to above. A file may include its own library and those below it.
 LIBRARIES = ["base", "options", "slicing", "mesh", "audit", "c", "io", "medical", "tools"]
 
+# What differs between systems: below the rest of its library, but for what is no more than C++.
+ROOM = "base/system/"
+BELOW_THE_ROOM = ["base/function_ref.hpp"]
+
 # Folders of engine/slicing, from below to above; those in one line must not include each other. What is above calls what is
 # below: slice_layers.cpp begins the sweeps of bands, a sweep links and walks contours, and the layer has them repaired, filled and
 # nested, and appends them to the band's output in result.
@@ -63,6 +67,10 @@ OTHERS = {
     r"openssl\b": "medical/",
     r"png\.h\b": "medical/",
     r"hdf5\.h": "medical/hdf5/",
+    # Systems and processors.
+    r"sys/|arpa/|net|csignal|(dirent|dlfcn|fcntl|io|poll|process|pthread|sched|signal|spawn|termios|unistd|windows|winsock2)\.h": (
+        "base/system/", "tools/"),
+    r"(x86intrin|cpuid|intrin|[a-z]mmintrin|arm_neon|wasm_simd128)\.h": ("base/system/", "base/dispatch.hpp"),
 }
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.MULTILINE)
@@ -95,6 +103,8 @@ def complaint_about(path, included):
     if own is None or other is None:
         unknown = path if own is None else included
         return f"{unknown} is in none of the libraries that tests/structure/includes.py lists"
+    if path.startswith(ROOM) and included.startswith("base/") and not included.startswith((ROOM, *BELOW_THE_ROOM)):
+        return "base/system must not include base, which is above it"
     if LIBRARIES.index(other) > LIBRARIES.index(own):
         return f"{own} must not include {other}, which is above it"
     from_level, to_level = slicing_level(path), slicing_level(included)
@@ -154,6 +164,10 @@ PLANTED = [
     ("engine/slicing/grid/bounds.cpp", '#include "gird/blocks.hpp"', "no file of"),
     ("engine/slicing/sweep/band_sweep.cpp", "#include <tbb/parallel_for.h>", "only base/parallel.cpp"),
     ("tools/lamella/terminal/console.cpp", "#include <nlohmann/json.hpp>", "only io/, medical/"),
+    ("engine/io/write/output_file.cpp", "#include <unistd.h>", "only base/system/, tools/ includes <unistd.h>"),
+    ("engine/base/array.cpp", "#include <sys/mman.h>", "only base/system/, tools/ includes <sys/mman.h>"),
+    ("engine/slicing/grid/bounds.cpp", "#include <immintrin.h>", "only base/system/, base/dispatch.hpp"),
+    ("engine/base/system/file.hpp", '#include "base/parallel.hpp"', "base/system must not include base"),
     ("engine/slicing/regions/fill.cpp", "#include <polyclipping/clipper.hpp>", "nothing includes <polyclipping/clipper.hpp>"),
     ("include/lamella/context.hpp", "#  include <memory_resource>", "<memory_resource> must not be"),
     ("include/lamella/slice.hpp", "#include <tbb/task_arena.h>", "<tbb/task_arena.h> must not be"),

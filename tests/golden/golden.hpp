@@ -5,12 +5,12 @@
 //
 //     LAMELLA_UPDATE_GOLDEN=1 build/tests/lamella_tests "[golden]"      (one process: every group rewrites the file)
 //
-// Inputs have hashes of their own, those named "input: ...": where a compiler or a C library makes another mesh, their group
-// fails beside those of the results. Times, threads, bands and paths are left out: they are not part of what is promised.
+// Inputs have hashes of their own, those named "input: ..." and "file: ...": where a compiler or a C library makes another
+// mesh, their group fails beside those of the results. Times, threads, bands and paths are left out: they are not part of
+// what is promised.
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cstdint>
 #include <map>
 #include <span>
@@ -19,6 +19,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "base/bits.hpp"
 #include "engine/slicing.hpp"
 #include "golden/inputs.hpp"
 #include "lamella/lamella.hpp"
@@ -44,7 +45,7 @@ private:
                 byte(static_cast<std::uint64_t>(value) >> shift & 0xFF);
             }
         } else if constexpr (std::is_floating_point_v<Value>) {
-            one(std::bit_cast<std::uint64_t>(value));
+            one(lamella::bits_as<std::uint64_t>(value));
         } else if constexpr (std::is_convertible_v<Value, std::string_view>) {
             const std::string_view text = value;
             one(text.size());

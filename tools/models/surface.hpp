@@ -61,6 +61,10 @@ struct Surface {
 
 using Plan = Result<Surface>;
 
+/// The surface of a recipe, and its triangles in the recipe's order. The random order is Fisher and Yates's shuffle.
+Plan plan(const Recipe& recipe);
+std::vector<Triangle> collect(const Recipe& recipe, const Surface& surface);
+
 /// Sphere and prism.
 Plan plan_rings(const Recipe& recipe);
 

@@ -2,6 +2,7 @@
 # tools/test.sh           builds the release and runs its tests
 # tools/test.sh --core    builds the engine and the readers alone, and runs the engine's own tests
 # tools/test.sh NAME...   builds the release and runs the tests whose names contain one of the words
+# tools/test.sh --platforms [TARGET...]   builds for other systems and runs what is built: see tools/platforms.sh
 # tools/test.sh --all     also runs the thorough tests (exact judges, other readers, the Python package), checks format and
 #                         style, and runs the tests under sanitizers, with Clang and with libc++
 #
@@ -160,6 +161,11 @@ if [[ "${1:-}" == --core ]]; then
         -DLAMELLA_BUILD_TOOLS=OFF -DLAMELLA_BUILD_BENCH=OFF -DLAMELLA_BUILD_PYTHON=OFF -DLAMELLA_THOROUGH_TESTS=OFF \
         -DLAMELLA_TEST_ROOMS="engine|oracle"
     await
+    exit
+fi
+if [[ "${1:-}" == --platforms ]]; then
+    install_missing "${platform_packages[@]}"
+    tools/platforms.sh "${@:2}"
     exit
 fi
 install_missing "${test_packages[@]}" "${python_packages[@]}"

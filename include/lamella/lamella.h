@@ -44,7 +44,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#if defined(__GNUC__)
+/* On Windows: exported where the library is compiled, and imported where LAMELLA_C_IMPORT says that its DLL is linked. */
+#if defined(_WIN32) && defined(LAMELLA_C_EXPORT)
+#define LAMELLA_C_API __declspec(dllexport)
+#elif defined(_WIN32) && defined(LAMELLA_C_IMPORT)
+#define LAMELLA_C_API __declspec(dllimport)
+#elif defined(__GNUC__) && !defined(_WIN32)
 #define LAMELLA_C_API __attribute__((visibility("default")))
 #else
 #define LAMELLA_C_API

@@ -76,6 +76,7 @@ int main(int count, char** words) {
         fprintf(stderr, "the sink got %d contours\n", (int)handed_over);
         return 1;
     }
+    printf("hash %08x%08x\n", (unsigned)(lamella_result_hash(result) >> 32), (unsigned)lamella_result_hash(result));
     printf("%d layers, %d contours\n", (int)view.info.layers, (int)view.info.contours);
     lamella_result_free(result);
     free(bytes);

@@ -1,0 +1,133 @@
+#!/usr/bin/env bash
+# tools/platforms.sh [TARGET...]: builds the core and its C interface for other systems, runs the golden slices and the host
+# programs of tests/embed there, and prints a table. Without words: every target. `linux`, which the others are compared with,
+# is always built.
+#
+# A row has the target, its compiler, the assertions of the golden slices, which hold the committed hashes, the number of host
+# programs that cut the same as on Linux, and a slice's time over that on Linux, where std::thread runs the tasks too.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+source tools/packages.sh
+
+readonly folder=$PWD/build/platforms wasm_limit_bytes=250000
+jobs=$(nproc)
+readonly jobs
+readonly -A options=(
+    [linux]=""
+    [mingw]=-DCMAKE_TOOLCHAIN_FILE=tools/toolchains/mingw.cmake
+    [wasm]="-DCMAKE_TOOLCHAIN_FILE=tools/toolchains/wasm.cmake -DLAMELLA_BUILD_SHARED=OFF"
+    [wasm-threads]="-DCMAKE_TOOLCHAIN_FILE=tools/toolchains/wasm.cmake -DLAMELLA_BUILD_SHARED=OFF -DLAMELLA_WASM_THREADS=ON"
+    [aarch64]=-DCMAKE_TOOLCHAIN_FILE=tools/toolchains/aarch64.cmake
+)
+export WINEPREFIX=$folder/wine WINEDEBUG=-all
+# pthreads' workers would ask for modules where emscripten 3.1 does not know node's fetch().
+export NODE_OPTIONS=--no-experimental-fetch
+
+# quietly COMMAND...: shows the command's output only if it fails.
+quietly() {
+    "$@" > "$folder/log" 2>&1 || {
+        cat "$folder/log"
+        stop "failed: $*"
+    }
+}
+
+# run TARGET PROGRAM WORD...
+run() {
+    local program=$2
+    case $1 in
+        mingw) /usr/lib/wine/wine64 "$program.exe" "${@:3}" | tr -d '\r' ;;
+        wasm*) node "$program.js" "${@:3}" ;;
+        aarch64) qemu-aarch64 -L /usr/aarch64-linux-gnu "$program" "${@:3}" ;;
+        *) "$program" "${@:3}" ;;
+    esac
+}
+
+# configure_and_build TARGET SOURCES FOLDER OPTION...
+configure_and_build() {
+    local words=()
+    read -ra words <<< "${options[$1]}"
+    quietly cmake -S "$2" -B "$3" -G Ninja "${words[@]/=tools/=$PWD/tools}" -DCMAKE_BUILD_TYPE=Release "${@:4}"
+    quietly cmake --build "$3" --parallel "$jobs"
+}
+
+# A tetrahedron of 20 mm.
+make_sample() {
+    local zero='\0\0\0\0' twenty='\0\0\xa0\x41' corner
+    printf 'tetrahedron%69s\x04\0\0\0' ""
+    for corner in "o y x" "o x z" "o z y" "x y z"; do
+        printf '%b' "$zero$zero$zero"
+        corner=${corner//o/$zero$zero$zero} corner=${corner//x/$twenty$zero${zero}} corner=${corner// /}
+        corner=${corner//y/$zero$twenty$zero} corner=${corner//z/$zero$zero$twenty}
+        printf '%b\0\0' "$corner"
+    done
+}
+
+# hosts TARGET: prints how many programs cut what they cut on Linux.
+hosts() {
+    local target=$1 at=$folder/$1 program expected count=0
+    local -r package=(-DCMAKE_PREFIX_PATH="$at/prefix" -Dlamella_DIR="$at/prefix/lib/cmake/lamella" -DLAMELLA_README="$PWD/README.md")
+    configure_and_build "$target" tests/embed/c "$at/c" "${package[@]}"
+    configure_and_build "$target" tests/embed/installed "$at/installed" "${package[@]}"
+    find "$at/prefix" -name '*.dll' -exec cp -t "$at/c" {} +
+    expected=$(run linux "$folder/linux/c/app_static" "$folder/sample.stl")
+    for program in app_static app app17; do
+        [[ -n $(find "$at/c" -maxdepth 1 -name "$program" -o -maxdepth 1 -name "$program.*") ]] || continue
+        [[ $(run "$target" "$at/c/$program" "$folder/sample.stl") == "$expected" ]] || stop "$target: $program cut something else"
+        count=$((count + 1))
+    done
+    [[ $(run "$target" "$at/installed/app") == *"40 layers, 40 contours"* ]] || stop "$target: README's program cut something else"
+    echo $((count + 1))
+}
+
+# GCC's moves to the stack must not need more than the 16 bytes to which Windows aligns it (GCC bug 54412).
+check_stack_moves() {
+    objdump -d "$folder/mingw/engine/liblamella.a" > "$folder/code"
+    grep -q 'vmovup.*zmm' "$folder/code" || stop "mingw: the kernels for AVX-512 are missing"
+    ! grep -E 'vmov(ap[sd]|dqa|dqa32|dqa64|ntdq|ntp[sd])\s.*[yz]mm.*\(%r[sb]p' "$folder/code" || stop "mingw: these moves want an aligned stack"
+}
+
+# The whole C interface as a module and its script, gzipped.
+check_wasm_size() {
+    local at=$folder/wasm bytes
+    quietly em++ -O3 -fwasm-exceptions -sALLOW_MEMORY_GROWTH=1 --no-entry -Wl,--whole-archive "$at/engine/liblamella.a" \
+        -Wl,--no-whole-archive -Wl,--export-dynamic -o "$at/core.js"
+    bytes=$(cat "$at/core.wasm" "$at/core.js" | gzip -9 | wc -c)
+    ((bytes <= wasm_limit_bytes)) || stop "wasm: the core has $bytes bytes gzipped, more than $wasm_limit_bytes"
+    echo "the core and its C interface, gzipped: $((bytes / 1000)) KB"
+}
+
+# row TARGET: builds and runs it, and prints its line of the table.
+row() {
+    local target=$1 at=$folder/$1 compiler golden programs over=()
+    configure_and_build "$target" . "$at" -DLAMELLA_BUILD_IO=OFF -DLAMELLA_PARALLEL=std -DLAMELLA_LARGE_UNITS=ON -DLAMELLA_WERROR=ON \
+        -DLAMELLA_BUILD_GOLDEN_TESTS=ON -DLAMELLA_CATCH2_INCLUDE="$folder/headers" -DCMAKE_INSTALL_LIBDIR=lib \
+        -DCMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)"
+    quietly cmake --install "$at" --prefix "$at/prefix"
+    compiler=$(sed -n 's/^set(CMAKE_CXX_COMPILER_\(ID\|VERSION\) "\(.*\)")/\2/p' "$at"/CMakeFiles/*/CMakeCXXCompiler.cmake | paste -sd ' ')
+    run "$target" "$at/tests/golden/lamella_golden_tests" > "$at/golden.log" || {
+        tail -50 "$at/golden.log"
+        stop "$target: golden slices differ"
+    }
+    golden=$(sed -n 's/^All tests passed (\([0-9]*\) assertions.*/\1/p' "$at/golden.log")
+    [[ -n $golden ]] || stop "$target: no golden slice was cut"
+    run "$target" "$at/tests/golden/lamella_golden_times" > "$at/times"
+    [[ $(cut -d' ' -f1-2 "$at/times") == "$(cut -d' ' -f1-2 "$folder/linux/times")" ]] || stop "$target: another hash"
+    mapfile -t over < <(paste -d' ' "$at/times" "$folder/linux/times" | awk '{ printf "%.2f\n", $3 / $6 }')
+    programs=$(hosts "$target")
+    printf '| %s | %s | %s, equal | %s | %s | %s |\n' "$target" "$compiler" "$golden" "$programs" "${over[@]}"
+}
+
+mkdir -p "$folder/headers"
+ln -sfn /usr/include/catch2 "$folder/headers/catch2"
+make_sample > "$folder/sample.stl"
+targets=("$@")
+(($# > 0)) || targets=(mingw wasm wasm-threads aarch64)
+printf '| target | compiler | golden slices: assertions, hashes | host programs | time over Linux, 1 thread | 2 threads |\n|---|---|---|---|---|---|\n'
+for target in linux "${targets[@]}"; do
+    if [[ ${options[$target]-none} == none || $target == aarch64 && ! -e tools/toolchains/aarch64.cmake ]]; then
+        stop "no such target: $target"
+    fi
+    row "$target"
+done
+[[ " ${targets[*]} " != *" mingw "* ]] || check_stack_moves
+[[ " ${targets[*]} " != *" wasm "* ]] || check_wasm_size

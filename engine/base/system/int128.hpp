@@ -9,12 +9,16 @@
 
 namespace lamella {
 
+/// A number of up to 64 bits.
+template <class T>
+concept UpTo64Bits = std::integral<T> && sizeof(T) <= sizeof(std::uint64_t);
+
 /// A signed integer in two's complement. Results beyond 128 bits wrap around; division rounds towards zero.
 class PortableInt128 {
 public:
     PortableInt128() noexcept = default;
     // Implicit, as the compiler's own numbers are.
-    template <std::integral T>
+    template <UpTo64Bits T>
     constexpr PortableInt128(T value) noexcept  // NOLINT(google-explicit-constructor)
         : high_(std::signed_integral<T> ? static_cast<std::int64_t>(value) >> 63 : 0),
           low_(static_cast<std::uint64_t>(value)) {}

@@ -1,0 +1,51 @@
+#!/usr/bin/env bash
+# tools/toolchains/libraries.sh TOOLCHAIN.cmake PREFIX
+#
+# Builds zlib, expat and libzip for another system into PREFIX, static, from Debian's sources with their patches, and copies the
+# headers of CLI11, fast_float and nlohmann's JSON there, which are the same everywhere. Nothing is installed: the lists of
+# sources are PREFIX's own. Then: cmake --toolchain TOOLCHAIN.cmake -DCMAKE_FIND_ROOT_PATH=PREFIX ...
+set -euo pipefail
+
+toolchain=$(realpath "$1")
+mkdir -p "$2"/{sources/{lists,cache}/partial,include,lib/cmake,share/cmake}
+cd "$2"
+readonly toolchain prefix=$PWD packages=(zlib expat libzip)
+
+apt_of_sources() {
+    apt-get -qq -o Dir::Etc::sourcelist="$prefix/sources/list" -o Dir::Etc::sourceparts=/dev/null \
+        -o Dir::State::lists="$prefix/sources/lists" -o Dir::Cache="$prefix/sources/cache" -o APT::Sandbox::User= "$@"
+}
+if ! compgen -G "sources/zlib-*" > /dev/null; then
+    echo "deb-src http://deb.debian.org/debian bookworm main" > sources/list
+    apt_of_sources update
+    (cd sources && apt_of_sources source --download-only "${packages[@]}")
+    for description in sources/*.dsc; do
+        (cd sources && dpkg-source --no-check --extract "${description##*/}")
+    done
+fi
+
+# configure PACKAGE SOURCES OPTION...
+configure() {
+    cmake -S "$2" -B "sources/build-$1" -G Ninja --toolchain "$toolchain" -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS=OFF \
+        -DCMAKE_POSITION_INDEPENDENT_CODE=ON -DCMAKE_FIND_ROOT_PATH="$prefix" -DCMAKE_INSTALL_PREFIX="$prefix" \
+        -DCMAKE_INSTALL_LIBDIR=lib "${@:3}"
+}
+
+# Its own installation adds a shared library, which would be found first.
+configure zlib sources/zlib-*
+cmake --build sources/build-zlib --target zlibstatic
+cp sources/build-zlib/libz*.a lib/libz.a
+cp sources/build-zlib/zconf.h sources/zlib-*/zlib.h include
+
+# Debian's patches ask for the value that the Autotools give it.
+sed -i 's/#cmakedefine XML_DTD$/#cmakedefine XML_DTD 1/' sources/expat-*/expat/expat_config.h.cmake
+configure expat sources/expat-*/expat -DEXPAT_SHARED_LIBS=OFF -DEXPAT_BUILD_{TOOLS,TESTS,EXAMPLES,DOCS}=OFF
+cmake --build sources/build-expat --target install
+
+configure libzip sources/libzip-* -DBUILD_{TOOLS,REGRESS,EXAMPLES,DOC}=OFF \
+    -DENABLE_{OPENSSL,GNUTLS,MBEDTLS,BZIP2,LZMA,ZSTD,COMMONCRYPTO,WINDOWS_CRYPTO}=OFF
+cmake --build sources/build-libzip --target install
+
+cp -r /usr/include/{CLI,fast_float,nlohmann} include
+cp -r /usr/lib/cmake/FastFloat lib/cmake
+cp -r /usr/share/cmake/{CLI11,nlohmann_json} share/cmake

@@ -10,6 +10,10 @@ int error_number_of(const std::error_code& error) noexcept {
     return portable.category() == std::generic_category() ? portable.value() : EIO;
 }
 
+std::filesystem::path path_of(std::string_view text) {
+    return std::u8string(text.begin(), text.end());
+}
+
 int make_unique(const std::filesystem::path& prefix, std::string_view suffix, std::filesystem::path& made,
                 FunctionRef<int(const std::filesystem::path&)> make) {
     constexpr int most_attempts = 100;

@@ -1,6 +1,8 @@
 #include <cerrno>
 
 #include <fcntl.h>
+#include <poll.h>
+#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -22,6 +24,18 @@ std::filesystem::file_type type_of(mode_t mode) noexcept {
            : S_ISFIFO(mode) ? Type::fifo
            : S_ISSOCK(mode) ? Type::socket
                             : Type::character;
+}
+
+FileStatus status_of(const struct stat& found) noexcept {
+#ifdef __APPLE__
+    const timespec changed = found.st_mtimespec;
+#else
+    const timespec changed = found.st_mtim;
+#endif
+    constexpr std::uint64_t nanoseconds = 1'000'000'000;
+    return {type_of(found.st_mode), static_cast<std::uint64_t>(found.st_size),
+            static_cast<std::uint64_t>(changed.tv_sec) * nanoseconds + static_cast<std::uint64_t>(changed.tv_nsec),
+            static_cast<std::uint64_t>(found.st_dev), static_cast<std::uint64_t>(found.st_ino)};
 }
 
 /// Calls step(bytes done so far), which gives how many more are, until all are. What a signal interrupts is tried again.
@@ -75,6 +89,11 @@ int File::create(const std::filesystem::path& path, unsigned mode) {
     return error_where(!is_open());
 }
 
+int File::open_or_create(const std::filesystem::path& path, unsigned mode) {
+    handle_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, static_cast<mode_t>(mode));
+    return error_where(!is_open());
+}
+
 int File::create_scratch(const std::filesystem::path& folder) {
     std::filesystem::path path;
     const int failure = create_unique(folder / ".lamella-", {}, 0600, path);
@@ -86,20 +105,33 @@ int File::duplicate(int number) noexcept {
     return error_where(!is_open());
 }
 
+int status_of(const std::filesystem::path& path, FileStatus& status) {
+    struct stat found {};
+    const bool failed = ::stat(path.c_str(), &found) != 0;
+    status = status_of(found);
+    return error_where(failed);
+}
+
 int File::status(FileStatus& status) const noexcept {
     struct stat found {};
-    if (::fstat(static_cast<int>(handle_), &found) != 0) {
-        return errno;
+    const bool failed = ::fstat(static_cast<int>(handle_), &found) != 0;
+    status = status_of(found);
+    return error_where(failed);
+}
+
+std::filesystem::path File::path() const {
+    return "/dev/fd/" + std::to_string(handle_);
+}
+
+int File::read(std::span<std::byte> into, std::size_t& count) noexcept {
+    const int number = static_cast<int>(handle_);
+    ssize_t got = 0;
+    while ((got = ::read(number, into.data(), into.size())) < 0 && (errno == EINTR || errno == EAGAIN)) {
+        pollfd input{.fd = number, .events = POLLIN, .revents = 0};
+        (void)::poll(&input, 1, errno == EAGAIN ? -1 : 0);
     }
-#ifdef __APPLE__
-    const timespec changed = found.st_mtimespec;
-#else
-    const timespec changed = found.st_mtim;
-#endif
-    constexpr std::uint64_t nanoseconds = 1'000'000'000;
-    status = {type_of(found.st_mode), static_cast<std::uint64_t>(found.st_size),
-              static_cast<std::uint64_t>(changed.tv_sec) * nanoseconds + static_cast<std::uint64_t>(changed.tv_nsec)};
-    return 0;
+    count = got > 0 ? static_cast<std::size_t>(got) : 0;
+    return error_where(got < 0);
 }
 
 int File::read_at(std::span<std::byte> into, std::uint64_t offset) const noexcept {
@@ -121,6 +153,18 @@ int File::write(std::string_view text) noexcept {
     });
 }
 
+int File::truncate(std::uint64_t bytes) noexcept {
+    return error_where(::ftruncate(static_cast<int>(handle_), static_cast<off_t>(bytes)) != 0);
+}
+
+int File::sync() noexcept {
+    return error_where(::fsync(static_cast<int>(handle_)) != 0);
+}
+
+int File::lock() noexcept {
+    return error_where(::flock(static_cast<int>(handle_), LOCK_EX | LOCK_NB) != 0);
+}
+
 int File::close() noexcept {
     return is_open() ? error_where(::close(static_cast<int>(std::exchange(handle_, none))) != 0) : 0;
 }
@@ -137,7 +181,13 @@ int File::map(std::size_t bytes, Array<std::byte>& into) const {
 }
 
 int check_writable(const std::filesystem::path& path) {
-    return error_where(::access(path.c_str(), W_OK) != 0);
+    std::error_code unknown;
+    const int searched = std::filesystem::is_directory(path, unknown) ? X_OK : 0;
+    return error_where(::access(path.c_str(), W_OK | searched) != 0);
+}
+
+std::FILE* open_stream(const std::filesystem::path& path) {
+    return std::fopen(path.c_str(), "rb");
 }
 
 }  // namespace lamella

@@ -31,6 +31,26 @@ OVERLAPPED place(std::uint64_t offset) noexcept {
     return at;
 }
 
+int status_of(HANDLE handle, FileStatus& status) noexcept {
+    using Type = std::filesystem::file_type;
+    const DWORD type = ::GetFileType(handle);
+    if (type != FILE_TYPE_DISK) {
+        status = {.type = type == FILE_TYPE_PIPE ? Type::fifo : Type::character};
+        return 0;
+    }
+    BY_HANDLE_FILE_INFORMATION found{};
+    if (::GetFileInformationByHandle(handle, &found) == 0) {
+        return last_error();
+    }
+    constexpr std::uint64_t from_1601_to_1970 = 116'444'736'000'000'000;  // in the system's units of 100 ns
+    const auto joined = [](DWORD high, DWORD low) { return std::uint64_t{high} << 32 | low; };
+    const std::uint64_t changed = joined(found.ftLastWriteTime.dwHighDateTime, found.ftLastWriteTime.dwLowDateTime);
+    status = {(found.dwFileAttributes & FILE_ATTRIBUTE_DIRECTORY) != 0 ? Type::directory : Type::regular,
+              joined(found.nFileSizeHigh, found.nFileSizeLow), (changed - from_1601_to_1970) * 100,
+              found.dwVolumeSerialNumber, joined(found.nFileIndexHigh, found.nFileIndexLow)};
+    return 0;
+}
+
 /// Calls step(bytes done so far, most at once, bytes done by it) until all are: sizes have 32 bits.
 template <class Step>
 int in_steps(std::size_t bytes, int none_done, const Step& step) noexcept {
@@ -83,6 +103,10 @@ int File::create(const std::filesystem::path& path, unsigned /*mode*/) {  // per
     return open(path, GENERIC_READ | GENERIC_WRITE, CREATE_NEW, FILE_ATTRIBUTE_NORMAL, handle_);
 }
 
+int File::open_or_create(const std::filesystem::path& path, unsigned /*mode*/) {
+    return open(path, GENERIC_READ | GENERIC_WRITE, OPEN_ALWAYS, FILE_ATTRIBUTE_NORMAL, handle_);
+}
+
 int File::create_scratch(const std::filesystem::path& folder) {
     constexpr DWORD flags = FILE_ATTRIBUTE_TEMPORARY | FILE_FLAG_DELETE_ON_CLOSE;
     std::filesystem::path made;
@@ -104,22 +128,32 @@ int File::duplicate(int number) noexcept {
     return made ? 0 : last_error();
 }
 
+int status_of(const std::filesystem::path& path, FileStatus& status) {
+    std::intptr_t handle = 0;
+    if (const int failure = open(path, FILE_READ_ATTRIBUTES, OPEN_EXISTING, FILE_FLAG_BACKUP_SEMANTICS, handle);
+        failure != 0) {
+        return failure;
+    }
+    const int failure = status_of(as_handle(handle), status);
+    ::CloseHandle(as_handle(handle));
+    return failure;
+}
+
 int File::status(FileStatus& status) const noexcept {
-    using Type = std::filesystem::file_type;
-    const DWORD type = ::GetFileType(as_handle(handle_));
-    if (type != FILE_TYPE_DISK) {
-        status = {type == FILE_TYPE_PIPE ? Type::fifo : Type::character, 0, 0};
-        return 0;
-    }
-    BY_HANDLE_FILE_INFORMATION found{};
-    if (::GetFileInformationByHandle(as_handle(handle_), &found) == 0) {
-        return last_error();
-    }
-    const auto joined = [](DWORD high, DWORD low) { return std::uint64_t{high} << 32 | low; };
-    status = {(found.dwFileAttributes & FILE_ATTRIBUTE_DIRECTORY) != 0 ? Type::directory : Type::regular,
-              joined(found.nFileSizeHigh, found.nFileSizeLow),
-              joined(found.ftLastWriteTime.dwHighDateTime, found.ftLastWriteTime.dwLowDateTime)};
-    return 0;
+    return status_of(as_handle(handle_), status);
+}
+
+std::filesystem::path File::path() const {
+    std::wstring name(std::size_t{1} << 15, 0);
+    name.resize(::GetFinalPathNameByHandleW(as_handle(handle_), name.data(), static_cast<DWORD>(name.size()), 0));
+    return name;
+}
+
+int File::read(std::span<std::byte> into, std::size_t& count) noexcept {
+    DWORD got = 0;
+    const bool failed = ::ReadFile(as_handle(handle_), into.data(), static_cast<DWORD>(into.size()), &got, nullptr) == 0;
+    count = got;
+    return failed && ::GetLastError() != ERROR_BROKEN_PIPE && ::GetLastError() != ERROR_HANDLE_EOF ? last_error() : 0;
 }
 
 int File::read_at(std::span<std::byte> into, std::uint64_t offset) const noexcept {
@@ -142,13 +176,42 @@ int File::write(std::string_view text) noexcept {
     });
 }
 
+int File::truncate(std::uint64_t bytes) noexcept {
+    LARGE_INTEGER at{};
+    at.QuadPart = static_cast<LONGLONG>(bytes);
+    const HANDLE file = as_handle(handle_);
+    return ::SetFilePointerEx(file, at, nullptr, FILE_BEGIN) != 0 && ::SetEndOfFile(file) != 0 ? 0 : last_error();
+}
+
+int File::sync() noexcept {
+    return ::FlushFileBuffers(as_handle(handle_)) != 0 ? 0 : last_error();
+}
+
+int File::lock() noexcept {
+    OVERLAPPED beyond = place(std::uint64_t{1} << 62);  // Nobody can read or write a byte that another process has locked.
+    constexpr DWORD flags = LOCKFILE_EXCLUSIVE_LOCK | LOCKFILE_FAIL_IMMEDIATELY;
+    const bool locked = ::LockFileEx(as_handle(handle_), flags, 0, 1, 0, &beyond) != 0;
+    return locked ? 0 : ::GetLastError() == ERROR_LOCK_VIOLATION ? EWOULDBLOCK : last_error();
+}
+
 int File::close() noexcept {
     return is_open() && ::CloseHandle(as_handle(std::exchange(handle_, none))) == 0 ? last_error() : 0;
 }
 
+int File::map(std::size_t /*bytes*/, Array<std::byte>& /*into*/) const {
+    return ENOTSUP;
+}
+
 int check_writable(const std::filesystem::path& path) {
     const DWORD attributes = ::GetFileAttributesW(system_path(path).c_str());
-    return attributes != INVALID_FILE_ATTRIBUTES && (attributes & FILE_ATTRIBUTE_READONLY) != 0 ? EACCES : 0;
+    constexpr DWORD kinds = FILE_ATTRIBUTE_READONLY | FILE_ATTRIBUTE_DIRECTORY;  // A folder's flag means something else.
+    return attributes == INVALID_FILE_ATTRIBUTES             ? last_error()
+           : (attributes & kinds) == FILE_ATTRIBUTE_READONLY ? EACCES
+                                                             : 0;
+}
+
+std::FILE* open_stream(const std::filesystem::path& path) {
+    return ::_wfopen(system_path(path).c_str(), L"rb");
 }
 
 }  // namespace lamella

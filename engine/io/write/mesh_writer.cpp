@@ -135,7 +135,7 @@ private:
 
 Result<WrittenMesh> write_guarded(const MeshFile& mesh, const std::filesystem::path& path, const Context& context) {
     if (!is_written_as_mesh(path)) {
-        return Error{ErrorCode::invalid_argument, "'" + path.string() + "' ends neither in .stl nor in .ply"};
+        return Error{ErrorCode::invalid_argument, "'" + path_text(path) + "' ends neither in .stl nor in .ply"};
     }
     if (mesh.vertex_type != Number::f32 && mesh.vertex_type != Number::f64) {
         return Error{ErrorCode::invalid_argument, "only meshes of floats or doubles are written"};
@@ -144,7 +144,7 @@ Result<WrittenMesh> write_guarded(const MeshFile& mesh, const std::filesystem::p
     MeshWriter writer(mesh, file, context.stop);
     if (const std::string why = has_extension(path.native(), ".stl") ? writer.write_stl() : writer.write_ply();
         !why.empty()) {
-        return Error{ErrorCode::invalid_argument, "cannot write '" + path.string() + "': " + why};
+        return Error{ErrorCode::invalid_argument, "cannot write '" + path_text(path) + "': " + why};
     }
     require(file.commit());
     return WrittenMesh{writer.rounded()};

@@ -221,7 +221,7 @@ std::optional<DicomHeader> read_dicom_header(const std::filesystem::path& path) 
         if (bytes.size() < preamble_bytes || bytes.compare(preamble_bytes - 4, 4, "DICM") != 0) {
             return std::nullopt;
         }
-        DicomHeader header{path.string()};
+        DicomHeader header{path_text(path)};
         if (parse(bytes, header)) {
             return header;
         }
@@ -229,7 +229,7 @@ std::optional<DicomHeader> read_dicom_header(const std::filesystem::path& path) 
             header.refuse("cut off within its DICOM header");
         }
     }
-    refuse_image(path.string(), "its DICOM header is longer than 64 MiB");
+    refuse_image(path_text(path), "its DICOM header is longer than 64 MiB");
 }
 
 std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder) {
@@ -243,7 +243,7 @@ std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder)
         }
     }
     if (problem) {
-        refuse_unreadable(folder.string(), problem.value());
+        refuse_unreadable(path_text(folder), problem.value());
     }
     std::sort(files.begin(), files.end());
     return files;
@@ -265,7 +265,7 @@ std::vector<DicomHeader> images_in(const std::filesystem::path& folder) {
         return std::move(series.begin()->second);
     }
     if (series.empty()) {
-        refuse_image(folder.string(),
+        refuse_image(path_text(folder),
                      any ? "a folder with DICOM files, none of which is an image" : "a folder without DICOM files");
     }
     constexpr std::size_t most_listed = 20;
@@ -280,7 +280,7 @@ std::vector<DicomHeader> images_in(const std::filesystem::path& folder) {
         list += (listed == 1 ? " " : "; ") + one_line(uid) + (description.empty() ? "" : " '" + description + "'") + " (" +
                 counted(images.size(), "slice") + ")";
     }
-    refuse_image(folder.string(), std::to_string(series.size()) + " DICOM series in the folder, and one is taken:" + list);
+    refuse_image(path_text(folder), std::to_string(series.size()) + " DICOM series in the folder, and one is taken:" + list);
 }
 
 /// The plane of a slice.

@@ -82,9 +82,14 @@ struct ImageHeader {
 };
 
 ImageHeader read_image_header(const std::filesystem::path& path) {
-    ImageHeader header{path.string(), {}};
+    ImageHeader header{path_text(path), {}};
     errno = 0;
-    const std::unique_ptr<gzFile_s, decltype(&::gzclose)> file(::gzopen(path.c_str(), "rb"), &::gzclose);
+#ifdef _WIN32
+    const gzFile opened = ::gzopen_w(system_path(path).c_str(), "rb");
+#else
+    const gzFile opened = ::gzopen(path.c_str(), "rb");
+#endif
+    const std::unique_ptr<gzFile_s, decltype(&::gzclose)> file(opened, &::gzclose);
     if (file == nullptr) {
         refuse_unreadable(header.name, errno != 0 ? errno : ENOMEM);
     }
@@ -382,7 +387,7 @@ void refuse_image(const std::string& name, const std::string& what) {
 }
 
 void refuse_output(const std::filesystem::path& path, const std::string& what) {
-    throw Refused{{ErrorCode::invalid_argument, "'" + path.string() + "': " + what}};
+    throw Refused{{ErrorCode::invalid_argument, "'" + path_text(path) + "': " + what}};
 }
 
 void require_cut(const SliceResult* result, const std::string& name, std::uint64_t heights) {

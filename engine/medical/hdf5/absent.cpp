@@ -1,5 +1,6 @@
 // In place of the other sources of this folder where there is no HDF5.
 #include "base/guard.hpp"
+#include "base/system/file.hpp"
 #include "lamella/medical/archive.hpp"
 
 namespace lamella {
@@ -9,7 +10,7 @@ namespace {
 template <class Answer>
 Answer refused(const std::filesystem::path& path) noexcept {
     return guarded([&]() -> Answer {
-        return Error{ErrorCode::invalid_argument, "'" + path.string() + "': this build has no HDF5"};
+        return Error{ErrorCode::invalid_argument, "'" + path_text(path) + "': this build has no HDF5"};
     });
 }
 

@@ -218,7 +218,7 @@ struct ArchivePart {
 
     std::uint64_t first_layer() const noexcept { return tree.result.info.first_layer; }
     std::uint64_t end() const noexcept { return first_layer() + tree.rows[layer_rows]; }
-    std::string name() const { return "'" + printable(path.string()) + "'"; }
+    std::string name() const { return "'" + printable(path_text(path)) + "'"; }
 };
 
 [[noreturn]] void refuse_other(const ArchivePart& part, const ArchivePart& first, const std::string& place) {

@@ -7,6 +7,7 @@
 
 #include "base/little_endian.hpp"
 #include "base/parallel.hpp"
+#include "base/system/file.hpp"
 #include "base/words.hpp"
 #include "io/text/text.hpp"
 #include "io/write/output_file.hpp"
@@ -281,7 +282,7 @@ Status write_label_table(std::span<const MaskPart> parts, const MaskSummary& sum
         rows += std::to_string(i + 1) + "," + csv_text(text_of_name(parts[i].name)) + "," +
                 std::to_string(summary.voxels[i]) + "\n";
     }
-    return write_text_file(std::string(name) + ".labels.csv", rows);
+    return write_text_file(path_of(std::string(name) + ".labels.csv"), rows);
 }
 
 }  // namespace
@@ -327,7 +328,7 @@ Result<MaskSummary> write_mask(std::span<const MaskPart> parts, const ImageGeome
         const MaskSummary summary = summary_of(counts, parts, parallel.within(context));
         require(file.commit());
         if (parts.size() > 1) {
-            const std::string name = path.string();
+            const std::string name = path_text(path);
             require(write_label_table(parts, summary, name.substr(0, name.size() - layout.name_end.size())));
         }
         return summary;

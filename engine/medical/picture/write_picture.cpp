@@ -46,7 +46,7 @@ std::string size_text(const PictureOptions& options) {
 void require_drawable(std::span<const PicturePart> parts, const std::filesystem::path& path, const PictureOptions& options) {
     const auto is_side = [](int side) { return side >= least_picture_side && side <= largest_picture_side; };
     require_that(can_write_pictures(),
-                 "cannot write '" + path.string() + "': this build of lamella is without PNG (libpng-dev)");
+                 "cannot write '" + path_text(path) + "': this build of lamella is without PNG (libpng-dev)");
     require_that(is_side(options.width) && is_side(options.height), size_text(options) + ": a side has " +
                                                                         std::to_string(least_picture_side) + " to " +
                                                                         std::to_string(largest_picture_side));

@@ -65,7 +65,7 @@ std::string hexadecimal(const Sha256::Digest& digest) {
 
 /// Returns its bytes. Pipes are read, too, as `<(...)` of a shell are. Throws Refused (unreadable_file).
 std::uint64_t add_file(const std::filesystem::path& path, Sha256& hash, const Context& context) {
-    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(open_stream(path), &std::fclose);
     if (!file) {
         refuse_unreadable(printable(path_text(path)), errno);
     }
@@ -87,7 +87,7 @@ std::uint64_t add_file(const std::filesystem::path& path, Sha256& hash, const Co
 
 Result<FileSeal> seal_file(const std::filesystem::path& path, const Context& context) noexcept {
     return guarded(context, [&]() -> Result<FileSeal> {
-        FileSeal seal{path.string(), 0, {}};
+        FileSeal seal{path_text(path), 0, {}};
         Sha256 hash;
         std::error_code unknown;
         if (!std::filesystem::is_directory(path, unknown)) {
@@ -98,7 +98,7 @@ Result<FileSeal> seal_file(const std::filesystem::path& path, const Context& con
         const ImageGeometry image = read_dicom_folder(path);
         for (const DicomSeries::Instance& slice : image.series->slices) {
             Sha256 own;
-            seal.bytes += add_file(slice.file, own, context);
+            seal.bytes += add_file(path_of(slice.file), own, context);
             const Sha256::Digest digest = own.digest();
             hash.add(digest.data(), digest.size());
         }

@@ -44,7 +44,7 @@ private:
 std::string find_root(ZipArchive& package, Model& model) {
     const std::string part(package_relationships);
     if (!package.contains(part)) {
-        const std::string mesh = package.first_part([](std::string_view name) { return is_named_as_mesh(name); });
+        const std::string mesh = package.first_part([](std::string_view name) { return is_named_as_mesh(path_of(name)); });
         package.refuse(mesh.empty() ? part : mesh,
                        mesh.empty() ? "is missing" : "is a mesh in a zip archive that is no 3MF package: unpack it first");
     }

@@ -224,9 +224,10 @@ private:
             const std::uint64_t wanted = i + 1 == count ? blocks.last_bytes : blocks.bytes;
             const std::uint64_t begin = i == 0 ? 0 : blocks.ends[i - 1];
             std::byte* const out = narrow_ ? room.data() : storage_.data() + i * blocks.bytes;
-            uLongf got = wanted;
-            const int answer = uncompress(reinterpret_cast<Bytef*>(out), &got,
-                                          reinterpret_cast<const Bytef*>(packed + begin), blocks.ends[i] - begin);
+            auto got = static_cast<uLongf>(wanted);  // of which some systems have 32 bits: a larger block is refused
+            const int answer =
+                uncompress(reinterpret_cast<Bytef*>(out), &got, reinterpret_cast<const Bytef*>(packed + begin),
+                           static_cast<uLong>(blocks.ends[i] - begin));
             if (answer == Z_MEM_ERROR) {
                 throw std::bad_alloc();
             }

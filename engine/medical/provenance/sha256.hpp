@@ -1,4 +1,4 @@
-// SHA-256, by libcrypto.
+// SHA-256, by libcrypto, and on Windows by the system.
 #pragma once
 
 #include <array>
@@ -6,10 +6,51 @@
 #include <memory>
 #include <new>
 
+#ifdef _WIN32
+#include "base/system/windows.hpp"
+
+#include <bcrypt.h>
+#else
 #include <openssl/evp.h>
+#endif
 
 namespace lamella {
 
+#ifdef _WIN32
+class Sha256 {
+public:
+    using Digest = std::array<unsigned char, 32>;
+
+    /// Throws std::bad_alloc.
+    Sha256() {
+        static const BCRYPT_ALG_HANDLE algorithm = [] {
+            BCRYPT_ALG_HANDLE opened = nullptr;
+            return BCryptOpenAlgorithmProvider(&opened, BCRYPT_SHA256_ALGORITHM, nullptr, 0) == 0 ? opened : nullptr;
+        }();
+        if (BCryptCreateHash(algorithm, &hash_, nullptr, 0, nullptr, 0, 0) != 0) {
+            throw std::bad_alloc();
+        }
+    }
+    ~Sha256() { BCryptDestroyHash(hash_); }
+    Sha256(const Sha256&) = delete;
+    Sha256& operator=(const Sha256&) = delete;
+
+    /// Precondition: less than 4 GiB.
+    void add(const void* data, std::size_t bytes) noexcept {
+        auto* const begin = static_cast<unsigned char*>(const_cast<void*>(data));  // which is only read
+        BCryptHashData(hash_, begin, static_cast<ULONG>(bytes), 0);
+    }
+    /// Once, at the end.
+    Digest digest() noexcept {
+        Digest sum{};
+        BCryptFinishHash(hash_, sum.data(), sum.size(), 0);
+        return sum;
+    }
+
+private:
+    BCRYPT_HASH_HANDLE hash_ = nullptr;
+};
+#else
 class Sha256 {
 public:
     using Digest = std::array<unsigned char, 32>;
@@ -33,5 +74,6 @@ public:
 private:
     std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> context_;
 };
+#endif
 
 }  // namespace lamella

@@ -64,12 +64,13 @@ OTHERS = {
     r"(expat|zip)\b": "io/",
     r"(zlib|fast_float)\b": ("io/", "medical/"),
     r"nlohmann\b": ("io/", "medical/", "tools/lamella/batch/", "tools/lamella/processes/"),
-    r"openssl\b": "medical/",
+    r"openssl\b|bcrypt\.h": "medical/provenance/",
     r"png\.h\b": "medical/",
     r"hdf5\.h": "medical/hdf5/",
     # Systems and processors.
-    r"sys/|arpa/|net|csignal|(dirent|dlfcn|fcntl|io|poll|process|pthread|sched|signal|spawn|termios|unistd|windows|winsock2)\.h": (
-        "base/system/", "tools/"),
+    r"sys/|arpa/|net|csignal|(dirent|dlfcn|fcntl|glob|io|poll|process|psapi|sched|shellapi|signal|spawn|termios|unistd|windows|winsock2)\.h": (
+        "base/system/", "tools/lamella/system/"),
+    r"pthread\.h": ("base/system/", "tools/lamella/system/", "tools/python/native/"),
     r"(x86intrin|cpuid|intrin|[a-z]mmintrin|arm_neon|wasm_simd128)\.h": ("base/system/", "base/dispatch.hpp"),
 }
 
@@ -164,8 +165,10 @@ PLANTED = [
     ("engine/slicing/grid/bounds.cpp", '#include "gird/blocks.hpp"', "no file of"),
     ("engine/slicing/sweep/band_sweep.cpp", "#include <tbb/parallel_for.h>", "only base/parallel.cpp"),
     ("tools/lamella/terminal/console.cpp", "#include <nlohmann/json.hpp>", "only io/, medical/"),
-    ("engine/io/write/output_file.cpp", "#include <unistd.h>", "only base/system/, tools/ includes <unistd.h>"),
-    ("engine/base/array.cpp", "#include <sys/mman.h>", "only base/system/, tools/ includes <sys/mman.h>"),
+    ("engine/io/write/output_file.cpp", "#include <unistd.h>", "only base/system/, tools/lamella/system/ includes <unistd.h>"),
+    ("engine/base/array.cpp", "#include <sys/mman.h>", "only base/system/, tools/lamella/system/ includes <sys/mman.h>"),
+    ("tools/lamella/batch/results.cpp", "#include <fcntl.h>", "only base/system/, tools/lamella/system/ includes <fcntl.h>"),
+    ("tools/lamella/terminal/console.cpp", "#include <pthread.h>", "tools/python/native/ includes <pthread.h>"),
     ("engine/slicing/grid/bounds.cpp", "#include <immintrin.h>", "only base/system/, base/dispatch.hpp"),
     ("engine/base/system/file.hpp", '#include "base/parallel.hpp"', "base/system must not include base"),
     ("engine/slicing/regions/fill.cpp", "#include <polyclipping/clipper.hpp>", "nothing includes <polyclipping/clipper.hpp>"),

@@ -2,6 +2,7 @@
 // other output of lamella slice; a mesh, as binary STL or PLY.
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <utility>
@@ -37,9 +38,10 @@ void merge_parts(const MergeArguments& arguments, Interrupt& interrupt) {
     }
     interrupt.tidy({output.path, output.record_path()});
     Stages stages(arguments.progress, arguments.threads, interrupt);
-    const std::vector<std::filesystem::path> parts(arguments.parts.begin(), arguments.parts.end());
+    std::vector<std::filesystem::path> parts;
+    std::transform(arguments.parts.begin(), arguments.parts.end(), std::back_inserter(parts), path_of);
     const Result<MergedArchive> merged =
-        stages.run("merging", [&](const Context& context) { return merge_archives(parts, output.path, context); });
+        stages.run("merging", [&](const Context& context) { return merge_archives(parts, path_of(output.path), context); });
     if (!merged) {
         const Failure failure = failure_of(merged.error());
         throw Failure(failure.status() == bad_usage ? bad_input : failure.status(), merged.error().message);
@@ -53,7 +55,7 @@ void merge_parts(const MergeArguments& arguments, Interrupt& interrupt) {
             record.fill_rule = name_of(merged->fill_rule);
             record.result_hashes = {hexadecimal(merged->hash)};
             for (const std::string& part : arguments.parts) {
-                record.inputs.push_back(done_or_thrown(seal_file(part, context)));
+                record.inputs.push_back(done_or_thrown(seal_file(path_of(part), context)));
             }
             write_record_beside(output, std::move(record), context);
         });
@@ -115,8 +117,8 @@ public:
 
 private:
     void read(const std::string& path) {
-        Archive archive =
-            stages_.done("reading " + printable(path), [&](const Context& context) { return read_archive(path, context); });
+        Archive archive = stages_.done("reading " + printable(path),
+                                       [&](const Context& context) { return read_archive(path_of(path), context); });
         SlicedPart part;
         part.name = archive.info.name;
         part.result = std::move(archive.result);
@@ -139,13 +141,13 @@ private:
         job_.image = std::move(archive.info.geometry);
         job_.subslices = archive.info.subslices;
         job_.parts.push_back(std::move(part));
-        job_.inputs.push_back(
-            stages_.done("reading " + printable(path), [&](const Context& context) { return seal_file(path, context); }));
+        job_.inputs.push_back(stages_.done("reading " + printable(path),
+                                           [&](const Context& context) { return seal_file(path_of(path), context); }));
     }
 
     /// --like: an image that says more than its geometry, which archives hold.
     void use_image() {
-        ImageGeometry image = done_or_thrown(read_image_geometry(arguments_.image.like));
+        ImageGeometry image = done_or_thrown(read_image_geometry(path_of(arguments_.image.like)));
         for (const std::string& warning : image.warnings) {
             stages_.warn(warning);
         }
@@ -154,7 +156,7 @@ private:
         add_series(image, file_plan_);
         job_.image = std::move(image);
         job_.inputs.push_back(stages_.done("reading " + printable(arguments_.image.like), [&](const Context& context) {
-            return seal_file(arguments_.image.like, context);
+            return seal_file(path_of(arguments_.image.like), context);
         }));
     }
 
@@ -203,7 +205,7 @@ void convert_mesh(const std::vector<std::string>& inputs, const std::string& out
     Stages stages(arguments.progress, arguments.threads, interrupt);
     const MeshFile mesh = read_mesh_and_warn(arguments, stages);
     const WrittenMesh written =
-        stages.done("writing", [&](const Context& context) { return write_mesh(mesh, output, context); });
+        stages.done("writing", [&](const Context& context) { return write_mesh(mesh, path_of(output), context); });
     if (written.rounded) {
         warn(output + ": coordinates are rounded to the 32 bits of STL; PLY keeps them");
     }
@@ -243,7 +245,7 @@ void add_convert_command(CLI::App& app, Interrupt& interrupt) {
     declare_worker(*command);
     command->callback([command, arguments, &interrupt] {
         const OutputArguments& wanted = arguments->outputs;
-        if (wanted.to.empty() && wanted.outputs.size() == 1 && is_written_as_mesh(wanted.outputs.front())) {
+        if (wanted.to.empty() && wanted.outputs.size() == 1 && is_written_as_mesh(path_of(wanted.outputs.front()))) {
             return convert_mesh(arguments->archives, wanted.outputs.front(), *arguments, interrupt);
         }
         ConvertCommand(*command, *arguments, interrupt).run();

@@ -1,17 +1,17 @@
 // The command line tool. Exit status: 0 done, 2 usage, 3 input that cannot be used, 4 output that cannot be written, 5
 // some items of a batch failed, or outputs differ from their records.
+#include <cstdlib>
 #include <exception>
 #include <new>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 
 #include "files/flags.hpp"
 #include "lamella/version.hpp"
+#include "system/terminal.hpp"
 #include "terminal/console.hpp"
 
 namespace lamella::cli {
@@ -35,9 +35,10 @@ std::string usage_line(const CLI::App& app, const CLI::ParseError& error) {
 }
 
 /// Throws Failure.
-int run(int count, char** words) {
+int run(const std::vector<std::string>& words) {
     static Interrupt& interrupt = *new Interrupt;
     CLI::App app("Slices triangle meshes into closed, oriented, nested contours", "lamella");
+    app.allow_windows_style_options(false);  // "/a" is a path
     app.set_version_flag("--version", lamella::version);
     app.require_subcommand(1);
     for (const auto add : {add_slice_command, add_info_command, add_check_command, add_make_command, add_verify_command,
@@ -47,9 +48,8 @@ int run(int count, char** words) {
     // The last word comes first. To CLI11 "[a,b]" is a list of a and b where several words are taken; a path it becomes as
     // "./[a,b]".
     std::vector<std::string> reversed;
-    for (int i = count - 1; i > 0; --i) {
-        const std::string_view word = words[i];
-        reversed.push_back((word.starts_with('[') && word.ends_with(']') ? "./" : "") + std::string(word));
+    for (auto word = words.rbegin(); word != words.rend(); ++word) {
+        reversed.push_back((word->starts_with('[') && word->ends_with(']') ? "./" : "") + *word);
     }
     try {
         app.parse(reversed);
@@ -70,9 +70,9 @@ constexpr std::string_view out_of_memory = "out of memory";
 /// Where there is no memory at all the runtime has none to throw with either, and would abort.
 [[noreturn]] void end_without_memory() noexcept {
     for (const std::string_view part : {std::string_view("lamella: "), out_of_memory, std::string_view("\n")}) {
-        (void)!::write(STDERR_FILENO, part.data(), part.size());
+        write_error(part);
     }
-    ::_exit(bad_input);
+    std::_Exit(bad_input);
 }
 
 /// Ahead of the constructors of static objects, the first to allocate.
@@ -82,7 +82,7 @@ constexpr std::string_view out_of_memory = "out of memory";
 
 int run_tool(int count, char** words) {
     try {
-        return run(count, words);
+        return run(begin_program(count, words));
     } catch (const Failure& failure) {
         complain(failure.what());
         return failure.status();

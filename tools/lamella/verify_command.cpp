@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -10,14 +11,14 @@
 #include <utility>
 #include <vector>
 
-#include <stdlib.h>
-
+#include "base/system/file.hpp"
 #include "files/mesh_input.hpp"
 #include "lamella/medical.hpp"
 #include "lamella/version.hpp"
 #include "outputs/outputs.hpp"
 #include "processes/process.hpp"
 #include "slice/slice.hpp"
+#include "system/terminal.hpp"
 #include "terminal/console.hpp"
 
 namespace lamella::cli {
@@ -54,6 +55,20 @@ std::size_t count_of_parts(const Record& record) {
     return record.inputs.size() - std::min(files, record.inputs.size());
 }
 
+/// The file, or folder, under another name, too. Windows has symbolic links for few, and hard ones for files of one volume.
+void make_link(const fs::path& actual, const fs::path& link) {
+    std::error_code problem;
+    fs::create_symlink(actual, link, problem);
+    if (problem == std::errc::function_not_supported || problem == std::errc::operation_not_permitted) {
+        fs::create_hard_link(actual, link, problem);
+        if (problem) {
+            fs::copy(actual, link, fs::copy_options::recursive);
+        }
+    } else if (problem) {
+        throw fs::filesystem_error("link", actual, link, problem);
+    }
+}
+
 /// An output made once more, in a temporary folder, which goes with its contents: in it what is made, and the inputs under
 /// the names that the record has, by links, since names and warnings of inputs are part of some outputs. All throws Failure
 /// (bad_input) where the record is nonsense, Failure (bad_output) or std::filesystem::filesystem_error.
@@ -72,9 +87,15 @@ public:
         parts_ = count_of_parts(record_);
         refuse_if(hashes == 0 || parts_ == 0 || (hashes != parts_ && !split && command != "merge"), bad_input,
                   "its record has " + counted(record_.inputs.size(), "input") + " and " + counted(hashes, "hash", "hashes"));
-        std::string name = (fs::path(temporary_folder()) / "lamella-verify-XXXXXX").string();
-        refuse_if(::mkdtemp(name.data()) == nullptr, bad_output, "no temporary folder can be made: " + name);
-        top_ = fs::canonical(name);
+        fs::path made;
+        const int failure = make_unique(path_of(temporary_folder()) / "lamella-verify-", {}, made, [](const fs::path& path) {
+            std::error_code problem;
+            const bool is_new = fs::create_directory(path, problem);
+            return is_new || problem ? error_number_of(problem) : EEXIST;
+        });
+        refuse_if(failure != 0, bad_output, "no temporary folder can be made: " + made.string());
+        fs::permissions(made, fs::perms::owner_all);
+        top_ = fs::canonical(made);
         // The tool works so deep that no recorded path leads out of the folder.
         inputs_ = top_ / "in";
         for (int i = 0; i < deepest; ++i) {
@@ -92,13 +113,12 @@ public:
 
     /// One line a finding. `output`: where it lies, with what lies beside it, such as a table of labels.
     std::vector<std::string> differences(const fs::path& output) {
-        const fs::path made = top_ / "out" / record_.output.path;
+        const fs::path made = top_ / "out" / path_of(record_.output.path);
         // No other thread looks at the environment, which the process that is started inherits.
-        record_.source_date_epoch.empty() ? ::unsetenv("SOURCE_DATE_EPOCH")
-                                          : ::setenv("SOURCE_DATE_EPOCH", record_.source_date_epoch.c_str(), 1);
+        set_environment("SOURCE_DATE_EPOCH", record_.source_date_epoch);
         const ProcessEnd end = run_process(words(made), inputs_.string(), 0, [this] { return context_.stop(); });
         refuse_if(!end.failure.empty(), bad_input, context_.stop() ? "cancelled" : end.failure);
-        compare_records(done_or_thrown(read_record(made.string() + std::string(record_end))));
+        compare_records(done_or_thrown(read_record(fs::path(made) += record_end)));
         compare_files(output);
         std::sort(found_.begin(), found_.end());
         return found_;
@@ -111,23 +131,25 @@ private:
     std::string link(std::size_t input) {
         const std::string& recorded = record_.inputs[input].path;
         const fs::path& actual = actual_[input];
-        fs::path name = fs::path(recorded).lexically_normal();
+        fs::path name = path_of(recorded).lexically_normal();
         if (name.is_absolute() && name == actual.lexically_normal()) {
             return recorded;
         }
-        if (name.is_absolute()) {
+        if (name.has_root_path()) {
             name = fs::path("elsewhere") / std::to_string(input) / name.filename();
         } else if (is_standard(recorded)) {
             name = "mesh";  // as slice names what comes from standard input
         }
         const fs::path link = inputs_ / name;
-        refuse_if(!link.lexically_normal().string().starts_with((top_ / "in/").string()) || !name.has_filename(), bad_input,
-                  "its record names the input '" + recorded + "'");
+        refuse_if(!link.lexically_normal().string().starts_with((top_ / "in/").lexically_normal().string()) ||
+                      !name.has_filename(),
+                  bad_input, "its record names the input '" + recorded + "'");
         fs::create_directories(link.parent_path());
-        if (!fs::is_symlink(link)) {
-            fs::create_symlink(actual, link);
+        const auto [at, is_new] = linked_.emplace(link.lexically_normal(), actual);
+        if (is_new) {
+            make_link(actual, link);
         }
-        refuse_if(fs::read_symlink(link) != actual, bad_input, "its record names two inputs '" + recorded + "'");
+        refuse_if(at->second != actual, bad_input, "its record names two inputs '" + recorded + "'");
         return name.string().starts_with('-') ? "./" + name.string() : name.string();
     }
 
@@ -189,11 +211,11 @@ private:
         const auto digest = [this](const fs::path& file) { return done_or_thrown(seal_file(file, context_)).sha256; };
         for (const auto& entry : fs::directory_iterator(top_ / "out")) {
             const fs::path name = entry.path().filename();
-            const bool is_output = name == record_.output.path;
+            const bool is_output = name == path_of(record_.output.path);
             const fs::path other = is_output ? output : output.parent_path() / name;
             const std::string beside = "'" + name.string() + "' beside it ";
             std::error_code unknown;
-            if (name == record_.output.path + std::string(record_end)) {
+            if (name == path_of(record_.output.path + std::string(record_end))) {
                 continue;
             }
             if (!fs::exists(other, unknown)) {
@@ -210,6 +232,7 @@ private:
     std::size_t parts_ = 0;  ///< inputs that the output was made of
     fs::path top_;
     fs::path inputs_;
+    std::map<fs::path, fs::path> linked_;  ///< what each link in it leads to
     std::vector<std::string> found_;
 };
 
@@ -221,12 +244,12 @@ public:
     void run() {
         for (const std::string& given : arguments_.given) {
             std::error_code unknown;
-            if (fs::is_directory(given, unknown)) {
+            if (fs::is_directory(path_of(given), unknown)) {
                 verify_folder(given);
             } else if (given.ends_with(record_end)) {
                 verify_record(given);
             } else {
-                verify_output(given, given + std::string(record_end));
+                verify_output(path_of(given), path_of(given + std::string(record_end)));
             }
         }
         refuse_if(differing_ > 0, some_failed,
@@ -238,12 +261,12 @@ public:
 private:
     std::string of_all(std::size_t count) const { return std::to_string(count) + " of " + counted(all_, "output"); }
 
-    void say(const std::string& name, const std::string& words) {
+    void say(const fs::path& name, const std::string& words) {
         ++all_;
-        print(printable(name + ": " + words) + "\n");
+        print(printable(name.string() + ": " + words) + "\n");
     }
 
-    void say_unread(const std::string& name, const std::string& reason) {
+    void say_unread(const fs::path& name, const std::string& reason) {
         ++unread_;
         say(name, "not verified: " + reason);
     }
@@ -252,7 +275,7 @@ private:
     void verify_output(const fs::path& output, const fs::path& record_path) {
         try {
             const Record record = done_or_thrown(read_record(record_path));
-            const fs::path name(record.output.path);
+            const fs::path name = path_of(record.output.path);
             refuse_if(name.empty() || name.filename() != name || name == "." || name == "..", bad_input,
                       "its record names the output '" + name.string() + "'");
             const std::vector<std::string> found = differences(record, output, record_path);
@@ -275,26 +298,26 @@ private:
 
     /// The output that the record names, or if that is not there the one that has the record's name.
     void verify_record(const std::string& path) {
-        const fs::path by_name(path.substr(0, path.size() - record_end.size()));
-        const Result<Record> record = read_record(path);
+        const fs::path by_name = path_of(path.substr(0, path.size() - record_end.size()));
+        const Result<Record> record = read_record(path_of(path));
         std::error_code unknown;
-        const fs::path named = record ? by_name.parent_path() / record->output.path : by_name;
+        const fs::path named = record ? by_name.parent_path() / path_of(record->output.path) : by_name;
         const bool renamed = fs::exists(by_name, unknown) || !fs::exists(named, unknown);
-        verify_output(renamed ? by_name : named, path);
+        verify_output(renamed ? by_name : named, path_of(path));
     }
 
     void verify_folder(const std::string& folder) {
         std::vector<std::string> records;
         std::error_code problem;
         const auto options = fs::directory_options::skip_permission_denied;
-        for (fs::recursive_directory_iterator at(folder, options, problem), end; !problem && at != end;
+        for (fs::recursive_directory_iterator at(path_of(folder), options, problem), end; !problem && at != end;
              at.increment(problem)) {
             if (at->path().string().ends_with(record_end) && !at->is_directory(problem)) {
                 records.push_back(at->path().string());
             }
         }
         if (problem || records.empty()) {
-            say_unread(folder, problem ? problem.message() : "no records in the folder");
+            say_unread(path_of(folder), problem ? problem.message() : "no records in the folder");
         }
         std::sort(records.begin(), records.end());
         for (const std::string& record : records) {
@@ -340,15 +363,15 @@ private:
         std::vector<fs::path> inputs;
         for (std::size_t i = 0; i < record.inputs.size(); ++i) {
             if (i < parts && !arguments_.meshes.empty()) {
-                inputs.push_back(fs::absolute(arguments_.meshes[i]));
+                inputs.push_back(fs::absolute(path_of(arguments_.meshes[i])));
                 continue;
             }
-            const std::string& path = record.inputs[i].path;
-            refuse_if(is_standard(path), bad_input, "its mesh came from standard input: give it with --mesh");
+            const fs::path path = path_of(record.inputs[i].path);
+            refuse_if(is_standard(record.inputs[i].path), bad_input,
+                      "its mesh came from standard input: give it with --mesh");
             std::error_code unknown;
             const fs::path beside = record_path.parent_path() / path;
-            inputs.push_back(
-                fs::absolute(fs::exists(path, unknown) || !fs::exists(beside, unknown) ? fs::path(path) : beside));
+            inputs.push_back(fs::absolute(fs::exists(path, unknown) || !fs::exists(beside, unknown) ? path : beside));
         }
         return inputs;
     }

@@ -14,6 +14,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "base/system/file.hpp"
 #include "files/mesh_input.hpp"
 #include "lamella/context.hpp"
 #include "slice/slice.hpp"
@@ -109,7 +110,7 @@ public:
 private:
     std::string path_;
     bool shard_;
-    Descriptor file_;
+    File file_;
     std::uint64_t bytes_ = 0;  ///< of whole lines
     ResultLines lines_;
 };

@@ -9,12 +9,12 @@
 #include <string_view>
 #include <utility>
 
-#include <sched.h>
-
+#include "base/system/machine.hpp"
 #include "batch/batch.hpp"
 #include "files/flags.hpp"
 #include "outputs/outputs.hpp"
 #include "slice/slice.hpp"
+#include "system/process.hpp"
 #include "terminal/console.hpp"
 
 namespace lamella::cli {
@@ -54,19 +54,10 @@ double group_limit(const std::string& controller, const std::string& name) {
     return least;
 }
 
-/// A line of /proc/meminfo, in bytes.
-double machine_memory(std::string_view key) {
-    const std::optional<std::uint64_t> kilobytes = system_number("/proc/meminfo", key);
-    return kilobytes ? static_cast<double>(*kilobytes) * 1024 : no_limit;
-}
-
 /// Processors: the lesser of what the machine has and what this process's control group grants, in cpu.max "200000 100000":
 /// two.
 int usable_threads() {
-    cpu_set_t set;
-    CPU_ZERO(&set);
-    const int own = ::sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
-    return static_cast<int>(std::max(1.0, std::min<double>(own, std::ceil(group_limit("", "cpu.max")))));
+    return static_cast<int>(std::max(1.0, std::min<double>(granted_processors(), std::ceil(group_limit("", "cpu.max")))));
 }
 
 /// Three quarters of the memory that they have, or what is free if that is less.
@@ -74,8 +65,9 @@ std::uint64_t usable_memory() {
     constexpr double least = 32 << 20;
     constexpr double most = 1e18;  // where no limit is known
     const double group = std::min(group_limit("", "memory.max"), group_limit("memory", "memory.limit_in_bytes"));
-    const double all = std::min(machine_memory("MemTotal:"), group);
-    return static_cast<std::uint64_t>(std::clamp(std::min(all / 4 * 3, machine_memory("MemAvailable:")), least, most));
+    const auto known = [](std::uint64_t bytes) { return bytes > 0 ? static_cast<double>(bytes) : no_limit; };
+    const double all = std::min(known(physical_memory_bytes()), group);
+    return static_cast<std::uint64_t>(std::clamp(std::min(all / 4 * 3, known(free_memory_bytes())), least, most));
 }
 
 // --- the command
@@ -118,7 +110,7 @@ ResultsName results_name_of(const BatchArguments& arguments) {
     ResultsName name;
     name.folder = arguments.results;
     if (name.folder.empty()) {  // in which all outputs lie: "out" of 'out/{stem}.svg', "." of '{stem}.svg'
-        const std::filesystem::path fixed = outputs.front().substr(0, outputs.front().find('{'));
+        const std::filesystem::path fixed = path_of(outputs.front().substr(0, outputs.front().find('{')));
         name.folder = fixed.has_parent_path() ? fixed.parent_path().string() : ".";
     }
     if (!arguments.shard.empty()) {
@@ -137,7 +129,7 @@ void slice_meshes(const CLI::App& command, BatchArguments& arguments, Interrupt&
     arguments.memory_bytes = arguments.memory_bytes > 0 ? arguments.memory_bytes : usable_memory();
     const ResultsName name = results_name_of(arguments);
     if (const std::string& like = arguments.slice.image.like; !like.empty()) {  // with a bad one every mesh would fail
-        (void)done_or_thrown(read_image_geometry(like));
+        (void)done_or_thrown(read_image_geometry(path_of(like)));
     }
     std::vector<Item> items = plan_items(command, arguments.slice.meshes, {name.path(), name.path_of_whole()});
     std::size_t count = 0;

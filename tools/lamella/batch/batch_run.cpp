@@ -13,12 +13,11 @@
 #include <thread>
 #include <utility>
 
-#include <sys/stat.h>
-#include <unistd.h>
-
+#include "base/system/file.hpp"
 #include "batch/batch.hpp"
 #include "files/mesh_input.hpp"
 #include "processes/process.hpp"
+#include "system/process.hpp"
 #include "terminal/console.hpp"
 
 namespace lamella::cli::batch {
@@ -61,8 +60,8 @@ double estimate_memory(const std::string& path, std::uint64_t file_bytes) {
     const std::string name = lower_case(path);
     std::array<char, 512> begin{};
     std::error_code unknown;
-    if (std::filesystem::is_regular_file(path, unknown)) {  // A pipe could keep the batch waiting.
-        std::ifstream(path, std::ios::binary).read(begin.data(), begin.size());
+    if (std::filesystem::is_regular_file(path_of(path), unknown)) {  // A pipe could keep the batch waiting.
+        std::ifstream(path_of(path), std::ios::binary).read(begin.data(), begin.size());
     }
     const auto* const cost = std::find_if(costs.begin(), costs.end(), [&](const FormatCost& row) {
         return name.ends_with(row.end) &&
@@ -72,22 +71,14 @@ double estimate_memory(const std::string& path, std::uint64_t file_bytes) {
 }
 
 /// Of each file, 0 where there is none.
-std::vector<std::uint64_t> inodes_of(const std::vector<std::string>& paths) {
-    std::vector<std::uint64_t> inodes;
-    inodes.reserve(paths.size());
+std::vector<std::uint64_t> numbers_of(const std::vector<std::string>& paths) {
+    std::vector<std::uint64_t> numbers;
+    numbers.reserve(paths.size());
     for (const std::string& path : paths) {
-        struct stat file {};
-        inodes.push_back(::stat(path.c_str(), &file) == 0 ? file.st_ino : 0);
+        FileStatus file;
+        numbers.push_back(status_of(path_of(path), file) == 0 ? file.number : 0);
     }
-    return inodes;
-}
-
-/// True if another process of this number runs this program.
-bool runs_here(const std::string& process) {
-    std::error_code unknown;
-    const std::filesystem::path own = std::filesystem::read_symlink("/proc/self/exe", unknown);
-    const std::filesystem::path other = std::filesystem::read_symlink("/proc/" + process + "/exe", unknown);
-    return !unknown && own == other && process != std::to_string(::getpid());
+    return numbers;
 }
 
 /// Removes the files aside that killed processes left beside a target, unless a process of that number runs this program on
@@ -98,7 +89,7 @@ void remove_leftovers(const std::vector<std::string>& targets) {
     static const std::regex aside(R"(\.([^]+)\.([0-9]+)-[0-9]+\.part)");  // ".NAME.PID-TIME.part", as named there
     std::map<std::filesystem::path, std::set<std::string>> names;
     for (const std::string& target : targets) {
-        const std::filesystem::path path(target);
+        const std::filesystem::path path = path_of(target);
         names[path.has_parent_path() ? path.parent_path() : "."].insert(path.filename().string().substr(0, longest_stem));
     }
     const auto until = Clock::now() + std::chrono::seconds(2);
@@ -110,10 +101,13 @@ void remove_leftovers(const std::vector<std::string>& targets) {
             if (!std::regex_match(name, parts, aside) || !wanted.contains(parts.str(1))) {
                 continue;
             }
-            while (runs_here(parts.str(2)) && Clock::now() < until) {
+            std::uint64_t process = 0;
+            const std::string number = parts.str(2);
+            (void)read_integer(std::string_view(number), process);
+            while (runs_this_program(process) && Clock::now() < until) {
                 std::this_thread::sleep_for(std::chrono::milliseconds(10));
             }
-            if (!runs_here(parts.str(2))) {
+            if (!runs_this_program(process)) {
                 std::filesystem::remove(entry.path(), ignored);
             }
         }
@@ -142,9 +136,9 @@ struct Job {
     double file_bytes = 0;
     double memory = 0;  ///< as estimated
     int attempts = 0;
-    bool alone = false;                          ///< with nothing beside it, as it lacked memory
-    std::vector<std::uint64_t> output_inodes{};  ///< of its outputs, when it began
-    int threads = 0;                             ///< while it runs, as what follows
+    bool alone = false;                           ///< with nothing beside it, as it lacked memory
+    std::vector<std::uint64_t> output_numbers{};  ///< of its outputs, when it began
+    int threads = 0;                              ///< while it runs, as what follows
     double held_memory = 0;
     std::jthread thread{};
 };
@@ -271,9 +265,9 @@ private:
         const Item& item = items_[job.item];
         for (const std::string& file : item.all_files()) {
             std::error_code problem;  // shows when slice writes there
-            std::filesystem::create_directories(std::filesystem::path(file).parent_path(), problem);
+            std::filesystem::create_directories(path_of(file).parent_path(), problem);
         }
-        job.output_inodes = inodes_of(item.files);
+        job.output_numbers = numbers_of(item.files);
         job.held_memory = need_of(job);
         held_memory_ += job.held_memory;
         free_threads_ -= job.threads;
@@ -355,11 +349,11 @@ private:
     /// None of several outputs of a mesh that failed stays; those of an earlier batch do.
     void remove_new_outputs(const Job& job) const {
         const std::vector<std::string>& files = items_[job.item].files;
-        const std::vector<std::uint64_t> inodes = inodes_of(files);
-        for (std::size_t f = 0; f < job.output_inodes.size(); ++f) {
-            if (inodes[f] != 0 && inodes[f] != job.output_inodes[f]) {
+        const std::vector<std::uint64_t> numbers = numbers_of(files);
+        for (std::size_t f = 0; f < job.output_numbers.size(); ++f) {
+            if (numbers[f] != 0 && numbers[f] != job.output_numbers[f]) {
                 std::error_code ignored;
-                std::filesystem::remove(files[f], ignored);
+                std::filesystem::remove(path_of(files[f]), ignored);
             }
         }
     }

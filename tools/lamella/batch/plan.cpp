@@ -8,11 +8,10 @@
 #include <system_error>
 #include <utility>
 
-#include <glob.h>
-
 #include "batch/batch.hpp"
 #include "files/mesh_input.hpp"
 #include "outputs/outputs.hpp"
+#include "system/terminal.hpp"
 #include "terminal/console.hpp"
 
 namespace lamella::cli::batch {
@@ -306,14 +305,12 @@ private:
 /// The path itself, unless it is a pattern and no file.
 std::vector<std::string> expanded(const std::string& path) {
     std::error_code unknown;
-    if (path.find_first_of("*?[") == std::string::npos || std::filesystem::exists(path, unknown)) {
+    if (path.find_first_of("*?[") == std::string::npos || std::filesystem::exists(path_of(path), unknown)) {
         return {path};
     }
-    glob_t found{};
-    const std::unique_ptr<glob_t, void (*)(glob_t*)> owner(&found, &::globfree);
-    const int status = ::glob(path.c_str(), GLOB_ERR, nullptr, &found);
-    refuse_if(status != 0, bad_input, path + (status == GLOB_NOMATCH ? ": no file has such a name" : ": cannot be listed"));
-    return {found.gl_pathv, found.gl_pathv + found.gl_pathc};
+    std::optional<std::vector<std::string>> found = expand_glob(path);
+    refuse_if(!found || found->empty(), bad_input, path + (found ? ": no file has such a name" : ": cannot be listed"));
+    return std::move(*found);
 }
 
 /// The meshes of SOURCE..., files, folders, globs and manifests, in the order of the sources; a folder's in the order of
@@ -344,7 +341,7 @@ std::vector<MeshSource> list_sources(const std::vector<std::string>& given, cons
 /// a/b/liver.stl.gz found below the SOURCE a: {stem} is liver, {name} liver.stl.gz, {parent} b, {dir} b, the folder below
 /// SOURCE.
 std::string expand_pattern(const std::string& pattern, const MeshSource& mesh, const std::string& option) {
-    const std::filesystem::path path(mesh.path);
+    const std::filesystem::path path = path_of(mesh.path);
     const std::map<std::string, std::string> words = {{"stem", mesh_name_of(mesh.path)},
                                                       {"name", path.filename().string()},
                                                       {"parent", path.parent_path().filename().string()},
@@ -362,7 +359,7 @@ std::string expand_pattern(const std::string& pattern, const MeshSource& mesh, c
         text += pattern.substr(at, open - at) + (word->second.empty() ? "." : word->second);
         at = close + 1;
     }
-    return std::filesystem::path(text + pattern.substr(at)).lexically_normal().string();
+    return path_of(text + pattern.substr(at)).lexically_normal().string();
 }
 
 Item item_of(const MeshSource& source, const ItemOptions& options) {

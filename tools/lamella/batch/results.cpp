@@ -8,11 +8,7 @@
 #include <unordered_set>
 #include <utility>
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
+#include "base/system/machine.hpp"
 #include "batch/batch.hpp"
 #include "lamella/io/name_text.hpp"
 #include "lamella/medical/record.hpp"
@@ -37,7 +33,7 @@ Json outputs_of(const Item& item, bool sizes) {
     Json outputs = Json::array();
     for (const std::string& path : item.files) {
         std::error_code unknown;
-        const std::uintmax_t bytes = std::filesystem::file_size(path, unknown);
+        const std::uintmax_t bytes = std::filesystem::file_size(path_of(path), unknown);
         outputs.push_back({{"path", text_of_name(path)}});
         if (sizes && !unknown) {
             outputs.back()["bytes"] = bytes;
@@ -47,9 +43,9 @@ Json outputs_of(const Item& item, bool sizes) {
 }
 
 /// 0 when all is on disk, else an error number.
-int write_to_disk(const Descriptor& file, std::string_view text) noexcept {
-    const int error_number = write_all(file, text);
-    return error_number == 0 && ::fsync(file.number()) != 0 ? errno : error_number;
+int write_to_disk(File& file, std::string_view text, std::uint64_t offset) noexcept {
+    const int error_number = file.write_at(std::as_bytes(std::span(text)), offset);
+    return error_number == 0 ? file.sync() : error_number;
 }
 
 /// Adds all lines of a file but one that is torn; returns the bytes of those. Throws Failure (bad_input) if it cannot be
@@ -71,8 +67,9 @@ std::size_t add_results(const std::string& path, ResultLines& lines) {
     return bytes;
 }
 
-/// Writes the lines, by mesh, then by output, aside, waits for the disk, renames. Throws Failure (bad_output).
-void write_durably(const std::string& path, const ResultLines& lines) {
+/// Writes the lines, by mesh, then by output, aside, waits for the disk, closes the file that is to be replaced, as Windows
+/// wants it, renames. Throws Failure (bad_output).
+void write_durably(const std::string& path, const ResultLines& lines, File replaced) {
     std::vector<const ResultLine*> order;
     order.reserve(lines.size());
     for (const auto& [key, line] : lines) {
@@ -85,20 +82,29 @@ void write_durably(const std::string& path, const ResultLines& lines) {
     for (const ResultLine* line : order) {
         text += line->json.dump() + "\n";
     }
-    const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-    const std::string name = "." + std::filesystem::path(path).filename().string();
-    const std::string aside = (folder / (name + "." + std::to_string(::getpid()) + "-0.part")).string();
-    const Descriptor file(::open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
-    int error_number = file.number() < 0 ? errno : write_to_disk(file, text);
-    if (error_number == 0 && ::rename(aside.c_str(), path.c_str()) != 0) {
-        error_number = errno;
+    const std::filesystem::path real = path_of(path);
+    std::filesystem::path aside = real.parent_path() / ".";
+    aside += real.filename();
+    aside += "." + std::to_string(process_number()) + "-0.part";
+    File file;
+    int error_number = file.open_or_create(aside, 0666);
+    error_number = error_number == 0 ? file.truncate(0) : error_number;
+    error_number = error_number == 0 ? write_to_disk(file, text, 0) : error_number;
+    (void)file.close();
+    std::error_code failure;
+    if (error_number == 0) {
+        (void)replaced.close();
+        std::filesystem::rename(aside, real, failure);
+        error_number = error_number_of(failure);
     }
     if (error_number != 0) {
-        ::unlink(aside.c_str());
+        std::filesystem::remove(aside, failure);
         throw unwritable(path, error_number);
     }
-    const Descriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-    (void)::fsync(opened.number());  // Some file systems have none for folders.
+    File entries;
+    if (entries.open_to_read(real.parent_path()) == 0) {
+        (void)entries.sync();  // Some file systems have none for folders.
+    }
 }
 
 /// Drops the lines of which another item of this batch writes an output.
@@ -122,7 +128,7 @@ std::optional<ResultsName> shard_at(const std::filesystem::path& path) {
     if (shard) {
         shard->folder = path.parent_path().empty() ? "." : path.parent_path().string();
     }
-    return shard && std::filesystem::path(shard->path()).filename() == name ? shard : std::nullopt;
+    return shard && path_of(shard->path()).filename() == name ? shard : std::nullopt;
 }
 
 /// All shards of one batch, in their order.
@@ -131,10 +137,10 @@ std::vector<ResultsName> shards_of(const std::vector<std::string>& sources) {
     for (const std::string& source : sources) {
         std::error_code problem;
         const std::size_t before = shards.size();
-        const bool is_folder = std::filesystem::is_directory(source, problem);
-        std::vector<std::filesystem::path> paths{source};
+        const bool is_folder = std::filesystem::is_directory(path_of(source), problem);
+        std::vector<std::filesystem::path> paths{path_of(source)};
         if (is_folder) {
-            const auto entries = entries_of(source, problem);
+            const auto entries = entries_of(path_of(source), problem);
             paths.assign(entries.begin(), entries.end());
         }
         for (const std::filesystem::path& path : paths) {
@@ -197,7 +203,7 @@ bool ResultLine::is_of(const Item& item) const {
     const Json& found = json.at("outputs");
     return failure.empty() && mesh == item.mesh && json.at("options") == as_text(item.words) &&
            json.at("inputs") == item.inputs && found == outputs_of(item, true) && found[0].contains("bytes") &&
-           (item.report.empty() || std::filesystem::exists(item.report, unknown));
+           (item.report.empty() || std::filesystem::exists(path_of(item.report), unknown));
 }
 
 bool ResultLine::is_of_older_version() const {
@@ -213,33 +219,33 @@ Json fact_of(const std::string& path, bool hash, const Callback<bool()>& stop) {
     std::uint64_t bytes = 0;
     std::int64_t modified = 0;
     const auto add = [&](const std::filesystem::path& file) {
-        struct stat found {};
-        if (::stat(file.c_str(), &found) == 0 && S_ISREG(found.st_mode)) {
-            bytes += static_cast<std::uint64_t>(found.st_size);
-            modified = std::max(modified, std::int64_t{found.st_mtim.tv_sec} * 1'000'000'000 + found.st_mtim.tv_nsec);
+        FileStatus found;
+        if (status_of(file, found) == 0 && found.type == std::filesystem::file_type::regular) {
+            bytes += found.size;
+            modified = std::max(modified, static_cast<std::int64_t>(found.changed));
         }
     };
     std::error_code problem;
-    if (hash && std::filesystem::is_regular_file(path, problem)) {
-        const Result<FileSeal> seal = seal_file(path, {.stop = stop});
+    if (hash && std::filesystem::is_regular_file(path_of(path), problem)) {
+        const Result<FileSeal> seal = seal_file(path_of(path), {.stop = stop});
         if (seal) {
             return {{"path", text_of_name(path)}, {"bytes", seal->bytes}, {"sha256", seal->sha256}};
         }
         refuse_if(seal.error().code == ErrorCode::cancelled, bad_input, seal.error().message);
     }
-    if (std::filesystem::is_directory(path, problem)) {
-        for (const std::filesystem::directory_entry& entry : entries_of(path, problem)) {
+    if (std::filesystem::is_directory(path_of(path), problem)) {
+        for (const std::filesystem::directory_entry& entry : entries_of(path_of(path), problem)) {
             add(entry.path());
         }
     } else {
-        add(path);
+        add(path_of(path));
     }
     return {{"path", text_of_name(path)}, {"bytes", bytes}, {"modified_ns", modified}};
 }
 
 std::string ResultsName::path() const {
     const std::string of_shard = "." + std::to_string(shard) + "-of-" + std::to_string(shards);
-    return (std::filesystem::path(folder) / ("results" + when(shards > 0, of_shard) + ".jsonl")).string();
+    return (path_of(folder) / ("results" + when(shards > 0, of_shard) + ".jsonl")).string();
 }
 
 std::optional<ResultsName> parse_shard(std::string_view text, std::string_view between) {
@@ -251,22 +257,20 @@ std::optional<ResultsName> parse_shard(std::string_view text, std::string_view b
                : std::nullopt;
 }
 
-ResultsFile::ResultsFile(const ResultsName& name) : path_(name.path()), shard_(name.shards > 0), file_(-1) {
+ResultsFile::ResultsFile(const ResultsName& name) : path_(name.path()), shard_(name.shards > 0) {
     std::error_code unknown;  // shows when the file is opened
-    std::filesystem::create_directories(name.folder, unknown);
-    file_ = Descriptor(::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
-    if (file_.number() < 0) {
-        throw unwritable(path_, errno);
+    std::filesystem::create_directories(path_of(name.folder), unknown);
+    if (const int failure = file_.open_or_create(path_of(path_), 0666); failure != 0) {
+        throw unwritable(path_, failure);
     }
     // Where a file system has no locks, that two batches do not meet is up to who starts them.
-    refuse_if(::flock(file_.number(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK, bad_output,
-              path_ + ": another lamella batch is at work on it");
-    if (shard_ && std::filesystem::exists(name.path_of_whole(), unknown)) {
+    refuse_if(file_.lock() == EWOULDBLOCK, bad_output, path_ + ": another lamella batch is at work on it");
+    if (shard_ && std::filesystem::exists(path_of(name.path_of_whole()), unknown)) {
         (void)add_results(name.path_of_whole(), lines_);
     }
     bytes_ = add_results(path_, lines_);
-    if (::ftruncate(file_.number(), static_cast<off_t>(bytes_)) != 0) {  // a torn line
-        throw unwritable(path_, errno);
+    if (const int failure = file_.truncate(bytes_); failure != 0) {  // a torn line
+        throw unwritable(path_, failure);
     }
 }
 
@@ -277,8 +281,8 @@ const ResultLine* ResultsFile::find(const std::string& key) const {
 
 void ResultsFile::append(const ResultLine& result) {
     const std::string line = result.json.dump() + "\n";
-    if (const int error_number = write_to_disk(file_, line); error_number != 0) {
-        (void)!::ftruncate(file_.number(), static_cast<off_t>(bytes_));
+    if (const int error_number = write_to_disk(file_, line, bytes_); error_number != 0) {
+        (void)file_.truncate(bytes_);
         throw unwritable(path_, error_number);
     }
     bytes_ += line.size();
@@ -296,7 +300,7 @@ void ResultsFile::finish(const std::vector<Item>& items) {
         std::erase_if(lines_, [&](const auto& line) { return !keys.contains(line.first); });
     }
     drop_overwritten(lines_, written, keys);
-    write_durably(path_, lines_);
+    write_durably(path_, lines_, std::move(file_));
 }
 
 void merge_shards(const std::vector<std::string>& sources) {
@@ -317,13 +321,13 @@ void merge_shards(const std::vector<std::string>& sources) {
     }
     std::sort(failures.begin(), failures.end());
     std::error_code unknown;
-    if (std::filesystem::exists(path, unknown)) {
+    if (std::filesystem::exists(path_of(path), unknown)) {
         ResultLines earlier;
         (void)add_results(path, earlier);
         drop_overwritten(earlier, written, {});
         lines.merge(earlier);
     }
-    write_durably(path, lines);
+    write_durably(path, lines, File());
     print("meshes    " + grouped(items) + ": " + grouped(items - failures.size()) + " done, " + grouped(failures.size()) +
           " failed\nresults   " + printable(path) + "\n" + joined(failures, ""));
     refuse_if(!failures.empty(), some_failed,

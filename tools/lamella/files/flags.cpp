@@ -6,6 +6,7 @@
 #include <system_error>
 #include <utility>
 
+#include "base/system/file.hpp"
 #include "options/option_words.hpp"
 
 namespace lamella::cli {
@@ -186,7 +187,7 @@ void declare_heights(CLI::App& command, const OptionLine& line, std::optional<st
     const auto take = [&heights](const std::string& text) -> std::string {
         heights = parse_list(text);
         std::error_code unknown;
-        if (!heights && text.find(',') != std::string::npos && !std::filesystem::exists(text, unknown)) {
+        if (!heights && text.find(',') != std::string::npos && !std::filesystem::exists(path_of(text), unknown)) {
             return "'" + text + "' is neither a list of numbers nor a file";
         }
         if (!heights && (heights = read_numbers(text).values)->empty()) {

@@ -2,46 +2,17 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cerrno>
-#include <csignal>
 #include <cstdlib>
 
-#include <fcntl.h>
-#include <poll.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
+#include "base/system/file.hpp"
 #include "io/write/output_file.hpp"
 #include "lamella/io/text_file.hpp"
+#include "system/terminal.hpp"
 
 namespace lamella::cli {
 
 namespace {
-
-/// Made before it is needed: a handler may neither allocate nor format.
-std::string& bus_error_line() {
-    static std::string line;
-    return line;
-}
-
-/// Several threads may read the file: one says so, the others wait for the end.
-extern "C" void end_with_bus_error_line(int /*signal_number*/) {
-    static std::atomic_flag taken;
-    while (taken.test_and_set()) {
-        ::pause();
-    }
-    const std::string& line = bus_error_line();
-    (void)!::write(STDERR_FILENO, line.data(), line.size());
-    ::_exit(bad_input);
-}
-
-/// Reading on where a mapped file has ended is a SIGBUS, which from here on ends the process with one line that names the
-/// file. Nothing is being written while the mesh is read, so there is nothing to tidy up.
-void explain_bus_errors(const std::string& name) {
-    bus_error_line() = complaint(name + ": shrank while it was read, or its disk failed");
-    (void)std::signal(SIGBUS, end_with_bus_error_line);
-}
 
 Failure unreadable(int error_number) {
     return {bad_input, "standard input: cannot be read: " + std::generic_category().message(error_number)};
@@ -52,46 +23,25 @@ Failure no_spool(int error_number) {
                            "': " + std::generic_category().message(error_number)};
 }
 
-/// Removed as soon as it is open: whatever ends the process leaves nothing behind.
-Descriptor open_unnamed() {
-    // A file opened now would take the number of a standard input that is closed.
-    if (::fcntl(STDIN_FILENO, F_GETFD) < 0) {
-        throw unreadable(errno);
-    }
-    std::string name = (std::filesystem::path(temporary_folder()) / "lamella-XXXXXX").string();
-    Descriptor file(::mkostemp(name.data(), O_CLOEXEC));
-    if (file.number() < 0) {
-        throw no_spool(errno);
-    }
-    ::unlink(name.c_str());
-    return file;
-}
-
-/// 0 at the end.
-std::size_t read_some(std::vector<char>& buffer) {
-    for (;;) {
-        const ssize_t got = ::read(STDIN_FILENO, buffer.data(), buffer.size());
-        if (got >= 0) {
-            return static_cast<std::size_t>(got);
-        }
-        if (errno == EAGAIN) {
-            pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
-            (void)::poll(&input, 1, -1);
-        } else if (errno != EINTR) {
-            throw unreadable(errno);
-        }
-    }
-}
-
 /// All of standard input in a file that has no name, so that any of its bytes can be read in any order. The file is made in
 /// the temporary folder. Throws Failure.
-Descriptor spooled_input() {
-    Descriptor file = open_unnamed();
+File spooled_input() {
+    File input;
+    // A file opened now would take the number of a standard input that is closed.
+    if (const int failure = input.duplicate(0); failure != 0) {
+        throw unreadable(failure);
+    }
+    File file;
+    int failure = file.create_scratch(path_of(temporary_folder()));
     std::vector<char> buffer(std::size_t{1} << 20);
-    while (const std::size_t count = read_some(buffer)) {
-        if (const int error_number = write_all(file, {buffer.data(), count}); error_number != 0) {
-            throw no_spool(error_number);
+    for (std::size_t count = 1; failure == 0 && count > 0;) {
+        if (const int unread = input.read(std::as_writable_bytes(std::span(buffer)), count); unread != 0) {
+            throw unreadable(unread);
         }
+        failure = file.write({buffer.data(), count});
+    }
+    if (failure != 0) {
+        throw no_spool(failure);
     }
     return file;
 }
@@ -101,7 +51,7 @@ void add_meshes(const std::filesystem::path& folder, const std::filesystem::path
     for (const std::filesystem::directory_entry& entry : entries_of(folder, problem)) {
         std::error_code unknown;
         const std::filesystem::path name = entry.path().filename();
-        if (name.native().starts_with('.')) {
+        if (name.native().front() == '.') {
             continue;
         }
         if (!entry.is_directory(unknown)) {
@@ -163,40 +113,22 @@ std::vector<std::string> keys_of(const std::string& path) {
         return {path};
     }
     std::error_code unknown;
-    const std::filesystem::path whole = std::filesystem::absolute(path, unknown);
+    const std::filesystem::path whole = std::filesystem::absolute(path_of(path), unknown);
     const std::filesystem::path place = std::filesystem::weakly_canonical(whole, unknown);
-    std::vector<std::string> keys = {(unknown ? std::filesystem::path(path).lexically_normal() : place).string()};
-    struct stat file {};
-    if (::stat(path.c_str(), &file) == 0) {
-        keys.push_back(std::to_string(file.st_dev) + ":" + std::to_string(file.st_ino));
+    std::vector<std::string> keys = {(unknown ? path_of(path).lexically_normal() : place).string()};
+    if (FileStatus file; status_of(path_of(path), file) == 0) {
+        keys.push_back(std::to_string(file.volume) + ":" + std::to_string(file.number));
     }
     return keys;
 }
 
 }  // namespace
 
-Descriptor::~Descriptor() {
-    if (number_ >= 0) {
-        ::close(number_);
-    }
-}
-
-int write_all(const Descriptor& to, std::string_view bytes) noexcept {
-    while (!bytes.empty()) {
-        const ssize_t written = ::write(to.number(), bytes.data(), bytes.size());
-        if (written < 0 && errno != EINTR) {
-            return errno;
-        }
-        bytes.remove_prefix(static_cast<std::size_t>(written < 0 ? 0 : written));
-    }
-    return 0;
-}
-
 void write_text(const std::string& path, const std::string& text) {
     if (is_standard(path)) {
         print(text);
     } else {
-        done_or_thrown(write_text_file(path, text));
+        done_or_thrown(write_text_file(path_of(path), text));
     }
 }
 
@@ -207,36 +139,34 @@ std::string temporary_folder() {
 }
 
 Failure unwritable(const std::string& path, int error_number) {
-    return failure_of(lamella::unwritable(path, error_number));
+    return failure_of(lamella::unwritable(path_of(path), error_number));
 }
 
 void require_writable(const std::string& path) {
     if (is_standard(path)) {
-        const int flags = ::fcntl(STDOUT_FILENO, F_GETFL);
-        refuse_if(flags < 0 || (flags & O_ACCMODE) == O_RDONLY, bad_output,
-                  "cannot write to standard output: " + std::generic_category().message(EBADF));
-        return;
+        const int failure = check_standard_output();
+        return refuse_if(failure != 0, bad_output, "cannot write to standard output: " + system_message(failure));
     }
     // Nothing is made for a trial: a signal at that moment would leave it behind.
-    const std::filesystem::path file(path);
+    const std::filesystem::path file = path_of(path);
     std::error_code unknown;
     if (!file.has_filename() || std::filesystem::is_directory(file, unknown)) {
         throw unwritable(path, EISDIR);
     }
     const bool exists = std::filesystem::exists(file, unknown);
-    const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
+    const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
     if (!exists && std::filesystem::exists(folder, unknown) && !std::filesystem::is_directory(folder, unknown)) {
         throw unwritable(path, ENOTDIR);
     }
-    if (::access(exists ? path.c_str() : folder.c_str(), exists ? W_OK : W_OK | X_OK) != 0) {
-        throw unwritable(path, errno);
+    if (const int failure = check_writable(exists ? file : folder); failure != 0) {
+        throw unwritable(path, failure);
     }
 }
 
 void require_extension(const std::string& path, const std::string& option, const std::string& extension) {
-    const std::string own = lower_case(std::filesystem::path(path).extension().string());
+    const std::string own = lower_case(path_of(path).extension().string());
     std::error_code unknown;
-    if (!own.empty() && own != extension && !std::filesystem::is_other(path, unknown)) {
+    if (!own.empty() && own != extension && !std::filesystem::is_other(path_of(path), unknown)) {
         throw Failure(bad_usage,
                       option + ": '" + path + "': no format that is written ends in " + own + "; there is " + extension);
     }
@@ -298,16 +228,17 @@ void declare_running(CLI::App& command, MeshArguments& arguments) {
 MeshFile read_mesh_of(const MeshArguments& arguments, Stages& stages) {
     const std::string name = arguments.name();
     if (arguments.map_file) {
-        explain_bus_errors(name);
+        // Nothing is being written while the mesh is read, so there is nothing to tidy up.
+        explain_bus_errors(complaint(name + ": shrank while it was read, or its disk failed"), bad_input);
     }
     const bool standard = is_standard(arguments.mesh);
     const ReadOptions options{.map_file = arguments.map_file,
                               .mm_per_unit = arguments.unit_mm.value_or(1),
                               .name = standard ? std::string_view(name) : ""};
     const Stopwatch spooling;
-    const Descriptor spooled = standard ? spooled_input() : Descriptor(-1);
+    const File spooled = standard ? spooled_input() : File();
     const double spool_ms = standard ? spooling.ms() : 0;
-    const std::string path = standard ? "/dev/fd/" + std::to_string(spooled.number()) : arguments.mesh;
+    const std::filesystem::path path = standard ? spooled.path() : path_of(arguments.mesh);
     Result<MeshFile> mesh = stages.run("reading", [&](const Context& context) { return read_mesh(path, options, context); });
     if (!mesh) {
         const Failure failure = failure_of(mesh.error());
@@ -386,7 +317,7 @@ std::vector<std::filesystem::directory_entry> entries_of(const std::filesystem::
 
 bool is_folder(const std::string& path) {
     std::error_code unknown;
-    return !is_standard(path) && std::filesystem::is_directory(path, unknown);
+    return !is_standard(path) && std::filesystem::is_directory(path_of(path), unknown);
 }
 
 std::vector<ListedMesh> meshes_at(const std::string& path) {
@@ -394,7 +325,7 @@ std::vector<ListedMesh> meshes_at(const std::string& path) {
     if (!is_folder(path)) {
         return {{path, "", ""}};
     }
-    add_meshes(path, "", meshes);
+    add_meshes(path_of(path), "", meshes);
     if (meshes.empty()) {
         meshes.push_back({path, "", "is a folder in which no file is named as a mesh"});
     }

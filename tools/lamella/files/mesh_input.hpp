@@ -1,4 +1,4 @@
-// Files of a command: descriptors of the system, "-" in place of a path (standard input for a mesh, standard output for what
+// Files of a command: "-" in place of a path (standard input for a mesh, standard output for what
 // is written), and checks of an output's path before the work for it is done. The meshes that a command works on: the flags
 // that say how to read them, files and folders, a file in words, and doubts that its size and place raise.
 #pragma once
@@ -15,34 +15,13 @@
 
 #include <CLI/CLI.hpp>
 
+#include "base/system/file.hpp"
 #include "files/flags.hpp"
 #include "lamella/check.hpp"
 #include "lamella/io/mesh_file.hpp"
 #include "terminal/console.hpp"
 
 namespace lamella::cli {
-
-/// Closes its descriptor.
-class Descriptor {
-public:
-    explicit Descriptor(int number) noexcept : number_(number) {}
-    Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
-    Descriptor& operator=(Descriptor&& other) noexcept {
-        std::swap(number_, other.number_);
-        return *this;
-    }
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-    ~Descriptor();
-
-    int number() const noexcept { return number_; }
-
-private:
-    int number_;  ///< below 0: none
-};
-
-/// 0 when all is written, else an error number.
-int write_all(const Descriptor& to, std::string_view bytes) noexcept;
 
 inline constexpr std::string_view standard_stream = "-";
 
@@ -59,8 +38,8 @@ inline std::string output_name(const std::string& path) {
 }
 
 /// The path under which the library writes to an output.
-inline std::string output_path(const std::string& path) {
-    return is_standard(path) ? "/dev/stdout" : path;
+inline std::filesystem::path output_path(const std::string& path) {
+    return is_standard(path) ? "/dev/stdout" : path_of(path);
 }
 
 /// Writes a report. Throws Failure (bad_output).

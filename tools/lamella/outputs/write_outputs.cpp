@@ -58,7 +58,7 @@ void note_thin_walls(const OutputJob& job, const SlicedPart& part, double wall_m
 void write_mask_of(const OutputJob& job, const PlannedOutput& output, const Context& context, const Note& note) {
     const auto parts = parts_of(job, [](const SlicedPart& part) { return MaskPart{&part.result, part.name}; });
     const MaskSummary summary = done_or_thrown(write_mask(
-        parts, *job.image, output.path, {.coverage = job.arguments.coverage, .subslices = job.subslices}, context));
+        parts, *job.image, path_of(output.path), {.coverage = job.arguments.coverage, .subslices = job.subslices}, context));
     if (summary.overlapped_voxels > 0) {
         note(output.path + ": " + counted(summary.overlapped_voxels, "voxel") +
              (summary.overlapped_voxels == 1 ? " lies" : " lie") + " in several meshes; the later label holds");
@@ -91,7 +91,8 @@ void write_structure_set_of(const OutputJob& job, const PlannedOutput& output, c
     const StructureSetOptions options{.holes = job.arguments.holes.value_or(HoleForm::keyhole),
                                       .without_ct = job.arguments.without_ct,
                                       .seconds_since_1970 = source_date()};
-    const Result<StructureSetSummary> written = write_structure_set(rois, *job.image, output.path, options, context);
+    const Result<StructureSetSummary> written =
+        write_structure_set(rois, *job.image, path_of(output.path), options, context);
     if (!written) {  // what options can be wrong in was seen before
         const Failure failure = failure_of(written.error());
         throw Failure(failure.status() == bad_usage ? bad_input : failure.status(), failure.what());
@@ -131,12 +132,12 @@ void write_one(const OutputJob& job, const PlannedOutput& output, const Context&
                          [](const SlicedPart& part) {
                              return TablePart{&part.result, part.name, part.facts ? &*part.facts : nullptr};
                          }),
-                output.path, image, context));
+                path_of(output.path), image, context));
         case OutputFormat::png: {
             const auto parts = parts_of(job, [](const SlicedPart& part) { return PicturePart{&part.result, part.name}; });
             const std::optional<std::uint64_t> layer = job.arguments.picture_layer;
-            return done_or_thrown(layer ? write_layer_picture(parts, *layer, output.path, {.image = image}, context)
-                                        : write_contact_sheet(parts, output.path, {.image = image}, context));
+            return done_or_thrown(layer ? write_layer_picture(parts, *layer, path_of(output.path), {.image = image}, context)
+                                        : write_contact_sheet(parts, path_of(output.path), {.image = image}, context));
         }
         case OutputFormat::hdf5: {
             const SlicedPart& part = job.parts.front();
@@ -148,7 +149,7 @@ void write_one(const OutputJob& job, const PlannedOutput& output, const Context&
             if (part.welded) {
                 info.weld = ArchiveWeld{part.welded->tolerance_mm, part.welded->joined};
             }
-            return done_or_thrown(write_archive(part.result, info, output.path, context));
+            return done_or_thrown(write_archive(part.result, info, path_of(output.path), context));
         }
     }
 }
@@ -224,14 +225,14 @@ std::vector<RecordedOption> recorded_options(const CLI::App& slice_command) {
 }
 
 bool takes_record(const PlannedOutput& output) {
-    return output.has_record() && std::filesystem::is_regular_file(output.path);
+    return output.has_record() && std::filesystem::is_regular_file(path_of(output.path));
 }
 
 void write_record_beside(const PlannedOutput& output, Record record, const Context& context) {
     record.version = version;
-    record.output = done_or_thrown(seal_file(output.path, context));
-    record.output.path = std::filesystem::path(output.path).filename().string();
-    done_or_thrown(write_record(record, output.record_path()));
+    record.output = done_or_thrown(seal_file(path_of(output.path), context));
+    record.output.path = path_of(output.path).filename().string();
+    done_or_thrown(write_record(record, path_of(output.record_path())));
 }
 
 OpenLayers open_layers_of(const SliceResult& result, const Context& context) {
@@ -283,7 +284,7 @@ std::string mesh_name_of(const std::string& path) {
     if (is_standard(path)) {
         return "mesh";
     }
-    std::filesystem::path name = std::filesystem::path(path).filename();
+    std::filesystem::path name = path_of(path).filename();
     if (name.extension() == ".gz" && name.stem().has_extension()) {
         name = name.stem();
     }
@@ -294,7 +295,7 @@ std::string wrote(const std::vector<std::string>& outputs) {
     std::string text;
     for (const std::string& output : outputs) {
         std::error_code unknown;  // of a pipe, and of a device
-        const std::uintmax_t bytes = is_standard(output) ? 0 : std::filesystem::file_size(output, unknown);
+        const std::uintmax_t bytes = is_standard(output) ? 0 : std::filesystem::file_size(path_of(output), unknown);
         text +=
             "wrote     " + output_name(output) + when(!is_standard(output) && !unknown, ", " + file_size_text(bytes)) + "\n";
     }

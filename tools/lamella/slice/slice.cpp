@@ -132,7 +132,7 @@ public:
         const ImageGeometry* const image = job.image ? &*job.image : nullptr;
         for (const PlannedOutput& output : job.outputs) {
             output.format == OutputFormat::svg ? add(SvgStream::begin(info, output_path(output.path)))
-                                               : add(LayerTableStream::begin(mesh_name, output.path, image));
+                                               : add(LayerTableStream::begin(mesh_name, path_of(output.path), image));
         }
     }
 

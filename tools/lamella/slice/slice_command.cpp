@@ -12,6 +12,7 @@
 #include "outputs/outputs.hpp"
 #include "processes/process.hpp"
 #include "slice/slice.hpp"
+#include "system/process.hpp"
 #include "terminal/console.hpp"
 
 namespace lamella::cli {
@@ -37,10 +38,10 @@ std::filesystem::path folder_beside(const SliceArguments& arguments) {
     const char* const asked = std::getenv("TMPDIR");
     // Else beside the output: the system's own folder is often held in memory.
     if ((asked == nullptr || *asked == 0) && !arguments.outputs.outputs.empty() && !arguments.output_to_stdout()) {
-        const std::filesystem::path folder = std::filesystem::path(arguments.outputs.outputs.front()).parent_path();
+        const std::filesystem::path folder = path_of(arguments.outputs.outputs.front()).parent_path();
         return folder.empty() ? "." : folder;
     }
-    return temporary_folder();
+    return path_of(temporary_folder());
 }
 
 /// The patient frame of a mesh: what its file states, else --frame. Throws Failure where neither says it.
@@ -154,7 +155,7 @@ private:
             return meshes;
         }
         if (!arguments_.image.like.empty()) {
-            job_.image = done_or_thrown(read_image_geometry(arguments_.image.like));
+            job_.image = done_or_thrown(read_image_geometry(path_of(arguments_.image.like)));
         } else {
             for (const std::string& mesh : arguments_.meshes) {
                 meshes.push_back(read(mesh));
@@ -203,7 +204,7 @@ private:
             const StreamOptions options{.memory_bytes = arguments_.memory_bytes,
                                         .temporary_folder = folder_beside(arguments_),
                                         .read = {.mm_per_unit = arguments_.unit_mm.value_or(1)}};
-            mesh.stream = done_or_thrown(open_mesh(path, options));
+            mesh.stream = done_or_thrown(open_mesh(path_of(path), options));
         } else {
             mesh.file = read_mesh_of(arguments_, stages_);
         }
@@ -363,7 +364,7 @@ private:
 
     /// Returns its SHA-256.
     std::string add_input(const std::string& path, std::uint64_t bytes) {
-        job_.inputs.push_back(is_standard(path) ? FileSeal{path, bytes, ""} : done_or_thrown(seal_file(path)));
+        job_.inputs.push_back(is_standard(path) ? FileSeal{path, bytes, ""} : done_or_thrown(seal_file(path_of(path))));
         return job_.inputs.back().sha256;
     }
 

@@ -4,15 +4,13 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <memory>
 #include <system_error>
-#include <thread>
 
-#include <pthread.h>
-#include <unistd.h>
-
+#include "base/system/file.hpp"
 #include "lamella/io/text_file.hpp"
+#include "system/process.hpp"
+#include "system/terminal.hpp"
 
 namespace lamella::cli {
 
@@ -83,8 +81,7 @@ void print_words(std::string_view text, bool stdout_taken) {
     }
 }
 
-ProgressBar::ProgressBar(When when)
-    : shown_(when == When::always || (when == When::automatic && ::isatty(STDERR_FILENO) == 1)) {}
+ProgressBar::ProgressBar(When when) : shown_(when == When::always || (when == When::automatic && is_terminal())) {}
 
 void ProgressBar::show(std::string_view what, double fraction) {
     const auto now = Clock::now();
@@ -111,20 +108,8 @@ void ProgressBar::wipe() {
 }
 
 Interrupt::Interrupt() {
-    sigemptyset(&signals_);
-    for (const int signal_number : {SIGINT, SIGTERM, SIGHUP}) {
-        // A caller that ignores a signal (nohup, a shell's background jobs) means it for its children too.
-        struct sigaction action {};
-        if (::sigaction(signal_number, nullptr, &action) != 0 || action.sa_handler != SIG_IGN) {
-            sigaddset(&signals_, signal_number);
-        }
-    }
-    pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
-    // A closed pipe and a file size limit become errors of write(), reported like a full disk.
-    (void)std::signal(SIGPIPE, SIG_IGN);
-    (void)std::signal(SIGXFSZ, SIG_IGN);
     try {
-        std::thread([this] { wait_for_signals(); }).detach();
+        take_signals([](void* own, int number) { static_cast<Interrupt*>(own)->take(number); }, this);
     } catch (const std::system_error& refused) {
         throw Failure(bad_input,
                       "cannot start a thread, as there are too many or too little memory: " + refused.code().message());
@@ -146,51 +131,27 @@ void Interrupt::end_deferring() noexcept {
     die_if_interrupted();
 }
 
-void Interrupt::wait_for_signals() {
-    int signal_number = 0;
-    while (sigwait(&signals_, &signal_number) == 0) {
-        if (!deferring_ || signal_ != 0) {
-            die_by(signal_number);
-        }
-        signal_ = signal_number;
+void Interrupt::take(int signal_number) noexcept {
+    if (!deferring_ || signal_ != 0) {
+        die_by(signal_number);
     }
+    signal_ = signal_number;
 }
 
 /// As if the signal had never been handled: shells and schedulers see its number in the exit status.
 void Interrupt::die_by(int signal_number) noexcept {
     const std::lock_guard lock(mutex_);
     for (const std::string& output : outputs_) {
-        remove_unfinished(output);
+        remove_unfinished(path_of(output));
     }
     complain("interrupted");
-    sigset_t only;
-    sigemptyset(&only);
-    sigaddset(&only, signal_number);
-    (void)std::signal(signal_number, SIG_DFL);
-    pthread_sigmask(SIG_UNBLOCK, &only, nullptr);
-    (void)::raise(signal_number);
+    end_by_signal(signal_number);
 }
 
 void Interrupt::die_if_interrupted() noexcept {
     if (const int signal_number = signal_; signal_number != 0) {
         die_by(signal_number);
     }
-}
-
-std::optional<std::uint64_t> system_number(const std::string& path, std::string_view key) {
-    std::ifstream file(path);
-    std::uint64_t number = 0;
-    for (std::string word; file >> word;) {
-        if (word == key && file >> number) {
-            return number;
-        }
-    }
-    return std::nullopt;
-}
-
-std::uint64_t peak_rss_bytes() {
-    // Not getrusage(): what it reports survives exec, so a large parent process would be reported instead.
-    return system_number("/proc/self/status", "VmHWM:").value_or(0) * 1024;
 }
 
 std::optional<double> parse_number(std::string_view text) noexcept {
@@ -215,7 +176,7 @@ std::string with_point(std::string_view text) {
 }
 
 std::string read_bytes(const std::string& path, std::size_t most_bytes) {
-    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(open_stream(path_of(path)), &std::fclose);
     std::string text;
     std::vector<char> piece(std::size_t{1} << 16);
     std::size_t count = 0;

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <atomic>
-#include <csignal>
 #include <cstdint>
 #include <limits>
 #include <mutex>
@@ -152,12 +151,6 @@ private:
     Clock::time_point begin_ = Clock::now();
 };
 
-/// The number after `key` in a file of the system, as after "MemTotal:" in /proc/meminfo; none if it is not there.
-std::optional<std::uint64_t> system_number(const std::string& path, std::string_view key);
-
-/// Largest resident size so far.
-std::uint64_t peak_rss_bytes();
-
 // --- stages
 
 /// Signals, which a thread of its own takes until the process ends. Construct it before any other thread, so that all of
@@ -182,12 +175,11 @@ public:
     void die_if_interrupted() noexcept;
 
 private:
-    void wait_for_signals();
+    void take(int signal_number) noexcept;
     void die_by(int signal_number) noexcept;
 
     std::atomic<bool> deferring_ = false;
     std::atomic<int> signal_ = 0;
-    sigset_t signals_{};
     std::mutex mutex_;  ///< of the outputs
     std::vector<std::string> outputs_;
 };

@@ -1,6 +1,7 @@
 // lamella verify: whether outputs are what their records say, and, made once more by this program itself from the inputs and
 // options of its record, the same.
 #include <algorithm>
+#include <cerrno>
 #include <cstddef>
 #include <filesystem>
 #include <map>
@@ -307,11 +308,17 @@ private:
     }
 
     void verify_folder(const std::string& folder) {
+        if (!can_list(path_of(folder))) {
+            return say_unread(path_of(folder), system_message(ENAMETOOLONG));
+        }
         std::vector<std::string> records;
         std::error_code problem;
         const auto options = fs::directory_options::skip_permission_denied;
         for (fs::recursive_directory_iterator at(path_of(folder), options, problem), end; !problem && at != end;
              at.increment(problem)) {
+            if (!can_list(at->path())) {
+                at.disable_recursion_pending();
+            }
             if (at->path().string().ends_with(record_end) && !at->is_directory(problem)) {
                 records.push_back(at->path().string());
             }

@@ -27,6 +27,8 @@ std::string path_text(const std::filesystem::path& path);
 std::filesystem::path path_of(std::string_view text);
 /// The path by which the system finds the file: on Windows one that is long is made absolute, and marked.
 std::filesystem::path system_path(const std::filesystem::path& path);
+/// False of a folder of which std::filesystem lists another: on Windows one whose name is long.
+bool can_list(const std::filesystem::path& folder);
 
 struct FileStatus {
     std::filesystem::file_type type = std::filesystem::file_type::none;

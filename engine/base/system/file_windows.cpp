@@ -91,6 +91,10 @@ std::filesystem::path system_path(const std::filesystem::path& path) {
     return full.starts_with(LR"(\\)") ? LR"(\\?\UNC)" + full.substr(1) : LR"(\\?\)" + full;
 }
 
+bool can_list(const std::filesystem::path& folder) {
+    return system_path(folder).native().size() < MAX_PATH - 4;  // with the mark of a long one, or "\\*"
+}
+
 int File::open_to_read(const std::filesystem::path& path) {
     return open(path, GENERIC_READ, OPEN_EXISTING, FILE_FLAG_BACKUP_SEMANTICS, handle_);  // folders too
 }

@@ -49,7 +49,10 @@ void remove_unfinished(const std::filesystem::path& path) noexcept {
         const std::filesystem::path destination = system_path(ignored ? path : real);
         const std::filesystem::path folder = destination.has_parent_path() ? destination.parent_path() : ".";
         const std::filesystem::path prefix = aside_prefix(destination);
-        std::filesystem::directory_iterator entry(folder, ignored);
+        std::filesystem::directory_iterator entry;
+        if (can_list(folder)) {
+            entry = std::filesystem::directory_iterator(folder, ignored);
+        }
         for (; entry != std::filesystem::directory_iterator(); entry.increment(ignored)) {
             if (entry->path().filename().native().starts_with(prefix.native())) {
                 std::filesystem::remove(entry->path(), ignored);

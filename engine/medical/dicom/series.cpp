@@ -2,6 +2,7 @@
 //
 // Not by DCMTK, which overflows the stack on sequences nested deeply enough, logs by a logger of the whole process, and
 // needs a dictionary that an environment variable finds. A header takes a file's first 64 KiB as a rule, and no recursion.
+#include <cerrno>
 #include <map>
 #include <memory>
 #include <system_error>
@@ -9,6 +10,7 @@
 #include <zlib.h>
 
 #include "base/guard.hpp"
+#include "base/system/file.hpp"
 #include "base/words.hpp"
 #include "io/read/input_file.hpp"
 #include "lamella/grid.hpp"
@@ -235,6 +237,9 @@ std::optional<DicomHeader> read_dicom_header(const std::filesystem::path& path) 
 std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder) {
     std::vector<std::filesystem::path> files;
     std::error_code problem;
+    if (!can_list(folder)) {
+        refuse_unreadable(path_text(folder), ENAMETOOLONG);
+    }
     std::filesystem::directory_iterator entry(folder, problem);
     for (; !problem && entry != std::filesystem::directory_iterator(); entry.increment(problem)) {
         std::error_code unknown;

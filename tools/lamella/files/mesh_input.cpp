@@ -307,6 +307,10 @@ std::string joined_by_grid(const MeshCheck& info) {
 
 std::vector<std::filesystem::directory_entry> entries_of(const std::filesystem::path& folder, std::error_code& problem) {
     std::vector<std::filesystem::directory_entry> entries;
+    if (!can_list(folder)) {
+        problem = std::make_error_code(std::errc::filename_too_long);
+        return entries;
+    }
     for (std::filesystem::directory_iterator at(folder, problem); !problem && at != std::filesystem::directory_iterator();
          at.increment(problem)) {
         entries.push_back(*at);

@@ -84,7 +84,7 @@ std::optional<std::vector<std::string>> expand_glob(const std::string& pattern) 
         }
     }
     std::sort(found.begin(), found.end());
-    return problem ? std::nullopt : std::optional(found);
+    return problem || !can_list(folder) ? std::nullopt : std::optional(found);
 }
 
 }  // namespace lamella::cli

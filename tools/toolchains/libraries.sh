@@ -31,18 +31,22 @@ configure() {
         -DCMAKE_INSTALL_LIBDIR=lib "${@:3}"
 }
 
-# Its own installation adds a shared library, which would be found first.
-configure zlib sources/zlib-*
+# Its shared library, of which Debian leaves out a part, would be found first, and is static, too, where there are none.
+zlib=$(echo sources/zlib-*)
+mkdir -p "$zlib/win32" && touch "$zlib/win32/zlib1.rc"
+sed -i 's/(zlib zlibstatic PROPERTIES OUTPUT_NAME z)/(zlibstatic PROPERTIES OUTPUT_NAME z)/' "$zlib/CMakeLists.txt"
+configure zlib "$zlib"
 cmake --build sources/build-zlib --target zlibstatic
 cp sources/build-zlib/libz*.a lib/libz.a
-cp sources/build-zlib/zconf.h sources/zlib-*/zlib.h include
+cp sources/build-zlib/zconf.h "$zlib/zlib.h" include
 
 # Debian's patches ask for the value that the Autotools give it.
 sed -i 's/#cmakedefine XML_DTD$/#cmakedefine XML_DTD 1/' sources/expat-*/expat/expat_config.h.cmake
 configure expat sources/expat-*/expat -DEXPAT_SHARED_LIBS=OFF -DEXPAT_BUILD_{TOOLS,TESTS,EXAMPLES,DOCS}=OFF
 cmake --build sources/build-expat --target install
 
-configure libzip sources/libzip-* -DBUILD_{TOOLS,REGRESS,EXAMPLES,DOC}=OFF \
+configure libzip sources/libzip-* -DZLIB_LIBRARY="$prefix/lib/libz.a" -DZLIB_INCLUDE_DIR="$prefix/include" \
+    -DBUILD_{TOOLS,REGRESS,EXAMPLES,DOC}=OFF \
     -DENABLE_{OPENSSL,GNUTLS,MBEDTLS,BZIP2,LZMA,ZSTD,COMMONCRYPTO,WINDOWS_CRYPTO}=OFF
 cmake --build sources/build-libzip --target install
 

@@ -1,27 +1,21 @@
 #!/usr/bin/env bash
-# tools/platforms.sh [TARGET...]: builds the core and its C interface for other systems, runs the golden slices and the host
-# programs of tests/embed there, and prints a table. Without words: every target. `linux`, which the others are compared with,
-# is always built.
+# tools/platforms.sh [TARGET...]: builds lamella for other systems, runs the golden cases and the host programs of tests/embed
+# there, and prints a table. Without words: every target. `linux`, which the others are compared with, is always built.
 #
-# A row has the target, its compiler, the assertions of the golden slices, which hold the committed hashes, the number of host
-# programs that cut the same as on Linux, and a slice's time over that on Linux, where std::thread runs the tasks too.
+# A row has the target, its compiler, the assertions of the golden cases, which hold the committed hashes, the number of
+# programs that do the same as on Linux, and a slice's time over that on Linux, where std::thread runs the tasks too.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source tools/packages.sh
 
-readonly folder=$PWD/build/platforms wasm_limit_bytes=250000
+readonly root=$PWD folder=$PWD/build/platforms wasm_limit_bytes=250000
 jobs=$(nproc)
 readonly jobs
-readonly -A options=(
-    [linux]=""
-    [mingw]=-DCMAKE_TOOLCHAIN_FILE=tools/toolchains/mingw.cmake
-    [wasm]="-DCMAKE_TOOLCHAIN_FILE=tools/toolchains/wasm.cmake -DLAMELLA_BUILD_SHARED=OFF"
-    [wasm-threads]="-DCMAKE_TOOLCHAIN_FILE=tools/toolchains/wasm.cmake -DLAMELLA_BUILD_SHARED=OFF -DLAMELLA_WASM_THREADS=ON"
-    [aarch64]=-DCMAKE_TOOLCHAIN_FILE=tools/toolchains/aarch64.cmake
-)
+# Files are read and written where a target says "files", by libraries that are built for it.
+readonly -A parts=([linux]="files tool" [mingw]="files tool" [wasm]=files [wasm-threads]="" [aarch64]=files)
 export WINEPREFIX=$folder/wine WINEDEBUG=-all
-# pthreads' workers would ask for modules where emscripten 3.1 does not know node's fetch().
-export NODE_OPTIONS=--no-experimental-fetch
+# Workers would ask for modules where emscripten 3.1 does not know node's fetch(). Its own scripts use Debian's modules.
+export NODE_OPTIONS=--no-experimental-fetch NODE_PATH=/usr/share/nodejs
 
 # quietly COMMAND...: shows the command's output only if it fails.
 quietly() {
@@ -42,11 +36,22 @@ run() {
     esac
 }
 
+# options TARGET: those of cmake that say what to build for.
+options() {
+    case $1 in
+        linux) return ;;
+        wasm-threads) echo "--toolchain $root/tools/toolchains/wasm.cmake -DLAMELLA_WASM_THREADS=ON" ;;
+        *) echo "--toolchain $root/tools/toolchains/$1.cmake" ;;
+    esac
+    [[ $1 != wasm* ]] || echo "-DLAMELLA_BUILD_SHARED=OFF"
+    [[ ${parts[$1]} != *files* ]] || echo "-DCMAKE_FIND_ROOT_PATH=$folder/$1/libraries"
+}
+
 # configure_and_build TARGET SOURCES FOLDER OPTION...
 configure_and_build() {
-    local words=()
-    read -ra words <<< "${options[$1]}"
-    quietly cmake -S "$2" -B "$3" -G Ninja "${words[@]/=tools/=$PWD/tools}" -DCMAKE_BUILD_TYPE=Release "${@:4}"
+    local words
+    mapfile -t words < <(options "$1" | tr ' ' '\n')
+    quietly cmake -S "$2" -B "$3" -G Ninja "${words[@]}" -DCMAKE_BUILD_TYPE=Release "${@:4}"
     quietly cmake --build "$3" --parallel "$jobs"
 }
 
@@ -65,7 +70,7 @@ make_sample() {
 # hosts TARGET: prints how many programs cut what they cut on Linux.
 hosts() {
     local target=$1 at=$folder/$1 program expected count=0
-    local -r package=(-DCMAKE_PREFIX_PATH="$at/prefix" -Dlamella_DIR="$at/prefix/lib/cmake/lamella" -DLAMELLA_README="$PWD/README.md")
+    local -r package=(-DCMAKE_PREFIX_PATH="$at/prefix" -Dlamella_DIR="$at/prefix/lib/cmake/lamella" -DLAMELLA_README="$root/README.md")
     configure_and_build "$target" tests/embed/c "$at/c" "${package[@]}"
     configure_and_build "$target" tests/embed/installed "$at/installed" "${package[@]}"
     find "$at/prefix" -name '*.dll' -exec cp -t "$at/c" {} +
@@ -76,7 +81,32 @@ hosts() {
         count=$((count + 1))
     done
     [[ $(run "$target" "$at/installed/app") == *"40 layers, 40 contours"* ]] || stop "$target: README's program cut something else"
-    echo $((count + 1))
+    count=$((count + 1))
+    [[ ${parts[$target]} != *tool* ]] || {
+        use_tool "$target"
+        diff -r "$at/made" "$folder/linux/made" > "$folder/log" || stop "$target: the tool wrote something else: $(head -1 "$folder/log")"
+        count=$((count + 1))
+    }
+    echo "$count"
+}
+
+# use_tool TARGET: what the tool writes goes to TARGET's folder "made".
+use_tool() {
+    local at=$folder/$1
+    rm -rf "$at/made"
+    mkdir -p "$at/made/given"
+    cd "$at/made"
+    local shape
+    for shape in bone gyroid torus; do
+        run "$1" "$at/tools/lamella" make "$shape" --triangles 20000 -o "given/$shape ä.stl" > "$shape.words"
+    done
+    run "$1" "$at/tools/lamella" slice "given/bone ä.stl" --layer-height 0.2 -o bone.svg --tables bone.csv > bone.words
+    run "$1" "$at/tools/lamella" check "given/gyroid ä.stl" > gyroid.words
+    run "$1" "$at/tools/lamella" batch given --layer-height 0.5 --output-dir batch --write svg > batch.words
+    # Of the batch its layers: its records name times and places.
+    find batch -type f ! -name '*.svg' -delete
+    find . -name '*.words' -exec sed -i -E 's/[0-9.]+ (ms|s)\b//g; s/, peak .*//' {} +
+    cd "$root"
 }
 
 # GCC's moves to the stack must not need more than the 16 bytes to which Windows aligns it (GCC bug 54412).
@@ -98,18 +128,25 @@ check_wasm_size() {
 
 # row TARGET: builds and runs it, and prints its line of the table.
 row() {
-    local target=$1 at=$folder/$1 compiler golden programs over=()
-    configure_and_build "$target" . "$at" -DLAMELLA_BUILD_IO=OFF -DLAMELLA_PARALLEL=std -DLAMELLA_LARGE_UNITS=ON -DLAMELLA_WERROR=ON \
+    local target=$1 at=$folder/$1 compiler golden programs over=() files=OFF tool=OFF
+    [[ ${parts[$target]} != *files* ]] || files=ON
+    [[ ${parts[$target]} != *tool* ]] || tool=ON
+    if [[ $target != linux && $files == ON && ! -e $at/libraries/lib/libzip.a ]]; then
+        quietly tools/toolchains/libraries.sh "tools/toolchains/$target.cmake" "$at/libraries"
+    fi
+    configure_and_build "$target" . "$at" -DLAMELLA_PARALLEL=std -DLAMELLA_LARGE_UNITS=ON -DLAMELLA_WERROR=ON \
+        -DLAMELLA_BUILD_IO="$files" -DLAMELLA_BUILD_MEDICAL="$tool" -DLAMELLA_BUILD_TOOLS="$tool" \
+        -DLAMELLA_BUILD_TESTS=OFF -DLAMELLA_BUILD_BENCH=OFF -DLAMELLA_BUILD_PYTHON=OFF \
         -DLAMELLA_BUILD_GOLDEN_TESTS=ON -DLAMELLA_CATCH2_INCLUDE="$folder/headers" -DCMAKE_INSTALL_LIBDIR=lib \
         -DCMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)"
     quietly cmake --install "$at" --prefix "$at/prefix"
     compiler=$(sed -n 's/^set(CMAKE_CXX_COMPILER_\(ID\|VERSION\) "\(.*\)")/\2/p' "$at"/CMakeFiles/*/CMakeCXXCompiler.cmake | paste -sd ' ')
     run "$target" "$at/tests/golden/lamella_golden_tests" > "$at/golden.log" || {
         tail -50 "$at/golden.log"
-        stop "$target: golden slices differ"
+        stop "$target: golden cases differ"
     }
-    golden=$(sed -n 's/^All tests passed (\([0-9]*\) assertions.*/\1/p' "$at/golden.log")
-    [[ -n $golden ]] || stop "$target: no golden slice was cut"
+    golden=$(sed -n 's/.*All tests passed.*(\([0-9]*\) assertions.*/\1/p' "$at/golden.log")
+    [[ -n $golden ]] || stop "$target: no golden case was run"
     run "$target" "$at/tests/golden/lamella_golden_times" > "$at/times"
     [[ $(cut -d' ' -f1-2 "$at/times") == "$(cut -d' ' -f1-2 "$folder/linux/times")" ]] || stop "$target: another hash"
     mapfile -t over < <(paste -d' ' "$at/times" "$folder/linux/times" | awk '{ printf "%.2f\n", $3 / $6 }')
@@ -122,11 +159,9 @@ ln -sfn /usr/include/catch2 "$folder/headers/catch2"
 make_sample > "$folder/sample.stl"
 targets=("$@")
 (($# > 0)) || targets=(mingw wasm wasm-threads aarch64)
-printf '| target | compiler | golden slices: assertions, hashes | host programs | time over Linux, 1 thread | 2 threads |\n|---|---|---|---|---|---|\n'
+printf '| target | compiler | golden cases: assertions, hashes | programs | time over Linux, 1 thread | 2 threads |\n|---|---|---|---|---|---|\n'
 for target in linux "${targets[@]}"; do
-    if [[ ${options[$target]-none} == none || $target == aarch64 && ! -e tools/toolchains/aarch64.cmake ]]; then
-        stop "no such target: $target"
-    fi
+    [[ -n ${parts[$target]+known} ]] || stop "no such target: $target"
     row "$target"
 done
 [[ " ${targets[*]} " != *" mingw "* ]] || check_stack_moves

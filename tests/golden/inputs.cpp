@@ -261,14 +261,14 @@ Soup comb(int teeth) {
 
 /// The same triangles, each far in memory from what was its neighbour.
 Soup strewn(const Soup& soup) {
-    const std::size_t count = soup.size() / 9;
-    std::size_t stride = count / 3 * 2 + 1;
+    const std::uint64_t count = soup.size() / 9;
+    std::uint64_t stride = count / 3 * 2 + 1;
     while (std::gcd(stride, count) != 1) {
         ++stride;
     }
     Soup strewn;
     strewn.reserve(soup.size());
-    for (std::size_t t = 0; t < count; ++t) {
+    for (std::uint64_t t = 0; t < count; ++t) {
         const auto from = soup.begin() + static_cast<std::ptrdiff_t>(t * stride % count * 9);
         strewn.insert(strewn.end(), from, from + 9);
     }

@@ -19,7 +19,7 @@ FOLDERS = ("engine", "include", "tests", "bench", "tools")
 SUFFIXES = {".cpp", ".hpp", ".h", ".py", ".sh"}
 OPTIONAL = ("regions", "offset", "simplify", "repair", "faces", "parts")
 # Figure: (at most, or at least, this). A bar is lowered when the house has become smaller; it was raised by what other systems take.
-AT_MOST = {"lines": 87300, "files of a slice": 99, "lines of a slice": 15400, "longest file": 500, "fields of a sweep": 120}
+AT_MOST = {"lines": 88800, "files of a slice": 102, "lines of a slice": 15800, "longest file": 500, "fields of a sweep": 120}
 AT_LEAST = {"comment lines, %": 7.5}
 
 

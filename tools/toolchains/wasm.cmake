@@ -1,5 +1,6 @@
 # WebAssembly by emscripten, one thread; -DLAMELLA_WASM_THREADS=ON: with threads. Programs run in node and see its files.
 include(/usr/share/emscripten/cmake/Modules/Platform/Emscripten.cmake)
+include(${CMAKE_CURRENT_LIST_DIR}/libraries.cmake)
 list(APPEND CMAKE_TRY_COMPILE_PLATFORM_VARIABLES LAMELLA_WASM_THREADS)
 set(flags -fwasm-exceptions)
 set(memory -sALLOW_MEMORY_GROWTH=1)

@@ -54,6 +54,12 @@ public:
 #else
     static constexpr bool can_map = true;
 #endif
+    /// Another file can take the name of one that is open.
+#ifdef _WIN32
+    static constexpr bool can_be_replaced = false;
+#else
+    static constexpr bool can_be_replaced = true;
+#endif
 
     File() noexcept = default;
     File(File&& other) noexcept : handle_(std::exchange(other.handle_, none)) {}

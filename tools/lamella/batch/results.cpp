@@ -67,8 +67,8 @@ std::size_t add_results(const std::string& path, ResultLines& lines) {
     return bytes;
 }
 
-/// Writes the lines, by mesh, then by output, aside, waits for the disk, closes the file that is to be replaced, as Windows
-/// wants it, renames. Throws Failure (bad_output).
+/// Writes the lines, by mesh, then by output, aside, waits for the disk, renames. The lock of the file that is replaced ends
+/// after that, where a system allows it. Throws Failure (bad_output).
 void write_durably(const std::string& path, const ResultLines& lines, File replaced) {
     std::vector<const ResultLine*> order;
     order.reserve(lines.size());
@@ -93,7 +93,9 @@ void write_durably(const std::string& path, const ResultLines& lines, File repla
     (void)file.close();
     std::error_code failure;
     if (error_number == 0) {
-        (void)replaced.close();
+        if (!File::can_be_replaced) {
+            (void)replaced.close();
+        }
         std::filesystem::rename(aside, real, failure);
         error_number = error_number_of(failure);
     }

@@ -49,7 +49,7 @@ private:
     // Numbers or handles, as systems have them.
     std::intptr_t output_ = 0;
     std::intptr_t process_ = 0;
-    std::intptr_t stop_ = 0;
+    [[maybe_unused]] std::intptr_t stop_ = 0;  // an event, where signals are none
 };
 
 /// From here on this process ends when `starter`, which started it, does, may be asked to end by it, and is the first to go

@@ -5,6 +5,7 @@
 # A row has the target, its compiler, the assertions of the golden cases, which hold the committed hashes, the number of
 # programs that do the same as on Linux, and a slice's time over that on Linux, where std::thread runs the tasks too.
 set -euo pipefail
+shopt -s inherit_errexit
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source tools/packages.sh
 
@@ -82,30 +83,28 @@ hosts() {
     done
     [[ $(run "$target" "$at/installed/app") == *"40 layers, 40 contours"* ]] || stop "$target: README's program cut something else"
     count=$((count + 1))
-    [[ ${parts[$target]} != *tool* ]] || {
+    if [[ ${parts[$target]} == *tool* ]]; then
         use_tool "$target"
         diff -r "$at/made" "$folder/linux/made" > "$folder/log" || stop "$target: the tool wrote something else: $(head -1 "$folder/log")"
         count=$((count + 1))
-    }
+    fi
     echo "$count"
 }
 
 # use_tool TARGET: what the tool writes goes to TARGET's folder "made".
 use_tool() {
-    local at=$folder/$1
+    local at=$folder/$1 shape
     rm -rf "$at/made"
     mkdir -p "$at/made/given"
     cd "$at/made"
-    local shape
     for shape in bone gyroid torus; do
-        run "$1" "$at/tools/lamella" make "$shape" --triangles 20000 -o "given/$shape ä.stl" > "$shape.words"
+        run "$1" "$at/tools/lamella" make "$shape" --triangles 20000 -o "given/$shape ä.stl" > words
     done
-    run "$1" "$at/tools/lamella" slice "given/bone ä.stl" --layer-height 0.2 -o bone.svg --tables bone.csv > bone.words
+    run "$1" "$at/tools/lamella" slice "given/bone ä.stl" --layer-height 0.2 -o bone.svg -o bone.csv > words
     run "$1" "$at/tools/lamella" check "given/gyroid ä.stl" > gyroid.words
-    run "$1" "$at/tools/lamella" batch given --layer-height 0.5 --output-dir batch --write svg > batch.words
-    # Of the batch its layers: its records name times and places.
-    find batch -type f ! -name '*.svg' -delete
-    find . -name '*.words' -exec sed -i -E 's/[0-9.]+ (ms|s)\b//g; s/, peak .*//' {} +
+    run "$1" "$at/tools/lamella" batch given --layer-height 0.5 -o "batch/{stem}.svg" > words
+    rm words
+    find . -name results.jsonl -delete  # names times
     cd "$root"
 }
 

@@ -27,7 +27,8 @@ std::vector<Unsigned> edge_values() {
     std::vector<Unsigned> values = {0};
     for (const int bits : {0, 1, 23, 31, 32, 33, 52, 53, 54, 63, 64, 65, 75, 96, 117, 126, 127}) {
         const Unsigned power = Unsigned{1} << bits;
-        for (const Unsigned value : {power, power - 1, power + 1, power + (Unsigned{1} << bits / 2), power - bits}) {
+        for (const Unsigned value :
+             {power, power - 1, power + 1, power + (Unsigned{1} << bits / 2), power - static_cast<unsigned>(bits)}) {
             values.insert(values.end(), {value, -value});
         }
     }

@@ -47,9 +47,11 @@ int run(const std::vector<std::string>& words) {
     }
     // The last word comes first. To CLI11 "[a,b]" is a list of a and b where several words are taken; a path it becomes as
     // "./[a,b]".
-    std::vector<std::string> reversed;
-    for (auto word = words.rbegin(); word != words.rend(); ++word) {
-        reversed.push_back((word->starts_with('[') && word->ends_with(']') ? "./" : "") + *word);
+    std::vector<std::string> reversed(words.rbegin(), words.rend());
+    for (std::string& word : reversed) {
+        if (word.starts_with('[') && word.ends_with(']')) {
+            word.insert(0, "./");
+        }
     }
     try {
         app.parse(reversed);

@@ -19,7 +19,7 @@ constexpr std::uint32_t side = 80;
 constexpr double most_ms_late = 2000;
 constexpr double always_short_ms = 200;
 #else
-constexpr std::uint32_t side = 270;  // 145,800 triangles
+constexpr std::uint32_t side = 390;  // 304,200 triangles
 constexpr double most_ms_late = 100;
 constexpr double always_short_ms = 10;  // of a piece of text, and of a row of pages
 #endif

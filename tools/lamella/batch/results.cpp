@@ -218,6 +218,7 @@ bool ResultLine::is_of_older_version() const {
 }
 
 Json fact_of(const std::string& path, bool hash, const Callback<bool()>& stop) {
+    const std::filesystem::path given = path_of(path);
     std::uint64_t bytes = 0;
     std::int64_t modified = 0;
     const auto add = [&](const std::filesystem::path& file) {
@@ -228,19 +229,19 @@ Json fact_of(const std::string& path, bool hash, const Callback<bool()>& stop) {
         }
     };
     std::error_code problem;
-    if (hash && std::filesystem::is_regular_file(path_of(path), problem)) {
-        const Result<FileSeal> seal = seal_file(path_of(path), {.stop = stop});
+    if (hash && std::filesystem::is_regular_file(given, problem)) {
+        const Result<FileSeal> seal = seal_file(given, {.stop = stop});
         if (seal) {
             return {{"path", text_of_name(path)}, {"bytes", seal->bytes}, {"sha256", seal->sha256}};
         }
         refuse_if(seal.error().code == ErrorCode::cancelled, bad_input, seal.error().message);
     }
-    if (std::filesystem::is_directory(path_of(path), problem)) {
-        for (const std::filesystem::directory_entry& entry : entries_of(path_of(path), problem)) {
+    if (std::filesystem::is_directory(given, problem)) {
+        for (const std::filesystem::directory_entry& entry : entries_of(given, problem)) {
             add(entry.path());
         }
     } else {
-        add(path_of(path));
+        add(given);
     }
     return {{"path", text_of_name(path)}, {"bytes", bytes}, {"modified_ns", modified}};
 }

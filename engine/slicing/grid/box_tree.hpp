@@ -317,6 +317,7 @@ public:
     void find_along(Point a, Point b, See see) const {
         const FlatBox box = FlatBox::around(a, b);
         const auto enter = [&](const BoxBlock<Point>& block) {
+            worker_.spend(BoxTree<Point>::fan);
             LaneBits met = block.meets(box);
             each_lane(met, [&](std::size_t lane) { met &= ~(LaneBits{passes_by(a, b, block[lane])} << lane); });
             return met;

@@ -141,7 +141,6 @@ void Contacts::mark(const EdgePath& path, std::size_t edge, bool meets) noexcept
 
 namespace {
 
-constexpr std::size_t query_work = 64;  ///< as StopPace counts it
 constexpr std::uint32_t open_end = 0xffffffff;
 
 /// In the direction from `a` to `b`, for points of pixels that the edge meets: it meets them one after the other in x and y.
@@ -263,7 +262,6 @@ void SnapRounding::bend(const Source& source, std::uint32_t edge) {
             on_edge_.push_back({p, vertex});
         }
     });
-    worker_.spend(query_work);
     std::sort(on_edge_.begin(), on_edge_.end(), Along(a, b));
     assert(on_edge_.size() >= 2 && on_edge_.front().point == a && on_edge_.back().point == b);
     const PointOrigin whole = source.item->origin_from_start(edge);

@@ -125,7 +125,7 @@ check_interfaces() {
 # Compiles the libraries in their small units, as hosts do, and runs the golden cases, which must give the bytes of GCC.
 check_libcxx() {
     variant libcxx "Clang build with libc++" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_COMPILER=clang++ \
-        -DCMAKE_CXX_FLAGS="-stdlib=libc++" -DCMAKE_CXX_FLAGS_DEBUG="-O0" -DLAMELLA_PARALLEL=std -DLAMELLA_PORTABLE=ON \
+        -DCMAKE_CXX_FLAGS="-stdlib=libc++" -DCMAKE_CXX_FLAGS_DEBUG="-O1" -DLAMELLA_PARALLEL=std -DLAMELLA_PORTABLE=ON \
         -DLAMELLA_WERROR=ON -DLAMELLA_BUILD_TOOLS=OFF -DLAMELLA_BUILD_TESTS=OFF -DLAMELLA_BUILD_BENCH=OFF -DLAMELLA_BUILD_GOLDEN_TESTS=ON
 }
 

@@ -12,14 +12,20 @@ namespace lamella::input_test {
 
 namespace {
 
+/// A part of the memory that a whole slice needs, and how many threads have to do with it.
+struct Share {
+    std::uint64_t part;
+    int threads;
+};
+
 #ifdef LAMELLA_TESTS_SANITIZED
-constexpr int thread_counts[] = {3};
-constexpr std::uint64_t parts_of_need[] = {2, 50};
+constexpr Share shares[] = {{50, 3}};
+constexpr std::uint64_t triangles = 15'000;
 constexpr double budget_heights_mm[] = {1.0};
 constexpr std::uint64_t budget_triangles = 80'000;
 #else
-constexpr int thread_counts[] = {1, 3};
-constexpr std::uint64_t parts_of_need[] = {1, 2, 10, 50};
+constexpr Share shares[] = {{1, 3}, {2, 1}, {10, 3}, {50, 1}, {50, 3}};
+constexpr std::uint64_t triangles = 75'000;
 constexpr double budget_heights_mm[] = {0.05, 1.0};
 constexpr std::uint64_t budget_triangles = 400'000;
 #endif
@@ -83,21 +89,18 @@ std::uint64_t least_budget(const std::filesystem::path& path, const SliceOptions
     return stream.memory_bytes;
 }
 
-/// At the whole of the need, a half, a tenth and a fiftieth, or as near as the widest layer and the tables allow, on one
-/// thread and on three.
+/// At the whole of the need, a half, a tenth and a fiftieth, or as near as the widest layer and the tables allow.
 void require_same_at_all_budgets(const std::filesystem::path& path, const SliceOptions& options, const Tuning& tuning) {
     const MeshFile mesh = value_of(read_mesh(path));
     const SliceResult whole = sliced(mesh, options, {}, tuning);
     const std::uint64_t need = 50 * mesh.triangle_count + 48 * whole.info.crossed;  // the file and the crossed triangles
-    for (const int threads : thread_counts) {
-        for (const std::uint64_t part : parts_of_need) {
-            const Context context{.threads = threads};
-            const std::uint64_t budget = std::max(need / part, least_budget(path, options, context, tuning));
-            INFO("1/" << part << " of the need, " << budget << " bytes, " << threads << " threads");
-            const SliceResult result = in_ranges(path, {.memory_bytes = budget}, options, context, tuning).result;
-            require_same(result, whole);
-            CHECK(result.info.options == whole.info.options);
-        }
+    for (const auto& [part, threads] : shares) {
+        const Context context{.threads = threads};
+        const std::uint64_t budget = std::max(need / part, least_budget(path, options, context, tuning));
+        INFO("1/" << part << " of the need, " << budget << " bytes, " << threads << " threads");
+        const SliceResult result = in_ranges(path, {.memory_bytes = budget}, options, context, tuning).result;
+        require_same(result, whole);
+        CHECK(result.info.options == whole.info.options);
     }
 }
 
@@ -124,14 +127,14 @@ struct Case {
 std::vector<Case> cases() {
     using enum models::Shape;
     using enum models::Order;
-    const Soup tilted = soup_of(torus, random, 50'000);
+    const Soup tilted = soup_of(torus, random, triangles / 3 * 2);
     const Soup kinds = every_kind();
     const Transform turn = Transform::from_normal(1, 2, 3);
     const std::vector<double> heights{-30, 90, 20.5, 20.5, 1e7, 3, 77.125, 1.5, 60, 60.1, 60.2, 140};
     const PlaneOptions on_faces{.first_height_mm = 0.25};
     return {
-        {"in the order of height", soup_of(bone, z, 75'000), uniform(0.5)},
-        {"in any order", soup_of(gyroid, random, 75'000), uniform(0.4)},
+        {"in the order of height", soup_of(bone, z, triangles), uniform(0.5)},
+        {"in any order", soup_of(gyroid, random, triangles), uniform(0.4)},
         {"facets as tall as the part", soup_of(prism, random, 20'000), uniform(1)},
         {"listed heights, some of them twice and some beyond the mesh", tilted, {.heights_mm = heights}},
         {"random heights", tilted, {}, {.random_heights = RandomHeights{0.05, 3, 7}}},

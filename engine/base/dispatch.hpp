@@ -16,6 +16,8 @@
 #include <span>
 #include <string_view>
 
+#include "base/system/processor.hpp"
+
 #if defined(__x86_64__) && defined(__GNUC__)
 #define LAMELLA_X86_FORMS
 #include <immintrin.h>
@@ -49,12 +51,12 @@ constexpr std::string_view name_of(InstructionSet level) noexcept {
 inline bool runs(InstructionSet level) noexcept {
 #ifdef LAMELLA_X86_FORMS
     if (level == InstructionSet::avx2) {
-        return __builtin_cpu_supports("avx2") != 0;
+        static const bool has_avx2 = has_vectors(bit_AVX2, 0x06);
+        return has_avx2;
     }
     if (level == InstructionSet::avx512) {
-        return runs(InstructionSet::avx2) && __builtin_cpu_supports("avx512f") != 0 &&
-               __builtin_cpu_supports("avx512vl") != 0 && __builtin_cpu_supports("avx512dq") != 0 &&
-               __builtin_cpu_supports("popcnt") != 0;
+        static const bool has_avx512 = has_vectors(bit_AVX2 | bit_AVX512F | bit_AVX512VL | bit_AVX512DQ, 0xE6);
+        return has_avx512;
     }
 #elif defined(LAMELLA_NEON_FORMS)
     if (level == InstructionSet::neon) {

@@ -11,11 +11,25 @@
 #define LAMELLA_SSE2
 #include <emmintrin.h>
 #endif
-#if defined(__x86_64__) && !defined(LAMELLA_PORTABLE)
+#if defined(__x86_64__) && defined(__GNUC__)
+#include <cpuid.h>
 #include <x86intrin.h>
 #endif
 
 namespace lamella {
+
+#if defined(__x86_64__) && defined(__GNUC__)
+/// True if the processor has these bits of CPUID's leaf 7, and the system keeps these registers (bits of XCR0). A virtual
+/// machine may take 50 us to answer. Not by __builtin_cpu_supports(), which some compilers' libraries lack.
+inline bool has_vectors(unsigned features, unsigned registers) noexcept {
+    unsigned a = 0, b = 0, c = 0, d = 0, kept = 0;
+    if (__get_cpuid(1, &a, &b, &c, &d) == 0 || (c & bit_OSXSAVE) == 0 || (c & bit_POPCNT) == 0) {
+        return false;
+    }
+    __asm__("xgetbv" : "=a"(kept), "=d"(d) : "c"(0));
+    return (kept & registers) == registers && __get_cpuid_count(7, 0, &a, &b, &c, &d) != 0 && (b & features) == features;
+}
+#endif
 
 /// To split a fused phase's time by: only the ratios are used. About 7 ns; a call to the system's clock would be felt at
 /// three a layer.

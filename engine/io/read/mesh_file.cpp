@@ -272,7 +272,7 @@ std::string_view name_of(PatientFrame frame) noexcept {
 }
 
 bool is_text(std::string_view sample) noexcept {
-    return std::none_of(sample.begin(), sample.end(), [](char c) { return c >= 0 && c < ' ' && !(c >= '\t' && c <= '\r'); });
+    return std::none_of(sample.begin(), sample.end(), [](unsigned char c) { return c < ' ' && !(c >= '\t' && c <= '\r'); });
 }
 
 // --- FileSource

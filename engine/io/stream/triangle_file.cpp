@@ -124,7 +124,7 @@ public:
             refuse_first_wrong(first);
         }
         return {.vertices = vertices.data(),
-                .vertex_count = facts_.vertex_count,
+                .vertex_count = static_cast<std::size_t>(facts_.vertex_count),
                 .triangle_count = count,
                 .indices = indices,
                 .vertex_type = facts_.vertex_type,

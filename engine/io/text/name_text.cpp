@@ -69,7 +69,7 @@ std::string utf8_text(std::string_view text) {
 std::string printable(std::string_view text) {
     std::string line = utf8_text(text);
     std::replace_if(
-        line.begin(), line.end(), [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; }, '?');
+        line.begin(), line.end(), [](unsigned char c) { return c < ' ' || c == '\x7f'; }, '?');
     return line;
 }
 

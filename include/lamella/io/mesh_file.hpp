@@ -93,8 +93,8 @@ struct MeshFile {
         const std::byte* const first = bytes.data() + first_offset;
         const bool soup = indices.empty();
         return {.vertices = soup ? first + first_triangle * stride : first,
-                .vertex_count = vertex_count,
-                .triangle_count = triangle_count,
+                .vertex_count = static_cast<std::size_t>(vertex_count),
+                .triangle_count = static_cast<std::size_t>(triangle_count),
                 .indices = soup ? nullptr : indices.data() + 3 * first_triangle,
                 .vertex_stride = stride,
                 .vertex_type = vertex_type,

@@ -133,8 +133,9 @@ private:
     }
 
     std::size_t whole_number(const char* what) {
-        constexpr std::size_t limit = std::size_t{1} << 53;
-        std::size_t number = 0;
+        constexpr std::uint64_t limit =
+            std::min<std::uint64_t>(std::uint64_t{1} << 53, std::numeric_limits<std::size_t>::max());
+        std::uint64_t number = 0;
         const bool found_word = to_number();
         const char* const begin = p_;
         p_ = read_digits(begin, end_, number);
@@ -142,7 +143,7 @@ private:
             p_ = begin;
             fail(std::string("expected ") + what + ", found " + found());
         }
-        return std::min(number, limit);
+        return static_cast<std::size_t>(std::min(number, limit));
     }
 
     std::uint32_t vertex_number(std::size_t vertex_count) {

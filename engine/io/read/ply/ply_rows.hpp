@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "base/words.hpp"
 #include "io/read/ply/ply.hpp"
 
 namespace lamella {
@@ -72,8 +73,7 @@ public:
         if (most_left(type) == 0) {
             return "the end of the file";
         }
-        std::array<char, 32> digits;  // the shortest that mean the number take at most 24
-        return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), next(type)).ptr};
+        return exact_text(next(type));
     }
 
 private:

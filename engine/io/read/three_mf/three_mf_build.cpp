@@ -229,7 +229,7 @@ void place(Model& model, const std::vector<Instance>& instances, const FileSourc
     for (auto first = instances.begin(); first != instances.end();) {
         const auto last =
             std::find_if(first, instances.end(), [first](const Instance& other) { return other.object != first->object; });
-        place_object(model.objects[first->object], {first, last}, file.parallel(), mesh);
+        place_object(model.objects[first->object], {&*first, static_cast<std::size_t>(last - first)}, file.parallel(), mesh);
         first = last;
     }
 }

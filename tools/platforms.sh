@@ -9,7 +9,7 @@ shopt -s inherit_errexit
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source tools/packages.sh
 
-readonly root=$PWD folder=$PWD/build/platforms wasm_limit_bytes=380000
+readonly root=$PWD folder=$PWD/build/platforms wasm_limit_bytes=250000
 jobs=$(nproc)
 readonly jobs
 # Files are read and written where a target says "files", by libraries that are built for it.

@@ -51,11 +51,12 @@ constexpr std::string_view name_of(InstructionSet level) noexcept {
 inline bool runs(InstructionSet level) noexcept {
 #ifdef LAMELLA_X86_FORMS
     if (level == InstructionSet::avx2) {
-        static const bool has_avx2 = has_vectors(bit_AVX2, 0x06);
+        static const bool has_avx2 = has_vectors(bit_AVX2, 0x06);  // SSE and AVX
         return has_avx2;
     }
     if (level == InstructionSet::avx512) {
-        static const bool has_avx512 = has_vectors(bit_AVX2 | bit_AVX512F | bit_AVX512VL | bit_AVX512DQ, 0xE6);
+        static const bool has_avx512 =
+            has_vectors(bit_AVX2 | bit_AVX512F | bit_AVX512VL | bit_AVX512DQ, 0xE6);  // and the masks
         return has_avx512;
     }
 #elif defined(LAMELLA_NEON_FORMS)

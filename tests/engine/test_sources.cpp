@@ -267,7 +267,7 @@ TEST_CASE("every destination gets planes that all threads work on together, or t
                         shapes::moved(shapes::prism(8, 90, 1), {600, 0, 0})});
     const shapes::Soup open = shapes::without(prisms, 12, 1);  // each band is begun twice
     unsigned number = 0;
-    for (const shapes::Soup& mesh : {open, prisms, shapes::joined({prisms, shapes::only(prisms, 12, 1)})}) {
+    for (const shapes::Soup& mesh : {prisms, open, shapes::joined({prisms, shapes::only(prisms, 12, 1)})}) {
         if (!tried(number++)) {
             continue;
         }

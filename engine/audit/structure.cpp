@@ -1,7 +1,6 @@
 // The promises of result.hpp, looked at by plain methods that share nothing with the slicing stages.
 #include <algorithm>
 #include <cstdint>
-#include <map>
 #include <numeric>
 #include <span>
 #include <string>
@@ -64,7 +63,6 @@ void check_orientation(const Contour& contour, const ResultPlace& at) {
 struct Edge {
     Point from;
     Point to;
-    std::size_t contour = 0;
 
     std::int32_t low() const noexcept { return std::min(from.y, to.y); }
     std::int32_t high() const noexcept { return std::max(from.y, to.y); }
@@ -84,52 +82,51 @@ struct Edge {
     }
 };
 
-/// Calls visit(c, around) for each contour with area: `around` are the others with area whose winding number about its start
-/// is not zero and that do not pass through it. By a ray through the edges in the start's row: O(m log m) and, for each
-/// contour, the edges in its row.
-template <class Visit>
-void for_each_enclosed(const SliceResult& result, std::span<const Contour> contours, Visit visit) {
-    struct Winding {
-        int number = 0;
-        bool through = false;
-    };
-    const auto start = [&](std::size_t c) { return result.points[contours[c].first_point]; };
-    std::vector<Edge> edges;
-    std::vector<std::size_t> queries;
+/// The start of a contour with area, and the others with area around it.
+struct Start {
+    std::size_t contour = 0;
+    Point at{};
+    std::vector<std::size_t> around{};  ///< whose winding number about it is not zero, and that do not pass through it
+    int winding = 0;                    ///< of the contour that is looked at
+    bool through = false;
+};
+
+/// In the order of rows. By a ray from each start through the edges in its row: O(m log q), and the edges in each row.
+std::vector<Start> enclosed_starts(const SliceResult& result, std::span<const Contour> contours) {
+    std::vector<Start> starts;
     for (std::size_t c = 0; c < contours.size(); ++c) {
         if (has_area(contours[c])) {
-            queries.push_back(c);
-            const std::span<const Point> points = result.points_of(contours[c]);
-            for (std::size_t i = 0; i < points.size(); ++i) {
-                edges.push_back({points[i], points[i + 1 == points.size() ? 0 : i + 1], c});
-            }
+            starts.push_back({c, result.points[contours[c].first_point]});
         }
     }
-    std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.low() < b.low(); });
-    std::sort(queries.begin(), queries.end(), [&](std::size_t a, std::size_t b) { return start(a).y < start(b).y; });
-    std::vector<std::size_t> around;
-    std::vector<Edge> row;  // the edges that reach the current query's y
-    std::size_t next = 0;
-    for (const std::size_t query : queries) {
-        const Point at = start(query);
-        for (; next < edges.size() && edges[next].low() <= at.y; ++next) {
-            row.push_back(edges[next]);
+    std::sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.at.y < b.at.y; });
+    std::vector<Start*> met;
+    const auto meet = [&](const Edge& edge) {
+        auto start = std::lower_bound(starts.begin(), starts.end(), edge.low(),
+                                      [](const Start& s, std::int32_t y) { return s.at.y < y; });
+        for (; start != starts.end() && start->at.y <= edge.high(); ++start) {
+            start->winding += edge.winding_about(start->at);
+            start->through = start->through || edge.passes_through(start->at);
+            met.push_back(&*start);
         }
-        std::erase_if(row, [&](const Edge& edge) { return edge.high() < at.y; });
-        std::map<std::size_t, Winding> windings;
-        for (const Edge& edge : row) {
-            Winding& own = windings[edge.contour];
-            own.number += edge.winding_about(at);
-            own.through = own.through || edge.passes_through(at);
+    };
+    for (std::size_t c = 0; c < contours.size() && starts.size() > 1; ++c) {  // one alone lies in no other
+        const std::span<const Point> points = result.points_of(contours[c]);
+        for (std::size_t i = 0; i < points.size() && has_area(contours[c]); ++i) {
+            meet({points[i], points[i + 1 == points.size() ? 0 : i + 1]});
         }
-        around.clear();
-        for (const auto& [contour, own] : windings) {
-            if (own.number != 0 && !own.through) {
-                around.push_back(contour);
+        for (Start* const start : met) {  // some more than once
+            if (start->winding != 0 && !start->through) {
+                start->around.push_back(c);
             }
+            start->winding = 0;
         }
-        visit(query, around);
+        for (Start* const start : met) {
+            start->through = false;
+        }
+        met.clear();
     }
+    return starts;
 }
 
 /// One layer's contours of one part, their own promises already checked. Indices are the layer's.
@@ -166,17 +163,18 @@ private:
 
     /// Any of several equally small ones will do.
     void check_parents() const {
-        for_each_enclosed(result_, contours_, [this](std::size_t c, const std::vector<std::size_t>& around) {
-            bool is_parent = around.empty();
-            for (const std::size_t other : around) {
+        for (const Start& start : enclosed_starts(result_, contours_)) {
+            const std::size_t c = start.contour;
+            bool is_parent = start.around.empty();
+            for (const std::size_t other : start.around) {
                 is_parent = is_parent || other == parent(c);
             }
-            for (const std::size_t other : around) {
+            for (const std::size_t other : start.around) {
                 is_parent = is_parent && size(parent(c)) <= size(other);
             }
-            at(c).require(is_parent && (!around.empty() || contours_[c].parent == -1),
+            at(c).require(is_parent && (!start.around.empty() || contours_[c].parent == -1),
                           "the parent is not the smallest contour around its start");
-        });
+        }
     }
 
     struct Standing {

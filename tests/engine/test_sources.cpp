@@ -17,7 +17,7 @@ namespace {
 #ifdef LAMELLA_TESTS_SANITIZED
 constexpr double region_layer_mm = 5;
 #else
-constexpr double region_layer_mm = 1;
+constexpr double region_layer_mm = 2.5;
 #endif
 
 struct Question {
@@ -72,10 +72,10 @@ std::vector<Question> questions() {
              {.fill_rule = united, .flag_closing_mm = 0.3},
              {.fill_rule = united,
              .fill_from = {{5, FillRule::outermost}, {20, FillRule::even_odd}, {33, FillRule::contours}}}}) {
-        all.push_back({"bodies", bodies, {.layer_height_mm = 0.3, .region = rules}, true});
+        all.push_back({"bodies", bodies, {.layer_height_mm = 0.5, .region = rules}, true});
     }
     for (const FillRule rule : {FillRule::even_odd, united, FillRule::positive}) {
-        all.push_back({"filled", meshes.at("tetrahedra"), {.layer_height_mm = 0.05, .region = {.fill_rule = rule}}, true});
+        all.push_back({"filled", meshes.at("tetrahedra"), {.layer_height_mm = 0.1, .region = {.fill_rule = rule}}, true});
     }
     const shapes::Soup ball = octasphere({0, 0, 0}, 5, 1);
     const shapes::Soup tangle = shapes::random_tetrahedra(3, 6, 4);

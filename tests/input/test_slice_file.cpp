@@ -25,9 +25,9 @@ constexpr double budget_heights_mm[] = {1.0};
 constexpr std::uint64_t budget_triangles = 80'000;
 #else
 constexpr Share shares[] = {{1, 3}, {2, 1}, {10, 3}, {50, 1}, {50, 3}};
-constexpr std::uint64_t triangles = 75'000;
+constexpr std::uint64_t triangles = 45'000;
 constexpr double budget_heights_mm[] = {0.05, 1.0};
-constexpr std::uint64_t budget_triangles = 400'000;
+constexpr std::uint64_t budget_triangles = 250'000;
 #endif
 
 const std::string little = "binary_little_endian";

@@ -31,9 +31,11 @@ public:
     using Stored = std::array<std::int32_t, lanes>;
 
     explicit Int32x8(std::int32_t all) noexcept : low_{all, all, all, all}, high_{all, all, all, all} {}
-    explicit Int32x8(const Stored& stored) noexcept {
-        std::memcpy(&low_, stored.data(), sizeof low_);
-        std::memcpy(&high_, stored.data() + lanes / 2, sizeof high_);
+    explicit Int32x8(const Stored& stored) noexcept : Int32x8(stored.data()) {}
+    /// Eight of an array.
+    explicit Int32x8(const std::int32_t* first) noexcept {
+        std::memcpy(&low_, first, sizeof low_);
+        std::memcpy(&high_, first + lanes / 2, sizeof high_);
     }
 
     /// Lanes of -1 where it holds, else 0.

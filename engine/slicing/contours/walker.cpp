@@ -65,8 +65,10 @@ void LinkGraph::walk() {
         if (open_count() > 0) {
             walk_open();
         }
-        if (!by_links_) {
+        if (order_known_) {
             walk_old_starts();
+        }
+        if (!by_links_) {
             walk_old_runs();
         }
         walk_rest();
@@ -109,14 +111,21 @@ void LinkGraph::walk_open() {
     }
 }
 
-/// Contours that go on from where one of the last plane's began. They are most, and walk_old_runs() then finds their runs
-/// walked.
+/// Contours that go on from the first slot of the last plane's that is left, if it is near where that one began. They are
+/// most, and what comes then finds their runs walked.
 void LinkGraph::walk_old_starts() {
+    constexpr std::uint32_t near = 16;
     for (const WalkedContour& contour : old_contours_) {
-        const std::uint32_t position = contour.begin + 1;
-        const Slot slot = order_[position];
-        if (position_[slot] == position && !walked(slot)) {
-            walk_from(slot);
+        const std::uint32_t end = contour.begin + 1 + std::min(contour.count, near);
+        for (std::uint32_t position = contour.begin + 1; position < end; ++position) {
+            const Slot slot = order_[position];
+            if (walked(slot)) {
+                break;
+            }
+            if (position_[slot] == position) {
+                walk_from(slot);
+                break;
+            }
         }
     }
 }

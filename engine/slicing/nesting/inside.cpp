@@ -1,7 +1,9 @@
 #include "slicing/nesting/inside.hpp"
 
+#include <array>
 #include <bit>
 #include <limits>
+#include <numeric>
 
 namespace lamella::nesting {
 
@@ -157,43 +159,59 @@ std::span<const Form<AddEdges>> add_edges_forms() noexcept {
     return forms;
 }
 
-/// Between the ends of `ys_`, which are beyond every y.
-ManyInside::Level ManyInside::level_of(std::int32_t y, std::uint32_t near) const noexcept {
-    const std::int32_t* const ys = ys_.data() + 1;
-    std::int64_t up_to = near;
-    for (; ys[up_to] <= y; ++up_to) {
+void ManyInside::sort_by_step() {
+    const auto [lowest, highest] =
+        std::minmax_element(queries_.begin(), queries_.end(), [](const Query& a, const Query& b) { return a.y() < b.y(); });
+    const auto width = [](auto number) { return static_cast<int>(std::bit_width(static_cast<std::uint64_t>(number))); };
+    const std::int64_t rise = std::int64_t{highest->y()} - lowest->y();
+    steps_ = {lowest->y(), rise, std::max(0, width(rise) - width(4 * queries_.size()))};
+    // Counted one step too far, and summed, the counts are where a step begins; each query moves that up to its end.
+    firsts_.assign(steps_.of(std::numeric_limits<std::int32_t>::max()) + 3, 0);
+    for (const Query& query : queries_) {
+        ++firsts_[steps_.of(query.y()) + 2];
     }
-    for (; ys[up_to - 1] > y; --up_to) {
+    std::partial_sum(firsts_.begin(), firsts_.end(), firsts_.begin());
+    by_step_.resize(queries_.size());
+    for (const Query& query : queries_) {
+        by_step_[firsts_[steps_.of(query.y()) + 1]++] = query;
     }
-    std::int64_t lower = up_to;
-    for (; ys[lower - 1] == y; --lower) {
-    }
-    return {static_cast<std::uint32_t>(lower), static_cast<std::uint32_t>(up_to)};
 }
 
+/// Some edges at a time are sifted, without a branch, as no predictor knows which of them reach a query's step.
 void ManyInside::test(const Point* points, std::uint32_t count, Vector<std::uint32_t>& inside) {
-    std::sort(queries_.begin(), queries_.end(), [](const Query& a, const Query& b) { return a.y() < b.y(); });
-    ys_.assign(1, std::numeric_limits<std::int32_t>::min());
-    for (const Query& query : queries_) {
-        ys_.push_back(query.y());
-    }
-    ys_.push_back(std::numeric_limits<std::int32_t>::max());
-    Point a = points[count - 1];
-    Level from = level_of(a.y, 0);
-    worker_.in_stretches(0, count, 1, [&](std::size_t begin, std::size_t end) {
+    constexpr std::size_t most = 64;
+    struct Reach {
+        Point from, to;
+        std::uint32_t first, last;  // of by_step_
+    };
+    sort_by_step();
+    const Steps steps = steps_;
+    const std::uint32_t* const firsts = firsts_.data();
+    Point from = points[count - 1];
+    std::uint32_t from_step = steps.of(from.y);
+    std::array<Reach, most> reaches;
+    for (std::size_t begin = 0; begin < count; begin += most) {
+        const std::size_t end = std::min<std::size_t>(begin + most, count);
+        std::size_t found = 0;
         for (std::size_t i = begin; i < end; ++i) {
-            const Point b = points[i];
-            const Level to = level_of(b.y, from.up_to);
-            const std::uint32_t last = std::max(from.up_to, to.up_to);
-            for (std::uint32_t query = std::min(from.lower, to.lower); query < last; ++query) {
-                queries_[query].winding.add(a, b);
-                worker_.spend(1);
-            }
+            const Point to = points[i];
+            const std::uint32_t to_step = steps.of(to.y);
+            const std::uint32_t first = firsts[std::min(from_step, to_step)];
+            const std::uint32_t last = firsts[std::max(from_step, to_step) + 1];
+            reaches[found] = {from, to, first, last};
+            found += first != last ? 1 : 0;
             from = to;
-            a = b;
+            from_step = to_step;
         }
-    });
-    for (const Query& query : queries_) {
+        worker_.spend(end - begin);
+        for (const Reach& reach : std::span(reaches).first(found)) {
+            for (std::uint32_t query = reach.first; query < reach.last; ++query) {
+                by_step_[query].winding.add(reach.from, reach.to);
+            }
+            worker_.spend(reach.last - reach.first);
+        }
+    }
+    for (const Query& query : by_step_) {
         if (query.winding.strictly_inside()) {
             inside.push_back(query.number);
         }

@@ -57,14 +57,14 @@ inline bool strictly_inside(AddEdges add_edges, const Point* points, std::uint32
     return winding.strictly_inside();
 }
 
-/// Tests many points against one contour in a single pass over its edges, most of which reach no point's y. The points are
-/// sorted by y, and a walk along the contour keeps how many of them lie lower:
+/// Tests many points against one contour in a single pass over its edges, most of which reach no point's y. The range of y
+/// is cut into some equal steps for each point, and an edge is added to the points in the steps that it reaches:
 ///
-///     points, by y     0   1   2   3   4
-///     a and b                    '           the edge from `a` to `b` reaches none
-///     c                    '                 the edge from `b` to `c` is added to 1 and 2
+///     steps of y       | 0 1 |     |  2  |     | 3 4 |
+///     a and b                   '     '                   the edge from `a` to `b` is added to 2
+///     c                         '                         the edge from `b` to `c` is added to 2, too
 ///
-/// O(points log points + edges + pairs of a point and an edge that share a y).
+/// O(points + edges + pairs of a point and an edge that share a step).
 class ManyInside {
 public:
     explicit ManyInside(Worker& worker) noexcept : worker_(worker) {}
@@ -82,16 +82,23 @@ private:
         std::uint32_t number = 0;
         std::int32_t y() const noexcept { return winding.query().y; }
     };
-    /// Where a y lies among the queries.
-    struct Level {
-        std::uint32_t lower;  // queries that lie lower
-        std::uint32_t up_to;  // those and the ones at the very y
+    struct Steps {
+        std::int64_t low = 0;   // the smallest y of a query
+        std::int64_t rise = 0;  // of the largest over it
+        int shift = 0;          // a step has 2^shift values
+        /// What lies below every query is in the first step, where no query is.
+        std::uint32_t of(std::int32_t y) const noexcept {
+            const std::int64_t within = std::clamp<std::int64_t>(y - low, -1, rise + 1);
+            return static_cast<std::uint32_t>((within + (std::int64_t{1} << shift)) >> shift);
+        }
     };
-    Level level_of(std::int32_t y, std::uint32_t near) const noexcept;
+    void sort_by_step();
 
     Worker& worker_;
     Vector<Query> queries_{worker_.memory()};
-    Vector<std::int32_t> ys_{worker_.memory()};  // of queries_, ascending, between two that are beyond every other
+    Steps steps_;
+    Vector<Query> by_step_{worker_.memory()};         // queries_
+    Vector<std::uint32_t> firsts_{worker_.memory()};  // of each step: its first of by_step_
 };
 
 }  // namespace lamella::nesting

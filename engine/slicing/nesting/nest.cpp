@@ -113,36 +113,48 @@ void Nester::sort_by_start(std::span<const NestItem> items) {
 
 /// Every ring becomes the parent of the starts inside it that have none yet: the smallest ring first.
 void Nester::find_parents(std::span<const NestItem> items) {
-    constexpr std::size_t few = 64;  // are compared sooner than a tree is built
-    has_tree_ = rings_.size() > few;
-    if (has_tree_) {
-        starts_.assign(rings_.size(), [this](std::size_t ring) { return start_of(ring); });
+    const auto start = [this](std::size_t ring) { return start_of(ring); };
+    starts_.assign(rings_.size(), start);
+    list_containers(items);
+    if (in_tree_) {
+        tree_.assign(rings_.size(), start);
     }
     sort_by_size(items);
     for (const SortKey& key : by_size_) {
         const NestItem& contour = items[rings_[key.index].item];
+        const auto take = [this](std::uint32_t ring) { found_.push_back(ring); };
         found_.clear();
-        if (has_tree_) {
-            starts_.find_in(grown(contour.box, -1), [this](Point, std::uint32_t ring) {
-                found_.push_back(ring);
+        if (in_tree_) {
+            tree_.find_in(grown(contour.box, -1), [&](Point, std::uint32_t ring) {
+                take(ring);
                 return true;
             });
         } else {
-            find_among_few(contour.box, key.index);
+            starts_.find(key.index + 1, grown(contour.box, -1), take);
         }
         take_in(contour, key.index);
     }
 }
 
-/// The starts in the box of a ring that have no parent yet. They come after the ring's own, by x.
-void Nester::find_among_few(const FlatBox& box, std::uint32_t ring) {
-    for (std::uint32_t other = ring + 1; other < rings_.size(); ++other) {
-        const Point start = start_of(other);
-        if (start.x >= box.high.x) {
-            return;
+/// The rings whose boxes hold a start: most hold none. Where boxes are so wide that a tree is faster, the rest untested.
+void Nester::list_containers(std::span<const NestItem> items) {
+    constexpr std::size_t steps_per_ring = 16;
+    by_size_.clear();
+    in_tree_ = false;
+    std::size_t steps = 0;
+    for (std::uint32_t ring = 0; ring < rings_.size(); ++ring) {
+        const NestItem& contour = items[rings_[ring].item];
+        bool may_hold = in_tree_;
+        if (!in_tree_) {
+            const std::size_t taken =
+                starts_.find(ring + 1, grown(contour.box, -1), [&](std::uint32_t) { may_hold = true; });
+            worker_.spend(taken);
+            steps += taken;
+            in_tree_ = steps > steps_per_ring * (rings_.size() / 4 + ring);
         }
-        if (start.x > box.low.x && box.low.y < start.y && start.y < box.high.y && rings_[other].parent < 0) {
-            found_.push_back(other);
+        worker_.spend(item_work);
+        if (may_hold) {
+            by_size_.push_back({area_key(contour), ring});
         }
     }
 }
@@ -150,11 +162,6 @@ void Nester::find_among_few(const FlatBox& box, std::uint32_t ring) {
 /// By area; equal areas in the order of rings, which is by start, then box and points.
 void Nester::sort_by_size(std::span<const NestItem> items) {
     const auto item_of = [&](const SortKey& key) -> const NestItem& { return items[rings_[key.index].item]; };
-    by_size_.clear();
-    for (std::uint32_t ring = 0; ring < rings_.size(); ++ring) {
-        worker_.spend(item_work);
-        by_size_.push_back({area_key(items[rings_[ring].item]), ring});
-    }
     nesting::sort_keys(by_size_, spare_keys_, worker_);
     nesting::sort_equal_keys(by_size_, [&](const SortKey& a, const SortKey& b) {  // areas beyond 64 bits share a key
         return std::pair(size_of(item_of(a)), a.index) < std::pair(size_of(item_of(b)), b.index);
@@ -187,7 +194,9 @@ void Nester::take_in(const NestItem& contour, std::uint32_t ring) {
 
 void Nester::adopt(std::uint32_t ring, std::uint32_t child) {
     rings_[child].parent = static_cast<std::int32_t>(ring);
-    if (has_tree_) {
+    if (in_tree_) {
+        tree_.take_off(child);
+    } else {
         starts_.take_off(child);
     }
 }

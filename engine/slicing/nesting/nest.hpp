@@ -8,8 +8,8 @@
 // every point strictly inside is larger, and starts strictly decrease from child to parent.
 //
 // Contours are visited from small to large. Each becomes the parent of the starts strictly inside it that have none yet. The
-// starts in its box are found by x, or where they are many in a tree, off which starts with a parent are taken. A nest of
-// any depth thus costs one test a contour. Starts in the box of one contour are tested together.
+// starts in its box are found by x, or where boxes are wide in a tree; starts with a parent are taken off. A nest of any
+// depth thus costs one test a contour. Starts in the box of one contour are tested together.
 //
 // O(q log q) for q contours and points, also for deep nests and for arrays of separate contours. Two cases cost more. A
 // start inside the boxes of k contours, but not inside the contours, costs O(k) (L shapes nested in each other's corner).
@@ -34,6 +34,7 @@
 #include "slicing/grid/exact.hpp"
 #include "slicing/nesting/inside.hpp"
 #include "slicing/nesting/order.hpp"
+#include "slicing/nesting/starts.hpp"
 
 namespace lamella {
 
@@ -137,7 +138,7 @@ private:
     void sort_by_start(std::span<const NestItem> items);
     void find_parents(std::span<const NestItem> items);
     Point start_of(std::size_t ring) const noexcept { return nesting::point_of(by_start_[ring].key); }
-    void find_among_few(const FlatBox& box, std::uint32_t ring);
+    void list_containers(std::span<const NestItem> items);
     void sort_by_size(std::span<const NestItem> items);
     void take_in(const NestItem& contour, std::uint32_t ring);
     void adopt(std::uint32_t ring, std::uint32_t child);
@@ -146,11 +147,12 @@ private:
     Worker& worker_;
     nesting::AddEdges add_edges_ = best_of(nesting::add_edges_forms(), worker_.instructions());
     Vector<nesting::SortKey> by_start_{worker_.memory()};  // of rings_: their starts
-    Vector<nesting::SortKey> by_size_{worker_.memory()};   // of rings_: their areas
+    Vector<nesting::SortKey> by_size_{worker_.memory()};   // of rings_ that may have children: their areas
     Vector<nesting::SortKey> spare_keys_{worker_.memory()};
     Vector<nesting::Ring> rings_{worker_.memory()};
-    PointTree starts_{worker_};  // of rings_ that have no parent yet, where they are many
-    bool has_tree_ = false;
+    nesting::StartLine starts_{worker_.memory()};  // of rings_ that have no parent yet
+    PointTree tree_{worker_};                      // of the same, where boxes are wide
+    bool in_tree_ = false;
     Vector<std::uint32_t> found_{worker_.memory()};  // rings with starts in a contour's box
     nesting::ManyInside many_inside_{worker_};
 };

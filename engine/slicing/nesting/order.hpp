@@ -21,10 +21,10 @@ struct SortKey {
     std::uint32_t index = 0;
 };
 
-/// By key, then index.
-constexpr bool before(const SortKey& a, const SortKey& b) noexcept {
+/// By key, then index. No function, which std::sort would call by its address.
+inline constexpr auto before = [](const SortKey& a, const SortKey& b) noexcept {
     return a.key != b.key ? a.key < b.key : a.index < b.index;
-}
+};
 
 /// Orders as points do: by x, then y. This is the order of starts: layers are sorted by it, a parent therefore starts before
 /// its children, and windows of starts reach to the right. RingFacts finds the start by the same order, and audit() and

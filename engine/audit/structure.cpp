@@ -100,6 +100,9 @@ std::vector<Start> enclosed_starts(const SliceResult& result, std::span<const Co
         }
     }
     std::sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.at.y < b.at.y; });
+    if (starts.size() < 2) {
+        return starts;  // one alone lies in no other
+    }
     std::vector<Start*> met;
     const auto meet = [&](const Edge& edge) {
         auto start = std::lower_bound(starts.begin(), starts.end(), edge.low(),
@@ -110,9 +113,12 @@ std::vector<Start> enclosed_starts(const SliceResult& result, std::span<const Co
             met.push_back(&*start);
         }
     };
-    for (std::size_t c = 0; c < contours.size() && starts.size() > 1; ++c) {  // one alone lies in no other
+    for (std::size_t c = 0; c < contours.size(); ++c) {
+        if (!has_area(contours[c])) {
+            continue;
+        }
         const std::span<const Point> points = result.points_of(contours[c]);
-        for (std::size_t i = 0; i < points.size() && has_area(contours[c]); ++i) {
+        for (std::size_t i = 0; i < points.size(); ++i) {
             meet({points[i], points[i + 1 == points.size() ? 0 : i + 1]});
         }
         for (Start* const start : met) {  // some more than once

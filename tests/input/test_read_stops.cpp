@@ -56,7 +56,7 @@ void check_stops(const std::filesystem::path& path, int threads, std::mt19937& r
 void check_intervals(const std::filesystem::path& path) {
     double longest = std::numeric_limits<double>::max();
     double whole = longest;
-    for (int round = 0; round < 3 && longest > std::max(always_short_ms, whole / 4); ++round) {
+    for (int round = 0; round < 3; ++round) {
         double last = cpu_ms();
         double not_asked = 0;
         auto note = [&]() noexcept {

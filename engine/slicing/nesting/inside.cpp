@@ -159,22 +159,23 @@ std::span<const Form<AddEdges>> add_edges_forms() noexcept {
     return forms;
 }
 
-void ManyInside::sort_by_step() {
+ManyInside::Steps ManyInside::sort_by_step() {
     const auto [lowest, highest] =
         std::minmax_element(queries_.begin(), queries_.end(), [](const Query& a, const Query& b) { return a.y() < b.y(); });
     const auto width = [](auto number) { return static_cast<int>(std::bit_width(static_cast<std::uint64_t>(number))); };
     const std::int64_t rise = std::int64_t{highest->y()} - lowest->y();
-    steps_ = {lowest->y(), rise, std::max(0, width(rise) - width(4 * queries_.size()))};
+    const Steps steps{lowest->y(), rise, std::max(0, width(rise) - width(4 * queries_.size()))};
     // Counted one step too far, and summed, the counts are where a step begins; each query moves that up to its end.
-    firsts_.assign(steps_.of(std::numeric_limits<std::int32_t>::max()) + 3, 0);
+    firsts_.assign(steps.of(std::numeric_limits<std::int32_t>::max()) + 3, 0);
     for (const Query& query : queries_) {
-        ++firsts_[steps_.of(query.y()) + 2];
+        ++firsts_[steps.of(query.y()) + 2];
     }
     std::partial_sum(firsts_.begin(), firsts_.end(), firsts_.begin());
     by_step_.resize(queries_.size());
     for (const Query& query : queries_) {
-        by_step_[firsts_[steps_.of(query.y()) + 1]++] = query;
+        by_step_[firsts_[steps.of(query.y()) + 1]++] = query;
     }
+    return steps;
 }
 
 /// Some edges at a time are sifted, without a branch, as no predictor knows which of them reach a query's step.
@@ -184,8 +185,7 @@ void ManyInside::test(const Point* points, std::uint32_t count, Vector<std::uint
         Point from, to;
         std::uint32_t first, last;  // of by_step_
     };
-    sort_by_step();
-    const Steps steps = steps_;
+    const Steps steps = sort_by_step();
     const std::uint32_t* const firsts = firsts_.data();
     Point from = points[count - 1];
     std::uint32_t from_step = steps.of(from.y);

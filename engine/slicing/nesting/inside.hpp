@@ -92,11 +92,11 @@ private:
             return static_cast<std::uint32_t>((within + (std::int64_t{1} << shift)) >> shift);
         }
     };
-    void sort_by_step();
+    /// From queries_ to by_step_ and firsts_.
+    Steps sort_by_step();
 
     Worker& worker_;
     Vector<Query> queries_{worker_.memory()};
-    Steps steps_;
     Vector<Query> by_step_{worker_.memory()};         // queries_
     Vector<std::uint32_t> firsts_{worker_.memory()};  // of each step: its first of by_step_
 };

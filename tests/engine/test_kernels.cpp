@@ -1,7 +1,9 @@
 // The loops written for several instruction sets: every form that this processor supports equals the portable one to the
 // bit, and those of the report what an obvious loop gives.
+#include <limits>
 #include <numeric>
 #include <random>
+#include <utility>
 
 #include <catch2/catch.hpp>
 
@@ -11,6 +13,7 @@
 #include "rings.hpp"
 #include "slicing/contours/kernels.hpp"
 #include "slicing/edges/edge_runs.hpp"
+#include "slicing/grid/bounds.hpp"
 #include "slicing/planes/plane_set.hpp"
 #include "slicing/sweep/band_sweep.hpp"
 
@@ -256,6 +259,65 @@ TEST_CASE("sums of millions of equal corners do not overflow their limbs", "[eng
     often.add_to(all, 0);
     CHECK(all.area == single.area * times);
     CHECK(all.volume == single.volume * times);
+}
+
+/// Of one triangle, as obvious as can be.
+bool near_each_other(const float* t, float reach) {
+    const auto near = [&](int a, int b) {
+        const auto within = [&](int axis) { return std::abs(t[3 * a + axis] - t[3 * b + axis]) <= reach; };
+        return within(0) && within(1) && within(2);
+    };
+    return near(0, 1) || near(1, 2) || near(2, 0);
+}
+
+TEST_CASE("each level measures a soup's blocks as an obvious loop does, and finds each number that is not finite",
+          "[engine][kernels]") {
+    std::mt19937 random(5);
+    const std::size_t count = GENERATE(1, 2, 63, 64, 65, 200);
+    constexpr double unit_mm = 0x1p-10;
+    std::vector<float> xyz(9 * count);
+    for (float& number : xyz) {  // of few values, so that vertices often agree on one axis or two
+        number = static_cast<float>(random() % 8) + (random() % 2 == 0 ? 0.0F : static_cast<float>(3 * unit_mm));
+    }
+    for (std::size_t i = 0; i < instruction_set_names.size(); ++i) {
+        BlockTable table(nullptr);
+        table.instructions = static_cast<InstructionSet>(i);
+        if (!runs(table.instructions)) {
+            continue;
+        }
+        const auto measured = [&] {
+            return measure_bounds(MeshView::soup(std::span<const float>(xyz)), {}, unit_mm, Parallel({.threads = 1}), table);
+        };
+        const Result<Bounds> box = measured();
+        REQUIRE(box);
+        Bounds expected = Bounds::empty();
+        for (std::size_t block = 0; block < table.blocks.size(); ++block) {
+            bool near = false;
+            Bounds own = Bounds::empty();
+            for (std::size_t t = 64 * block; t < std::min(count, 64 * (block + 1)); ++t) {
+                near = near || near_each_other(&xyz[9 * t], static_cast<float>(table.near_mm));
+                for (int number = 0; number < 9; ++number) {
+                    const double mm = static_cast<double>(xyz[9 * t + static_cast<std::size_t>(number)]);
+                    own.add(number % 3, mm, mm);
+                }
+            }
+            const TriangleBlock& found = table.blocks[block];
+            CHECK((found.near == near && found.low_mm == own.min_mm[2] && found.high_mm == own.max_mm[2]));
+            expected.add(own);
+        }
+        for (int axis = 0; axis < 3; ++axis) {
+            CHECK((box->min_mm[axis] == expected.min_mm[axis] && box->max_mm[axis] == expected.max_mm[axis]));
+        }
+        for (std::size_t at = 9 * (count - 1); at < 9 * count; ++at) {
+            for (const float bad : {std::numeric_limits<float>::quiet_NaN(), -std::numeric_limits<float>::infinity()}) {
+                const float good = std::exchange(xyz[at], bad);
+                const Result<Bounds> refused = measured();
+                REQUIRE_FALSE(refused);
+                CHECK(refused.error().triangle == static_cast<std::int64_t>(count - 1));
+                xyz[at] = good;
+            }
+        }
+    }
 }
 
 }  // namespace

@@ -236,8 +236,7 @@ TEST_CASE("keys are sorted whatever their number and distribution", "[nesting]")
 TEST_CASE("points within a contour are found by every form of the edge test, one by one and many at once", "[nesting]") {
     std::mt19937 random(9);
     const auto forms = supported(lamella::nesting::add_edges_forms());
-    Worker worker;
-    lamella::nesting::ManyInside many(worker);
+    const auto sifting = supported(lamella::nesting::sift_edges_forms());
     for (int turn = 0; turn < 800; ++turn) {
         const int size = 2 + (turn % 2 == 0 ? below(random, 30) : 1 << below(random, 25));
         Ring ring = random_walk(random, size);
@@ -246,13 +245,13 @@ TEST_CASE("points within a contour are found by every form of the edge test, one
             ring.insert(ring.end(), walk.begin(), walk.end());
         }
         const auto count = static_cast<std::uint32_t>(ring.size());
-        many.clear();
+        Ring queries;
         std::vector<std::uint32_t> expected;
         const int bunch = 1 + below(random, size);  // most points lie within a part of the contour's height
         for (std::uint32_t i = 0; i < 1 + random() % 200; ++i) {
             const int height = below(random, 8) == 0 ? size + 2 : bunch;
             const Point query{below(random, size + 2) - 1 - size / 2, below(random, height) - 1 - size / 2};
-            many.add(query, i);
+            queries.push_back(query);
             const bool inside = rings::strictly_around(ring, query);
             if (inside) {
                 expected.push_back(i);
@@ -261,10 +260,17 @@ TEST_CASE("points within a contour are found by every form of the edge test, one
                 REQUIRE(lamella::nesting::strictly_inside(form, ring.data(), count, query) == inside);
             }
         }
-        Vector<std::uint32_t> found;
-        many.test(ring.data(), count, found);
-        std::sort(found.begin(), found.end());
-        REQUIRE(std::equal(found.begin(), found.end(), expected.begin(), expected.end()));
+        for (const auto& [needs, form] : sifting) {
+            Worker worker(nullptr, needs);
+            lamella::nesting::ManyInside many(worker);
+            for (std::uint32_t i = 0; i < queries.size(); ++i) {
+                many.add(queries[i], i);
+            }
+            Vector<std::uint32_t> found;
+            many.test(ring.data(), count, found);
+            std::sort(found.begin(), found.end());
+            REQUIRE(std::equal(found.begin(), found.end(), expected.begin(), expected.end()));
+        }
     }
 }
 

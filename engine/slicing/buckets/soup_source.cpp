@@ -52,6 +52,7 @@ void scatter_each(const Reader& read, const PlaneSet& planes, std::size_t begin,
 }  // namespace
 
 Bounds SoupSource::measure(double asked_mm) {
+    buckets_.blocks.instructions = instructions_;
     return require(measure_bounds(mesh_, placing_, asked_mm, parallel_, buckets_.blocks));
 }
 

@@ -2,7 +2,6 @@
 
 #include <string>
 
-#include "base/dispatch.hpp"
 #include "base/words.hpp"
 #include "lamella/grid.hpp"
 
@@ -66,7 +65,6 @@ Partial measure_general(const MeshView& mesh, const Placing& placing, std::size_
 /// Four floats, as every x86-64 has them.
 struct Floats {
     using Vector = __m128;
-    using Lanes = __m128;
     static Vector all_of(float value) noexcept { return _mm_set1_ps(value); }
     static Vector load(const float* at) noexcept { return _mm_loadu_ps(at); }
     static void store(float* at, Vector v) noexcept { _mm_storeu_ps(at, v); }
@@ -75,14 +73,11 @@ struct Floats {
     static Vector greatest(Vector a, Vector b) noexcept { return _mm_max_ps(a, b); }
     /// Lanes 1, 2 and 3, then another one.
     static Vector upper_three(Vector v) noexcept { return _mm_shuffle_ps(v, v, _MM_SHUFFLE(3, 3, 2, 1)); }
-    /// True if the first three lanes are all within `reach` of each other.
-    static bool are_near(Vector a, Vector b, Vector reach) noexcept {
-        const Vector size = _mm_andnot_ps(_mm_set1_ps(-0.0F), _mm_sub_ps(a, b));
-        return (_mm_movemask_ps(_mm_cmple_ps(size, reach)) & 7) == 7;
-    }
-    /// Sets the lanes of `nan` where one of the two is NaN.
-    static void add_nan(Lanes& nan, Vector a, Vector b) noexcept { nan = _mm_or_ps(nan, _mm_cmpunord_ps(a, b)); }
-    static bool any(Lanes lanes) noexcept { return _mm_movemask_ps(lanes) != 0; }
+    static Vector distance(Vector a, Vector b) noexcept { return _mm_andnot_ps(_mm_set1_ps(-0.0F), _mm_sub_ps(a, b)); }
+    /// True if the first three lanes of `a` are all at most those of `limit`.
+    static bool three_within(Vector a, Vector limit) noexcept { return (_mm_movemask_ps(_mm_cmple_ps(a, limit)) & 7) == 7; }
+    static Vector sum(Vector a, Vector b) noexcept { return _mm_add_ps(a, b); }
+    static bool any_nan(Vector v) noexcept { return _mm_movemask_ps(_mm_cmpunord_ps(v, v)) != 0; }
 };
 
 #elif defined(LAMELLA_NEON_FORMS)
@@ -91,59 +86,59 @@ struct Floats {
 /// The same, as every ARM of 64 bits has them.
 struct Floats {
     using Vector = float32x4_t;
-    using Lanes = uint32x4_t;
     static Vector all_of(float value) noexcept { return vdupq_n_f32(value); }
     static Vector load(const float* at) noexcept { return vld1q_f32(at); }
     static void store(float* at, Vector v) noexcept { vst1q_f32(at, v); }
     static Vector least(Vector a, Vector b) noexcept { return vbslq_f32(vcltq_f32(a, b), a, b); }
     static Vector greatest(Vector a, Vector b) noexcept { return vbslq_f32(vcgtq_f32(a, b), a, b); }
     static Vector upper_three(Vector v) noexcept { return vextq_f32(v, v, 1); }
-    static bool are_near(Vector a, Vector b, Vector reach) noexcept {
-        return vminvq_u32(vsetq_lane_u32(0xFFFFFFFF, vcaleq_f32(vsubq_f32(a, b), reach), 3)) != 0;
+    static Vector distance(Vector a, Vector b) noexcept { return vabdq_f32(a, b); }
+    static bool three_within(Vector a, Vector limit) noexcept {
+        return vminvq_u32(vsetq_lane_u32(0xFFFFFFFF, vcleq_f32(a, limit), 3)) != 0;
     }
-    static void add_nan(Lanes& nan, Vector a, Vector b) noexcept {
-        nan = vornq_u32(nan, vandq_u32(vceqq_f32(a, a), vceqq_f32(b, b)));
-    }
-    static bool any(Lanes lanes) noexcept { return vmaxvq_u32(lanes) != 0; }
+    static Vector sum(Vector a, Vector b) noexcept { return vaddq_f32(a, b); }
+    static bool any_nan(Vector v) noexcept { return vminvq_u32(vceqq_f32(v, v)) == 0; }
 };
 
 #endif
 #ifdef LAMELLA_FOUR_FLOATS
 
-// A float soup without a transform: three vectors that cover a triangle and nothing beyond it.
+// A float soup without a transform: three vectors that cover a triangle and nothing beyond it. The last is turned by one
+// lane, so that each begins with x, y and z of a vertex.
 //
 //     x0 y0 z0 x1 y1 z1 x2 y2 z2
 //     [---a-----]
 //              [---b-----]
 //                    [---c-----]
 
-constexpr int offsets[3] = {0, 3, 5};
+struct SoupTriangle {
+    Floats::Vector a, b, c;
 
-/// A box of each of the nine numbers of a triangle.
-struct SoupBox {
-    Floats::Vector low[3];
-    Floats::Vector high[3];
-
-    SoupBox() noexcept {
-        for (int v = 0; v < 3; ++v) {
-            low[v] = Floats::all_of(std::numeric_limits<float>::infinity());
-            high[v] = Floats::all_of(-std::numeric_limits<float>::infinity());
-        }
+    explicit SoupTriangle(const std::byte* vertices) noexcept {
+        const auto* at = reinterpret_cast<const float*>(vertices);
+        a = Floats::load(at);
+        b = Floats::load(at + 3);
+        c = Floats::upper_three(Floats::load(at + 5));
     }
-    void add(int v, Floats::Vector lower, Floats::Vector upper) noexcept {
-        low[v] = Floats::least(low[v], lower);
-        high[v] = Floats::greatest(high[v], upper);
+};
+
+/// The box of vertices, in the first three lanes.
+struct SoupBox {
+    Floats::Vector low = Floats::all_of(std::numeric_limits<float>::infinity());
+    Floats::Vector high = Floats::all_of(-std::numeric_limits<float>::infinity());
+
+    void add(Floats::Vector lower, Floats::Vector upper) noexcept {
+        low = Floats::least(low, lower);
+        high = Floats::greatest(high, upper);
     }
     Bounds by_axis() const noexcept {
-        float low9[9];
-        float high9[9];
-        for (int v = 0; v < 3; ++v) {
-            Floats::store(low9 + offsets[v], low[v]);
-            Floats::store(high9 + offsets[v], high[v]);
-        }
+        float lows[4];
+        float highs[4];
+        Floats::store(lows, low);
+        Floats::store(highs, high);
         Bounds box = Bounds::empty();
-        for (int i = 0; i < 9; ++i) {
-            box.add(i % 3, static_cast<double>(low9[i]), static_cast<double>(high9[i]));
+        for (int axis = 0; axis < 3; ++axis) {
+            box.add(axis, static_cast<double>(lows[axis]), static_cast<double>(highs[axis]));
         }
         return box;
     }
@@ -154,35 +149,102 @@ Partial measure_soup(const MeshView& mesh, std::size_t begin, std::size_t end, B
     const std::byte* const vertices = mesh.vertex_at(0);
     const std::size_t stride = mesh.vertex_step();
     SoupBox all;
-    Floats::Lanes nan{};
+    Floats::Vector sides = Floats::all_of(0);  // a sum: becomes NaN, and stays so, at the first coordinate that is
     for (std::size_t block = begin; block < end; ++block) {
-        const std::size_t last = std::min(mesh.triangle_count, (block + 1) * block_triangles);
+        const std::size_t first = block * block_triangles;
+        const std::size_t last = std::min(mesh.triangle_count, first + block_triangles);
         SoupBox box;
         bool near = false;
-        for (std::size_t t = block * block_triangles; t < last; ++t) {
+        for (std::size_t t = first; t < last; ++t) {
             prefetch_ahead(vertices + t * stride, 1);
-            const auto* at = reinterpret_cast<const float*>(vertices + t * stride);
-            Floats::Vector value[3];
-            for (int v = 0; v < 3; ++v) {
-                value[v] = Floats::load(at + offsets[v]);
-                box.add(v, value[v], value[v]);
+            const SoupTriangle tri(vertices + t * stride);
+            const Floats::Vector low = Floats::least(tri.a, tri.b);
+            const Floats::Vector high = Floats::greatest(tri.a, tri.b);
+            box.add(Floats::least(low, tri.c), Floats::greatest(high, tri.c));
+            const Floats::Vector ab = Floats::distance(tri.a, tri.b);
+            const Floats::Vector bc = Floats::distance(tri.b, tri.c);
+            const Floats::Vector ca = Floats::distance(tri.c, tri.a);
+            sides = Floats::sum(sides, Floats::sum(bc, ca));
+            // Most triangles have an axis on which no two vertices are near: one comparison then does for three.
+            if (Floats::three_within(Floats::least(ab, Floats::least(bc, ca)), reach)) {
+                near = near || Floats::three_within(ab, reach) || Floats::three_within(bc, reach) ||
+                       Floats::three_within(ca, reach);
             }
-            const Floats::Vector third = Floats::upper_three(value[2]);
-            near |= Floats::are_near(value[0], value[1], reach);
-            near |= Floats::are_near(value[1], third, reach);
-            near |= Floats::are_near(third, value[0], reach);
-            Floats::add_nan(nan, value[0], value[1]);
-            Floats::add_nan(nan, value[2], value[2]);
         }
         const Bounds by_axis = box.by_axis();
         table.blocks[block] = {by_axis.min_mm[2], by_axis.max_mm[2], near};
-        for (int v = 0; v < 3; ++v) {
-            all.add(v, box.low[v], box.high[v]);
-        }
+        all.add(box.low, box.high);
     }
     Partial found;
     found.box = all.by_axis();
-    found.finite = !Floats::any(nan);  // infinity shows in the box
+    found.finite = !Floats::any_nan(sides);  // infinity shows in the box
+    return found;
+}
+
+#endif
+#ifdef LAMELLA_X86_FORMS
+
+/// The same, two triangles at a time, one in each half of a vector.
+struct FloatPairs {
+    LAMELLA_AVX2_INLINE static __m256 load(const float* first, const float* second) noexcept {
+        return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(first)), _mm_loadu_ps(second), 1);
+    }
+    LAMELLA_AVX2_INLINE static __m256 distance(__m256 a, __m256 b) noexcept {
+        return _mm256_andnot_ps(_mm256_set1_ps(-0.0F), _mm256_sub_ps(a, b));
+    }
+    LAMELLA_AVX2_INLINE static __m256i within(__m256 distance, __m256 reach) noexcept {
+        return _mm256_castps_si256(_mm256_cmp_ps(distance, reach, _CMP_LE_OQ));
+    }
+    /// Not 0 if the first three lanes of a half are all within `reach`. Each lane becomes a byte, of which a bit is read.
+    LAMELLA_AVX2_INLINE static unsigned near(__m256 ab, __m256 bc, __m256 ca, __m256 reach) noexcept {
+        const __m256i two = _mm256_packs_epi32(within(ab, reach), within(bc, reach));
+        const __m256i third = _mm256_packs_epi32(within(ca, reach), _mm256_setzero_si256());
+        const auto lanes = static_cast<unsigned>(_mm256_movemask_epi8(_mm256_packs_epi16(two, third)));
+        return lanes & lanes >> 1 & lanes >> 2 & 0x0111'0111U;
+    }
+    LAMELLA_AVX2_INLINE static void add(SoupBox& box, __m256 low, __m256 high) noexcept {
+        box.add(_mm256_castps256_ps128(low), _mm256_castps256_ps128(high));
+        box.add(_mm256_extractf128_ps(low, 1), _mm256_extractf128_ps(high, 1));
+    }
+};
+
+LAMELLA_AVX2 Partial measure_soup_avx2(const MeshView& mesh, std::size_t begin, std::size_t end, BlockTable& table) {
+    const __m256 reach = _mm256_set1_ps(static_cast<float>(table.near_mm));
+    const std::byte* const vertices = mesh.vertex_at(0);
+    const std::size_t stride = mesh.vertex_step();
+    SoupBox all;
+    __m256 sides = _mm256_setzero_ps();
+    for (std::size_t block = begin; block < end; ++block) {
+        const std::size_t last = std::min(mesh.triangle_count, (block + 1) * block_triangles);
+        __m256 low = _mm256_set1_ps(std::numeric_limits<float>::infinity());
+        __m256 high = _mm256_set1_ps(-std::numeric_limits<float>::infinity());
+        unsigned near = 0;
+        for (std::size_t t = block * block_triangles; t < last; t += 2) {
+            const std::byte* const at = vertices + t * stride;
+            prefetch_ahead(at, 1);
+            prefetch_ahead(at + stride, 1);
+            const auto* first = reinterpret_cast<const float*>(at);
+            const auto* second = reinterpret_cast<const float*>(t + 1 < last ? at + stride : at);
+            const __m256 a = FloatPairs::load(first, second);
+            const __m256 b = FloatPairs::load(first + 3, second + 3);
+            const __m256 z1_c = FloatPairs::load(first + 5, second + 5);
+            const __m256 c = _mm256_shuffle_ps(z1_c, z1_c, _MM_SHUFFLE(3, 3, 2, 1));
+            low = _mm256_min_ps(low, _mm256_min_ps(_mm256_min_ps(a, b), c));
+            high = _mm256_max_ps(high, _mm256_max_ps(_mm256_max_ps(a, b), c));
+            const __m256 bc = FloatPairs::distance(b, c);
+            const __m256 ca = FloatPairs::distance(c, a);
+            sides = _mm256_add_ps(sides, _mm256_add_ps(bc, ca));
+            near |= FloatPairs::near(FloatPairs::distance(a, b), bc, ca, reach);
+        }
+        SoupBox box;
+        FloatPairs::add(box, low, high);
+        const Bounds by_axis = box.by_axis();
+        table.blocks[block] = {by_axis.min_mm[2], by_axis.max_mm[2], near != 0};
+        all.add(box.low, box.high);
+    }
+    Partial found;
+    found.box = all.by_axis();
+    found.finite = _mm256_movemask_ps(_mm256_cmp_ps(sides, sides, _CMP_UNORD_Q)) == 0;
     return found;
 }
 
@@ -190,12 +252,19 @@ Partial measure_soup(const MeshView& mesh, std::size_t begin, std::size_t end, B
 
 /// Blocks [begin, end).
 Partial measure_blocks(const MeshView& mesh, const Placing& placing, std::size_t begin, std::size_t end, BlockTable& table) {
-#ifdef LAMELLA_FOUR_FLOATS
-    if (mesh.vertex_type == Number::f32 && mesh.indices == nullptr && placing.transform.is_identity()) {
-        return measure_soup(mesh, begin, end, table);
+    if (mesh.vertex_type != Number::f32 || mesh.indices != nullptr || !placing.transform.is_identity()) {
+        return measure_general(mesh, placing, begin, end, table);
+    }
+#ifdef LAMELLA_X86_FORMS
+    if (table.instructions >= InstructionSet::avx2) {
+        return measure_soup_avx2(mesh, begin, end, table);
     }
 #endif
+#ifdef LAMELLA_FOUR_FLOATS
+    return measure_soup(mesh, begin, end, table);
+#else
     return measure_general(mesh, placing, begin, end, table);
+#endif
 }
 
 std::string axis_text(int i) {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "base/dispatch.hpp"
 #include "base/parallel.hpp"
 #include "lamella/array.hpp"
 #include "lamella/error.hpp"
@@ -68,6 +69,7 @@ struct BlockTable {
 
     Array<TriangleBlock> blocks;  ///< block b: triangles from 64 b on
     double near_mm = 0;
+    InstructionSet instructions = instruction_set();
 };
 
 inline std::size_t block_count(std::size_t triangles) noexcept {

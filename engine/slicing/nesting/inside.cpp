@@ -1,6 +1,5 @@
 #include "slicing/nesting/inside.hpp"
 
-#include <array>
 #include <bit>
 #include <limits>
 #include <numeric>
@@ -16,6 +15,22 @@ void add_edges_portable(Winding& winding, const Point* points, std::uint32_t cou
             winding.add(points[i], points[i + 1]);
         }
     }
+}
+
+/// Without a branch, as no predictor knows which edges reach a point's step.
+std::size_t sift_portable(const LevelSteps& steps, const Point* points, std::uint32_t count,
+                          ReachingEdges& reaching) noexcept {
+    std::size_t found = 0;
+    std::uint32_t step = steps.of(points[0].y);
+    for (std::uint32_t edge = 0; edge < count; ++edge) {
+        const std::uint32_t next = steps.of(points[edge + 1].y);
+        reaching.edge[found] = edge;
+        reaching.first[found] = steps.firsts[std::min(step, next)];
+        reaching.last[found] = steps.firsts[std::max(step, next) + 1];
+        found += reaching.first[found] < reaching.last[found] ? 1 : 0;
+        step = next;
+    }
+    return found;
 }
 
 #ifdef LAMELLA_X86_FORMS
@@ -121,6 +136,58 @@ LAMELLA_AVX512 void add_edges_avx512(Winding& winding, const Point* points, std:
     _mm256_zeroupper();
 }
 
+/// y of points[0] to points[15]; zero where `lanes` has no bit.
+LAMELLA_AVX512_INLINE __m512i sixteen_y(const Point* points, __mmask16 lanes) noexcept {
+    const __m512i y_lanes = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+    const __m512i low = _mm512_maskz_loadu_epi64(static_cast<__mmask8>(lanes), points);
+    const __m512i high = _mm512_maskz_loadu_epi64(static_cast<__mmask8>(lanes >> 8), points + 8);
+    return _mm512_permutex2var_epi32(low, y_lanes, high);
+}
+
+LAMELLA_AVX512_INLINE __m512i gather(const std::uint32_t* table, __m512i index) noexcept {
+    return _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), all_lanes, index, table, 4);
+}
+
+LAMELLA_AVX512_INLINE void store_some(std::uint32_t* to, __mmask16 lanes, __m512i numbers) noexcept {
+    _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(lanes, numbers));
+}
+
+/// Sixteen edges at a time: where their second ends lie, moved by a lane for the first.
+LAMELLA_AVX512 std::size_t sift_avx512(const LevelSteps& steps, const Point* points, std::uint32_t count,
+                                       ReachingEdges& reaching) noexcept {
+    const __m512i low = _mm512_set1_epi32(steps.low);
+    const __m512i high = _mm512_set1_epi32(steps.high);
+    const __m512i up = _mm512_set1_epi32((1 << steps.shift) - 1);
+    const std::uint32_t step_before = steps.of(points[0].y);
+    __m512i first_before = _mm512_set1_epi32(static_cast<int>(steps.firsts[step_before]));
+    __m512i last_before = _mm512_set1_epi32(static_cast<int>(steps.firsts[step_before + 1]));
+    __m512i edge = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    std::size_t found = 0;
+    for (std::uint32_t i = 0; i < count; i += 16) {
+        const auto lanes = static_cast<__mmask16>(count - i >= 16 ? all_lanes : (1U << (count - i)) - 1);
+        const __m512i y = sixteen_y(points + i + 1, lanes);
+        const __m512i within = _mm512_maskz_min_epi32(all_lanes, high, _mm512_maskz_max_epi32(all_lanes, low, y));
+        const __m512i above_low = _mm512_add_epi32(_mm512_sub_epi32(within, low), up);
+        const __m512i step = _mm512_maskz_srl_epi32(all_lanes, above_low, _mm_cvtsi32_si128(steps.shift));
+        const __m512i first = gather(steps.firsts, step);
+        const __m512i last = gather(steps.firsts + 1, step);
+        const __m512i from =
+            _mm512_maskz_min_epi32(all_lanes, first, _mm512_maskz_alignr_epi32(all_lanes, first, first_before, 15));
+        const __m512i to =
+            _mm512_maskz_max_epi32(all_lanes, last, _mm512_maskz_alignr_epi32(all_lanes, last, last_before, 15));
+        const __mmask16 reach = _mm512_mask_cmplt_epi32_mask(lanes, from, to);
+        store_some(reaching.edge.data() + found, reach, edge);
+        store_some(reaching.first.data() + found, reach, from);
+        store_some(reaching.last.data() + found, reach, to);
+        found += static_cast<std::size_t>(std::popcount(static_cast<unsigned>(reach)));
+        edge = _mm512_add_epi32(edge, _mm512_set1_epi32(16));
+        first_before = first;
+        last_before = last;
+    }
+    _mm256_zeroupper();
+    return found;
+}
+
 #elif defined(LAMELLA_NEON_FORMS)
 
 /// Sixteen edges a step: most lie above the query or below it. Its speed is not measured.
@@ -159,14 +226,23 @@ std::span<const Form<AddEdges>> add_edges_forms() noexcept {
     return forms;
 }
 
-ManyInside::Steps ManyInside::sort_by_step() {
+std::span<const Form<SiftEdges>> sift_edges_forms() noexcept {
+    static constexpr Form<SiftEdges> forms[] = {
+#ifdef LAMELLA_X86_FORMS
+        {InstructionSet::avx512, sift_avx512},
+#endif
+        {InstructionSet::portable, sift_portable}};
+    return forms;
+}
+
+LevelSteps ManyInside::sort_by_step() {
     const auto [lowest, highest] =
         std::minmax_element(queries_.begin(), queries_.end(), [](const Query& a, const Query& b) { return a.y() < b.y(); });
     const auto width = [](auto number) { return static_cast<int>(std::bit_width(static_cast<std::uint64_t>(number))); };
-    const std::int64_t rise = std::int64_t{highest->y()} - lowest->y();
-    const Steps steps{lowest->y(), rise, std::max(0, width(rise) - width(4 * queries_.size()))};
+    const int shift = std::max(0, width(std::int64_t{highest->y()} - lowest->y()) - width(4 * queries_.size()));
+    LevelSteps steps{lowest->y() - 1, highest->y() + (1 << shift), shift};
     // Counted one step too far, and summed, the counts are where a step begins; each query moves that up to its end.
-    firsts_.assign(steps.of(std::numeric_limits<std::int32_t>::max()) + 3, 0);
+    firsts_.assign(steps.of(steps.high) + 3, 0);
     for (const Query& query : queries_) {
         ++firsts_[steps.of(query.y()) + 2];
     }
@@ -175,40 +251,23 @@ ManyInside::Steps ManyInside::sort_by_step() {
     for (const Query& query : queries_) {
         by_step_[firsts_[steps.of(query.y()) + 1]++] = query;
     }
+    steps.firsts = firsts_.data();
     return steps;
 }
 
-/// Some edges at a time are sifted, without a branch, as no predictor knows which of them reach a query's step.
 void ManyInside::test(const Point* points, std::uint32_t count, Vector<std::uint32_t>& inside) {
-    constexpr std::size_t most = 64;
-    struct Reach {
-        Point from, to;
-        std::uint32_t first, last;  // of by_step_
-    };
-    const Steps steps = sort_by_step();
-    const std::uint32_t* const firsts = firsts_.data();
-    Point from = points[count - 1];
-    std::uint32_t from_step = steps.of(from.y);
-    std::array<Reach, most> reaches;
-    for (std::size_t begin = 0; begin < count; begin += most) {
-        const std::size_t end = std::min<std::size_t>(begin + most, count);
-        std::size_t found = 0;
-        for (std::size_t i = begin; i < end; ++i) {
-            const Point to = points[i];
-            const std::uint32_t to_step = steps.of(to.y);
-            const std::uint32_t first = firsts[std::min(from_step, to_step)];
-            const std::uint32_t last = firsts[std::max(from_step, to_step) + 1];
-            reaches[found] = {from, to, first, last};
-            found += first != last ? 1 : 0;
-            from = to;
-            from_step = to_step;
-        }
-        worker_.spend(end - begin);
-        for (const Reach& reach : std::span(reaches).first(found)) {
-            for (std::uint32_t query = reach.first; query < reach.last; ++query) {
-                by_step_[query].winding.add(reach.from, reach.to);
-            }
-            worker_.spend(reach.last - reach.first);
+    const LevelSteps steps = sort_by_step();
+    const Point end = points[count - 1];
+    const auto [low, high] = std::minmax({steps.of(end.y), steps.of(points[0].y)});
+    add_edge(end, points[0], steps.firsts[low], steps.firsts[high + 1]);
+    ReachingEdges reaching;
+    for (std::uint32_t begin = 0; begin + 1 < count; begin += ReachingEdges::most) {
+        const Point* const run = points + begin;
+        const std::size_t found = sift_edges_(steps, run, std::min(count - 1 - begin, ReachingEdges::most), reaching);
+        worker_.spend(ReachingEdges::most);
+        for (std::size_t i = 0; i < found; ++i) {
+            const Point* const edge = run + reaching.edge[i];
+            add_edge(edge[0], edge[1], reaching.first[i], reaching.last[i]);
         }
     }
     for (const Query& query : by_step_) {
@@ -216,6 +275,13 @@ void ManyInside::test(const Point* points, std::uint32_t count, Vector<std::uint
             inside.push_back(query.number);
         }
     }
+}
+
+inline void ManyInside::add_edge(Point from, Point to, std::uint32_t first, std::uint32_t last) {
+    for (std::uint32_t query = first; query < last; ++query) {
+        by_step_[query].winding.add(from, to);
+    }
+    worker_.spend(last - first);
 }
 
 }  // namespace lamella::nesting

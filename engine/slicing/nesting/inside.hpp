@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 
@@ -57,6 +58,37 @@ inline bool strictly_inside(AddEdges add_edges, const Point* points, std::uint32
     return winding.strictly_inside();
 }
 
+/// The range of y that points lie in, in equal steps. What lies below all of them is in the first step, what lies above in
+/// the last: neither has a point.
+struct LevelSteps {
+    std::int32_t low = 0;  // less than the lowest by one
+    std::int32_t high = 0;
+    int shift = 0;  // a step has 2^shift values
+    const std::uint32_t* firsts =
+        nullptr;  // of each step, and of what follows the last: its first point in the order of steps
+
+    std::uint32_t of(std::int32_t y) const noexcept {
+        const std::uint32_t above_low =
+            static_cast<std::uint32_t>(std::clamp(y, low, high)) - static_cast<std::uint32_t>(low);
+        return (above_low + (1U << shift) - 1) >> shift;
+    }
+};
+
+/// Edges from points[edge[i]] to the next that reach the steps of points first[i] to last[i].
+struct ReachingEdges {
+    static constexpr std::uint32_t most = 64;
+    static constexpr std::uint32_t room = most + 16;  // a form may write beyond what it finds
+    std::array<std::uint32_t, room> edge, first, last;
+};
+
+/// Those of the `count` <= ReachingEdges::most edges from points[0] to points[count] that reach a step with a point; how
+/// many.
+using SiftEdges = std::size_t (*)(const LevelSteps& steps, const Point* points, std::uint32_t count,
+                                  ReachingEdges& reaching) noexcept;
+
+/// All forms, the fastest first.
+std::span<const Form<SiftEdges>> sift_edges_forms() noexcept;
+
 /// Tests many points against one contour in a single pass over its edges, most of which reach no point's y. The range of y
 /// is cut into some equal steps for each point, and an edge is added to the points in the steps that it reaches:
 ///
@@ -82,20 +114,12 @@ private:
         std::uint32_t number = 0;
         std::int32_t y() const noexcept { return winding.query().y; }
     };
-    struct Steps {
-        std::int64_t low = 0;   // the smallest y of a query
-        std::int64_t rise = 0;  // of the largest over it
-        int shift = 0;          // a step has 2^shift values
-        /// What lies below every query is in the first step, where no query is.
-        std::uint32_t of(std::int32_t y) const noexcept {
-            const std::int64_t within = std::clamp<std::int64_t>(y - low, -1, rise + 1);
-            return static_cast<std::uint32_t>((within + (std::int64_t{1} << shift)) >> shift);
-        }
-    };
     /// From queries_ to by_step_ and firsts_.
-    Steps sort_by_step();
+    LevelSteps sort_by_step();
+    void add_edge(Point from, Point to, std::uint32_t first, std::uint32_t last);
 
     Worker& worker_;
+    SiftEdges sift_edges_ = best_of(sift_edges_forms(), worker_.instructions());
     Vector<Query> queries_{worker_.memory()};
     Vector<Query> by_step_{worker_.memory()};         // queries_
     Vector<std::uint32_t> firsts_{worker_.memory()};  // of each step: its first of by_step_

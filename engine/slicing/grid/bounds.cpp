@@ -111,10 +111,10 @@ struct Floats {
 //              [---b-----]
 //                    [---c-----]
 
-struct SoupTriangle {
+struct FloatTriangle {
     Floats::Vector a, b, c;
 
-    explicit SoupTriangle(const std::byte* vertices) noexcept {
+    explicit FloatTriangle(const std::byte* vertices) noexcept {
         const auto* at = reinterpret_cast<const float*>(vertices);
         a = Floats::load(at);
         b = Floats::load(at + 3);
@@ -157,7 +157,7 @@ Partial measure_soup(const MeshView& mesh, std::size_t begin, std::size_t end, B
         bool near = false;
         for (std::size_t t = first; t < last; ++t) {
             prefetch_ahead(vertices + t * stride, 1);
-            const SoupTriangle tri(vertices + t * stride);
+            const FloatTriangle tri(vertices + t * stride);
             const Floats::Vector low = Floats::least(tri.a, tri.b);
             const Floats::Vector high = Floats::greatest(tri.a, tri.b);
             box.add(Floats::least(low, tri.c), Floats::greatest(high, tri.c));

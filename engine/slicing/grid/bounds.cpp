@@ -182,7 +182,8 @@ Partial measure_soup(const MeshView& mesh, std::size_t begin, std::size_t end, B
 }
 
 #endif
-#ifdef LAMELLA_X86_FORMS
+#if defined(LAMELLA_FOUR_FLOATS) && defined(LAMELLA_X86_FORMS)
+#define LAMELLA_FLOAT_PAIRS
 
 /// The same, two triangles at a time, one in each half of a vector.
 struct FloatPairs {
@@ -255,7 +256,7 @@ Partial measure_blocks(const MeshView& mesh, const Placing& placing, std::size_t
     if (mesh.vertex_type != Number::f32 || mesh.indices != nullptr || !placing.transform.is_identity()) {
         return measure_general(mesh, placing, begin, end, table);
     }
-#ifdef LAMELLA_X86_FORMS
+#ifdef LAMELLA_FLOAT_PAIRS
     if (table.instructions >= InstructionSet::avx2) {
         return measure_soup_avx2(mesh, begin, end, table);
     }

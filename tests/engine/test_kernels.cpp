@@ -273,7 +273,7 @@ bool near_each_other(const float* t, float reach) {
 TEST_CASE("each level measures a soup's blocks as an obvious loop does, and finds each number that is not finite",
           "[engine][kernels]") {
     std::mt19937 random(5);
-    const std::size_t count = GENERATE(1, 2, 63, 64, 65, 200);
+    const std::size_t count = GENERATE(as<std::size_t>{}, 1, 2, 63, 64, 65, 200);
     constexpr double unit_mm = 0x1p-10;
     std::vector<float> xyz(9 * count);
     for (float& number : xyz) {  // of few values, so that vertices often agree on one axis or two

@@ -111,17 +111,6 @@ struct Floats {
 //              [---b-----]
 //                    [---c-----]
 
-struct FloatTriangle {
-    Floats::Vector a, b, c;
-
-    explicit FloatTriangle(const std::byte* vertices) noexcept {
-        const auto* at = reinterpret_cast<const float*>(vertices);
-        a = Floats::load(at);
-        b = Floats::load(at + 3);
-        c = Floats::upper_three(Floats::load(at + 5));
-    }
-};
-
 /// The box of vertices, in the first three lanes.
 struct SoupBox {
     Floats::Vector low = Floats::all_of(std::numeric_limits<float>::infinity());
@@ -151,19 +140,21 @@ Partial measure_soup(const MeshView& mesh, std::size_t begin, std::size_t end, B
     SoupBox all;
     Floats::Vector sides = Floats::all_of(0);  // a sum: becomes NaN, and stays so, at the first coordinate that is
     for (std::size_t block = begin; block < end; ++block) {
-        const std::size_t first = block * block_triangles;
-        const std::size_t last = std::min(mesh.triangle_count, first + block_triangles);
+        const std::size_t last = std::min(mesh.triangle_count, (block + 1) * block_triangles);
         SoupBox box;
         bool near = false;
-        for (std::size_t t = first; t < last; ++t) {
+        for (std::size_t t = block * block_triangles; t < last; ++t) {
             prefetch_ahead(vertices + t * stride, 1);
-            const FloatTriangle tri(vertices + t * stride);
-            const Floats::Vector low = Floats::least(tri.a, tri.b);
-            const Floats::Vector high = Floats::greatest(tri.a, tri.b);
-            box.add(Floats::least(low, tri.c), Floats::greatest(high, tri.c));
-            const Floats::Vector ab = Floats::distance(tri.a, tri.b);
-            const Floats::Vector bc = Floats::distance(tri.b, tri.c);
-            const Floats::Vector ca = Floats::distance(tri.c, tri.a);
+            const auto* at = reinterpret_cast<const float*>(vertices + t * stride);
+            const Floats::Vector a = Floats::load(at);
+            const Floats::Vector b = Floats::load(at + 3);
+            const Floats::Vector c = Floats::upper_three(Floats::load(at + 5));
+            const Floats::Vector low = Floats::least(a, b);
+            const Floats::Vector high = Floats::greatest(a, b);
+            box.add(Floats::least(low, c), Floats::greatest(high, c));
+            const Floats::Vector ab = Floats::distance(a, b);
+            const Floats::Vector bc = Floats::distance(b, c);
+            const Floats::Vector ca = Floats::distance(c, a);
             sides = Floats::sum(sides, Floats::sum(bc, ca));
             // Most triangles have an axis on which no two vertices are near: one comparison then does for three.
             if (Floats::three_within(Floats::least(ab, Floats::least(bc, ca)), reach)) {

@@ -88,18 +88,29 @@ struct Levels {
     std::uint64_t at = 0;
 };
 
-/// Adds sixteen points. One vector takes the y's of two vectors of points.
-LAMELLA_AVX512_INLINE void add_levels(Levels& levels, __m512i low, __m512i high, __m512i level, unsigned shift) noexcept {
+/// Bits for the first `count` lanes of sixteen, or all.
+LAMELLA_AVX512_INLINE __mmask16 first_lanes(unsigned count) noexcept {
+    return static_cast<__mmask16>(count >= lanes_of_512 ? all_lanes : (1U << count) - 1);
+}
+
+/// y of points[0] to points[15]; zero where `lanes` has no bit.
+LAMELLA_AVX512_INLINE __m512i sixteen_y(const Point* points, __mmask16 lanes) noexcept {
     const __m512i y_lanes = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
-    const __m512i ys = _mm512_permutex2var_epi32(low, y_lanes, high);
+    const __m512i low = _mm512_maskz_loadu_epi64(static_cast<__mmask8>(lanes), points);
+    const __m512i high = _mm512_maskz_loadu_epi64(static_cast<__mmask8>(lanes >> 8), points + 8);
+    return _mm512_permutex2var_epi32(low, y_lanes, high);
+}
+
+/// Adds sixteen points.
+LAMELLA_AVX512_INLINE void add_levels(Levels& levels, __m512i ys, __m512i level, unsigned shift) noexcept {
     levels.above |= std::uint64_t{_mm512_cmpgt_epi32_mask(ys, level)} << shift;
     levels.at |= std::uint64_t{_mm512_cmpeq_epi32_mask(ys, level)} << shift;
 }
 
 LAMELLA_AVX512_INLINE Levels levels_of_64(const Point* points, __m512i level) noexcept {
     Levels levels;
-    for (unsigned i = 0; i < 64; i += 16) {
-        add_levels(levels, _mm512_loadu_si512(points + i), _mm512_loadu_si512(points + i + 8), level, i);
+    for (unsigned i = 0; i < 64; i += lanes_of_512) {
+        add_levels(levels, sixteen_y(points + i, all_lanes), level, i);
     }
     return levels;
 }
@@ -107,11 +118,8 @@ LAMELLA_AVX512_INLINE Levels levels_of_64(const Point* points, __m512i level) no
 /// Fewer than 64.
 LAMELLA_AVX512_INLINE Levels levels_of_few(const Point* points, unsigned count, __m512i level) noexcept {
     Levels levels;
-    for (unsigned i = 0; i < count; i += 16) {
-        const unsigned lanes = 2 * (count - i);
-        const std::uint32_t loaded = lanes >= 32 ? 0xffffffffU : (1U << lanes) - 1;
-        add_levels(levels, _mm512_maskz_loadu_epi32(static_cast<__mmask16>(loaded), points + i),
-                   _mm512_maskz_loadu_epi32(static_cast<__mmask16>(loaded >> 16), points + i + 8), level, i);
+    for (unsigned i = 0; i < count; i += lanes_of_512) {
+        add_levels(levels, sixteen_y(points + i, first_lanes(count - i)), level, i);
     }
     return levels;
 }
@@ -136,14 +144,6 @@ LAMELLA_AVX512 void add_edges_avx512(Winding& winding, const Point* points, std:
     _mm256_zeroupper();
 }
 
-/// y of points[0] to points[15]; zero where `lanes` has no bit.
-LAMELLA_AVX512_INLINE __m512i sixteen_y(const Point* points, __mmask16 lanes) noexcept {
-    const __m512i y_lanes = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
-    const __m512i low = _mm512_maskz_loadu_epi64(static_cast<__mmask8>(lanes), points);
-    const __m512i high = _mm512_maskz_loadu_epi64(static_cast<__mmask8>(lanes >> 8), points + 8);
-    return _mm512_permutex2var_epi32(low, y_lanes, high);
-}
-
 LAMELLA_AVX512_INLINE __m512i gather(const std::uint32_t* table, __m512i index) noexcept {
     return _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), all_lanes, index, table, 4);
 }
@@ -164,7 +164,7 @@ LAMELLA_AVX512 std::size_t sift_avx512(const LevelSteps& steps, const Point* poi
     __m512i edge = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
     std::size_t found = 0;
     for (std::uint32_t i = 0; i < count; i += 16) {
-        const auto lanes = static_cast<__mmask16>(count - i >= 16 ? all_lanes : (1U << (count - i)) - 1);
+        const __mmask16 lanes = first_lanes(count - i);
         const __m512i y = sixteen_y(points + i + 1, lanes);
         const __m512i within = _mm512_maskz_min_epi32(all_lanes, high, _mm512_maskz_max_epi32(all_lanes, low, y));
         const __m512i above_low = _mm512_add_epi32(_mm512_sub_epi32(within, low), up);

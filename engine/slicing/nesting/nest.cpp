@@ -28,8 +28,9 @@ std::strong_ordering compare_size(const NestItem& a, const NestItem& b) noexcept
 constexpr std::size_t item_work = 16;  ///< as StopPace counts it
 
 /// Orders by area. Areas beyond 64 bits share the highest key.
+constexpr std::uint64_t huge_key = std::numeric_limits<std::uint64_t>::max();
 std::uint64_t area_key(const NestItem& item) noexcept {
-    return static_cast<std::uint64_t>(std::min<Int128>(size_of(item), std::numeric_limits<std::uint64_t>::max()));
+    return static_cast<std::uint64_t>(std::min<Int128>(size_of(item), huge_key));
 }
 
 }  // namespace
@@ -130,7 +131,7 @@ void Nester::find_parents(std::span<const NestItem> items) {
                 return true;
             });
         } else {
-            starts_.find(key.index + 1, grown(contour.box, -1), take);
+            starts_.find(rings_[key.index].right, grown(contour.box, -1), take);
         }
         take_in(contour, key.index);
     }
@@ -142,12 +143,16 @@ void Nester::list_containers(std::span<const NestItem> items) {
     by_size_.clear();
     in_tree_ = false;
     std::size_t steps = 0;
+    std::uint32_t right = 0;
     for (std::uint32_t ring = 0; ring < rings_.size(); ++ring) {
         const NestItem& contour = items[rings_[ring].item];
         bool may_hold = in_tree_;
         if (!in_tree_) {
-            const std::size_t taken =
-                starts_.find(ring + 1, grown(contour.box, -1), [&](std::uint32_t) { may_hold = true; });
+            while (right < rings_.size() && start_of(right).x <= contour.box.low.x) {
+                ++right;
+            }
+            rings_[ring].right = right;
+            const std::size_t taken = starts_.find(right, grown(contour.box, -1), [&](std::uint32_t) { may_hold = true; });
             worker_.spend(taken);
             steps += taken;
             in_tree_ = steps > steps_per_ring * (rings_.size() / 4 + ring);
@@ -161,10 +166,11 @@ void Nester::list_containers(std::span<const NestItem> items) {
 
 /// By area; equal areas in the order of rings, which is by start, then box and points.
 void Nester::sort_by_size(std::span<const NestItem> items) {
-    const auto item_of = [&](const SortKey& key) -> const NestItem& { return items[rings_[key.index].item]; };
     nesting::sort_keys(by_size_, spare_keys_, worker_);
-    nesting::sort_equal_keys(by_size_, [&](const SortKey& a, const SortKey& b) {  // areas beyond 64 bits share a key
-        return std::pair(size_of(item_of(a)), a.index) < std::pair(size_of(item_of(b)), b.index);
+    const auto huge = std::ranges::lower_bound(by_size_, huge_key, {}, &SortKey::key);
+    std::sort(huge, by_size_.end(), [&](const SortKey& a, const SortKey& b) {
+        const auto size = [&](const SortKey& key) { return size_of(items[rings_[key.index].item]); };
+        return std::pair(size(a), a.index) < std::pair(size(b), b.index);
     });
 }
 

@@ -113,6 +113,7 @@ namespace lamella::nesting {
 /// children.
 struct Ring {
     std::uint32_t item = 0;
+    std::uint32_t right = 0;   // the first ring that starts right of this one
     std::int32_t parent = -1;  // index of a ring
     std::int32_t winding = 0;  // winding number just inside
     std::uint32_t depth = 0;   // number of rings around

@@ -88,7 +88,7 @@ Distributed<T> distribute(std::size_t count, std::size_t parts, const Parallel& 
 template <class IsCounted, class Room, class See>
 void number_where(std::size_t count, const Parallel& parallel, const IsCounted& is_counted, const Room& room,
                   const See& see) {
-    constexpr std::size_t range_size = std::size_t{1} << 15;
+    constexpr std::size_t range_size = std::size_t{1} << 13;
     constexpr std::size_t most_ranges = std::size_t{1} << 12;
     const std::size_t ranges = std::clamp<std::size_t>(count / range_size, 1, most_ranges);
     const auto first = [&](std::size_t range) { return count * range / ranges; };

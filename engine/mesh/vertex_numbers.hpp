@@ -87,7 +87,7 @@ class VertexNumbers {
 public:
     using Vertex = typename Corners::Vertex;
 
-    /// Nine calls of run(). O(n) expected for n triangles, and O(v log v) for v vertices. Throws std::bad_alloc, and Refused
+    /// Ten calls of run(). O(n) expected for n triangles, and O(v log v) for v vertices. Throws std::bad_alloc, and Refused
     /// from 2^32 vertices on.
     VertexNumbers(Corners corners, std::size_t triangles, const Parallel& parallel)
         : vertices(parallel.memory()),
@@ -98,17 +98,19 @@ public:
           found_(ranges_for(triangles, parallel)),
           firsts_(found_.size() + 1, 0) {
         number_ranges();
-        const Array<Item> items = sort_found();
+        const Array<Vertex> found = bring_together();
+        const Array<Item> items = sorted(found);
         Array<std::uint32_t> of_found(parallel.memory());
         of_found.resize_discarding(items.size());
+        const auto vertex = [&](std::size_t i) -> const Vertex& { return found[items[i].number]; };
         number_where(
-            items.size(), parallel, [&](std::size_t i) { return i == 0 || !(items[i].vertex == items[i - 1].vertex); },
+            items.size(), parallel, [&](std::size_t i) { return i == 0 || !(vertex(i) == vertex(i - 1)); },
             [&](std::size_t count) { vertices.resize_discarding(count); },
             [&](std::size_t i, std::uint32_t number, bool is_new) {
                 of_found[items[i].number] = number;
                 if (is_new) {
-                    vertices[number] = items[i].vertex;
-                } else if (Corners::differ(items[i].vertex, items[i - 1].vertex)) {
+                    vertices[number] = vertex(i);
+                } else if (Corners::differ(vertex(i), vertex(i - 1))) {
                     joined_.store(true, std::memory_order_relaxed);
                 }
             });
@@ -130,7 +132,6 @@ private:
     /// A vertex that some range has found.
     struct Item {
         Key key;
-        Vertex vertex;
         std::uint32_t number;  ///< among all that were found
     };
 
@@ -159,25 +160,36 @@ private:
         });
     }
 
-    /// What the ranges have found, in order. Frees it there.
-    Array<Item> sort_found() {
+    /// What the ranges have found. Frees it there.
+    Array<Vertex> bring_together() {
         for (std::size_t range = 0; range < found_.size(); ++range) {
             firsts_[range + 1] = firsts_[range] + found_[range].size();
         }
         if (firsts_.back() > std::numeric_limits<std::uint32_t>::max()) {
             throw Refused{{ErrorCode::result_too_large, "the mesh has too many vertices to be numbered"}};
         }
-        Array<Item> items(parallel_.memory());
-        items.resize_discarding(firsts_.back());
+        Array<Vertex> found(parallel_.memory());
+        found.resize_discarding(firsts_.back());
         parallel_.run(found_.size(), [&](std::size_t range, int) {
-            std::size_t number = firsts_[range];
-            for (const Vertex& vertex : std::exchange(found_[range], {})) {
-                items[number] = {corners_.key(vertex), vertex, static_cast<std::uint32_t>(number)};
-                ++number;
+            const std::vector<Vertex> own = std::exchange(found_[range], {});
+            std::copy(own.begin(), own.end(), found.begin() + firsts_[range]);
+        });
+        return found;
+    }
+
+    /// Those found, in order.
+    Array<Item> sorted(const Array<Vertex>& found) const {
+        constexpr std::size_t grain = std::size_t{1} << 12;
+        Array<Item> items(parallel_.memory());
+        items.resize_discarding(found.size());
+        parallel_.run_ranges(found.size(), grain, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t i = begin; i != end; ++i) {
+                items[i] = {corners_.key(found[i]), static_cast<std::uint32_t>(i)};
             }
         });
         sort_in_parallel(
-            items.span(), [](const Item& a, const Item& b) { return a.key != b.key ? a.key < b.key : a.vertex < b.vertex; },
+            items.span(),
+            [&](const Item& a, const Item& b) { return a.key != b.key ? a.key < b.key : found[a.number] < found[b.number]; },
             parallel_, parallel_.memory());
         return items;
     }

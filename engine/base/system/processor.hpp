@@ -52,12 +52,20 @@ inline std::int32_t round_to_int(double value) noexcept {
 }
 
 /// The first byte becomes the last.
-constexpr std::uint64_t reversed_bytes(std::uint64_t word) noexcept {
-    constexpr std::uint64_t odd_bytes = 0x00FF00FF00FF00FF;
-    constexpr std::uint64_t odd_pairs = 0x0000FFFF0000FFFF;
-    word = (word >> 8 & odd_bytes) | (word & odd_bytes) << 8;
-    word = (word >> 16 & odd_pairs) | (word & odd_pairs) << 16;
-    return word >> 32 | word << 32;
+template <class Word>
+constexpr Word reversed_bytes(Word word) noexcept {
+    constexpr auto odd_bytes = static_cast<Word>(0x00FF00FF00FF00FF);
+    constexpr auto odd_pairs = static_cast<Word>(0x0000FFFF0000FFFF);
+    if constexpr (sizeof(Word) >= 2) {
+        word = static_cast<Word>((word >> 8 & odd_bytes) | (word & odd_bytes) << 8);
+    }
+    if constexpr (sizeof(Word) >= 4) {
+        word = (word >> 16 & odd_pairs) | (word & odd_pairs) << 16;
+    }
+    if constexpr (sizeof(Word) >= 8) {
+        word = word >> 32 | word << 32;
+    }
+    return word;
 }
 
 // Asks for what is read or written soon, which need not exist.

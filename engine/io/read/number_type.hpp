@@ -64,7 +64,7 @@ template <class T>
 T load_number(const void* p, bool swapped) {
     Bits<T> bits;
     std::memcpy(&bits, p, sizeof bits);
-    return bits_as<T>(swapped ? static_cast<Bits<T>>(reversed_bytes(bits) >> (64 - 8 * sizeof bits)) : bits);
+    return bits_as<T>(swapped ? reversed_bytes(bits) : bits);
 }
 
 }  // namespace lamella

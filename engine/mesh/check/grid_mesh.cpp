@@ -35,8 +35,11 @@ struct GridCorners {
     std::array<Vertex, 3> operator()(std::size_t t) const noexcept {
         const GridTriangle places = rounded(t);
         const RawTriangle raw = as_it_is(t);
-        return {Vertex{places[0], exact_hash(raw.v)}, Vertex{places[1], exact_hash(raw.v + 3)},
-                Vertex{places[2], exact_hash(raw.v + 6)}};
+        std::array<Vertex, 3> corners;
+        for (std::size_t i = 0; i < corners.size(); ++i) {
+            corners[i] = {places[i], exact_hash(raw.v + 3 * i)};
+        }
+        return corners;
     }
     static std::uint64_t hash(const Vertex& vertex) noexcept { return hash_of(vertex.place); }
     std::uint64_t key(const Vertex& vertex) const noexcept { return order.key(vertex.place); }
@@ -52,7 +55,7 @@ private:
 };
 
 constexpr std::size_t faces_a_part = std::size_t{1} << 13;
-constexpr std::size_t vertex_grain = std::size_t{1} << 15;
+constexpr std::size_t vertex_grain = std::size_t{1} << 13;
 
 struct FaceLess {
     bool operator()(const Face& a, const Face& b) const noexcept {

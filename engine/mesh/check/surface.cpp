@@ -34,11 +34,18 @@ void judge_shape(const GridMesh& mesh, const Face& face, double sliver_ratio, Fa
         faults.add(Fault::zero_area_face, [&] { return faults.at(face); });
         return;
     }
-    // Longest side over the height on it. The components are exact, the rest is in double.
-    const auto [shortest, longest] = std::minmax({square(ab), square(ac), square(bc)});
-    const double over_height =
-        longest / std::hypot(static_cast<double>(normal.x), static_cast<double>(normal.y), static_cast<double>(normal.z));
+    // Longest side over the height on it. The components are exact, the rest is in double. Most faces are far from slivers,
+    // which is seen without roots.
+    const double a = square(ab), b = square(ac), c = square(bc);
+    const double longest = std::max(a, std::max(b, c));
+    const auto x = static_cast<double>(normal.x), y = static_cast<double>(normal.y), z = static_cast<double>(normal.z);
+    constexpr double margin = 1 - 1e-9;
+    if (longest * longest < margin * sliver_ratio * sliver_ratio * (x * x + y * y + z * z)) {
+        return;
+    }
+    const double over_height = longest / std::hypot(x, y, z);
     if (over_height >= sliver_ratio) {
+        const double shortest = std::min(a, std::min(b, c));
         faults.add(std::sqrt(longest / shortest) > needle_ratio ? Fault::needle_face : Fault::cap_face, [&] {
             FaultPlace place = faults.at(face);
             place.measure = over_height;

@@ -17,26 +17,34 @@ std::uint64_t triangle_numbers(const CellArray& array) {
     return array.counted ? 4 : 3;
 }
 
-/// Writes three indices a cell. False: some cell has another number of corners, or a corner that is no point.
+/// Writes three indices a cell; a cell has `step` numbers, before them perhaps that of its corners. False: some cell has
+/// another number of corners, or a corner that is no point.
+template <std::uint64_t step, class Numbers>
+bool copy_corners(const Numbers& number, std::uint64_t count, const CellArray& array, std::uint32_t* out) {
+    std::array<std::uint64_t, 3> largest{};  // by corner, as each would otherwise wait for the one before
+    std::uint64_t differences = 0;
+    for (std::uint64_t i = 0; i < count; ++i, out += 3) {
+        differences |= step == 3 ? 0 : to_integer(number(step * i)) ^ 3;
+        for (std::size_t corner = 0; corner < 3; ++corner) {
+            const std::uint64_t point = to_integer(number(step * i + step - 3 + corner));
+            largest[corner] = std::max(largest[corner], point);
+            out[corner] = static_cast<std::uint32_t>(point) + array.first_point;
+        }
+    }
+    return differences == 0 && *std::max_element(largest.begin(), largest.end()) < array.point_count;
+}
+
 bool copy_cells(const CellArray& array, std::uint64_t first, std::uint64_t count, std::uint32_t* out) {
-    const std::uint64_t step = triangle_numbers(array);
-    bool good = array.counted || use_numbers(array.ends, first, [&](auto end) {
-                    std::uint64_t differences = 0;
-                    for (std::uint64_t i = 0; i < count; ++i) {
-                        differences |= to_integer(end(i)) ^ 3 * (first + i + 1);
-                    }
-                    return differences == 0;
-                });
-    return good && use_numbers(array.corners, step * first, [&](auto number) {
-               for (std::uint64_t i = 0; i < count; ++i, out += 3) {
-                   good &= step == 3 || to_integer(number(step * i)) == 3;
-                   for (std::size_t corner = 0; corner < 3; ++corner) {
-                       const std::uint64_t point = to_integer(number(step * i + step - 3 + corner));
-                       good &= point < array.point_count;
-                       out[corner] = static_cast<std::uint32_t>(point) + array.first_point;
-                   }
-               }
-               return good;
+    const bool good = array.counted || use_numbers(array.ends, first, [&](auto end) {
+                          std::uint64_t differences = 0;
+                          for (std::uint64_t i = 0; i < count; ++i) {
+                              differences |= to_integer(end(i)) ^ 3 * (first + i + 1);
+                          }
+                          return differences == 0;
+                      });
+    return good && use_numbers(array.corners, triangle_numbers(array) * first, [&](auto number) {
+               return array.counted ? copy_corners<4>(number, count, array, out)
+                                    : copy_corners<3>(number, count, array, out);
            });
 }
 

@@ -167,8 +167,8 @@ void Nester::list_containers(std::span<const NestItem> items) {
 /// By area; equal areas in the order of rings, which is by start, then box and points.
 void Nester::sort_by_size(std::span<const NestItem> items) {
     nesting::sort_keys(by_size_, spare_keys_, worker_);
-    const auto huge = std::partition_point(by_size_.begin(), by_size_.end(),
-                                           [](const SortKey& key) { return key.key != huge_key; });
+    const auto huge =
+        std::partition_point(by_size_.begin(), by_size_.end(), [](const SortKey& key) { return key.key != huge_key; });
     std::sort(huge, by_size_.end(), [&](const SortKey& a, const SortKey& b) {
         const auto size = [&](const SortKey& key) { return size_of(items[rings_[key.index].item]); };
         return std::pair(size(a), a.index) < std::pair(size(b), b.index);

@@ -70,7 +70,10 @@ TEST_CASE("portable 128-bit integers are those of the compiler", "[engine][numbe
 #endif
 
 TEST_CASE("bytes of words are reversed, and halves rounded to even", "[engine][numbers]") {
-    CHECK(lamella::reversed_bytes(0x0123456789ABCDEF) == 0xEFCDAB8967452301);
+    CHECK(lamella::reversed_bytes(std::uint64_t{0x0123456789ABCDEF}) == 0xEFCDAB8967452301);
+    CHECK(lamella::reversed_bytes(std::uint32_t{0x01234567}) == 0x67452301);
+    CHECK(lamella::reversed_bytes(std::uint16_t{0x0123}) == 0x2301);
+    CHECK(lamella::reversed_bytes(std::uint8_t{0x01}) == 0x01);
     for (const auto& [value, rounded] : {std::pair{0.5, 0}, {1.5, 2}, {-2.5, -2}, {2.4999, 2}}) {
         CHECK(lamella::round_to_int(value) == rounded);
     }

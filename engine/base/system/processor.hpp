@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 
@@ -52,7 +53,7 @@ inline std::int32_t round_to_int(double value) noexcept {
 }
 
 /// The first byte becomes the last.
-template <class Word>
+template <std::unsigned_integral Word>
 constexpr Word reversed_bytes(Word word) noexcept {
     constexpr auto odd_bytes = static_cast<Word>(0x00FF00FF00FF00FF);
     constexpr auto odd_pairs = static_cast<Word>(0x0000FFFF0000FFFF);

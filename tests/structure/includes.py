@@ -64,7 +64,7 @@ OTHERS = {
     r"(expat|zip)\b": "io/",
     r"(zlib|fast_float)\b": ("io/", "medical/"),
     r"nlohmann\b": ("io/", "medical/", "tools/lamella/batch/", "tools/lamella/processes/"),
-    r"openssl\b|bcrypt\.h": "medical/provenance/",
+    r"openssl\b|bcrypt\.h|CommonCrypto": "base/system/",
     r"png\.h\b": "medical/",
     r"hdf5\.h": "medical/hdf5/",
     # Systems and processors.

@@ -12,7 +12,7 @@
 #include "medical/dicom/data_set.hpp"
 #include "medical/dicom/keyhole.hpp"
 #include "medical/geometry/common.hpp"
-#include "medical/provenance/sha256.hpp"
+#include "base/system/sha256.hpp"
 
 namespace lamella {
 

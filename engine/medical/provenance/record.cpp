@@ -12,7 +12,7 @@
 #include "lamella/io/name_text.hpp"
 #include "lamella/io/text_file.hpp"
 #include "medical/geometry/common.hpp"
-#include "medical/provenance/sha256.hpp"
+#include "base/system/sha256.hpp"
 
 namespace lamella {
 

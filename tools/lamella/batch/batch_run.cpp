@@ -6,6 +6,7 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <mutex>
 #include <regex>
 #include <set>
@@ -140,7 +141,7 @@ struct Job {
     std::vector<std::uint64_t> output_numbers{};  ///< of its outputs, when it began
     int threads = 0;                              ///< while it runs, as what follows
     double held_memory = 0;
-    std::jthread thread{};
+    std::future<void> ending{};  ///< of its process, for which who drops it waits
 };
 
 class BatchRun {
@@ -272,7 +273,7 @@ private:
         held_memory_ += job.held_memory;
         free_threads_ -= job.threads;
         ++job.attempts;
-        job.thread = std::jthread([this, i = job.item, words = words_of(job)] {
+        job.ending = std::async(std::launch::async, [this, i = job.item, words = words_of(job)] {
             ProcessEnd end;
             try {
                 end = run_process(words, "", options_.timeout_s, [this] { return over_ || stop_(); });

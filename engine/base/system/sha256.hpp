@@ -1,4 +1,4 @@
-// SHA-256, by libcrypto, and on Windows by the system.
+// SHA-256: by libcrypto, and by the system on Windows and macOS.
 #pragma once
 
 #include <array>
@@ -10,6 +10,8 @@
 #include "base/system/windows.hpp"
 
 #include <bcrypt.h>
+#elif defined(__APPLE__)
+#include <CommonCrypto/CommonDigest.h>
 #else
 #include <openssl/evp.h>
 #endif
@@ -49,6 +51,25 @@ public:
 
 private:
     BCRYPT_HASH_HANDLE hash_ = nullptr;
+};
+#elif defined(__APPLE__)
+class Sha256 {
+public:
+    using Digest = std::array<unsigned char, 32>;
+
+    Sha256() noexcept { CC_SHA256_Init(&state_); }
+
+    /// Precondition: less than 4 GiB.
+    void add(const void* data, std::size_t bytes) noexcept { CC_SHA256_Update(&state_, data, static_cast<CC_LONG>(bytes)); }
+    /// Once, at the end.
+    Digest digest() noexcept {
+        Digest sum{};
+        CC_SHA256_Final(sum.data(), &state_);
+        return sum;
+    }
+
+private:
+    CC_SHA256_CTX state_{};
 };
 #else
 class Sha256 {

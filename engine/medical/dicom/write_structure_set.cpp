@@ -4,6 +4,7 @@
 
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
+#include "base/system/sha256.hpp"
 #include "base/utf8.hpp"
 #include "io/write/output_file.hpp"
 #include "lamella/io/mesh_file.hpp"
@@ -12,7 +13,6 @@
 #include "medical/dicom/data_set.hpp"
 #include "medical/dicom/keyhole.hpp"
 #include "medical/geometry/common.hpp"
-#include "base/system/sha256.hpp"
 
 namespace lamella {
 

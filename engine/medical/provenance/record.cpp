@@ -8,11 +8,11 @@
 
 #include "base/guard.hpp"
 #include "base/system/file.hpp"
+#include "base/system/sha256.hpp"
 #include "io/read/input_file.hpp"
 #include "lamella/io/name_text.hpp"
 #include "lamella/io/text_file.hpp"
 #include "medical/geometry/common.hpp"
-#include "base/system/sha256.hpp"
 
 namespace lamella {
 

@@ -137,17 +137,17 @@ row() {
     configure_and_build "$target" . "$at" -DLAMELLA_PARALLEL=std -DLAMELLA_LARGE_UNITS=ON -DLAMELLA_WERROR=ON \
         -DLAMELLA_BUILD_IO="$files" -DLAMELLA_BUILD_MEDICAL="$tool" -DLAMELLA_BUILD_TOOLS="$tool" \
         -DLAMELLA_BUILD_TESTS=OFF -DLAMELLA_BUILD_BENCH=OFF -DLAMELLA_BUILD_PYTHON=OFF \
-        -DLAMELLA_BUILD_GOLDEN_TESTS=ON -DLAMELLA_CATCH2_INCLUDE="$folder/headers" -DCMAKE_INSTALL_LIBDIR=lib \
+        -DLAMELLA_BUILD_CORE_TESTS=ON -DLAMELLA_CATCH2_INCLUDE="$folder/headers" -DCMAKE_INSTALL_LIBDIR=lib \
         -DCMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)"
     quietly cmake --install "$at" --prefix "$at/prefix"
     compiler=$(sed -n 's/^set(CMAKE_CXX_COMPILER_\(ID\|VERSION\) "\(.*\)")/\2/p' "$at"/CMakeFiles/*/CMakeCXXCompiler.cmake | paste -sd ' ')
-    run "$target" "$at/tests/golden/lamella_golden_tests" > "$at/golden.log" || {
+    run "$target" "$at/tests/lamella_core_tests" > "$at/golden.log" || {
         tail -50 "$at/golden.log"
         stop "$target: golden cases differ"
     }
     golden=$(sed -n 's/.*All tests passed.*(\([0-9]*\) assertions.*/\1/p' "$at/golden.log")
     [[ -n $golden ]] || stop "$target: no golden case was run"
-    run "$target" "$at/tests/golden/lamella_golden_times" > "$at/times"
+    run "$target" "$at/tests/lamella_golden_times" > "$at/times"
     [[ $(cut -d' ' -f1-2 "$at/times") == "$(cut -d' ' -f1-2 "$folder/linux/times")" ]] || stop "$target: another hash"
     mapfile -t over < <(paste -d' ' "$at/times" "$folder/linux/times" | awk '{ printf "%.2f\n", $3 / $6 }')
     programs=$(hosts "$target")

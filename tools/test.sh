@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # tools/test.sh           builds the release and runs its tests
-# tools/test.sh --core    builds the engine and the readers alone, and runs the engine's own tests
+# tools/test.sh --core    builds the engine alone, without readers, and runs its own tests
 # tools/test.sh NAME...   builds the release and runs the tests whose names contain one of the words
 # tools/test.sh --platforms [TARGET...]   builds for other systems and runs what is built: see tools/platforms.sh
 # tools/test.sh --all     also runs the thorough tests (exact judges, other readers, the Python package), checks format and
@@ -81,6 +81,10 @@ variant() {
 readonly sanitized=(-DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g1" -DLAMELLA_LARGE_UNITS=ON
     -DLAMELLA_BUILD_BENCH=OFF)
 
+# The engine's own tests and the golden cases alone; of a Debug build, so that assertions check the invariants.
+readonly core_tests=(-DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O1 -DLAMELLA_BUILD_TOOLS=OFF -DLAMELLA_BUILD_TESTS=OFF
+    -DLAMELLA_BUILD_BENCH=OFF -DLAMELLA_BUILD_CORE_TESTS=ON)
+
 # build_release THOROUGH BENCH: each ON or OFF. A new build that only tests need takes a minute less in large units.
 build_release() {
     local units=()
@@ -124,9 +128,11 @@ check_interfaces() {
 # What macOS has: Clang with libc++; and the portable forms of base/system, as compilers without 128-bit integers take them.
 # Compiles the libraries in their small units, as hosts do, and runs the golden cases, which must give the bytes of GCC.
 check_libcxx() {
-    variant libcxx "Clang build with libc++" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_COMPILER=clang++ \
-        -DCMAKE_CXX_FLAGS="-stdlib=libc++" -DCMAKE_CXX_FLAGS_DEBUG="-O1" -DLAMELLA_PARALLEL=std -DLAMELLA_PORTABLE=ON \
-        -DLAMELLA_WERROR=ON -DLAMELLA_BUILD_TOOLS=OFF -DLAMELLA_BUILD_TESTS=OFF -DLAMELLA_BUILD_BENCH=OFF -DLAMELLA_BUILD_GOLDEN_TESTS=ON
+    mkdir -p build/headers
+    ln -sfn /usr/include/catch2 build/headers/catch2
+    variant libcxx "Clang build with libc++" "${core_tests[@]}" \
+        -DLAMELLA_CORE_TESTS="(golden/|nesting/|engine/test_kernels)" -DLAMELLA_CATCH2_INCLUDE="$PWD/build/headers" \
+        -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_CXX_FLAGS=-stdlib=libc++ -DLAMELLA_PARALLEL=std -DLAMELLA_PORTABLE=ON -DLAMELLA_WERROR=ON
 }
 
 # Checks every source of the engine, the tools and the oracle, with the headers that they include. Skips the other tests
@@ -157,9 +163,8 @@ all=false
 stage "packages"
 install_missing "${build_packages[@]}"
 if [[ "${1:-}" == --core ]]; then
-    variant core "the engine alone" -DCMAKE_BUILD_TYPE=Release -DLAMELLA_LARGE_UNITS=ON -DLAMELLA_BUILD_MEDICAL=OFF \
-        -DLAMELLA_BUILD_TOOLS=OFF -DLAMELLA_BUILD_BENCH=OFF -DLAMELLA_BUILD_PYTHON=OFF -DLAMELLA_THOROUGH_TESTS=OFF \
-        -DLAMELLA_TEST_ROOMS="engine|oracle"
+    variant core "the engine alone" "${core_tests[@]}" -DLAMELLA_CORE_TESTS=engine/ -DLAMELLA_LARGE_UNITS=ON \
+        -DLAMELLA_BUILD_IO=OFF -DLAMELLA_BUILD_SHARED=OFF
     await
     exit
 fi

@@ -1,17 +1,18 @@
-// Every call that takes a Context, by name.
+// Every call on a mesh in memory that takes a Context, by name, and what a Context promises of each call.
 #pragma once
 
 #include <atomic>
-#include <filesystem>
 #include <functional>
 #include <limits>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include <catch2/catch.hpp>
+
+#include "engine/counting_memory.hpp"
 #include "engine/everywhere.hpp"
-#include "lamella/io.hpp"
-#include "temp_folder.hpp"
 
 /// Says yes from the ask number `from` on.
 struct LateStop {
@@ -28,6 +29,49 @@ struct ContextCall {
     bool shows_progress = true;
 };
 
+/// It refuses negative threads, ends when asked to, and shows rising progress up to 1, one thread at a time.
+inline void require_obedient(const ContextCall& call) {
+    using lamella::ErrorCode;
+    INFO(call.name);
+    CHECK(call.run({.threads = -1}) == ErrorCode::invalid_argument);
+    double last = 0;
+    std::atomic<int> inside = 0;
+    const auto note = [&](double fraction) noexcept {
+        const bool alone = ++inside == 1;
+        last = alone && fraction > last ? fraction : -1;
+        std::this_thread::yield();
+        --inside;
+    };
+    for (const int threads : {1, 3}) {
+        last = 0;
+        CHECK(call.run({.threads = threads, .progress = note}) == std::nullopt);
+        CHECK(last == (call.shows_progress ? 1 : 0));
+    }
+    LateStop at_once{1};
+    last = 0;
+    CHECK(call.run({.threads = 2, .stop = at_once, .progress = note}) == ErrorCode::cancelled);
+    CHECK(last < 1);
+    CHECK(at_once.asked <= 2);
+}
+
+/// Runs `call` until it succeeds. In each run, the first failing allocation is `step` later: each failure is an error, and
+/// no memory stays allocated. Returns how often it failed.
+inline std::uint64_t fail_everywhere(const std::function<std::optional<lamella::ErrorCode>(const lamella::Context&)>& call,
+                                     lamella::Context context = {}, std::uint64_t step = 1) {
+    using lamella::ErrorCode;
+    std::optional<ErrorCode> code = ErrorCode::out_of_memory;
+    std::uint64_t at = 1;
+    for (; code; at += step) {
+        const CountingMemory memory(~std::size_t{0}, at);
+        context.memory = &memory;
+        code = call(context);
+        INFO("allocation " << at);
+        REQUIRE(memory.held() == 0);
+        REQUIRE(code.value_or(ErrorCode::out_of_memory) == ErrorCode::out_of_memory);
+    }
+    return at / step - 1;
+}
+
 /// Nested and overlapping shells, one inverted, one with a hole in its surface: contours of every role.
 inline shapes::Soup everything() {
     return shapes::joined({shapes::box({0, 0, 0}, {9, 9, 9}), shapes::flipped(shapes::box({1, 1, 1}, {4, 4, 8})),
@@ -38,9 +82,8 @@ inline shapes::Soup everything() {
 /// Calls on one mesh, which must outlive them, at layers of this height; audits are of a result at 0.1 mm.
 class ContextCalls {
 public:
-    ContextCalls(const lamella::MeshView& mesh, std::filesystem::path file, double layer_mm)
+    ContextCalls(const lamella::MeshView& mesh, double layer_mm)
         : mesh_(mesh),
-          file_(std::move(file)),
           options_(uniform(layer_mm)),
           result_(sliced(mesh, uniform(0.1))),
           prepared_(value_of(prepare(mesh))),
@@ -84,8 +127,6 @@ public:
             {"audit of the ledger", audits_of(&AuditOptions::ledger)},
             {"audit of the volume", audits_of(&AuditOptions::volume)},
             {"audit of crossings", audits_of(&AuditOptions::crossings)},
-            {"read_mesh", [this](const Context& c) { return code_of(read_mesh(file_, {}, c)); }},
-            {"write_svg", [this](const Context& c) { return code_of(write_svg(result_, svg_, {}, c)); }},
         };
     }
 
@@ -111,10 +152,7 @@ private:
 
     static constexpr auto nothing = [](const lamella::LayerView&) noexcept {};
 
-    TempFolder folder_;
-    std::filesystem::path svg_ = folder_ / "a.svg";
     lamella::MeshView mesh_;
-    std::filesystem::path file_;
     lamella::SliceOptions options_;
     lamella::SliceResult result_;
     lamella::PreparedMesh prepared_;

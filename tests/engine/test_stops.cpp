@@ -9,10 +9,11 @@
 #endif
 
 #include "base/clock.hpp"
-#include "engine/calls.hpp"
 #include "engine/polygons.hpp"
 #include "engine/slicing.hpp"
+#include "input/file_calls.hpp"
 #include "models/models.hpp"
+#include "temp_folder.hpp"
 
 using namespace lamella;
 
@@ -123,9 +124,15 @@ TEST_CASE(
     "every call shows progress up to 1, asks for a stop once in 2 ms at most, in 100 at least, and heeds one at any time",
     "[engine][control][stops][threads]") {
     const MadeFile bone(Shape::bone);
-    ContextCalls calls(bone.view(), bone.path(), 0.02);
+    const TempFolder folder;
+    const SliceResult result = sliced(bone.view(), uniform(0.1));
+    ContextCalls in_memory(bone.view(), 0.02);
+    std::vector<ContextCall> calls = in_memory.all();
+    for (const ContextCall& call : file_calls(bone.path(), result, folder / "a.svg")) {
+        calls.push_back(call);
+    }
     std::mt19937 random(1);
-    for (const ContextCall& call : calls.all()) {
+    for (const ContextCall& call : calls) {
         for (const int threads : {1, 2, 4}) {
             INFO(call.name << " on " << threads << " threads");
             double before_last = call.shows_progress ? 0 : 1;

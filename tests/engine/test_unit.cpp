@@ -2,8 +2,7 @@
 // and results that would be too large.
 #include <cmath>
 
-#include <unistd.h>
-
+#include "base/system/machine.hpp"
 #include "engine/counting_memory.hpp"
 #include "engine/slicing.hpp"
 
@@ -202,8 +201,7 @@ TEST_CASE("the default limit is half of physical memory", "[engine][errors]") {
     constexpr double height_mm = 240;
     constexpr double layer_height_mm = 2.5e-7;
     constexpr double layers_bytes = height_mm / layer_height_mm * sizeof(Layer);
-    const double limit_bytes =
-        0.5 * static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+    const double limit_bytes = 0.5 * static_cast<double>(physical_memory_bytes());
     if (limit_bytes > layers_bytes) {
         WARN("not tested: this machine has memory for the most layers that a grid holds");
         return;

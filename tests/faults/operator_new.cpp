@@ -7,7 +7,7 @@
 #include <limits>
 #include <new>
 
-#include "engine/calls.hpp"
+#include "input/file_calls.hpp"
 #include "input/files.hpp"
 
 namespace {
@@ -126,8 +126,14 @@ TEST_CASE("every call survives failing operator new", "[faults]") {
     const TempFolder folder;
     const shapes::Soup soup = everything();
     using namespace lamella::input_test;
-    ContextCalls calls(view_of(soup), folder.write("a.stl", binary_stl(numbered_facets(50))), 0.4);
-    for (const ContextCall& call : calls.all_and_small()) {
+    const lamella::SliceResult result = sliced(soup, uniform(0.1));
+    ContextCalls in_memory(view_of(soup), 0.4);
+    std::vector<ContextCall> calls = in_memory.all_and_small();
+    for (const ContextCall& call :
+         file_calls(folder.write("a.stl", binary_stl(numbered_facets(50))), result, folder / "a.svg")) {
+        calls.push_back(call);
+    }
+    for (const ContextCall& call : calls) {
         for (const int threads : {1, 3}) {
             INFO(call.name << ", " << threads << " threads");
             fail_everywhere([&] { return call.run({.threads = threads}); });

@@ -124,6 +124,43 @@ Hash& add_contours(Hash& hash, std::span<const lamella::Contour> contours, std::
     return hash.add(points);
 }
 
+std::uint64_t hash_of(const lamella::Ledger& ledger) {
+    Hash hash;
+    hash.add(ledger.triangles, ledger.cut, ledger.between, ledger.degenerate, ledger.horizontal, ledger.shells.count,
+             ledger.shells.triangles, ledger.peaks.count, ledger.peaks.triangles, ledger.pits.count, ledger.pits.triangles);
+    hash.add(ledger.flat_up_mm2, ledger.flat_down_mm2);
+    for (const lamella::Slab& slab : ledger.slabs) {
+        hash.add(slab.layer, slab.triangles, slab.flat_up_mm2, slab.flat_down_mm2, slab.shells, slab.peaks, slab.pits);
+    }
+    for (const lamella::SurfacePiece& piece : ledger.pieces) {
+        hash.add(name_of(piece.kind), piece.layer, piece.at_mm, piece.height_mm, piece.triangles);
+    }
+    return hash.add(ledger.gaps).value();
+}
+
+std::uint64_t hash_of(const lamella::VolumeCertificate& volume) {
+    return Hash()
+        .add(name_of(volume.verdict), volume.mesh_mm3, volume.slabs_mm3, volume.slab_mm3, volume.worst_layer,
+             volume.worst_difference_mm2, volume.worst_allowed_mm2)
+        .value();
+}
+
+std::uint64_t hash_of(const lamella::Crossings& crossings) {
+    Hash hash;
+    hash.add(crossings.count, crossings.at_least);
+    for (const lamella::LayerCrossings& layer : crossings.layers) {
+        hash.add(layer.layer, layer.count, layer.at_least, layer.first.x, layer.first.y, layer.contours);
+    }
+    return hash.value();
+}
+
+std::uint64_t hash_of(const lamella::MeshCheck& mesh) {
+    return Hash()
+        .add(mesh.triangles, mesh.degenerate, mesh.box.min_mm, mesh.box.max_mm, mesh.volume_mm3, mesh.area_mm2, mesh.edges,
+             mesh.boundary_edges, mesh.overfull_edges, mesh.mismatched_edges, mesh.shell_count, mesh.grid_mm, mesh.closed)
+        .value();
+}
+
 HeldMesh::HeldMesh(const Soup& soup, Form form) : form_(form) {
     const bool indexed = form == Form::f64_indexed || form == Form::f32_indexed;
     const shapes::Indexed shared = indexed ? shapes::indexed(soup) : shapes::Indexed{};

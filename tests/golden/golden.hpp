@@ -68,6 +68,12 @@ inline std::uint64_t hash_of(std::string_view bytes) {
     return Hash().add(bytes).value();
 }
 
+std::uint64_t hash_of(const lamella::Ledger& ledger);
+std::uint64_t hash_of(const lamella::VolumeCertificate& volume);
+std::uint64_t hash_of(const lamella::Crossings& crossings);
+/// The counts: not the findings and shells.
+std::uint64_t hash_of(const lamella::MeshCheck& mesh);
+
 /// By name within the group.
 using Hashes = std::map<std::string, std::uint64_t>;
 

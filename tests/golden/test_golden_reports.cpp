@@ -15,43 +15,6 @@ namespace {
 
 using Segments = std::vector<Segment>;
 
-std::uint64_t hash_of_ledger(const Ledger& ledger) {
-    Hash hash;
-    hash.add(ledger.triangles, ledger.cut, ledger.between, ledger.degenerate, ledger.horizontal, ledger.shells.count,
-             ledger.shells.triangles, ledger.peaks.count, ledger.peaks.triangles, ledger.pits.count, ledger.pits.triangles);
-    hash.add(ledger.flat_up_mm2, ledger.flat_down_mm2);
-    for (const Slab& slab : ledger.slabs) {
-        hash.add(slab.layer, slab.triangles, slab.flat_up_mm2, slab.flat_down_mm2, slab.shells, slab.peaks, slab.pits);
-    }
-    for (const SurfacePiece& piece : ledger.pieces) {
-        hash.add(name_of(piece.kind), piece.layer, piece.at_mm, piece.height_mm, piece.triangles);
-    }
-    return hash.add(ledger.gaps).value();
-}
-
-std::uint64_t hash_of_volume(const VolumeCertificate& volume) {
-    return Hash()
-        .add(name_of(volume.verdict), volume.mesh_mm3, volume.slabs_mm3, volume.slab_mm3, volume.worst_layer,
-             volume.worst_difference_mm2, volume.worst_allowed_mm2)
-        .value();
-}
-
-std::uint64_t hash_of_crossings(const Crossings& crossings) {
-    Hash hash;
-    hash.add(crossings.count, crossings.at_least);
-    for (const LayerCrossings& layer : crossings.layers) {
-        hash.add(layer.layer, layer.count, layer.at_least, layer.first.x, layer.first.y, layer.contours);
-    }
-    return hash.value();
-}
-
-std::uint64_t hash_of_counts(const MeshCheck& mesh) {
-    return Hash()
-        .add(mesh.triangles, mesh.degenerate, mesh.box.min_mm, mesh.box.max_mm, mesh.volume_mm3, mesh.area_mm2, mesh.edges,
-             mesh.boundary_edges, mesh.overfull_edges, mesh.mismatched_edges, mesh.shell_count, mesh.grid_mm, mesh.closed)
-        .value();
-}
-
 /// Without the lines of what differs from run to run: "threads", "bands", and the object "ms".
 std::string without_times(const std::string& report) {
     std::string kept;
@@ -88,7 +51,7 @@ void add_audit(Hashes& hashes, const std::string& name, const MeshView& mesh, co
     const SliceResult result = sliced(mesh, options);
     add_three(hashes, name, {"ledger", "volume", "crossings"}, [&](int threads) {
         const Audit found = value_of(audit(result, mesh, {}, {.threads = threads}));
-        return std::array{hash_of_ledger(*found.ledger), hash_of_volume(*found.volume), hash_of_crossings(*found.crossings)};
+        return std::array{hash_of(*found.ledger), hash_of(*found.volume), hash_of(*found.crossings)};
     });
 }
 
@@ -120,7 +83,7 @@ void add_check(Hashes& hashes, const std::string& name, const MeshView& mesh) {
         const ReportMember no_warnings{.key = "warnings", .value = std::span<const std::string>()};
         const ReportParts parts{.mesh_name = "mesh.stl", .members = {&no_warnings, 1}};
         const TempFolder folder;
-        return std::array{hash_of_counts(value_of(check(mesh, {.counts_only = true}, context))),
+        return std::array{hash_of(value_of(check(mesh, {.counts_only = true}, context))),
                           hash_of(value_of(make_check_json(found, parts, 30))),
                           hash_of(bytes_written(folder, write_marks(found, folder / "marks.ply"), "marks.ply"))};
     });

@@ -9,6 +9,7 @@
 
 #include "base/dispatch.hpp"
 #include "base/numbers.hpp"
+#include "base/parallel.hpp"
 #include "slicing/grid/quantise.hpp"
 #include "slicing/planes/plane_set.hpp"
 
@@ -88,7 +89,7 @@ struct PlaneSums {
 };
 
 /// The sums of one worker.
-class FaceSums {
+class alignas(worker_alignment) FaceSums {
 public:
     FaceSums(const PlaneSet& planes, const PlaneHeights& heights, CornerScale scale);
 

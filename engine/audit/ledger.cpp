@@ -31,7 +31,7 @@ struct SlabTriangle {
 };
 
 /// What one worker counts of triangles, and those that it found for each part.
-struct Share {
+struct alignas(worker_alignment) Share {
     std::uint64_t cut = 0;
     std::uint64_t degenerate = 0;
     std::uint64_t horizontal = 0;
@@ -56,7 +56,7 @@ struct Node {
 };
 
 /// What a worker needs for one part after another; its memory is kept.
-struct Scratch {
+struct alignas(worker_alignment) Scratch {
     NumberTable<GridVertex, quick_hash_of> numbers;
     std::vector<Node> nodes;
 

@@ -129,7 +129,7 @@ Array<std::uint32_t> indices_where(std::size_t count, const Parallel& parallel, 
 /// Sorts the items of a part by a number that each has, where these lie close together, and then by `less`; its memory is
 /// kept. O(items + range of numbers), and what std::sort takes for the items of each number.
 template <class T>
-class PartSort {
+class alignas(worker_alignment) PartSort {
 public:
     template <class Number, class Less>
     void run(std::span<T> items, Number number_of, Less less) {

@@ -19,6 +19,10 @@
 
 namespace lamella {
 
+/// Of what stands in one array for each worker: two lines of the cache, which processors fetch in pairs, so that no worker
+/// writes into lines that another one reads.
+inline constexpr std::size_t worker_alignment = 128;
+
 /// True where the host wants the call to end.
 using StopCheck = Callback<bool()>;
 

@@ -26,7 +26,7 @@ namespace lamella {
 /// Distinct items, numbered in the order in which they come: open addressing by the highest bits of an item's hash, at most
 /// half full. Its memory is kept.
 template <class Item, std::uint64_t (*hash)(const Item&) noexcept>
-class NumberTable {
+class alignas(worker_alignment) NumberTable {
 public:
     /// Forgets all items, and makes room for about `count`; beyond that it grows.
     void clear(std::size_t count) {

@@ -4,9 +4,9 @@
 #include <atomic>
 #include <cmath>
 #include <cstddef>
-#include <cstdlib>
 #include <functional>
 #include <memory>
+#include <new>
 #include <string>
 
 #include <catch2/catch.hpp>
@@ -376,12 +376,12 @@ TEST_CASE("threads, memory, stop and progress of C are used", "[c][threads]") {
     const lamella_memory memory = {&host,
                                    [](void* self, std::size_t bytes, std::size_t alignment) -> void* {
                                        static_cast<Host*>(self)->held += static_cast<long long>(bytes);
-                                       return std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
+                                       return ::operator new (bytes, std::align_val_t{alignment}, std::nothrow);
                                    },
                                    &host,
-                                   [](void* self, void* block, std::size_t bytes, std::size_t) {
+                                   [](void* self, void* block, std::size_t bytes, std::size_t alignment) {
                                        static_cast<Host*>(self)->held -= static_cast<long long>(bytes);
-                                       std::free(block);
+                                       ::operator delete (block, std::align_val_t{alignment});
                                    }};
     auto context = fresh<lamella_context>(LAMELLA_CONTEXT);
     context.memory = &memory;

@@ -60,10 +60,10 @@ TEST_CASE("a slow progress sink holds up no other thread", "[engine][control][th
     const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 5);
     std::atomic<std::uint64_t> layers = 0;
     const auto count = [&](const LayerView&) noexcept { ++layers; };
-    std::atomic<bool> first = true;
+    std::atomic<bool> waited = false;
     std::uint64_t meanwhile = 0;
     const auto wait = [&](double) noexcept {
-        if (!first.exchange(false)) {
+        if (layers < 200 || waited.exchange(true)) {  // at the first layers a second thread may not have begun
             return;
         }
         const std::uint64_t before = layers;

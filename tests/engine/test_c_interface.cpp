@@ -61,18 +61,18 @@ lamella_destination into(lamella_result** result, const lamella_sink* sink, cons
     return to;
 }
 
-ResultHandle sliced(const lamella_source& from, const lamella_options& options, const lamella_context* context = nullptr) {
+ResultHandle c_sliced(const lamella_source& from, const lamella_options& options, const lamella_context* context = nullptr) {
     lamella_result* result = nullptr;
     const lamella_destination to = into(&result, nullptr, nullptr);
     REQUIRE(lamella_slice_to(nullptr, &to, &from, &options, context, nullptr, nullptr) == LAMELLA_OK);
     return ResultHandle(result);
 }
-ResultHandle sliced(const lamella_mesh& mesh, const lamella_options& options) {
-    return sliced(source_of(mesh), options);
+ResultHandle c_sliced(const lamella_mesh& mesh, const lamella_options& options) {
+    return c_sliced(source_of(mesh), options);
 }
 
 std::uint64_t hash_of(const lamella_mesh& mesh, const lamella_options& options) {
-    return lamella_result_hash(sliced(mesh, options).get());
+    return lamella_result_hash(c_sliced(mesh, options).get());
 }
 
 /// A tetrahedron of 9 mm.
@@ -289,7 +289,7 @@ TEST_CASE("a struct that knows fewer fields has the defaults of the rest, one wi
     lamella_result* result = nullptr;
     CHECK(lamella_slice(nullptr, &mesh, &whole, &result, nullptr) == LAMELLA_INVALID_ARGUMENT);
     whole.struct_size = offsetof(lamella_options, fill_rule);
-    const ResultHandle owned = sliced(mesh, whole);
+    const ResultHandle owned = c_sliced(mesh, whole);
 
     // The library writes no further than the program's struct, too.
     lamella_view view;
@@ -402,7 +402,7 @@ TEST_CASE("threads, memory, stop and progress of C are used", "[c][threads]") {
     const lamella_source source = source_of(mesh);
     const lamella_options options = options_at(0.05);
     {
-        const ResultHandle result = sliced(source, options, &context);
+        const ResultHandle result = c_sliced(source, options, &context);
         CHECK(host.held > 0);
         CHECK(host.fraction == 1);
         CHECK(host.workers > 0);
@@ -465,10 +465,10 @@ TEST_CASE("regions, contours of segments, checks, welding and audits go through 
     CHECK(hash_of(joined, options_at(0.5)) == hash_of(mesh, options_at(0.5)));
 
     auto judged = fresh<lamella_audit_result>(LAMELLA_AUDIT_RESULT);
-    REQUIRE(lamella_audit(sliced(mesh, options_at(0.5)).get(), &mesh, nullptr, &judged, nullptr) == LAMELLA_OK);
+    REQUIRE(lamella_audit(c_sliced(mesh, options_at(0.5)).get(), &mesh, nullptr, &judged, nullptr) == LAMELLA_OK);
     CHECK((judged.volume == LAMELLA_VOLUME_HOLDS && judged.structure == LAMELLA_OK));
     CHECK(judged.mesh_mm3 == Approx(volume));
-    REQUIRE(lamella_audit(sliced(open, options_at(0.5)).get(), nullptr, nullptr, &judged, nullptr) == LAMELLA_OK);
+    REQUIRE(lamella_audit(c_sliced(open, options_at(0.5)).get(), nullptr, nullptr, &judged, nullptr) == LAMELLA_OK);
     CHECK(judged.open_layers == 18);
     CHECK((judged.volume == LAMELLA_VOLUME_NOT_ASKED && std::isnan(judged.mesh_mm3)));
 

@@ -56,7 +56,7 @@ struct Node {
 };
 
 /// What a worker needs for one part after another; its memory is kept.
-struct alignas(worker_alignment) Scratch {
+struct Scratch {
     NumberTable<GridVertex, quick_hash_of> numbers;
     std::vector<Node> nodes;
 

@@ -127,12 +127,8 @@ TEST_CASE(
     const TempFolder folder;
     const SliceResult result = sliced(bone.view(), uniform(0.1));
     ContextCalls in_memory(bone.view(), 0.02);
-    std::vector<ContextCall> calls = in_memory.all();
-    for (const ContextCall& call : file_calls(bone.path(), result, folder / "a.svg")) {
-        calls.push_back(call);
-    }
     std::mt19937 random(1);
-    for (const ContextCall& call : calls) {
+    for (const ContextCall& call : file_calls(bone.path(), result, folder / "a.svg", in_memory.all())) {
         for (const int threads : {1, 2, 4}) {
             INFO(call.name << " on " << threads << " threads");
             double before_last = call.shows_progress ? 0 : 1;

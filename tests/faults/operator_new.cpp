@@ -128,12 +128,8 @@ TEST_CASE("every call survives failing operator new", "[faults]") {
     using namespace lamella::input_test;
     const lamella::SliceResult result = sliced(soup, uniform(0.1));
     ContextCalls in_memory(view_of(soup), 0.4);
-    std::vector<ContextCall> calls = in_memory.all_and_small();
-    for (const ContextCall& call :
-         file_calls(folder.write("a.stl", binary_stl(numbered_facets(50))), result, folder / "a.svg")) {
-        calls.push_back(call);
-    }
-    for (const ContextCall& call : calls) {
+    const auto file = folder.write("a.stl", binary_stl(numbered_facets(50)));
+    for (const ContextCall& call : file_calls(file, result, folder / "a.svg", in_memory.all_and_small())) {
         for (const int threads : {1, 3}) {
             INFO(call.name << ", " << threads << " threads");
             fail_everywhere([&] { return call.run({.threads = threads}); });

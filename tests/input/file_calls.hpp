@@ -7,10 +7,11 @@
 #include "engine/calls.hpp"
 #include "lamella/io.hpp"
 
-/// Reads one file and writes the other. The result must outlive the calls.
+/// After `calls`: one that reads a file, and one that writes the other. The result must outlive them.
 inline std::vector<ContextCall> file_calls(const std::filesystem::path& mesh, const lamella::SliceResult& result,
-                                           const std::filesystem::path& svg) {
+                                           const std::filesystem::path& svg, std::vector<ContextCall> calls = {}) {
     using lamella::Context;
-    return {{"read_mesh", [mesh](const Context& c) { return code_of(read_mesh(mesh, {}, c)); }},
-            {"write_svg", [&result, svg](const Context& c) { return code_of(write_svg(result, svg, {}, c)); }}};
+    calls.push_back({"read_mesh", [mesh](const Context& c) { return code_of(read_mesh(mesh, {}, c)); }});
+    calls.push_back({"write_svg", [&result, svg](const Context& c) { return code_of(write_svg(result, svg, {}, c)); }});
+    return calls;
 }

@@ -93,7 +93,11 @@ TEST_CASE("options are held to the bounds and choices of their descriptions, and
 }
 
 TEST_CASE("each counter of a slice has its own field of C's info, and none is left out", "[c]") {
-    SliceInfo info{.options = {.stitch_mm = 0.5}, .grid_doublings = 1, .box = {{1, 2, 3}, {4, 5, 6}}, .layer_of = {7}};
+    SliceInfo info;
+    info.options.stitch_mm = 0.5;
+    info.grid_doublings = 1;
+    info.box = {{1, 2, 3}, {4, 5, 6}};
+    info.layer_of = {7};
     std::uint64_t next = 1000;
 #define COUNTER(name) info.name = ++next;
 #include "options/counters.inc"

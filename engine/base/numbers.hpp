@@ -1,7 +1,8 @@
-// Exact 128-bit integers, signs, and mixing of bits for hashes: the same on every platform.
+// Exact 128-bit integers, signs, bits of numbers, and mixing of bits for hashes: the same on every platform.
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "base/system/int128.hpp"
 #include "lamella/integer128.hpp"
@@ -14,6 +15,13 @@ inline Integer128 to_integer128(Int128 value) noexcept {
 
 inline Int128 to_int128(const Integer128& value) noexcept {
     return (Int128{value.high} << 64) | Int128{value.low};
+}
+
+/// The same bits as another type. std::bit_cast would be it, but libc++ 13, which emscripten 3.1 has, lacks it.
+template <class To, class From>
+constexpr To bits_as(const From& from) noexcept {
+    static_assert(sizeof(To) == sizeof(From) && std::is_trivially_copyable_v<To> && std::is_trivially_copyable_v<From>);
+    return __builtin_bit_cast(To, from);
 }
 
 /// 1, 0 or -1; 0 of what is not a number.

@@ -11,7 +11,6 @@
 #include <span>
 #include <utility>
 
-#include "base/bits.hpp"
 #include "base/distribute.hpp"
 #include "base/guard.hpp"
 #include "base/numbers.hpp"

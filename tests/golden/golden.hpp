@@ -19,7 +19,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "base/bits.hpp"
+#include "base/numbers.hpp"
 #include "engine/slicing.hpp"
 #include "golden/inputs.hpp"
 #include "lamella/lamella.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "base/bits.hpp"
+#include "base/numbers.hpp"
 #include "models/numbers.hpp"
 #include "models/surface.hpp"
 

@@ -7,8 +7,8 @@
 #include <cstring>
 #include <type_traits>
 
-#include "base/bits.hpp"
 #include "base/little_endian.hpp"
+#include "base/numbers.hpp"
 #include "base/system/processor.hpp"
 #include "lamella/mesh.hpp"
 

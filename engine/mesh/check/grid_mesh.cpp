@@ -7,7 +7,6 @@
 #include <type_traits>
 #include <utility>
 
-#include "base/bits.hpp"
 #include "base/distribute.hpp"
 #include "base/numbers.hpp"
 #include "mesh/vertex_numbers.hpp"

@@ -4,7 +4,7 @@
 #include <array>
 #include <bit>
 
-#include "base/bits.hpp"
+#include "base/numbers.hpp"
 #include "base/system/processor.hpp"
 
 namespace lamella {

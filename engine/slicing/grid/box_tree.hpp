@@ -18,8 +18,8 @@
 #include <span>
 #include <utility>
 
-#include "base/bits.hpp"
 #include "base/eight.hpp"
+#include "base/numbers.hpp"
 #include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"

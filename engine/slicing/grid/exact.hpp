@@ -8,7 +8,6 @@
 #include <limits>
 #include <span>
 
-#include "base/bits.hpp"
 #include "base/numbers.hpp"
 #include "lamella/grid.hpp"
 

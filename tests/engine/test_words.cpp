@@ -1,33 +1,60 @@
 // Numbers in messages.
 #include <cmath>
+#include <cstdint>
+#include <initializer_list>
 #include <limits>
+#include <string>
+#include <utility>
 
 #include <catch2/catch.hpp>
 
-#include "base/bits.hpp"
+#include "base/numbers.hpp"
 #include "base/words.hpp"
 #include "models/numbers.hpp"
 
 using lamella::exact_text;
-using lamella::exact_text_by_trial;
 
-TEST_CASE("numbers are written alike with and without the C++ library's help", "[engine]") {
+TEST_CASE("numbers are written in their shortest form", "[engine]") {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    for (const auto& [value, text] : std::initializer_list<std::pair<double, const char*>>{
+             {0.0, "0"},
+             {-0.0, "-0"},
+             {100, "100"},
+             {-9.5, "-9.5"},
+             {10000, "10000"},
+             {1e5, "1e+05"},
+             {123456, "123456"},
+             {0.001, "0.001"},
+             {0.0001, "1e-04"},
+             {0x1p-24, "5.960464477539063e-08"},
+             {0x1p70, "1180591620717411303424"},
+             {0x1p-1074, "5e-324"},
+             {std::numeric_limits<double>::lowest(), "-1.7976931348623157e+308"},
+             {infinity, "inf"},
+             {-infinity, "-inf"},
+             {std::numeric_limits<double>::quiet_NaN(), "nan"},
+         }) {
+        CHECK(exact_text(value) == text);
+    }
+}
+
+TEST_CASE("numbers are written alike on every platform", "[engine]") {
     lamella::models::Random random(7);
+    std::uint64_t hash = 0xCBF29CE484222325U;
+    const auto add = [&](double value) {
+        for (const char letter : exact_text(value) + "\n") {
+            hash = (hash ^ static_cast<unsigned char>(letter)) * 0x100000001B3U;  // FNV-1a
+        }
+    };
     for (int i = 0; i < 3000; ++i) {
         const auto any = lamella::bits_as<double>(random.next());
-        const double decimal = std::round(any / std::exp2(std::ilogb(any)) * 1e6) / std::pow(10, i % 9);
-        for (const double value : {any, decimal}) {
-            CHECK((std::isnan(value) || exact_text_by_trial(value) == exact_text(value)));
+        if (!std::isnan(any)) {
+            add(any);
+            add(std::round(std::ldexp(any, -std::ilogb(any)) * 1e6) / std::pow(10, i % 9));
         }
     }
     for (int power = -1074; power < 1024; ++power) {
-        CHECK(exact_text_by_trial(std::ldexp(-1, power)) == exact_text(std::ldexp(-1, power)));
+        add(std::ldexp(-1, power));
     }
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    for (const double value :
-         {0.0, -0.0, 9.5, 1e21, 123456.0, 0.0001, std::numeric_limits<double>::max(), infinity, -infinity}) {
-        CHECK(exact_text_by_trial(value) == exact_text(value));
-    }
-    CHECK(exact_text(0x1p-24) == "5.960464477539063e-08");
-    CHECK(exact_text(100) == "100");
+    CHECK(hash == 0xB65C3148650E5CB9U);
 }

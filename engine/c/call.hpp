@@ -117,40 +117,28 @@ T defaults() noexcept {
 }
 
 /// The size that the program's struct begins with, 0 of a null one. Throws Refused where it was not initialised.
+std::uint32_t size_given(const void* given, const char* name, const char* init);
+
 template <class T>
-std::uint32_t require_initialised(const T* given) {
-    std::uint32_t size = 0;
-    if (given == nullptr) {
-        return size;
-    }
-    std::memcpy(&size, given, sizeof size);
-    if (size < 2 * sizeof size || size > largest_struct) {
-        refuse("struct_size of " + std::string(Sized<T>::name) + " is " + std::to_string(size) + ": initialise it by " +
-               Sized<T>::init);
-    }
-    return size;
+void require_initialised(const T* given) {
+    size_given(given, Sized<T>::name, Sized<T>::init);
 }
 
-/// What the program gave, and the defaults beyond; all defaults where it gave nothing. Throws Refused where what the library
-/// does not know is set.
+/// Copies what the program gave over the `bytes` defaults at `whole`. Throws Refused where what the library does not know is
+/// set: beyond `bytes`, or the number `reserved`, which may be null.
+void copy_given(const void* given, void* whole, std::size_t bytes, const std::int32_t* reserved, const char* name,
+                const char* init);
+
+/// What the program gave, and the defaults beyond; all defaults where it gave nothing. Throws Refused.
 template <class T>
 T read_sized(const T* given) {
     check_sized<T>();
     T whole = defaults<T>();
-    const std::uint32_t size = require_initialised(given);
-    if (size == 0) {
-        return whole;
-    }
-    std::memcpy(&whole, given, std::min<std::size_t>(size, sizeof(T)));
-    const auto* const bytes = reinterpret_cast<const unsigned char*>(given);
-    bool set = size > sizeof(T) && std::any_of(bytes + sizeof(T), bytes + size, [](unsigned char b) { return b != 0; });
+    const std::int32_t* reserved = nullptr;
     if constexpr (requires { whole.reserved; }) {
-        set = set || whole.reserved != 0;
+        reserved = &whole.reserved;
     }
-    if (set) {
-        refuse(std::string(Sized<T>::name) + " has a field set that lamella " + version +
-               " does not know: initialise it by " + Sized<T>::init + ", or use a later version of the library");
-    }
+    copy_given(given, &whole, sizeof whole, reserved, Sized<T>::name, Sized<T>::init);
     return whole;
 }
 

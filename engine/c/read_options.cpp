@@ -1,6 +1,7 @@
 // Structs that the program fills in, as the C++ ones that they stand for.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <iterator>
 #include <limits>
 #include <string>
@@ -88,6 +89,33 @@ void require_one(std::initializer_list<const void*> given, const char* fields) {
     const auto set = std::count_if(given.begin(), given.end(), [](const void* field) { return field != nullptr; });
     if (set != 1) {
         refuse("of " + std::string(fields) + " exactly one must be set, and " + std::to_string(set) + " are");
+    }
+}
+
+std::uint32_t size_given(const void* given, const char* name, const char* init) {
+    std::uint32_t size = 0;
+    if (given == nullptr) {
+        return size;
+    }
+    std::memcpy(&size, given, sizeof size);
+    if (size < 2 * sizeof size || size > largest_struct) {
+        refuse("struct_size of " + std::string(name) + " is " + std::to_string(size) + ": initialise it by " + init);
+    }
+    return size;
+}
+
+void copy_given(const void* given, void* whole, std::size_t bytes, const std::int32_t* reserved, const char* name,
+                const char* init) {
+    const std::uint32_t size = size_given(given, name, init);
+    if (size == 0) {
+        return;
+    }
+    std::memcpy(whole, given, std::min<std::size_t>(size, bytes));
+    const auto* const at = static_cast<const unsigned char*>(given);
+    const bool beyond = size > bytes && std::any_of(at + bytes, at + size, [](unsigned char b) { return b != 0; });
+    if (beyond || (reserved != nullptr && *reserved != 0)) {
+        refuse(std::string(name) + " has a field set that lamella " + version + " does not know: initialise it by " + init +
+               ", or use a later version of the library");
     }
 }
 

@@ -1,6 +1,5 @@
 // The calls of lamella.h that look at results, judge meshes and results, and make structs and names.
 #include <algorithm>
-#include <cstdio>
 #include <cstring>
 #include <iterator>
 #include <span>
@@ -138,7 +137,7 @@ std::int32_t report(const Status& status, lamella_error* error) noexcept {
         c.triangle = what.triangle;
         c.plane = what.plane;
         c.byte_offset = what.byte_offset;
-        std::snprintf(c.message, sizeof c.message, "%s", what.message.c_str());
+        c.message[what.message.copy(c.message, sizeof c.message - 1)] = '\0';
     }
     write_sized(c, error);
     return c.status;

@@ -167,7 +167,8 @@ OpenLayers open_layer(const LayerView& view, StitchDirection direction, const St
     }
     found.layers = 1;
     found.height_mm = found.crossed_mm;
-    std::stable_sort(open.begin(), open.end(), [](const Contour* a, const Contour* b) { return a->part < b->part; });
+    std::sort(open.begin(), open.end(),
+              [](const Contour* a, const Contour* b) { return a->part != b->part ? a->part < b->part : a < b; });
     GapCloser closer(worker);
     bool stuck = false;
     std::vector<PolylineEnds> ends;

@@ -38,6 +38,15 @@ std::uint64_t system_bytes(const char* path, std::string_view key) {
     return 0;
 }
 
+/// Takes no lock, which glibc's strerror() may.
+const char* text_of_error(int number) {
+#ifdef __GLIBC__
+    return ::strerrordesc_np(number);
+#else
+    return std::strerror(number);
+#endif
+}
+
 /// Until exec, only calls that need no lock of another thread.
 [[noreturn]] void run_program(char* const* words, const std::string& folder, int output, int exit_status) {
     ::setpgid(0, 0);
@@ -48,7 +57,7 @@ std::uint64_t system_bytes(const char* path, std::string_view key) {
     if (ready) {
         ::execv("/proc/self/exe", words);
     }
-    ::dprintf(output, "%s%s\n", cannot_start, ::strerrordesc_np(errno));
+    ::dprintf(output, "%s%s\n", cannot_start, text_of_error(errno));
     ::_exit(exit_status);
 }
 

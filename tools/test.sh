@@ -4,7 +4,7 @@
 # tools/test.sh NAME...   builds the release and runs the tests whose names contain one of the words
 # tools/test.sh --platforms [TARGET...]   builds for other systems and runs what is built: see tools/platforms.sh
 # tools/test.sh --all     also runs the thorough tests (exact judges, other readers, the Python package), checks format and
-#                         style, and runs the tests under sanitizers, with Clang and with libc++
+#                         style, runs the tests under sanitizers, and the golden slices on other systems, by emulators
 #
 # Installs missing packages. Prints the summary of the release's tests last.
 set -euo pipefail
@@ -118,19 +118,14 @@ check_format() {
     find engine include tests bench tools -name '*.[ch]pp' -print0 | xargs -0 clang-format --dry-run -Werror
 }
 
-# The documentation, and the binary form of the C interface: programs that were compiled with an older header must still run.
-check_interfaces() {
+# The documentation; the binary form of the C interface: programs that were compiled with an older header must still run; and
+# the golden slices under Windows, on ARM and in WebAssembly, which must be the bytes of Linux.
+check_interfaces_and_platforms() {
     quietly build/docs.log tools/docs.sh
     quietly build/abi.log tests/abi/check.sh build/engine/liblamella_c.so
     quietly build/abi.log tests/abi/check.sh build/engine/liblamella_c.so --self-test
-}
-
-# What macOS has: Clang with libc++; and the portable forms of base/system, as compilers without 128-bit integers take them.
-# Compiles the libraries in their small units, as hosts do, and runs the golden cases, which must give the bytes of GCC.
-check_libcxx() {
-    variant libcxx "Clang build with libc++" "${core_tests[@]}" \
-        -DLAMELLA_CORE_TESTS="(golden/|nesting/|engine/test_kernels)" -DLAMELLA_CATCH2_INCLUDE=/usr/include \
-        -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_CXX_FLAGS=-stdlib=libc++ -DLAMELLA_PARALLEL=std -DLAMELLA_PORTABLE=ON -DLAMELLA_WERROR=ON
+    quietly build/platforms.log tools/platforms.sh --golden
+    printf '\n== golden slices of other systems: assertions\n%s\n' "$(cat build/platforms.log)"
 }
 
 # Checks every source of the engine, the tools and the oracle, with the headers that they include. Skips the other tests
@@ -167,7 +162,7 @@ if [[ "${1:-}" == --core ]]; then
     exit
 fi
 if [[ "${1:-}" == --platforms ]]; then
-    install_missing "${platform_packages[@]}"
+    install_missing "${golden_packages[@]}" "${platform_packages[@]}"
     tools/platforms.sh "${@:2}"
     exit
 fi
@@ -175,15 +170,14 @@ install_missing "${test_packages[@]}" "${python_packages[@]}"
 if [[ "${1:-}" == --all ]]; then
     all=true
     shift
-    install_missing "${check_packages[@]}" "${picture_packages[@]}" "${bench_packages[@]}" "${reader_packages[@]}"
+    install_missing "${check_packages[@]}" "${picture_packages[@]}" "${bench_packages[@]}" "${reader_packages[@]}" "${golden_packages[@]}"
     check_format
 fi
 
 stage "release build"
 if $all; then
     build_release ON ON
-    meanwhile check_interfaces
-    check_libcxx
+    meanwhile check_interfaces_and_platforms
     check_memory
     check_threads
     await

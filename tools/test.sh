@@ -81,10 +81,6 @@ variant() {
 readonly sanitized=(-DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g1" -DLAMELLA_LARGE_UNITS=ON
     -DLAMELLA_BUILD_BENCH=OFF)
 
-# The engine's own tests and the golden cases alone; of a Debug build, so that assertions check the invariants.
-readonly core_tests=(-DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O1 -DLAMELLA_BUILD_TOOLS=OFF -DLAMELLA_BUILD_TESTS=OFF
-    -DLAMELLA_BUILD_BENCH=OFF -DLAMELLA_BUILD_CORE_TESTS=ON)
-
 # build_release THOROUGH BENCH: each ON or OFF. A new build that only tests need takes a minute less in large units.
 build_release() {
     local units=()
@@ -156,8 +152,9 @@ all=false
 stage "packages"
 install_missing "${build_packages[@]}"
 if [[ "${1:-}" == --core ]]; then
-    variant core "the engine alone" "${core_tests[@]}" -DLAMELLA_CORE_TESTS=engine/ -DLAMELLA_LARGE_UNITS=ON \
-        -DLAMELLA_BUILD_IO=OFF -DLAMELLA_BUILD_SHARED=OFF
+    # Of a Debug build, so that assertions check the invariants.
+    variant core "the engine alone" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O1 -DLAMELLA_LARGE_UNITS=ON \
+        -DLAMELLA_BUILD_{IO,SHARED,TOOLS,TESTS,BENCH}=OFF -DLAMELLA_BUILD_CORE_TESTS=ON -DLAMELLA_CORE_TESTS=engine/
     await
     exit
 fi

@@ -13,5 +13,5 @@ install_missing "${build_packages[@]}" "${bench_packages[@]}" libcgal-dev
 generator=()
 [[ -e build/CMakeCache.txt ]] || generator=(-G Ninja)
 cmake -S . -B build "${generator[@]}" -DCMAKE_BUILD_TYPE=Release -DLAMELLA_BUILD_BENCH=ON -DLAMELLA_LARGE_UNITS=OFF > /dev/null
-cmake --build build --parallel "$(nproc)" --target lamella_paper_row lamella_lower_bound lamella_cli lamella_peers | tail -n 1
+cmake --build build --parallel "$(nproc)" --target lamella_paper_row lamella_cli lamella_peers | tail -n 1
 exec bench/scripts/paper.py --build build "$@"

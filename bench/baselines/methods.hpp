@@ -100,9 +100,6 @@ extern const ContourMethod sweepline_contours;
 extern const WholeMethod slic3r_way;   ///< any planes, any mesh: O(n log n + n log k + m log m)
 extern const WholeMethod mcmains;      ///< closed meshes only
 extern const WholeMethod topological;  ///< TSlicer; closed meshes only
-extern const WholeMethod ldni;         ///< samples; reports their number as the number of segments
-
-inline constexpr double ldni_resolution_mm = 0.1;  ///< distance of neighbouring rays
 
 // For look-up by name. Not inline: whether there is a sweep line differs between libraries.
 constexpr const SlicingMethod* slicing_methods[] = {&trivial_slicing,    &tata_slicing,        &huang_slicing,
@@ -112,7 +109,7 @@ constexpr const ContourMethod* contour_methods[] = {&trivial_contours, &hashed_c
                                                     &sweepline_contours
 #endif
 };
-constexpr const WholeMethod* whole_methods[] = {&slic3r_way, &mcmains, &topological, &ldni};
+constexpr const WholeMethod* whole_methods[] = {&slic3r_way, &mcmains, &topological};
 
 using Roles = std::vector<std::vector<Role>>;  ///< by plane, then by polyline
 

@@ -9,12 +9,10 @@
 // Kept: triangles that no plane cuts enter the active set and leave it at once. Triangles above all planes are in no
 // list after the merge; otherwise they are in a list that nothing reads.
 #include <forward_list>
-#include <functional>
 #include <limits>
 #include <utility>
 
 #include "geometry.hpp"
-#include "lower_bound.hpp"
 #include "methods.hpp"
 
 namespace lamella::baselines {
@@ -25,17 +23,16 @@ using TriangleList = std::forward_list<const Facet*>;
 using TriangleLists = std::vector<TriangleList>;  ///< by first plane above a triangle's lowest vertex; the last list holds
                                                   ///< the triangles above all planes
 
-/// Algorithm 3: the first plane above z_min, or the number of planes. `less` compares two heights.
-template <class Less = std::less<>>
-std::size_t binary_search(const std::vector<std::int32_t>& planes, std::int32_t z_min, const Less& less = {}) {
-    if (planes.empty() || less(planes.back(), z_min)) {
+/// Algorithm 3: the first plane above z_min, or the number of planes.
+std::size_t binary_search(const std::vector<std::int32_t>& planes, std::int32_t z_min) {
+    if (planes.empty() || planes.back() < z_min) {
         return planes.size();
     }
     std::size_t l = 0;  // counted from 1; P[0] stands for a plane below everything
     std::size_t r = planes.size();
     while (r - l > 1) {
         const std::size_t m = (l + r) / 2;
-        (less(planes[m - 1], z_min) ? l : r) = m;
+        (planes[m - 1] < z_min ? l : r) = m;
     }
     return r - 1;
 }
@@ -64,15 +61,14 @@ TriangleLists lists_by_merge(const std::vector<Facet>& facets, const Problem& pr
 }
 
 /// Algorithm 1 from step 4 on. Empties the lists.
-template <class Less = std::less<>>
-SegmentLists plane_sweep(TriangleLists lists, const Problem& problem, const Less& less = {}) {
+SegmentLists plane_sweep(TriangleLists lists, const Problem& problem) {
     TriangleList active;
     SegmentLists segments(problem.planes.size());
     for (std::size_t i = 0; i < problem.planes.size(); ++i) {
         active.splice_after(active.before_begin(), lists[i]);
         auto before = active.before_begin();
         for (auto t = active.begin(); t != active.end();) {
-            if (less(z_max(**t), problem.planes[i])) {
+            if (z_max(**t) < problem.planes[i]) {
                 t = active.erase_after(before);
             } else {
                 segments[i].push_back(cut(**t, problem.planes[i]));
@@ -165,20 +161,6 @@ SegmentLists slice_presorted(const Problem& problem) {
 }
 
 }  // namespace
-
-ComparisonCount count_comparisons(const Problem& problem) {
-    ComparisonCount count;
-    const auto counted = [](std::uint64_t& comparisons) {
-        return [&comparisons](std::int32_t a, std::int32_t b) {
-            ++comparisons;
-            return a < b;
-        };
-    };
-    const std::vector<Facet> facets = quantised(problem);
-    const auto search = [&](std::int32_t z) { return binary_search(problem.planes, z, counted(count.search)); };
-    plane_sweep(lists_by(search, facets, problem), problem, counted(count.sweep));
-    return count;
-}
 
 const SlicingMethod trivial_slicing{.name = "trivial", .slice = slice_trivially};
 const SlicingMethod huang_slicing{.name = "Huang", .uniform_only = true, .slice = slice_by_division};

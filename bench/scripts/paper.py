@@ -22,7 +22,7 @@ PICTURES = [  # like the paper's Figures 2 and 10: name, model, options of `lame
 #   adaptive    also measured with random spacing
 #   unlimited   not stopped at the time limit
 #   closed      only closed meshes
-#   inexact     contours need not equal the engine's: the sweep line splits segments where they touch, LDNI samples
+#   inexact     contours need not equal the engine's: the sweep line splits segments where they touch
 METHODS = {
     "incremental+hashed+rays": {"adaptive", "unlimited"},
     "presorted": {"adaptive"},
@@ -35,7 +35,6 @@ METHODS = {
     "Slic3r": {"adaptive"},
     "McMains": {"adaptive", "closed"},
     "topological": {"adaptive", "closed"},
-    "LDNI, 0.1 mm": {"closed", "inexact"},
 }
 PEERS = ["cgal", "vtk", "slic3r", "prusa-slicer", "CuraEngine"]
 
@@ -197,10 +196,9 @@ def main():
     os.makedirs(told.results, exist_ok=True)
     measured = bench.measure()
     rows = Rows(measured, told.threads)
-    search = json.loads(subprocess.run([bench.program("bench/lamella_lower_bound")], check=True, capture_output=True).stdout)
     bench.say("tables and figures")
     pictures = [*draw_pictures(bench), *draw_figures(rows, told.results)]
-    pathlib.Path(told.results, "paper.md").write_text(page(rows, told, PEERS, search, pictures))
+    pathlib.Path(told.results, "paper.md").write_text(page(rows, told, PEERS, pictures))
     bench.say("written to " + os.path.join(told.results, "paper.md"))
     if failures(measured):
         raise SystemExit("\n".join(failures(measured)))

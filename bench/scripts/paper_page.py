@@ -14,9 +14,8 @@ HEAD = """# The paper's experiments, measured here
 `bench/paper.sh` made this page. Times are in seconds, from the soup in memory to contours, quantising included, on one
 thread unless stated. They are medians of 5 runs if a run takes less than 2 s, of 3 if less than 10 s, else of 1. Every answer
 was compared with the engine's, plane by plane and contour by contour, before its time was printed. Where it differs, the
-difference stands beside the time. LDNI samples, so its contours differ by design; tests check that their areas agree within
-its resolution. Columns named *paper* are the paper's own figures, from another machine and, for models marked as stand-ins,
-another mesh. Do not divide them by the figures beside them."""
+difference stands beside the time. Columns named *paper* are the paper's own figures, from another machine and, for models
+marked as stand-ins, another mesh. Do not divide them by the figures beside them."""
 PARK = """Park is the sum of the trivial slicing and the sweep line, measured separately. The printed algorithms do not orient contours;
 the engine orients and nests them. For that, the paper names point-in-polygon rays as the next step (*sense by rays*)."""
 PEERS = """Programs that a user might choose instead; see [bench/peers](../peers/README.md). CGAL and VTK: from the soup in memory
@@ -58,7 +57,7 @@ class Rows:
             return row.missing if row else "-"
         planes, contours = row.figures["planes_apart"], row.figures.get("contours_apart")
         remark = f" ({planes} planes differ)" if planes else f" ({contours} contours differ)" if contours else ""
-        return shown(row.seconds(key)) + (remark if key in ("contours_s", "total_s") and not method.startswith("LDNI") else "")
+        return shown(row.seconds(key)) + (remark if key in ("contours_s", "total_s") else "")
 
 
 def shown(seconds):
@@ -124,7 +123,7 @@ def table_4(rows):
     def share(model):
         return f"{100 * rows.seconds(model, 'engine', 'contours_s') / rows.seconds(model, 'engine'):.0f} %"
 
-    methods = {name: name for name in ("McMains", "topological", "LDNI, 0.1 mm")}
+    methods = {name: name for name in ("McMains", "topological")}
     return model_table(rows, paper_columns(("Park", "Slic3r", "proposed"), lambda model: model.totals()),
                        [("Park", lambda model: shown(rows.park(model)))],
                        columns(rows, "total_s", {"Slic3r": "Slic3r", "as printed": PRINTED}),
@@ -224,16 +223,7 @@ def draw_figures(rows, folder):
     return [f"paper_figure_{number}.svg" for number in (9, 11, 12)]
 
 
-def lower_bound(search):
-    lines = []
-    for one in search:
-        n, k, by_search, by_sweep = one.values()
-        least = n * math.log2(k)
-        lines.append([*(f"{count:,.0f}" for count in (n, k, least, by_search, by_sweep)), f"{(by_search + by_sweep) / least:.2f}"])
-    return markdown_table(["n", "k", "n log2 k", "comparisons of the search", "of the sweep", "all / n log2 k"], lines)
-
-
-def page(rows, told, peers, search, pictures):
+def page(rows, told, peers, pictures):
     machine = machine_table(told.build, build="Release, mimalloc for all methods", limit=f"{told.limit} s",
                             command="`bench/paper.sh " + " ".join(sys.argv[3:]) + "`")
     return "\n\n".join([
@@ -245,6 +235,5 @@ def page(rows, told, peers, search, pictures):
         "## Table 4: both, uniform", table_4(rows), PARK,
         "## Peers, uniform", PEERS, peer_table(rows, peers),
         "## Fitted exponents", exponents(rows),
-        "## The lower bound (3.5)", "Instances of the multipoint search problem, posed as meshes.", lower_bound(search),
         "## Bars", bars(rows),
         "## Figures", "\n".join(f"![{name}]({name})" for name in pictures)]) + "\n"

@@ -7,7 +7,6 @@
 
 #include "engine/slicing.hpp"
 #include "geometry.hpp"
-#include "lower_bound.hpp"
 #include "methods.hpp"
 #include "models/models.hpp"
 #include "oracle/oracle.hpp"
@@ -231,26 +230,6 @@ void require_whole(const Case& given) {
     }
 }
 
-/// Layers sampled by rays have the engine's areas within the resolution.
-void require_sampled(const Case& given) {
-    const WholeOutcome outcome = ldni.run(given.problem);
-    REQUIRE(outcome.contours.size() == given.result.layers.size());
-    for (std::size_t i = 0; i < outcome.contours.size(); ++i) {
-        double difference = 0;
-        double border = 0;
-        for (const Polyline& contour : engines(given.result, i, true)) {
-            difference -= static_cast<double>(rings::twice_area(contour.points)) / 2;
-            border += static_cast<double>(rings::perimeter(contour.points));
-        }
-        for (const Polyline& contour : outcome.contours[i]) {
-            CHECK(contour.closed);
-            difference += static_cast<double>(rings::twice_area(contour.points)) / 2;
-        }
-        INFO("layer " << i);
-        CHECK(std::abs(difference) <= border * ldni_resolution_mm / given.result.info.grid_mm);
-    }
-}
-
 using RoleAndLine = std::pair<Role, Line>;
 
 std::vector<RoleAndLine> with_roles(const std::vector<Polyline>& plane, const std::vector<Role>& roles) {
@@ -350,10 +329,6 @@ TEST_CASE("whole methods give the engine's contours, and pair facets at an edge 
     each_open(require_whole);
 }
 
-TEST_CASE("layers sampled by rays have the engine's areas within the resolution", "[baselines]") {
-    each_model(12'000, require_sampled);
-}
-
 TEST_CASE("rays find the engine's roles and orientations", "[baselines]") {
     each_model(3000, require_engines_roles);
     require_engines_roles({nested_balls(), {}, irregular(0.05, 0.3)});
@@ -402,37 +377,6 @@ TEST_CASE("a contour of two segments closes, and segments of no length are dropp
         CHECK((lines_of(contours[0], false) == std::vector<Line>{{true, {{0, 0}, {4, 0}}}}));
         CHECK(contours[1].empty());
         CHECK((lines_of(contours[2], false) == std::vector<Line>{{false, {{1, 1}, {2, 2}}}}));
-    }
-}
-
-TEST_CASE("slicing solves multipoint search, in n log k comparisons or a few more", "[baselines]") {
-    CHECK((solution_of(SegmentLists(3), 2) == std::vector<std::uint32_t>{3, 3}));
-    constexpr std::uint32_t n = 4000;
-    for (const std::uint32_t k : {1U, 2U, 7U, 16U, 300U, 1U << 12}) {
-        INFO(k << " planes");
-        const SearchInstance instance = make_search_instance(n, k);
-        const Problem problem = instance.problem();
-        const std::vector<Facet> facets = quantised(problem);
-        REQUIRE(facets.size() == n);
-        REQUIRE(std::ranges::is_sorted(problem.planes, std::less_equal<>()));
-        for (std::size_t j = 0; j < n; ++j) {
-            const auto above = std::ranges::upper_bound(problem.planes, z_min(facets[j]));
-            REQUIRE(above - problem.planes.begin() == instance.solution[j]);
-            REQUIRE(z_max(facets[j]) == *above + 1);
-        }
-        for (const SlicingMethod* method : {&trivial_slicing, &tata_slicing, &incremental_slicing, &sort_first_slicing}) {
-            INFO(method->name);
-            const SegmentLists lists = method->slice(problem);
-            CHECK(std::accumulate(lists.begin(), lists.end(), std::size_t{0},
-                                  [](std::size_t sum, const auto& list) { return sum + list.size(); }) == n);
-            CHECK((solution_of(lists, n) == instance.solution));
-        }
-        const auto at_last = static_cast<std::uint64_t>(std::ranges::count(instance.solution, k - 1));
-        CHECK(k * at_last < 2 * n + 8 * k);  // each plane is as likely as the others
-        const ComparisonCount count = count_comparisons(problem);
-        CHECK(static_cast<double>(count.search) >= n * std::log2(k));
-        CHECK(static_cast<double>(count.search) <= n * (1 + std::ceil(std::log2(k))));
-        CHECK(count.sweep == 2 * n - at_last);  // no plane takes triangles of the last one out of the active set
     }
 }
 

@@ -1,38 +1,28 @@
 // Times slicing from a triangle soup in memory, or from an STL file in the page cache, to the finished result.
-#include <mimalloc.h>
-
 #include "measure.hpp"
 
 namespace lamella::bench {
 
 namespace {
 
-/// Times slicing on so many threads after an untimed `before`. `floor` is that time over what copying would take.
+/// Times slicing on so many threads after an untimed `before`. `times_limit` is that time over the least that memory allows:
+/// to read the input once and to write the result once.
 Figures timed(benchmark::State& state, const Prepared& of, std::uint64_t input_bytes, int threads,
               const std::function<void()>& before, const std::function<void()>& slice_once) {
     Figures figures = measure(state, before, slice_once);
-    const auto bytes = static_cast<double>(input_bytes + result_bytes(of.info));
+    const auto [read, write] = bandwidth(threads);
+    const double limit_s = static_cast<double>(input_bytes) / read + static_cast<double>(result_bytes(of.info)) / write;
     figures["segments/s"] = rate_of(of.info.segments, figures);
     figures["segments"] = static_cast<double>(of.info.segments);
     figures["triangles"] = static_cast<double>(of.mesh->triangles());
     figures["planes"] = static_cast<double>(of.info.layers);
-    figures["floor"] = figures["real_time"] / 1000 * copy_bandwidth(threads) / bytes;
+    figures["times_limit"] = figures["real_time"] / 1000 / limit_s;
     return figures;
 }
 
 Figures time_warm(benchmark::State& state, Prepared& of, int threads) {
     return timed(
         state, of, of.mesh->bytes(), threads, [] {}, [&] { of.slice(threads); });
-}
-
-/// Memory comes fresh from the system; freeing it is not timed.
-Figures time_cold(benchmark::State& state, Prepared& of, int threads) {
-    const auto free_all = [&] {
-        of.slicer = Slicer();
-        of.result = SliceResult();
-        mi_collect(true);  // returns the allocator's free memory to the system
-    };
-    return timed(state, of, of.mesh->bytes(), threads, free_all, [&] { of.slice(threads); });
 }
 
 /// The memory of the result and the engine is warm. read_mesh() chooses where the file's bytes go.
@@ -65,8 +55,7 @@ void add_end_to_end(const Options& options, const Case& wanted) {
             });
         };
         add("warm_swept", time_warm);
-        if (wanted.cold) {
-            add("cold_swept", time_cold);
+        if (wanted.from_file) {
             add("file_read", time_file);
         }
     }

@@ -89,7 +89,7 @@ struct Maker {
             real = from_recipe("instead_of_real", {.shape = models::Shape::bone, .triangles = 40'000});
             real.name = "instead_of_" + name;
         }
-        real.cold = true;
+        real.from_file = true;
         real.hosts = real.regions = name != "hip_femur";
         if (there || known) {
             cases.push_back(real);
@@ -109,7 +109,7 @@ struct Maker {
             recipe.layer_height_mm = layer_mm;
         }
         Case bone = from_recipe(name, recipe);
-        bone.cold = order == models::Order::z;
+        bone.from_file = order == models::Order::z;
         bone.hosts = name == "scan";
         cases.push_back(bone);
         if (bone.hosts) {

@@ -62,7 +62,7 @@ struct Case {
     std::function<Plan(const Mesh&)> plan = [](const Mesh& /*mesh*/) { return Plan{{.layer_height_mm = layer_mm}}; };
     std::uint64_t triangles = 0;  ///< stated number, checked within 1 %; 0: not stated
     std::uint64_t segments = 0;   ///< stated number, checked within 5 %; 0: not stated
-    bool cold = false;            ///< end to end from a file too, and with fresh memory
+    bool from_file = false;       ///< end to end from a file too
     bool hosts = false;           ///< the calls that hosts make too
     bool regions = false;         ///< with regions too
     int only_threads = 0;         ///< 0: every thread count

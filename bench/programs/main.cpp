@@ -9,8 +9,8 @@ namespace {
 
 void add_all(const Options& options) {
     for (const int threads : thread_counts()) {
-        add_benchmark(options, "copy/memory/warm", threads, [=](benchmark::State&) {
-            return Figures{{"bytes/s", copy_bandwidth(threads)}};
+        add_benchmark(options, "bandwidth/memory/warm", threads, [=](benchmark::State&) {
+            return Figures{{"read", bandwidth(threads).read}, {"write", bandwidth(threads).write}};
         });
     }
     add_nesting(options);

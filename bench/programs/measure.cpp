@@ -1,11 +1,13 @@
 #include "measure.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstring>
 #include <exception>
 #include <map>
 #include <utility>
 
+#include "base/dispatch.hpp"
 #include "base/parallel.hpp"
 #include "lamella/array.hpp"
 
@@ -13,21 +15,52 @@ namespace lamella::bench {
 
 namespace {
 
-double measure_copy(int threads) {
-    constexpr std::size_t bytes = std::size_t{256} << 20;
-    Array<char> from;
-    Array<char> to;
-    from.resize_discarding(bytes);
-    to.resize_discarding(bytes);
-    std::memset(from.data(), 1, bytes);
-    std::memset(to.data(), 2, bytes);
+/// A line of the cache.
+struct Line {
+    std::array<std::uint64_t, 8> words;
+};
+
+void read_lines(Line* begin, Line* end) {
+    Line sum{};
+    for (Line* line = begin; line < end; ++line) {
+        for (std::size_t i = 0; i < 8; ++i) {
+            sum.words[i] += line->words[i];
+        }
+    }
+    benchmark::DoNotOptimize(sum);
+}
+
+void write_lines(Line* begin, Line* end) {
+    for (Line* line = begin; line < end; ++line) {
+#ifdef LAMELLA_SSE2
+        for (std::size_t i = 0; i < 8; i += 2) {
+            _mm_stream_si128(reinterpret_cast<__m128i*>(&line->words[i]), _mm_set1_epi64x(1));
+        }
+#else
+        line->words.fill(1);
+#endif
+    }
+}
+
+Bandwidth measure_bandwidth(int threads) {
+    constexpr std::size_t bytes = std::size_t{1} << 30;
+    Array<Line> memory;
+    memory.resize_discarding(bytes / sizeof(Line));
     const Parallel parallel({.threads = threads});
-    const auto copy = [&] {
-        parallel.run_ranges(bytes, 1 << 20, [&](std::size_t begin, std::size_t end, int) {
-            std::memcpy(to.data() + begin, from.data() + begin, end - begin);
-        });
+    const auto best_of_nine = [&](void (*pass)(Line*, Line*)) {
+        const auto pass_all = [&] {
+            parallel.run_ranges(memory.size(), 1 << 14, [&](std::size_t begin, std::size_t end, int) {
+                pass(memory.data() + begin, memory.data() + end);
+            });
+        };
+        double best_ms = ms_of(pass_all);
+        for (int round = 1; round < 9; ++round) {
+            best_ms = std::min(best_ms, ms_of(pass_all));
+        }
+        return 1e3 * static_cast<double>(bytes) / best_ms;
     };
-    return 2e3 * static_cast<double>(bytes) / medians_of({{"copy", copy}}, 9)["copy"];
+    const double write = best_of_nine(write_lines);
+    return {.read = best_of_nine(read_lines), .write = write};
 }
 
 void require_near(const char* what, std::uint64_t found, std::uint64_t stated, double tolerance) {
@@ -38,13 +71,12 @@ void require_near(const char* what, std::uint64_t found, std::uint64_t stated, d
 
 }  // namespace
 
-double copy_bandwidth(int threads) {
-    static std::map<int, double> measured;
-    const auto [at, fresh] = measured.try_emplace(threads, 0.0);
-    if (fresh) {
-        at->second = measure_copy(threads);
+const Bandwidth& bandwidth(int threads) {
+    static std::map<int, Bandwidth> measured;
+    if (measured.count(threads) == 0) {
+        measured[threads] = measure_bandwidth(threads);
     }
-    return at->second;
+    return measured[threads];
 }
 
 Prepared::Prepared(const Case& wanted, std::shared_ptr<const Mesh> of_case)

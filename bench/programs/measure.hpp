@@ -15,9 +15,13 @@
 
 namespace lamella::bench {
 
-/// Bytes read plus bytes written per second when `threads` threads copy warm memory much larger than the caches, to which
-/// the `floor` figures refer. The median of several copies, measured once for each run and thread count.
-double copy_bandwidth(int threads);
+/// Bytes a second that so many threads read, and that they write past the caches: the best of nine passes over 1 GB of warm
+/// memory in huge pages, measured once for each run and thread count.
+struct Bandwidth {
+    double read;
+    double write;
+};
+const Bandwidth& bandwidth(int threads);
 
 /// A case: its mesh in memory, its answer checked.
 class Prepared {

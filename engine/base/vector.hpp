@@ -46,26 +46,11 @@ private:
 template <class T>
 using Vector = std::vector<T, Allocator<T>>;
 
-/// Gives back what lies beyond the size; the elements are lost. Throws std::bad_alloc.
-template <class T>
-void fit(Array<T>& array) {
-    if (array.capacity() > array.size()) {
-        const std::size_t size = array.size();
-        array = Array<T>(array.memory());  // first, so that both are never held at once
-        array.resize_discarding(size);
-    }
-}
-
-template <class T>
-void fit(Vector<T>& array) {
-    array.shrink_to_fit();
-}
-/// Several, one after the other.
-template <class First, class Second, class... More>
-void fit(First& first, Second& second, More&... more) {
-    fit(first);
-    fit(second);
-    (fit(more), ...);
+/// True where one has room for more than twice what it holds.
+template <class... Arrays>
+bool any_has_slack(const Arrays&... arrays) noexcept {
+    constexpr std::size_t few = 64;
+    return ((arrays.capacity() > 2 * arrays.size() + few) || ...);
 }
 
 /// Room for `size` elements, and for somewhat more where there was less: the next layer has about as many.

@@ -3,14 +3,15 @@
 //     TriangleSource::measure   grid       bounds, unit (paper, 3.1)
 //     build_planes              planes     heights on the grid (Algorithm 3)
 //     TriangleSource::count     buckets    how many triangles each plane is the first to cut (Algorithm 2)
-//     BandPlan::cut             bands      ranges of planes, each swept by one thread
-//     TriangleSource::scatter   buckets    triangles to the first plane that cuts them
-//     BandSweep, WidePlane      sweep      a band, or a wide plane by all threads (Algorithm 1)
-//       for each plane            contours   links, walk (Algorithm 4)
-//                                   repair     gaps closed, on request
-//                                   regions    fill rule applied, on request
-//                                   nesting    orientation, roles, parents (Fig. 1, step 4)
-//       for each band             result     points to their place
+//     BandPlan::cut             bands      ranges of planes, each swept by one thread; tiers of them
+//     for each tier
+//       TriangleSource::scatter   buckets    triangles to the first plane that cuts them
+//       BandSweep, WidePlane      sweep      a band, or a wide plane by all threads (Algorithm 1)
+//         for each plane            contours   links, walk (Algorithm 4)
+//                                     repair     gaps closed, on request
+//                                     regions    fill rule applied, on request
+//                                     nesting    orientation, roles, parents (Fig. 1, step 4)
+//         for each band             result     points to their place
 //     LayerTarget::finish       result     contours and layers to their place, or what the output is
 #include "slicing/slice_layers.hpp"
 
@@ -48,9 +49,9 @@ public:
     }
 
     /// Bands [begin, the end of the stretch) are swept side by side: a wide one by itself.
-    std::size_t end_of_stretch(std::size_t begin) const noexcept {
+    std::size_t end_of_stretch(std::size_t begin, std::size_t last) const noexcept {
         std::size_t end = begin + 1;
-        while (end < kept_.bands.bands.size() && !is_wide(begin) && !is_wide(end)) {
+        while (end < last && !is_wide(begin) && !is_wide(end)) {
             ++end;
         }
         return end;
@@ -117,17 +118,23 @@ private:
 };
 
 /// Bands are cut between counting and scattering, so that scattering notes the triangles that reach beyond their band.
-void bucket_by_bands(TriangleSource& source, std::uint64_t most_band_segments, const SliceCall& call, SliceInfo& info) {
+void cut_bands(std::uint64_t most_band_segments, const SliceCall& call, SliceInfo& info) {
+    detail::SlicerImpl& kept = call.kept;
+    kept.parallel->stop_if_asked();
+    kept.bands.cut(kept.buckets, kept.planes.size(), static_cast<int>(call.tuning.band_planes), kept.parallel->threads(),
+                   most_band_segments);
+    info.crossed = kept.buckets.list_begin[kept.planes.size()];
+    info.bands = kept.bands.bands.size();
+}
+
+void scatter(TriangleSource& source, const Tier& tier, const SliceCall& call) {
     detail::SlicerImpl& kept = call.kept;
     BandPlan& bands = kept.bands;
-    const Parallel& parallel = *kept.parallel;
-    parallel.stop_if_asked();
-    bands.cut(kept.buckets, kept.planes.size(), static_cast<int>(call.tuning.band_planes), parallel.threads(),
-              most_band_segments);
-    const std::size_t reaching = source.scatter(bands.band_end, bands.reaching.span(), call.options.origins);
-    bands.find_seeds(kept.planes.size(), reaching, parallel.stop());
-    info.crossed = kept.buckets.records.size();
-    info.bands = bands.bands.size();
+    if (bands.tiers.size() > 1) {  // room for any, rather than to grow
+        kept.buckets.records.resize_discarding(bands.most_records());
+    }
+    const std::size_t reaching = source.scatter(tier.planes, bands.band_end, bands.reaching.span(), call.options.origins);
+    bands.find_seeds(kept.planes.size(), reaching, kept.parallel->stop());
 }
 
 }  // namespace
@@ -196,30 +203,37 @@ void slice_layers(TriangleSource& source, LayerTarget* target, const SliceCall& 
                     .first_index = first_index};
     target->admit(plan, call.memory_limit());
 
-    bucket_by_bands(source, target->most_band_segments(parallel.threads()), call, info);
+    cut_bands(target->most_band_segments(parallel.threads()), call, info);
     const Vector<Band>& bands = kept.bands.bands;
     plan.bands = bands;
-    info.ms.bucket = milliseconds_since(start);
 
-    start = Clock::now();
     ProgressMeter progress(call.context.progress);
     Sweeps sweeps(call, info);
     std::atomic<std::uint64_t> segments_done = 0;
     target->begin(plan);
-    for (std::size_t begin = 0, end = 0; begin < bands.size(); begin = end) {
-        end = sweeps.end_of_stretch(begin);
-        fill_bands(*target, parallel, begin, end, [&](std::size_t band, int worker, BandOutput& output) {
-            if (!sweeps.sweep_wide(band, output)) {
-                sweeps.of(worker).run(bands[band], kept.bands.seeds_of(band), kept.buckets, kept.planes, call.tuning.form,
-                                      parallel.stop(), output);
-            }
-            const std::uint64_t done = segments_done += bands[band].segments;
-            progress.reach(static_cast<double>(done) / static_cast<double>(std::max<std::uint64_t>(1, plan.segments)));
-        });
+    const auto sweep = [&](std::size_t band, int worker, BandOutput& output) {
+        if (!sweeps.sweep_wide(band, output)) {
+            sweeps.of(worker).run(bands[band], kept.bands.seeds_of(band), kept.buckets, kept.planes, call.tuning.form,
+                                  parallel.stop(), output);
+        }
+        const std::uint64_t done = segments_done += bands[band].segments;
+        progress.reach(static_cast<double>(done) / static_cast<double>(std::max<std::uint64_t>(1, plan.segments)));
+    };
+    double sweep_ms = 0;
+    for (const Tier& tier : kept.bands.tiers) {
+        scatter(source, tier, call);
+        info.ms.bucket += milliseconds_since(start);
+        start = Clock::now();
+        for (std::size_t begin = tier.first_band, end = 0; begin < tier.last_band; begin = end) {
+            end = sweeps.end_of_stretch(begin, tier.last_band);
+            fill_bands(*target, parallel, begin, end, sweep);
+        }
+        sweep_ms += milliseconds_since(start);
+        start = Clock::now();
     }
     source.give_back();
     kept.bands.forget_many_seeds();  // before the result's contours are added to what is held
-    sweeps.split_time(milliseconds_since(start), info.ms);
+    sweeps.split_time(sweep_ms, info.ms);
 
     start = Clock::now();
     target->finish();

@@ -144,12 +144,12 @@ std::uint64_t usual_memory_limit() {
 }
 
 SlicerImpl::SlicerImpl(const Memory* host, InstructionSet level)
-    : counted(host), instructions(level), usual_limit(usual_memory_limit()) {}
+    : scratch(host), instructions(level), usual_limit(usual_memory_limit()) {}
 
 SlicerImpl& SlicerImpl::of(Slicer& slicer, const Context& context, const Tuning& tuning) {
     const InstructionSet level = tuning.instructions ? *tuning.instructions : instruction_set();
     std::unique_ptr<SlicerImpl>& kept = slicer.impl_;
-    if (kept == nullptr || kept->counted.host() != context.memory || kept->instructions != level) {
+    if (kept == nullptr || kept->scratch.host() != context.memory || kept->instructions != level) {
         kept = std::make_unique<SlicerImpl>(context.memory, level);
     }
     if (kept->parallel == nullptr || !kept->parallel->serves(context)) {
@@ -161,23 +161,17 @@ SlicerImpl& SlicerImpl::of(Slicer& slicer, const Context& context, const Tuning&
 
 std::size_t SlicerImpl::bytes() const noexcept {
     const auto made = std::count_if(sweeps.begin(), sweeps.end(), [](const auto& sweep) { return sweep != nullptr; });
-    return sizeof(*this) + static_cast<std::size_t>(made) * sizeof(BandSweep) + counted.bytes();
+    return sizeof(*this) + static_cast<std::size_t>(made) * sizeof(BandSweep) + scratch.bytes();
 }
 
-void SlicerImpl::trim() {
+bool SlicerImpl::holds_too_much() const noexcept {
     const std::size_t most =
         buckets.segments.empty() ? 0 : *std::max_element(buckets.segments.begin(), buckets.segments.end());
-    const bool all = sweeps_made_regions && !last_made_regions;
-    for (auto& sweep : sweeps) {
-        if (sweep != nullptr && (all || sweep->most_segments() > 2 * most)) {
-            sweep.reset();
-        }
-    }
-    sweeps_made_regions = last_made_regions;
-    output.trim();
-    bands.trim();
-    buckets.trim();
-    planes.trim();
+    const auto is_large = [most](const auto& sweep) { return sweep != nullptr && sweep->most_segments() > 2 * most; };
+    return (sweeps_made_regions && !last_made_regions) || std::any_of(sweeps.begin(), sweeps.end(), is_large) ||
+           buckets.records.capacity() > 2 * bands.most_records() ||
+           any_has_slack(buckets.lowest_corners, buckets.list_begin, buckets.crossed, buckets.counters,
+                         buckets.blocks.blocks, buckets.vertices, bands.reaching, bands.seeds);
 }
 
 }  // namespace detail
@@ -192,12 +186,8 @@ std::size_t Slicer::bytes() const noexcept {
 }
 
 void Slicer::trim() noexcept {
-    try {
-        if (impl_ != nullptr) {
-            impl_->trim();
-        }
-    } catch (...) {
-        reset();  // no memory is left even for less
+    if (impl_ != nullptr && impl_->holds_too_much()) {
+        reset();
     }
 }
 

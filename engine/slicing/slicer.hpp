@@ -1,13 +1,13 @@
 // Scratch that is kept from call to call.
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
 #include "base/parallel.hpp"
+#include "base/scratch_memory.hpp"
 #include "lamella/array.hpp"
 #include "lamella/slice.hpp"
 #include "slicing/bands/bands.hpp"
@@ -22,36 +22,6 @@ namespace lamella::detail {
 /// Half of physical memory: what results may take where the caller says nothing. The system takes half a microsecond for it.
 std::uint64_t usual_memory_limit();
 
-/// The host's memory, or operator new's, with a count of what is taken of it.
-class CountedMemory {
-public:
-    /// `host`: null for operator new.
-    explicit CountedMemory(const Memory* host) noexcept : host_(host) {}
-    CountedMemory(const CountedMemory&) = delete;  // referred to by what takes memory
-    CountedMemory& operator=(const CountedMemory&) = delete;
-
-    const Memory* host() const noexcept { return host_; }
-    const Memory* memory() const noexcept { return &counting_; }
-    /// Taken and not given back.
-    std::size_t bytes() const noexcept { return bytes_.load(std::memory_order_relaxed); }
-
-    /// For memory_of(). Arrays ask for no other alignment than what the host is asked for. Throws std::bad_alloc.
-    void* allocate(std::size_t bytes, std::size_t /*alignment*/) {
-        void* const block = take_memory(host_, bytes);
-        bytes_.fetch_add(bytes, std::memory_order_relaxed);
-        return block;
-    }
-    void deallocate(void* block, std::size_t bytes, std::size_t /*alignment*/) noexcept {
-        bytes_.fetch_sub(bytes, std::memory_order_relaxed);
-        give_memory(host_, block, bytes);
-    }
-
-private:
-    const Memory* host_;
-    std::atomic<std::size_t> bytes_ = 0;
-    const Memory counting_ = memory_of(*this);
-};
-
 struct SlicerImpl {
     SlicerImpl(const Memory* host, InstructionSet level);
 
@@ -61,11 +31,11 @@ struct SlicerImpl {
     SourceTools source_tools() noexcept { return {*parallel, planes, buckets, instructions}; }
 
     std::size_t bytes() const noexcept;
-    /// See Slicer::trim(). Throws std::bad_alloc.
-    void trim();
+    /// True where the last call needed less than half of something: see Slicer::trim().
+    bool holds_too_much() const noexcept;
 
-    CountedMemory counted;
-    const Memory* memory = counted.memory();
+    ScratchMemory scratch;
+    const Memory* memory = scratch.memory();
     const InstructionSet instructions;
     std::uint64_t usual_limit;
     std::unique_ptr<Parallel> parallel;  // kept, since threads return sooner to an arena that they have just left

@@ -8,12 +8,14 @@
 #include <optional>
 #include <random>
 #include <string>
+#include <thread>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>
 
+#include "base/scratch_memory.hpp"
 #include "base/words.hpp"
 #include "c/call.hpp"
 #include "engine/counting_memory.hpp"
@@ -144,6 +146,51 @@ TEST_CASE("a slicer gives back what the last call did not need", "[engine][slice
     kept.trim();
     CHECK(kept.bytes() < 2 * fresh.bytes() + 32768);
     CHECK(kept.bytes() < large_bytes / 8);
+}
+
+TEST_CASE("small blocks of scratch share pages, serve again and are given back", "[engine][slicer]") {
+    const auto take_all = [](ScratchMemory& scratch) {
+        struct Block {
+            std::byte* begin;
+            std::size_t bytes;
+        };
+        constexpr std::size_t threads = 4;
+        std::array<std::vector<Block>, threads> taken;
+        std::vector<std::thread> pool;
+        for (std::size_t t = 0; t < threads; ++t) {
+            pool.emplace_back([&scratch, &own = taken[t], t] {
+                std::mt19937_64 random(t);
+                for (int i = 0; i < 3000; ++i) {
+                    const std::size_t bytes = std::size_t{1} << random() % 18;
+                    own.push_back({static_cast<std::byte*>(scratch.allocate(bytes, 64)), bytes});
+                    std::memset(own.back().begin, static_cast<int>(own.size() % 251), bytes);
+                }
+            });
+        }
+        std::for_each(pool.begin(), pool.end(), [](std::thread& thread) { thread.join(); });
+        const std::size_t most = scratch.bytes();
+        for (const auto& own : taken) {
+            for (std::size_t i = 0; i < own.size(); ++i) {
+                const auto mark = static_cast<std::byte>((i + 1) % 251);
+                REQUIRE(std::all_of(own[i].begin, own[i].begin + own[i].bytes, [mark](std::byte b) { return b == mark; }));
+                scratch.deallocate(own[i].begin, own[i].bytes, 64);
+            }
+        }
+        return most;
+    };
+    CountingMemory host;
+    ScratchMemory of_host(&host);
+    const std::size_t taken = take_all(of_host);
+    CHECK(taken == host.peak());
+    CHECK((of_host.bytes() == 0 && host.held() == 0));
+    ScratchMemory scratch(nullptr);
+    void* const large = scratch.allocate(std::size_t{1} << 23, 64);  // from here on blocks are shared
+    void* const small = scratch.allocate(64, 64);
+    const std::size_t most = take_all(scratch);
+    CHECK(take_all(scratch) < most + most / 4);
+    scratch.deallocate(small, 64, 64);
+    scratch.deallocate(large, std::size_t{1} << 23, 64);
+    CHECK(scratch.bytes() == 0);
 }
 
 TEST_CASE("a slicer gives back the scratch of regions after a call that made none", "[engine][slicer]") {

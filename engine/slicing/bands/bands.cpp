@@ -37,11 +37,6 @@ std::uint64_t work_of(const Buckets& buckets, PlaneIndex plane) noexcept {
     return buckets.segments[plane] + segments_per_entry * entering_at(buckets, plane);
 }
 
-/// The number of triangles that the plane cuts and that entered below it: seeds of a band that begins with it.
-std::uint64_t reaching_into(const Buckets& buckets, PlaneIndex plane) noexcept {
-    return buckets.segments[plane] - entering_at(buckets, plane);
-}
-
 /// Large arrays are released: only very many bands or tall triangles need them.
 template <class T>
 void give_back_many(Array<T>& array) {
@@ -57,10 +52,11 @@ void BandPlan::cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, 
     constexpr std::uint64_t few_seeds = 1 << 21;
     const std::uint64_t crossed = buckets.list_begin[planes] - buckets.list_begin[0];
     auto most_planes = static_cast<std::uint64_t>(asked_planes);
+    cut_tiers(buckets, planes, asked_planes > 0);
     for (;; most_planes *= 2, most_segments *= 2) {
         most_segments = most_segments < buckets.segment_count ? most_segments : no_limit / 2;
         cut_once(buckets, planes, most_planes, threads, most_segments);
-        const auto add = [&](std::uint64_t sum, const Band& band) { return sum + reaching_into(buckets, band.first); };
+        const auto add = [&](std::uint64_t sum, const Band& band) { return sum + buckets.reaching_into(band.first); };
         const std::uint64_t seeds = std::accumulate(bands.begin(), bands.end(), std::uint64_t{0}, add);
         const bool as_work_asks = most_segments >= buckets.segment_count && (most_planes == 0 || most_planes >= planes);
         if (as_work_asks || seeds <= std::max(crossed, few_seeds)) {
@@ -74,31 +70,82 @@ void BandPlan::cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, 
     }
 }
 
-/// Bands of `most_planes` planes, or by their work where that is 0.
+/// Where bands are asked for, a small mesh too is cut into tiers, whatever reaches into them and in whatever order it lies.
+void BandPlan::cut_tiers(const Buckets& buckets, PlaneIndex planes, bool asked) {
+    constexpr std::uint64_t parts = 3;
+    constexpr std::uint64_t least_records = 1 << 18;  // 12 MB
+    const std::uint64_t crossed = buckets.list_begin[planes];
+    const bool is_small = asked && crossed < least_records;
+    const std::uint64_t enough = std::max(crossed / parts, is_small ? 1 : least_records);
+    const auto tier_of = [&buckets](PlaneIndex first, PlaneIndex end) {
+        const std::uint64_t own = buckets.list_begin[end] - buckets.list_begin[first];
+        return Tier{{first, end}, own + (first > 0 ? buckets.reaching_into(first) : 0)};
+    };
+    tiers.clear();
+    PlaneIndex first = 0;
+    for (PlaneIndex plane = 1; plane < planes; ++plane) {
+        const std::uint64_t own = buckets.list_begin[plane] - buckets.list_begin[first];
+        const std::uint64_t rest = crossed - buckets.list_begin[plane];
+        if (own >= enough && 2 * rest >= enough && (is_small || 4 * buckets.reaching_into(plane) <= enough)) {
+            tiers.push_back(tier_of(first, plane));
+            first = plane;
+        }
+    }
+    tiers.push_back(tier_of(first, planes));
+    std::size_t reads = 0;
+    for (const Tier& tier : tiers) {
+        reads +=
+            static_cast<std::size_t>(std::count_if(buckets.crossed.begin(), buckets.crossed.end(),
+                                                   [&](const CrossedBlock& block) { return block.meets(tier.planes); }));
+    }
+    const bool is_read_again = !is_small && 10 * reads > 13 * buckets.crossed.size();
+    if (buckets.crossed.empty() || is_read_again) {
+        tiers.assign(1, tier_of(0, planes));
+    }
+}
+
+/// Bands of `most_planes` planes, or by their work where that is 0. They become smaller towards the end of a tier, where
+/// threads wait for the last one.
 void BandPlan::cut_once(const Buckets& buckets, PlaneIndex planes, std::uint64_t most_planes, int threads,
                         std::uint64_t most_segments) {
     bands.clear();
-    std::uint64_t all_work = 0;
-    for (PlaneIndex plane = 0; plane < planes; ++plane) {
-        all_work += work_of(buckets, plane);
-    }
+    const auto work_in = [&buckets](PlaneRange range) {
+        std::uint64_t work = 0;
+        for (PlaneIndex plane = range.first; plane < range.end; ++plane) {
+            work += work_of(buckets, plane);
+        }
+        return work;
+    };
+    const std::uint64_t all_work = work_in({0, planes});
     // Several bands for each thread even out those that take longer; on one thread they only serve the cache.
     const std::uint64_t share = std::max(all_work / (16 * static_cast<std::uint64_t>(threads)) + 1, least_work);
     Band band{0, 0, 0, false};
+    Tier* tier = tiers.data();
+    std::uint64_t left = work_in(tier->planes);  // of the tier, from the band's first plane on
     std::uint64_t work = 0;
     std::uint64_t most_active = 0;  // segments of a plane of the band
     std::uint64_t ended = 0;        // slots passed over, were the band to go on
     for (PlaneIndex plane = 0; plane < planes; ++plane) {
         const std::uint64_t segments = buckets.segments[plane];
-        const std::uint64_t enough =
+        const std::uint64_t most =
             std::clamp(work_per_seed * segments, std::min(share, least_segments), std::max(share, least_segments));
+        const std::uint64_t enough = threads == 1 || tiers.size() == 1
+                                         ? most
+                                         : std::clamp(left / (2 * static_cast<std::uint64_t>(threads)), most / 8, most);
         ended += most_active - std::min(most_active, segments);
-        const bool is_sparse = ended / ended_per_segment > least_work + segments_per_entry * reaching_into(buckets, plane);
+        const bool is_sparse = ended / ended_per_segment > least_work + segments_per_entry * buckets.reaching_into(plane);
         const bool has_points = band.segments >= most_segments || segments > most_segments - band.segments;
         const bool has_work = most_planes > 0 ? plane - band.first >= most_planes : work >= enough || is_sparse;
         const bool wide = is_wide(buckets, plane);
-        if ((has_points || has_work || wide || band.wide) && plane > band.first) {
+        const bool is_tier_end = plane == tier->planes.end;
+        if ((has_points || has_work || wide || band.wide || is_tier_end) && plane > band.first) {
             bands.push_back(band);
+            left -= work;
+            if (is_tier_end) {
+                tier->last_band = bands.size();
+                (++tier)->first_band = bands.size();
+                left = work_in(tier->planes);
+            }
             band = {plane, plane, 0, false};
             work = most_active = ended = 0;
         }
@@ -111,6 +158,7 @@ void BandPlan::cut_once(const Buckets& buckets, PlaneIndex planes, std::uint64_t
     if (planes > 0) {
         bands.push_back(band);
     }
+    tier->last_band = bands.size();
 }
 
 void BandPlan::find_seeds(PlaneIndex planes, std::size_t reaching_count, const StopCheck& stop) {
@@ -140,14 +188,13 @@ void BandPlan::find_seeds(PlaneIndex planes, std::size_t reaching_count, const S
     seeds.resize_discarding(seed_begin.back());
     next_seed_ = seed_begin;
     each_seed([&](std::uint32_t b, std::uint32_t record) { seeds[next_seed_[b]++] = record; });
-    give_back_many(reaching);
-}
-
-void BandPlan::trim() {
-    fit(bands, band_end, reaching, seed_begin, seeds, band_of_, next_seed_);
+    if (tiers.size() == 1) {
+        give_back_many(reaching);
+    }
 }
 
 void BandPlan::forget_many_seeds() {
+    give_back_many(reaching);
     give_back_many(seeds);
 }
 

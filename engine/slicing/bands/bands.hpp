@@ -5,6 +5,7 @@
 //     triangle      [-----------]            in the list of plane 1, and a seed of the second band
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -21,6 +22,14 @@ struct Band {
     bool wide = false;  ///< a single plane that all threads work on together
 };
 
+/// Bands whose records are in memory together.
+struct Tier {
+    PlaneRange planes;
+    std::uint64_t records;  ///< of triangles that these cut
+    std::size_t first_band = 0;
+    std::size_t last_band = 0;  ///< one past
+};
+
 struct BandPlan {
 private:
     const Memory* memory_;
@@ -29,11 +38,17 @@ public:
     explicit BandPlan(const Memory* memory) : memory_(memory) {}
 
     Vector<Band> bands{memory_};
+    Vector<Tier> tiers{memory_};           ///< all bands, in their order
     Vector<PlaneIndex> band_end{memory_};  ///< k + 1: the end of each plane's band, and k
     Array<Reaching> reaching{memory_};  ///< room for the triangles that scatter_triangles() finds to reach beyond their band
     Vector<std::uint64_t> seed_begin{memory_};  ///< bands + 1: where each band's seeds begin
     Array<std::uint32_t> seeds{memory_};        ///< indices of records
 
+    /// Of a tier.
+    std::uint64_t most_records() const noexcept {
+        const auto fewer = [](const Tier& a, const Tier& b) { return a.records < b.records; };
+        return tiers.empty() ? 0 : std::max_element(tiers.begin(), tiers.end(), fewer)->records;
+    }
     std::span<const std::uint32_t> seeds_of(std::size_t band) const noexcept {
         return {seeds.data() + seed_begin[band], seeds.data() + seed_begin[band + 1]};
     }
@@ -42,7 +57,7 @@ public:
     /// have ended that passing over their slots would cost more than to begin anew. Otherwise bands have `asked_planes`
     /// planes. A band of more than one plane has at most `most_segments`. Both limits are doubled until there are at most
     /// 2^21 seeds, or at most as many as crossed triangles. Makes `band_end`, and makes `reaching` large enough. O(k) for
-    /// each try.
+    /// each try. Tiers are thirds of the records, where few reach from one into the next and few blocks are read twice.
     void cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, int threads,
              std::uint64_t most_segments = no_limit);
     static constexpr std::uint64_t no_limit = std::numeric_limits<std::uint64_t>::max();
@@ -51,15 +66,14 @@ public:
     /// least one segment in its band. Throws Stopped where `stop` asks for it.
     void find_seeds(PlaneIndex planes, std::size_t reaching_count, const StopCheck& stop = {});
 
-    /// Gives back what the last call did not need. Throws std::bad_alloc.
-    void trim();
-
     /// Releases the memory of the seeds if it is large. To be called when all bands are swept.
     void forget_many_seeds();
 
 private:
     void cut_once(const Buckets& buckets, PlaneIndex planes, std::uint64_t most_planes, int threads,
                   std::uint64_t most_segments);
+
+    void cut_tiers(const Buckets& buckets, PlaneIndex planes, bool asked);
 
     // scratch of find_seeds()
     Vector<std::uint32_t> band_of_{memory_};  // of each plane

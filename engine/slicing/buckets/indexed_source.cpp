@@ -97,9 +97,10 @@ void IndexedSource::count(double unit_mm) {
         });
 }
 
-std::size_t IndexedSource::scatter(std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching, bool origins) {
+std::size_t IndexedSource::scatter(PlaneRange tier, std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching,
+                                   bool origins) {
     return scatter_blocks(
-        {mesh_.triangle_count, parallel_}, parallel_, buckets_, reach_end, reaching, origins,
+        {mesh_.triangle_count, parallel_}, parallel_, buckets_, tier, reach_end, reaching, origins,
         [read = triangles_of(mesh_, buckets_.vertices.data())](std::size_t begin, std::uint64_t crossed, ShareRecords& to) {
             to.write_each(read, begin, crossed);
         });

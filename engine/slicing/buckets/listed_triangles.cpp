@@ -122,9 +122,12 @@ void ListedSource::count(double /*unit_mm*/) {
     std::copy(listed_.segments.begin(), listed_.segments.end(), buckets_.segments.begin());
     buckets_.segment_count = std::accumulate(listed_.segments.begin(), listed_.segments.end(), std::uint64_t{0});
     buckets_.degenerate = 0;
+    buckets_.crossed.set_size(0);
+    buckets_.tier_begin = 0;
 }
 
-std::size_t ListedSource::scatter(std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching, bool /*origins*/) {
+std::size_t ListedSource::scatter(PlaneRange /*tier*/, std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching,
+                                  bool /*origins*/) {
     std::swap(buckets_.records, listed_.records);
     const auto planes = static_cast<PlaneIndex>(listed_.segments.size());
     const std::span<const std::uint32_t> begins = listed_.list_begin;

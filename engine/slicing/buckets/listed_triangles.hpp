@@ -31,7 +31,8 @@ public:
 
     Bounds measure(double /*asked_mm*/) override { return info.frame->bounds; }
     void count(double unit_mm) override;
-    std::size_t scatter(std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching, bool origins) override;
+    std::size_t scatter(PlaneRange tier, std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching,
+                        bool origins) override;
     void give_back() noexcept override;
 
 private:

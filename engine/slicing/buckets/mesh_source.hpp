@@ -43,7 +43,8 @@ public:
 
     Bounds measure(double asked_mm) override;
     void count(double unit_mm) override;
-    std::size_t scatter(std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching, bool origins) override;
+    std::size_t scatter(PlaneRange tier, std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching,
+                        bool origins) override;
 };
 
 /// Vertex by vertex: 17 bytes each. Gives the lists that SoupSource gives, and its errors.
@@ -60,7 +61,8 @@ public:
 
     Bounds measure(double asked_mm) override;
     void count(double unit_mm) override;
-    std::size_t scatter(std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching, bool origins) override;
+    std::size_t scatter(PlaneRange tier, std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching,
+                        bool origins) override;
 
 private:
     /// The vertices alone, as "triangles" whose first corner they are.

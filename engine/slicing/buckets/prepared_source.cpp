@@ -150,13 +150,14 @@ void PreparedSource::count(double /*unit_mm*/) {
     buckets_.degenerate = prepared_.given - prepared_.triangles.size();
 }
 
-std::size_t PreparedSource::scatter(std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching, bool origins) {
+std::size_t PreparedSource::scatter(PlaneRange tier, std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching,
+                                    bool origins) {
     const auto scatter_block = [&, read = triangles_of(prepared_, planes_)](std::size_t begin, std::uint64_t crossed,
                                                                             ShareRecords& to) {
         to.write_each(read, first_of_touched(begin), crossed);
     };
-    return scatter_blocks({buckets_.touched.size() * block_triangles, parallel_}, parallel_, buckets_, reach_end, reaching,
-                          origins, scatter_block);
+    return scatter_blocks({buckets_.touched.size() * block_triangles, parallel_}, parallel_, buckets_, tier, reach_end,
+                          reaching, origins, scatter_block);
 }
 
 }  // namespace lamella

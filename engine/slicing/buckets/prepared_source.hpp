@@ -65,7 +65,8 @@ public:
 
     Bounds measure(double /*asked_mm*/) override { return prepared_.bounds; }
     void count(double unit_mm) override;
-    std::size_t scatter(std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching, bool origins) override;
+    std::size_t scatter(PlaneRange tier, std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching,
+                        bool origins) override;
 
 private:
     void find_touched();

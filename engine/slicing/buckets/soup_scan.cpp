@@ -200,10 +200,13 @@ struct SoupKernel {
         _mm512_mask_storeu_epi32(&record, nine, _mm512_maskz_permutexvar_epi32(all_lanes, from, grid));
     }
 
-    /// The record of each triangle begin + t with bit t in `wanted` that planes cut: place(t, lowest corner, its planes)
-    /// says where it goes, with the number that it gets.
+    /// The record of each triangle begin + t with bit t in `wanted` that planes of the tier cut: place(t, lowest corner, its
+    /// planes) says where it goes, with the number that it gets.
     template <class Place>
-    LAMELLA_AVX512 static void write_each(const SoupScan& scan, std::size_t begin, std::uint64_t wanted, Place place) {
+    LAMELLA_AVX512 static void write_each(const SoupScan& scan, std::size_t begin, std::uint64_t wanted, PlaneRange tier,
+                                          Place place) {
+        const __m512i tier_first = _mm512_set1_epi32(static_cast<std::int32_t>(tier.first));
+        const __m512i tier_end = _mm512_set1_epi32(static_cast<std::int32_t>(tier.end));
         for (std::size_t base = begin; wanted != 0; base += lanes_of_512, wanted >>= lanes_of_512) {
             if ((wanted & 0xFFFFU) == 0) {
                 continue;
@@ -214,7 +217,7 @@ struct SoupKernel {
             const Planes planes = order_group(scan, base, group);
             _mm512_store_si512(first, planes.first);
             _mm512_store_si512(last, planes.last);
-            unsigned bits = _mm512_cmplt_epi32_mask(planes.first, planes.last);
+            unsigned bits = _mm512_cmplt_epi32_mask(greatest(planes.first, tier_first), least(planes.last, tier_end));
             for (bits &= static_cast<unsigned>(wanted) & 0xFFFFU; bits != 0; bits &= bits - 1) {
                 const auto lane = static_cast<std::size_t>(__builtin_ctz(bits));
                 const std::uint32_t order = group.order[lane];
@@ -228,7 +231,7 @@ struct SoupKernel {
     }
 
     LAMELLA_AVX512 static void write(const SoupScan& scan, std::size_t begin, std::uint64_t crossed, ShareRecords& to) {
-        write_each(scan, begin, crossed, [&to](std::size_t t, std::uint8_t lowest, PlaneRange cut) -> CrossedTriangle& {
+        const auto place = [&to](std::size_t t, std::uint8_t lowest, PlaneRange cut) -> CrossedTriangle& {
             const std::uint32_t at = to.take_place(cut);
             CrossedTriangle& record = to.records[at];
             prefetch_to_write(&record + 2);  // of the same list, and likely the next to be written
@@ -237,16 +240,18 @@ struct SoupKernel {
                 to.lowest_corners[at] = lowest;
             }
             return record;
-        });
+        };
+        write_each(scan, begin, crossed, to.tier, place);
     }
 
     LAMELLA_AVX512 static std::size_t append(const SoupScan& scan, std::size_t begin, std::uint64_t wanted,
                                              CrossedTriangle* records) {
         CrossedTriangle* next = records;
-        write_each(scan, begin, wanted, [&next](std::size_t, std::uint8_t, PlaneRange cut) -> CrossedTriangle& {
+        const auto place = [&next](std::size_t, std::uint8_t, PlaneRange cut) -> CrossedTriangle& {
             next->first = cut.first;
             return *next++;
-        });
+        };
+        write_each(scan, begin, wanted, {0, scan.planes_.size()}, place);
         return static_cast<std::size_t>(next - records);
     }
 };

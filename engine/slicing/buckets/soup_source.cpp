@@ -41,7 +41,11 @@ void scatter_each(const Reader& read, const PlaneSet& planes, std::size_t begin,
         CrossedTriangle record = order_by_height(v, static_cast<std::uint32_t>(t));
         record.middle_and_source |= planes.first_above(record.middle.z);
         record.last = planes.first_above(record.upper.z);
-        const std::uint32_t at = to.take_place({planes.first_above(record.lower.z), record.last});
+        const PlaneRange cut{planes.first_above(record.lower.z), record.last};
+        if (!to.takes(cut)) {
+            continue;
+        }
+        const std::uint32_t at = to.take_place(cut);
         to.records[at] = record;
         if (to.lowest_corners != nullptr) {
             to.lowest_corners[at] = height_order_of(v).lower;
@@ -60,33 +64,35 @@ void SoupSource::count(double unit_mm) {
     unit_mm_ = unit_mm;
     const SoupScan scan(mesh_, placing_, unit_mm, planes_, instructions_);
     with_reader(mesh_, placing_, unit_mm, [&](const auto& read) {
-        const auto count_block = [&](std::size_t begin, std::size_t end, ShareCounts& counts) -> std::uint64_t {
+        const auto count_block = [&](std::size_t begin, std::size_t end, ShareCounts& counts) -> CrossedBlock {
             const std::size_t block = begin / block_triangles;
             const bool may_be_degenerate = buckets_.blocks.may_be_degenerate(block, unit_mm);
             const bool skipped = !may_be_degenerate && lies_between_planes(buckets_.blocks.blocks[block], unit_mm, planes_);
             if (skipped) {
-                return 0;
+                return {};
             }
             if (!scan.usable() || end - begin < block_triangles) {
                 const auto triangle = [&](std::size_t t) { return SoupTriangle{read(t), planes_}; };
                 return count_each(triangle, begin, end, may_be_degenerate, counts);
             }
             SoupScan::Ranges ranges;
-            std::uint64_t mask = scan.ranges(begin, ranges);
+            CrossedBlock crossed{scan.ranges(begin, ranges)};
             if (may_be_degenerate) {
-                mask &= ~find_degenerate(read, begin, counts);
+                crossed.mask &= ~find_degenerate(read, begin, counts);
             }
-            for (std::uint64_t crossed = mask; crossed != 0; crossed &= crossed - 1) {
-                const int t = std::countr_zero(crossed);
+            for (std::uint64_t left = crossed.mask; left != 0; left &= left - 1) {
+                const int t = std::countr_zero(left);
                 counts.add(ranges.first[t], ranges.last[t]);
+                crossed.add(ranges.first[t], ranges.last[t]);
             }
-            return mask;
+            return crossed;
         };
         count_blocks({mesh_.triangle_count, parallel_}, parallel_, planes_.size(), buckets_, count_block);
     });
 }
 
-std::size_t SoupSource::scatter(std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching, bool origins) {
+std::size_t SoupSource::scatter(PlaneRange tier, std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching,
+                                bool origins) {
     const SoupScan scan(mesh_, placing_, unit_mm_, planes_, instructions_);
     return with_reader(mesh_, placing_, unit_mm_, [&](const auto& read) {
         const auto scatter_block = [&](std::size_t begin, std::uint64_t crossed, ShareRecords& to) {
@@ -96,7 +102,7 @@ std::size_t SoupSource::scatter(std::span<const PlaneIndex> reach_end, std::span
                 scatter_each(read, planes_, begin, crossed, to);
             }
         };
-        return scatter_blocks({mesh_.triangle_count, parallel_}, parallel_, buckets_, reach_end, reaching, origins,
+        return scatter_blocks({mesh_.triangle_count, parallel_}, parallel_, buckets_, tier, reach_end, reaching, origins,
                               scatter_block);
     });
 }

@@ -24,7 +24,8 @@
 
 namespace lamella {
 
-/// Triangles in as many shares as there are threads, cut between blocks.
+/// Triangles in as many shares as there are threads. A share is every so manieth stripe of blocks, since triangles often lie
+/// in the order of height, and a tier then has few of the stripes.
 struct ThreadShares {
     std::size_t triangles;
     std::size_t count;
@@ -33,18 +34,18 @@ struct ThreadShares {
         : triangles(triangle_count),
           count(std::min<std::size_t>(static_cast<std::size_t>(parallel.threads()), (triangle_count >> 12) + 1)) {}
     std::size_t blocks() const noexcept { return block_count(triangles); }
-    std::size_t begin_block(std::size_t share) const noexcept { return blocks() * share / count; }
 
-    /// Calls use(begin, end) for every block of a share. About each millisecond the host is asked whether to end.
+    /// Calls use(begin, end) for every block of a share. Each millisecond or sooner the host is asked whether to end.
     template <class Use>
     void for_each_block(std::size_t share, const Parallel& parallel, Use use) const {
-        constexpr std::size_t blocks_between_stops = 512;
-        for (std::size_t block = begin_block(share); block < begin_block(share + 1); ++block) {
-            if (block % blocks_between_stops == 0) {
-                parallel.stop_if_asked();
+        constexpr std::size_t stripe_blocks = 64;
+        for (std::size_t stripe = share; stripe * stripe_blocks < blocks(); stripe += count) {
+            parallel.stop_if_asked();
+            const std::size_t end_block = std::min((stripe + 1) * stripe_blocks, blocks());
+            for (std::size_t block = stripe * stripe_blocks; block < end_block; ++block) {
+                const std::size_t begin = block * block_triangles;
+                use(begin, std::min(begin + block_triangles, triangles));
             }
-            const std::size_t begin = block * block_triangles;
-            use(begin, std::min(begin + block_triangles, triangles));
         }
     }
 };
@@ -76,8 +77,8 @@ struct ShareCounts {
 /// Counts triangles [begin, end), at most 64, of which read(t) gives one; returns which of them planes cut. What is not cut
 /// adds zero, so that no branch depends on it.
 template <class Read>
-std::uint64_t count_each(const Read& read, std::size_t begin, std::size_t end, bool may_be_degenerate, ShareCounts& counts) {
-    std::uint64_t mask = 0;
+CrossedBlock count_each(const Read& read, std::size_t begin, std::size_t end, bool may_be_degenerate, ShareCounts& counts) {
+    CrossedBlock block;
     for (std::size_t t = begin; t < end; ++t) {
         const auto triangle = read(t);
         if (may_be_degenerate && triangle.is_degenerate()) {
@@ -88,9 +89,10 @@ std::uint64_t count_each(const Read& read, std::size_t begin, std::size_t end, b
         const std::uint32_t crossed = (cut.first - cut.end) >> 31;  // both are less than 2^31
         counts.starting[cut.first] += crossed;
         counts.ended[cut.end] += crossed;
-        mask |= std::uint64_t{crossed} << (t - begin);
+        block.mask |= std::uint64_t{crossed} << (t - begin);
+        block.add(cut.first | (crossed - 1), cut.end & (0U - crossed));
     }
-    return mask;
+    return block;
 }
 
 /// Turns counts into where lists begin, for all and for each share, and sums up the segments.
@@ -112,12 +114,12 @@ inline void sum_up(std::size_t planes, std::size_t shares, Buckets& buckets) {
     buckets.list_begin[planes] = begin;
 }
 
-/// The first read: count_block(begin, end, counts) counts triangles [begin, end), at most 64, and returns which of them
-/// planes cut.
+/// The first read: count_block(begin, end, counts) counts triangles [begin, end), at most 64, and returns what is kept of
+/// them.
 template <class CountBlock>
 void count_blocks(const ThreadShares& shares, const Parallel& parallel, std::size_t planes, Buckets& buckets,
                   CountBlock count_block) {
-    buckets.crossed_mask.resize_discarding(shares.blocks());
+    buckets.crossed.resize_discarding(shares.blocks());
     buckets.counters.resize_discarding(shares.count * 2 * (planes + 1));
     buckets.list_begin.resize_discarding(planes + 1);
     buckets.segments.resize_discarding(planes);
@@ -125,7 +127,7 @@ void count_blocks(const ThreadShares& shares, const Parallel& parallel, std::siz
     parallel.run(shares.count, [&](std::size_t share, int) {
         ShareCounts counts(buckets, share, planes);
         shares.for_each_block(share, parallel, [&](std::size_t begin, std::size_t end) {
-            buckets.crossed_mask[begin / block_triangles] = count_block(begin, end, counts);
+            buckets.crossed[begin / block_triangles] = count_block(begin, end, counts);
         });
         degenerate[share] = counts.degenerate;
     });
@@ -168,12 +170,22 @@ struct ShareRecords {
     std::uint8_t* lowest_corners;  ///< null where origins are not asked for
     const PlaneIndex* reach_end;
     ReachingWriter reaching;
+    PlaneRange tier;
+    std::uint32_t tier_begin;
+    std::atomic<std::uint32_t>& reaching_in;  ///< where the next record goes that begins below the tier
 
-    /// Where the next record goes that begins at the first of these planes.
+    bool takes(PlaneRange cut) const noexcept { return cut.first < tier.end && cut.end > tier.first; }
+    /// Where the next record goes that these planes cut. Precondition: takes(cut).
     std::uint32_t take_place(PlaneRange cut) noexcept {
-        const std::uint32_t at = next[cut.first]++;
-        if (cut.end > reach_end[cut.first]) {
-            reaching.add({at, cut.first, cut.end});
+        const PlaneIndex end = std::min(cut.end, tier.end);
+        if (cut.first < tier.first) {
+            const std::uint32_t at = reaching_in.fetch_add(1, std::memory_order_relaxed);
+            reaching.add({at, tier.first - 1, end});
+            return at;
+        }
+        const std::uint32_t at = next[cut.first]++ - tier_begin;
+        if (end > reach_end[cut.first]) {
+            reaching.add({at, cut.first, end});
         }
         return at;
     }
@@ -186,6 +198,10 @@ struct ShareRecords {
         std::size_t count = 0;
         for (std::uint64_t left = crossed; left != 0; left &= left - 1) {
             const PlaneRange cut = read(begin + static_cast<std::size_t>(std::countr_zero(left))).planes();
+            if (!takes(cut)) {
+                crossed &= ~(left & (0 - left));
+                continue;
+            }
             const std::uint32_t at = take_place(cut);
             prefetch_to_write(records + at);
             places[count++] = {at, cut.first, cut.end};
@@ -203,21 +219,30 @@ struct ShareRecords {
 };
 
 /// The second read, see TriangleSource::scatter(): scatter_block(begin, crossed, records) writes the records of a block's
-/// triangles with a bit in `crossed`.
+/// triangles with a bit in `crossed` that the tier takes.
 template <class ScatterBlock>
-std::size_t scatter_blocks(const ThreadShares& shares, const Parallel& parallel, Buckets& buckets,
+std::size_t scatter_blocks(const ThreadShares& shares, const Parallel& parallel, Buckets& buckets, PlaneRange tier,
                            std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching, bool origins,
                            ScatterBlock scatter_block) {
     const std::size_t planes = reach_end.size() - 1;
-    buckets.records.resize_discarding(buckets.list_begin[planes]);
+    buckets.tier_begin = buckets.list_begin[tier.first];
+    std::atomic<std::uint32_t> reaching_in = buckets.list_of(tier.end);
+    buckets.records.resize_discarding(reaching_in + (tier.first > 0 ? buckets.reaching_into(tier.first) : 0));
     buckets.lowest_corners.resize_discarding(origins ? buckets.records.size() : 0);
     std::atomic<std::size_t> reaching_count = 0;
     parallel.run(shares.count, [&](std::size_t share, int) {
-        ShareRecords records{buckets.records.data(), counters_of(buckets, share, planes, 0),
-                             origins ? buckets.lowest_corners.data() : nullptr, reach_end.data(),
-                             ReachingWriter(reaching, reaching_count)};
+        ShareRecords records{buckets.records.data(),
+                             counters_of(buckets, share, planes, 0),
+                             origins ? buckets.lowest_corners.data() : nullptr,
+                             reach_end.data(),
+                             ReachingWriter(reaching, reaching_count),
+                             tier,
+                             buckets.tier_begin,
+                             reaching_in};
         shares.for_each_block(share, parallel, [&](std::size_t begin, std::size_t) {
-            scatter_block(begin, buckets.crossed_mask[begin / block_triangles], records);
+            if (const CrossedBlock& block = buckets.crossed[begin / block_triangles]; block.meets(tier)) {
+                scatter_block(begin, block.mask, records);
+            }
         });
         records.reaching.flush();
     });

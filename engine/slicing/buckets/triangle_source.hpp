@@ -6,9 +6,11 @@
 //     listed_triangles  records in their lists already: a file, cut in ranges of layers
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <span>
 
 #include "base/dispatch.hpp"
@@ -128,10 +130,14 @@ inline PointOrigin origin_of(const CrossedTriangle& t, std::uint8_t lowest_corne
 // scatter. There are no locks. Only the order within one plane's list depends on threads, and nothing depends on that order.
 //
 // The input is read twice after its bounds are measured. The first read counts; the second writes the triangles that are
-// cut as 48-byte records in plane order:
+// cut as 48-byte records in plane order. Records of a large mesh are written and swept tier by tier, so that a third of them
+// are in memory at once; those that reach into a tier from below come last:
 //
 //     planes         0        1      2  ...
 //     records     [ t7 t2 | t9 t4 | t1 | ...     list_begin = 0, 2, 4, 5, ...
+//
+//     tier        [ 0 ... 9 ]  [ 10 ... 19 ]  [ 20 ... 31 ]
+//     records     [ 4 MB    ]  [ 4 MB    | reaching in ]      list_of(10) = 0
 
 /// A vertex on the grid, and the first plane above it.
 struct PlacedVertex {
@@ -140,29 +146,43 @@ struct PlacedVertex {
 };
 static_assert(sizeof(PlacedVertex) == 16, "compared as one vector");
 
+/// What the first read keeps of 64 triangles.
+struct CrossedBlock {
+    std::uint64_t mask = 0;                                        ///< bit t: planes cut triangle t
+    PlaneRange planes{std::numeric_limits<PlaneIndex>::max(), 0};  ///< that cut any
+
+    void add(PlaneIndex first, PlaneIndex end) noexcept {
+        planes = {std::min(planes.first, first), std::max(planes.end, end)};
+    }
+    bool meets(PlaneRange tier) const noexcept { return planes.first < tier.end && planes.end > tier.first; }
+};
+
 struct Buckets {
     explicit Buckets(const Memory* memory) : memory(memory) {}
 
-    /// Gives back what the last call did not need. Throws std::bad_alloc.
-    void trim() {
-        fit(records, lowest_corners, list_begin, segments, crossed_mask, counters, blocks.blocks, used, vertices, touched);
-    }
-
     const Memory* memory;
-    Array<CrossedTriangle> records{memory};      ///< by first plane
+    Array<CrossedTriangle> records{memory};      ///< of a tier, by first plane
     Array<std::uint8_t> lowest_corners{memory};  ///< corner of each record that is its lowest, where origins are asked for
-    Array<std::uint32_t> list_begin{memory};     ///< k + 1: where each plane's list begins in `records`
+    Array<std::uint32_t> list_begin{memory};     ///< k + 1: where each plane's list begins, were all records in memory
+    std::uint32_t tier_begin = 0;                ///< the same of the tier
     Array<std::uint32_t> segments{memory};       ///< k: triangles that each plane cuts
     std::uint64_t segment_count = 0;             ///< m
     std::uint64_t degenerate = 0;
 
+    /// Where the list of a plane of the tier, or of the one after it, begins in `records`.
+    std::uint32_t list_of(PlaneIndex plane) const noexcept { return list_begin[plane] - tier_begin; }
+    /// The triangles that the plane cuts and that entered below it.
+    std::uint32_t reaching_into(PlaneIndex plane) const noexcept {
+        return segments[plane] - (list_begin[plane + 1] - list_begin[plane]);
+    }
+
     // Scratch of sources:
-    Array<std::uint64_t> crossed_mask{memory};  // a bit a triangle, so that the second read skips what is not cut
-    Array<std::uint32_t> counters{memory};      // per thread and plane
-    BlockTable blocks{memory};                  // of soups
-    Array<std::uint8_t> used{memory};      // of indexed meshes: 1 where a triangle has the vertex; empty: all can be placed
-    Array<PlacedVertex> vertices{memory};  // of indexed meshes: those that can be placed
-    Array<std::uint32_t> touched{memory};  // of prepared meshes: blocks that planes pass through
+    Array<CrossedBlock> crossed{memory};    // so that the second read skips what is not cut; empty: is not read again
+    Array<std::uint32_t> counters{memory};  // per thread and plane
+    BlockTable blocks{memory};              // of soups
+    Array<std::uint8_t> used{memory};       // of indexed meshes: 1 where a triangle has the vertex; empty: all can be placed
+    Array<PlacedVertex> vertices{memory};   // of indexed meshes: those that can be placed
+    Array<std::uint32_t> touched{memory};   // of prepared meshes: blocks that planes pass through
 };
 
 /// A record whose triangle reaches beyond the planes that its first plane is swept with.
@@ -205,10 +225,12 @@ public:
     /// First read: degenerate triangles, the size of every list, and m, before anything of that size is allocated. May be
     /// called again after the planes were.
     virtual void count(double unit_mm) = 0;
-    /// Second read: the records, and, in no order, those of them whose triangles are cut by planes from reach_end[first
-    /// plane] on too: into `reaching`, which must have room for all; returns how many they are. `reach_end` has k + 1
-    /// numbers. Where `origins` are asked for, Buckets::lowest_corners too.
-    virtual std::size_t scatter(std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching, bool origins) = 0;
+    /// Second read: the records of triangles that planes of the tier cut, and, in no order, those of them that are cut by
+    /// planes from reach_end[first plane] on too, or reach into the tier from below: into `reaching`, which must have room
+    /// for all; returns how many they are. `reach_end` has k + 1 numbers. Where `origins` are asked for,
+    /// Buckets::lowest_corners too.
+    virtual std::size_t scatter(PlaneRange tier, std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching,
+                                bool origins) = 0;
     /// All bands are swept: what was lent goes back.
     virtual void give_back() noexcept {}
 

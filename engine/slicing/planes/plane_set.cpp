@@ -278,11 +278,6 @@ void PlaneSet::fill_from_heights() {
     padded_[count_ + 1] = above_all;
 }
 
-void PlaneSet::trim() {
-    count_ = 0;
-    fit(padded_, heights_mm_, plane_of_listed_, listed_order_, table_.first);
-}
-
 void PlaneSet::make_table() {
     if (count_ == 0) {
         first_z_ = last_guess_ = 0;

@@ -106,9 +106,6 @@ public:
     /// The planes of a result, with their heights on the grid only. Precondition: they ascend. O(k).
     void build(const Array<Layer>& layers);
 
-    /// Gives back what the last planes did not need; there are none then. Throws std::bad_alloc.
-    void trim();
-
 private:
     // These throw Refused:
     void build_uniform(const SliceOptions& options, const Bounds& bounds, std::uint64_t memory_limit);

@@ -12,7 +12,7 @@ namespace lamella {
 
 namespace {
 
-constexpr std::size_t item_work = 4;  ///< as StopPace counts it
+constexpr std::size_t path_work = 4;  ///< as StopPace counts it
 
 bool unites_inverted(FillRule rule) noexcept {
     return rule == FillRule::non_zero || rule == FillRule::outermost;
@@ -54,7 +54,7 @@ void Fill::merge_equal_ones() {
     firsts_.clear();
     times_.clear();
     for (std::uint32_t c = 0; c < contours_.size(); ++c) {
-        worker_.spend(item_work);
+        worker_.spend(path_work);
         const NestItem& item = contours_[c].item;
         if (c > 0 && compare_points(contours_[c - 1].item, item) == 0) {
             ++times_.back();
@@ -87,7 +87,7 @@ void Fill::list_pieces() {
     face_points_.clear();
     face_ends_.clear();
     for (std::uint32_t c = 0; c < items_.size(); ++c) {
-        worker_.spend(item_work);
+        worker_.spend(path_work);
         if (!contacts_.meets(c)) {
             numbers_.push_back(c);
         }
@@ -148,7 +148,7 @@ void Fill::find_windings(FillRule rule) {
 
 /// Returns the winding number just inside the contour.
 std::int64_t Fill::keep_or_drop(std::uint32_t piece, std::int64_t around, FillRule rule) {
-    worker_.spend(item_work);
+    worker_.spend(path_work);
     const std::uint32_t number = numbers_[piece];
     const NestItem& item = pieces_[piece];
     const std::int64_t inside = around + item.orientation * times_[number];

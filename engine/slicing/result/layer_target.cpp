@@ -99,6 +99,7 @@ void PlacedTarget::begin_placing(const OutputPlan& plan, std::span<Point> points
 }
 
 void PlacedTarget::make_room(std::size_t band, BandOutput& output, std::unique_lock<std::mutex>& lock) {
+    swap_lists(band, output);  // those that the last call has left there are likely as long
     const PointStretch room = in_flight_[band].room = find_room(band);
     const std::uint64_t size = room.end - room.begin;
     if (size > 0) {
@@ -107,6 +108,13 @@ void PlacedTarget::make_room(std::size_t band, BandOutput& output, std::unique_l
     }
     lock.unlock();
     output.begin_in_buffer(plan_->bands[band].segments);
+}
+
+void PlacedTarget::swap_lists(std::size_t band, BandOutput& output) const noexcept {
+    PlacedBand& placed = (*placed_)[band];
+    placed.contours.swap(output.contours);
+    placed.layer_contours.swap(output.layer_contours);
+    placed.stitches.swap(output.stitches);
 }
 
 /// Where the band's points will lie if each unfinished band before it has a point for each segment. None if the points of
@@ -175,9 +183,7 @@ void PlacedTarget::place_head() {
     BandOutput& output = *head.output;
     placed.first_point = all_.points;
     placed.first_contour = all_.contours;
-    placed.contours.swap(output.contours);
-    placed.layer_contours.swap(output.layer_contours);
-    placed.stitches.swap(output.stitches);
+    swap_lists(head_, output);
     if (head.room.end > 0 && head.room.begin != all_.points) {
         assert(head.room.begin > all_.points);
         const std::size_t count = output.point_count;

@@ -48,11 +48,6 @@ struct BandInFlight {
 struct OutputScratch {
     explicit OutputScratch(const Memory* from) noexcept : memory(from) {}
 
-    void trim() noexcept {
-        placed.clear();
-        outputs.clear();
-    }
-
     const Memory* memory;
     std::vector<std::unique_ptr<BandOutput>> outputs{};
     std::vector<BandOutput*> idle{};  ///< of outputs
@@ -199,6 +194,7 @@ private:
     void make_room(std::size_t band, BandOutput& output, std::unique_lock<std::mutex>& lock) override;
     PointStretch find_room(std::size_t band) const noexcept;
     bool clear_rooms(std::uint64_t end);
+    void swap_lists(std::size_t band, BandOutput& output) const noexcept;
     void place_head();
     bool copy_points(std::size_t band) const;
     void write_band(std::size_t band, std::span<Layer> layers, std::span<Contour> contours) const;

@@ -41,7 +41,7 @@ void BandSweep::run(const Band& band, std::span<const std::uint32_t> seeds, cons
         if (form == ContourForm::assembled) {
             enter_active(plane, seeds_here);
         } else {
-            take_events(plane, seeds_here, buckets.list_begin[plane]);
+            take_events(plane, seeds_here, buckets.list_of(plane));
         }
         link_events(plane);
         graph_.walk();
@@ -142,7 +142,7 @@ private:
 /// Edges that end leave, middle vertices are passed, seeds enter, and triangles of the plane's list from `list_begin` on.
 void BandSweep::take_events(PlaneIndex plane, std::span<const std::uint32_t> seeds, std::uint32_t list_begin) {
     graph_.release_ended(plane);
-    const std::uint32_t list_end = buckets_->list_begin[plane + 1];
+    const std::uint32_t list_end = buckets_->list_of(plane + 1);
     const std::span<const Pending> passing = take_passing(plane);
     const std::size_t entering = seeds.size() + list_end - list_begin;
     link_count_ = 0;
@@ -202,10 +202,10 @@ void BandSweep::enter_active(PlaneIndex plane, std::span<const std::uint32_t> se
         worker_.spend(1);
         return buckets_->records[record].last <= plane;
     });
-    const std::uint32_t list_end = buckets_->list_begin[plane + 1];
-    reserve_more(active_, active_.size() + seeds.size() + (list_end - buckets_->list_begin[plane]));
+    const std::uint32_t list_end = buckets_->list_of(plane + 1);
+    reserve_more(active_, active_.size() + seeds.size() + (list_end - buckets_->list_of(plane)));
     active_.insert(active_.end(), seeds.begin(), seeds.end());
-    for (std::uint32_t record = buckets_->list_begin[plane]; record < list_end; ++record) {
+    for (std::uint32_t record = buckets_->list_of(plane); record < list_end; ++record) {
         active_.push_back(record);
         worker_.spend(1);
     }

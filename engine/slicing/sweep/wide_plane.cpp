@@ -90,8 +90,8 @@ bool WidePlane::build(PlaneIndex plane, std::span<const std::uint32_t> seeds, co
     plane_ = plane;
     seeds_ = seeds;
     buckets_ = &buckets;
-    list_begin_ = buckets.list_begin[plane];
-    count_ = static_cast<std::uint32_t>(seeds.size()) + buckets.list_begin[plane + 1] - list_begin_;
+    list_begin_ = buckets.list_of(plane);
+    count_ = static_cast<std::uint32_t>(seeds.size()) + buckets.list_of(plane + 1) - list_begin_;
     if (!link()) {
         return false;
     }

@@ -109,7 +109,7 @@ LAMELLA_AVX2 __m256i gather_four(const Point* points, const std::uint32_t* slots
 }
 
 /// The first point with the given x, from `from` on, or count.
-LAMELLA_AVX2 std::size_t find_x(const Point* ring, std::size_t from, std::size_t count, std::int32_t x) {
+LAMELLA_AVX2 std::size_t find_x_avx2(const Point* ring, std::size_t from, std::size_t count, std::int32_t x) {
     const __m256i wanted = _mm256_set1_epi64x(static_cast<std::uint32_t>(x));
     for (; from + 4 <= count; from += 4) {
         const __m256i same = _mm256_cmpeq_epi32(load_points(ring + from), wanted);
@@ -123,7 +123,8 @@ LAMELLA_AVX2 std::size_t find_x(const Point* ring, std::size_t from, std::size_t
     return from;
 }
 
-LAMELLA_AVX2 void find_smallest(const Point* ring, std::size_t count, RingFacts& facts) {
+template <class FindX>
+void find_smallest(const Point* ring, std::size_t count, RingFacts& facts, const FindX& find_x) {
     const std::int32_t x = facts.box.low.x;
     facts.smallest = find_x(ring, 0, count, x);
     for (std::size_t i = find_x(ring, facts.smallest + 1, count, x); i < count; i = find_x(ring, i + 1, count, x)) {
@@ -173,7 +174,7 @@ LAMELLA_AVX2 RingFacts trace_avx2(const Point* points, const std::uint32_t* slot
     finish_facts(facts, low, high, low_sum, high_sum);
     facts.twice_area -= Int128{whole} << 63;
     add_rest(points, slots, whole, count, ring, facts);
-    find_smallest(ring, count, facts);
+    find_smallest(ring, count, facts, find_x_avx2);
     return fits_halves(facts) ? facts : trace_portable(points, slots, count, ring);
 }
 
@@ -234,6 +235,18 @@ LAMELLA_AVX512 __m256i upper_half(__m512i v) {
     return _mm512_maskz_extracti64x4_epi64(0xF, v, 1);
 }
 
+/// As find_x_avx2(), eight points a step.
+LAMELLA_AVX512 std::size_t find_x_avx512(const Point* ring, std::size_t from, std::size_t count, std::int32_t x) {
+    const __m512i wanted = _mm512_set1_epi64(static_cast<std::uint32_t>(x));
+    for (; from + 8 <= count; from += 8) {
+        const unsigned bits = _mm512_mask_cmpeq_epi32_mask(0x5555, _mm512_loadu_si512(ring + from), wanted);  // the x halves
+        if (bits != 0) {
+            return from + static_cast<std::size_t>(std::countr_zero(bits)) / 2;
+        }
+    }
+    return find_x_avx2(ring, from, count, x);
+}
+
 /// Eight points a step. Neighbours come from shifting the vectors before and after into this one, not from loading them
 /// back from the ring, which would wait for the stores; x lies in the low half of each 64-bit lane and y in the high one:
 ///
@@ -274,7 +287,7 @@ LAMELLA_AVX512 RingFacts trace_avx512(const Point* points, const std::uint32_t* 
                  _mm256_max_epi32(lower_half(high), upper_half(high)),
                  _mm256_add_epi64(lower_half(low_sum), upper_half(low_sum)),
                  _mm256_add_epi64(lower_half(high_sum), upper_half(high_sum)));
-    find_smallest(ring, count, facts);
+    find_smallest(ring, count, facts, find_x_avx512);
     return fits_halves(facts) ? facts : trace_portable(points, slots, count, ring);
 }
 
@@ -283,15 +296,18 @@ LAMELLA_AVX512 std::size_t select_equal_avx512(const std::uint32_t* values, std:
     const __m512i wanted = _mm512_set1_epi32(static_cast<int>(value));
     __m512i index = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
     std::size_t found = 0;
-    for (std::size_t i = 0; i < count; i += 16) {
-        const std::size_t left = count - i;
-        const auto lanes = static_cast<__mmask16>(left >= 16 ? 0xFFFF : (1U << left) - 1);
-        const __mmask16 same = _mm512_mask_cmpeq_epi32_mask(lanes, _mm512_maskz_loadu_epi32(lanes, values + i), wanted);
+    const auto take = [&](__mmask16 same) LAMELLA_AVX512 {
         // No branch on whether there is one: it would often be mispredicted.
         _mm512_storeu_si512(indices + found, _mm512_maskz_compress_epi32(same, index));
         found += static_cast<std::size_t>(std::popcount(same));
         index = _mm512_add_epi32(index, _mm512_set1_epi32(16));
+    };
+    std::size_t i = 0;
+    for (; i + 16 <= count; i += 16) {
+        take(_mm512_cmpeq_epi32_mask(_mm512_loadu_si512(values + i), wanted));
     }
+    const auto rest = static_cast<__mmask16>((1U << (count - i)) - 1);
+    take(_mm512_mask_cmpeq_epi32_mask(rest, _mm512_maskz_loadu_epi32(rest, values + i), wanted));
     return found;
 }
 

@@ -4,6 +4,7 @@
 #include <functional>
 #include <utility>
 
+#include "base/system/machine.hpp"
 #include "lamella/array.hpp"
 
 namespace lamella {
@@ -23,7 +24,7 @@ constexpr std::size_t in_lines(std::size_t bytes) noexcept {
 }  // namespace
 
 bool ScratchMemory::may_share(std::size_t bytes) const noexcept {
-    return host_ == nullptr && bytes < chunk_bytes / 8;
+    return host_ == nullptr && bytes < chunk_bytes / 8 && !is_watched;
 }
 
 ScratchMemory::~ScratchMemory() {

@@ -160,7 +160,7 @@ TEST_CASE("small blocks of scratch share pages, serve again and are given back",
         for (std::size_t t = 0; t < threads; ++t) {
             pool.emplace_back([&scratch, &own = taken[t], t] {
                 std::mt19937_64 random(t);
-                for (int i = 0; i < 3000; ++i) {
+                for (int i = 0; i < 600; ++i) {
                     const std::size_t bytes = std::size_t{1} << random() % 18;
                     own.push_back({static_cast<std::byte*>(scratch.allocate(bytes, 64)), bytes});
                     std::memset(own.back().begin, static_cast<int>(own.size() % 251), bytes);

@@ -125,14 +125,14 @@ void cut_bands(std::uint64_t most_band_segments, const SliceCall& call, SliceInf
                    most_band_segments);
     info.crossed = kept.buckets.list_begin[kept.planes.size()];
     info.bands = kept.bands.bands.size();
+    if (kept.bands.tiers.size() > 1) {  // room for any, rather than to grow
+        kept.buckets.records.resize_discarding(kept.bands.most_records());
+    }
 }
 
 void scatter(TriangleSource& source, const Tier& tier, const SliceCall& call) {
     detail::SlicerImpl& kept = call.kept;
     BandPlan& bands = kept.bands;
-    if (bands.tiers.size() > 1) {  // room for any, rather than to grow
-        kept.buckets.records.resize_discarding(bands.most_records());
-    }
     const std::size_t reaching = source.scatter(tier.planes, bands.band_end, bands.reaching.span(), call.options.origins);
     bands.find_seeds(kept.planes.size(), reaching, kept.parallel->stop());
 }

@@ -92,11 +92,14 @@ void BandPlan::cut_tiers(const Buckets& buckets, PlaneIndex planes, bool asked) 
         }
     }
     tiers.push_back(tier_of(first, planes));
+    if (tiers.size() == 1) {
+        return;
+    }
     std::size_t reads = 0;
     for (const Tier& tier : tiers) {
-        reads +=
-            static_cast<std::size_t>(std::count_if(buckets.crossed.begin(), buckets.crossed.end(),
-                                                   [&](const CrossedBlock& block) { return block.meets(tier.planes); }));
+        reads += static_cast<std::size_t>(
+            std::count_if(buckets.crossed.begin(), buckets.crossed.end(),
+                          [&](const CrossedBlock& block) { return block.planes.meets(tier.planes); }));
     }
     const bool is_read_again = !is_small && 10 * reads > 13 * buckets.crossed.size();
     if (buckets.crossed.empty() || is_read_again) {
@@ -104,8 +107,8 @@ void BandPlan::cut_tiers(const Buckets& buckets, PlaneIndex planes, bool asked) 
     }
 }
 
-/// Bands of `most_planes` planes, or by their work where that is 0. They become smaller towards the end of a tier, where
-/// threads wait for the last one.
+/// Bands of `most_planes` planes, or by their work where that is 0. Of several tiers, in each of which threads wait for the
+/// last band, they become smaller towards the end.
 void BandPlan::cut_once(const Buckets& buckets, PlaneIndex planes, std::uint64_t most_planes, int threads,
                         std::uint64_t most_segments) {
     bands.clear();

@@ -42,7 +42,7 @@ void scatter_each(const Reader& read, const PlaneSet& planes, std::size_t begin,
         record.middle_and_source |= planes.first_above(record.middle.z);
         record.last = planes.first_above(record.upper.z);
         const PlaneRange cut{planes.first_above(record.lower.z), record.last};
-        if (!to.takes(cut)) {
+        if (!cut.meets(to.tier)) {
             continue;
         }
         const std::uint32_t at = to.take_place(cut);

@@ -174,8 +174,7 @@ struct ShareRecords {
     std::uint32_t tier_begin;
     std::atomic<std::uint32_t>& reaching_in;  ///< where the next record goes that begins below the tier
 
-    bool takes(PlaneRange cut) const noexcept { return cut.first < tier.end && cut.end > tier.first; }
-    /// Where the next record goes that these planes cut. Precondition: takes(cut).
+    /// Where the next record goes that these planes cut, which meet the tier.
     std::uint32_t take_place(PlaneRange cut) noexcept {
         const PlaneIndex end = std::min(cut.end, tier.end);
         if (cut.first < tier.first) {
@@ -198,7 +197,7 @@ struct ShareRecords {
         std::size_t count = 0;
         for (std::uint64_t left = crossed; left != 0; left &= left - 1) {
             const PlaneRange cut = read(begin + static_cast<std::size_t>(std::countr_zero(left))).planes();
-            if (!takes(cut)) {
+            if (!cut.meets(tier)) {
                 crossed &= ~(left & (0 - left));
                 continue;
             }
@@ -240,7 +239,7 @@ std::size_t scatter_blocks(const ThreadShares& shares, const Parallel& parallel,
                              buckets.tier_begin,
                              reaching_in};
         shares.for_each_block(share, parallel, [&](std::size_t begin, std::size_t) {
-            if (const CrossedBlock& block = buckets.crossed[begin / block_triangles]; block.meets(tier)) {
+            if (const CrossedBlock& block = buckets.crossed[begin / block_triangles]; block.planes.meets(tier)) {
                 scatter_block(begin, block.mask, records);
             }
         });

@@ -154,7 +154,6 @@ struct CrossedBlock {
     void add(PlaneIndex first, PlaneIndex end) noexcept {
         planes = {std::min(planes.first, first), std::max(planes.end, end)};
     }
-    bool meets(PlaneRange tier) const noexcept { return planes.first < tier.end && planes.end > tier.first; }
 };
 
 struct Buckets {

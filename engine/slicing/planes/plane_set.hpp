@@ -49,6 +49,7 @@ struct PlaneRange {
     PlaneIndex end;
 
     PlaneIndex size() const noexcept { return end - first; }
+    bool meets(PlaneRange other) const noexcept { return first < other.end && end > other.first; }
 };
 
 /// k planes, ascending. Immutable once made, shared by all threads.

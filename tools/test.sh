@@ -22,7 +22,9 @@ configure() {
     [[ -e "$folder/CMakeCache.txt" ]] || extra=(-G Ninja)
     if command -v ccache > /dev/null; then
         extra+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
-        export CCACHE_BASEDIR=$PWD CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
+        # Asked by what it includes: what a precompiled header was made from must be the same byte by byte, comments too.
+        export CCACHE_DEPEND=1 CCACHE_BASEDIR=$PWD
+        export CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
     fi
     cmake -S . -B "$folder" "${extra[@]}" "$@" > /dev/null
 }

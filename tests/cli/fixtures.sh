@@ -103,7 +103,7 @@ no_meshes() {
     with_float ball.stl 0x7fc00000 > nan.stl
     with_float ball.stl 0xff800000 > infinite.stl
     with_float ball.stl 0x7f6fffff > far_away.stl
-    printf 'solid a\n%s\n' "$(facet $'vertex 0 0 0\nvertex 1 0 0\n')" | head -c 60 > cut.stl
+    head -c 60 <<< $'solid a\n'"$(facet $'vertex 0 0 0\nvertex 1 0 0\n')" > cut.stl
 }
 
 # Images and archives; where this build has no archives, what is said of them is not tested.

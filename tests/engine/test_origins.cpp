@@ -1,7 +1,6 @@
 // Where contour edges come from, compared with each triangle cut by itself: as the mesh gives them, and as the edges of
 // regions and parts.
 #include <compare>
-#include <functional>
 
 #include "engine/slicing.hpp"
 #include "golden/inputs.hpp"

@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <iterator>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 

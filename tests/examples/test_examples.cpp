@@ -1,5 +1,4 @@
 // The examples of headers and pages, run. What they print is kept in printed.txt, which LAMELLA_UPDATE_GOLDEN=1 writes anew.
-#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>

@@ -1,6 +1,5 @@
 // Orientation and nesting of one layer, compared with a brute-force oracle; and its parts: sorting by keys, points within
 // contours.
-#include <iterator>
 #include <tuple>
 
 #include <catch2/catch.hpp>

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstring>
 #include <new>
-#include <string>
 
 #include "io/write/output_file.hpp"
 #include "models/models.hpp"

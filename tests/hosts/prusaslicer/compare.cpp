@@ -6,7 +6,6 @@
 // PARTS_FOLDER holds the host's test meshes (.obj); ORGANS_FOLDER liver.stl, femur.stl and brain.stl.
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <libslic3r/Format/OBJ.hpp>

@@ -11,7 +11,6 @@
 #include <libslic3r/ExPolygon.hpp>
 #include <libslic3r/Polygon.hpp>
 #include <span>
-#include <utility>
 #include <vector>
 
 namespace Slic3r::lamella_adapter {

@@ -3,10 +3,8 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <limits>
 #include <memory>
-#include <string_view>
 #include <utility>
 
 #include "base/system/machine.hpp"

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
-#include <iterator>
 #include <string_view>
 #include <system_error>
 #include <tuple>

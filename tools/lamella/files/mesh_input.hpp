@@ -10,7 +10,6 @@
 #include <string_view>
 #include <system_error>
 #include <unordered_map>
-#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>

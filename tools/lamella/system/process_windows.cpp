@@ -1,5 +1,4 @@
 #include <array>
-#include <atomic>
 #include <bit>
 #include <filesystem>
 #include <mutex>

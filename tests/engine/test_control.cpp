@@ -1,7 +1,6 @@
 // The promises of context.hpp: threads, memory, stop, progress, and a host's own threads, whatever they do within what is
 // asked of them.
 #include <chrono>
-#include <mutex>
 #include <thread>
 
 #include "base/parallel.hpp"
@@ -190,19 +189,6 @@ TEST_CASE("the number of threads may differ from the executor's", "[engine][exec
     };
     CHECK(answers({.threads = 5, .executor = pool, .executor_threads = GENERATE(-1, 0, 1, 2, 64)}) == expected());
     CHECK(most == 5);
-}
-
-TEST_CASE("a call may be made from within a task of another one's executor", "[engine][executor][threads]") {
-    std::atomic<int> nested = 0;
-    std::vector<std::uint64_t> inner;
-    const auto pool = [&](int, const Body& body) noexcept {
-        if (nested++ == 0) {
-            inner = answers({});
-        }
-        body();
-    };
-    CHECK(answers({.executor = pool, .executor_threads = 2}) == expected());
-    CHECK(inner == expected());
 }
 
 }  // namespace

@@ -22,9 +22,8 @@ using Outcomes = std::vector<Outcome>;
 
 /// Slices at mid-height solids that extend from z = 0 to 10.
 SliceResult filled(const shapes::Soup& soup, FillRule rule) {
-    SliceOptions options = at_heights({5});
-    options.region.fill_rule = rule;
-    SliceResult result = sliced(soup, options);
+    SliceResult result =
+        sliced(soup, {.heights_mm = {{5}}, .frame = {.grid_mm = coarse_unit_mm}, .region = {.fill_rule = rule}});
     CHECK(result.info.options.region.fill_rule == rule);
     return result;
 }
@@ -200,15 +199,13 @@ TEST_CASE("fill rules fill places by their winding number, though contours cross
 }
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 constexpr double reach_mm = grid_limit * coarse_unit_mm;
 
 /// The message with which slicing a cube on a grid of 0.5 mm is refused; empty where it is not.
 std::string refusal_of(RegionRules rules) {
     const shapes::Soup cube = shapes::box({0, 0, 0}, {10, 10, 10});
-    SliceOptions options = at_heights({5});
-    options.region = std::move(rules);
-    const auto result = slice(view_of(cube), options);
+    const auto result =
+        slice(view_of(cube), {.heights_mm = {{5}}, .frame = {.grid_mm = coarse_unit_mm}, .region = std::move(rules)});
     return result ? std::string() : error_of(result).message;
 }
 
@@ -219,10 +216,6 @@ RegionRules by(double RegionRules::*length, double mm, double miter_limit = 3) {
     return rules;
 }
 
-RegionRules from(FillRule rule, std::vector<FillFrom> later) {
-    return {.fill_rule = rule, .fill_from = std::move(later)};
-}
-
 TEST_CASE("rules of regions that cannot be kept are refused with what is possible", "[engine][regions]") {
     constexpr double RegionRules::*closing = &RegionRules::closing_mm;
     constexpr double RegionRules::*offset = &RegionRules::offset_mm;
@@ -230,29 +223,24 @@ TEST_CASE("rules of regions that cannot be kept are refused with what is possibl
     constexpr FillRule none = FillRule::contours;
     std::vector<std::pair<RegionRules, std::string>> cases = {
         // a part of the message; empty where the rules are taken
-        {by(closing, -1), "not -1"},
+        {by(closing, -1), "closing_mm must be finite and at least 0, not -1"},
+        {by(offset, infinity), "offset_mm must be finite, not inf"},
+        {by(offset, 0, 0.999), "miter_limit must be finite and at least 1, not 0.999"},
         {by(offset, -1), ""},
         {by(offset, 0, 1), ""},
         {by(offset, -0.25), "offset of -0.25 mm is under"},
         {by(offset, -reach_mm), "is beyond the grid"},
         {by(&RegionRules::simplify_mm, 0.25), "the tolerance of simplification"},
-        {from(FillRule::positive, {{7, FillRule::positive}, {3, FillRule::even_odd}}),
+        {{.fill_rule = FillRule::positive, .fill_from = {{7, FillRule::positive}, {3, FillRule::even_odd}}},
          "fill rules by layer must be in ascending order: one from layer 7 on stands before one from layer 3 on"},
-        {from(FillRule::positive, {{4, FillRule::positive}, {4, FillRule::even_odd}}),
+        {{.fill_rule = FillRule::positive, .fill_from = {{4, FillRule::positive}, {4, FillRule::even_odd}}},
          "from layer 4 on stands before one from layer 4 on"},
-        {from(FillRule::positive, {{3, FillRule::positive}, {7, FillRule::even_odd}}), ""},
-        {from(static_cast<FillRule>(5), {}), "fill_rule is none of its choices"},
-        {from(FillRule::positive, {{1, static_cast<FillRule>(200)}}), "fill_from has a rule that is none of its choices"},
+        {{.fill_rule = FillRule::positive, .fill_from = {{3, FillRule::positive}, {7, FillRule::even_odd}}}, ""},
+        {{.fill_rule = static_cast<FillRule>(5)}, "fill_rule is none of its choices"},
+        {{.fill_rule = FillRule::positive, .fill_from = {{1, static_cast<FillRule>(200)}}},
+         "fill_from has a rule that is none of its choices"},
         {{.fill_rule = none, .flag_closing_mm = 1}, ""},  // a mark needs no region
     };
-    for (const double bad : {-1.0, -infinity, infinity, not_a_number}) {
-        cases.push_back({by(closing, bad), "closing_mm must be finite and at least 0, not"});
-        cases.push_back({by(flag, bad), "flag_closing_mm must be finite and at least 0, not"});
-        cases.push_back({by(&RegionRules::simplify_mm, bad), "simplify_mm must be finite and at least 0, not"});
-        cases.push_back({by(offset, bad), std::abs(bad) == 1 ? "" : "offset_mm must be finite, not"});
-        cases.push_back({by(offset, 0, bad), "miter_limit must be finite and at least 1, not"});
-        cases.push_back({by(offset, 0, bad == -1 ? 0.999 : 0), "miter_limit must be finite and at least 1, not"});
-    }
     for (double RegionRules::*const length : {closing, offset, flag}) {
         cases.push_back({by(length, std::nextafter(reach_mm, infinity), 1), "is beyond the grid"});
         cases.push_back({by(length, std::nextafter(reach_mm, infinity), 1), "it is at most 536870912 mm"});
@@ -284,7 +272,7 @@ TEST_CASE("rules of regions that cannot be kept are refused with what is possibl
         const auto region = region_of(square, rules, coarse_unit_mm);  // a caller's contours are held to the same rules
         CHECK((region ? std::string() : region.error().message) == refusal);
     }
-    for (const double bad : {0.0, -1.0, infinity, not_a_number}) {
+    for (const double bad : {0.0, -1.0, infinity, std::nan("")}) {
         CHECK_THAT(error_of(region_of(square, by(offset, 0), bad)).message,
                    Catch::StartsWith("the grid unit must be finite and above 0, not"));
     }

@@ -153,10 +153,8 @@ Soup cracked_tube() {
                    wall({1000, 1000}, {0, 1000}), wall({0, 1000}, {0, 0})});
 }
 
-SliceOptions by_mesh() {
-    SliceOptions options = at_heights({3, 5});
-    options.stitch_mm = stitch_by_mesh;
-    return options;
+SliceOptions stitched_by(double stitch_mm = stitch_by_mesh) {
+    return {.heights_mm = {{3, 5}}, .stitch_mm = stitch_mm, .frame = {.grid_mm = coarse_unit_mm}};
 }
 
 TEST_CASE("the gaps that are closed, and their order, are those of a list of all pairs without joints that cross something",
@@ -275,10 +273,10 @@ TEST_CASE("gaps up to the requested length are closed, and each is reported", "[
     };
     for (const auto& [soup, reach_mm, direction, contours, stitches] : cases) {
         INFO("case of " << reach_mm << " mm, any direction " << (direction == any));
-        SliceOptions options = at_heights({5});
-        options.stitch_mm = reach_mm;
-        options.stitch_direction = direction;
-        const SliceResult result = sliced(soup, options);
+        const SliceResult result = sliced(soup, {.heights_mm = {{5}},
+                                                 .stitch_mm = reach_mm,
+                                                 .stitch_direction = direction,
+                                                 .frame = {.grid_mm = coarse_unit_mm}});
         CHECK(contours_at(result, 0) == contours);
         std::ostringstream text;
         for (const auto& [layer, from, to] : result.stitches) {
@@ -290,23 +288,11 @@ TEST_CASE("gaps up to the requested length are closed, and each is reported", "[
     }
 }
 
-TEST_CASE("the mesh's length is a hundredth of its box's diagonal, and closes a crack", "[engine][gaps]") {
-    const Soup tube = cracked_tube();
-    const SliceResult closed = sliced(tube, by_mesh());
-    CHECK(closed.info.options.stitch_mm == std::sqrt(1000.0 * 1000 + 1000 * 1000 + 10 * 10) / 100);
-    CHECK(closed.info.open_contours == 0);
-    REQUIRE(closed.stitches.size() == 2);
-    CHECK(length_mm(closed, closed.stitches[0]) == 10);
-    CHECK(closed[0].area_mm2() == 1e6);
-}
-
 TEST_CASE("a gap with a wall in it stays open by the mesh's length, and not by one that is given", "[engine][gaps]") {
     const Soup tube = joined({cracked_tube(), wall({500, -5}, {500, 5}), wall({500, 5}, {500, -5})});
-    const SliceResult open = sliced(tube, by_mesh());
+    const SliceResult open = sliced(tube, stitched_by());
     CHECK(open.info.open_contours > 0);
-    SliceOptions given = by_mesh();
-    given.stitch_mm = 10;
-    const SliceResult closed = sliced(tube, given);
+    const SliceResult closed = sliced(tube, stitched_by(10));
     CHECK(std::any_of(closed.stitches.begin(), closed.stitches.end(),
                       [&](const Stitch& gap) { return length_mm(closed, gap) == 10; }));
     CHECK(std::none_of(open.stitches.begin(), open.stitches.end(),
@@ -316,23 +302,27 @@ TEST_CASE("a gap with a wall in it stays open by the mesh's length, and not by o
 TEST_CASE("the length that closes what is left is no shorter than what was closed", "[engine][gaps][open_layers]") {
     const Soup walled = joined({wall({0, 2000}, {495, 2000}), wall({501, 2000}, {1000, 2000}), wall({1000, 2000}, {0, 2100}),
                                 wall({0, 2100}, {0, 2000}), wall({498, 1990}, {498, 2010}), wall({498, 2010}, {498, 1990})});
-    const SliceResult result = sliced(joined({cracked_tube(), walled}), by_mesh());
+    const SliceResult result = sliced(joined({cracked_tube(), walled}), stitched_by());
     const auto open = open_of(result);
     CHECK(open.layers == 2);
     CHECK(open.reach_mm == Approx(10));
 }
 
-TEST_CASE("a mesh is stitched by its own box, each of several parts too", "[engine][gaps]") {
+TEST_CASE("the mesh's length is a hundredth of its box's diagonal, and that of each of several parts; it closes a crack",
+          "[engine][gaps]") {
     const Soup tube = cracked_tube();
-    const SliceResult whole = sliced(tube, by_mesh());
-    CHECK(whole.stitches.size() == 2);
-    Transform far;
-    far.m[3] = 5000;
+    const SliceResult whole = sliced(tube, stitched_by());
+    CHECK(whole.info.options.stitch_mm == std::sqrt(1000.0 * 1000 + 1000 * 1000 + 10 * 10) / 100);
+    CHECK(whole.info.open_contours == 0);
+    REQUIRE(whole.stitches.size() == 2);
+    CHECK(length_mm(whole, whole.stitches[0]) == 10);
+    CHECK(whole[0].area_mm2() == 1e6);
+    const Transform far{{1, 0, 0, 5000, 0, 1, 0, 0, 0, 0, 1, 0}};
     const std::vector<Part> parts = {{.mesh = view_of(tube)}, {.mesh = view_of(tube), .placement = far}};
-    const SliceResult together = sliced(parts, by_mesh());
+    const SliceResult together = sliced(parts, stitched_by());
     CHECK(together.info.options.stitch_mm == whole.info.options.stitch_mm);
     CHECK(together.stitches.size() == 4);
-    require_at_every_destination(together, parts, by_mesh());
+    require_at_every_destination(together, parts, stitched_by());
 }
 
 TEST_CASE("open layers: their area is not known, and their share of the height is", "[engine][open_layers]") {

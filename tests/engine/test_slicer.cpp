@@ -128,16 +128,11 @@ TEST_CASE("a slicer says what it holds of the host's memory", "[engine][slicer]"
 
 TEST_CASE("a slicer gives back what the last call did not need", "[engine][slicer]") {
     const Context context{.threads = GENERATE(1, 3)};
-    SliceOptions thin = uniform(0.02);
-    const bool with_regions = GENERATE(false, true);
-    if (with_regions) {
-        thin.region.fill_rule = FillRule::non_zero;
-        thin.region.closing_mm = 0.1;
-    }
+    const RegionRules rules = GENERATE(RegionRules{}, RegionRules{.fill_rule = FillRule::non_zero, .closing_mm = 0.1});
     Slicer fresh;
     slice_with(fresh, plate(), uniform(1), context);
     Slicer kept;
-    slice_with(kept, large(), thin, context);
+    slice_with(kept, large(), {.layer_height_mm = 0.02, .region = rules}, context);
     const std::size_t large_bytes = kept.bytes();
     kept.trim();
     CHECK(kept.bytes() > large_bytes / 2);  // all of it may be needed again
@@ -195,9 +190,7 @@ TEST_CASE("small blocks of scratch share pages, serve again and are given back",
 
 TEST_CASE("a slicer gives back the scratch of regions after a call that made none", "[engine][slicer]") {
     const Context context{.threads = 1};  // of several threads not all need come to work
-    SliceOptions regions = uniform(0.1);
-    regions.region.fill_rule = FillRule::non_zero;
-    regions.region.closing_mm = 0.1;
+    const SliceOptions regions{.layer_height_mm = 0.1, .region = {.fill_rule = FillRule::non_zero, .closing_mm = 0.1}};
     Slicer fresh;
     slice_with(fresh, large(), uniform(0.1), context);
     Slicer kept;

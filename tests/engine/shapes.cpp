@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <random>
 
 namespace shapes {
@@ -23,12 +24,6 @@ void add(Soup& soup, Xyz a, Xyz b, Xyz c) {
 /// std::uniform_int_distribution differs between libraries. The small bias of a remainder does not matter here.
 double small_integer(std::mt19937_64& random, std::uint64_t range) {
     return static_cast<double>(random() % (range + 1));
-}
-
-Xyz random_corner(std::mt19937_64& random, std::uint64_t range) {
-    const double x = small_integer(random, range);
-    const double y = small_integer(random, range);
-    return {x, y, small_integer(random, range)};
 }
 
 Xyz onto_sphere(Xyz p, Xyz centre, double radius) {
@@ -203,24 +198,21 @@ Soup prism(int quarters, double radius, double height) {
 
 Soup random_soup(std::uint64_t seed, int triangles, std::uint64_t range) {
     std::mt19937_64 random(seed);
-    Soup soup;
-    for (int t = 0; t < triangles; ++t) {
-        const Xyz a = random_corner(random, range);
-        const Xyz b = random_corner(random, range);
-        add(soup, a, b, random_corner(random, range));
-    }
+    Soup soup(9 * static_cast<std::size_t>(triangles));
+    std::generate(soup.begin(), soup.end(), [&] { return small_integer(random, range); });
     return soup;
 }
 
 Soup random_tetrahedra(std::uint64_t seed, int count, std::uint64_t range) {
     std::mt19937_64 random(seed);
+    const auto number = [&] { return small_integer(random, range); };
     Soup soup;
     for (int t = 0; t < count; ++t) {
-        const Xyz a = random_corner(random, range);
-        const Xyz b = random_corner(random, range);
-        const Xyz c = random_corner(random, range);
-        const Xyz d = random_corner(random, range);
-        append(soup, tetrahedron(a, b, c, d));
+        const Xyz corners[] = {{number(), number(), number()},
+                               {number(), number(), number()},
+                               {number(), number(), number()},
+                               {number(), number(), number()}};
+        append(soup, tetrahedron(corners[0], corners[1], corners[2], corners[3]));
     }
     return soup;
 }
@@ -228,9 +220,7 @@ Soup random_tetrahedra(std::uint64_t seed, int count, std::uint64_t range) {
 Soup shuffled(const Soup& soup, std::uint64_t seed) {
     std::mt19937_64 random(seed);
     std::vector<std::size_t> order(soup.size() / 9);
-    for (std::size_t i = 0; i < order.size(); ++i) {
-        order[i] = i;
-    }
+    std::iota(order.begin(), order.end(), std::size_t{0});
     for (std::size_t i = order.size(); i > 1; --i) {
         std::swap(order[i - 1], order[random() % i]);
     }
@@ -243,11 +233,7 @@ Soup shuffled(const Soup& soup, std::uint64_t seed) {
 }
 
 std::vector<float> floats(const Soup& soup) {
-    std::vector<float> result;
-    for (const double number : soup) {
-        result.push_back(static_cast<float>(number));
-    }
-    return result;
+    return {soup.begin(), soup.end()};
 }
 
 Indexed indexed(const Soup& soup) {

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <initializer_list>
 #include <span>
 #include <vector>
@@ -55,6 +57,17 @@ Soup random_tetrahedra(std::uint64_t seed, int count, std::uint64_t range);
 Soup shuffled(const Soup& soup, std::uint64_t seed);
 
 std::vector<float> floats(const Soup& soup);
+
+/// From an odd address on: records of `stride` bytes with `per_record` numbers each, without spare bytes after the last.
+template <class T>
+std::vector<std::byte> records(const std::vector<T>& numbers, std::size_t per_record, std::size_t stride) {
+    const std::size_t bytes = per_record * sizeof(T);
+    std::vector<std::byte> made(1 + numbers.size() / per_record * stride - (stride - bytes), std::byte{0xFF});
+    for (std::size_t i = 0; i < numbers.size() / per_record; ++i) {
+        std::memcpy(made.data() + 1 + i * stride, numbers.data() + i * per_record, bytes);
+    }
+    return made;
+}
 
 struct Indexed {
     std::vector<double> xyz;

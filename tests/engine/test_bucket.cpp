@@ -1,10 +1,10 @@
 // Bounds, planes, counting, scattering and bands: vector code and tables must find what a loop over triangles and planes
 // finds, and all of it must hold for very many triangles.
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <numeric>
 #include <random>
+#include <tuple>
 
 #include "engine/counting_memory.hpp"
 #include "engine/slicing.hpp"
@@ -54,14 +54,6 @@ struct Plan {
     std::optional<RandomHeights> random{};
 };
 
-Plan uniform_plan(double height_mm) {
-    return {{.layer_height_mm = height_mm}};
-}
-
-Plan random_plan(double least_mm, double most_mm) {
-    return {{}, RandomHeights{least_mm, most_mm}};
-}
-
 /// A few planes far apart and many close together, so that some cells of the table hold a hundred.
 Plan crowded_plan() {
     std::vector<double> heights_mm = {-30, -19.5, -3};
@@ -70,16 +62,6 @@ Plan crowded_plan() {
     }
     heights_mm.insert(heights_mm.end(), {7.5, 19, 40});
     return {{.heights_mm = heights_mm}};
-}
-
-/// The soup in records of so many bytes, without spare ones after the last triangle.
-std::vector<std::byte> records(const std::vector<float>& soup, std::size_t stride) {
-    const std::size_t triangles = soup.size() / 9;
-    std::vector<std::byte> bytes(triangles * stride - (stride - 36));
-    for (std::size_t t = 0; t < triangles; ++t) {
-        std::memcpy(bytes.data() + t * stride, soup.data() + 9 * t, 36);
-    }
-    return bytes;
 }
 
 constexpr double mebibyte = 1 << 20;
@@ -105,31 +87,33 @@ Buckets counted(const std::vector<std::uint32_t>& segments, std::uint32_t listed
 
 TEST_CASE("slices of soups of every kind are those of the oracle, at every stride, in every band", "[engine][bucket]") {
     const double unit_mm = default_grid_mm;
-    struct Sample {
-        const char* name;
-        Plan plan;
-        std::vector<float> soup;
-    };
     // The last: some two hundred planes 4 units apart, each of which rounding moves by a large part of a step.
-    const Sample samples[] = {{"uniform", uniform_plan(0.5), random_soup(1000, 1.5F, 1, 5)},
-                              {"tall", uniform_plan(0.5), random_soup(700, 6, 1, 11)},
-                              {"most lie between planes", uniform_plan(3), random_soup(1000, 0.05F, 1, 5)},
-                              {"irregular", random_plan(0.1, 0.5), random_soup(1000, 1, 1, 5)},
-                              {"crowded", crowded_plan(), random_soup(1000, 2, 1, 5)},
-                              {"fine", uniform_plan(4.5 * unit_mm), flattened(random_soup(500, 0x1p-12F, 1, 9), 0x1p-10F)},
-                              {"few", uniform_plan(0.1), random_soup(15, 1, 1, 3)},
-                              {"a block and one", uniform_plan(0.5), random_soup(65, 0.1F, 0.1F, 3)},
-                              {"one", uniform_plan(0.1), random_soup(1, 1, 1, 3)}};
+    const std::tuple<const char*, Plan, std::vector<float>> samples[] = {
+        {"uniform", {uniform(0.5)}, random_soup(1000, 1.5F, 1, 5)},
+        {"tall", {uniform(0.5)}, random_soup(700, 6, 1, 11)},
+        {"most lie between planes", {uniform(3)}, random_soup(1000, 0.05F, 1, 5)},
+        {"irregular", {{}, RandomHeights{0.1, 0.5}}, random_soup(1000, 1, 1, 5)},
+        {"crowded", crowded_plan(), random_soup(1000, 2, 1, 5)},
+        {"fine", {uniform(4.5 * unit_mm)}, flattened(random_soup(500, 0x1p-12F, 1, 9), 0x1p-10F)},
+        {"few", {uniform(0.1)}, random_soup(15, 1, 1, 3)},
+        {"a block and one", {uniform(0.5)}, random_soup(65, 0.1F, 0.1F, 3)},
+        {"one", {uniform(0.1)}, random_soup(1, 1, 1, 3)}};
     const std::vector<Way> all_ways = ways();
     std::size_t turn = 0;
     for (const auto& [name, plan, soup] : samples) {
         const std::vector<double> wide(soup.begin(), soup.end());
         std::vector<std::uint32_t> corners(soup.size() / 3);
         std::iota(corners.begin(), corners.end(), 0U);
-        const std::vector<std::byte> spaced = records(soup, 50);
-        const MeshView views[] = {
-            MeshView::soup(soup), MeshView::soup(wide), MeshView::indexed(soup, corners),
-            MeshView{.vertices = spaced.data(), .triangle_count = soup.size() / 9, .vertex_stride = 50}};
+        const std::vector<std::byte> spaced = shapes::records(soup, 9, 50);
+        const std::vector<std::byte> spaced_wide = shapes::records(wide, 9, 91);
+        const std::size_t triangles = soup.size() / 9;
+        const MeshView views[] = {MeshView::soup(soup),
+                                  MeshView::indexed(soup, corners),
+                                  {.vertices = spaced.data() + 1, .triangle_count = triangles, .vertex_stride = 50},
+                                  {.vertices = spaced_wide.data() + 1,
+                                   .triangle_count = triangles,
+                                   .vertex_stride = 91,
+                                   .vertex_type = Number::f64}};
         for (const double grid_mm : {0.0, 0.005}) {
             for (const MeshView& view : views) {
                 const Way& way = all_ways[(turn + turn / 8) % all_ways.size()];
@@ -140,9 +124,9 @@ TEST_CASE("slices of soups of every kind are those of the oracle, at every strid
                 options.frame.grid_mm = plan.options.layer_height_mm < 0.001 ? 0 : grid_mm;
                 INFO(name << ", view " << &view - views << ", grid " << grid_mm << ", " << way);
                 const SliceResult result = sliced(view, options, way.context, tuning);
-                const auto triangles = oracle::quantise(wide, result.info.grid_mm);
-                REQUIRE_THAT(oracle::difference(result, triangles), Catch::Equals(""));
-                CHECK(result.info.degenerate == soup.size() / 9 - triangles.size());
+                const auto facets = oracle::quantise(wide, result.info.grid_mm);
+                REQUIRE_THAT(oracle::difference(result, facets), Catch::Equals(""));
+                CHECK(result.info.degenerate == triangles - facets.size());
             }
         }
     }
@@ -150,7 +134,7 @@ TEST_CASE("slices of soups of every kind are those of the oracle, at every strid
 
 TEST_CASE("the table finds the first plane above a vertex", "[engine][bucket][planes]") {
     const Bounds bounds{{-20, -20, -20}, {20, 20, 20}};
-    for (const Plan& plan : {uniform_plan(0.25), uniform_plan(0x1p-18), random_plan(0.01, 0.03), crowded_plan()}) {
+    for (const Plan& plan : {Plan{uniform(0.25)}, {uniform(0x1p-18)}, {{}, RandomHeights{0.01, 0.03}}, crowded_plan()}) {
         const bool fine = plan.options.layer_height_mm < 0.001;
         const Bounds box = fine ? Bounds{{0, 0, 0}, {1, 1, 0x1p-8}} : bounds;
         PlaneSet planes(nullptr);

@@ -2,7 +2,6 @@
 // own numbers. Vertices that are placed once give what their triangles give corner by corner.
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <numeric>
 #include <random>
@@ -15,23 +14,6 @@
 using namespace lamella;
 
 namespace {
-
-const shapes::Soup ball = shapes::octasphere({1, 2, 3}, 10, 3);
-
-std::uint64_t hash_of(const MeshView& view, const SliceOptions& options = uniform(0.25)) {
-    return sliced(view, options).hash();
-}
-
-/// The numbers of `soup` in records of `stride` bytes with `per_record` numbers each, at an odd address.
-template <class T>
-std::vector<std::byte> records(const std::vector<T>& numbers, std::size_t per_record, std::size_t stride) {
-    const std::size_t count = numbers.size() / per_record;
-    std::vector<std::byte> bytes(1 + stride * count, std::byte{0xFF});
-    for (std::size_t i = 0; i < count; ++i) {
-        std::memcpy(bytes.data() + 1 + i * stride, numbers.data() + i * per_record, per_record * sizeof(T));
-    }
-    return bytes;
-}
 
 /// A box of 2 x 3 x 4 mm, away from the origin.
 const shapes::Soup brick = shapes::box({1, 1, 1}, {3, 4, 5});
@@ -99,8 +81,7 @@ void check_against_soup() {
     soup.vertices = corners.data();
     soup.vertex_count = 0;
     soup.indices = nullptr;
-    SliceOptions turned;
-    turned.heights_mm = {{-11, 3, 3, 90, 17.25, 12, 1000}};
+    SliceOptions turned{.heights_mm = {{-11, 3, 3, 90, 17.25, 12, 1000}}};
     turned.frame.transform.m = {0.3, 0.7, -0.1, 4, 0.7, -0.3, 0.2, 0.1, 0.1, 0.2, 0.9, -2};
     SliceOptions as_numbers = turned;
     as_numbers.frame.as_mesh_numbers = true;
@@ -114,24 +95,6 @@ void check_against_soup() {
             CHECK(outcome_of(mesh.view(), options, context) == expected);
         }
     }
-}
-
-TEST_CASE("records of any stride at any address are read", "[engine][views]") {
-    const std::vector<float> soup = shapes::floats(ball);
-    const std::vector<std::byte> facets = records(soup, 9, 50);
-    CHECK(hash_of({.vertices = facets.data() + 1, .triangle_count = soup.size() / 9, .vertex_stride = 50}) ==
-          hash_of(view_of(soup)));
-    const std::vector<std::byte> doubles = records(ball, 9, 91);
-    MeshView strided = view_of(ball);
-    strided.vertices = doubles.data() + 1;
-    strided.vertex_stride = 91;
-    CHECK(hash_of(strided) == hash_of(view_of(ball)));
-    const shapes::Indexed mesh = shapes::indexed(ball);
-    const std::vector<std::byte> vertices = records(mesh.xyz, 3, 33);
-    strided = mesh.view();
-    strided.vertices = vertices.data() + 1;
-    strided.vertex_stride = 33;
-    CHECK(hash_of(strided) == hash_of(view_of(ball)));
 }
 
 TEST_CASE("every call applies the unit of a mesh", "[engine][views]") {
@@ -165,7 +128,8 @@ TEST_CASE("shared vertices give what a soup gives", "[engine][indexed][threads]"
     check_against_soup<std::int64_t>();
 }
 
-TEST_CASE("shared vertices are found by indices of any type and stride", "[engine][indexed]") {
+TEST_CASE("shared vertices are found by indices of any type and stride, and at any stride and address",
+          "[engine][indexed][views]") {
     const Mesh<float> mesh = tangle<float>(300, 2000, 7);
     std::vector<std::uint64_t> records(mesh.indices.size() / 3 * 4, ~std::uint64_t{0});  // a number that is none after three
     for (std::size_t i = 0; i < mesh.indices.size(); ++i) {
@@ -175,6 +139,10 @@ TEST_CASE("shared vertices are found by indices of any type and stride", "[engin
     wide.index_type = Number::u64;
     wide.indices = records.data();
     wide.index_stride = 4 * sizeof(std::uint64_t);
+    CHECK(outcome_of(wide) == outcome_of(mesh.view()));
+    const std::vector<std::byte> vertices = shapes::records(mesh.xyz, 3, 33);
+    wide.vertices = vertices.data() + 1;
+    wide.vertex_stride = 33;
     CHECK(outcome_of(wide) == outcome_of(mesh.view()));
 }
 
@@ -293,9 +261,8 @@ TEST_CASE("parts and audits compute a transform as slicing does", "[engine][tran
     std::mt19937 random(11);
     const std::vector<float> soup = shapes::floats(shapes::octasphere({3, 4, 5}, 20, 4));
     for (int round = 0; round < 8; ++round) {
-        SliceOptions options = uniform(0.4);
+        SliceOptions options{.layer_height_mm = 0.4, .frame = {.as_mesh_numbers = true}};
         const Transform placed = drawn_transform(random);
-        options.frame.as_mesh_numbers = true;
         const std::vector<Part> parts = {{.mesh = view_of(soup), .placement = placed}};
         const SliceResult result = sliced(parts, options);
         const std::vector<float> moved = moved_in_floats(soup, placed);

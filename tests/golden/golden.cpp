@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <fstream>
 #include <iomanip>
 
@@ -78,11 +77,6 @@ std::uint64_t hash_of_numbers(const SliceResult& result) {
     hash.add(info.triangles, info.degenerate, info.crossed, info.segments, info.holes, info.open_contours,
              info.flat_contours, info.overruled_contours);
     return hash.add(info.box.min_mm, info.box.max_mm).value();
-}
-
-void add_result(Hashes& hashes, const std::string& name, const SliceResult& result) {
-    add(hashes, name, hash_of_shapes(result));
-    add(hashes, name + ", numbers", hash_of_numbers(result));
 }
 
 }  // namespace
@@ -168,10 +162,7 @@ HeldMesh::HeldMesh(const Soup& soup, Form form) : form_(form) {
     f32_ = shapes::floats(f64_);
     indices_ = shared.indices;
     if (form == Form::f32_strided) {
-        strided_.assign(84 + f32_.size() / 9 * 50, '\x55');
-        for (std::size_t t = 0; t < f32_.size() / 9; ++t) {
-            std::memcpy(strided_.data() + 84 + 12 + 50 * t, f32_.data() + 9 * t, 9 * sizeof(float));
-        }
+        strided_ = shapes::records(f32_, 9, 50);
     }
 }
 
@@ -186,14 +177,15 @@ MeshView HeldMesh::view() const {
         case Form::f32_indexed:
             return MeshView::indexed(std::span<const float>(f32_), indices_);
         default:
-            return {.vertices = strided_.data() + 84 + 12, .triangle_count = f32_.size() / 9, .vertex_stride = 50};
+            return {.vertices = strided_.data() + 1, .triangle_count = f32_.size() / 9, .vertex_stride = 50};
     }
 }
 
 std::uint64_t add_slices(Hashes& hashes, const std::string& name, const MeshView& mesh, const Options& options,
                          lamella::Tuning tuning) {
     const SliceResult first = sliced(mesh, options, {.threads = 1}, tuning);
-    add_result(hashes, name, first);
+    add(hashes, name, hash_of_shapes(first));
+    add(hashes, name + ", numbers", hash_of_numbers(first));
     std::uint64_t bands = first.info.bands;
     const std::vector<Way> all_ways = ways();
     // Among them eight threads in bands of the default size, swept: these work on wide planes together.

@@ -122,7 +122,7 @@ private:
     Soup f64_;
     std::vector<float> f32_;
     std::vector<std::uint32_t> indices_;
-    std::string strided_;
+    std::vector<std::byte> strided_;
 };
 
 /// Every field of contours, and points.

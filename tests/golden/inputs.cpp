@@ -12,13 +12,8 @@ namespace golden {
 namespace {
 
 using lamella::models::Random;
+using namespace shapes;
 using shapes::append;
-using shapes::box;
-using shapes::flipped;
-using shapes::joined;
-using shapes::moved;
-using shapes::quad;
-using shapes::Xyz;
 
 using Cell = std::array<int, 3>;
 

@@ -32,8 +32,7 @@ std::string without_times(const std::string& report) {
 }
 
 std::string bytes_written(const TempFolder& folder, const Status& written, const std::string& name) {
-    INFO((written ? std::string() : written.error().message));
-    REQUIRE(written.ok());
+    require_ok(written);
     return bytes_of(folder / name);
 }
 
@@ -87,13 +86,6 @@ void add_check(Hashes& hashes, const std::string& name, const MeshView& mesh) {
                           hash_of(value_of(make_check_json(found, parts, 30))),
                           hash_of(bytes_written(folder, write_marks(found, folder / "marks.ply"), "marks.ply"))};
     });
-}
-
-void add_assembled(Hashes& hashes, const std::string& name, const Segments& segments) {
-    const SliceResult layer = value_of(assemble(segments));
-    Hash hash;
-    add_contours(hash, layer.contours.span(), layer.points.span());
-    add(hashes, name, hash.value());
 }
 
 /// "NAME, welded" and the slices of the outcome.
@@ -210,7 +202,9 @@ TEST_CASE("contours from segments are those committed", "[golden]") {
                                                     {"many segments on a coarse lattice", random_segments(2, 2000, 9)},
                                                     {"a bundle", random_segments(3, 300, 2)}};
     for (const auto& [name, segments] : all) {
-        add_assembled(hashes, name, segments);
+        const SliceResult layer = value_of(assemble(segments));
+        Hash hash;
+        add(hashes, name, add_contours(hash, layer.contours.span(), layer.points.span()).value());
     }
     check_golden("assemble", hashes);
 }

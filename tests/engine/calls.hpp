@@ -96,8 +96,10 @@ public:
 
     std::vector<ContextCall> all() {
         using namespace lamella;
-        const auto slices_of = [this](const Source& from) {
-            return [this, from](const Context& c) { return code_of(slice(from, options_, c)); };
+        const auto slices_of = [this](const Source& from, LayerContent content = LayerContent::section) {
+            SliceOptions options = options_;
+            options.content = content;
+            return [from, options](const Context& c) { return code_of(slice(from, options, c)); };
         };
         const auto slices_to = [this](const Destination& to) {
             return [this, to](const Context& c) { return code_of(Slicer().slice_to(to, mesh_, options_, c)); };
@@ -112,12 +114,7 @@ public:
             {"slice to a sink in plane order", slices_to(ascending_)},
             {"slice to a sink in any order", slices_to(any_order_)},
             {"slice to arrays", slices_to(host_->arrays)},
-            {"slice of upward faces",
-             [this](const Context& c) {
-                 SliceOptions options = options_;
-                 options.content = LayerContent::upward_faces;
-                 return code_of(slice(mesh_, options, c));
-             }},
+            {"slice of upward faces", slices_of(mesh_, LayerContent::upward_faces)},
             {"outline", [this](const Context& c) { return code_of(Slicer().outline(mesh_, options_, c)); }, false},
             {"prepare", [this](const Context& c) { return code_of(prepare(mesh_, {}, c)); }},
             {"check, counts only", [this](const Context& c) { return code_of(check(mesh_, {.counts_only = true}, c)); }},

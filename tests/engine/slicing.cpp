@@ -15,19 +15,14 @@ using lamella::Status;
 using lamella::Tuning;
 
 SliceOptions at_heights(std::vector<double> heights_mm, double grid_mm) {
-    SliceOptions options = uniform(0.2, grid_mm);
-    options.heights_mm = std::move(heights_mm);
-    return options;
+    return {.heights_mm = std::move(heights_mm), .frame = {.grid_mm = grid_mm}};
 }
 
 SliceOptions uniform(double layer_height_mm, double grid_mm) {
-    SliceOptions options;
-    options.layer_height_mm = layer_height_mm;
-    options.frame.grid_mm = grid_mm;
-    return options;
+    return {.layer_height_mm = layer_height_mm, .frame = {.grid_mm = grid_mm}};
 }
 
-lamella::SliceOptions through_quarters(std::uint64_t range) {
+SliceOptions through_quarters(std::uint64_t range) {
     std::vector<double> heights;
     for (std::uint64_t quarter = 1; quarter <= 4 * range; ++quarter) {
         heights.push_back(0.25 * static_cast<double>(quarter));
@@ -69,12 +64,10 @@ Error failure_of(const Source& mesh, const SliceOptions& options, const Context&
 
 std::vector<std::string> contours_at(const SliceResult& result, std::size_t layer) {
     const LayerView at = result[layer];
-    const char* roles[] = {"outer", "hole", "flat", "open"};
     std::vector<std::string> lines;
     for (const Contour& contour : at.contours) {
         std::ostringstream line;
-        line << roles[static_cast<std::size_t>(contour.role)] << ' ' << "-0+"[contour.orientation + 1] << " x"
-             << contour.segments << " in ";
+        line << word_of(contour.role) << ' ' << "-0+"[contour.orientation + 1] << " x" << contour.segments << " in ";
         if (contour.parent < 0) {
             line << '-';
         } else {

@@ -1,7 +1,6 @@
 // Shared by the engine's tests: meshes as views, slices that are validated at once, contours as text.
 #pragma once
 
-#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -73,6 +72,11 @@ lamella::SliceInfo sliced_to(const lamella::Destination& to, const lamella::Sour
 
 lamella::Error failure_of(const lamella::Source& mesh, const lamella::SliceOptions& options,
                           const lamella::Context& context = {});
+
+inline const char* word_of(lamella::Role role) {
+    constexpr const char* words[] = {"outer", "hole", "flat", "open"};
+    return words[static_cast<std::size_t>(role)];
+}
 
 /// The contours of one layer, one line each:
 ///     outer + x8 in -: 0,0 1,0 8,0 ...      role, orientation, segments, parent, marks ("overruled", "mixed"), points

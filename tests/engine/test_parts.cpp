@@ -15,11 +15,7 @@ Part part_of(const shapes::Soup& soup, const Transform& transform = {}) {
 }
 
 Transform moved_by(double x, double y, double z) {
-    Transform transform;
-    transform.m[3] = x;
-    transform.m[7] = y;
-    transform.m[11] = z;
-    return transform;
+    return {{1, 0, 0, x, 0, 1, 0, y, 0, 0, 1, z}};
 }
 
 using Parts = std::vector<Part>;
@@ -39,11 +35,8 @@ std::uint64_t hash_without_parts(SliceResult result) {
 std::vector<std::string> named_at(const SliceResult& result, std::size_t layer) {
     std::vector<std::string> names;
     for (const Contour& contour : result.contours_of(result.layers[layer])) {
-        const std::string role = contour.role == Role::outer  ? "outer "
-                                 : contour.role == Role::hole ? "hole "
-                                 : contour.role == Role::flat ? "flat "
-                                                              : "open ";
-        names.push_back(role + (contour.part == several_parts ? "several" : std::to_string(contour.part)));
+        names.push_back(word_of(contour.role) +
+                        (contour.part == several_parts ? " several" : " " + std::to_string(contour.part)));
     }
     return names;
 }
@@ -120,12 +113,10 @@ TEST_CASE("what is wrong with a part is said of that part", "[engine][parts]") {
     bad[40] = std::nan("");
     const shapes::Soup none;
     const shapes::Soup dust = shapes::box({0, 0, 0}, {1e-9, 1e-9, 1e-9});
-    SliceOptions closing = uniform(1);
-    closing.region.closing_mm = -1;
-    SliceOptions unite = at_heights({5});
-    unite.unite_parts = true;
-    SliceOptions unite_some = unite;
-    unite_some.region = {.fill_rule = FillRule::positive, .fill_from = {{4, FillRule::contours}}};
+    const SliceOptions closing{.region = {.closing_mm = -1}};
+    const SliceOptions unite{.unite_parts = true};
+    const SliceOptions unite_some{.unite_parts = true,
+                                  .region = {.fill_rule = FillRule::positive, .fill_from = {{4, FillRule::contours}}}};
     const std::tuple<Parts, SliceOptions, ErrorCode, const char*> cases[] = {
         {{}, uniform(1), ErrorCode::invalid_argument, ""},
         {{part_of(good), part_of(bad)}, uniform(1), ErrorCode::bad_coordinate, "part 1: triangle 4, "},
@@ -174,10 +165,9 @@ TEST_CASE("united parts are the region of one mesh that has all of them", "[engi
     const shapes::Soup other = shapes::octasphere({3, 1, 2.03}, 9, 4);
     const shapes::Soup small = shapes::octasphere({-2, 0, 1.01}, 2, 3);
     const shapes::Soup inverted = shapes::flipped(shapes::octasphere({1, 12, 0.7}, 6, 3));
-    SliceOptions options = uniform(0.1);
+    SliceOptions options = uniform(0.1, default_grid_mm);
     options.region.fill_rule = GENERATE(FillRule::even_odd, FillRule::non_zero, FillRule::positive);
     options.region.simplify_mm = GENERATE(0.0, 0.05);
-    options.frame.grid_mm = default_grid_mm;
     const SliceResult whole = sliced(shapes::joined({ball, other, small, inverted}), options);
     const Parts given = {part_of(ball), part_of(other), part_of(small), part_of(inverted)};
     const SliceResult parts = united(given, options);
@@ -194,8 +184,7 @@ TEST_CASE("united parts are the region of one mesh that has all of them", "[engi
 
 TEST_CASE("a contour of united parts names the part that all its edges come from", "[engine][parts][regions]") {
     using shapes::box;
-    SliceOptions options = at_heights({5});
-    options.region.fill_rule = FillRule::non_zero;
+    const SliceOptions options{.heights_mm = {{5}}, .region = {.fill_rule = FillRule::non_zero}};
     const shapes::Soup u =
         shapes::joined({box({0, 0, 0}, {2, 10, 10}), box({1, 0, 0}, {9, 2, 10}), box({8, 0, 0}, {10, 10, 10})});
     const shapes::Soup tube = shapes::joined({box({0, 0, 0}, {10, 10, 10}), shapes::flipped(box({3, 3, 0}, {7, 7, 10}))});
@@ -218,8 +207,7 @@ TEST_CASE("a contour of united parts names the part that all its edges come from
 TEST_CASE("open polylines of united parts stay as they are", "[engine][parts][regions]") {
     const shapes::Soup post = shapes::box({2, 2, 0}, {4, 4, 10});
     const shapes::Soup open = shapes::without(shapes::box({0, 0, 0}, {10, 10, 10}), 4, 2);  // no front
-    SliceOptions options = at_heights({5});
-    options.region.fill_rule = FillRule::positive;
+    SliceOptions options{.heights_mm = {{5}}, .region = {.fill_rule = FillRule::positive}};
     const SliceResult result = united({part_of(post), part_of(open)}, options);
     CHECK(named_at(result, 0) == Lines{"outer 0", "open 1"});
     CHECK(result.info.open_contours == 1);

@@ -6,10 +6,6 @@ namespace lamella::input_test {
 
 namespace {
 
-std::string text_of(std::size_t number) {
-    return std::to_string(number);
-}
-
 std::string little(std::uint32_t number) {
     return bytes_of(number);
 }
@@ -187,7 +183,7 @@ std::string obj(const PolygonMesh& mesh) {
 }
 
 std::string off(const PolygonMesh& mesh) {
-    return "OFF\n" + text_of(mesh.points()) + " " + text_of(mesh.faces.size()) + " 0\n" +
+    return "OFF\n" + std::to_string(mesh.points()) + " " + std::to_string(mesh.faces.size()) + " 0\n" +
            encoded_rows("double", points_of(mesh), Coding::text) + encoded_rows("long", counted(mesh.faces), Coding::text);
 }
 
@@ -213,7 +209,9 @@ struct PlyWriter {
     }
     /// In text each row ends with its line.
     void end_row() { body.back() = coding == Coding::text ? '\n' : body.back(); }
-    void element(const std::string& name, std::size_t count) { header += "element " + name + " " + text_of(count) + "\n"; }
+    void element(const std::string& name, std::size_t count) {
+        header += "element " + name + " " + std::to_string(count) + "\n";
+    }
     void declare_extra(const std::string& name) {
         header += form.extra_numbers ? "property double " + name + "\nproperty uchar " + name + "_too\n" : "";
         header += form.extra_lists ? "property list ushort float " + name + "_list\n" : "";
@@ -242,7 +240,7 @@ struct PlyWriter {
     void vertices(const PolygonMesh& mesh) {
         element("vertex", mesh.points());
         for (const std::size_t axis : form.axes) {
-            declare_extra("before" + text_of(axis));
+            declare_extra("before" + std::to_string(axis));
             header += "property " + form.coordinate + " " + "xyz"[axis] + "\n";
         }
         declare_extra("after");
@@ -302,18 +300,19 @@ std::string Vtk::cells(const std::string& name, const Rows& cells) const {
     Rows offsets = ends_of(cells);
     const std::string corners = std::to_string(offsets.back()[0]);
     if (version < 5) {
-        return name + " " + text_of(cells.size()) + " " + text_of(cells.size() + std::stoul(corners)) + "\n" +
+        return name + " " + std::to_string(cells.size()) + " " + std::to_string(cells.size() + std::stoul(corners)) + "\n" +
                rows("int", counted(cells));
     }
     offsets.insert(offsets.begin(), {0});
-    return name + " " + text_of(offsets.size()) + " " + corners + "\nOFFSETS " + integers + "\n" + rows(integers, offsets) +
-           "CONNECTIVITY " + integers + "\n" + rows(integers, cells);
+    return name + " " + std::to_string(offsets.size()) + " " + corners + "\nOFFSETS " + integers + "\n" +
+           rows(integers, offsets) + "CONNECTIVITY " + integers + "\n" + rows(integers, cells);
 }
 
 std::string Vtk::operator()(const PolygonMesh& mesh) const {
     return "# vtk DataFile Version " + std::to_string(version) + (version == 5 ? ".1\n" : ".0\n") + title +
-           (text ? "\nASCII" : "\nBINARY") + "\nDATASET POLYDATA\nPOINTS " + text_of(mesh.points()) + " " + points + "\n" +
-           rows(points, points_of(mesh)) + extra + cells("POLYGONS", mesh.faces) + cells("TRIANGLE_STRIPS", mesh.strips);
+           (text ? "\nASCII" : "\nBINARY") + "\nDATASET POLYDATA\nPOINTS " + std::to_string(mesh.points()) + " " + points +
+           "\n" + rows(points, points_of(mesh)) + extra + cells("POLYGONS", mesh.faces) +
+           cells("TRIANGLE_STRIPS", mesh.strips);
 }
 
 // --- VTP
@@ -366,7 +365,7 @@ std::string Vtp::element(const std::string& attributes, const std::string& data)
     if (format == "ascii" || format == "binary") {
         return start + format + "\">" + (format == "ascii" ? data : stored(data)) + "</DataArray>\n";
     }
-    const std::string offset = text_of(appended.size());
+    const std::string offset = std::to_string(appended.size());
     appended += stored(data);
     return start + "appended\" offset=\"" + offset + "\"><InformationKey name=\"a\"/></DataArray>\n";
 }
@@ -386,9 +385,9 @@ std::string Vtp::cells(const std::string& name, const Rows& cells) {
 }
 
 std::string Vtp::piece(const PolygonMesh& mesh) {
-    std::string xml = "<Piece NumberOfPoints=\"" + text_of(mesh.points()) +
-                      "\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"" + text_of(mesh.strips.size()) +
-                      "\" NumberOfPolys=\"" + text_of(mesh.faces.size()) + "\">\n";
+    std::string xml = "<Piece NumberOfPoints=\"" + std::to_string(mesh.points()) +
+                      "\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"" + std::to_string(mesh.strips.size()) +
+                      "\" NumberOfPolys=\"" + std::to_string(mesh.faces.size()) + "\">\n";
     xml += decoys ? "<PointData>" + array("Name=\"Points\"", "Float32", Rows{{1, 2, 3, 4}}) + "</PointData>\n" : "";
     xml += "<Points>\n" + array("NumberOfComponents=\"3\"", points, points_of(mesh)) + "</Points>\n";
     xml += decoys ? "<Verts>" + array("Name=\"connectivity\"", "Int64", Rows{}) + "</Verts>\n" : "";

@@ -7,6 +7,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "engine/polygons.hpp"
 #include "io/read/polygon.hpp"
 #include "rings.hpp"
 
@@ -97,10 +98,8 @@ void check(Outline outline) {
 Outline ring(std::size_t corners, const std::vector<int>& radii) {
     Outline outline;
     for (std::size_t i = 0; i < corners; ++i) {
-        const double angle = 2 * 3.14159265358979323846 * static_cast<double>(i) / static_cast<double>(corners);
-        const double radius = radii[i % radii.size()];
-        outline.push_back({static_cast<int>(std::lround(radius * std::cos(angle))),
-                           static_cast<int>(std::lround(radius * std::sin(angle)))});
+        const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(corners);
+        outline.push_back(polygons::at_angle({0, 0}, radii[i % radii.size()], angle));
     }
     return outline;
 }

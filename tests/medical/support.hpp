@@ -33,10 +33,7 @@ inline ImageGeometry image_of(std::array<std::uint64_t, 3> size, std::array<doub
 
 /// Options to cut a mesh at the slices of an image.
 inline SliceOptions at_slices(const ImageGeometry& image, int subslices = 1) {
-    SliceOptions options;
-    options.heights_mm = image.slice_heights_mm(subslices);
-    options.frame.transform = image.slicing_frame(PatientFrame::lps);
-    return options;
+    return {.heights_mm = image.slice_heights_mm(subslices), .frame = {.transform = image.slicing_frame(PatientFrame::lps)}};
 }
 
 inline SliceResult cut(const Soup& soup, const ImageGeometry& image, int subslices = 1) {
@@ -45,9 +42,7 @@ inline SliceResult cut(const Soup& soup, const ImageGeometry& image, int subslic
 
 /// A box without its last side.
 inline Soup open_box(Xyz low, Xyz high) {
-    Soup open = box(low, high);
-    open.resize(open.size() - 18);
-    return open;
+    return without(box(low, high), 10, 2);
 }
 
 /// Damages a file byte by byte, and cuts it off: each is read as some image, or refused in one line. Returns how many were

@@ -100,9 +100,7 @@ TEST_CASE("an archive holds every option") {
 TEST_CASE("an archive reads back as it was written, and parts joined in any order are the bytes of the whole") {
     CHECK(has_archives());
     const TempFolder folder;
-    SliceOptions options = uniform(0.1);
-    options.origins = true;
-    options.stitch_mm = 50;
+    SliceOptions options{.layer_height_mm = 0.1, .stitch_mm = 50, .origins = true};
     SECTION("uniform") {}
     SECTION("given heights, twice one, and outside") {
         options.heights_mm = std::vector<double>{3, 1.5, 99, 1.5, -2, 6.25};
@@ -161,9 +159,7 @@ TEST_CASE("equal results are equal archives, of any size") {
     const fs::path one = written(folder, "a.h5", result);
     CHECK(bytes_of(written(folder, "b.h5", sliced(shuffled(soup, 3), uniform(0.02)))) == bytes_of(one));
     (void)read_back(folder, one, result);
-    SliceOptions outside;
-    outside.heights_mm = std::vector<double>{50, 60};
-    for (const SliceOptions& options : {outside, uniform(100)}) {
+    for (const SliceOptions& options : {at_heights({50, 60}), uniform(100)}) {
         const SliceResult none = sliced(specimen(), options);  // no layers, no contours
         (void)read_back(folder, written(folder, "a.h5", none), none);
     }
@@ -172,9 +168,8 @@ TEST_CASE("equal results are equal archives, of any size") {
 
 TEST_CASE("no flipped byte of an archive goes unnoticed, and none that is cut off is read") {
     const TempFolder folder;
-    SliceOptions options = uniform(2);
-    options.origins = true;
-    const SliceResult result = sliced(joined({box({0, 0, 0}, {9, 8, 7}), flipped(box({2, 2, 1}, {4, 5, 6}))}), options);
+    const Soup hollow = joined({box({0, 0, 0}, {9, 8, 7}), flipped(box({2, 2, 1}, {4, 5, 6}))});
+    const SliceResult result = sliced(hollow, {.layer_height_mm = 2, .origins = true});
     const ArchiveInfo info{.name = "box", .geometry = image_of({1, 1, 1}, {1, 1, 1}, {0, 0, 0})};
     const std::string bytes = bytes_of(written(folder, "a.h5", result, info));
     for (std::size_t i = 0; i < bytes.size(); i += i < 1024 || i + 64 > bytes.size() ? 1U : 3U) {
@@ -246,10 +241,8 @@ TEST_CASE("parts that do not make a whole are refused by their names") {
         const fs::path other = written(folder, "o.h5", sliced(soup, options), info);
         CHECK_THAT(merge_complaint({parts[0], other, parts[2]}, to), Contains(std::string("they differ in ") + place));
     };
-    SliceOptions with_origins = uniform(0.5);
-    with_origins.origins = true;
     check_difference("/options/layer_height_mm", specimen(), uniform(0.51));
-    check_difference("/options/origins", specimen(), with_origins);
+    check_difference("/options/origins", specimen(), {.layer_height_mm = 0.5, .origins = true});
     check_difference("/grid_mm", specimen(), uniform(0.5, default_grid_mm * 2));
     check_difference("/mesh/min_mm", moved(specimen(), {1, 0, 0}), uniform(0.5));
     check_difference("/mesh/sha256", specimen(), uniform(0.5), {.mesh_sha256 = "1"});

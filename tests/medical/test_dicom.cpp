@@ -1,6 +1,7 @@
 // Headers in every encoding. Series at any angle, of even and uneven slices: tests/readers/structure_set.py.
 #include <map>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "input/files.hpp"
@@ -16,11 +17,7 @@ namespace {
 enum class Syntax : std::uint8_t { implicit_little, explicit_little, explicit_big };
 
 std::string number(std::uint32_t value, int bytes, bool big) {
-    std::string text;
-    for (int i = 0; i < bytes; ++i) {
-        text += static_cast<char>(value >> 8 * (big ? bytes - 1 - i : i) & 0xff);
-    }
-    return text;
+    return bytes == 2 ? input_test::bytes_of(static_cast<std::uint16_t>(value), big) : input_test::bytes_of(value, big);
 }
 
 std::string tag(std::uint32_t value, bool big) {
@@ -191,12 +188,8 @@ TEST_CASE("dicom: folders that are no one image are refused by name", "[medical]
     empty.write("a.dcm", meta("1.2.840.10008.1.2.1") + element(Syntax::explicit_little, 0x00080016, "UI", "1.2") +
                              element(Syntax::explicit_little, 0x30060002, "SH", "RT"));
     CHECK_THAT(refusal(empty), Contains("none of which is an image"));
-    struct Case {
-        dicom::Tag tag;
-        const char* value;  ///< of the second of two slices
-        const char* complaint;
-    };
-    for (const auto& [tag, value, complaint] : std::vector<Case>{
+    for (const auto& [tag, value, complaint] : std::vector<std::tuple<dicom::Tag, const char*, const char*>>{
+             // of the second of two slices, and a part of the message
              {dicom::series_instance_uid, "1.2.4",
               "2 DICOM series in the folder, and one is taken: 1.2.3 'Thorax' (1 slice); 1.2.4 'Thorax' (1 slice)"},
              {dicom::number_of_frames, "12", "b.dcm: a DICOM file of several frames (12)"},

@@ -17,9 +17,7 @@ ImageGeometry oblique(bool left_handed) {
 
 /// An image file that lamella writes, as far as its header.
 std::string image_file(const ImageGeometry& image, const std::string& name) {
-    SliceOptions options;
-    options.heights_mm = image.slice_heights_mm();
-    const SliceResult result = sliced(box({0, 0, 0}, {1, 1, 1}), options);
+    const SliceResult result = sliced(box({0, 0, 0}, {1, 1, 1}), {.heights_mm = image.slice_heights_mm()});
     const MaskPart part{&result, "a"};
     const TempFolder folder;
     REQUIRE(write_mask({&part, 1}, image, folder / name).ok());

@@ -108,9 +108,7 @@ TEST_CASE("picture: open polylines are lines, not areas; empty layers and empty 
     const auto red = static_cast<double>(lines.count(line_colour));
     CHECK((red > 3 * 800 && red < 3 * 1200 * 5));  // three sides of 30 mm, about three pixels wide
     const SliceResult result = sliced(joined({box({0, 0, 0}, {5, 5, 2}), box({10, 10, 8}, {15, 15, 10})}), uniform(1));
-    SliceOptions one_plane;
-    one_plane.heights_mm = std::vector<double>{50};
-    const SliceResult above = sliced(box({0, 0, 0}, {5, 5, 2}), one_plane);
+    const SliceResult above = sliced(box({0, 0, 0}, {5, 5, 2}), at_heights({50}));
     const SliceResult nothing;
     for (const Picture& picture : {drawn({{&result, ""}}, 5), drawn({{&nothing, "nothing"}}, std::nullopt),
                                    drawn({{&above, "above"}}, std::nullopt)}) {

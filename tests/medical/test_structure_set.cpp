@@ -154,9 +154,7 @@ TEST_CASE("structure set: bytes depend on content; dates are asked for", "[medic
     content[31] = 1;
     CHECK(uid != uid_of(content, "instance"));
     CHECK(one.find("20260102") == std::string::npos);
-    StructureSetOptions dated;
-    dated.seconds_since_1970 = 1767323045;
-    const std::string with_date = written("liver", dated);
+    const std::string with_date = written("liver", {.seconds_since_1970 = 1767323045});
     CHECK_THAT(with_date, Contains("20260102"));
     CHECK_THAT(with_date, Contains("030405"));
     // Names: UTF-8 is declared, backslashes and what is no text are not written.

@@ -3,19 +3,16 @@
 #include <algorithm>
 #include <sstream>
 
+#include "engine/slicing.hpp"
+
 namespace oracle {
 
 namespace {
 
 using lamella::Point;
 
-const char* name_of(lamella::Role role) {
-    const char* names[] = {"outer", "hole", "flat", "open"};
-    return names[static_cast<std::size_t>(role)];
-}
-
 void print(std::ostream& out, const Contour& contour, bool any_start) {
-    out << name_of(contour.role) << " orientation " << contour.orientation << " flags " << contour.flags << " segments "
+    out << word_of(contour.role) << " orientation " << contour.orientation << " flags " << contour.flags << " segments "
         << contour.segments << " twice area " << static_cast<std::int64_t>(contour.twice_area >> 64) << " * 2^64 + "
         << static_cast<std::uint64_t>(contour.twice_area) << " points";
     const bool rotate = any_start && contour.role != lamella::Role::open;

@@ -328,8 +328,7 @@ View::View(const py::list& meshes, bool as_parts) : as_parts_(as_parts) {
         Part& part = parts_.emplace_back();
         part.mesh = mesh_of(py::reinterpret_borrow<py::array>(vertices), faces, py::float_(given[2]));
         if (const py::object placement = given[3]; !placement.is_none()) {
-            const auto rows = py::reinterpret_borrow<py::array_t<double, py::array::c_style>>(placement);
-            std::copy_n(rows.data(), part.placement.m.size(), part.placement.m.begin());
+            read_value(placement, part.placement);
         }
         arrays_.push_back(vertices);
         arrays_.push_back(faces);

@@ -1,8 +1,14 @@
 """Helpers of several tests and their child processes, which import this module when they are spawned."""
 
+import os
+
 import numpy as np
+import pytest
 
 import lamella
+
+TOOL = os.environ.get("LAMELLA_TOOL")
+needs_tool = pytest.mark.skipif(TOOL is None, reason="LAMELLA_TOOL does not name the command line tool")
 
 
 def hash_of(mesh):

@@ -10,12 +10,10 @@ import subprocess
 
 import numpy as np
 import pytest
-from support import write_off, write_stl
+from support import TOOL, needs_tool, write_off, write_stl
 
 import lamella
 from lamella._options import OPTIONS
-
-TOOL = os.environ.get("LAMELLA_TOOL")
 
 
 def test_a_prepared_mesh_gives_the_slices_of_the_mesh(torus):
@@ -268,7 +266,7 @@ CASES = [
 
 
 @pytest.mark.filterwarnings("ignore::lamella.MeshWarning")
-@pytest.mark.skipif(TOOL is None, reason="LAMELLA_TOOL does not name the command line tool")
+@needs_tool
 @pytest.mark.parametrize("arguments, options", CASES)
 def test_slices_are_those_of_the_command_line_tool(torus, tmp_path, arguments, options):
     path = tmp_path / "torus.off"

@@ -7,13 +7,10 @@ import subprocess
 
 import numpy as np
 import pytest
-from support import write_off
+from support import TOOL, needs_tool, write_off
 
 import lamella
 import lamella.dask
-
-TOOL = os.environ.get("LAMELLA_TOOL")
-needs_tool = pytest.mark.skipif(TOOL is None, reason="LAMELLA_TOOL does not name the command line tool")
 
 
 class Client:

@@ -36,7 +36,9 @@ inline lamella::Result<SliceResult> region(const Polygons& polygons, const Regio
     return lamella::region_of(views, rules, grid_mm, context);
 }
 
-inline Polygons rings_of(const SliceResult& layer) {
+/// Of a layer or of a result of one; the ends of open polylines are joined.
+template <class Layer>
+Polygons rings_of(const Layer& layer) {
     Polygons polygons;
     for (const Contour& contour : layer.contours) {
         const auto points = layer.points_of(contour);

@@ -315,12 +315,7 @@ std::string difference(const lamella::SliceResult& result, std::span<const oracl
 
 lamella::SliceOptions through_vertices(const shapes::Soup& soup, double grid_mm, std::uint64_t seed, std::size_t most) {
     std::mt19937_64 random(seed);
-    std::vector<double> heights;
-    for (std::size_t i = 2; i < soup.size(); i += 3) {
-        heights.push_back(soup[i]);
-    }
-    std::sort(heights.begin(), heights.end());
-    heights.erase(std::unique(heights.begin(), heights.end()), heights.end());
+    std::vector<double> heights = oracle::vertex_heights(soup, grid_mm);
     const double low = heights.front();
     const double high = heights.back();
     std::shuffle(heights.begin(), heights.end(), random);
@@ -328,16 +323,9 @@ lamella::SliceOptions through_vertices(const shapes::Soup& soup, double grid_mm,
     for (std::size_t between = heights.size(); between > 0; --between) {
         heights.push_back(low + (high - low) * (static_cast<double>(random() >> 11) * 0x1p-53));
     }
-    std::sort(heights.begin(), heights.end());
-    // Planes must still differ after rounding.
-    const auto on_grid = [&](double mm) { return std::nearbyint(mm / (2 * grid_mm)); };
-    const auto equal = [&](double a, double b) { return on_grid(a) == on_grid(b); };
-    heights.erase(std::unique(heights.begin(), heights.end(), equal), heights.end());
-    lamella::SliceOptions options;
-    options.heights_mm = heights;
-    options.planes.side = seed % 2 == 0 ? lamella::PlaneSide::below : lamella::PlaneSide::above;
-    options.frame.grid_mm = grid_mm;
-    return options;
+    return {.heights_mm = oracle::distinct(heights, grid_mm),  // planes must still differ after rounding
+            .planes = {.side = seed % 2 == 0 ? lamella::PlaneSide::below : lamella::PlaneSide::above},
+            .frame = {.grid_mm = grid_mm}};
 }
 
 regions::Region region_on_grid(const Polygons& polygons, FillRule rule) {

@@ -19,10 +19,8 @@ std::vector<Polygons> layers_of(const std::filesystem::path& file, std::size_t c
     const lamella::Box box = check(view_of(soup), {.counts_only = true}).value().box;
     std::vector<Polygons> layers(count);
     for (std::size_t i = 0; i < count; ++i) {
-        lamella::SliceOptions options;
-        options.heights_mm = {box.min_mm[2] +
-                              (box.max_mm[2] - box.min_mm[2]) * (static_cast<double>(i) + 0.5) / static_cast<double>(count)};
-        layers[i] = regions::rings_of(sliced(soup, options));
+        const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(count);
+        layers[i] = regions::rings_of(sliced(soup, at_heights({std::lerp(box.min_mm[2], box.max_mm[2], share)}, 0)));
     }
     return layers;
 }
@@ -37,8 +35,7 @@ void add_moved(Polygons& polygons, const Polygons& more, regions::Point by) {
 }
 
 void judge(const Polygons& polygons, FillRule rule, std::mt19937& random) {
-    lamella::RegionRules rules;
-    rules.fill_rule = rule;
+    const lamella::RegionRules rules{.fill_rule = rule};
     const lamella::SliceResult found = regions::region_of(polygons, rules);
     INFO(lamella::name_of(rule));
     REQUIRE(regions::fault_in(found) == "");

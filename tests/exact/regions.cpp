@@ -17,10 +17,6 @@ std::int64_t draw(std::mt19937& random, std::int64_t low, std::int64_t high) {
     return low + static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(high - low + 1));
 }
 
-bool one_in(std::mt19937& random, unsigned times) {
-    return random() % times == 0;
-}
-
 std::int32_t on_grid(double value) {
     constexpr double limit = lamella::grid_limit;
     return static_cast<std::int32_t>(std::clamp(value, -limit, limit));
@@ -94,12 +90,12 @@ template <class Make>
 Polygons several(std::mt19937& random, std::int64_t most, const Make& make) {
     Polygons polygons;
     for (std::int64_t count = draw(random, 1, most); count > 0; --count) {
-        if (polygons.empty() || !one_in(random, 4)) {
+        if (polygons.empty() || random() % 4 != 0) {
             polygons.push_back(make());
         } else {
             polygons.push_back(polygons[random() % polygons.size()]);
         }
-        if (one_in(random, 3)) {
+        if (random() % 3 == 0) {
             std::reverse(polygons.back().begin(), polygons.back().end());
         }
     }
@@ -113,7 +109,7 @@ Polygons random_polygons(std::mt19937& random, std::size_t points) {
     const std::int64_t most = points > 400 ? 1 : 4;
     const std::size_t each = std::max<std::size_t>(3, points / static_cast<std::size_t>((most + 1) / 2));
     Polygons polygons = several(random, most, [&] { return random_polygon(random, area, each); });
-    if (one_in(random, 4)) {
+    if (random() % 4 == 0) {
         polygons.push_back(moved(random, polygons[random() % polygons.size()]));
     }
     return polygons;

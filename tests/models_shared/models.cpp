@@ -13,30 +13,8 @@ MeshFile mesh_of(const std::filesystem::path& file) {
     return value_of(read_mesh(file));
 }
 
-struct KnownAnswer {
-    const char* file;
-    std::uint64_t kept, planes, segments, contours, holes;
-};
-
-struct Known {
-    const char* file;
-    const char* verdict;
-    std::size_t shells;
-};
-
 MeshCheck findings_of(const std::filesystem::path& file, int threads) {
     return value_of(check(mesh_of(file).view(), {}, {.threads = threads}));
-}
-
-regions::Polygons layer_of(const SliceResult& result, const Layer& layer) {
-    regions::Polygons rings;
-    for (const Contour& contour : result.contours_of(layer)) {
-        if (contour.role == Role::outer || contour.role == Role::hole) {
-            const auto points = result.points_of(contour);
-            rings.emplace_back(points.begin(), points.end());
-        }
-    }
-    return rings;
 }
 
 /// Corners moved by up to `mm`, equal ones alike.
@@ -52,20 +30,20 @@ std::uint64_t crossings_in(const SliceResult& result) {
 }
 
 TEST_CASE("counts equal those of the paper's program and its table", "[counts]") {
-    const KnownAnswer known = GENERATE(KnownAnswer{"liver.stl", 38'142, 6'242, 2'342'005, 15'790, 9'490},
-                                       KnownAnswer{"femur.stl", 42'110, 3'155, 1'180'826, 3'338, 30});
-    const MeshFile mesh = mesh_of(folder / known.file);
-    SliceOptions options = uniform(0.032);
-    options.planes.first_height_mm = 0.008;
-    options.frame.grid_mm = 0.004;
+    using Count = std::uint64_t;
+    const auto [file, kept, planes, segments, contours, holes] =
+        GENERATE(table<const char*, Count, Count, Count, Count, Count>(
+            {{"liver.stl", 38'142, 6'242, 2'342'005, 15'790, 9'490}, {"femur.stl", 42'110, 3'155, 1'180'826, 3'338, 30}}));
+    const MeshFile mesh = mesh_of(folder / file);
+    const SliceOptions options{.layer_height_mm = 0.032, .planes = {.first_height_mm = 0.008}, .frame = {.grid_mm = 0.004}};
     const auto form = GENERATE(ContourForm::swept, ContourForm::assembled);
     const SliceResult result = sliced(mesh, options, {}, {.form = form});
-    INFO(known.file);
-    CHECK(result.info.triangles - result.info.degenerate == known.kept);
-    CHECK(result.layers.size() == known.planes);
-    CHECK(result.info.segments == known.segments);
-    CHECK(result.contours.size() == known.contours);
-    CHECK(result.info.holes == known.holes);
+    INFO(file);
+    CHECK(result.info.triangles - result.info.degenerate == kept);
+    CHECK(result.layers.size() == planes);
+    CHECK(result.info.segments == segments);
+    CHECK(result.contours.size() == contours);
+    CHECK(result.info.holes == holes);
     CHECK(result.info.open_contours == 0);
 }
 
@@ -105,41 +83,28 @@ TEST_CASE("bones with boundary edges slice, with their open polylines flagged", 
 }
 
 TEST_CASE("check() finds the known faults of real meshes", "[check]") {
-    const Known known = GENERATE(
-        Known{"liver.stl", "closed and clean", 1}, Known{"femur.stl", "closed and clean, with 207 needles, 4 caps", 1},
-        Known{"hip_femur.stl", "closed and clean", 1}, Known{"brain.stl", "closed and clean", 2},
-        Known{"bones/Left_first_rib.stl", "closed and clean", 1},
-        Known{"bones/Fifth_lumbar_vertebra.stl",
-              "not clean: 30 boundary edges, 6 boundary loops, 4 crossings of faces, 5 cracks", 1},
-        Known{"bones/Frontal_bone.stl",
-              "not clean: 268 boundary edges, 60 boundary loops, 9 split vertices, 51 crossings of faces, 28 T-junctions, 7 "
-              "cracks",
-              2},
-        Known{
-            "bones/Left_parietal_bone.stl",
-            "not clean: 262 boundary edges, 61 boundary loops, 6 split vertices, 51 crossings of faces, 2 touches of faces, "
-            "26 T-junctions, 12 cracks",
-            1},
-        Known{"bones/Right_seventh_rib.stl", "not clean: 4 boundary edges, 1 boundary loop, 2 T-junctions", 1});
-    INFO(known.file);
-    const MeshCheck one = findings_of(folder / known.file, 1);
-    CHECK(make_verdict(one).value() == known.verdict);
-    CHECK(one.shells.size() == known.shells);
-    CHECK(make_check_json(one, {}).value() == make_check_json(findings_of(folder / known.file, 3), {}).value());
-}
-
-/// Every height at which a vertex lies, ascending and distinct on the grid. Surfaces from CT have thousands of vertices on
-/// whole millimetres.
-std::vector<double> vertex_heights(const shapes::Soup& soup, double grid_mm) {
-    std::vector<double> heights;
-    for (std::size_t i = 2; i < soup.size(); i += 3) {
-        heights.push_back(soup[i]);
-    }
-    std::sort(heights.begin(), heights.end());
-    const auto on_grid = [grid_mm](double height) { return std::nearbyint(height / (2 * grid_mm)); };
-    const auto equal = [&](double a, double b) { return on_grid(a) == on_grid(b); };
-    heights.erase(std::unique(heights.begin(), heights.end(), equal), heights.end());
-    return heights;
+    const auto [file, verdict, shells] = GENERATE(table<const char*, const char*, std::size_t>(
+        {{"liver.stl", "closed and clean", 1},
+         {"femur.stl", "closed and clean, with 207 needles, 4 caps", 1},
+         {"hip_femur.stl", "closed and clean", 1},
+         {"brain.stl", "closed and clean", 2},
+         {"bones/Left_first_rib.stl", "closed and clean", 1},
+         {"bones/Fifth_lumbar_vertebra.stl",
+          "not clean: 30 boundary edges, 6 boundary loops, 4 crossings of faces, 5 cracks", 1},
+         {"bones/Frontal_bone.stl",
+          "not clean: 268 boundary edges, 60 boundary loops, 9 split vertices, 51 crossings of faces, 28 T-junctions, 7 "
+          "cracks",
+          2},
+         {"bones/Left_parietal_bone.stl",
+          "not clean: 262 boundary edges, 61 boundary loops, 6 split vertices, 51 crossings of faces, 2 touches of faces, "
+          "26 T-junctions, 12 cracks",
+          1},
+         {"bones/Right_seventh_rib.stl", "not clean: 4 boundary edges, 1 boundary loop, 2 T-junctions", 1}}));
+    INFO(file);
+    const MeshCheck one = findings_of(folder / file, 1);
+    CHECK(make_verdict(one).value() == verdict);
+    CHECK(one.shells.size() == shells);
+    CHECK(make_check_json(one, {}).value() == make_check_json(findings_of(folder / file, 3), {}).value());
 }
 
 /// The pairs of a triangle and a plane between its vertices.
@@ -162,8 +127,8 @@ TEST_CASE("planes at the heights of all vertices lose no triangle of real meshes
         const shapes::Soup soup = soup_of(file);
         const MeshCheck info = *check(view_of(soup), {.counts_only = true});
         std::uint64_t open = 0;
-        const std::vector<double> heights = vertex_heights(soup, info.grid_mm);
-        for (std::size_t first = 0; first < heights.size(); first += 2000) {  // planes in one slice
+        const std::vector<double> heights = oracle::vertex_heights(soup, info.grid_mm);  // thousands on whole millimetres
+        for (std::size_t first = 0; first < heights.size(); first += 2000) {             // planes in one slice
             for (const PlaneSide side : {PlaneSide::below, PlaneSide::above}) {
                 SliceOptions options;
                 options.heights_mm.emplace(
@@ -186,10 +151,9 @@ TEST_CASE("closing agrees with closing everything on layers of real meshes", "[c
     double worst = 0;
     for (const std::filesystem::path& file : real_meshes()) {
         const SliceResult result = sliced(soup_of(file), uniform(6));
-        RegionRules rules;
-        rules.fill_rule = FillRule::non_zero;
-        for (const Layer& layer : result.layers) {
-            const regions::Polygons rings = layer_of(result, layer);
+        RegionRules rules{.fill_rule = FillRule::non_zero};
+        for (const LayerView layer : result) {
+            const regions::Polygons rings = regions::rings_of(layer);
             if (rings.empty()) {
                 continue;
             }
@@ -219,9 +183,7 @@ TEST_CASE("simplified layers of real meshes are valid and cross no more", "[simp
         for (const double rough_mm : {0.0, 0.3}) {
             const shapes::Soup rough = roughened(soup, rough_mm);
             for (const FillRule rule : {FillRule::contours, FillRule::non_zero}) {
-                SliceOptions options = uniform(3);
-                options.region.fill_rule = rule;
-                options.origins = true;
+                SliceOptions options{.layer_height_mm = 3, .origins = true, .region = {.fill_rule = rule}};
                 const SliceResult plain = sliced(rough, options);
                 for (const double tolerance_mm : {0.02, 1.0}) {
                     INFO(file << ", rough by " << rough_mm << " mm, " << name_of(rule) << ", within " << tolerance_mm);

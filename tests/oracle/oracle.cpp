@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <tuple>
 
 namespace oracle {
@@ -276,9 +277,7 @@ Layer in_order(const Layer& layer) {
         return c;
     };
     std::vector<std::size_t> order(layer.size());
-    for (std::size_t i = 0; i < order.size(); ++i) {
-        order[i] = i;
-    }
+    std::iota(order.begin(), order.end(), std::size_t{0});
     const auto place = [&](std::size_t c) {
         const std::size_t head = owner(c);
         return std::tuple(layer[head].start, layer[head].points, head, head != c, layer[c].start, layer[c].points);
@@ -351,6 +350,22 @@ std::vector<Triangle> quantise(std::span<const double> coordinates, double unit_
         }
     }
     return triangles;
+}
+
+std::vector<double> distinct(std::vector<double> heights, double unit_mm) {
+    const auto on_grid = [&](double mm) { return std::nearbyint(mm / (2 * unit_mm)); };
+    std::sort(heights.begin(), heights.end());
+    const auto equal = [&](double a, double b) { return on_grid(a) == on_grid(b); };
+    heights.erase(std::unique(heights.begin(), heights.end(), equal), heights.end());
+    return heights;
+}
+
+std::vector<double> vertex_heights(std::span<const double> soup, double unit_mm) {
+    std::vector<double> heights;
+    for (std::size_t i = 2; i < soup.size(); i += 3) {
+        heights.push_back(soup[i]);
+    }
+    return distinct(std::move(heights), unit_mm);
 }
 
 std::vector<lamella::Segment> segments_at(std::span<const Triangle> triangles, std::int32_t z) {

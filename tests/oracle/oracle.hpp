@@ -23,6 +23,11 @@ using EdgeKey = std::pair<lamella::GridVertex, lamella::GridVertex>;  ///< lower
 /// Rounds nine numbers a triangle to the even grid. Drops triangles with two equal vertices.
 std::vector<Triangle> quantise(std::span<const double> coordinates, double unit_mm);
 
+/// Sorted, and of those that are equal on the grid the lowest.
+std::vector<double> distinct(std::vector<double> heights, double unit_mm);
+/// At which vertices lie, distinct.
+std::vector<double> vertex_heights(std::span<const double> soup, double unit_mm);
+
 /// A point of a contour and the mesh edge that it lies on.
 struct Crossing {
     lamella::Point point;

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
-#include <iterator>
 #include <limits>
 #include <memory>
 #include <numeric>
@@ -75,14 +74,11 @@ double area_mm2(const host::Layer& layer) {
 
 // One plane by the library's plainest call.
 lamella::SliceResult slice_by_library(const shapes::Soup& soup, double height_mm, lamella::Transform transform = {}) {
-    lamella::SliceOptions options;
-    options.heights_mm = std::vector<double>{height_mm};
-    options.frame.grid_mm = 1e-6;
-    options.frame.transform = transform;
-    options.region.fill_rule = lamella::FillRule::non_zero;
-    options.region.drop_collinear = true;
     const std::vector<float> floats = shapes::floats(soup);
-    lamella::Result<lamella::SliceResult> sliced = lamella::slice(lamella::MeshView::soup(floats), options);
+    lamella::Result<lamella::SliceResult> sliced = lamella::slice(
+        lamella::MeshView::soup(floats), {.heights_mm = {{height_mm}},
+                                          .frame = {.transform = transform, .grid_mm = 1e-6},
+                                          .region = {.fill_rule = lamella::FillRule::non_zero, .drop_collinear = true}});
     REQUIRE(sliced);
     return std::move(*sliced);
 }

@@ -2,7 +2,6 @@
 #include <cstring>
 #include <functional>
 #include <map>
-#include <numeric>
 #include <set>
 
 #include "engine/slicing.hpp"
@@ -335,8 +334,7 @@ TEST_CASE("rays find the engine's roles and orientations", "[baselines]") {
 }
 
 TEST_CASE("every segment is used once where any number of them meet", "[baselines]") {
-    SliceOptions options = at_heights({0.5, 1, 1.5, 2, 2.5, 3, 3.5, 4, 4.5, 5});
-    options.frame.grid_mm = 0.125;
+    const SliceOptions options = at_heights({0.5, 1, 1.5, 2, 2.5, 3, 3.5, 4, 4.5, 5}, 0.125);
     for (std::uint64_t seed = 0; seed < 200; ++seed) {
         INFO("seed " << seed);
         require_all_used(

@@ -1,6 +1,5 @@
 // lamella.h: the same bytes as the C++ calls, from any source to any destination; structs of other sizes; what is refused.
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstddef>
@@ -181,11 +180,7 @@ TEST_CASE("any source goes to any destination by C, with the bytes of C++, whate
         it.heights_mm = heights.data();
         it.height_count = heights.size();
     };
-    struct Case {
-        std::function<void(lamella_options&)> in_c;
-        SliceOptions in_cpp;
-    };
-    const Case cases[] = {
+    const std::pair<std::function<void(lamella_options&)>, SliceOptions> cases[] = {
         {[](lamella_options& it) { it.layer_height_mm = 0.5; }, {.layer_height_mm = 0.5}},
         {[](lamella_options& it) { it.origins = 1; }, {.origins = true}},
         {[](lamella_options& it) { it.content = LAMELLA_LAYER_CONTENT_UPWARD_FACES; },

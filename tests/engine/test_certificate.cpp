@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <numeric>
+#include <tuple>
 
 #include "engine/shapes.hpp"
 #include "engine/slicing.hpp"
@@ -187,8 +188,7 @@ TEST_CASE("certificate: random soups never get a wrong verdict", "[engine][certi
 }
 
 TEST_CASE("certificate: where solid is not what the mesh encloses both areas are stated", "[engine][certificate]") {
-    SliceOptions options = at_heights({5, 15, 25});
-    options.region.fill_rule = FillRule::non_zero;
+    const SliceOptions options{.heights_mm = {{5, 15, 25}}, .region = {.fill_rule = FillRule::non_zero}};
     const auto stated = [&](const shapes::Soup& soup) { return words_for(certified(soup, sliced(soup, options))); };
     const std::string head =
         "not certified: solid is not what the mesh encloses, as shells overlap or are turned inwards: in ";
@@ -201,27 +201,22 @@ TEST_CASE("certificate: where solid is not what the mesh encloses both areas are
 
 TEST_CASE("certificate: a damaged result is rejected, and the layer is named", "[engine][certificate]") {
     const shapes::Soup mesh = hollow();
-    struct Damage {
-        const char* what;
-        std::uint64_t layer;
-        std::function<void(SliceResult&)> apply;
-    };
-    const Damage damages[] = {
+    const std::tuple<const char*, std::uint64_t, std::function<void(SliceResult&)>> damages[] = {
         {"a layer's plane moved", 20,
          [](SliceResult& r) { r.layers[20].plane = PlaneHeight(r.layers[20].plane.z() + 2000); }},
         {"a point moved", 12,
          [](SliceResult& r) { r.points[r.contours[r.layers[12].first_contour].first_point + 2].x += 1000; }},
         {"an outer called a hole", 50, [](SliceResult& r) { r.contours[r.layers[50].first_contour].role = Role::hole; }},
     };
-    for (const Damage& damage : damages) {
+    for (const auto& [what, layer, damage] : damages) {
         SliceResult result = sliced(mesh, uniform(0.2));
         REQUIRE(certified(mesh, result).verdict == VolumeVerdict::holds);
         REQUIRE(result.layers[50].contour_count == 2);
-        damage.apply(result);
+        damage(result);
         const VolumeCertificate certificate = certified(mesh, result);
-        INFO(damage.what);
+        INFO(what);
         CHECK(certificate.verdict == VolumeVerdict::areas_differ);
-        CHECK((certificate.worst_layer == damage.layer || certificate.worst_layer == damage.layer + 1));
+        CHECK((certificate.worst_layer == layer || certificate.worst_layer == layer + 1));
         CHECK(certificate.worst_difference_mm2 > certificate.worst_allowed_mm2);
         CHECK(certificate.slabs_mm3 == Approx(certificate.mesh_mm3).epsilon(1e-12));
     }

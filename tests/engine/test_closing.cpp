@@ -123,9 +123,7 @@ TEST_CASE("closing loses nothing between edges that are bent onto one another", 
     const shapes::Soup walls = shapes::joined(
         {shapes::walls({{2, 24}, {0, 34}, {-4, 34}, {-6, 32}, {-12, 22}, {-10, 18}, {-8, 20}, {-4, 18}, {4, 20}}),
          shapes::walls({{-6, 20}, {-2, 20}, {-8, 14}, {-12, 14}, {-16, 12}, {-22, 22}, {-20, 30}, {-20, 28}, {-8, 28}})});
-    SliceOptions options = at_heights({5.5}, 0);
-    options.frame.grid_mm = 1;
-    options.region.fill_rule = FillRule::positive;
+    SliceOptions options{.heights_mm = {{5.5}}, .frame = {.grid_mm = 1}, .region = {.fill_rule = FillRule::positive}};
     const auto area = [&] { return regions::area_of(sliced(walls, options)); };
     const double open = area();
     options.region.closing_mm = 9;
@@ -251,10 +249,9 @@ TEST_CASE("closing and offsets that lead beyond the grid are refused", "[closing
 TEST_CASE("each layer has the rule that it is given", "[closing]") {
     // A box within a box, both upright: two windings inside.
     const shapes::Soup soup = shapes::joined({shapes::box({0, 0, 0}, {10, 10, 10}), shapes::box({2, 2, 0}, {8, 8, 10})});
-    SliceOptions options = at_heights({1, 3, 5, 7, 9});
-    options.region.fill_rule = FillRule::non_zero;
-    options.region.fill_from = {{1, FillRule::even_odd}, {3, FillRule::contours}, {4, FillRule::outermost}};
-    const SliceResult result = sliced(soup, options);
+    const RegionRules rules{.fill_rule = FillRule::non_zero,
+                            .fill_from = {{1, FillRule::even_odd}, {3, FillRule::contours}, {4, FillRule::outermost}}};
+    const SliceResult result = sliced(soup, {.heights_mm = {{1, 3, 5, 7, 9}}, .region = rules});
     std::vector<double> areas;
     std::vector<std::uint64_t> counts;
     for (const LayerView layer : result) {

@@ -97,8 +97,7 @@ TEST_CASE("a slow sink gets every layer, an ascending one in plane order by one 
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 3);
     shapes::Soup hollow = shapes::joined({shapes::flipped(shapes::scaled(ball, {0.5, 0.5, 0.5})), ball});
     hollow.resize(hollow.size() - 9 * std::size_t{20});
-    SliceOptions options = uniform(0.1);
-    options.stitch_mm = 50;
+    const SliceOptions options{.layer_height_mm = 0.1, .stitch_mm = 50};
     const SliceResult expected = sliced(hollow, options);
     REQUIRE(expected.stitches.size() > 3);
     for (const SinkOrder order : orders) {

@@ -70,8 +70,7 @@ TEST_CASE("a slice fails cleanly at each of its allocations, in every form and b
 
 TEST_CASE("a wide plane fails cleanly at its allocations", "[engine][faults][wide][threads]") {
     const shapes::Soup soup = shapes::prism(1 << 15, 400, 1);  // which threads share: 2^18 segments
-    SliceOptions options;
-    options.heights_mm = std::vector<double>{0.5};
+    const SliceOptions options{.heights_mm = {{0.5}}};
     const CountingMemory counting;
     REQUIRE(slice(view_of(soup), options, {.threads = 2, .memory = &counting}).ok());
     // Each run slices 2^18 segments, so only about a dozen allocations are tested, spread over all.

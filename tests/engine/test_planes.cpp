@@ -78,14 +78,9 @@ std::vector<double> drawn_heights(std::mt19937& random, double unit_mm) {
 
 TEST_CASE("uniform planes lie in the middle of their layers or from a first height on, strictly inside the mesh",
           "[engine][planes]") {
-    struct Case {
-        double bottom_mm, top_mm;  ///< of the mesh
-        double layer_mm;
-        PlaneOptions options;
-        Planes expected;
-    };
     const auto above = PlaneSide::above;
-    const Case cases[] = {
+    const std::tuple<double, double, double, PlaneOptions, Planes> cases[] = {
+        // where the mesh begins and ends, and the height of layers
         {10, 14, 2, {}, {21, 25}},
         {1, 8, 3, {.first_height_mm = 1}, {3, 9, 15}},
         {1, 8, 3, {.first_height_mm = 1, .datum = Datum::zero}, {7, 13}},
@@ -94,10 +89,9 @@ TEST_CASE("uniform planes lie in the middle of their layers or from a first heig
         {0, 4, 1, {.first_height_mm = 1, .side = above}, {3, 5, 7}},
         {0, 1, 10, {}, {}},
     };
-    for (const Case& one : cases) {
-        SliceOptions options = uniform(one.layer_mm, coarse_unit_mm);
-        options.planes = one.options;
-        CHECK(planes_of(sliced(box({0, 0, one.bottom_mm}, {4, 4, one.top_mm}), options)) == one.expected);
+    for (const auto& [bottom_mm, top_mm, layer_mm, planes, expected] : cases) {
+        const SliceOptions options{.layer_height_mm = layer_mm, .planes = planes, .frame = {.grid_mm = coarse_unit_mm}};
+        CHECK(planes_of(sliced(box({0, 0, bottom_mm}, {4, 4, top_mm}), options)) == expected);
     }
     const SliceResult result = sliced(box({0, 0, 10}, {4, 4, 14}), uniform(2, coarse_unit_mm));
     CHECK(result.layers[0].bottom_mm == 10);
@@ -180,9 +174,8 @@ TEST_CASE("every height has the layer of its plane, whatever their order", "[eng
     for (int round = 0; round < 60; ++round) {
         const bool as_floats = round % 2 == 0;
         const auto mesh = as_floats ? view_of(floats) : view_of(soup);
-        SliceOptions options;
-        options.frame.grid_mm = round % 3 == 0 ? 1e-6 : 0x1p-10;
-        options.planes.side = round % 4 < 2 ? PlaneSide::below : PlaneSide::above;
+        SliceOptions options{.planes = {.side = round % 4 < 2 ? PlaneSide::below : PlaneSide::above},
+                             .frame = {.grid_mm = round % 3 == 0 ? 1e-6 : 0x1p-10}};
         std::vector<double> heights = drawn_heights(random, options.frame.grid_mm);
         options.heights_mm = heights;
         const SliceResult result = sliced(mesh, options, {.threads = 1 + round % 3});

@@ -212,11 +212,7 @@ shapes::Soup rough_balls() {
 }
 
 SliceOptions simplified(double tolerance_mm, FillRule rule) {
-    SliceOptions options = uniform(1.4);
-    options.region.fill_rule = rule;
-    options.region.simplify_mm = tolerance_mm;
-    options.origins = true;
-    return options;
+    return {.layer_height_mm = 1.4, .origins = true, .region = {.fill_rule = rule, .simplify_mm = tolerance_mm}};
 }
 
 /// Teeth side by side below y = 0, and between each two of them a small contour.

@@ -14,11 +14,6 @@ namespace {
 
 using Lines = std::vector<std::string>;
 
-SliceOptions upward(SliceOptions options) {
-    options.content = LayerContent::upward_faces;
-    return options;
-}
-
 /// The regions that upward and downward faces project onto the same planes.
 struct Slabs {
     SliceResult top;
@@ -203,9 +198,10 @@ TEST_CASE("rules of regions follow the union", "[engine][slabs][regions]") {
         {parts, {.largest_only = true}, {left}},
         {parts, {.offset_mm = -2.5}, {}}};
     for (const auto& [mesh, rules, expected] : cases) {
-        SliceOptions options = upward(at_heights({2}));
-        options.region = rules;
-        const SliceResult found = sliced(mesh, options);
+        const SliceResult found = sliced(mesh, {.heights_mm = {{2}},
+                                                .content = LayerContent::upward_faces,
+                                                .frame = {.grid_mm = coarse_unit_mm},
+                                                .region = rules});
         CHECK(contours_at(found, 0) == expected);
         CHECK(found.info.emptied_layers == (expected.empty() ? 1 : 0));
     }
@@ -213,7 +209,7 @@ TEST_CASE("rules of regions follow the union", "[engine][slabs][regions]") {
 
 TEST_CASE("slabs refuse what has no meaning for them", "[engine][slabs][errors]") {
     const shapes::Soup box = shapes::box({0, 0, 0}, {4, 4, 4});
-    SliceOptions options = upward(at_heights({1}));
+    SliceOptions options{.heights_mm = {{1}}, .content = LayerContent::upward_faces};
     const std::vector<Part> parts = {{.mesh = view_of(box)}};
     CHECK_THAT(failure_of(parts, options).message, Catch::Contains("one mesh"));
     CHECK_THAT(failure_of(value_of(prepare(view_of(box))), options).message, Catch::Contains("one mesh"));

@@ -1,5 +1,7 @@
 // Meshes small enough for all their contours to be known and written down; and contours from the segments that a caller
 // passes, with the caller's keys and ranks.
+#include <tuple>
+
 #include "engine/slicing.hpp"
 #include "lamella/layers.hpp"
 #include "oracle/compare.hpp"
@@ -30,19 +32,13 @@ const std::string inner_clockwise = " 4,4 4,11 4,12 11,12 12,12 12,5 12,4 5,4";
 constexpr std::size_t front = 4;  // index of the first triangle of a box's front side
 
 TEST_CASE("the contours of small meshes are known", "[engine][solids]") {
-    struct Case {
-        const char* name;
-        Soup soup;
-        double height_mm;
-        Lines expected;
-    };
     const Soup corner = joined({triangle({0, 0, 0}, {0, 4, 0}, {4, 0, 0}), triangle({0, 0, 0}, {4, 0, 0}, {0, 0, 4}),
                                 triangle({0, 0, 0}, {0, 0, 4}, {0, 4, 0}), triangle({4, 0, 0}, {0, 4, 0}, {0, 0, 4})});
     const Soup sheet = triangle({0, 0, 0}, {4, 0, 0}, {0, 0, 4});
     const std::string outer = "outer + x8 in -:";
     const std::string once = "outer + x3 in -: 0,0 7,0 0,7";
     const std::string islet = " 6,6 7,6 10,6 10,7 10,10 9,10 6,10 6,9";
-    const Case cases[] = {
+    const std::tuple<const char*, Soup, double, Lines> cases[] = {
         {"a cube gives one outer contour", cube, 1, {outer + square}},
         {"two cubes share an edge",
          joined({cube, box({4, 4, 0}, {8, 8, 4})}),
@@ -91,9 +87,9 @@ TEST_CASE("the contours of small meshes are known", "[engine][solids]") {
         {"a box without a lid is closed", without(cube, 2, 2), 1, {outer + square}},
         {"a two-sided sheet is a flat contour", joined({sheet, flipped(sheet)}), 1, {"flat 0 x2 in -: 0,0 7,0"}},
         {"a triangle without width is one point", triangle({1, 1, 0}, {1, 1, 4}, {1, 1, 2}), 1, {"open 0 x1 in -: 2,2"}}};
-    for (const Case& one : cases) {
-        INFO(one.name);
-        CHECK(cut(one.soup, one.height_mm) == one.expected);
+    for (const auto& [name, soup, height_mm, expected] : cases) {
+        INFO(name);
+        CHECK(cut(soup, height_mm) == expected);
     }
 }
 

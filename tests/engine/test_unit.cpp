@@ -17,11 +17,8 @@ MeshScale scale_of(double low, double edge, Number number, double grid_mm = defa
 }
 
 TEST_CASE("the unit by box is the finest power of two that the mesh fits", "[engine][unit]") {
-    SliceOptions options;
-    options.frame.grid_mm = finest_grid;
     for (const double edge : {1e-6, 0.013, 1.0, 3.0, 700.0, 2.5e4, 8e8}) {
-        options.layer_height_mm = edge / 3;
-        const SliceResult result = sliced(shapes::box({0, 0, 0}, {edge, edge, edge}), options);
+        const SliceResult result = sliced(shapes::box({0, 0, 0}, {edge, edge, edge}), uniform(edge / 3, finest_grid));
         INFO("edge " << edge << " mm, unit " << result.info.grid_mm);
         CHECK(std::log2(result.info.grid_mm) == std::round(std::log2(result.info.grid_mm)));
         CHECK(edge <= result.info.grid_mm * (grid_limit - 2));

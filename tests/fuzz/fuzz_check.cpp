@@ -14,12 +14,10 @@ constexpr std::size_t most_triangles = 120;
 
 CheckOptions drawn_options(fuzz::Bytes& bytes) {
     const unsigned choice = bytes.next();
-    CheckOptions options;
-    options.frame.grid_mm = choice % 2 == 0 ? 0 : 1;  // on the coarse grid half of the corners coincide
-    options.tolerance_mm = choice / 2 % 4 * 0.7;
-    options.sliver_ratio = 2 + choice / 8 % 8;
-    options.most_places = choice / 64 * 5;
-    return options;
+    return {.frame = {.grid_mm = choice % 2 == 0 ? 0.0 : 1.0},  // on the coarse grid half of the corners coincide
+            .tolerance_mm = choice / 2 % 4 * 0.7,
+            .sliver_ratio = 2.0 + choice / 8 % 8,
+            .most_places = choice / 64 * 5};
 }
 
 void check_places(const MeshCheck& found, const CheckOptions& options, std::size_t triangles) {

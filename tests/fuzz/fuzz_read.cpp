@@ -59,9 +59,8 @@ void check_slice(const MeshFile& mesh, const MeshCheck& counts) {
     if (mesh.triangle_count > most_triangles || !(height > 0)) {
         return;
     }
-    SliceOptions options;
-    options.layer_height_mm = height / layers;
-    const Result<SliceResult> result = slice(mesh, options, {.threads = 1, .memory_limit_bytes = memory_limit_bytes});
+    const Result<SliceResult> result =
+        slice(mesh, {.layer_height_mm = height / layers}, {.threads = 1, .memory_limit_bytes = memory_limit_bytes});
     if (!result) {
         check_error(result.error());
         return;

@@ -1,6 +1,5 @@
 // Regions of polygons on small lattices and over the whole grid, by every rule. A region must keep its promises, must not
 // depend on the contours' order or starts, must be its own region, and closing must agree with closing everything.
-#include <iterator>
 
 #include "bytes.hpp"
 #include "engine/region_checks.hpp"
@@ -113,9 +112,7 @@ double area_outside(const SliceResult& a, const SliceResult& b) {
         std::reverse(ring.begin(), ring.end());
         rings.push_back(std::move(ring));
     }
-    RegionRules rules;
-    rules.fill_rule = FillRule::positive;
-    return regions::area_of(*region(rings, rules));
+    return regions::area_of(*region(rings, {.fill_rule = FillRule::positive}));
 }
 
 /// What rounding may move: a few units along every edge.
@@ -125,9 +122,7 @@ double rounding_along(const Rings& rings) {
 
 /// What is thinner than a unit may vanish: an edge that was moved can pass a pixel that it did not pass before.
 void check_itself(const SliceResult& made) {
-    RegionRules rules;
-    rules.fill_rule = FillRule::positive;
-    const auto again = region(regions::rings_of(made), rules);
+    const auto again = region(regions::rings_of(made), {.fill_rule = FillRule::positive});
     fuzz::require(regions::difference_of(made, *again) <= rounding_along(regions::rings_of(made)),
                   "a region is its own region");
 }

@@ -18,18 +18,10 @@ namespace {
 
 using std::numbers::pi;
 
-Recipe recipe_of(Shape shape, std::uint64_t triangles, std::uint64_t seed = 1) {
-    return {.shape = shape, .triangles = triangles, .seed = seed};
-}
-
 MeshCheck counts_of(const std::vector<float>& soup) {
     const Result<MeshCheck> counted = check(MeshView::soup(soup), {.counts_only = true});
     REQUIRE(counted.ok());
     return *counted;
-}
-
-double volume(const std::vector<float>& soup) {
-    return counts_of(soup).volume_mm3;
 }
 
 /// Two faces at each edge, which run opposite ways; vertices of neighbours are equal to the bit, and none collapses.
@@ -89,7 +81,7 @@ TEST_CASE("every shape of every size is closed, oriented and has the requested t
     const auto triangles = GENERATE(as<std::uint64_t>{}, 100, 101, 334, 1000, 4321, 20'000, large_mesh);
     const auto seed = GENERATE(as<std::uint64_t>{}, 1, 7);
     CAPTURE(name_of(shape), triangles, seed);
-    const std::vector<float> soup = make_soup(recipe_of(shape, triangles, seed));
+    const std::vector<float> soup = make_soup({.shape = shape, .triangles = triangles, .seed = seed});
     CHECK(soup.size() / 9 == triangles / 2 * 2);
     check_closed(soup);
     CHECK(ascending(soup));
@@ -97,27 +89,20 @@ TEST_CASE("every shape of every size is closed, oriented and has the requested t
 
 TEST_CASE("volumes are near those of the ideal bodies", "[models]") {
     const auto seed = GENERATE(as<std::uint64_t>{}, 1, 2, 3);
-    Recipe recipe = recipe_of(Shape::sphere, 60'000, seed);
-    recipe.height_mm = 40;
-    CHECK(volume(make_soup(recipe)) == Approx(4 * pi / 3 * 20 * 20 * 20).epsilon(0.002));
-    recipe.width_mm = 10;
-    CHECK(volume(make_soup(recipe)) == Approx(4 * pi / 3 * 20 * 5 * 5).epsilon(0.002));
-
-    recipe.shape = Shape::prism;
-    CHECK(volume(make_soup(recipe)) == Approx(pi * 5 * 5 * 40).epsilon(1e-5));
-
-    recipe = recipe_of(Shape::torus, 60'000, seed);
-    recipe.height_mm = 40;
-    CHECK(volume(make_soup(recipe)) == Approx(2 * pi * pi * 18 * 5.6 * 5.6).epsilon(0.01));
+    const auto volume = [&](Shape shape, std::optional<double> width_mm = {}) {
+        const Recipe recipe{.shape = shape, .triangles = 60'000, .height_mm = 40, .width_mm = width_mm, .seed = seed};
+        return counts_of(make_soup(recipe)).volume_mm3;
+    };
+    CHECK(volume(Shape::sphere) == Approx(4 * pi / 3 * 20 * 20 * 20).epsilon(0.002));
+    CHECK(volume(Shape::sphere, 10) == Approx(4 * pi / 3 * 20 * 5 * 5).epsilon(0.002));
+    CHECK(volume(Shape::prism, 10) == Approx(pi * 5 * 5 * 40).epsilon(1e-5));
+    CHECK(volume(Shape::torus) == Approx(2 * pi * pi * 18 * 5.6 * 5.6).epsilon(0.01));
 }
 
 TEST_CASE("a mesh has the requested height and width", "[models]") {
     const Shape shape = any_shape();
     CAPTURE(name_of(shape));
-    Recipe recipe = recipe_of(shape, 40'000);
-    recipe.height_mm = 12;
-    recipe.width_mm = 30;
-    const std::vector<float> soup = make_soup(recipe);
+    const std::vector<float> soup = make_soup({.shape = shape, .triangles = 40'000, .height_mm = 12, .width_mm = 30});
     const auto [low, high] = counts_of(soup).box;
     CHECK(low[2] == Approx(0).margin(0.2));
     CHECK(high[2] == Approx(12).margin(0.2));
@@ -131,9 +116,7 @@ TEST_CASE("the number of crossings is met within 5 %", "[models]") {
     // Fractions of the shape's natural number of crossings, which is the maximum for a prism.
     const double factor = shape == Shape::bone ? GENERATE(0.3, 0.97, 1.4) : GENERATE(0.3, 0.6, 0.97);
     CAPTURE(name_of(shape), factor);
-    Recipe recipe = recipe_of(shape, 50'000);
-    recipe.height_mm = 60;
-    recipe.layer_height_mm = 0.05;
+    Recipe recipe{.shape = shape, .triangles = 50'000, .height_mm = 60, .layer_height_mm = 0.05};
     const auto natural = static_cast<double>(crossings(make_soup(recipe), recipe.layer_height_mm));
     recipe.segments = static_cast<std::uint64_t>(natural * factor);
     const std::vector<float> soup = make_soup(recipe);
@@ -145,9 +128,7 @@ TEST_CASE("the number of crossings is met within 5 %", "[models]") {
 
 TEST_CASE("a file holds the triangles that make_soup gives, and unit normals", "[models]") {
     const TempFolder folder;
-    Recipe recipe;
-    recipe.triangles = 5000;
-    recipe.order = GENERATE(Order::z, Order::random);
+    const Recipe recipe{.triangles = 5000, .order = GENERATE(Order::z, Order::random)};
     REQUIRE(write_stl(recipe, folder / "a.stl").ok());
     REQUIRE(write_stl(recipe, folder / "b.stl").ok());
     CHECK(folder.names().size() == 2);
@@ -173,7 +154,7 @@ TEST_CASE("an invalid recipe is refused and leaves no file", "[models]") {
     const Shape shape = any_shape();
     const TempFolder folder;
     const auto refuses = [&](auto&& spoil) {
-        Recipe bad = recipe_of(shape, 20'000);
+        Recipe bad{.shape = shape, .triangles = 20'000};
         spoil(bad);
         const auto written = write_stl(bad, folder / "mesh.stl");
         return !written && written.error().code == ErrorCode::invalid_argument && make_soup(bad).empty() &&

@@ -36,13 +36,11 @@ struct Ellipsoid {
         const double half = std::sqrt(r / 2);
         const double dy = (y - centre[1]) / radii[1];
         const double dz = z - centre[2];
-        RowQuadric row;
-        row.c = r / 2 * (1 - dy * dy);
-        row.a = half * turn.cos / radii[0];
-        row.b = half * (dz * turn.sin - centre[0] * turn.cos) / radii[0];
-        row.d = -half * turn.sin / radii[2];
-        row.e = half * (dz * turn.cos + centre[0] * turn.sin) / radii[2];
-        return row;
+        return {.c = r / 2 * (1 - dy * dy),
+                .a = half * turn.cos / radii[0],
+                .b = half * (dz * turn.sin - centre[0] * turn.cos) / radii[0],
+                .d = -half * turn.sin / radii[2],
+                .e = half * (dz * turn.cos + centre[0] * turn.sin) / radii[2]};
     }
 };
 

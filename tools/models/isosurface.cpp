@@ -37,17 +37,14 @@ public:
         for (int i = 0; i < std::min(damping_, 2); ++i) {
             excess = std::sqrt(excess);
         }
-        Spacing to;
         if (!goal_.z_extent) {
-            to.dx = from.dx * std::sqrt(excess);
-            to.dz = to.dx * goal_.flatness;
-            return to;
+            const double dx = from.dx * std::sqrt(excess);
+            return {dx, dx * goal_.flatness};
         }
         const double wanted = *goal_.z_extent / goal_.triangles;
         const double mean = size.triangles > 0 ? size.z_extent / size.triangles : wanted;
-        to.dz = from.dz * std::clamp(wanted / mean, 0.2, 5.0);
-        to.dx = from.dx * excess * from.dz / to.dz;
-        return to;
+        const double dz = from.dz * std::clamp(wanted / mean, 0.2, 5.0);
+        return {from.dx * excess * from.dz / dz, dz};
     }
 
 private:
@@ -88,10 +85,8 @@ Choice choose_spacing(Field& field, const Goal& goal) {
     double aim = 0.993;
     Correction correction(goal);
     // Starts from four triangles per square of a lattice step and three units of area.
-    Spacing spacing;
-    spacing.dx = std::sqrt(4 * 3 / (goal.triangles * goal.flatness));
-    spacing.dz = spacing.dx * goal.flatness;
-    spacing = {std::min(spacing.dx, field.half_y), std::min(spacing.dz, 0.5)};
+    const double dx = std::sqrt(4 * 3 / (goal.triangles * goal.flatness));
+    Spacing spacing{std::min(dx, field.half_y), std::min(dx * goal.flatness, 0.5)};
     for (int i = 0; i < most_samples && spacing.dz * 4 * sampled_slabs < 1 && sensible(field, spacing); ++i) {
         const auto stride = static_cast<std::uint32_t>(1 / (spacing.dz * sampled_slabs));
         const SurfaceSize size = measure(field, lattice_around(field, spacing.dx, spacing.dz), stride, extents);

@@ -54,12 +54,10 @@ lamella::FillRule rule_of(Mode mode) {
 // The host dilates by closing_radius and erodes by closing_radius - extra_offset; with a larger extra_offset it only
 // dilates.
 lamella::RegionRules rules_of(const MeshSlicingParamsEx& params, Mode mode) {
-    lamella::RegionRules rules;
-    rules.fill_rule = rule_of(mode);
-    rules.drop_collinear = true;
-    rules.offset_mm = params.extra_offset * frame_per_mm;
-    rules.closing_mm = params.closing_radius >= params.extra_offset ? params.closing_radius * frame_per_mm : 0;
-    return rules;
+    return {.fill_rule = rule_of(mode),
+            .closing_mm = params.closing_radius >= params.extra_offset ? params.closing_radius * frame_per_mm : 0,
+            .offset_mm = params.extra_offset * frame_per_mm,
+            .drop_collinear = true};
 }
 
 Polygons polygons_of(const lamella::LayerView& layer, Mode mode) {

@@ -169,9 +169,7 @@ void declare_mm(CLI::App& command, const OptionLine& line, Number& value) {
     add_limited(command, line, "MM", [&value](double mm) { value = mm; });
 }
 
-void declare_optional_mm(CLI::App& command, const OptionLine& line, std::optional<double>& value) {
-    declare_mm(command, line, value);
-}
+constexpr auto declare_optional_mm = declare_mm<std::optional<double>>;
 
 void declare_flag(CLI::App& command, const OptionLine& line, bool& value) {
     command.add_flag(line.flag, value, line.help);

@@ -9,15 +9,17 @@
 #
 # PIN=LIST pins the whole process to these cores (taskset -c LIST). FILTER=REGEX runs only the benchmarks that match,
 # FILTER=-REGEX only those that do not. The medians of all others stay, if they were measured on the same machine.
+# RESULTS=FOLDER puts medians and plot there, and leaves bench/README.md as it is.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source tools/packages.sh
 
 size=full
-results=bench/results
+results=${RESULTS:-bench/results}
 runs=build/bench-runs
 cache=build/bench-models
 readme=(bench/README.md)
+[[ -z "${RESULTS:-}" ]] || readme=()
 triangles=1000000
 if [[ "${1:-}" == --quick ]]; then
     size=quick
@@ -29,6 +31,11 @@ if [[ "${1:-}" == --quick ]]; then
 elif (($# > 0)); then
     stop "usage: bench/run.sh [--quick]"
 fi
+
+# wanted NAME: true if FILTER asks for that benchmark.
+wanted() {
+    if [[ "${FILTER:-}" == -* ]]; then [[ ! "$1" =~ ${FILTER#-} ]]; else [[ "$1" =~ ${FILTER:-.} ]]; fi
+}
 
 stage() { printf '\n== %s (%d s so far)\n' "$1" "$SECONDS"; }
 
@@ -64,9 +71,10 @@ for mesh in ../shared/models/{liver,femur,brain}.stl "$cache"/{scan,figure,skull
     name=$(basename "$mesh" .stl)
     [[ -e "$mesh" ]] || continue
     for band_planes in 0 16 1; do
-        build/bench/lamella_peak "peak/$name/bands_$band_planes/threads:2" "$mesh" 0.032 2 "$band_planes" contours
+        ! wanted "peak/$name/bands_$band_planes/threads:2" ||
+            build/bench/lamella_peak "peak/$name/bands_$band_planes/threads:2" "$mesh" 0.032 2 "$band_planes" contours
     done
-    [[ $name == figure || $name == skull ]] || for _ in {1..15}; do
+    [[ $name == figure || $name == skull ]] || ! wanted "first/$name/slice/threads:2" || for _ in {1..15}; do
         "${pin[@]}" build/bench/lamella_first "first/$name/slice/threads:2" "$mesh" 0.032 2 0 contours
     done
 done > "$runs/once.jsonl"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <thread>
 
 #include "base/parallel.hpp"
 #include "lamella/io.hpp"
@@ -90,7 +89,7 @@ struct Maker {
             real.name = "instead_of_" + name;
         }
         real.from_file = true;
-        real.hosts = real.regions = name != "hip_femur";
+        real.hosts = real.regions = real.partition = name != "hip_femur";
         if (there || known) {
             cases.push_back(real);
         }
@@ -111,6 +110,7 @@ struct Maker {
         Case bone = from_recipe(name, recipe);
         bone.from_file = order == models::Order::z;
         bone.hosts = name == "scan";
+        bone.partition = bone.from_file;
         cases.push_back(bone);
         if (bone.hosts) {
             add_irregular(bone);
@@ -148,7 +148,7 @@ struct Maker {
 }  // namespace
 
 std::vector<int> thread_counts() {
-    const int most = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+    const int most = Parallel().threads();  // that this process may use
     std::vector<int> counts;
     for (int threads = 1; threads < most; threads *= 2) {
         counts.push_back(threads);

@@ -1,6 +1,7 @@
 // Which meshes are sliced, at which planes, and what is known of the answer.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -20,6 +21,8 @@ struct Options {
     std::filesystem::path cache = "bench-models";  ///< generated meshes are kept here from run to run
     std::filesystem::path shared;                  ///< folder of real meshes, if there are any
     bool quick = false;                            ///< a hundredth of all sizes, to test the benchmarks
+    /// See add_partition(): GB/s of a core, GB/s and cores of a socket, us to wake a thread, GB/s of fresh pages.
+    std::array<double, 5> modelled{20, 400, 64, 20, 10};
 };
 
 /// 1, 2, 4, ... and all cores.
@@ -64,6 +67,7 @@ struct Case {
     std::uint64_t segments = 0;   ///< stated number, checked within 5 %; 0: not stated
     bool from_file = false;       ///< end to end from a file too
     bool hosts = false;           ///< the calls that hosts make too
+    bool partition = false;       ///< the speed-up that more threads than there are would allow too
     bool regions = false;         ///< with regions too
     int only_threads = 0;         ///< 0: every thread count
     std::optional<KnownAnswer> known{};

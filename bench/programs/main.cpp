@@ -23,6 +23,9 @@ void add_all(const Options& options) {
         if (each.hosts) {
             add_hosts(options, each);
         }
+        if (each.partition) {
+            add_partition(options, each);
+        }
         if (each.regions) {
             add_slices_with_regions(options, each);
         }
@@ -40,6 +43,9 @@ int main(int count, char** words) try {
     others.add_option("--cache", options.cache, "Folder in which generated meshes are kept");
     others.add_option("--shared", options.shared, "Folder of real meshes");
     others.add_flag("--quick", options.quick, "A hundredth of all sizes, to test the benchmarks");
+    others.add_option(
+        "--modelled", options.modelled,
+        "Machine of partition/: GB/s of a core, GB/s and cores of a socket, us to wake a thread, GB/s of fresh pages");
     CLI11_PARSE(others, count, words);
     lamella::bench::add_all(options);
     benchmark::RunSpecifiedBenchmarks();

@@ -81,5 +81,6 @@ void add_regions(const Options& options);
 void add_nesting(const Options& options);
 void add_reads(const Options& options);
 void add_masks(const Options& options);
+void add_partition(const Options& options, const Case& wanted);
 
 }  // namespace lamella::bench

@@ -13,6 +13,7 @@ from readme_table import Bars, fitted_exponent, markdown_table, number, ratio, r
 from summary import Results
 
 REAL = ("liver", "femur", "brain", "hip_femur", "scan", "scan_shuffled", "figure", "skull")
+STAGES = ("measure", "count", "scatter", "sweep", "place", "serial")  # of bench_partition.cpp
 
 
 def on(threads):
@@ -170,9 +171,38 @@ def masks(results, bars):
     return markdown_table(["way", "threads", "wall time", "processor time", "G voxels/s", "of processor time"], rows)
 
 
+def partition(results, bars):
+    """The speed-up that bands and shares allow, and where the time of 64 threads goes."""
+    held = {**dict.fromkeys(("scan", "figure", "skull"), {64: 45, 128: 80}), "brain": {32: 24}, "liver": {32: 12}}
+    gains, times, counts = [], [], (2, 4, 8, 16, 32, 64, 128)
+    for case in results.cases("partition"):
+        of = {threads: results.figure(f"partition/{case}/modelled", 1, f"speedup_{threads}") for threads in counts}
+        share, known = (results.figure(f"partition/{case}/modelled", 1, key) for key in ("serial_share", "accounted_for"))
+        beyond = min(of[64], of[128]) / of[32]
+        gains.append([case, *(bars.least(number(of[threads]), of[threads], held.get(case, {}).get(threads)) for threads in counts),
+                      bars.least(f"{beyond:.2f}", beyond, 1 if case == "liver" else None),
+                      bars.most(f"{100 * share:.2f} %", share, 0.003 if case == "scan" else None), f"{known:.2f}"])
+        stages = [results.figure(f"partition/{case}/modelled", 1, f"{stage}_64") for stage in STAGES]
+        times.append([case, *(number(each) for each in (*stages, sum(stages)))])
+    return "\n\n".join([
+        markdown_table(["case", *(f"{threads} thr." for threads in counts), "least beyond 32 over that at 32", "serial at 1 thread",
+                        "accounted for"], gains),
+        markdown_table(["us on 64 threads", *STAGES, "all"], times)])
+
+
+def cores(results, bars):
+    count, rows = int(results.context["cores"]), []
+    for case in results.cases("cores"):
+        over = [results.figure(f"cores/{case}/times_{times}", times * count, "over") for times in (2, 4, 8)]
+        beside, alone = (results.figure(f"cores/{case}/neighbour", count, key) for key in ("over", "alone_ms"))
+        rows.append([case, f"{alone:.1f} ms", *(bars.most(f"{each:.2f}", each, 1.1) for each in over), bars.most(f"{beside:.2f}", beside, 1.6)])
+    heads = [f"{times * count} threads over that (at most 1.1)" for times in (2, 4, 8)]
+    return markdown_table(["mesh", f"{on(count)}, {count} cores", *heads, "beside a spinning process (at most 1.6)"], rows)
+
+
 # By name of the marks: what must have been measured, and the tables.
 SECTIONS = {"figures": (["end_to_end"], figures), "regions": (["regions", "region"], regions), "hosts": (["host", "first"], hosts),
-            "masks": (["mask"], masks)}
+            "masks": (["mask"], masks), "partition": (["partition"], partition), "cores": (["cores"], cores)}
 
 
 def draw_scaling(results, path):

@@ -58,7 +58,7 @@ class Results:
         self.context, rows = summary["context"], summary["medians"]
         self.errors = [(row["name"], error) for row in rows for error in row["errors"]]
         self._rows = {row["name"]: row for row in rows}
-        self.thread_counts = sorted({int(name.rsplit(":", 1)[1]) for name in self._rows if name.startswith("end_to_end/")})
+        self.thread_counts = sorted({int(name.rsplit(":", 1)[1]) for name in self._rows if name.startswith(("bandwidth/", "end_to_end/"))})
 
     def figure(self, name, threads, key="real_time"):
         return self._rows.get(f"{name}/threads:{threads}", {}).get(key)

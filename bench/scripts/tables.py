@@ -207,13 +207,13 @@ SECTIONS = {"figures": (["end_to_end"], figures), "regions": (["regions", "regio
 
 def draw_scaling(results, path):
     counts, context = results.thread_counts, results.context
-    strong = {case: [(threads, ratio(results.ms(case, 1), results.ms(case, threads))) for threads in counts]
+    strong = {case: [(threads, ratio(results.ms(case, 1) / threads, results.ms(case, threads))) for threads in counts]
               for case in (*REAL, "columns_planes1", "columns_planes4", "prism_planes1", "prism_planes4") if results.ms(case, counts[-1])}
     weak = [(threads, ratio(results.ms("weak_1", 1), results.ms(f"weak_{threads}", threads))) for threads in counts]
     save(path, [
-        Panel("strong scaling, measured", "threads", "speed-up", strong, [(count, count) for count in counts]),
+        Panel("strong scaling, measured", "threads", "efficiency", strong, [(count, 1) for count in counts], (2, None), 1.2),
         Panel("weak scaling, measured", "threads", "efficiency", {"1 M triangles a thread": [point for point in weak if point[1]]},
-              [(count, 1) for count in counts], top=1.2)],
+              [(count, 1) for count in counts], (2, None), 1.2)],
         heading=f"{context['processor']}, {context['cores']} cores, {context['compiler']}\n{context['flags']}; {context['pinning']}")
 
 

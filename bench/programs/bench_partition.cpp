@@ -9,6 +9,7 @@
 #include <bit>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <numeric>
 #include <queue>
 #include <string>
@@ -140,9 +141,10 @@ std::vector<Run> record(Prepared& of, int threads) {
     const auto slice_once = [&] {
         checked(slice_tuned(of.slicer, of.result, of.mesh->view(), of.plan.options, of.plan.tuning, quiet));
     };
-    const detail::SlicerImpl& kept = detail::SlicerImpl::of(of.slicer, hooked, of.plan.tuning);
-    kept.parallel->begin_stage(1, Recorder::most_runs);  // slices do not come to its end
-    slice_once();                                        // warms: of the stage's first run, not all is reported
+    detail::SlicerImpl& kept = detail::SlicerImpl::of(of.slicer, hooked, of.plan.tuning);
+    kept.parallel = std::make_unique<Parallel>(hooked);  // whose stage slices do not come to the end of
+    kept.parallel->begin_stage(1, Recorder::most_runs);
+    slice_once();  // warms; and of a stage's first run, not all is reported
     std::vector<Run> runs = recorder.runs_of(slice_once);
     repeat([&] { keep_least(runs, recorder.runs_of(slice_once)); });
     describe(runs, of, kept);

@@ -79,6 +79,22 @@ for mesh in ../shared/models/{liver,femur,brain}.stl "$cache"/{scan,figure,skull
     done
 done > "$runs/once.jsonl"
 
+stage "crowded cores"
+affinity=$("${pin[@]}" bash -c 'taskset -cp $$')
+cores=$("${pin[@]}" nproc)
+for mesh in ../shared/models/{liver,brain}.stl "$cache"/scan.stl; do
+    name=$(basename "$mesh" .stl)
+    [[ -e "$mesh" ]] && wanted "cores/$name/" || continue
+    for _ in {1..5}; do
+        for times in 1 2 4 8; do
+            "${pin[@]}" build/bench/lamella_first "cores/$name/times_$times/threads:$cores" "$mesh" 0.032 $((times * cores)) 0 contours
+        done
+        taskset -c "$(grep -oE '[0-9]+' <<< "${affinity#*:}" | head -n 1)" timeout 60 sh -c 'while :; do :; done' &
+        "${pin[@]}" build/bench/lamella_first "cores/$name/neighbour/threads:$cores" "$mesh" 0.032 "$cores" 0 contours
+        kill $! && wait $! 2> /dev/null || true
+    done
+done >> "$runs/once.jsonl"
+
 stage "tables and plot"
 add=()
 [[ -z "${FILTER:-}" ]] || add=(--add)

@@ -1,9 +1,4 @@
-// Times slicing from a triangle soup in memory, or from an STL file in the page cache, to the finished result; and where
-// threads have no core each.
-#include <sched.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
-
+// Times slicing from a triangle soup in memory, or from an STL file in the page cache, to the finished result.
 #include "measure.hpp"
 
 namespace lamella::bench {
@@ -45,59 +40,6 @@ Figures time_file(benchmark::State& state, Prepared& of, int threads) {
         state, of, mesh.file_bytes, threads, [&] { mesh = MeshFile(); }, read_and_slice);
 }
 
-/// A process that spins on a core while it is let.
-class Neighbour {
-public:
-    Neighbour() : process_(fork()) {
-        if (process_ == 0) {
-            prctl(PR_SET_PDEATHSIG, SIGKILL);
-            cpu_set_t own;
-            CPU_ZERO(&own);
-            CPU_SET(sched_getcpu(), &own);
-            sched_setaffinity(0, sizeof own, &own);
-            for (volatile bool spins = true; spins;) {
-            }
-        }
-    }
-    ~Neighbour() {
-        kill(process_, SIGKILL);
-        waitpid(process_, nullptr, 0);
-    }
-    Neighbour(const Neighbour&) = delete;
-    Neighbour& operator=(const Neighbour&) = delete;
-
-    void let(bool spin) const { kill(process_, spin ? SIGCONT : SIGSTOP); }
-
-private:
-    pid_t process_;
-};
-
-/// Slices on `threads` threads take turns with slices on as many as cores; beside the former a neighbour spins, or not.
-Figures time_crowded(Prepared& of, int threads, bool with_neighbour) {
-    const Neighbour neighbour;
-    Slicer others;  // keeps its threads
-    const auto slice = [&](Slicer& slicer, int count, bool spin) {
-        neighbour.let(spin);
-        checked(slice_tuned(slicer, of.result, of.mesh->view(), of.plan.options, of.plan.tuning, {.threads = count}));
-    };
-    const Figures ms = medians_of({{"alone", [&] { slice(of.slicer, thread_counts().back(), false); }},
-                                   {"pressed", [&] { slice(others, threads, with_neighbour); }}},
-                                  9);
-    return {{"alone_ms", ms.at("alone")}, {"over", ms.at("pressed") / ms.at("alone")}};
-}
-
-void add_crowded(const Options& options, const Case& wanted) {
-    const int cores = thread_counts().back();
-    const auto add = [&](const std::string& variant, int threads) {
-        add_benchmark(options, "cores/" + wanted.name + "/" + variant, threads,
-                      [=](benchmark::State&) { return time_crowded(prepared(wanted), threads, variant == "neighbour"); });
-    };
-    for (const int times : {2, 4, 8}) {
-        add("times_" + std::to_string(times), times * cores);
-    }
-    add("neighbour", cores);
-}
-
 }  // namespace
 
 void add_end_to_end(const Options& options, const Case& wanted) {
@@ -116,9 +58,6 @@ void add_end_to_end(const Options& options, const Case& wanted) {
         if (wanted.from_file) {
             add("file_read", time_file);
         }
-    }
-    if (wanted.hosts) {
-        add_crowded(options, wanted);
     }
 }
 

@@ -12,6 +12,7 @@
 #include <memory>
 #include <numeric>
 #include <queue>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -89,47 +90,35 @@ void repeat(const Work& work) {
     }
 }
 
-void keep_least(std::vector<Run>& least, const std::vector<Run>& runs) {
-    for (std::size_t r = 0; r < runs.size(); ++r) {
-        least[r].before = std::min(least[r].before, runs[r].before);
-        for (std::size_t i = 0; i < runs[r].tasks.size(); ++i) {
-            least[r].tasks[i] = std::min(least[r].tasks[i], runs[r].tasks[i]);
-        }
-    }
-}
-
 /// The runs of a slice in their order: measure and count; for each tier scatter and sweep; layers and contours.
 void describe(std::vector<Run>& runs, const Prepared& of, const detail::SlicerImpl& kept) {
     std::size_t next = 0;
     const auto add = [&](const char* stage, std::uint64_t bytes, std::uint64_t fresh) {
-        if (next == runs.size()) {
-            fail("a slice has fewer stages than the model");
-        }
+        runs.resize(std::max(runs.size(), next + 1));
         runs[next].stage = stage;
         runs[next].bytes = static_cast<double>(bytes);
         runs[next++].fresh = static_cast<double>(fresh);
     };
-    const auto bytes_meeting = [&kept](PlaneRange planes) {
-        const Array<CrossedBlock>& blocks = kept.buckets.crossed;
-        const auto meets = [&](const CrossedBlock& block) { return block.planes.meets(planes); };
-        return static_cast<std::uint64_t>(std::count_if(blocks.begin(), blocks.end(), meets)) * block_triangles * 36;
-    };
+    constexpr std::uint64_t triangle = 9 * sizeof(float);
+    const std::size_t found = runs.size();
+    const Array<CrossedBlock>& blocks = kept.buckets.crossed;
+    const auto is_read = [](const CrossedBlock& block) { return block.mask != 0; };
     add("measure", of.mesh->bytes(), 0);
-    add("count", bytes_meeting({0, kept.planes.size()}), 0);
+    add("count",
+        triangle * block_triangles * static_cast<std::uint64_t>(std::count_if(blocks.begin(), blocks.end(), is_read)), 0);
     for (const Tier& tier : kept.bands.tiers) {
         const std::uint64_t records = tier.records * sizeof(CrossedTriangle);
-        std::uint64_t points = 0;
-        for (std::size_t band = tier.first_band; band < tier.last_band; ++band) {
-            points += kept.bands.bands[band].segments * sizeof(Point);
-        }
-        add("scatter", bytes_meeting(tier.planes) + records, tier.planes.first == 0 ? records : 0);
+        const std::span<const Band> bands(kept.bands.bands.data() + tier.first_band, tier.last_band - tier.first_band);
+        const auto add_up = [](std::uint64_t sum, const Band& band) { return sum + band.segments * sizeof(Point); };
+        const std::uint64_t points = std::accumulate(bands.begin(), bands.end(), std::uint64_t{0}, add_up);
+        add("scatter", tier.records * triangle + records, tier.planes.first == 0 ? records : 0);
         add("sweep", records + points, points);
     }
     add("place", of.info.layers * sizeof(Layer), of.info.layers * sizeof(Layer));
     add("place", 2 * of.info.contours * sizeof(Contour), of.info.contours * sizeof(Contour));
     add("serial", 0, 0);
-    if (next < runs.size()) {
-        fail("a slice has more stages than the model");
+    if (next != found) {
+        fail("a slice has other stages than the model");
     }
 }
 
@@ -146,7 +135,15 @@ std::vector<Run> record(Prepared& of, int threads) {
     kept.parallel->begin_stage(1, Recorder::most_runs);
     slice_once();  // warms; and of a stage's first run, not all is reported
     std::vector<Run> runs = recorder.runs_of(slice_once);
-    repeat([&] { keep_least(runs, recorder.runs_of(slice_once)); });
+    repeat([&] {
+        const std::vector<Run> again = recorder.runs_of(slice_once);
+        for (std::size_t r = 0; r < runs.size(); ++r) {
+            std::vector<double>& least = runs[r].tasks;
+            runs[r].before = std::min(runs[r].before, again[r].before);
+            std::transform(least.begin(), least.end(), again[r].tasks.begin(), least.begin(),
+                           [](double a, double b) { return std::min(a, b); });
+        }
+    });
     describe(runs, of, kept);
     return runs;
 }

@@ -193,9 +193,10 @@ def partition(results, bars):
 def cores(results, bars):
     count, rows = int(results.context["cores"]), []
     for case in results.cases("cores"):
-        over = [results.figure(f"cores/{case}/times_{times}", times * count, "over") for times in (2, 4, 8)]
-        beside, alone = (results.figure(f"cores/{case}/neighbour", count, key) for key in ("over", "alone_ms"))
-        rows.append([case, f"{alone:.1f} ms", *(bars.most(f"{each:.2f}", each, 1.1) for each in over), bars.most(f"{beside:.2f}", beside, 1.6)])
+        alone, *times, beside = (results.figure(f"cores/{case}/{variant}", count, "warm_ms")
+                                 for variant in ("times_1", "times_2", "times_4", "times_8", "neighbour"))
+        rows.append([case, f"{alone:.1f} ms", *(bars.most(f"{each / alone:.2f}", each / alone, 1.1) for each in times),
+                     bars.most(f"{beside / alone:.2f}", beside / alone, 1.6)])
     heads = [f"{times * count} threads over that (at most 1.1)" for times in (2, 4, 8)]
     return markdown_table(["mesh", f"{on(count)}, {count} cores", *heads, "beside a spinning process (at most 1.6)"], rows)
 

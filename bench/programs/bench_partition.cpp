@@ -190,7 +190,6 @@ double total(const Figures& times) {
 Figures run_partition(Prepared& of, const Machine& machine) {
     constexpr int most_threads = 128;
     constexpr Machine free{1e9, 1e9, 1, 0, 1e9};
-    of.check(2);
     double slice_s = std::numeric_limits<double>::infinity();
     repeat([&] { slice_s = std::min(slice_s, seconds_of([&] { of.slice(1); })); });
     const std::vector<Run> two = record(of, 2);
@@ -199,6 +198,7 @@ Figures run_partition(Prepared& of, const Machine& machine) {
     const double one_s = total(modelled(record(of, 1), free, 1)) + total(modelled(two, machine, 1)) - total(alone);
     Figures figures{{"accounted_for", total(alone) / slice_s}, {"serial_share", alone.at("serial") / total(alone)}};
     for (int threads = 2; threads <= most_threads; threads *= 2) {
+        of.check(threads);
         const Figures times = modelled(threads == 2 ? two : record(of, threads), machine, threads);
         const std::string end = "_" + std::to_string(threads);
         figures["speedup" + end] = one_s / total(times);

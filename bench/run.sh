@@ -21,6 +21,7 @@ cache=build/bench-models
 readme=(bench/README.md)
 [[ -z "${RESULTS:-}" ]] || readme=()
 triangles=1000000
+rounds=5
 if [[ "${1:-}" == --quick ]]; then
     size=quick
     results=build/bench-quick
@@ -28,6 +29,7 @@ if [[ "${1:-}" == --quick ]]; then
     cache=build/bench-models/quick
     readme=()
     triangles=10000
+    rounds=1
 elif (($# > 0)); then
     stop "usage: bench/run.sh [--quick]"
 fi
@@ -85,7 +87,7 @@ cores=$("${pin[@]}" nproc)
 for mesh in ../shared/models/{liver,brain}.stl "$cache"/scan.stl; do
     name=$(basename "$mesh" .stl)
     [[ -e "$mesh" ]] && wanted "cores/$name/" || continue
-    for _ in {1..5}; do
+    for ((round = 0; round < rounds; ++round)); do
         for times in 1 2 4 8; do
             "${pin[@]}" build/bench/lamella_first "cores/$name/times_$times/threads:$cores" "$mesh" 0.032 $((times * cores)) 0 contours
         done

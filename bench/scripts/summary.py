@@ -76,7 +76,8 @@ class Results:
 
 def main():
     build, run, results, sizes = sys.argv[1:5]
-    runs = [row for row in json.loads(pathlib.Path(run, "bench.json").read_text())["benchmarks"] if row["run_type"] != "aggregate"]
+    text = pathlib.Path(run, "bench.json").read_text() or '{"benchmarks": []}'  # empty if the filter matched none
+    runs = [row for row in json.loads(text)["benchmarks"] if row["run_type"] != "aggregate"]
     runs += map(json.loads, pathlib.Path(run, "once.jsonl").read_text().splitlines())
     summary = {"context": context_of(build, sizes), "medians": list(medians(runs))}
     path = pathlib.Path(results, "summary.json")

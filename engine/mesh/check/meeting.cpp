@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cstddef>
+#include <cstdlib>
 
 #include "base/numbers.hpp"
 
@@ -16,6 +17,52 @@ namespace {
 
 constexpr std::size_t next(std::size_t i) {
     return i == 2 ? 0 : i + 1;
+}
+
+/// A triangle as it is seen along an axis; exact, as products of two differences fit 64 bits.
+class View {
+public:
+    View(const ExactFace& face, std::size_t axis) noexcept {
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::array<std::int64_t, 3> numbers = {face.corners[i].x, face.corners[i].y, face.corners[i].z};
+            corners_[i] = {numbers[next(axis)], numbers[next(next(axis))]};
+        }
+    }
+
+    /// A line along one of the sides parts this from the other.
+    bool has_parting_side(const View& other) const noexcept {
+        const std::int64_t area = side_of(0, corners_[2]);
+        for (std::size_t i = 0; i < 3 && area != 0; ++i) {
+            const auto [low, high] =
+                std::minmax({side_of(i, other.corners_[0]), side_of(i, other.corners_[1]), side_of(i, other.corners_[2])});
+            if (area > 0 ? high < 0 : low > 0) {
+                return true;
+            }
+        }
+        return false;
+    }
+
+private:
+    using Corner = std::array<std::int64_t, 2>;
+
+    /// Positive if p lies left of the side from corner i.
+    std::int64_t side_of(std::size_t i, const Corner& p) const noexcept {
+        const Corner& from = corners_[i];
+        const Corner& to = corners_[next(i)];
+        return (to[0] - from[0]) * (p[1] - from[1]) - (to[1] - from[1]) * (p[0] - from[0]);
+    }
+
+    std::array<Corner, 3> corners_;
+};
+
+/// Faces that lie side by side in a surface are parted as seen along the axis that their normals are nearest to: four in
+/// five of those whose boxes meet.
+bool are_parted_in_view(const ExactFace& a, const ExactFace& b) noexcept {
+    const std::array<std::int64_t, 3> sizes = {std::abs(a.normal.x), std::abs(a.normal.y), std::abs(a.normal.z)};
+    const auto axis = static_cast<std::size_t>(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
+    const View of_a(a, axis);
+    const View of_b(b, axis);
+    return of_a.has_parting_side(of_b) || of_b.has_parting_side(of_a);
 }
 
 GridVector side_from(const ExactFace& face, std::size_t corner) {
@@ -118,6 +165,9 @@ bool contains(const ExactFace& face, const GridVector& p) noexcept {
 Meeting meet(const ExactFace& a, const ExactFace& b) noexcept {
     assert(a.has_area() && b.has_area());
     const Shared shared(a, b);
+    if (shared.count == 0 && are_parted_in_view(a, b)) {
+        return Meeting::none;
+    }
     const Sides of_b(a, b);
     const bool one_plane = of_b.above + of_b.below == 0;
     if (of_b.part(shared.count) || (shared.count == 2 && !one_plane)) {

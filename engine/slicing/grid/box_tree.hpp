@@ -153,24 +153,51 @@ public:
     /// Ends when that has cost `limit`; returns what it cost.
     template <class Visit>
     std::size_t search_pairs(std::size_t group, std::size_t limit, Visit visit) const {
-        const Block& own = block(0, group);
-        const GridBox<Corner> query = own.all();
+        const GridBox<Corner> query = block(0, group).all();
         const auto enter = [&](const Block& block) { return block.meets(query); };
-        return descend(enter, group, limit, [&](std::size_t leaf, LaneBits met) {
-            std::size_t pairs = 0;
-            each_lane(met, [&](std::size_t lane) {
-                const LaneBits before = leaf == group ? (LaneBits{1} << lane) - 1 : all_eight;
-                if (const LaneBits bits = own.meets(block(0, leaf)[lane]) & before; bits != 0) {
-                    visit(leaf * fan + lane, bits);
-                    pairs += static_cast<std::size_t>(std::popcount(bits));
-                }
-            });
-            return fan * fan + visit_cost * pairs;
+        std::array<std::size_t, others_at_once + fan> others;  // boxes of leaves that meet the query
+        std::size_t count = 0;
+        const std::size_t cost = descend(enter, group, limit, [&](std::size_t leaf, LaneBits met) {
+            count = append_lanes(met, leaf * fan, others.data(), count);
+            const std::size_t visits =
+                count >= others_at_once ? visit_pairs(group, others, std::exchange(count, 0), visit) : 0;
+            return fan * fan + visits;
         });
+        return cost + visit_pairs(group, others, count, visit);
     }
 
 private:
-    static constexpr std::size_t deepest = 11;  ///< 8^11 exceeds 2^32
+    static constexpr std::size_t deepest = 11;         ///< 8^11 exceeds 2^32
+    static constexpr std::size_t others_at_once = 56;  ///< of one search
+
+    /// Appends first + lane for each bit that is set. Has room for all eight; a branch on each bit would be mispredicted.
+    static std::size_t append_lanes(LaneBits bits, std::size_t first, std::size_t* to, std::size_t count) noexcept {
+        for (std::size_t lane = 0; lane < fan; ++lane) {
+            to[count] = first + lane;
+            count += bits >> lane & 1U;
+        }
+        return count;
+    }
+
+    /// Returns what it cost.
+    template <class Others, class Visit>
+    std::size_t visit_pairs(std::size_t group, const Others& others, std::size_t count, const Visit& visit) const {
+        const Block& own = block(0, group);
+        std::array<std::pair<std::size_t, LaneBits>, std::tuple_size_v<Others>> met;
+        std::size_t met_count = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::size_t lane = others[i] % fan;
+            const LaneBits before = others[i] / fan == group ? (LaneBits{1} << lane) - 1 : all_eight;
+            met[met_count] = {others[i], own.meets(block(0, others[i] / fan)[lane]) & before};
+            met_count += met[met_count].second != 0 ? 1U : 0U;
+        }
+        std::size_t pairs = 0;
+        for (std::size_t i = 0; i < met_count; ++i) {
+            visit(met[i].first, met[i].second);
+            pairs += static_cast<std::size_t>(std::popcount(met[i].second));
+        }
+        return visit_cost * pairs;
+    }
 
     /// run(blocks, fill) calls fill(begin, end) for ranges of all blocks of a level.
     template <class BoxAt, class Run>
@@ -213,7 +240,7 @@ private:
             std::size_t level;
             std::size_t block;
         };
-        std::array<Node, deepest * fan> stack;
+        std::array<Node, deepest * fan + 1> stack;
         std::size_t depth = 0;
         std::size_t cost = 0;
         stack[depth++] = {levels_ - 1, 0};
@@ -225,12 +252,12 @@ private:
                 cost += visit(number, met);
                 continue;
             }
-            each_lane(met, [&, level = level, number = number](std::size_t lane) {
+            const std::size_t least = first >> (3 * (level - 1));
+            for (std::size_t lane = 0; lane < fan; ++lane) {  // without a branch, as in append_lanes()
                 const std::size_t child = number * fan + lane;
-                if (child >= first >> (3 * (level - 1))) {
-                    stack[depth++] = {level - 1, child};
-                }
-            });
+                stack[depth] = {level - 1, child};
+                depth += child >= least ? met >> lane & 1U : 0U;
+            }
         }
         return cost;
     }

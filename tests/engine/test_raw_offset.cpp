@@ -210,38 +210,6 @@ TEST_CASE("raw offsets of a few corners are known", "[engine][raw_offset]") {
     CHECK(winding(offset_of(spiked, -500).points, {2000, 2000}) == 1);
 }
 
-TEST_CASE("all forms of the offset's kernels agree with the portable form", "[engine][raw_offset][kernels]") {
-    std::mt19937 random(4);
-    struct Measured {
-        explicit Measured(std::size_t count) : numbers(5 * (count + 1)), miters(count) {}
-        std::vector<double> numbers;
-        Ring miters;
-        double least = 0;
-    };
-    const auto measured = [](const OffsetKernels& form, const Ring& ring, double distance) {
-        const std::size_t each = ring.size() + 1;
-        Measured result(ring.size());
-        double* const at = result.numbers.data();
-        const OffsetEdges edges{at, at + each, at + 2 * each};
-        form.edges(ring.data(), ring.size(), edges);
-        result.least =
-            form.corners(ring.data(), ring.size(), edges, distance, {at + 3 * each, at + 4 * each, result.miters.data()});
-        return result;
-    };
-    for (const auto& [needs, form] : supported(offset_kernel_forms())) {
-        for (int round = 0; round < 300; ++round) {
-            const double size = round % 2 == 0 ? 1e3 : 1e8;
-            const Ring ring = simple_ring(random, size);
-            const double distance = between(random, -2, 2) * size;
-            const Measured result = measured(form, ring, distance);
-            const Measured expected = measured(portable_of(offset_kernel_forms()), ring, distance);
-            CHECK(result.numbers == expected.numbers);
-            CHECK(result.miters == expected.miters);
-            CHECK(result.least == expected.least);
-        }
-    }
-}
-
 TEST_CASE("the positive region of a curve is solid, rectangles and wedges", "[engine][raw_offset]") {
     const double size = 1e6;
     std::mt19937 random(1);

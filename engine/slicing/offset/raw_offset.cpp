@@ -12,11 +12,18 @@ namespace {
 
 constexpr double just_outside = grid_limit + 1.0;
 
-// --- Portable
+}  // namespace
 
-/// Edges from `from` on.
-void measure_edges_from(std::size_t from, const Point* points, std::size_t count, const OffsetEdges& edges) {
-    for (std::size_t i = from; i < count; ++i) {
+Point rounded_to_grid(double x, double y) noexcept {
+    return {round_to_int(std::max(-just_outside, std::min(just_outside, x))),
+            round_to_int(std::max(-just_outside, std::min(just_outside, y)))};
+}
+
+namespace {
+
+/// count + 1 edges. Precondition: consecutive points differ.
+void measure_edges(const Point* points, std::size_t count, const OffsetEdges& edges) {
+    for (std::size_t i = 0; i < count; ++i) {
         const Point a = points[i];
         const Point b = points[i + 1 < count ? i + 1 : 0];
         const double dx = static_cast<double>(b.x) - a.x;
@@ -32,10 +39,11 @@ void measure_edges_from(std::size_t from, const Point* points, std::size_t count
     edges.length[0] = edges.length[count];
 }
 
-/// Corners from `from` on. Returns the least of theirs and `least`.
-double measure_corners_from(std::size_t from, double least, const Point* points, std::size_t count, const OffsetEdges& edges,
-                            double distance, const OffsetCorners& corners) {
-    for (std::size_t i = from; i < count; ++i) {
+/// `count` corners, as if none passed the limit. Returns the least 1 + cos theta.
+double measure_corners(const Point* points, std::size_t count, const OffsetEdges& edges, double distance,
+                       const OffsetCorners& corners) {
+    double least = 2;
+    for (std::size_t i = 0; i < count; ++i) {
         const double ux1 = edges.ux[i];
         const double uy1 = edges.uy[i];
         const double ux2 = edges.ux[i + 1];
@@ -49,113 +57,6 @@ double measure_corners_from(std::size_t from, double least, const Point* points,
     }
     return least;
 }
-
-void measure_edges_portable(const Point* points, std::size_t count, const OffsetEdges& edges) {
-    measure_edges_from(0, points, count, edges);
-}
-
-double measure_corners_portable(const Point* points, std::size_t count, const OffsetEdges& edges, double distance,
-                                const OffsetCorners& corners) {
-    return measure_corners_from(0, 2.0, points, count, edges, distance, corners);
-}
-
-constexpr OffsetKernels offset_portable{measure_edges_portable, measure_corners_portable};
-
-#ifdef LAMELLA_X86_FORMS
-
-// --- AVX2: four points a step
-
-/// Four points' coordinates, as numbers of 64 bits in the order 0 2 1 3.
-struct FourPlaces {
-    __m256d x;
-    __m256d y;
-};
-
-LAMELLA_AVX2_INLINE FourPlaces load_places(const Point* at) {
-    const auto* from = reinterpret_cast<const __m128i*>(at);
-    const __m256d first = _mm256_cvtepi32_pd(_mm_loadu_si128(from));
-    const __m256d second = _mm256_cvtepi32_pd(_mm_loadu_si128(from + 1));
-    return {_mm256_unpacklo_pd(first, second), _mm256_unpackhi_pd(first, second)};
-}
-
-/// From the order 0 2 1 3 to that of memory.
-LAMELLA_AVX2_INLINE __m256d in_order(__m256d v) {
-    return _mm256_permute4x64_pd(v, 0xD8);
-}
-
-LAMELLA_AVX2 void measure_edges_avx2(const Point* points, std::size_t count, const OffsetEdges& edges) {
-    std::size_t i = 0;
-    for (; i + 5 <= count; i += 4) {
-        const FourPlaces a = load_places(points + i);
-        const FourPlaces b = load_places(points + i + 1);
-        const __m256d dx = in_order(_mm256_sub_pd(b.x, a.x));
-        const __m256d dy = in_order(_mm256_sub_pd(b.y, a.y));
-        const __m256d length = _mm256_sqrt_pd(_mm256_add_pd(_mm256_mul_pd(dx, dx), _mm256_mul_pd(dy, dy)));
-        const __m256d per_length = _mm256_div_pd(_mm256_set1_pd(1.0), length);
-        _mm256_storeu_pd(edges.ux + i + 1, _mm256_mul_pd(dx, per_length));
-        _mm256_storeu_pd(edges.uy + i + 1, _mm256_mul_pd(dy, per_length));
-        _mm256_storeu_pd(edges.length + i + 1, length);
-    }
-    measure_edges_from(i, points, count, edges);
-}
-
-LAMELLA_AVX2_INLINE __m128i four_rounded(__m256d v) {
-    const __m256d outside = _mm256_set1_pd(just_outside);
-    return _mm256_cvtpd_epi32(_mm256_max_pd(_mm256_set1_pd(-just_outside), _mm256_min_pd(outside, v)));
-}
-
-LAMELLA_AVX2 double measure_corners_avx2(const Point* points, std::size_t count, const OffsetEdges& edges, double distance,
-                                         const OffsetCorners& corners) {
-    __m256d least = _mm256_set1_pd(2.0);
-    std::size_t i = 0;
-    for (; i + 4 <= count; i += 4) {
-        const __m256d ux1 = _mm256_loadu_pd(edges.ux + i);
-        const __m256d uy1 = _mm256_loadu_pd(edges.uy + i);
-        const __m256d ux2 = _mm256_loadu_pd(edges.ux + i + 1);
-        const __m256d uy2 = _mm256_loadu_pd(edges.uy + i + 1);
-        const __m256d cosine = _mm256_add_pd(_mm256_mul_pd(ux1, ux2), _mm256_mul_pd(uy1, uy2));
-        const __m256d cosine1 = _mm256_add_pd(_mm256_set1_pd(1.0), cosine);
-        const __m256d scale =
-            _mm256_div_pd(_mm256_set1_pd(distance), _mm256_max_pd(cosine1, _mm256_set1_pd(sharpest_cosine1)));
-        const __m256d sine = _mm256_sub_pd(_mm256_mul_pd(ux1, uy2), _mm256_mul_pd(uy1, ux2));
-        _mm256_storeu_pd(corners.added + i, _mm256_mul_pd(scale, sine));
-        _mm256_storeu_pd(corners.cosine1 + i, cosine1);
-        const FourPlaces v = load_places(points + i);
-        const __m256d x = _mm256_add_pd(in_order(v.x), _mm256_mul_pd(scale, _mm256_add_pd(uy1, uy2)));
-        const __m256d y = _mm256_sub_pd(in_order(v.y), _mm256_mul_pd(scale, _mm256_add_pd(ux1, ux2)));
-        const __m128i xs = four_rounded(x);
-        const __m128i ys = four_rounded(y);
-        auto* out = reinterpret_cast<__m128i*>(corners.miter + i);
-        _mm_storeu_si128(out, _mm_unpacklo_epi32(xs, ys));
-        _mm_storeu_si128(out + 1, _mm_unpackhi_epi32(xs, ys));
-        least = _mm256_min_pd(least, cosine1);
-    }
-    const __m128d two = _mm_min_pd(_mm256_castpd256_pd128(least), _mm256_extractf128_pd(least, 1));
-    const double one = _mm_cvtsd_f64(_mm_min_sd(two, _mm_unpackhi_pd(two, two)));
-    return measure_corners_from(i, one, points, count, edges, distance, corners);
-}
-
-constexpr OffsetKernels offset_avx2{measure_edges_avx2, measure_corners_avx2};
-
-#endif
-
-}  // namespace
-
-Point rounded_to_grid(double x, double y) noexcept {
-    return {round_to_int(std::max(-just_outside, std::min(just_outside, x))),
-            round_to_int(std::max(-just_outside, std::min(just_outside, y)))};
-}
-
-std::span<const Form<OffsetKernels>> offset_kernel_forms() noexcept {
-    static constexpr Form<OffsetKernels> forms[] = {
-#ifdef LAMELLA_X86_FORMS
-        {InstructionSet::avx2, offset_avx2},
-#endif
-        {InstructionSet::portable, offset_portable}};
-    return forms;
-}
-
-namespace {
 
 /// The length that an inner corner too sharp to trim takes off: longer than any edge.
 constexpr double beyond_any_edge = 1e12;
@@ -258,8 +159,8 @@ RawCurve RawOffset::append(std::span<const Point> contour, double distance, doub
     reserve(count);
     RawCurve curve;
     curve.first_point = points_.size();
-    kernels_.edges(contour.data(), count, edges_);
-    const bool sharp = kernels_.corners(contour.data(), count, edges_, distance, corners_) < shape.least_cosine1;
+    measure_edges(contour.data(), count, edges_);
+    const bool sharp = measure_corners(contour.data(), count, edges_, distance, corners_) < shape.least_cosine1;
     if (sharp) {
         settle_sharp_corners(contour, shape, curve);
     }

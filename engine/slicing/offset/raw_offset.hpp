@@ -68,15 +68,11 @@
 #include <cstdint>
 #include <span>
 
-#include "base/dispatch.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "lamella/grid.hpp"
 
 namespace lamella {
-
-// The loops over every edge and corner of a contour that is offset, in forms for several instruction sets. All forms give
-// the same bytes: the same operations in the same order, without contraction.
 
 /// 1 + cos theta of a turn whose miter is 1,000 distances long. The miters of sharper corners are not computed: too few
 /// digits of them would be right.
@@ -94,17 +90,6 @@ struct OffsetCorners {
     double* cosine1;  ///< 1 + the cosine of the turn
     Point* miter;
 };
-
-struct OffsetKernels {
-    /// count + 1 edges. Precondition: consecutive points differ.
-    void (*edges)(const Point* points, std::size_t count, const OffsetEdges& edges);
-    /// `count` corners, as if none passed the limit. Returns the least 1 + cos theta.
-    double (*corners)(const Point* points, std::size_t count, const OffsetEdges& edges, double distance,
-                      const OffsetCorners& corners);
-};
-
-/// Ordered as best_of() expects.
-std::span<const Form<OffsetKernels>> offset_kernel_forms() noexcept;
 
 /// The nearest point of the grid; beyond it, the nearest of those just outside.
 Point rounded_to_grid(double x, double y) noexcept;
@@ -158,7 +143,6 @@ private:
     Point* write_corner(std::span<const Point> contour, std::size_t corner, const Shape& shape, Point* out) const;
 
     Worker& worker_;
-    const OffsetKernels& kernels_ = best_of(offset_kernel_forms(), worker_.instructions());
     Vector<double> numbers_{worker_.memory()};  // what edges_ and corners_ point to
     Vector<Point> miters_{worker_.memory()};
     OffsetEdges edges_{};

@@ -35,6 +35,8 @@ struct Run {
     std::string stage{};
     double bytes = 0;  ///< moved between memory and cores
     double fresh = 0;  ///< of pages that a first slice touches first
+
+    std::size_t count() const noexcept { return tasks.size() + (workers == 1 ? 1 : 0); }
 };
 
 /// Takes the times of the tasks of slices. As an executor it calls one worker, which does them all; and Parallel reports the
@@ -90,35 +92,42 @@ void repeat(const Work& work) {
     }
 }
 
-/// The runs of a slice in their order: measure and count; for each tier scatter and sweep; layers and contours.
+/// The runs of a slice in their order: measure, count and sums over planes; for each tier scatter, seeds and sweep; layers
+/// and contours.
 void describe(std::vector<Run>& runs, const Prepared& of, const detail::SlicerImpl& kept) {
     std::size_t next = 0;
     const auto add = [&](const char* stage, std::uint64_t bytes, std::uint64_t fresh) {
-        runs.resize(std::max(runs.size(), next + 1));
+        if (next == runs.size()) {
+            fail("a slice has other stages than the model: " + std::to_string(next) + " of " + std::to_string(runs.size()));
+        }
         runs[next].stage = stage;
         runs[next].bytes = static_cast<double>(bytes);
         runs[next++].fresh = static_cast<double>(fresh);
     };
     constexpr std::uint64_t triangle = 9 * sizeof(float);
-    const std::size_t found = runs.size();
     const Array<CrossedBlock>& blocks = kept.buckets.crossed;
     const auto is_read = [](const CrossedBlock& block) { return block.mask != 0; };
     add("measure", of.mesh->bytes(), 0);
     add("count",
         triangle * block_triangles * static_cast<std::uint64_t>(std::count_if(blocks.begin(), blocks.end(), is_read)), 0);
+    add("count", 0, 0);
+    add("count", 0, 0);
     for (const Tier& tier : kept.bands.tiers) {
         const std::uint64_t records = tier.records * sizeof(CrossedTriangle);
         const std::span<const Band> bands(kept.bands.bands.data() + tier.first_band, tier.last_band - tier.first_band);
         const auto add_up = [](std::uint64_t sum, const Band& band) { return sum + band.segments * sizeof(Point); };
         const std::uint64_t points = std::accumulate(bands.begin(), bands.end(), std::uint64_t{0}, add_up);
         add("scatter", tier.records * triangle + records, tier.planes.first == 0 ? records : 0);
+        while (next < runs.size() && runs[next].count() != bands.size()) {
+            add("scatter", 0, 0);
+        }
         add("sweep", records + points, points);
     }
     add("place", of.info.layers * sizeof(Layer), of.info.layers * sizeof(Layer));
     add("place", 2 * of.info.contours * sizeof(Contour), of.info.contours * sizeof(Contour));
     add("serial", 0, 0);
-    if (next != found) {
-        fail("a slice has other stages than the model");
+    if (next != runs.size()) {
+        fail("a slice has other stages than the model: " + std::to_string(next) + " of " + std::to_string(runs.size()));
     }
 }
 

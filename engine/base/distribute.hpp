@@ -11,18 +11,20 @@
 #include <vector>
 
 #include "base/parallel.hpp"
+#include "base/vector.hpp"
 #include "lamella/array.hpp"
 
 namespace lamella {
 
-/// Items in parts; within a part they keep the order in which they came.
+/// Items in parts; within a part they keep the order in which they came. Its memory is kept from use to use.
 template <class T>
 class Distributed {
 public:
     explicit Distributed(const Memory* memory) noexcept : items(memory) {}
 
     Array<T> items;
-    std::vector<std::size_t> firsts;  ///< by part, and the end of the last
+    Vector<std::size_t> firsts{items.memory()};   ///< by part, and the end of the last
+    Vector<std::size_t> cursors{items.memory()};  ///< scratch of distribute(): first a count, then where the next item goes
 
     std::size_t size() const noexcept { return firsts.size() - 1; }
     std::span<T> of(std::size_t part) noexcept {
@@ -54,22 +56,20 @@ inline std::size_t ranges_for(std::size_t count, const Parallel& parallel) noexc
 /// the same again when it is called again. The items' memory comes from `memory`; beside them 8 bytes a part for each 2^16
 /// of `count`. Throws std::bad_alloc.
 template <class T, class Each>
-Distributed<T> distribute(std::size_t count, std::size_t parts, const Parallel& parallel, Each each,
-                          const Memory* memory = nullptr) {
+void distribute(std::size_t count, std::size_t parts, const Parallel& parallel, Each each, Distributed<T>& sorted) {
     const std::size_t ranges = ranges_for(count, parallel);
     const auto first = [&](std::size_t range) { return count * range / ranges; };
-    std::vector<std::size_t> cursors(ranges * parts, 0);  // first a count, then where the next item goes
+    sorted.cursors.assign(ranges * parts, 0);
     parallel.run(ranges, [&](std::size_t range, int) {
-        std::size_t* const own = cursors.data() + range * parts;
+        std::size_t* const own = sorted.cursors.data() + range * parts;
         each(first(range), first(range + 1), [&](std::size_t part, const T&) { ++own[part]; });
     });
-    Distributed<T> sorted(memory);
     sorted.firsts.resize(parts + 1);
     std::size_t sum = 0;
     for (std::size_t part = 0; part < parts; ++part) {
         sorted.firsts[part] = sum;
         for (std::size_t range = 0; range < ranges; ++range) {
-            sum += std::exchange(cursors[range * parts + part], sum);
+            sum += std::exchange(sorted.cursors[range * parts + part], sum);
         }
     }
     sorted.firsts[parts] = sum;
@@ -77,9 +77,17 @@ Distributed<T> distribute(std::size_t count, std::size_t parts, const Parallel& 
     T* const items = sorted.items.data();
     touch_pages(reinterpret_cast<std::byte*>(items), sum * sizeof(T), parallel);
     parallel.run(ranges, [&](std::size_t range, int) {
-        std::size_t* const own = cursors.data() + range * parts;
+        std::size_t* const own = sorted.cursors.data() + range * parts;
         each(first(range), first(range + 1), [&](std::size_t part, const T& item) { items[own[part]++] = item; });
     });
+}
+
+/// The same, made anew.
+template <class T, class Each>
+Distributed<T> distribute(std::size_t count, std::size_t parts, const Parallel& parallel, Each each,
+                          const Memory* memory = nullptr) {
+    Distributed<T> sorted(memory);
+    distribute(count, parts, parallel, each, sorted);
     return sorted;
 }
 

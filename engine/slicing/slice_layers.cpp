@@ -64,7 +64,7 @@ public:
         }
         WidePlane wide(kept_.memory, kept_.instructions, parallel_, rules_);
         const std::uint64_t start = ticks();
-        if (!wide.build(kept_.bands.bands[band].first, kept_.bands.seeds_of(band), kept_.buckets, kept_.planes, output)) {
+        if (!wide.build(kept_.bands.bands[band].first, kept_.bands.seeds.of(band), kept_.buckets, kept_.planes, output)) {
             return false;
         }
         const std::uint64_t spent = ticks() - start;
@@ -134,7 +134,7 @@ void scatter(TriangleSource& source, const Tier& tier, const SliceCall& call) {
     detail::SlicerImpl& kept = call.kept;
     BandPlan& bands = kept.bands;
     const std::size_t reaching = source.scatter(tier.planes, bands.band_end, bands.reaching.span(), call.options.origins);
-    bands.find_seeds(kept.planes.size(), reaching, kept.parallel->stop());
+    bands.find_seeds(kept.planes.size(), reaching, *kept.parallel);
 }
 
 }  // namespace
@@ -213,7 +213,7 @@ void slice_layers(TriangleSource& source, LayerTarget* target, const SliceCall& 
     target->begin(plan);
     const auto sweep = [&](std::size_t band, int worker, BandOutput& output) {
         if (!sweeps.sweep_wide(band, output)) {
-            sweeps.of(worker).run(bands[band], kept.bands.seeds_of(band), kept.buckets, kept.planes, call.tuning.form,
+            sweeps.of(worker).run(bands[band], kept.bands.seeds.of(band), kept.buckets, kept.planes, call.tuning.form,
                                   parallel.stop(), output);
         }
         const std::uint64_t done = segments_done += bands[band].segments;

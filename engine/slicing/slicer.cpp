@@ -171,7 +171,7 @@ bool SlicerImpl::holds_too_much() const noexcept {
     return (sweeps_made_regions && !last_made_regions) || std::any_of(sweeps.begin(), sweeps.end(), is_large) ||
            buckets.records.capacity() > 2 * bands.most_records() ||
            any_has_slack(buckets.lowest_corners, buckets.list_begin, buckets.crossed, buckets.counters,
-                         buckets.blocks.blocks, buckets.vertices, bands.reaching, bands.seeds);
+                         buckets.blocks.blocks, buckets.vertices, bands.reaching, bands.seeds.items);
 }
 
 }  // namespace detail

@@ -107,8 +107,8 @@ void BandPlan::cut_tiers(const Buckets& buckets, PlaneIndex planes, bool asked) 
     }
 }
 
-/// Bands of `most_planes` planes, or by their work where that is 0. Of several tiers, in each of which threads wait for the
-/// last band, they become smaller towards the end.
+/// Bands of `most_planes` planes, or by their work where that is 0. Many threads get more bands than seeds would pay for.
+/// Of several tiers, in each of which threads wait for the last band, they become smaller towards the end.
 void BandPlan::cut_once(const Buckets& buckets, PlaneIndex planes, std::uint64_t most_planes, int threads,
                         std::uint64_t most_segments) {
     bands.clear();
@@ -121,7 +121,8 @@ void BandPlan::cut_once(const Buckets& buckets, PlaneIndex planes, std::uint64_t
     };
     const std::uint64_t all_work = work_in({0, planes});
     // Several bands for each thread even out those that take longer; on one thread they only serve the cache.
-    const std::uint64_t share = std::max(all_work / (16 * static_cast<std::uint64_t>(threads)) + 1, least_work);
+    const auto shares = static_cast<std::uint64_t>(threads);
+    const std::uint64_t share = std::max(all_work / (16 * shares) + 1, least_work);
     Band band{0, 0, 0, false};
     Tier* tier = tiers.data();
     std::uint64_t left = work_in(tier->planes);  // of the tier, from the band's first plane on
@@ -132,9 +133,9 @@ void BandPlan::cut_once(const Buckets& buckets, PlaneIndex planes, std::uint64_t
         const std::uint64_t segments = buckets.segments[plane];
         const std::uint64_t most =
             std::clamp(work_per_seed * segments, std::min(share, least_segments), std::max(share, least_segments));
-        const std::uint64_t enough = threads == 1 || tiers.size() == 1
-                                         ? most
-                                         : std::clamp(left / (2 * static_cast<std::uint64_t>(threads)), most / 8, most);
+        const std::uint64_t fair = (tiers.size() == 1 ? all_work / 3 : left / 2) / shares;
+        const std::uint64_t least = std::min(std::max(most / 8, 8 * least_work), most);
+        const std::uint64_t enough = threads == 1 ? most : std::clamp(fair, least, most);
         ended += most_active - std::min(most_active, segments);
         const bool is_sparse = ended / ended_per_segment > least_work + segments_per_entry * buckets.reaching_into(plane);
         const bool has_points = band.segments >= most_segments || segments > most_segments - band.segments;
@@ -164,33 +165,25 @@ void BandPlan::cut_once(const Buckets& buckets, PlaneIndex planes, std::uint64_t
     tier->last_band = bands.size();
 }
 
-void BandPlan::find_seeds(PlaneIndex planes, std::size_t reaching_count, const StopCheck& stop) {
+void BandPlan::find_seeds(PlaneIndex planes, std::size_t reaching_count, const Parallel& parallel) {
     constexpr std::size_t seed_work = 4;  // its place waits for memory
-    StopPace pace;
-    pace.follow(stop);
-    const std::span<const Reaching> found{reaching.data(), reaching_count};
     band_of_.resize(planes);
     for (std::uint32_t b = 0; b < bands.size(); ++b) {
         std::fill(band_of_.begin() + bands[b].first, band_of_.begin() + bands[b].last, b);
     }
-    const auto each_seed = [&](auto use) {
-        pace.in_stretches(0, found.size(), 1, [&](std::size_t begin, std::size_t end) {
-            for (const Reaching& triangle : found.subspan(begin, end - begin)) {
-                const std::uint32_t first = band_of_[triangle.first] + 1;
-                const std::uint32_t last = band_of_[triangle.last - 1];
-                for (std::uint32_t b = first; b <= last; ++b) {
-                    use(b, triangle.record);
-                }
-                pace.spend(seed_work * (last + 1 - first));
+    const auto each_seed = [&](std::size_t begin, std::size_t end, const auto& use) {
+        StopPace pace;
+        pace.follow(parallel.stop());
+        for (const Reaching& triangle : reaching.span().subspan(begin, end - begin)) {
+            const std::uint32_t first = band_of_[triangle.first] + 1;
+            const std::uint32_t last = band_of_[triangle.last - 1];
+            for (std::uint32_t b = first; b <= last; ++b) {
+                use(b, triangle.record);
             }
-        });
+            pace.spend(1 + seed_work * (last + 1 - first));
+        }
     };
-    seed_begin.assign(bands.size() + 1, 0);
-    each_seed([&](std::uint32_t b, std::uint32_t /*record*/) { ++seed_begin[b + 1]; });
-    std::partial_sum(seed_begin.begin(), seed_begin.end(), seed_begin.begin());
-    seeds.resize_discarding(seed_begin.back());
-    next_seed_ = seed_begin;
-    each_seed([&](std::uint32_t b, std::uint32_t record) { seeds[next_seed_[b]++] = record; });
+    distribute(reaching_count, bands.size(), parallel, each_seed, seeds);
     if (tiers.size() == 1) {
         give_back_many(reaching);
     }
@@ -198,7 +191,7 @@ void BandPlan::find_seeds(PlaneIndex planes, std::size_t reaching_count, const S
 
 void BandPlan::forget_many_seeds() {
     give_back_many(reaching);
-    give_back_many(seeds);
+    give_back_many(seeds.items);
 }
 
 }  // namespace lamella

@@ -10,6 +10,7 @@
 #include <limits>
 #include <span>
 
+#include "base/distribute.hpp"
 #include "base/vector.hpp"
 #include "slicing/buckets/triangle_source.hpp"
 
@@ -41,16 +42,12 @@ public:
     Vector<Tier> tiers{memory_};           ///< all bands, in their order
     Vector<PlaneIndex> band_end{memory_};  ///< k + 1: the end of each plane's band, and k
     Array<Reaching> reaching{memory_};  ///< room for the triangles that scatter_triangles() finds to reach beyond their band
-    Vector<std::uint64_t> seed_begin{memory_};  ///< bands + 1: where each band's seeds begin
-    Array<std::uint32_t> seeds{memory_};        ///< indices of records
+    Distributed<std::uint32_t> seeds{memory_};  ///< indices of records, by band
 
     /// Of a tier.
     std::uint64_t most_records() const noexcept {
         const auto fewer = [](const Tier& a, const Tier& b) { return a.records < b.records; };
         return tiers.empty() ? 0 : std::max_element(tiers.begin(), tiers.end(), fewer)->records;
-    }
-    std::span<const std::uint32_t> seeds_of(std::size_t band) const noexcept {
-        return {seeds.data() + seed_begin[band], seeds.data() + seed_begin[band + 1]};
     }
 
     /// Cuts the planes into bands of about equal work if `asked_planes` is 0, and ends a band where so many of its edges
@@ -63,8 +60,8 @@ public:
     static constexpr std::uint64_t no_limit = std::numeric_limits<std::uint64_t>::max();
 
     /// Finds every band's seeds in the first `reaching_count` of `reaching`. O(k + reaching_count + seeds); a seed has at
-    /// least one segment in its band. Throws Stopped where `stop` asks for it.
-    void find_seeds(PlaneIndex planes, std::size_t reaching_count, const StopCheck& stop = {});
+    /// least one segment in its band. Throws Stopped.
+    void find_seeds(PlaneIndex planes, std::size_t reaching_count, const Parallel& parallel);
 
     /// Releases the memory of the seeds if it is large. To be called when all bands are swept.
     void forget_many_seeds();
@@ -75,9 +72,7 @@ private:
 
     void cut_tiers(const Buckets& buckets, PlaneIndex planes, bool asked);
 
-    // scratch of find_seeds()
-    Vector<std::uint32_t> band_of_{memory_};  // of each plane
-    Vector<std::uint64_t> next_seed_{memory_};
+    Vector<std::uint32_t> band_of_{memory_};  // of each plane; scratch of find_seeds()
 };
 
 }  // namespace lamella

@@ -32,13 +32,13 @@ struct ThreadShares {
 
     ThreadShares(std::size_t triangle_count, const Parallel& parallel)
         : triangles(triangle_count),
-          count(std::min<std::size_t>(static_cast<std::size_t>(parallel.threads()), (triangle_count >> 12) + 1)) {}
+          count(std::min<std::size_t>(static_cast<std::size_t>(parallel.threads()), (triangle_count >> 11) + 1)) {}
     std::size_t blocks() const noexcept { return block_count(triangles); }
 
     /// Calls use(begin, end) for every block of a share. Each millisecond or sooner the host is asked whether to end.
     template <class Use>
     void for_each_block(std::size_t share, const Parallel& parallel, Use use) const {
-        constexpr std::size_t stripe_blocks = 64;
+        const std::size_t stripe_blocks = std::clamp<std::size_t>(blocks() / (8 * count), 1, 64);
         for (std::size_t stripe = share; stripe * stripe_blocks < blocks(); stripe += count) {
             parallel.stop_if_asked();
             const std::size_t end_block = std::min((stripe + 1) * stripe_blocks, blocks());
@@ -95,23 +95,41 @@ CrossedBlock count_each(const Read& read, std::size_t begin, std::size_t end, bo
     return block;
 }
 
-/// Turns counts into where lists begin, for all and for each share, and sums up the segments.
-inline void sum_up(std::size_t planes, std::size_t shares, Buckets& buckets) {
+/// Turns counts into where lists begin, for all and for each share, and sums up the segments: for each plane, then over all.
+inline void sum_up(std::size_t planes, std::size_t shares, const Parallel& parallel, Buckets& buckets) {
+    const auto each_plane = [&](const auto& use) {
+        const std::size_t grain = (std::size_t{1} << 14) / shares + 1;
+        parallel.run_ranges(planes, grain, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t plane = begin; plane < end; ++plane) {
+                use(plane);
+            }
+        });
+    };
+    each_plane([&](std::size_t plane) {
+        std::uint32_t starting = 0;
+        std::uint32_t ended = 0;
+        for (std::size_t share = 0; share < shares; ++share) {
+            starting += counters_of(buckets, share, planes, 0)[plane];
+            ended += counters_of(buckets, share, planes, 1)[plane];
+        }
+        buckets.list_begin[plane] = starting;
+        buckets.segments[plane] = starting - ended;  // modulo 2^32, as is their sum
+    });
     std::uint32_t begin = 0;
-    std::int64_t active = 0;
+    std::uint32_t active = 0;
     buckets.segment_count = 0;
     for (std::size_t plane = 0; plane < planes; ++plane) {
-        buckets.list_begin[plane] = begin;
-        for (std::size_t share = 0; share < shares; ++share) {
-            std::uint32_t& starting = counters_of(buckets, share, planes, 0)[plane];
-            active += starting;
-            active -= counters_of(buckets, share, planes, 1)[plane];
-            begin += std::exchange(starting, begin);
-        }
-        buckets.segments[plane] = static_cast<std::uint32_t>(active);
-        buckets.segment_count += static_cast<std::uint64_t>(active);
+        begin += std::exchange(buckets.list_begin[plane], begin);
+        active = buckets.segments[plane] += active;
+        buckets.segment_count += active;
     }
     buckets.list_begin[planes] = begin;
+    each_plane([&](std::size_t plane) {
+        std::uint32_t next = buckets.list_begin[plane];
+        for (std::size_t share = 0; share < shares; ++share) {
+            next += std::exchange(counters_of(buckets, share, planes, 0)[plane], next);
+        }
+    });
 }
 
 /// The first read: count_block(begin, end, counts) counts triangles [begin, end), at most 64, and returns what is kept of
@@ -133,7 +151,7 @@ void count_blocks(const ThreadShares& shares, const Parallel& parallel, std::siz
     });
     buckets.degenerate = 0;
     degenerate.for_each([&buckets](std::uint64_t of_share) { buckets.degenerate += of_share; });
-    sum_up(planes, shares.count, buckets);
+    sum_up(planes, shares.count, parallel, buckets);
 }
 
 /// Writes down triangles that reach beyond their bands, a buffer at a time: cores that write side by side wait for each

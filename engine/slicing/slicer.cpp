@@ -212,14 +212,14 @@ Result<PreparedMesh> prepare(const MeshView& mesh, const Frame& frame, const Con
     return guarded(context, [&]() -> Result<PreparedMesh> {
         const Parallel parallel(context);
         parallel.begin_stage(1, 5);
-        auto made = std::make_unique<detail::PreparedImpl>(context.memory);
+        auto made = std::make_unique<detail::PreparedImpl>(mesh, context.memory);
         made->frame = choose_frame(mesh, frame, true, {}, parallel);
         made->bounds = made->frame.bounds;
         made->asked = frame;
         made->asked_grid_mm = frame.grid_mm;
         made->asked.grid_mm = made->frame.unit.mm;
-        made->build(mesh, parallel);
-        if (made->triangles.empty()) {
+        made->build(parallel);
+        if (made->order.empty()) {
             made->frame.bounds = {};  // the box of nothing chooses no planes
         }
         parallel.finish();

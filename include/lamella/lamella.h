@@ -382,7 +382,7 @@ LAMELLA_C_API int32_t lamella_slice_to(lamella_slicer* slicer, const lamella_des
 LAMELLA_C_API int32_t lamella_outline(lamella_slicer* slicer, const lamella_source* from, const lamella_options* options,
                                       const lamella_context* context, lamella_info* info, lamella_error* error);
 
-/* Of `options` those of the frame are used. */
+/* Of `options` those of the frame are used. What the mesh views must outlive the handle, unchanged. */
 LAMELLA_C_API int32_t lamella_prepare(const lamella_mesh* mesh, const lamella_options* options,
                                       const lamella_context* context, lamella_prepared** prepared, lamella_error* error);
 LAMELLA_C_API uint64_t lamella_prepared_bytes(const lamella_prepared* prepared);

@@ -80,8 +80,8 @@ public:
 
     /// The memory that it holds.
     std::size_t bytes() const noexcept;
-    /// Gives all memory back if the last call needed much less of it, as after one of a much larger mesh: at most about twice
-    /// what a new Slicer would hold after the last call stays.
+    /// Gives all memory back if the last call needed much less of it, as after one of a much larger mesh: at most about
+    /// twice what a new Slicer would hold after the last call stays.
     void trim() noexcept;
     /// Gives all memory back: before the host's Memory that it came from goes. Where the memory of a call is another than
     /// that of the call before, what is kept of the other is given back first.

@@ -40,9 +40,10 @@ struct PreparedImpl;
 class SourceImpl;
 }  // namespace detail
 
-/// A mesh on its grid, ordered by height: one plane reads little more than the triangles that it cuts, where a MeshView is
-/// read whole. Immutable: any number of threads may slice it at once, each with a Slicer of its own. The MeshView that it
-/// was made of is not needed any more. One that was moved from may only be assigned to or destroyed.
+/// A mesh with the order of its triangles by height: one plane reads little more than the triangles that it cuts, where a
+/// MeshView is read whole. Immutable: any number of threads may slice it at once, each with a Slicer of its own. What the
+/// MeshView that it was made of views must outlive it, unchanged. One that was moved from may only be assigned to or
+/// destroyed.
 class PreparedMesh {
 public:
     explicit PreparedMesh(std::unique_ptr<const detail::PreparedImpl> impl) noexcept;
@@ -52,7 +53,7 @@ public:
 
     /// As given to prepare(), with the grid that was chosen. A slice's own frame is this one, or left out.
     const Frame& frame() const noexcept;
-    /// The memory that it holds: 48 bytes a triangle and about a fiftieth of a byte more for each.
+    /// The memory that it holds beside the mesh: 4 bytes a triangle and about an eighth of a byte more for each.
     std::size_t bytes() const noexcept;
 
 private:
@@ -107,7 +108,7 @@ struct Part {
 inline Source::Source(std::span<const Part> parts, int /*made of parts*/) noexcept
     : parts_(parts.data()), part_count_(parts.size()), is_parts_(true) {}
 
-/// O(n) for n triangles, of which the mesh is read three times. Takes 48 bytes a triangle from the context's memory, which
+/// O(n) for n triangles, of which the mesh is read four times. Takes 4 bytes a triangle from the context's memory, which
 /// it holds until its end, and while it works some more for its lists. A mesh without triangles is prepared too; slicing it
 /// needs SliceOptions::allow_empty. Errors: invalid_argument, bad_coordinate (with the triangle), out_of_memory, cancelled.
 Result<PreparedMesh> prepare(const MeshView& mesh, const Frame& frame = {}, const Context& context = {}) noexcept;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <limits>
 
 #include "base/distribute.hpp"
 #include "slicing/buckets/thread_shares.hpp"
@@ -13,8 +12,6 @@ namespace lamella {
 namespace {
 
 using Range = detail::PreparedImpl::Range;
-
-constexpr std::size_t group = 64;
 
 /// Which cell a triangle belongs to: numbered level by level, from the lowest cell of the lowest level up.
 class Cells {
@@ -50,45 +47,21 @@ private:
     std::size_t count_ = 0;
 };
 
-template <class Item, class RangeOf>
-void join_ranges(const Array<Item>& items, const Parallel& parallel, Array<Range>& ranges, RangeOf range_of) {
-    constexpr std::size_t ranges_a_task = 256;
-    ranges.resize_discarding((items.size() + group - 1) / group);
-    parallel.run_ranges(ranges.size(), ranges_a_task, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t r = begin; r < end; ++r) {
-            Range all{std::numeric_limits<std::int32_t>::max(), std::numeric_limits<std::int32_t>::min()};
-            for (std::size_t i = r * group; i < std::min((r + 1) * group, items.size()); ++i) {
-                const Range own = range_of(items[i]);
-                all = {std::min(all.low, own.low), std::max(all.high, own.high)};
-            }
-            ranges[r] = all;
-        }
-    });
+Range range_of(const GridTriangle& v) noexcept {
+    const auto [low, high] = std::minmax({v[0].z, v[1].z, v[2].z});
+    return {low, high};
 }
 
-/// A triangle that is not degenerate, as count_each() and write_each() read it.
-struct PreparedTriangle {
-    const CrossedTriangle* from;
-    const PlaneSet* all_planes;
-
-    static bool is_degenerate() noexcept { return false; }
-    PlaneRange planes() const noexcept { return all_planes->between(from->lower.z, from->upper.z); }
-    std::uint8_t write(CrossedTriangle& to, PlaneIndex last) const noexcept {
-        to = *from;
-        to.middle_and_source = from->middle_and_source | all_planes->first_above(from->middle.z);
-        to.last = last;
-        return static_cast<std::uint8_t>(from->last);
-    }
-};
-
-/// Gives triangle t.
-auto triangles_of(const detail::PreparedImpl& prepared, const PlaneSet& planes) noexcept {
-    return [&prepared, &planes](std::size_t t) { return PreparedTriangle{&prepared.triangles[t], &planes}; };
+/// Gives the triangle at a place of the order.
+template <class Reader>
+auto triangles_of(const detail::PreparedImpl& prepared, const Reader& read, const PlaneSet& planes) noexcept {
+    return [&](std::size_t place) { return RoundedTriangle{read(prepared.order[place]), prepared.order[place], planes}; };
 }
 
 }  // namespace
 
-void detail::PreparedImpl::build(const MeshView& mesh, const Parallel& parallel) {
+void detail::PreparedImpl::build(const Parallel& parallel) {
+    constexpr std::size_t block_grain = 64;
     const double unit_mm = frame.unit.mm;
     const Cells cells(to_even_grid(bounds.min_mm[2], unit_mm), to_even_grid(bounds.max_mm[2], unit_mm), mesh.triangle_count);
     with_reader(mesh, placing_of(mesh, asked), unit_mm, [&](const auto& read) {
@@ -96,68 +69,80 @@ void detail::PreparedImpl::build(const MeshView& mesh, const Parallel& parallel)
             for (std::size_t t = begin; t < end; ++t) {
                 const GridTriangle v = read(t);
                 if (!is_degenerate(v)) {
-                    CrossedTriangle ordered = order_by_height(v, static_cast<std::uint32_t>(t));
-                    ordered.last = height_order_of(v).lower;
-                    emit(cells.cell_of(ordered.lower.z, ordered.upper.z), ordered);
+                    const Range range = range_of(v);
+                    emit(cells.cell_of(range.low, range.high), static_cast<std::uint32_t>(t));
                 }
             }
         };
-        triangles = std::move(
-            distribute<CrossedTriangle>(mesh.triangle_count, cells.count(), parallel, emit_all, triangles.memory()).items);
+        order = std::move(
+            distribute<std::uint32_t>(mesh.triangle_count, cells.count(), parallel, emit_all, order.memory()).items);
+        blocks.resize_discarding((order.size() + block_triangles - 1) / block_triangles);
+        parallel.run_ranges(blocks.size(), block_grain, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t i = begin * block_triangles; i < std::min(end * block_triangles, order.size()); ++i) {
+                const Range own = range_of(read(order[i]));
+                Range& all = blocks[i / block_triangles];
+                all = i % block_triangles == 0 ? own : Range{std::min(all.low, own.low), std::max(all.high, own.high)};
+            }
+        });
     });
-    given = mesh.triangle_count;
-    join_ranges(triangles, parallel, blocks, [](const CrossedTriangle& t) { return Range{t.lower.z, t.upper.z}; });
-    join_ranges(blocks, parallel, super_blocks, [](const Range& range) { return range; });
 }
 
 std::size_t detail::PreparedImpl::bytes() const noexcept {
-    return sizeof(*this) + triangles.capacity() * sizeof(CrossedTriangle) +
-           (blocks.capacity() + super_blocks.capacity()) * sizeof(Range);
+    return sizeof(*this) + order.capacity() * sizeof(std::uint32_t) + blocks.capacity() * sizeof(Range);
 }
 
 /// The blocks that a plane passes through, ascending.
 void PreparedSource::find_touched() {
-    constexpr std::size_t super_blocks_between_stops = 1024;
+    constexpr std::size_t blocks_between_stops = std::size_t{1} << 16;
     Array<std::uint32_t>& touched = buckets_.touched;
     touched.resize_discarding(prepared_.blocks.size());
-    const auto is_cut = [this](Range range) { return planes_.any_between(range.low, range.high); };
     std::size_t count = 0;
-    for (std::size_t super_block = 0; super_block < prepared_.super_blocks.size(); ++super_block) {
-        if (super_block % super_blocks_between_stops == 0) {
+    for (std::size_t block = 0; block < prepared_.blocks.size(); ++block) {
+        if (block % blocks_between_stops == 0) {
             parallel_.stop_if_asked();
         }
-        if (!is_cut(prepared_.super_blocks[super_block])) {
-            continue;
-        }
-        const std::size_t end = std::min((super_block + 1) * group, prepared_.blocks.size());
-        for (std::size_t block = super_block * group; block < end; ++block) {
-            touched[count] = static_cast<std::uint32_t>(block);
-            count += is_cut(prepared_.blocks[block]) ? 1U : 0U;
-        }
+        touched[count] = static_cast<std::uint32_t>(block);
+        count += planes_.any_between(prepared_.blocks[block].low, prepared_.blocks[block].high) ? 1U : 0U;
     }
     touched.set_size(count);
 }
 
-/// Blocks are numbered among those touched: each has 64 triangles but the mesh's last.
-void PreparedSource::count(double /*unit_mm*/) {
+/// Blocks are numbered among those touched: each has 64 triangles but the mesh's last. Where most are, the mesh is read as
+/// it lies.
+void PreparedSource::count(double unit_mm) {
     find_touched();
-    const auto count_block = [&, read = triangles_of(prepared_, planes_)](std::size_t begin, std::size_t,
-                                                                          ShareCounts& counts) {
-        const std::size_t first = first_of_touched(begin);
-        return count_each(read, first, std::min(first + block_triangles, prepared_.triangles.size()), false, counts);
-    };
-    count_blocks({buckets_.touched.size() * block_triangles, parallel_}, parallel_, planes_.size(), buckets_, count_block);
-    buckets_.degenerate = prepared_.given - prepared_.triangles.size();
+    const MeshView& mesh = prepared_.mesh;
+    whole_ = nullptr;
+    if (2 * buckets_.touched.size() > prepared_.blocks.size()) {
+        whole_ = &source_of(mesh, placing_, info.frame, {parallel_, planes_, buckets_, instructions_}, any_whole_);
+        whole_->measure(unit_mm);
+        return whole_->count(unit_mm);
+    }
+    with_reader(mesh, placing_, unit_mm, [&](const auto& read) {
+        const auto count_block = [&, triangles = triangles_of(prepared_, read, planes_)](std::size_t begin, std::size_t,
+                                                                                         ShareCounts& counts) {
+            const std::size_t first = first_of_touched(begin);
+            return count_each(triangles, first, std::min(first + block_triangles, prepared_.order.size()), false, counts);
+        };
+        count_blocks({buckets_.touched.size() * block_triangles, parallel_}, parallel_, planes_.size(), buckets_,
+                     count_block);
+    });
+    buckets_.degenerate = mesh.triangle_count - prepared_.order.size();
 }
 
 std::size_t PreparedSource::scatter(PlaneRange tier, std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching,
                                     bool origins) {
-    const auto scatter_block = [&, read = triangles_of(prepared_, planes_)](std::size_t begin, std::uint64_t crossed,
-                                                                            ShareRecords& to) {
-        to.write_each(read, first_of_touched(begin), crossed);
-    };
-    return scatter_blocks({buckets_.touched.size() * block_triangles, parallel_}, parallel_, buckets_, tier, reach_end,
-                          reaching, origins, scatter_block);
+    if (whole_ != nullptr) {
+        return whole_->scatter(tier, reach_end, reaching, origins);
+    }
+    return with_reader(prepared_.mesh, placing_, prepared_.frame.unit.mm, [&](const auto& read) {
+        const auto scatter_block = [&, triangles = triangles_of(prepared_, read, planes_)](
+                                       std::size_t begin, std::uint64_t crossed, ShareRecords& to) {
+            to.write_each_once(triangles, first_of_touched(begin), crossed);
+        };
+        return scatter_blocks({buckets_.touched.size() * block_triangles, parallel_}, parallel_, buckets_, tier, reach_end,
+                              reaching, origins, scatter_block);
+    });
 }
 
 }  // namespace lamella

@@ -9,18 +9,6 @@ namespace lamella {
 
 namespace {
 
-/// A triangle on the grid, as count_each() reads it.
-struct SoupTriangle {
-    GridTriangle v;
-    const PlaneSet& all_planes;
-
-    bool is_degenerate() const noexcept { return lamella::is_degenerate(v); }
-    PlaneRange planes() const noexcept {
-        const auto [low, high] = std::minmax({v[0].z, v[1].z, v[2].z});
-        return all_planes.between(low, high);
-    }
-};
-
 /// The degenerate ones of a whole block.
 template <class Read>
 std::uint64_t find_degenerate(const Read& read, std::size_t begin, ShareCounts& counts) {
@@ -32,25 +20,10 @@ std::uint64_t find_degenerate(const Read& read, std::size_t begin, ShareCounts& 
     return mask;
 }
 
-/// As ShareRecords::write_each(), but read once, which takes longer than to wait for memory.
+/// Gives triangle t.
 template <class Reader>
-void scatter_each(const Reader& read, const PlaneSet& planes, std::size_t begin, std::uint64_t crossed, ShareRecords& to) {
-    for (; crossed != 0; crossed &= crossed - 1) {
-        const std::size_t t = begin + static_cast<std::size_t>(std::countr_zero(crossed));
-        const GridTriangle v = read(t);
-        CrossedTriangle record = order_by_height(v, static_cast<std::uint32_t>(t));
-        record.middle_and_source |= planes.first_above(record.middle.z);
-        record.last = planes.first_above(record.upper.z);
-        const PlaneRange cut{planes.first_above(record.lower.z), record.last};
-        if (!cut.meets(to.tier)) {
-            continue;
-        }
-        const std::uint32_t at = to.take_place(cut);
-        to.records[at] = record;
-        if (to.lowest_corners != nullptr) {
-            to.lowest_corners[at] = height_order_of(v).lower;
-        }
-    }
+auto triangles_of(const Reader& read, const PlaneSet& planes) noexcept {
+    return [&](std::size_t t) { return RoundedTriangle{read(t), t, planes}; };
 }
 
 }  // namespace
@@ -72,8 +45,7 @@ void SoupSource::count(double unit_mm) {
                 return {};
             }
             if (!scan.usable() || end - begin < block_triangles) {
-                const auto triangle = [&](std::size_t t) { return SoupTriangle{read(t), planes_}; };
-                return count_each(triangle, begin, end, may_be_degenerate, counts);
+                return count_each(triangles_of(read, planes_), begin, end, may_be_degenerate, counts);
             }
             SoupScan::Ranges ranges;
             CrossedBlock crossed{scan.ranges(begin, ranges)};
@@ -99,7 +71,7 @@ std::size_t SoupSource::scatter(PlaneRange tier, std::span<const PlaneIndex> rea
             if (scan.usable() && begin + block_triangles <= mesh_.triangle_count) {
                 scan.write(begin, crossed, to);
             } else {
-                scatter_each(read, planes_, begin, crossed, to);
+                to.write_each_once(triangles_of(read, planes_), begin, crossed);
             }
         };
         return scatter_blocks({mesh_.triangle_count, parallel_}, parallel_, buckets_, tier, reach_end, reaching, origins,

@@ -181,6 +181,26 @@ private:
     std::atomic<std::size_t>& count_;
 };
 
+/// A triangle of a soup or of a prepared mesh, which is rounded when it is read.
+struct RoundedTriangle {
+    GridTriangle v;
+    std::size_t number;
+    const PlaneSet& all_planes;
+
+    bool is_degenerate() const noexcept { return lamella::is_degenerate(v); }
+    PlaneRange planes() const noexcept {
+        const auto [low, high] = std::minmax({v[0].z, v[1].z, v[2].z});
+        return all_planes.between(low, high);
+    }
+    std::uint8_t write(CrossedTriangle& to, PlaneIndex last) const noexcept {
+        CrossedTriangle record = order_by_height(v, static_cast<std::uint32_t>(number));
+        record.middle_and_source |= all_planes.first_above(record.middle.z);
+        record.last = last;
+        to = record;
+        return height_order_of(v).lower;
+    }
+};
+
 /// What a share writes while scattering.
 struct ShareRecords {
     CrossedTriangle* records;
@@ -230,6 +250,23 @@ struct ShareRecords {
             const std::uint8_t lowest = triangle.write(records[place.record], place.last);
             if (lowest_corners != nullptr) {
                 lowest_corners[place.record] = lowest;
+            }
+        }
+    }
+
+    /// The same of triangles that take longer to read than to wait for memory: each is read once.
+    template <class Read>
+    void write_each_once(const Read& read, std::size_t begin, std::uint64_t crossed) {
+        for (; crossed != 0; crossed &= crossed - 1) {
+            const RoundedTriangle triangle = read(begin + static_cast<std::size_t>(std::countr_zero(crossed)));
+            const PlaneRange cut = triangle.planes();
+            if (!cut.meets(tier)) {
+                continue;
+            }
+            const std::uint32_t at = take_place(cut);
+            const std::uint8_t lowest = triangle.write(records[at], cut.end);
+            if (lowest_corners != nullptr) {
+                lowest_corners[at] = lowest;
             }
         }
     }

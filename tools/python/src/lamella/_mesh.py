@@ -39,6 +39,14 @@ class View:
     def triangle_count(self) -> int:
         return sum(map(len, self._meshes))
 
+    def kept(self) -> View:
+        """The same mesh, whatever is written to the arrays that were given."""
+        given = self._meshes[0]
+        faces = None if given._faces is None else _kept(given._faces)
+        mesh = Mesh(_kept(given._vertices), faces, given.unit, given.path, given.info)
+        mesh._given_faces = given._given_faces
+        return View([mesh])
+
     def run(self, call: Callable[..., Any], *arguments: Any) -> Any:
         """``call(native view, *arguments)``. An error that blames a triangle names the row of what was given."""
         try:
@@ -69,6 +77,10 @@ class View:
             text = f"vertices[{vertex}] = {corners[worst].tolist()}: not finite, or beyond 1e9 mm"
             return type(error)(text, triangle=triangle, vertex=vertex, path=mesh.path)
         return None
+
+
+def _kept(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    return array.copy() if array.flags.writeable else array
 
 
 class Mesh:

@@ -82,9 +82,9 @@ def slice(  # noqa: A001: the word of the field
 
 
 class Prepared:
-    """A mesh on the grid, ordered by height. Any number of threads may slice it at once.
+    """A mesh with the order of its triangles by height. Any number of threads may slice it at once.
 
-    Made by `prepare`.
+    Made by `prepare`. It copies arrays that may be written to.
     """
 
     __slots__ = ("_native", "_view")
@@ -95,7 +95,7 @@ class Prepared:
 
     @property
     def nbytes(self) -> int:
-        """Memory that it holds: 48 bytes a triangle."""
+        """Memory that it holds beside the mesh: about 4 bytes a triangle."""
         return self._native.nbytes
 
     @property
@@ -139,7 +139,7 @@ def prepare(mesh: MeshLike, faces: Optional[npt.ArrayLike] = None, **options: Un
     >>> [tetrahedron.slice([z]).areas[0].round(3) for z in (10, 30)]
     [253.125, 28.125]
     """
-    view = as_view(mesh, faces, unit=options.pop("unit", None))
+    view = as_view(mesh, faces, unit=options.pop("unit", None)).kept()
     return Prepared(view.run(_native.prepare, slice_options(options, FrameKeywords)), view)
 
 
@@ -266,7 +266,7 @@ def stream(
         refuse("a chunk must have at least one layer")
     report = progress_report(keywords.pop("progress", None))
     slice_options(keywords)  # what is wrong is refused here, not in the loop
-    return _chunks(view, chunk, keywords, report)
+    return _chunks(view.kept(), chunk, keywords, report)
 
 
 def _chunks(view: View, chunk: int, keywords: Dict[str, Any], report: Optional[Callable[[float], Any]]) -> Iterator[Result]:

@@ -53,7 +53,7 @@ public:
 
     /// As given to prepare(), with the grid that was chosen. A slice's own frame is this one, or left out.
     const Frame& frame() const noexcept;
-    /// The memory that it holds beside the mesh: 4 bytes a triangle and about an eighth of a byte more for each.
+    /// The memory that it holds beside the mesh: 12 bytes a triangle and about an eighth of a byte more for each.
     std::size_t bytes() const noexcept;
 
 private:
@@ -108,7 +108,7 @@ struct Part {
 inline Source::Source(std::span<const Part> parts, int /*made of parts*/) noexcept
     : parts_(parts.data()), part_count_(parts.size()), is_parts_(true) {}
 
-/// O(n) for n triangles, of which the mesh is read four times. Takes 4 bytes a triangle from the context's memory, which
+/// O(n) for n triangles, of which the mesh is read three times. Takes 12 bytes a triangle from the context's memory, which
 /// it holds until its end, and while it works some more for its lists. A mesh without triangles is prepared too; slicing it
 /// needs SliceOptions::allow_empty. Errors: invalid_argument, bad_coordinate (with the triangle), out_of_memory, cancelled.
 Result<PreparedMesh> prepare(const MeshView& mesh, const Frame& frame = {}, const Context& context = {}) noexcept;

@@ -228,7 +228,7 @@ TEST_CASE("any source goes to any destination by C, with the bytes of C++, whate
         lamella_prepared* handle = nullptr;
         REQUIRE(lamella_prepare(&mesh, &options, nullptr, &handle, nullptr) == LAMELLA_OK);
         const std::unique_ptr<lamella_prepared, Freed> prepared(handle);
-        CHECK(lamella_prepared_bytes(handle) >= mesh.triangle_count * 4);
+        CHECK(lamella_prepared_bytes(handle) >= mesh.triangle_count * 12);
         source.prepared = handle;
         check_destinations(source, options, slice(prepare(view, in_cpp.frame).value(), in_cpp).value());
     }

@@ -47,16 +47,14 @@ private:
     std::size_t count_ = 0;
 };
 
-Range range_of(const GridTriangle& v) noexcept {
-    const auto [low, high] = std::minmax({v[0].z, v[1].z, v[2].z});
-    return {low, high};
-}
+/// A triangle of the order, as count_each() reads it.
+struct PreparedTriangle {
+    const detail::PreparedImpl::Triangle& own;
+    const PlaneSet& all_planes;
 
-/// Gives the triangle at a place of the order.
-template <class Reader>
-auto triangles_of(const detail::PreparedImpl& prepared, const Reader& read, const PlaneSet& planes) noexcept {
-    return [&](std::size_t place) { return RoundedTriangle{read(prepared.order[place]), prepared.order[place], planes}; };
-}
+    static bool is_degenerate() noexcept { return false; }
+    PlaneRange planes() const noexcept { return all_planes.between(own.range.low, own.range.high); }
+};
 
 }  // namespace
 
@@ -69,26 +67,26 @@ void detail::PreparedImpl::build(const Parallel& parallel) {
             for (std::size_t t = begin; t < end; ++t) {
                 const GridTriangle v = read(t);
                 if (!is_degenerate(v)) {
-                    const Range range = range_of(v);
-                    emit(cells.cell_of(range.low, range.high), static_cast<std::uint32_t>(t));
+                    const auto [low, high] = std::minmax({v[0].z, v[1].z, v[2].z});
+                    emit(cells.cell_of(low, high), Triangle{static_cast<std::uint32_t>(t), {low, high}});
                 }
             }
         };
-        order = std::move(
-            distribute<std::uint32_t>(mesh.triangle_count, cells.count(), parallel, emit_all, order.memory()).items);
-        blocks.resize_discarding((order.size() + block_triangles - 1) / block_triangles);
-        parallel.run_ranges(blocks.size(), block_grain, [&](std::size_t begin, std::size_t end, int) {
-            for (std::size_t i = begin * block_triangles; i < std::min(end * block_triangles, order.size()); ++i) {
-                const Range own = range_of(read(order[i]));
-                Range& all = blocks[i / block_triangles];
-                all = i % block_triangles == 0 ? own : Range{std::min(all.low, own.low), std::max(all.high, own.high)};
-            }
-        });
+        order =
+            std::move(distribute<Triangle>(mesh.triangle_count, cells.count(), parallel, emit_all, order.memory()).items);
+    });
+    blocks.resize_discarding((order.size() + block_triangles - 1) / block_triangles);
+    parallel.run_ranges(blocks.size(), block_grain, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin * block_triangles; i < std::min(end * block_triangles, order.size()); ++i) {
+            const Range own = order[i].range;
+            Range& all = blocks[i / block_triangles];
+            all = i % block_triangles == 0 ? own : Range{std::min(all.low, own.low), std::max(all.high, own.high)};
+        }
     });
 }
 
 std::size_t detail::PreparedImpl::bytes() const noexcept {
-    return sizeof(*this) + order.capacity() * sizeof(std::uint32_t) + blocks.capacity() * sizeof(Range);
+    return sizeof(*this) + order.capacity() * sizeof(Triangle) + blocks.capacity() * sizeof(Range);
 }
 
 /// The blocks that a plane passes through, ascending.
@@ -118,15 +116,12 @@ void PreparedSource::count(double unit_mm) {
         whole_->measure(unit_mm);
         return whole_->count(unit_mm);
     }
-    with_reader(mesh, placing_, unit_mm, [&](const auto& read) {
-        const auto count_block = [&, triangles = triangles_of(prepared_, read, planes_)](std::size_t begin, std::size_t,
-                                                                                         ShareCounts& counts) {
-            const std::size_t first = first_of_touched(begin);
-            return count_each(triangles, first, std::min(first + block_triangles, prepared_.order.size()), false, counts);
-        };
-        count_blocks({buckets_.touched.size() * block_triangles, parallel_}, parallel_, planes_.size(), buckets_,
-                     count_block);
-    });
+    const auto count_block = [&](std::size_t begin, std::size_t, ShareCounts& counts) {
+        const std::size_t first = first_of_touched(begin);
+        const auto triangle = [this](std::size_t place) { return PreparedTriangle{prepared_.order[place], planes_}; };
+        return count_each(triangle, first, std::min(first + block_triangles, prepared_.order.size()), false, counts);
+    };
+    count_blocks({buckets_.touched.size() * block_triangles, parallel_}, parallel_, planes_.size(), buckets_, count_block);
     buckets_.degenerate = mesh.triangle_count - prepared_.order.size();
 }
 
@@ -136,9 +131,12 @@ std::size_t PreparedSource::scatter(PlaneRange tier, std::span<const PlaneIndex>
         return whole_->scatter(tier, reach_end, reaching, origins);
     }
     return with_reader(prepared_.mesh, placing_, prepared_.frame.unit.mm, [&](const auto& read) {
-        const auto scatter_block = [&, triangles = triangles_of(prepared_, read, planes_)](
-                                       std::size_t begin, std::uint64_t crossed, ShareRecords& to) {
-            to.write_each_once(triangles, first_of_touched(begin), crossed);
+        const auto triangle = [&](std::size_t place) {
+            const std::uint32_t number = prepared_.order[place].number;
+            return RoundedTriangle{read(number), number, planes_};
+        };
+        const auto scatter_block = [&](std::size_t begin, std::uint64_t crossed, ShareRecords& to) {
+            to.write_each_once(triangle, first_of_touched(begin), crossed);
         };
         return scatter_blocks({buckets_.touched.size() * block_triangles, parallel_}, parallel_, buckets_, tier, reach_end,
                               reaching, origins, scatter_block);

@@ -21,7 +21,7 @@ def test_a_prepared_mesh_gives_the_slices_of_the_mesh(torus):
     for options in ({"heights": [0, 2, -3]}, {"layer_height": 0.5}, {"layer_height": 1, "fill_rule": "non-zero", "offset": -1}):
         assert prepared.slice(**options).hash == lamella.slice(*torus, **options).hash
     assert prepared.slice([1.0]).certificate.holds
-    assert 4 * len(torus[1]) <= prepared.nbytes <= 6 * len(torus[1])
+    assert 12 * len(torus[1]) <= prepared.nbytes <= 14 * len(torus[1])
     assert prepared.grid == 2.0**-20
     assert "4,608 triangles" in repr(prepared)
     frame = {"normal": [1, 0, 0], "unit": "cm"}

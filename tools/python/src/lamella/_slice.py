@@ -95,7 +95,7 @@ class Prepared:
 
     @property
     def nbytes(self) -> int:
-        """Memory that it holds beside the mesh: about 4 bytes a triangle."""
+        """Memory that it holds beside the mesh: about 12 bytes a triangle."""
         return self._native.nbytes
 
     @property

@@ -2,7 +2,7 @@
 //
 //     soup_source       any mesh, corner by corner; blocks between planes are skipped
 //     indexed_source    indexed meshes, each vertex placed once
-//     prepared_source   prepared meshes, triangles on the grid already
+//     prepared_source   prepared meshes, in the order of their heights
 //     listed_triangles  records in their lists already: a file, cut in ranges of layers
 #pragma once
 

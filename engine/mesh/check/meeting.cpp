@@ -19,50 +19,40 @@ constexpr std::size_t next(std::size_t i) {
     return i == 2 ? 0 : i + 1;
 }
 
-/// A triangle as it is seen along an axis; exact, as products of two differences fit 64 bits.
-class View {
-public:
-    View(const ExactFace& face, std::size_t axis) noexcept {
-        for (std::size_t i = 0; i < 3; ++i) {
-            const std::array<std::int64_t, 3> numbers = {face.corners[i].x, face.corners[i].y, face.corners[i].z};
-            corners_[i] = {numbers[next(axis)], numbers[next(next(axis))]};
+/// A triangle as it is seen along an axis.
+using View = std::array<Point, 3>;
+View seen_along(std::size_t axis, const ExactFace& face) noexcept {
+    View view;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::array<std::int64_t, 3> numbers = {face.corners[i].x, face.corners[i].y, face.corners[i].z};
+        view[i] = {static_cast<std::int32_t>(numbers[next(axis)]), static_cast<std::int32_t>(numbers[next(next(axis))])};
+    }
+    return view;
+}
+
+/// True if a line along one of the first one's sides parts them.
+bool has_parting_side(const View& view, const View& other) noexcept {
+    const int inside = side_of(view[0], view[1], view[2]);
+    for (std::size_t i = 0; i < 3 && inside != 0; ++i) {
+        int sides = 0;  // without a branch for each corner
+        for (const Point& p : other) {
+            sides += side_of(view[i], view[next(i)], p);
+        }
+        if (sides == -3 * inside) {
+            return true;
         }
     }
-
-    /// A line along one of the sides parts this from the other.
-    bool has_parting_side(const View& other) const noexcept {
-        const std::int64_t area = side_of(0, corners_[2]);
-        for (std::size_t i = 0; i < 3 && area != 0; ++i) {
-            const auto [low, high] =
-                std::minmax({side_of(i, other.corners_[0]), side_of(i, other.corners_[1]), side_of(i, other.corners_[2])});
-            if (area > 0 ? high < 0 : low > 0) {
-                return true;
-            }
-        }
-        return false;
-    }
-
-private:
-    using Corner = std::array<std::int64_t, 2>;
-
-    /// Positive if p lies left of the side from corner i.
-    std::int64_t side_of(std::size_t i, const Corner& p) const noexcept {
-        const Corner& from = corners_[i];
-        const Corner& to = corners_[next(i)];
-        return (to[0] - from[0]) * (p[1] - from[1]) - (to[1] - from[1]) * (p[0] - from[0]);
-    }
-
-    std::array<Corner, 3> corners_;
-};
+    return false;
+}
 
 /// Faces that lie side by side in a surface are parted as seen along the axis that their normals are nearest to: four in
 /// five of those whose boxes meet.
 bool are_parted_in_view(const ExactFace& a, const ExactFace& b) noexcept {
     const std::array<std::int64_t, 3> sizes = {std::abs(a.normal.x), std::abs(a.normal.y), std::abs(a.normal.z)};
     const auto axis = static_cast<std::size_t>(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
-    const View of_a(a, axis);
-    const View of_b(b, axis);
-    return of_a.has_parting_side(of_b) || of_b.has_parting_side(of_a);
+    const View of_a = seen_along(axis, a);
+    const View of_b = seen_along(axis, b);
+    return has_parting_side(of_a, of_b) || has_parting_side(of_b, of_a);
 }
 
 GridVector side_from(const ExactFace& face, std::size_t corner) {

@@ -53,8 +53,8 @@ inline std::size_t ranges_for(std::size_t count, const Parallel& parallel) noexc
 }
 
 /// Three calls of run(). `each(begin, end, emit)` calls emit(part, item) for every item that comes from [begin, end), and
-/// the same again when it is called again. The items' memory comes from `memory`; beside them 8 bytes a part for each 2^16
-/// of `count`. Throws std::bad_alloc.
+/// the same again when it is called again. Beside the items it takes 8 bytes a part for each 2^16 of `count`. Throws
+/// std::bad_alloc.
 template <class T, class Each>
 void distribute(std::size_t count, std::size_t parts, const Parallel& parallel, Each each, Distributed<T>& sorted) {
     const std::size_t ranges = ranges_for(count, parallel);
@@ -73,16 +73,19 @@ void distribute(std::size_t count, std::size_t parts, const Parallel& parallel, 
         }
     }
     sorted.firsts[parts] = sum;
+    const bool is_new = sum > sorted.items.capacity();
     sorted.items.resize_discarding(sum);
     T* const items = sorted.items.data();
-    touch_pages(reinterpret_cast<std::byte*>(items), sum * sizeof(T), parallel);
+    if (is_new) {
+        touch_pages(reinterpret_cast<std::byte*>(items), sum * sizeof(T), parallel);
+    }
     parallel.run(ranges, [&](std::size_t range, int) {
         std::size_t* const own = sorted.cursors.data() + range * parts;
         each(first(range), first(range + 1), [&](std::size_t part, const T& item) { items[own[part]++] = item; });
     });
 }
 
-/// The same, made anew.
+/// The same, made anew in `memory`.
 template <class T, class Each>
 Distributed<T> distribute(std::size_t count, std::size_t parts, const Parallel& parallel, Each each,
                           const Memory* memory = nullptr) {

@@ -199,6 +199,7 @@ TEST_CASE("fill rules fill places by their winding number, though contours cross
 }
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 constexpr double reach_mm = grid_limit * coarse_unit_mm;
 
 /// The message with which slicing a cube on a grid of 0.5 mm is refused; empty where it is not.
@@ -241,6 +242,14 @@ TEST_CASE("rules of regions that cannot be kept are refused with what is possibl
          "fill_from has a rule that is none of its choices"},
         {{.fill_rule = none, .flag_closing_mm = 1}, ""},  // a mark needs no region
     };
+    for (const double bad : {-1.0, -infinity, infinity, not_a_number}) {
+        cases.push_back({by(closing, bad), "closing_mm must be finite and at least 0, not"});
+        cases.push_back({by(flag, bad), "flag_closing_mm must be finite and at least 0, not"});
+        cases.push_back({by(&RegionRules::simplify_mm, bad), "simplify_mm must be finite and at least 0, not"});
+        cases.push_back({by(offset, bad), std::abs(bad) == 1 ? "" : "offset_mm must be finite, not"});
+        cases.push_back({by(offset, 0, bad), "miter_limit must be finite and at least 1, not"});
+        cases.push_back({by(offset, 0, bad == -1 ? 0.999 : 0), "miter_limit must be finite and at least 1, not"});
+    }
     for (double RegionRules::*const length : {closing, offset, flag}) {
         cases.push_back({by(length, std::nextafter(reach_mm, infinity), 1), "is beyond the grid"});
         cases.push_back({by(length, std::nextafter(reach_mm, infinity), 1), "it is at most 536870912 mm"});
@@ -272,7 +281,7 @@ TEST_CASE("rules of regions that cannot be kept are refused with what is possibl
         const auto region = region_of(square, rules, coarse_unit_mm);  // a caller's contours are held to the same rules
         CHECK((region ? std::string() : region.error().message) == refusal);
     }
-    for (const double bad : {0.0, -1.0, infinity, std::nan("")}) {
+    for (const double bad : {0.0, -1.0, infinity, not_a_number}) {
         CHECK_THAT(error_of(region_of(square, by(offset, 0), bad)).message,
                    Catch::StartsWith("the grid unit must be finite and above 0, not"));
     }

@@ -117,6 +117,16 @@ TEST_CASE("edges, shells and volumes of small meshes are counted", "[input]") {
     }
 }
 
+TEST_CASE("beyond 1,024 mm the unit doubles", "[input]") {
+    const auto grid_of = [](const Soup& soup, double grid_mm = 0) {
+        return value_of(check(view_of(soup), {.frame = {.grid_mm = grid_mm}, .counts_only = true})).grid_mm;
+    };
+    CHECK(grid_of(cube_at(0, 1024)) == default_grid_mm);
+    CHECK(grid_of(cube_at(0, 1025)) == 2 * default_grid_mm);
+    CHECK(grid_of(cube_at(-1e9, 1e6)) == 1.0);
+    CHECK(grid_of(cube_at(0, 2), 0.25) == 0.25);
+}
+
 TEST_CASE("meshes that cannot be counted or welded are refused with the triangle", "[input][weld]") {
     const auto refused = [](const MeshView& mesh) {
         const Error error = error_of(check(mesh, {.counts_only = true}));

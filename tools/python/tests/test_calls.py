@@ -23,6 +23,10 @@ def test_a_prepared_mesh_gives_the_slices_of_the_mesh(torus):
     assert prepared.slice([1.0]).certificate.holds
     assert 12 * len(torus[1]) <= prepared.nbytes <= 14 * len(torus[1])
     assert prepared.grid == 2.0**-20
+    vertices, faces = (np.array(array) for array in torus)
+    kept = lamella.prepare(vertices, faces)
+    vertices[:], faces[:] = 0, 0  # what was given may change
+    assert kept.slice([1.0]).hash == prepared.slice([1.0]).hash
     assert "4,608 triangles" in repr(prepared)
     frame = {"normal": [1, 0, 0], "unit": "cm"}
     placed, same = lamella.prepare(*torus, **frame).slice([50]), lamella.slice(*torus, **frame, heights=[50])

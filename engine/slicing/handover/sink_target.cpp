@@ -11,7 +11,7 @@ namespace lamella {
 namespace {
 
 constexpr std::size_t window_bytes = std::size_t{1} << 26;
-constexpr std::size_t few_points = std::size_t{1} << 17;
+constexpr std::size_t few_points = std::size_t{1} << 14;
 
 std::size_t share_of_band(int threads) noexcept {
     return window_bytes / (static_cast<std::size_t>(threads) + 1);

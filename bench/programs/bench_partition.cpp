@@ -123,8 +123,8 @@ void describe(std::vector<Run>& runs, const Prepared& of, const detail::SlicerIm
         }
         add("sweep", records + points, points);
     }
-    add("place", of.info.layers * sizeof(Layer), of.info.layers * sizeof(Layer));
-    add("place", 2 * of.info.contours * sizeof(Contour), of.info.contours * sizeof(Contour));
+    const std::uint64_t made = of.info.layers * sizeof(Layer) + of.info.contours * sizeof(Contour);
+    add("place", made + of.info.contours * sizeof(Contour), made);
     add("serial", 0, 0);
     if (next != runs.size()) {
         fail("a slice has other stages than the model: " + std::to_string(next) + " of " + std::to_string(runs.size()));

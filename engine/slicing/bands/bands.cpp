@@ -95,13 +95,17 @@ void BandPlan::cut_tiers(const Buckets& buckets, PlaneIndex planes, bool asked) 
     if (tiers.size() == 1) {
         return;
     }
+    // Blocks that are read, of a sample: planes of all are more than one thread should look at.
+    constexpr std::size_t enough_blocks = 1 << 12;
+    const std::size_t stride = 1 + buckets.crossed.size() / enough_blocks;
+    std::size_t looked_at = 0;
     std::size_t reads = 0;
-    for (const Tier& tier : tiers) {
-        reads += static_cast<std::size_t>(
-            std::count_if(buckets.crossed.begin(), buckets.crossed.end(),
-                          [&](const CrossedBlock& block) { return block.planes.meets(tier.planes); }));
+    for (std::size_t block = 0; block < buckets.crossed.size(); block += stride) {
+        const auto reads_it = [&](const Tier& tier) { return buckets.crossed[block].planes.meets(tier.planes); };
+        reads += static_cast<std::size_t>(std::count_if(tiers.begin(), tiers.end(), reads_it));
+        ++looked_at;
     }
-    const bool is_read_again = !is_small && 10 * reads > 13 * buckets.crossed.size();
+    const bool is_read_again = !is_small && 10 * reads > 13 * looked_at;
     if (buckets.crossed.empty() || is_read_again) {
         tiers.assign(1, tier_of(0, planes));
     }
@@ -113,11 +117,9 @@ void BandPlan::cut_once(const Buckets& buckets, PlaneIndex planes, std::uint64_t
                         std::uint64_t most_segments) {
     bands.clear();
     const auto work_in = [&buckets](PlaneRange range) {
-        std::uint64_t work = 0;
-        for (PlaneIndex plane = range.first; plane < range.end; ++plane) {
-            work += work_of(buckets, plane);
-        }
-        return work;
+        const std::uint32_t* const segments = buckets.segments.data();
+        const std::uint64_t entering = buckets.list_begin[range.end] - buckets.list_begin[range.first];
+        return std::accumulate(segments + range.first, segments + range.end, segments_per_entry * entering);
     };
     const std::uint64_t all_work = work_in({0, planes});
     // Several bands for each thread even out those that take longer; on one thread they only serve the cache.

@@ -32,7 +32,7 @@ struct ThreadShares {
 
     ThreadShares(std::size_t triangle_count, const Parallel& parallel)
         : triangles(triangle_count),
-          count(std::min<std::size_t>(static_cast<std::size_t>(parallel.threads()), (triangle_count >> 11) + 1)) {}
+          count(std::min<std::size_t>(static_cast<std::size_t>(parallel.threads()), (triangle_count >> 12) + 1)) {}
     std::size_t blocks() const noexcept { return block_count(triangles); }
 
     /// Calls use(begin, end) for every block of a share. Each millisecond or sooner the host is asked whether to end.
@@ -98,7 +98,7 @@ CrossedBlock count_each(const Read& read, std::size_t begin, std::size_t end, bo
 /// Turns counts into where lists begin, for all and for each share, and sums up the segments: for each plane, then over all.
 inline void sum_up(std::size_t planes, std::size_t shares, const Parallel& parallel, Buckets& buckets) {
     const auto each_plane = [&](const auto& use) {
-        const std::size_t grain = (std::size_t{1} << 14) / shares + 1;
+        const std::size_t grain = (std::size_t{1} << 15) / shares + 1;
         parallel.run_ranges(planes, grain, [&](std::size_t begin, std::size_t end, int) {
             for (std::size_t plane = begin; plane < end; ++plane) {
                 use(plane);

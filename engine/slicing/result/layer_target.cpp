@@ -1,5 +1,6 @@
 #include "slicing/result/layer_target.hpp"
 
+#include <atomic>
 #include <cassert>
 #include <cstring>
 #include <string>
@@ -233,26 +234,21 @@ void PlacedTarget::write_layers(std::span<Layer> layers, std::span<Contour> cont
     const Parallel& parallel = plan_->parallel;
     assert(head_ == plan_->bands.size());
     layers = layers.subspan(plan_->first_index, plan_->layers);
-    parallel.run_ranges(layers.size(), 1 << 10, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t i = begin; i < end; ++i) {
-            layers[i] = plan_->layer_at(static_cast<PlaneIndex>(i));
-        }
-    });
+    std::atomic<std::uint64_t> emptied_layers = 0;
     parallel.run(in_flight_.size(), [&](std::size_t band, int) {
         if (BandOutput* const kept = in_flight_[band].output; kept != nullptr) {
             copy_points(band);
             kept->release();
         }
-        write_band(band, layers, contours);
+        emptied_layers.fetch_add(write_band(band, layers, contours).emptied_layers, std::memory_order_relaxed);
     });
+    totals_.emptied_layers += emptied_layers;
     write_stitches(stitches.empty() ? stitches : stitches.subspan(before_.stitches));
-    for (const Layer& layer : layers) {
-        totals_.add(layer);
-    }
     totals_.describe(plan_->info);
 }
 
-void PlacedTarget::write_band(std::size_t band, std::span<Layer> layers, std::span<Contour> contours) const {
+/// Returns what is known of its layers only now.
+LayerTotals PlacedTarget::write_band(std::size_t band, std::span<Layer> layers, std::span<Contour> contours) const {
     constexpr std::size_t contours_between_stops = std::size_t{1} << 14;
     const PlacedBand& placed = (*placed_)[band];
     Contour* out = contours.data() + placed.first_contour;
@@ -264,14 +260,19 @@ void PlacedTarget::write_band(std::size_t band, std::span<Layer> layers, std::sp
             plan_->parallel.stop_if_asked();
         }
     }
+    LayerTotals totals;
     std::uint64_t first = placed.first_contour;
-    Layer* layer = layers.data() + plan_->bands[band].first;
+    PlaneIndex plane = plan_->bands[band].first;
     for (const std::uint32_t count : placed.layer_contours) {
-        layer->first_contour = first;
-        layer->contour_count = count;
+        Layer& layer = layers[plane] = plan_->layer_at(plane);
+        layer.first_contour = first;
+        layer.contour_count = count;
+        totals.add(layer);
         first += count;
-        ++layer;
+        ++plane;
     }
+    assert(plane == plan_->bands[band].last);
+    return totals;
 }
 
 void PlacedTarget::write_stitches(std::span<Stitch> stitches) const {

@@ -197,7 +197,7 @@ private:
     void swap_lists(std::size_t band, BandOutput& output) const noexcept;
     void place_head();
     bool copy_points(std::size_t band) const;
-    void write_band(std::size_t band, std::span<Layer> layers, std::span<Contour> contours) const;
+    LayerTotals write_band(std::size_t band, std::span<Layer> layers, std::span<Contour> contours) const;
     void write_stitches(std::span<Stitch> stitches) const;
 
     std::vector<PlacedBand>* placed_ = nullptr;

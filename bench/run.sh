@@ -46,7 +46,7 @@ install_missing "${build_packages[@]}" "${bench_packages[@]}"
 generator=()
 [[ -e build/CMakeCache.txt ]] || generator=(-G Ninja)
 cmake -S . -B build "${generator[@]}" -DCMAKE_BUILD_TYPE=Release -DLAMELLA_BUILD_BENCH=ON -DLAMELLA_LARGE_UNITS=OFF > /dev/null
-cmake --build build --parallel "$(nproc)" --target lamella_bench lamella_peak lamella_first lamella_cli | tail -n 1
+cmake --build build --parallel "$(nproc)" --target lamella_bench lamella_peak lamella_first lamella_paper_row lamella_cli | tail -n 1
 
 # Delete cached meshes that an older generator or catalogue made.
 if [[ -n "$(find tools/models bench/programs/catalogue.cpp -newer "$cache/made" 2> /dev/null || echo unknown)" ]]; then
@@ -95,6 +95,14 @@ for mesh in ../shared/models/{liver,brain}.stl "$cache"/scan.stl; do
         "${pin[@]}" build/bench/lamella_first "cores/$name/neighbour/threads:$cores" "$mesh" 0.032 "$cores" 0 contours
         kill $! && wait $! 2> /dev/null || true
     done
+done >> "$runs/once.jsonl"
+
+stage "the authors' later way"
+for mesh in ../shared/models/{liver,femur,brain,hip_femur}.stl "$cache"/{scan,scan_shuffled,figure,skull}.stl; do
+    name=$(basename "$mesh" .stl)
+    [[ -e "$mesh" ]] && wanted "baseline/$name/" || continue
+    row=$(build/bench/lamella_paper_row topological "$mesh" 0.032 2 300)
+    printf '{"name": "baseline/%s/topological/threads:1", %s\n' "$name" "${row#'{'}"
 done >> "$runs/once.jsonl"
 
 stage "tables and plot"

@@ -1,4 +1,5 @@
 // Times slicing from a triangle soup in memory, or from an STL file in the page cache, to the finished result.
+#include "base/dispatch.hpp"
 #include "measure.hpp"
 
 namespace lamella::bench {
@@ -47,9 +48,11 @@ void add_end_to_end(const Options& options, const Case& wanted) {
         if (wanted.only_threads != 0 && wanted.only_threads != threads) {
             continue;
         }
-        const auto add = [&](const std::string& variant, Figures (*time_variant)(benchmark::State&, Prepared&, int)) {
+        const auto add = [&](const std::string& variant, Figures (*time_variant)(benchmark::State&, Prepared&, int),
+                             std::optional<InstructionSet> level = {}) {
             add_benchmark(options, "end_to_end/" + wanted.name + "/" + variant, threads, [=](benchmark::State& state) {
                 Prepared& of = prepared(wanted);
+                of.plan.tuning.instructions = level;
                 of.check(threads);
                 return time_variant(state, of, threads);
             });
@@ -57,6 +60,11 @@ void add_end_to_end(const Options& options, const Case& wanted) {
         add("warm_swept", time_warm);
         if (wanted.from_file) {
             add("file_read", time_file);
+            for (const InstructionSet level : {InstructionSet::portable, InstructionSet::avx2}) {
+                if (runs(level) && level < instruction_set()) {
+                    add("warm_" + std::string(name_of(level)), time_warm, level);
+                }
+            }
         }
     }
 }

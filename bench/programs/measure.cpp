@@ -122,6 +122,7 @@ Prepared& prepared(const Case& wanted) {
         last.reset();  // before another mesh takes memory
         last = std::make_unique<Prepared>(wanted, mesh != nullptr ? mesh : std::make_shared<const Mesh>(wanted.mesh()));
     }
+    last->plan.tuning.instructions.reset();  // as a benchmark of one level has left it
     return *last;
 }
 

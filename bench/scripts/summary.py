@@ -23,7 +23,8 @@ def medians(all_runs):
     for run in all_runs:
         by_name.setdefault("/".join(run["name"].split("/")[:4]), []).append(run)
     for name, runs in by_name.items():
-        good = [run for run in runs if "error_message" not in run]
+        good = [{key: statistics.median(value) if isinstance(value, list) else value for key, value in run.items()}
+                for run in runs if "error_message" not in run]
         keys = [key for key, value in (good[0] if good else {}).items() if isinstance(value, (int, float)) and key not in NOT_FIGURES]
         yield {"name": name, **{key: float(f"{statistics.median(run[key] for run in good):.8g}") for key in keys},
                "errors": list(dict.fromkeys(run["error_message"] for run in runs if "error_message" in run))}

@@ -1,7 +1,6 @@
 // Times region_of() on layers whose contours lie beside or across each other by the thousand, each of a known area; slicing
 // with regions beside the plain slice; and the regions of a slice's layers beside those of the clipping library. Slices are
 // warm. Regions of single layers run on one thread.
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <span>

@@ -1,9 +1,7 @@
 // Disjoint sets of numbers (union-find).
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
-#include <cstdint>
 #include <numeric>
 #include <utility>
 

@@ -3,7 +3,6 @@
 #include <cstring>
 #include <iterator>
 #include <span>
-#include <string>
 #include <utility>
 
 #include "c/call.hpp"

@@ -1,6 +1,5 @@
 #include "options/asked.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 

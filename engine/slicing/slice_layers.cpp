@@ -18,7 +18,6 @@
 #include <algorithm>
 #include <atomic>
 #include <string>
-#include <utility>
 
 #include "base/clock.hpp"
 #include "base/parallel.hpp"

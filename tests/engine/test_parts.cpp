@@ -1,5 +1,4 @@
 // Several meshes in one result.
-#include <cmath>
 #include <numeric>
 
 #include <catch2/catch.hpp>

@@ -1,7 +1,6 @@
 // A stop that comes at any moment ends every call soon; and no call's answer depends on threads.
 #include <array>
 #include <chrono>
-#include <thread>
 
 #include <ctime>
 #ifdef __GLIBC__

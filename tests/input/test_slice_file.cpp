@@ -1,5 +1,4 @@
 // A file sliced in ranges within a budget of memory gives what slice() gives of the whole mesh, or the same error.
-#include <cmath>
 #include <optional>
 #include <thread>
 

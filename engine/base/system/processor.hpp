@@ -92,12 +92,12 @@ inline void prefetch_to_write(const void* /*at*/) noexcept {}
 /// How far ahead of streams that the processor's own prefetchers do not keep up with: measured, and flat from 4 KiB on.
 inline constexpr std::size_t prefetch_bytes = 4096;
 
-/// Asks for [at + prefetch_bytes, at + prefetch_bytes + bytes), by one of the functions above.
-template <class Prefetch>
-void prefetch_ahead(const std::byte* at, std::size_t bytes, Prefetch prefetch) noexcept {
+/// Asks for [at + prefetch_bytes, at + prefetch_bytes + bytes). Which function asks is no argument: GCC drops such calls.
+template <bool to_write = false>
+void prefetch_ahead(const std::byte* at, std::size_t bytes) noexcept {
     constexpr std::size_t cache_line = 64;
-    for (std::size_t offset = 0; offset < bytes; offset += cache_line) {
-        prefetch(at + prefetch_bytes + offset);
+    for (std::size_t offset = prefetch_bytes; offset < prefetch_bytes + bytes; offset += cache_line) {
+        to_write ? prefetch_to_write(at + offset) : prefetch_to_read(at + offset);
     }
 }
 

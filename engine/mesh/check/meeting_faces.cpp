@@ -1,9 +1,7 @@
 // Faces that cross, overlap or touch. Of the pairs whose boxes meet most share a vertex with an embedded star; the rest is
 // tested exactly.
-#include <algorithm>
 #include <array>
 #include <cstddef>
-#include <utility>
 #include <vector>
 
 #include "mesh/check/finders.hpp"

@@ -67,7 +67,7 @@ struct SoupKernel {
         const __m512i offsets = _mm512_mullo_epi32(lanes, _mm512_set1_epi32(scan.stride_));
         const auto stride = static_cast<std::size_t>(scan.stride_);
         const std::byte* at = scan.vertices_ + begin * stride + 2 * sizeof(float);
-        prefetch_ahead(at, lanes_of_512 * stride, prefetch_to_read);
+        prefetch_ahead(at, lanes_of_512 * stride);
         return {{gather_grid(scan, at, offsets), gather_grid(scan, at + 3 * sizeof(float), offsets),
                  gather_grid(scan, at + 6 * sizeof(float), offsets)}};
     }

@@ -2,7 +2,6 @@
 // single edges are left. O(r log r + c) for r runs whose boxes lie apart and c pairs of edges with close boxes.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>

@@ -144,7 +144,7 @@ Partial measure_soup(const MeshView& mesh, std::size_t begin, std::size_t end, B
         SoupBox box;
         bool near = false;
         for (std::size_t t = block * block_triangles; t < last; ++t) {
-            prefetch_ahead(vertices + t * stride, 1, prefetch_to_read);
+            prefetch_ahead(vertices + t * stride, 1);
             const auto* at = reinterpret_cast<const float*>(vertices + t * stride);
             const Floats::Vector a = Floats::load(at);
             const Floats::Vector b = Floats::load(at + 3);
@@ -213,8 +213,8 @@ LAMELLA_AVX2 Partial measure_soup_avx2(const MeshView& mesh, std::size_t begin, 
         unsigned near = 0;
         for (std::size_t t = block * block_triangles; t < last; t += 2) {
             const std::byte* const at = vertices + t * stride;
-            prefetch_ahead(at, 1, prefetch_to_read);
-            prefetch_ahead(at + stride, 1, prefetch_to_read);
+            prefetch_ahead(at, 1);
+            prefetch_ahead(at + stride, 1);
             const auto* first = reinterpret_cast<const float*>(at);
             const auto* second = reinterpret_cast<const float*>(t + 1 < last ? at + stride : at);
             const __m256 a = FloatPairs::load(first, second);

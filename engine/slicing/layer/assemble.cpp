@@ -2,7 +2,6 @@
 #include "lamella/layers.hpp"
 
 #include <algorithm>
-#include <stdexcept>
 
 #include "base/guard.hpp"
 #include "base/parallel.hpp"

@@ -73,7 +73,7 @@ void LayerBuilder::append(BandOutput& out) {
         worker_.spend(LayerContours::contour_work);
         const std::size_t first = item.reverse ? item.start + 1 : item.start;  // the start comes last to be turned round
         Point* const points = out.reserve_points(item.count);
-        prefetch_ahead(reinterpret_cast<const std::byte*>(points), item.count * sizeof(Point), prefetch_to_write);
+        prefetch_ahead<true>(reinterpret_cast<const std::byte*>(points), item.count * sizeof(Point));
         copy_rotated(item.points, first, item.count, points);
         PointOrigin* const origins = out.with_origins ? out.origins + out.point_count : nullptr;
         if (origins != nullptr) {

@@ -1,7 +1,6 @@
 #include "slicing/nesting/inside.hpp"
 
 #include <bit>
-#include <limits>
 #include <numeric>
 
 namespace lamella::nesting {

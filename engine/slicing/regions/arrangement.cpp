@@ -1,7 +1,6 @@
 #include "slicing/regions/arrangement.hpp"
 
 #include <algorithm>
-#include <cassert>
 
 namespace lamella {
 

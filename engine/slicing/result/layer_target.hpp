@@ -2,7 +2,6 @@
 // projection of faces or the union of parts, does not know which.
 #pragma once
 
-#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>

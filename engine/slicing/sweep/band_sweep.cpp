@@ -1,7 +1,6 @@
 #include "slicing/sweep/band_sweep.hpp"
 
 #include <algorithm>
-#include <cassert>
 
 #include "base/system/processor.hpp"
 #include "lamella/context.hpp"

@@ -52,7 +52,8 @@ def measure(cpu_lists, folder, options):
         subprocess.run(["taskset", "-c", ",".join(map(str, cpus)), "build/bench/lamella_bench", *options, f"--benchmark_filter={wanted}",
                         f"--benchmark_out={folder}/bench.json", "--benchmark_display_aggregates_only=true"], check=True)
         rows += json.loads((folder / "bench.json").read_text())["benchmarks"]
-    context = context_of("build", "full") | {"pinning": "; ".join(",".join(map(str, cpus)) for cpus in cpu_lists)}
+    sizes = "quick" if "--quick" in options else "full"
+    context = context_of("build", sizes) | {"pinning": "; ".join(",".join(map(str, cpus)) for cpus in cpu_lists)}
     summary = {"context": context, "medians": list(medians(row for row in rows if row["run_type"] != "aggregate"))}
     (folder / "summary.json").write_text(json.dumps(summary))
     return Results(folder)

@@ -1,5 +1,5 @@
-// Times the calls that hosts make beside whole slices: single planes of a prepared mesh, all planes of it, and small meshes
-// with a Slicer that is kept.
+// Times the calls that hosts make beside whole slices: single planes of a prepared mesh, and small meshes with a Slicer that
+// is kept.
 #include <algorithm>
 #include <vector>
 
@@ -16,8 +16,8 @@ SliceOptions at_height(double mm) {
     return {.heights_mm = std::vector<double>{mm}};
 }
 
-/// All planes, and one plane a call at nineteen heights, of which the slowest counts: of a mesh and of what was prepared of
-/// it, which must give the same.
+/// One plane a call at nineteen heights, of which the slowest counts: of a mesh and of what was prepared of it, which must
+/// give the same.
 Figures time_prepared(const Prepared& of, int rounds) {
     const Context context{.threads = host_threads};
     const MeshView mesh = of.mesh->view();
@@ -34,9 +34,6 @@ Figures time_prepared(const Prepared& of, int rounds) {
         return ms;
     };
     Figures figures = medians_of({{"prepare", [&] { checked(prepare(mesh, {}, context)); }}}, rounds);
-    for (const auto& [which, ms] : medians(of.plan.options)) {
-        figures["all_" + which] = ms;
-    }
     const double low = of.info.box.min_mm[2];
     const double high = of.info.box.max_mm[2];
     for (int i = 1; i < 20; ++i) {

@@ -138,16 +138,13 @@ def hosts(results, bars):
     has_huge_pages = "[never]" not in results.context["transparent_huge_pages"]
     for name in results.cases("first"):
         ms = {key: results.figure(f"host/{name}/prepared", 2, key)
-              for key in ("prepare", "bytes", "plane_mesh", "plane_prepared", "all_mesh", "all_prepared")}
+              for key in ("prepare", "bytes", "plane_mesh", "plane_prepared")}
         first_ms, warm_ms, touched, small_faults, made, scratch, page_rate = (
             results.figure(f"first/{name}/slice", 2, key)
             for key in ("real_time", "warm_ms", "touched_bytes", "small_faults", "result_bytes", "scratch_bytes", "fresh_bytes/s"))
-        over_first, first_over_warm = ms["all_prepared"] / first_ms, first_ms / warm_ms
-        plane_bar, all_bar = {"femur": 0.1, "brain": 0.3}.get(name), {"liver": 0.9}.get(name)
+        first_over_warm, plane_bar = first_ms / warm_ms, {"femur": 0.1, "brain": 0.3}.get(name)
         prepared.append([name, f"{ms['prepare']:.1f} ms", f"{ms['bytes'] / 1e6:.1f} MB", f"{ms['plane_mesh']:.3f} ms",
-                         bars.most(f"{ms['plane_prepared']:.3f} ms", ms["plane_prepared"], plane_bar),
-                         f"{ms['all_mesh']:.1f} ms", f"{ms['all_prepared']:.1f} ms",
-                         bars.most(f"{over_first:.2f}", over_first, all_bar), f"{ms['all_prepared'] / ms['all_mesh']:.2f}"])
+                         bars.most(f"{ms['plane_prepared']:.3f} ms", ms["plane_prepared"], plane_bar)])
         first.append([name, f"{warm_ms:.1f} ms", f"{first_ms:.1f} ms",
                       bars.most(f"{first_over_warm:.2f}", first_over_warm, 1.3 if page_rate >= 1e9 else None), f"{page_rate / 1e9:.2f} GB/s",
                       bars.most(f"{touched / (made + scratch):.2f}", touched / (made + scratch), 1.15 if has_huge_pages else None),
@@ -156,8 +153,8 @@ def hosts(results, bars):
         kept, blocks, fresh = (results.figure("host/box/small", threads, key) for key in ("kept_us", "blocks", "fresh_us"))
         small.append([on(threads), bars.most(f"{kept:.2f} us", kept, 2), bars.most(f"{blocks:.0f}", blocks, 0), f"{fresh:.1f} us"])
     return "\n\n".join([
-        markdown_table(["mesh", "`prepare()`", "memory", "one plane of the mesh", "prepared (femur at most 0.1, brain 0.3 ms)",
-                        "all planes of the mesh", "prepared", "over a first slice (liver at most 0.9)", "over a warm one"], prepared),
+        markdown_table(["mesh", "`prepare()`", "memory", "one plane of the mesh", "prepared (femur at most 0.1, brain 0.3 ms)"],
+                       prepared),
         markdown_table(["12 triangles, one plane", "kept `Slicer` (at most 2 us)", "blocks taken (at most 0)", "without one"], small),
         markdown_table(["mesh", "warm slice", "first slice of a process", "over the warm one (at most 1.3 where pages come at 1 GB/s)",
                         "fresh pages of 4 KB", "touched first, over result and scratch (at most 1.15)", "pages of 4 KB (at most 300)"], first)])

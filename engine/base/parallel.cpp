@@ -86,6 +86,7 @@ private:
 struct Parallel::Arena {
     explicit Arena(int /*threads*/) {}
     static int available() { return static_cast<int>(std::max(1U, std::thread::hardware_concurrency())); }
+    static int most() { return std::numeric_limits<int>::max(); }
 
     void execute(Dispenser& dispenser) noexcept {
         auto join = [&]() noexcept { dispenser.join(); };
@@ -130,11 +131,12 @@ struct Parallel::Arena {
 #else
 
 struct Parallel::Arena {
-    /// No more than there are: oneTBB would give no more, and say so on stderr.
-    explicit Arena(int threads)
-        : arena(std::min(
-              threads, static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism)))) {}
+    explicit Arena(int threads) : arena(threads) {}
     static int available() { return tbb::this_task_arena::max_concurrency(); }
+    /// oneTBB would give no more, and say so on stderr.
+    static int most() {
+        return static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+    }
     tbb::task_arena arena;
 
     /// simple_partitioner keeps one worker per task; the arena isolates from the host's own tasks.
@@ -149,10 +151,11 @@ struct Parallel::Arena {
 #endif
 
 int Parallel::count_for(const Context& context) {
-    if (context.threads > 0) {
-        return context.threads;
+    const int asked = context.threads;
+    if (context.executor) {
+        return asked > 0 ? asked : std::max(1, context.executor_threads);
     }
-    return std::max(1, context.executor ? context.executor_threads : Arena::available());
+    return asked > 0 ? std::min(asked, Arena::most()) : Arena::available();
 }
 
 Parallel::Parallel(const Context& context)

@@ -69,12 +69,26 @@ std::byte* ScratchMemory::take_again(std::size_t bytes) noexcept {
 }
 
 std::byte* ScratchMemory::take_new(std::size_t bytes) {
+    Chunk& chunk = chunk_for(bytes);
+    bytes_ += bytes;
+    return chunk.begin + std::exchange(chunk.used, chunk.used + bytes);
+}
+
+ScratchMemory::Chunk& ScratchMemory::chunk_for(std::size_t bytes) {
     if (chunks_.empty() || chunks_.back().used + bytes > chunk_bytes) {
         chunks_.reserve(chunks_.size() + 1);
         chunks_.push_back({static_cast<std::byte*>(detail::take_memory(nullptr, chunk_bytes))});
     }
-    bytes_ += bytes;
-    return chunks_.back().begin + std::exchange(chunks_.back().used, chunks_.back().used + bytes);
+    return chunks_.back();
+}
+
+std::span<std::byte> ScratchMemory::make_ahead(std::size_t bytes) {
+    if (!may_share(bytes == 0 ? chunk_bytes : 1)) {
+        return {};
+    }
+    const std::lock_guard lock(mutex_);
+    const Chunk& chunk = chunk_for(0);
+    return {chunk.begin + chunk.used, std::min(bytes, chunk_bytes - chunk.used)};
 }
 
 void ScratchMemory::deallocate(void* block, std::size_t bytes, std::size_t /*alignment*/) noexcept {

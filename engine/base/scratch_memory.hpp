@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstddef>
 #include <mutex>
+#include <span>
 #include <vector>
 
 #include "lamella/context.hpp"
@@ -27,13 +28,15 @@ public:
 
     const Memory* host() const noexcept { return host_; }
     const Memory* memory() const noexcept { return &own_; }
-    /// Taken from the host and not given back, but for what was never touched.
+    /// Taken from the host and not given back, but for what no block was taken of.
     std::size_t bytes() const noexcept { return bytes_; }
 
     /// For memory_of(), from several threads at once. Arrays ask for no other alignment than what the host is asked for.
     /// Throws std::bad_alloc.
     void* allocate(std::size_t bytes, std::size_t alignment);
     void deallocate(void* block, std::size_t bytes, std::size_t alignment) noexcept;
+    /// At most so many bytes of what small blocks will be taken of next. Nothing where each comes from the host.
+    std::span<std::byte> make_ahead(std::size_t bytes);
 
 private:
     struct Chunk {
@@ -50,6 +53,7 @@ private:
     bool may_share(std::size_t bytes) const noexcept;
     std::byte* take_again(std::size_t bytes) noexcept;
     std::byte* take_new(std::size_t bytes);
+    Chunk& chunk_for(std::size_t bytes);
     bool give_to_chunk(const Block& block) noexcept;
     std::vector<Chunk>::iterator chunk_of(const std::byte* block) noexcept;
 

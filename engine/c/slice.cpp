@@ -218,6 +218,14 @@ void lamella_slicer_free(lamella_slicer* slicer) {
     delete slicer;
 }
 
+int32_t lamella_slicer_make_ready(lamella_slicer* slicer, uint64_t triangles, const lamella_context* context,
+                                  lamella_error* error) {
+    return api::called(error, [&] {
+        const api::Host host(context);
+        lamella::require(api::Kept(slicer)->slicer.make_ready(triangles, host.context));
+    });
+}
+
 int32_t lamella_region_of(const lamella_path* contours, size_t count, const lamella_options* options, double grid_mm,
                           const lamella_context* context, lamella_result** result, lamella_error* error) {
     return api::called(error, [&] {

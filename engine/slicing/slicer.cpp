@@ -133,6 +133,26 @@ Result<SliceInfo> Slicer::outline(const Source& from, const SliceOptions& option
     });
 }
 
+Status Slicer::make_ready(std::uint64_t triangles, const Context& context) noexcept {
+    return guarded(context, [&]() -> Status {
+        constexpr std::uint64_t few = 1 << 20;  // more are likely cut in tiers
+        constexpr std::size_t small_blocks = 64;
+        SlicerImpl& kept = SlicerImpl::of(*this, context, {});
+        const auto touch = [&](std::span<std::byte> memory) {
+            constexpr std::size_t page = 4096;
+            kept.parallel->run_ranges(memory.size() / page, 64, [memory](std::size_t begin, std::size_t end, int) {
+                for (std::size_t i = begin; i < end; ++i) {
+                    memory[i * page] = {};
+                }
+            });
+        };
+        kept.buckets.records.resize_discarding(triangles <= few ? triangles : std::max(few, triangles / 3));
+        touch(std::as_writable_bytes(kept.buckets.records.span()));
+        touch(kept.scratch.make_ahead(small_blocks * kept.buckets.records.size()));
+        return {};
+    });
+}
+
 Result<SliceResult> slice(const Source& from, const SliceOptions& options, const Context& context) noexcept {
     return Slicer().slice(from, options, context);
 }

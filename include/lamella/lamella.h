@@ -372,6 +372,9 @@ LAMELLA_C_API uint64_t lamella_slicer_bytes(const lamella_slicer* slicer);
 LAMELLA_C_API void lamella_slicer_trim(lamella_slicer* slicer);
 LAMELLA_C_API void lamella_slicer_reset(lamella_slicer* slicer);
 LAMELLA_C_API void lamella_slicer_free(lamella_slicer* slicer);
+/* Takes and touches scratch for so many triangles that are cut, and starts threads, so that the first slice need not. */
+LAMELLA_C_API int32_t lamella_slicer_make_ready(lamella_slicer* slicer, uint64_t triangles, const lamella_context* context,
+                                                lamella_error* error);
 
 /* The usual case of the next. */
 LAMELLA_C_API int32_t lamella_slice(lamella_slicer* slicer, const lamella_mesh* mesh, const lamella_options* options,

@@ -78,6 +78,11 @@ public:
     /// was needed.
     Result<SliceInfo> outline(const Source& from, const SliceOptions& options = {}, const Context& context = {}) noexcept;
 
+    /// Starts threads, and takes and touches scratch for a mesh of which so many triangles are cut, so that the first slice
+    /// need not: 48 bytes a triangle, beyond a million for a third of them, and up to 32 MB for small blocks, unless memory
+    /// is the host's. Errors: invalid_argument (negative threads), out_of_memory, cancelled.
+    Status make_ready(std::uint64_t triangles, const Context& context = {}) noexcept;
+
     /// The memory that it holds.
     std::size_t bytes() const noexcept;
     /// Gives all memory back if the last call needed much less of it, as after one of a much larger mesh: at most about

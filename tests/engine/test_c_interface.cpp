@@ -166,6 +166,8 @@ void check_destinations(const lamella_source& source, const lamella_options& opt
     host.require_hold(expected);
     lamella_slicer_reset(slicer.get());
     CHECK(lamella_slicer_bytes(slicer.get()) == 0);
+    CHECK(lamella_slicer_make_ready(slicer.get(), 1000, nullptr, nullptr) == LAMELLA_OK);
+    CHECK(lamella_slicer_bytes(slicer.get()) >= 48000);
 }
 
 }  // namespace

@@ -143,6 +143,22 @@ TEST_CASE("a slicer gives back what the last call did not need", "[engine][slice
     CHECK(kept.bytes() < large_bytes / 8);
 }
 
+TEST_CASE("scratch is there before the first slice where it was made ready", "[engine][slicer][threads]") {
+    const std::uint64_t triangles = GENERATE(0U, 1U, 30'000U, 2'000'000U);
+    const CountingMemory memory;
+    const Context context{.threads = 2, .memory = GENERATE_REF(static_cast<const Memory*>(nullptr), &memory)};
+    Slicer ready;
+    require_ok(ready.make_ready(triangles, context));
+    CHECK(ready.bytes() >= 48 * std::min<std::uint64_t>(triangles, 666'666));
+    CHECK(memory.held() >= (context.memory == nullptr ? 0 : 48 * std::min<std::uint64_t>(triangles, 666'666)));
+    const std::size_t before = ready.bytes();
+    Slicer fresh;
+    slice_with(fresh, plate(), uniform(1), context);
+    slice_with(ready, plate(), uniform(1), context);
+    CHECK(ready.bytes() - before <= fresh.bytes());
+    CHECK(code_of(ready.make_ready(~std::uint64_t{0}, context)) == ErrorCode::out_of_memory);
+}
+
 TEST_CASE("small blocks of scratch share pages, serve again and are given back", "[engine][slicer]") {
     const auto take_all = [](ScratchMemory& scratch) {
         struct Block {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <optional>
 #include <utility>
-#include <variant>
 
 #include "base/guard.hpp"
 #include "base/system/machine.hpp"
@@ -49,26 +48,6 @@ void check(const Source& from, const SliceCall& call) {
     if (!is_section) {
         check_faces(from, call.options);
     }
-}
-
-using AnyTarget = std::variant<std::monostate, ResultTarget, SinkTarget, HostTarget>;
-
-/// The target that a destination stands for, made in `target`; null for no destination. Throws Refused where it makes no
-/// sense.
-LayerTarget* target_of(const Destination* to, const Memory* memory, AnyTarget& target) {
-    if (to == nullptr) {
-        return nullptr;
-    }
-    if (to->sink() != nullptr) {
-        return &target.emplace<SinkTarget>(*to->sink());
-    }
-    if (to->arrays() != nullptr) {
-        return &target.emplace<HostTarget>(*to->arrays());
-    }
-    if (to->result()->points.memory() != memory) {
-        *to->result() = SliceResult(memory);
-    }
-    return &target.emplace<ResultTarget>(*to->result());
 }
 
 /// Any source to any destination. Where that is null, `info` gets what is known before anything is cut.

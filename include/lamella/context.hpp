@@ -14,6 +14,7 @@
 //     Slicer::outline()                          yes                 yes    -          scratch
 //     assemble(), region_of()                    calling thread      yes    -          result and scratch
 //     read_mesh(), weld(), orient_shells()       yes                 yes    yes        mesh and scratch
+//     Overlay::combine()                         yes                 yes    yes        result and scratch
 //     check(), audit()                           yes                 yes    yes        -
 //     writers                                    calling thread      yes    yes        -
 //

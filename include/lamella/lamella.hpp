@@ -13,6 +13,7 @@
 //     slice.hpp     cut a mesh, parts or a file, to a result, a sink or the host's arrays
 //     source.hpp    prepare() a mesh that is sliced again and again
 //     layers.hpp    regions and contours that come from elsewhere than a mesh
+//     overlay.hpp   combine layers: unions, differences, regions by label
 //     check.hpp     is the mesh closed, and what is wrong with it?
 //     weld.hpp      mend it: join vertices, turn shells
 //     audit.hpp     is the result right?
@@ -29,6 +30,7 @@
 #include "lamella/layers.hpp"
 #include "lamella/mesh.hpp"
 #include "lamella/options.hpp"
+#include "lamella/overlay.hpp"
 #include "lamella/result.hpp"
 #include "lamella/slice.hpp"
 #include "lamella/source.hpp"

@@ -87,7 +87,8 @@ public:
           options_(uniform(layer_mm)),
           result_(sliced(mesh, uniform(0.1))),
           prepared_(value_of(prepare(mesh))),
-          parts_{{.mesh = mesh}, {.mesh = mesh}} {
+          parts_{{.mesh = mesh}, {.mesh = mesh}},
+          above_{{.layers = result_}, {.layers = result_, .from = 1, .to = 2, .grow_mm = 0.1}} {
         lamella::Slicer slicer;
         const lamella::SliceInfo outline = value_of(slicer.outline(mesh, options_));
         host_.emplace(ArraySizes{2 * outline.segments, outline.segments, outline.layers},
@@ -124,6 +125,11 @@ public:
             {"audit of the ledger", audits_of(&AuditOptions::ledger)},
             {"audit of the volume", audits_of(&AuditOptions::volume)},
             {"audit of crossings", audits_of(&AuditOptions::crossings)},
+            {"combine",
+             [this](const Context& c) {
+                 SliceResult tops;
+                 return code_of(Overlay().combine(tops, above_, subtract, {}, c));
+             }},
         };
     }
 
@@ -154,6 +160,7 @@ private:
     lamella::SliceResult result_;
     lamella::PreparedMesh prepared_;
     std::vector<lamella::Part> parts_;
+    std::vector<lamella::LayerSet> above_;
     std::optional<GuardedArrays> host_;
     std::vector<lamella::Segment> segments_ = segments();
     std::vector<std::vector<lamella::Point>> squares_ = {{{0, 0}, {4000, 0}, {4000, 4000}, {0, 4000}},

@@ -155,7 +155,7 @@ TEST_CASE("scratch is there before the first slice where it was made ready", "[e
     Slicer fresh;
     slice_with(fresh, plate(), uniform(1), context);
     slice_with(ready, plate(), uniform(1), context);
-    CHECK(ready.bytes() - before <= fresh.bytes());
+    CHECK(ready.bytes() - before <= fresh.bytes() + fresh.bytes() / 8);  // small blocks are rounded up
     CHECK(code_of(ready.make_ready(~std::uint64_t{0}, context)) == ErrorCode::out_of_memory);
 }
 

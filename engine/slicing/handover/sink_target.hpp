@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <mutex>
 #include <span>
+#include <variant>
 
 #include "lamella/destination.hpp"
 #include "lamella/slice.hpp"
@@ -65,5 +66,25 @@ private:
     const std::size_t stride_;
     std::uint64_t layers_ = 0;  ///< of all plans
 };
+
+using AnyTarget = std::variant<std::monostate, ResultTarget, SinkTarget, HostTarget>;
+
+/// The target that a destination stands for, made in `target`; null for no destination. Throws Refused where it makes no
+/// sense.
+inline LayerTarget* target_of(const Destination* to, const Memory* memory, AnyTarget& target) {
+    if (to == nullptr) {
+        return nullptr;
+    }
+    if (to->sink() != nullptr) {
+        return &target.emplace<SinkTarget>(*to->sink());
+    }
+    if (to->arrays() != nullptr) {
+        return &target.emplace<HostTarget>(*to->arrays());
+    }
+    if (to->result()->points.memory() != memory) {
+        *to->result() = SliceResult(memory);
+    }
+    return &target.emplace<ResultTarget>(*to->result());
+}
 
 }  // namespace lamella

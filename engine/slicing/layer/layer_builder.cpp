@@ -15,9 +15,19 @@ void LayerBuilder::build(BandOutput& out) {
     contours_.sort_by_start();
     const std::uint64_t layer = rules->first_layer + out.first_layer + out.layer_contours.size();
     const bool cancels = nest(rules->region == nullptr ? FillRule::contours : rules->region->rule_of(layer));
-    contours_.order.put_holes_after_outers(contours_.items);
     out.totals.cancelled_layers += cancels ? 1 : 0;
     append(out);
+    out.layer_contours.push_back(static_cast<std::uint32_t>(contours_.items.size()));
+}
+
+std::uint32_t LayerBuilder::append_region(const Fill& region, std::uint32_t part, BandOutput& out) {
+    contours_.with_origins = out.with_origins;
+    (region_ ? *region_ : region_.emplace(contours_)).take(region, *rules->region, rules->grid_mm);
+    for (NestItem& item : contours_.items) {
+        item.part = part;
+    }
+    append(out);
+    return static_cast<std::uint32_t>(contours_.items.size());
 }
 
 /// Replaces the open contours by what they are joined to.
@@ -66,7 +76,8 @@ void LayerBuilder::copy_rotated(const T* from, std::size_t first, std::size_t co
 }
 
 void LayerBuilder::append(BandOutput& out) {
-    const CanonicalOrder& order = contours_.order;
+    CanonicalOrder& order = contours_.order;
+    order.put_holes_after_outers(contours_.items);
     const std::size_t base = out.contours.size();
     for (const std::uint32_t i : order.items()) {
         const NestItem& item = contours_.items[i];
@@ -96,7 +107,6 @@ void LayerBuilder::append(BandOutput& out) {
         out.totals.add(contour);
         out.point_count += item.count;
     }
-    out.layer_contours.push_back(static_cast<std::uint32_t>(contours_.items.size()));
 }
 
 }  // namespace lamella

@@ -68,6 +68,9 @@ public:
 
     /// Appends the layer of the contours that were read to `out`. O(q log q) for q points. Throws std::bad_alloc.
     void build(BandOutput& out);
+    /// Appends the contours of a region, as of `part`, without ending the layer; returns how many. The steps that follow the
+    /// fill rule are taken.
+    std::uint32_t append_region(const Fill& region, std::uint32_t part, BandOutput& out);
 
     /// Apply to layers built after this.
     const LayerRules* rules = &plain_layers;

@@ -64,32 +64,43 @@ bool LayerRegion::apply(const RegionRules& rules, FillRule fill, double grid_mm)
     if (fill == FillRule::contours) {
         layer_.nester.nest(layer_.items);
     }
-    if (rules.flag_closing_mm > 0) {
-        regions_.mark_near(layer_.items, rules.flag_closing_mm / grid_mm, rules.miter_limit, layer_.nester);
-    }
+    mark_near();
     return fill != FillRule::contours && regions_.cancels();
 }
 
+void LayerRegion::take(const Fill& region, const RegionRules& rules, double grid_mm) {
+    rules_ = &rules;
+    grid_mm_ = grid_mm;
+    layer_.paths.clear();
+    regions_.go_on(region, steps(), layer_.nester);
+    take_paths(false);
+    if (rules.simplify_mm > 0) {
+        simplify();
+    }
+    mark_near();
+}
+
 void LayerRegion::replace_closed(FillRule fill) {
-    const RegionRules& region = *rules_;
-    const bool rewrites = region.drop_collinear || region.largest_only || fill == FillRule::outermost;
     closed_.clear();
     for (std::size_t i = 0; i < layer_.items.size(); ++i) {
         if (layer_.items[i].closed) {
             closed_.push_back(layer_.path_of(i));
         }
     }
-    regions_.run(closed_,
-                 {.rule = fill,
-                  .close = region.closing_mm / grid_mm_,
-                  .offset = region.offset_mm / grid_mm_,
-                  .miter = region.miter_limit,
-                  .always_list = rewrites || closed_.size() != layer_.items.size()},
-                 layer_.nester);
+    RegionSteps steps = this->steps();
+    steps.rule = fill;
+    steps.always_list = rules_->drop_collinear || rules_->largest_only || fill == FillRule::outermost ||
+                        closed_.size() != layer_.items.size();
+    regions_.run(closed_, steps, layer_.nester);
     if (regions_.is_unchanged() && regions_.paths().empty()) {
         std::copy(regions_.nested().begin(), regions_.nested().end(), layer_.items.begin());
         return;
     }
+    take_paths(fill == FillRule::outermost);
+}
+
+/// In place of the layer's closed ones.
+void LayerRegion::take_paths(bool outermost) {
     std::erase_if(layer_.paths, [](const Path& path) { return path.item.closed; });
     const auto polylines = static_cast<std::int64_t>(layer_.paths.size());
     for (const Path& path : regions_.paths()) {
@@ -99,10 +110,16 @@ void LayerRegion::replace_closed(FillRule fill) {
     rewrite_paths();
     layer_.sort_by_start();
     nest_region();
-    if (region.largest_only || fill == FillRule::outermost) {
-        keep_some(fill == FillRule::outermost, region.largest_only);
+    if (rules_->largest_only || outermost) {
+        keep_some(outermost, rules_->largest_only);
         layer_.sort_by_start();
         nest_region();
+    }
+}
+
+void LayerRegion::mark_near() {
+    if (rules_->flag_closing_mm > 0) {
+        regions_.mark_near(layer_.items, rules_->flag_closing_mm / grid_mm_, rules_->miter_limit, layer_.nester);
     }
 }
 

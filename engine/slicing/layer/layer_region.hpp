@@ -26,9 +26,17 @@ public:
     /// Changes the contours of the layer, which are listed by start, and finds their parents and roles. Returns true where
     /// the fill rule let facets cancel each other. Points that were made stay until the next call. Throws std::bad_alloc.
     bool apply(const RegionRules& rules, FillRule fill, double grid_mm);
+    /// The same for a layer of no contours but a region's, which must stay. The rules' fill rule is not looked at.
+    void take(const Fill& region, const RegionRules& rules, double grid_mm);
 
 private:
     void replace_closed(FillRule fill);
+    RegionSteps steps() const noexcept {
+        return {
+            .close = rules_->closing_mm / grid_mm_, .offset = rules_->offset_mm / grid_mm_, .miter = rules_->miter_limit};
+    }
+    void take_paths(bool outermost);
+    void mark_near();
     void rewrite_paths();
     void rewrite(Path& path, std::span<Point> points, PointOrigin* origins) const;
     bool is_rewritten(const Path& path) const noexcept;

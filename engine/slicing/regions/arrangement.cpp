@@ -160,16 +160,13 @@ void Arrangement::append_points_of(const Face& face, Vector<Point>& points) {
     } while (half != face.first);
 }
 
-void Arrangement::trace(FillRule rule, std::span<const std::int64_t> around_components, Vector<Path>& contours,
-                        Vector<Point>& points, Vector<PointOrigin>* origins) {
+void Arrangement::trace(std::span<const std::uint8_t> filled, Vector<Path>& contours, Vector<Point>& points,
+                        Vector<PointOrigin>* origins) {
     contour_of_.resize(halves_.size());
     worker_.ask();
     worker_.in_stretches(0, halves_.size(), scatter_work, [&](std::size_t begin, std::size_t end) {
         for (auto half = static_cast<Half>(begin); half < end; ++half) {
-            const std::int64_t around = around_components[component_of_[from(half)]];
-            const bool solid_left = fills(rule, around + faces_[face_of_[half]].winding);
-            const bool solid_right = fills(rule, around + faces_[face_of_[half ^ 1]].winding);
-            contour_of_[half] = solid_left && !solid_right ? untraced : no_boundary;
+            contour_of_[half] = filled[face_of_[half]] > filled[face_of_[half ^ 1]] ? untraced : no_boundary;
         }
     });
     const std::size_t base = contours.size();

@@ -57,11 +57,11 @@ public:
     /// Appends the points around a face that does not lie around its component: counter-clockwise.
     void append_points_of(const Face& face, Vector<Point>& points);
 
-    /// Appends the contours of the region where `rule` holds for the sum of a component's winding numbers and of the one
-    /// around it: how many points each has, and its part. Path::touched becomes the index of the contour that is met first
-    /// from the contour's smallest point clockwise, with nothing solid in between; -1 if there is none. Points go to
-    /// `points`, and their origins to `origins`, which is null where the strands have none.
-    void trace(FillRule rule, std::span<const std::int64_t> around_components, Vector<Path>& contours, Vector<Point>& points,
+    /// Appends the contours of the region of the faces that are filled, by face: how many points each has, and its part.
+    /// Path::touched becomes the index of the contour that is met first from the contour's smallest point clockwise, with
+    /// nothing solid in between; -1 if there is none. Points go to `points`, and their origins to `origins`, which is null
+    /// where the strands have none.
+    void trace(std::span<const std::uint8_t> filled, Vector<Path>& contours, Vector<Point>& points,
                Vector<PointOrigin>* origins);
 
 private:

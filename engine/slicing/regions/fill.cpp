@@ -28,42 +28,73 @@ bool are_opposite(const NestItem& a, const NestItem& b) noexcept {
 
 void Fill::run(std::span<const Path> contours, FillRule rule, Nester& nester) {
     assert(rule != FillRule::contours);
-    contours_ = contours;
-    region_.clear();
-    points_.clear();
-    origins_.clear();
-    with_origins_ =
-        std::any_of(contours.begin(), contours.end(), [](const Path& path) { return path.item.origins != nullptr; });
-    cancels_ = false;
-    merge_equal_ones();
+    find_windings(contours, {}, nester);
+    select([rule](std::int64_t winding) { return fills(rule, winding); });
     cancels_ = cancels_ && unites_inverted(rule);
-    contacts_.find(items_);
-    unchanged_ = !contacts_.any_meets() && items_.size() == contours.size();
-    overlay();
-    list_pieces();
-    nester.nest(pieces_);
-    find_windings(rule);
     if (contacts_.any_meets()) {
         find_cancelled(rule);
-        take_traced(rule);
     }
 }
 
-void Fill::merge_equal_ones() {
+void Fill::find_windings(std::span<const Path> contours, std::span<const std::int64_t> weights, Nester& nester) {
+    contours_ = contours;
+    with_origins_ =
+        std::any_of(contours.begin(), contours.end(), [](const Path& path) { return path.item.origins != nullptr; });
+    cancels_ = false;
+    merge_equal_ones(weights);
+    contacts_.find(items_);
+    merged_ = items_.size() != contours.size();
+    overlay();
+    list_pieces();
+    nester.nest(pieces_);
+    spread_windings();
+}
+
+std::span<const std::int64_t> Fill::list_windings() {
+    windings_.assign(1, 0);
+    for (std::uint32_t p = 0; p < apart_; ++p) {
+        windings_.insert(windings_.end(), {around(p), inside_[p]});
+    }
+    for (const Arrangement::Face& face : arrangement_.faces()) {
+        windings_.push_back(winding_of(face));
+    }
+    std::sort(windings_.begin(), windings_.end());
+    windings_.erase(std::unique(windings_.begin(), windings_.end()), windings_.end());
+    return windings_;
+}
+
+void Fill::select(FunctionRef<bool(std::int64_t)> fills) {
+    region_.clear();
+    points_.clear();
+    origins_.clear();
+    unchanged_ = !contacts_.any_meets() && !merged_;
+    for (const std::uint32_t p : order_) {
+        if (p < apart_) {
+            keep_or_drop(p, fills);
+        }
+    }
+    kept_ = region_.size();
+    if (contacts_.any_meets()) {
+        take_traced(fills);
+    }
+}
+
+void Fill::merge_equal_ones(std::span<const std::int64_t> weights) {
     items_.clear();
     firsts_.clear();
     times_.clear();
     for (std::uint32_t c = 0; c < contours_.size(); ++c) {
         worker_.spend(path_work);
         const NestItem& item = contours_[c].item;
+        const std::int64_t weight = weights.empty() ? 1 : weights[c];
         if (c > 0 && compare_points(contours_[c - 1].item, item) == 0) {
-            ++times_.back();
+            times_.back() += weight;
             items_.back().part = part_of_both(items_.back().part, item.part);
         } else {
             cancels_ = cancels_ || (!items_.empty() && are_opposite(items_.back(), item));
             items_.push_back(item);
             firsts_.push_back(c);
-            times_.push_back(1);
+            times_.push_back(weight);
         }
     }
 }
@@ -117,8 +148,8 @@ void Fill::list_pieces() {
     }
 }
 
-/// Winding numbers around the components, and in the contours that meet no other, which are kept or dropped by them.
-void Fill::find_windings(FillRule rule) {
+/// Around the components, and in the contours that meet no other.
+void Fill::spread_windings() {
     order_.resize(pieces_.size());
     std::iota(order_.begin(), order_.end(), 0U);
     if (apart_ < pieces_.size()) {  // contours are in order
@@ -130,39 +161,32 @@ void Fill::find_windings(FillRule rule) {
     inside_.resize(pieces_.size());
     around_known_.assign(around_.size(), 0);
     for (const std::uint32_t p : order_) {  // what lies around starts before
-        const std::int32_t parent = pieces_[p].parent;
-        const std::int64_t around = parent < 0 ? 0 : inside_[static_cast<std::size_t>(parent)];
+        worker_.spend(path_work);
         if (p < apart_) {
-            inside_[p] = keep_or_drop(p, around, rule);
+            inside_[p] = around(p) + pieces_[p].orientation * times_[numbers_[p]];
             continue;
         }
         const Arrangement::Face& face = arrangement_.faces()[numbers_[p]];
         if (around_known_[face.component] == 0) {  // the first of the component's faces lies in none of the others
-            around_[face.component] = around;
+            around_[face.component] = around(p);
             around_known_[face.component] = 1;
         }
-        inside_[p] = around_[face.component] + face.winding;
+        inside_[p] = winding_of(face);
     }
-    kept_ = region_.size();
 }
 
-/// Returns the winding number just inside the contour.
-std::int64_t Fill::keep_or_drop(std::uint32_t piece, std::int64_t around, FillRule rule) {
-    worker_.spend(path_work);
-    const std::uint32_t number = numbers_[piece];
+void Fill::keep_or_drop(std::uint32_t piece, FunctionRef<bool(std::int64_t)> fills) {
     const NestItem& item = pieces_[piece];
-    const std::int64_t inside = around + item.orientation * times_[number];
-    const bool hole = !fills(rule, inside);
-    const bool stays = hole == fills(rule, around);
+    const bool hole = !fills(inside_[piece]);
+    const bool stays = hole == fills(around(piece));
     if (stays) {
-        Path& kept = region_.emplace_back(contours_[firsts_[number]]);
+        Path& kept = region_.emplace_back(contours_[firsts_[numbers_[piece]]]);
         kept.item.part = item.part;
         kept.hole = hole;
         kept.touched = -1;
     }
     unchanged_ = unchanged_ && stays && !item.reverse && hole == (item.role == Role::hole) &&
                  (item.flags & orientation_overruled) == 0;
-    return inside;
 }
 
 void Fill::find_cancelled(FillRule rule) {
@@ -178,12 +202,12 @@ void Fill::find_cancelled(FillRule rule) {
         return snapped_.any_cancelled() ? 0 : face.component;
     };
     for (const Arrangement::Face& face : arrangement_.faces()) {
-        if (around_[face.component] + face.winding < 0 && is_wide(face)) {
+        if (winding_of(face) < 0 && is_wide(face)) {
             below_zero_[together(face)] = 1;
         }
     }
     for (const Arrangement::Face& face : arrangement_.faces()) {
-        const bool above_zero = around_[face.component] + face.winding > 0;
+        const bool above_zero = winding_of(face) > 0;
         cancels_ = cancels_ || (below_zero_[together(face)] != 0 && above_zero && is_wide(face));
     }
 }
@@ -201,8 +225,13 @@ bool Fill::is_wide(const Arrangement::Face& face) {
     return examine_ring(face_points_.data(), face_points_.size()).twice_area > 2 * Int128{length};
 }
 
-void Fill::take_traced(FillRule rule) {
-    arrangement_.trace(rule, around_, region_, points_, with_origins_ ? &origins_ : nullptr);
+void Fill::take_traced(FunctionRef<bool(std::int64_t)> fills) {
+    filled_.clear();
+    for (const Arrangement::Face& face : arrangement_.faces()) {
+        filled_.push_back(fills(winding_of(face)) ? 1 : 0);
+        worker_.spend(1);
+    }
+    arrangement_.trace(filled_, region_, points_, with_origins_ ? &origins_ : nullptr);
     std::size_t first = 0;  // of a contour's points
     for (Path& made : std::span(region_).subspan(kept_)) {
         const std::size_t count = made.item.count;

@@ -21,6 +21,7 @@
 #include <cstdint>
 #include <span>
 
+#include "base/function_ref.hpp"
 #include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
@@ -39,6 +40,15 @@ public:
     /// std::bad_alloc.
     void run(std::span<const Path> contours, FillRule rule, Nester& nester);
 
+    // The same in two steps, for several regions of the same contours.
+
+    /// Finds winding numbers, by which a contour counts as often as its weight says. Each counts once without weights.
+    void find_windings(std::span<const Path> contours, std::span<const std::int64_t> weights, Nester& nester);
+    /// Each winding number that occurs, ascending; they stay until the next call.
+    std::span<const std::int64_t> list_windings();
+    /// Makes the region of what has a filled winding number.
+    void select(FunctionRef<bool(std::int64_t)> fills);
+
     /// First kept(), then made(), of which points stay until the next call.
     std::span<const Path> region() const noexcept { return region_; }
     /// The given contours that belong to the region as they are, but for Path::hole.
@@ -52,14 +62,18 @@ public:
     bool cancels() const noexcept { return cancels_; }
 
 private:
-    void merge_equal_ones();
+    void merge_equal_ones(std::span<const std::int64_t> weights);
     void overlay();
     void list_pieces();
-    void find_windings(FillRule rule);
-    std::int64_t keep_or_drop(std::uint32_t piece, std::int64_t around, FillRule rule);
+    void spread_windings();
+    std::int64_t around(std::uint32_t piece) const noexcept {
+        return pieces_[piece].parent < 0 ? 0 : inside_[static_cast<std::size_t>(pieces_[piece].parent)];
+    }
+    std::int64_t winding_of(const Arrangement::Face& face) const noexcept { return around_[face.component] + face.winding; }
+    void keep_or_drop(std::uint32_t piece, FunctionRef<bool(std::int64_t)> fills);
     void find_cancelled(FillRule rule);
     bool is_wide(const Arrangement::Face& face);
-    void take_traced(FillRule rule);
+    void take_traced(FunctionRef<bool(std::int64_t)> fills);
 
     Worker& worker_;
     std::span<const Path> contours_;  // the given ones
@@ -79,11 +93,14 @@ private:
     Vector<std::int64_t> around_{worker_.memory()};        // of each component: the winding number around it
     Vector<std::uint8_t> around_known_{worker_.memory()};  // of each component
     Vector<std::uint8_t> below_zero_{worker_.memory()};    // of each component: whether it has a wide face below zero
+    Vector<std::int64_t> windings_{worker_.memory()};
+    Vector<std::uint8_t> filled_{worker_.memory()};  // of each face
     Vector<Path> region_{worker_.memory()};
     std::size_t kept_ = 0;  // of region_
     Vector<Point> points_{worker_.memory()};
     Vector<PointOrigin> origins_{worker_.memory()};  // of points_
     bool with_origins_ = false;
+    bool merged_ = false;  // some contours are equal
     bool unchanged_ = false;
     bool cancels_ = false;
 };

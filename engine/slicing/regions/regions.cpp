@@ -33,12 +33,17 @@ void refuse_beyond_grid(const RawCurve& curve) {
 
 void Regions::run(std::span<const Path> contours, const RegionSteps& steps, Nester& nester) {
     filled_.run(contours, steps.rule, nester);
-    unchanged_ = filled_.is_unchanged();
     rings_.clear();
+    unchanged_ = filled_.is_unchanged();
     if (unchanged_ && steps.close == 0 && steps.offset == 0 && !steps.always_list) {
         return;
     }
-    take(filled_);
+    go_on(filled_, steps, nester);
+}
+
+void Regions::go_on(const Fill& filled, const RegionSteps& steps, Nester& nester) {
+    unchanged_ = filled.is_unchanged();
+    take(filled);
     if (steps.close != 0 || steps.offset != 0) {
         turn_backward_ones();
     }

@@ -47,6 +47,8 @@ public:
     /// Computes the region. `contours` are closed and sorted by start, equal ones side by side. O((q + c) log (q + c)) for q
     /// points and c contacts. Throws std::bad_alloc.
     void run(std::span<const Path> contours, const RegionSteps& steps, Nester& nester);
+    /// The steps after the fill rule, from a region that is filled already. The region must stay until all is read.
+    void go_on(const Fill& filled, const RegionSteps& steps, Nester& nester);
 
     /// In no order; empty where is_unchanged(), unless RegionSteps::always_list. Path::made tells those apart that are given
     /// contours; points of the others stay until the next call. Path::touched counts from the first of these paths.

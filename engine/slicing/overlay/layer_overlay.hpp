@@ -1,0 +1,78 @@
+// One layer of the answer, from those of all sets.
+//
+//     list      each set's contours in the layers that count here
+//     regions   what they bound, where they bound no region yet or are to grow
+//     fill      one arrangement of all regions: inside set i, the winding number rises by 2^i
+//     labels    a region for each label, and the steps after it; then its contours' place in the layer
+//
+//     set 0   .-------.             winding numbers:  1  inside set 0 only
+//             |   .---+---.                           2  inside set 1 only
+//             | 1 | 3 | 2 |                           3  inside both
+//             '---+---'   |
+//                 '-------'  set 1
+//
+// The winding number is the membership, since a region winds once around what is in it, and not around what is not.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "base/vector.hpp"
+#include "base/worker.hpp"
+#include "lamella/overlay.hpp"
+#include "slicing/layer/layer_builder.hpp"
+#include "slicing/layer/ring_reader.hpp"
+#include "slicing/nesting/nest.hpp"
+#include "slicing/regions/fill.hpp"
+#include "slicing/regions/regions.hpp"
+#include "slicing/result/band_output.hpp"
+
+namespace lamella {
+
+/// Layer after layer; scratch is kept. One per thread.
+class LayerOverlay {
+public:
+    explicit LayerOverlay(Worker& worker) noexcept : worker_(worker) {}
+
+    /// Appends layer `n` of the answer to `out`, and returns its highest label. `after` must stay. Throws std::bad_alloc,
+    /// and Refused where a label is out of range.
+    std::uint32_t run(std::span<const LayerSet> sets, const Rule& rule, const LayerRules& after, std::uint64_t n,
+                      BandOutput& out);
+
+private:
+    /// What makes a set's region, where its contours are none yet.
+    struct SetRegion {
+        explicit SetRegion(Worker& worker) noexcept : given(worker), regions(worker) {}
+        GivenContours given;
+        Regions regions;
+    };
+    /// A contour of a set's region.
+    struct Ring {
+        Path path;
+        std::int64_t weight;
+    };
+
+    SetRegion& region_of(std::size_t set);
+    void list(const LayerSet& set, std::size_t number, std::uint64_t n);
+    void list(const LayerSet& set, const LayerView& layer);
+    void add_region(const LayerSet& set, std::size_t number, double grid_mm);
+    void sort_rings();
+    void find_labels(const Rule& rule, std::span<const std::int64_t> windings);
+
+    Worker& worker_;
+    Nester nester_{worker_};
+    Fill fill_{worker_};
+    LayerBuilder layers_{worker_};
+    std::vector<std::unique_ptr<SetRegion>> regions_;   // by set, made where they are needed
+    Vector<Path> given_{worker_.memory()};              // of a set
+    Vector<Path> of_host_{worker_.memory()};            // the same as the host has them
+    Vector<Ring> rings_{worker_.memory()};              // of all sets, by start
+    Vector<Path> paths_{worker_.memory()};              // of rings_
+    Vector<std::int64_t> weights_{worker_.memory()};    // of rings_
+    Vector<std::uint32_t> labels_{worker_.memory()};    // that occur, ascending
+    Vector<std::uint32_t> label_of_{worker_.memory()};  // of each winding number
+};
+
+}  // namespace lamella

@@ -83,7 +83,7 @@ ScratchMemory::Chunk& ScratchMemory::chunk_for(std::size_t bytes) {
 }
 
 std::span<std::byte> ScratchMemory::make_ahead(std::size_t bytes) {
-    if (!may_share(bytes == 0 ? chunk_bytes : 1)) {
+    if (bytes == 0 || !may_share(1)) {
         return {};
     }
     const std::lock_guard lock(mutex_);

@@ -11,7 +11,7 @@
 //
 //     call                                       threads, executor   stop   progress   memory
 //     slice(), Slicer::slice_to(), prepare()     yes                 yes    yes        result and scratch
-//     Slicer::outline()                          yes                 yes    -          scratch
+//     Slicer::outline(), make_ready()            yes                 yes    -          scratch
 //     assemble(), region_of()                    calling thread      yes    -          result and scratch
 //     read_mesh(), weld(), orient_shells()       yes                 yes    yes        mesh and scratch
 //     Overlay::combine()                         yes                 yes    yes        result and scratch

@@ -117,6 +117,7 @@ public:
             {"slice to arrays", slices_to(host_->arrays)},
             {"slice of upward faces", slices_of(mesh_, LayerContent::upward_faces)},
             {"outline", [this](const Context& c) { return code_of(Slicer().outline(mesh_, options_, c)); }, false},
+            {"make_ready", [](const Context& c) { return code_of(Slicer().make_ready(1000, c)); }, false},
             {"prepare", [this](const Context& c) { return code_of(prepare(mesh_, {}, c)); }},
             {"check, counts only", [this](const Context& c) { return code_of(check(mesh_, {.counts_only = true}, c)); }},
             {"check", [this](const Context& c) { return code_of(check(mesh_, {}, c)); }},

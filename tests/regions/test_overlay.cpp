@@ -102,39 +102,29 @@ Polygons triangles_of(Cells cells) {
     return all;
 }
 
-/// How often a closed contour runs around a point; `near` where that lies within two units of an edge.
-int winding_around(std::span<const Point> ring, Point p, bool& near) {
-    int winding = 0;
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-        const Point a = ring[i];
-        const Point b = ring[i + 1 < ring.size() ? i + 1 : 0];
-        const double dx = double(b.x) - a.x;
-        const double dy = double(b.y) - a.y;
-        const rings::Int128 side_of_edge = rings::Int128{b.x - std::int64_t{a.x}} * (std::int64_t{p.y} - a.y) -
-                                           rings::Int128{p.x - std::int64_t{a.x}} * (std::int64_t{b.y} - a.y);
-        winding += a.y <= p.y && b.y > p.y && side_of_edge > 0 ? 1 : 0;
-        winding -= b.y <= p.y && a.y > p.y && side_of_edge < 0 ? 1 : 0;
-        const double along =
-            std::clamp(((p.x - double(a.x)) * dx + (p.y - double(a.y)) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
-        near = near || std::hypot(a.x + along * dx - p.x, a.y + along * dy - p.y) < 2;
-    }
-    return winding;
-}
-
+/// How often the polygons run around a point; `near` where that lies within two units of an edge.
 int winding_around(const Polygons& polygons, Point p, bool& near) {
     int winding = 0;
     for (const Polygon& polygon : polygons) {
-        winding += winding_around(polygon, p, near);
+        const std::optional<int> own = rings::winding(polygon, p);
+        winding += own.value_or(0);
+        near = near || !own;
+        rings::each_edge(std::span<const Point>(polygon), [&](Point a, Point b) {
+            const double dx = double(b.x) - a.x;
+            const double dy = double(b.y) - a.y;
+            const double along =
+                std::clamp(((p.x - double(a.x)) * dx + (p.y - double(a.y)) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
+            near = near || std::hypot(a.x + along * dx - p.x, a.y + along * dy - p.y) < 2;
+        });
     }
     return winding;
 }
 
-/// The same for contours of `part`, where the point lies on none.
+/// The same for contours of `part`; requires that the point lies on none.
 int winding_around(const SliceResult& result, std::uint32_t part, Point p) {
     int winding = 0;
-    bool near = false;
     for (const Contour& contour : result.contours) {
-        winding += contour.part == part ? winding_around(result.points_of(contour), p, near) : 0;
+        winding += contour.part == part ? rings::winding(result.points_of(contour), p).value() : 0;
     }
     return winding;
 }

@@ -24,9 +24,9 @@ Status check_rule(const Rule& rule, std::size_t sets) {
             return status;
         }
     }
-    if (label_of(rule, 0) != 0) {
+    if (const std::uint32_t outside = label_of(rule, 0); outside != 0) {
         return Error{ErrorCode::invalid_argument,
-                     "what lies in no set has the label " + std::to_string(label_of(rule, 0)) + ", but must have none: 0"};
+                     "what lies in no set has the label " + std::to_string(outside) + ", but must have none: 0"};
     }
     return {};
 }

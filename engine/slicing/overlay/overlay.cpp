@@ -72,7 +72,7 @@ bool has_layers(const LayerSet& set) noexcept {
     return set.layers.stack() != nullptr || set.layers.layer() != nullptr || set.layers.given() != nullptr;
 }
 
-/// Calls combine() of one call.
+/// One call of combine().
 class Combining {
 public:
     Combining(std::span<const LayerSet> sets, const Rule& rule, const RegionRules& after, detail::OverlayImpl& kept,
@@ -115,9 +115,9 @@ public:
 private:
     /// Throws Refused.
     void check_sets(const RegionRules& after);
-    void check_set(std::size_t number);
+    double check_set(std::size_t number);
     void check_planes(std::size_t number) const;
-    double farthest_mm(const LayerSet& set) const;
+    double farthest_mm(const Layers& layers) const;
     void begin(const RegionRules& after);
 
     static void raise(std::atomic<std::uint64_t>& most, std::uint64_t label) noexcept {
@@ -177,9 +177,10 @@ void Combining::check_sets(const RegionRules& after) {
     if (!(rules_.grid_mm > 0) || !std::isfinite(rules_.grid_mm)) {
         throw bad_set("the grid unit must be finite and above 0, not " + exact_text(rules_.grid_mm) + " mm");
     }
+    double farthest = 0;
     for (std::size_t s = 0; s < sets_.size(); ++s) {
         try {
-            check_set(s);
+            farthest = std::max(farthest, check_set(s));
         } catch (Refused& refused) {
             refused.error.message = "set " + std::to_string(s) + ": " + refused.error.message;
             refused.error.part = static_cast<std::int64_t>(s);
@@ -187,14 +188,11 @@ void Combining::check_sets(const RegionRules& after) {
         }
     }
     require(check_rules({.region = after}));
-    double farthest = 0;
-    for (const LayerSet& set : sets_) {
-        farthest = std::max(farthest, farthest_mm(set) + moved_mm({.offset_mm = set.grow_mm}));
-    }
     require(check_reach(after, rules_.grid_mm, farthest));
 }
 
-void Combining::check_set(std::size_t number) {
+/// Returns how far the set's region may reach, in mm.
+double Combining::check_set(std::size_t number) {
     const LayerSet& set = sets_[number];
     if (set.from > set.to) {
         throw bad_set("layers from " + std::to_string(set.from) + " to " + std::to_string(set.to) + " are none");
@@ -203,7 +201,7 @@ void Combining::check_set(std::size_t number) {
         throw bad_set("the fill rule contours makes no region; choose another, such as non-zero");
     }
     if (!has_layers(set)) {
-        return;
+        return 0;
     }
     if (grid_of(set.layers) != rules_.grid_mm) {
         throw bad_set("its grid unit is " + exact_text(grid_of(set.layers)) + " mm, and another set's " +
@@ -211,11 +209,13 @@ void Combining::check_set(std::size_t number) {
     }
     const RegionRules grown{.fill_rule = set.fill_rule, .offset_mm = set.grow_mm};
     require(check_rules({.region = grown}));
-    require(check_reach(grown, rules_.grid_mm, farthest_mm(set)));
+    const double farthest = farthest_mm(set.layers);
+    require(check_reach(grown, rules_.grid_mm, farthest));
     if (set.layers.stack() != nullptr) {
         stack_ = stack_ == nullptr ? set.layers.stack() : stack_;
         check_planes(number);
     }
+    return farthest + moved_mm(grown);
 }
 
 void Combining::check_planes(std::size_t number) const {
@@ -232,19 +232,19 @@ void Combining::check_planes(std::size_t number) const {
 }
 
 /// The farthest coordinate of its points, in mm. Throws Refused where one lies beyond the grid.
-double Combining::farthest_mm(const LayerSet& set) const {
+double Combining::farthest_mm(const Layers& layers) const {
     std::int64_t farthest = 0;
     const auto add = [&farthest](std::span<const Point> points) {
         for (const Point p : points) {
             farthest = std::max({farthest, std::abs(std::int64_t{p.x}), std::abs(std::int64_t{p.y})});
         }
     };
-    if (set.layers.stack() != nullptr) {
-        add(set.layers.stack()->points.span());
-    } else if (set.layers.layer() != nullptr) {
-        add(set.layers.layer()->points);
-    } else if (set.layers.given() != nullptr) {
-        for (const std::span<const Point> contour : set.layers.given()->contours) {
+    if (layers.stack() != nullptr) {
+        add(layers.stack()->points.span());
+    } else if (layers.layer() != nullptr) {
+        add(layers.layer()->points);
+    } else {
+        for (const std::span<const Point> contour : layers.given()->contours) {
             add(contour);
         }
     }

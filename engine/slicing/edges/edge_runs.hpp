@@ -87,6 +87,8 @@ public:
 
     std::uint64_t edges() const noexcept { return edges_; }
     const Point* points() const noexcept { return points_.data(); }
+    /// The point that edge `e` of a path leaves, from its start; up to two after its last.
+    Point point(const EdgePath& path, std::size_t e) const noexcept { return points_[path.begin + e]; }
     std::span<const EdgePath> paths() const noexcept { return paths_; }
     const EdgePath& path_of(const EdgeRun& run) const noexcept { return paths_[run.path]; }
     /// Path by path, each from its start.

@@ -1,7 +1,9 @@
 // The pairs of edges that come near one another, of a layer's runs: runs whose boxes meet in their tree are halved until
-// single edges are left. O(r log r + c) for r runs whose boxes lie apart and c pairs of edges with close boxes.
+// a few edges are left, which are compared at once. O(r log r + c) for r runs whose boxes lie apart and c pairs of edges
+// with close boxes.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -49,6 +51,7 @@ public:
 
 private:
     static constexpr std::size_t no_limit = std::numeric_limits<std::size_t>::max();
+    static constexpr std::size_t few = BoxBlock<Point>::lanes;
 
     /// Part of a run.
     struct Stretch {
@@ -89,7 +92,7 @@ private:
         }
     }
 
-    /// Halves the longer until both are single edges. As deep as the logarithms of their lengths.
+    /// Halves the longer until both have a few edges. As deep as the logarithms of their lengths.
     template <class Meet>
     void compare(const Stretch& a, const Stretch& b, std::uint32_t a_path, std::uint32_t b_path, Meet& meet) {
         spend(1);
@@ -98,14 +101,33 @@ private:
         }
         const std::size_t a_edges = a.end - a.begin;
         const std::size_t b_edges = b.end - b.begin;
-        if (a_edges == 1 && b_edges == 1) {
-            meet(a_path, a.begin, b_path, b.begin);
+        if (std::max(a_edges, b_edges) <= 2 * few) {
+            compare_edges(a, b, [&](std::size_t i, std::size_t j) { meet(a_path, i, b_path, j); });
         } else if (a_edges >= b_edges) {
             compare(part(a.begin, a.begin + a_edges / 2), b, a_path, b_path, meet);
             compare(part(a.begin + a_edges / 2, a.end), b, a_path, b_path, meet);
         } else {
             compare(a, part(b.begin, b.begin + b_edges / 2), a_path, b_path, meet);
             compare(a, part(b.begin + b_edges / 2, b.end), a_path, b_path, meet);
+        }
+    }
+
+    /// Each edge of `a` with up to eight of `b` at once.
+    template <class Met>
+    void compare_edges(const Stretch& a, const Stretch& b, const Met& met) {
+        for (std::size_t first = b.begin; first < b.end; first += few) {
+            BoxBlock<Point> boxes;
+            boxes.set_edges(points_ + first);  // after the last point there is room
+            const LaneBits used = all_eight >> (few - std::min(few, b.end - first));
+            spend(a.end - a.begin);
+            for (std::size_t i = a.begin; i < a.end; ++i) {
+                const FlatBox near = grown(FlatBox::around(points_[i], points_[i + 1]), layer_->margin());
+                each_lane(boxes.meets(near) & used, [&](std::size_t lane) {
+                    if (!cut_short_) {
+                        met(i, first + lane);
+                    }
+                });
+            }
         }
     }
 

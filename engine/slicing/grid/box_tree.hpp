@@ -43,6 +43,15 @@ public:
             high_[axis][lane] = high[axis];
         }
     }
+    /// Those of edges from a point to the next; there are nine.
+    void set_edges(const Corner* points) noexcept requires(axes == 2) {
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+            low_[0][lane] = std::min(points[lane].x, points[lane + 1].x);
+            low_[1][lane] = std::min(points[lane].y, points[lane + 1].y);
+            high_[0][lane] = std::max(points[lane].x, points[lane + 1].x);
+            high_[1][lane] = std::max(points[lane].y, points[lane + 1].y);
+        }
+    }
     GridBox<Corner> operator[](std::size_t lane) const noexcept {
         typename GridBox<Corner>::Numbers numbers;
         for (std::size_t axis = 0; axis < axes; ++axis) {

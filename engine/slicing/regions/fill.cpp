@@ -103,7 +103,7 @@ void Fill::overlay() {
     snapped_.clear();
     for (std::uint32_t c = 0; c < items_.size(); ++c) {
         if (contacts_.meets(c)) {
-            snapped_.add(items_[c], times_[c], contacts_.near_edges(c));
+            snapped_.add(items_[c], times_[c], contacts_.near(c));
         }
     }
     snapped_.run(contacts_.crossings());

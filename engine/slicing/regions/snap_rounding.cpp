@@ -28,6 +28,18 @@ bool runs_back(Point from, Point joint, Point to) noexcept {
     return side_of(from, joint, to) == 0 && turns_back(from, joint, to);
 }
 
+/// True if both `c` and `d` lie on one side of the line through `a` and `b`, more than rounding_reach from it. In double
+/// precision, with room for its rounding: products of 32 bits and 32 have an error of at most 2^11.
+bool are_apart(Point a, Point b, Point c, Point d) noexcept {
+    constexpr double room = 1 << 13;
+    const double dx = static_cast<double>(b.x) - a.x;
+    const double dy = static_cast<double>(b.y) - a.y;
+    const double of_c = dx * (static_cast<double>(c.y) - a.y) - dy * (static_cast<double>(c.x) - a.x);
+    const double of_d = dx * (static_cast<double>(d.y) - a.y) - dy * (static_cast<double>(d.x) - a.x);
+    const double most = rounding_reach * (std::abs(dx) + std::abs(dy)) + room;
+    return (of_c > most && of_d > most) || (of_c < -most && of_d < -most);
+}
+
 /// value / (2 * divisor), rounded; halves up.
 Int128 rounded_half(Int128 value, Int128 divisor) noexcept {
     const Int128 twice = 2 * divisor;
@@ -68,7 +80,7 @@ Point rounded_crossing(Point a, Point b, Point c, Point d) noexcept {
 }
 
 void Contacts::find(std::span<const NestItem> contours) {
-    near_.clear();
+    pairs_.clear();
     meets_.assign(contours.size(), 0);
     crossings_.clear();
     first_edges_.clear();
@@ -76,40 +88,41 @@ void Contacts::find(std::span<const NestItem> contours) {
     any_meets_ = false;
     for (std::uint32_t c = 0; c < contours.size(); ++c) {
         worker_.spend(contours[c].count);
-        near_.add({{contours[c].points, contours[c].count}, c, true, contours[c].start});
+        pairs_.add({{contours[c].points, contours[c].count}, c, true, contours[c].start});
         first_edges_.push_back(first_edges_.back() + contours[c].count);
     }
-    near_edges_.assign(first_edges_.back(), 0);
-    near_.find(rounding_reach, any_number,
-               [this](const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) { meet(a, i, b, j); });
-    for (std::uint32_t c = 0; c < contours.size(); ++c) {
-        if (meets(c)) {
-            mark_sharp_corners(contours[c], c);
+    near_.assign(first_edges_.back(), {});
+    pairs_.find(rounding_reach, any_number,
+                [this](const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) { meet(a, i, b, j); });
+    for (const EdgePath& path : pairs_.paths()) {
+        if (meets_[path.contour] != 0) {
+            mark_sharp_corners(path);
         }
     }
 }
 
 /// Where an edge runs back along the one before, so near that either may be bent through an end of the other.
-void Contacts::mark_sharp_corners(const NestItem& contour, std::uint32_t number) {
-    const std::span<std::uint8_t> near = std::span(near_edges_).subspan(first_edges_[number], contour.count);
-    worker_.spend(contour.count);
-    for (std::uint32_t i = 0; i < contour.count; ++i) {
-        const Point from = contour.from_start(i);
-        const Point joint = contour.from_start(i + 1);
-        const Point to = contour.from_start(i + 2);
+void Contacts::mark_sharp_corners(const EdgePath& path) {
+    worker_.spend(path.edges());
+    for (std::size_t i = 0; i < path.edges(); ++i) {
+        const Point from = pairs_.point(path, i);
+        const Point joint = pairs_.point(path, i + 1);
+        const Point to = pairs_.point(path, i + 2);
         if (turns_back(from, joint, to) &&
             (is_near(from, joint, to, rounding_reach) || is_near(to, from, joint, rounding_reach))) {
-            near[i] = near[i + 1 < contour.count ? i + 1 : 0] = 1;
+            near_at(path, i) = {true, true};
+            near_at(path, i + 1) = {true, true};
+            near_at(path, i + 2).point = true;
         }
     }
 }
 
 void Contacts::meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) {
     const bool same = a.contour == b.contour;
-    const Point a0 = a[i];
-    const Point a1 = a[i + 1];
-    const Point b0 = b[j];
-    const Point b1 = b[j + 1];
+    const Point a0 = pairs_.point(a, i);
+    const Point a1 = pairs_.point(a, i + 1);
+    const Point b0 = pairs_.point(b, j);
+    const Point b1 = pairs_.point(b, j + 1);
     if (same && ((i + 1) % a.edges() == j || (j + 1) % a.edges() == i)) {
         if ((a1 == b0 && runs_back(a0, a1, b1)) || (b1 == a0 && runs_back(b0, b1, a1))) {
             mark(a, i, true);
@@ -117,15 +130,19 @@ void Contacts::meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::si
         }
         return;
     }
-    const auto touch = [&](std::int32_t reach) {
-        return is_near(a0, b0, b1, reach) || is_near(a1, b0, b1, reach) || is_near(b0, a0, a1, reach) ||
-               is_near(b1, a0, a1, reach);
-    };
-    const bool crossing = edges_cross(a0, a1, b0, b1);
-    if (!crossing && !touch(rounding_reach)) {
+    if (are_apart(a0, a1, b0, b1) || are_apart(b0, b1, a0, a1)) {
         return;
     }
-    const bool meets = !same || crossing || touch(0);
+    const bool crossing = edges_cross(a0, a1, b0, b1);
+    const bool a_near = mark_ends(a, i, b0, b1);
+    const bool b_near = mark_ends(b, j, a0, a1);
+    if (!crossing && !a_near && !b_near) {
+        return;
+    }
+    const auto touch = [&] {
+        return is_near(a0, b0, b1, 0) || is_near(a1, b0, b1, 0) || is_near(b0, a0, a1, 0) || is_near(b1, a0, a1, 0);
+    };
+    const bool meets = !same || crossing || touch();
     mark(a, i, meets);
     mark(b, j, meets);
     if (crossing) {
@@ -134,14 +151,24 @@ void Contacts::meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::si
 }
 
 void Contacts::mark(const EdgePath& path, std::size_t edge, bool meets) noexcept {
-    near_edges_[first_edges_[path.contour] + edge] = 1;
+    near_at(path, edge).edge = true;
     meets_[path.contour] |= meets ? 1 : 0;
     any_meets_ = any_meets_ || meets;
 }
 
-namespace {
+/// Marks the ends of an edge that come near the one from `a` to `b`. False if none does.
+bool Contacts::mark_ends(const EdgePath& path, std::size_t edge, Point a, Point b) noexcept {
+    bool any = false;
+    for (const std::size_t end : {edge, edge + 1}) {
+        if (is_near(pairs_.point(path, end), a, b, rounding_reach)) {
+            near_at(path, end).point = true;
+            any = true;
+        }
+    }
+    return any;
+}
 
-constexpr std::uint32_t open_end = 0xffffffff;
+namespace {
 
 /// In the direction from `a` to `b`, for points of pixels that the edge meets: it meets them one after the other in x and y.
 struct Along {
@@ -182,34 +209,27 @@ bool passes_pixel(Point a, Point b, Point p) noexcept {
            Int128{-top} * dx < Int128{right} * -dy;
 }
 
-/// An edge that may move may come to lie on its neighbours.
-bool SnapRounding::Source::is_active(std::uint32_t edge) const noexcept {
-    const auto count = static_cast<std::uint32_t>(near.size());
-    return near[edge] != 0 || near[edge > 0 ? edge - 1 : count - 1] != 0 || near[edge + 1 < count ? edge + 1 : 0] != 0;
-}
-
 void SnapRounding::run(std::span<const Point> crossings) {
     strands_.clear();
+    any_cancelled_ = false;
     collect_vertices(crossings);
     tree_.assign(vertices_.size(), [this](std::size_t i) { return vertices_[i]; });
-    strands_.reserve(2 * vertices_.size());  // copying many strands for room would keep a stop waiting
+    strands_.reserve(4 * vertices_.size());  // copying many strands for room would keep a stop waiting
     for (std::uint32_t c = 0; c < contours_.size(); ++c) {
         add_strands_of(c);
     }
     merge_strands();
 }
 
+/// A contour's start is one too: of a component, the point farthest to the left.
 void SnapRounding::collect_vertices(std::span<const Point> crossings) {
     vertices_.assign(crossings.begin(), crossings.end());
     for (const Source& source : contours_) {
         worker_.spend(source.near.size());
-        bool active_before = true;  // a contour's start is a vertex
         for (std::uint32_t e = 0; e < source.near.size(); ++e) {
-            const bool active = source.is_active(e);
-            if (active || active_before) {
+            if (e == 0 || source.near[e].point) {
                 vertices_.push_back(source.from(e));
             }
-            active_before = active;
         }
     }
     std::sort(vertices_.begin(), vertices_.end(), [this](const Point& a, const Point& b) {
@@ -219,58 +239,62 @@ void SnapRounding::collect_vertices(std::span<const Point> crossings) {
     vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
 }
 
+std::uint32_t SnapRounding::vertex_at(Point p) const noexcept {
+    return static_cast<std::uint32_t>(std::lower_bound(vertices_.begin(), vertices_.end(), p) - vertices_.begin());
+}
+
 void SnapRounding::add_strands_of(std::uint32_t contour) {
     const Source& source = contours_[contour];
     const auto count = static_cast<std::uint32_t>(source.near.size());
-    const auto start_place = std::lower_bound(vertices_.begin(), vertices_.end(), source.from(0));
-    const auto start = static_cast<std::uint32_t>(start_place - vertices_.begin());
-    std::uint32_t reached = start;
-    std::size_t chain = strands_.size();  // the one that has no end yet
-    bool in_chain = false;
+    const Stop start{vertex_at(source.from(0)), 0, true};
+    Stop last = start;
+    const auto stop_at = [&](const Stop& next) {
+        add_strand(contour, last, next);
+        last = next;
+    };
     for (std::uint32_t e = 0; e < count; ++e) {
-        if (!source.is_active(e)) {
-            if (!in_chain) {
-                chain = strands_.size();
-                strands_.push_back(
-                    {reached, open_end, source.times, contour, e, 0, source.item->part, source.item->origin_from_start(e)});
-                in_chain = true;
+        if (e > 0 && source.near[e].point) {
+            stop_at({vertex_at(source.from(e)), e, true});
+        }
+        if (source.near[e].edge) {
+            find_passed(source.from(e), source.to(e));
+            for (const Found& found : on_edge_) {
+                stop_at({found.vertex, e, false});
             }
-            ++strands_[chain].edges;
-            continue;
         }
-        bend(source, e);
-        if (in_chain) {
-            strands_[chain].to = on_edge_.front().vertex;
-            in_chain = false;
-        }
-        reached = on_edge_.back().vertex;
     }
-    if (in_chain) {
-        strands_[chain].to = start;
-    }
+    stop_at({start.vertex, count, true});
 }
 
-/// The vertices of pixels that an edge passes, in its direction, joined by strands. No strand lies on one more: pixels are
-/// convex, so that an edge that passes those of two vertices passes that of every vertex on the line between them.
-void SnapRounding::bend(const Source& source, std::uint32_t edge) {
-    const Point a = source.from(edge);
-    const Point b = source.to(edge);
+/// Lists the vertices, but for `a` and `b`, of pixels that the edge between them passes. No strand lies on one more: pixels
+/// are convex, so that an edge that passes those of two vertices passes that of every vertex on the line between them.
+void SnapRounding::find_passed(Point a, Point b) {
     on_edge_.clear();
     tree_.find_along(a, b, [&](Point p, std::uint32_t vertex) {
         worker_.spend(1);
-        if (p == a || p == b || passes_pixel(a, b, p)) {
+        if (p != a && p != b && passes_pixel(a, b, p)) {
             on_edge_.push_back({p, vertex});
         }
     });
     std::sort(on_edge_.begin(), on_edge_.end(), Along(a, b));
-    assert(on_edge_.size() >= 2 && on_edge_.front().point == a && on_edge_.back().point == b);
-    const PointOrigin whole = source.item->origin_from_start(edge);
-    for (std::size_t i = 0; i + 1 < on_edge_.size(); ++i) {
-        add_strand(source, on_edge_[i].vertex, on_edge_[i + 1].vertex, stretch_of(whole, i == 0, i + 2 == on_edge_.size()));
+}
+
+/// A contour that comes from a vertex over one point back to it encloses nothing.
+void SnapRounding::add_strand(std::uint32_t contour, const Stop& from, const Stop& to) {
+    const Source& source = contours_[contour];
+    const std::uint32_t edges = to.edge - from.edge + (to.at_begin ? 0 : 1);
+    if (edges == 1) {
+        add_straight(source, from.vertex, to.vertex,
+                     stretch_of(source.item->origin_from_start(from.edge), from.at_begin, to.at_begin));
+    } else if (edges == 2 && from.vertex == to.vertex) {
+        any_cancelled_ = true;
+    } else {
+        strands_.push_back(
+            {from.vertex, to.vertex, source.times, contour, from.edge, edges, source.item->part, PointOrigin()});
     }
 }
 
-void SnapRounding::add_strand(const Source& source, std::uint32_t from, std::uint32_t to, const PointOrigin& origin) {
+void SnapRounding::add_straight(const Source& source, std::uint32_t from, std::uint32_t to, const PointOrigin& origin) {
     if (from < to) {
         strands_.push_back({from, to, source.times, 0, 0, 1, source.item->part, origin});
     } else {
@@ -285,7 +309,6 @@ void SnapRounding::merge_strands() {
         return std::tuple(a.is_chain(), a.from, a.to, a.contour, a.first) <
                std::tuple(b.is_chain(), b.from, b.to, b.contour, b.first);
     });
-    any_cancelled_ = false;
     std::size_t kept = 0;
     for (std::size_t i = 0; i < strands_.size();) {
         worker_.spend(1);

@@ -14,8 +14,12 @@
 // So every vertex lies within half a unit per axis of the exact one, and every point of a strand within half a unit of its
 // edge.
 //
-// Edges that come near no other edge are left out of this: a stretch of them is a strand with points of its own, a chain.
-// Such an edge can meet no other, as each moves by half a unit at most.
+// A point that comes near no edge but its own two is no vertex, since no other edge can pass its pixel: it stays a point
+// within a strand. So most strands are long, and there are few.
+//
+//          --o-----.               a strand from crossing to crossing, with three points of the contour within
+//             \     \  .
+//              `-.---o--
 //
 // O((e + c + s) log (e + c)) for e edges that are near another, c crossings and s places where an edge passes a vertex;
 // other edges cost a step each.
@@ -47,6 +51,12 @@ bool is_near(Point p, Point a, Point b, std::int32_t reach) noexcept;
 /// contains its left and lower side, contains the crossing. `a` to `b` and `c` to `d` must cross there.
 Point rounded_crossing(Point a, Point b, Point c, Point d) noexcept;
 
+/// What of an edge and the point that it leaves comes near something else.
+struct Nearness {
+    bool edge = false;
+    bool point = false;
+};
+
 /// Two contours meet where their edges come within rounding_reach of each other. A contour meets itself where two of its
 /// edges have a common point that is not the end of one and the start of the next.
 class Contacts {
@@ -60,10 +70,11 @@ public:
     /// True if the contour meets another or itself.
     bool meets(std::uint32_t contour) const noexcept { return meets_[contour] != 0; }
     bool any_meets() const noexcept { return any_meets_; }
-    /// For each edge of a contour from its start whether it comes within rounding_reach of an edge of another contour, or
-    /// of another run of its own, or at a sharp corner of the next one. Contours that meet nothing: without sharp corners.
-    std::span<const std::uint8_t> near_edges(std::uint32_t contour) const noexcept {
-        return std::span(near_edges_).subspan(first_edges_[contour], first_edges_[contour + 1] - first_edges_[contour]);
+    /// For each edge of a contour from its start, and the point that it leaves, what comes within rounding_reach of an edge
+    /// of another contour, or of another run of its own, or at a sharp corner of the next one. Contours that meet nothing:
+    /// without sharp corners.
+    std::span<const Nearness> near(std::uint32_t contour) const noexcept {
+        return std::span(near_).subspan(first_edges_[contour], first_edges_[contour + 1] - first_edges_[contour]);
     }
     /// Where edges cross, rounded; in no order, and as often as two cross there.
     std::span<const Point> crossings() const noexcept { return crossings_; }
@@ -71,13 +82,17 @@ public:
 private:
     void meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j);
     void mark(const EdgePath& path, std::size_t edge, bool meets) noexcept;
-    void mark_sharp_corners(const NestItem& contour, std::uint32_t number);
+    bool mark_ends(const EdgePath& path, std::size_t edge, Point a, Point b) noexcept;
+    Nearness& near_at(const EdgePath& path, std::size_t edge) noexcept {
+        return near_[first_edges_[path.contour] + (edge < path.edges() ? edge : edge - path.edges())];
+    }
+    void mark_sharp_corners(const EdgePath& path);
 
     Worker& worker_;
-    EdgePairs near_{worker_};
+    EdgePairs pairs_{worker_};
     Vector<std::uint8_t> meets_{worker_.memory()};       // of each contour
     Vector<std::size_t> first_edges_{worker_.memory()};  // of each contour
-    Vector<std::uint8_t> near_edges_{worker_.memory()};
+    Vector<Nearness> near_{worker_.memory()};
     Vector<Point> crossings_{worker_.memory()};
     bool any_meets_ = false;
 };
@@ -85,13 +100,13 @@ private:
 /// True if the edge from `a` to `b` meets the pixel of `p`.
 bool passes_pixel(Point a, Point b, Point p) noexcept;
 
-/// Leads from vertex to vertex, straight or along a stretch of a contour.
+/// Leads from vertex to vertex, straight or over points of a contour.
 struct Strand {
     std::uint32_t from;
     std::uint32_t to;
     std::int64_t times;     ///< contours that run from `from` to `to`, minus those that run back
     std::uint32_t contour;  ///< of a chain: number of the contour
-    std::uint32_t first;    ///< of a chain: its first edge, from the contour's start
+    std::uint32_t first;    ///< of a chain: the edge that it begins with or within, from the contour's start
     std::uint32_t edges;    ///< 1: straight
     std::uint32_t part;     ///< of the contours along it, as Contour::part
     PointOrigin origin;     ///< of a straight one, from `from` to `to`: of the contour that stands for all along it
@@ -106,8 +121,8 @@ public:
 
     /// Forgets all contours.
     void clear() noexcept { contours_.clear(); }
-    /// A closed contour that is there `times` times. near[i]: edge i from the start comes within two units of another edge.
-    void add(const NestItem& contour, std::int64_t times, std::span<const std::uint8_t> near) {
+    /// A closed contour that is there `times` times. near[i]: of edge i from the start, and of the point that it leaves.
+    void add(const NestItem& contour, std::int64_t times, std::span<const Nearness> near) {
         contours_.push_back({&contour, times, near});
     }
     /// `crossings` are rounded ones of the contours. Throws std::bad_alloc.
@@ -120,7 +135,7 @@ public:
     bool any_cancelled() const noexcept { return any_cancelled_; }
     /// The i-th point: 0 is the first vertex, `edges` the last.
     Point point_of(const Strand& strand, std::uint32_t i) const noexcept {
-        if (!strand.is_chain()) {
+        if (i == 0 || i == strand.edges) {
             return vertices_[i == 0 ? strand.from : strand.to];
         }
         const NestItem& item = *contours_[strand.contour].item;
@@ -129,16 +144,21 @@ public:
     }
     /// The origin of edge i, from the first vertex on.
     PointOrigin origin_of(const Strand& strand, std::uint32_t i) const noexcept {
-        return strand.is_chain() ? contours_[strand.contour].item->origin_from_start(strand.first + i) : strand.origin;
+        if (!strand.is_chain()) {
+            return strand.origin;
+        }
+        const NestItem& item = *contours_[strand.contour].item;
+        const std::uint32_t edge = strand.first + i;
+        return stretch_of(item.origin_from_start(edge), i > 0 || vertices_[strand.from] == item.from_start(edge),
+                          i + 1 < strand.edges || vertices_[strand.to] == item.from_start(edge + 1));
     }
 
 private:
     struct Source {
         const NestItem* item;
         std::int64_t times;
-        std::span<const std::uint8_t> near;
+        std::span<const Nearness> near;
 
-        bool is_active(std::uint32_t edge) const noexcept;
         Point from(std::uint32_t edge) const noexcept { return item->from_start(edge); }
         Point to(std::uint32_t edge) const noexcept { return item->from_start(edge + 1); }
     };
@@ -146,11 +166,19 @@ private:
         Point point;
         std::uint32_t vertex;
     };
+    /// Where a contour comes to a vertex: on an edge from the contour's start, or where that begins.
+    struct Stop {
+        std::uint32_t vertex;
+        std::uint32_t edge;
+        bool at_begin;
+    };
 
     void collect_vertices(std::span<const Point> crossings);
     void add_strands_of(std::uint32_t contour);
-    void bend(const Source& source, std::uint32_t edge);
-    void add_strand(const Source& source, std::uint32_t from, std::uint32_t to, const PointOrigin& origin);
+    void find_passed(Point a, Point b);
+    void add_strand(std::uint32_t contour, const Stop& from, const Stop& to);
+    void add_straight(const Source& source, std::uint32_t from, std::uint32_t to, const PointOrigin& origin);
+    std::uint32_t vertex_at(Point p) const noexcept;
     void merge_strands();
 
     Worker& worker_;
@@ -158,7 +186,7 @@ private:
     Vector<Point> vertices_{worker_.memory()};
     PointTree tree_{worker_};
     Vector<Strand> strands_{worker_.memory()};
-    Vector<Found> on_edge_{worker_.memory()};  // vertices that an edge passes, in its direction
+    Vector<Found> on_edge_{worker_.memory()};  // vertices that an edge passes between its ends, in its direction
     bool any_cancelled_ = false;
 };
 

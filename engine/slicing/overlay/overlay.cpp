@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
 #include "base/words.hpp"
+#include "slicing/grid/exact.hpp"
 #include "slicing/handover/sink_target.hpp"
 #include "slicing/overlay/labels.hpp"
 #include "slicing/overlay/layer_overlay.hpp"
@@ -72,14 +74,31 @@ bool has_layers(const LayerSet& set) noexcept {
     return set.layers.stack() != nullptr || set.layers.layer() != nullptr || set.layers.given() != nullptr;
 }
 
+/// The same rules of what is a region already.
+RegionRules of_region(RegionRules rules) {
+    rules.fill_rule = FillRule::positive;
+    rules.fill_from.clear();
+    return rules;
+}
+
+/// The largest coordinate's magnitude.
+std::int64_t farthest_of(const FlatBox& bounds) noexcept {
+    if (exceeds(bounds.low, bounds.high)) {
+        return 0;
+    }
+    const std::int64_t low = std::min(bounds.low.x, bounds.low.y);
+    return std::max<std::int64_t>(-low, std::max(bounds.high.x, bounds.high.y));
+}
+
 /// One call of combine().
 class Combining {
 public:
     Combining(std::span<const LayerSet> sets, const Rule& rule, const RegionRules& after, detail::OverlayImpl& kept,
               SliceInfo& info)
         : sets_(sets), rule_(rule), kept_(kept), info_(info) {
-        check_sets(after);
-        begin(after);
+        const RegionRules as_region = of_region(after);
+        check_sets(as_region);
+        begin(as_region);
     }
 
     void run(LayerTarget& target, ProgressMeter& progress) {
@@ -117,7 +136,8 @@ private:
     void check_sets(const RegionRules& after);
     double check_set(std::size_t number);
     void check_planes(std::size_t number) const;
-    double farthest_mm(const Layers& layers) const;
+    FlatBox bounds_of(const Layers& layers) const;
+    void widen_box(const Layers& layers, const FlatBox& points, double moved_mm);
     void begin(const RegionRules& after);
 
     static void raise(std::atomic<std::uint64_t>& most, std::uint64_t label) noexcept {
@@ -162,6 +182,7 @@ private:
     detail::OverlayImpl& kept_;
     SliceInfo& info_;
     const SliceResult* stack_ = nullptr;  ///< the first; null: there is none
+    std::optional<Box> box_;              ///< what the answer lies in
     std::atomic<std::uint64_t> most_label_{0};
     LayerRules rules_;  ///< after the sets are combined
 };
@@ -209,8 +230,10 @@ double Combining::check_set(std::size_t number) {
     }
     const RegionRules grown{.fill_rule = set.fill_rule, .offset_mm = set.grow_mm};
     require(check_rules({.region = grown}));
-    const double farthest = farthest_mm(set.layers);
+    const FlatBox bounds = bounds_of(set.layers);
+    const double farthest = static_cast<double>(farthest_of(bounds)) * rules_.grid_mm;
     require(check_reach(grown, rules_.grid_mm, farthest));
+    widen_box(set.layers, bounds, moved_mm(grown));
     if (set.layers.stack() != nullptr) {
         stack_ = stack_ == nullptr ? set.layers.stack() : stack_;
         check_planes(number);
@@ -231,14 +254,10 @@ void Combining::check_planes(std::size_t number) const {
     }
 }
 
-/// The farthest coordinate of its points, in mm. Throws Refused where one lies beyond the grid.
-double Combining::farthest_mm(const Layers& layers) const {
-    std::int64_t farthest = 0;
-    const auto add = [&farthest](std::span<const Point> points) {
-        for (const Point p : points) {
-            farthest = std::max({farthest, std::abs(std::int64_t{p.x}), std::abs(std::int64_t{p.y})});
-        }
-    };
+/// Throws Refused where a point lies beyond the grid.
+FlatBox Combining::bounds_of(const Layers& layers) const {
+    FlatBox bounds = FlatBox::nothing();
+    const auto add = [&bounds](std::span<const Point> points) { bounds.include(FlatBox::around(points)); };
     if (layers.stack() != nullptr) {
         add(layers.stack()->points.span());
     } else if (layers.layer() != nullptr) {
@@ -248,11 +267,34 @@ double Combining::farthest_mm(const Layers& layers) const {
             add(contour);
         }
     }
+    const std::int64_t farthest = farthest_of(bounds);
     if (farthest > grid_limit) {
         throw bad_set("a point with the coordinate " + std::to_string(farthest) + " lies beyond the grid, which ends at " +
                       std::to_string(grid_limit) + " units");
     }
-    return static_cast<double>(farthest) * rules_.grid_mm;
+    return bounds;
+}
+
+/// By a stack's own box, and by points that lie farther out than rounding explains: two units.
+void Combining::widen_box(const Layers& layers, const FlatBox& points, double moved_mm) {
+    const auto include = [this](const Box& box) {
+        box_ = box_.value_or(box);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            box_->min_mm[axis] = std::min(box_->min_mm[axis], box.min_mm[axis]);
+            box_->max_mm[axis] = std::max(box_->max_mm[axis], box.max_mm[axis]);
+        }
+    };
+    if (layers.stack() != nullptr) {
+        include(layers.stack()->info.box);
+    }
+    if (!exceeds(points.low, points.high)) {
+        const double grid = rules_.grid_mm;
+        const double out = moved_mm > 0 || layers.stack() == nullptr ? moved_mm : -2 * grid;
+        Box box = box_.value_or(Box{});
+        box.min_mm = {points.low.x * grid - out, points.low.y * grid - out, box.min_mm[2]};
+        box.max_mm = {points.high.x * grid + out, points.high.y * grid + out, box.max_mm[2]};
+        include(box);
+    }
 }
 
 /// What is known of the answer before its layers.
@@ -260,15 +302,13 @@ void Combining::begin(const RegionRules& after) {
     SliceInfo info;
     if (stack_ != nullptr) {
         const SliceInfo& of = stack_->info;
-        info.box = of.box;
         info.first_layer = of.first_layer;
         info.planned_layers = of.planned_layers;
         info.layer_of = of.layer_of;
         info.options = of.options;
     }
+    info.box = box_.value_or(Box{});
     info.options.region = after;
-    info.options.region.fill_rule = FillRule::positive;
-    info.options.region.fill_from.clear();
     info.options.origins = false;
     info.options.unite_parts = false;
     info.part_count = std::max<std::uint64_t>(parts_of(rule_, sets_.size()), 1);

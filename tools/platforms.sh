@@ -139,7 +139,7 @@ check_stack_moves() {
 # The whole C interface as a module for a page and its script, gzipped.
 check_wasm_size() {
     local at=$folder/wasm bytes functions
-    functions=$(grep -oE '\<lamella_[a-z0-9_]+\(' include/lamella/lamella.h | tr -d '(' | sort -u | sed 's/^/_/' | paste -sd ,)
+    functions=$(grep -ohE '\<lamella_[a-z0-9_]+\(' include/lamella/*.h | tr -d '(' | sort -u | sed 's/^/_/' | paste -sd ,)
     quietly em++ -O3 -fwasm-exceptions -sALLOW_MEMORY_GROWTH=1 -sMALLOC=emmalloc -sENVIRONMENT=web,worker \
         -sINCOMING_MODULE_JS_API=[] --no-entry -sEXPORTED_FUNCTIONS="_malloc,_free,$functions" "$at/engine/liblamella.a" -o "$at/core.js"
     bytes=$(cat "$at/core.wasm" "$at/core.js" | gzip -9 | wc -c)

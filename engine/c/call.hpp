@@ -18,10 +18,13 @@
 #include <cstring>
 #include <initializer_list>
 #include <memory>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
+#include "base/function_ref.hpp"
 #include "base/guard.hpp"
 #include "lamella/context.hpp"
 #include "lamella/error.hpp"
@@ -29,6 +32,8 @@
 #include "lamella/lamella.h"
 #include "lamella/layers.hpp"
 #include "lamella/options.hpp"
+#include "lamella/overlay.h"
+#include "lamella/overlay.hpp"
 #include "lamella/result.hpp"
 #include "lamella/slice.hpp"
 #include "lamella/version.hpp"
@@ -42,6 +47,11 @@ struct lamella_slicer {
     lamella::Slicer slicer;
     lamella::SliceOptions options;  ///< kept, so that a call allocates nothing for their lists
     lamella::SliceInfo info;        ///< of the last call: lamella_info::layer_of views it
+};
+
+struct lamella_overlay {
+    lamella::Overlay overlay;
+    lamella::SliceInfo info;  ///< of the last call, as of a slicer
 };
 
 struct lamella_prepared {
@@ -82,6 +92,8 @@ LAMELLA_SIZED(lamella_arrays, LAMELLA_ARRAYS, origins);
 LAMELLA_SIZED(lamella_destination, LAMELLA_DESTINATION, arrays);
 LAMELLA_SIZED(lamella_check_result, LAMELLA_CHECK_RESULT, faults);
 LAMELLA_SIZED(lamella_audit_result, LAMELLA_AUDIT_RESULT, reserved);
+LAMELLA_SIZED(lamella_layer_set, LAMELLA_LAYER_SET, part);
+LAMELLA_SIZED(lamella_rule, LAMELLA_RULE, label_object);
 #undef LAMELLA_SIZED
 // NOLINTEND(bugprone-sizeof-expression)
 
@@ -107,6 +119,8 @@ void set_defaults(lamella_mesh& mesh) noexcept;
 void set_defaults(lamella_options& options) noexcept;
 void set_defaults(lamella_arrays& arrays) noexcept;
 void set_defaults(lamella_audit_result& found) noexcept;
+void set_defaults(lamella_layer_set& set) noexcept;
+void set_defaults(lamella_rule& rule) noexcept;
 
 template <class T>
 T defaults() noexcept {
@@ -200,6 +214,7 @@ static_assert(LAMELLA_NO_TRIANGLE == no_triangle && LAMELLA_NO_EDGE == no_edge &
 static_assert(LAMELLA_DEFAULT_GRID_MM == default_grid_mm && LAMELLA_FINEST_GRID == finest_grid &&
               LAMELLA_STITCH_BY_MESH == stitch_by_mesh && LAMELLA_GRID_LIMIT == grid_limit &&
               LAMELLA_ALL_LAYERS == all_layers);
+static_assert(LAMELLA_MOST_LAYER_SETS == most_layer_sets && LAMELLA_MOST_LABELS == most_labels);
 
 template <class C>
 const typename Same<C>::type* as_cpp(const C* c) noexcept {
@@ -277,5 +292,43 @@ void fill_result(lamella_result** result, const Fill& fill) {
         *result = fresh.release();
     }
 }
+
+/// A handle with an `info` that the program keeps, or one for this call.
+template <class Handle>
+class Kept {
+public:
+    explicit Kept(Handle* given) : kept_(given) {
+        if (kept_ == nullptr) {
+            own_ = std::make_unique<Handle>();
+            kept_ = own_.get();
+        }
+    }
+    Handle* operator->() const noexcept { return kept_; }
+
+    /// What the call found, for the program. The list of layers is that of `result` or else of the handle; where the program
+    /// keeps neither, it ends with the call.
+    void give(Result<SliceInfo> found, lamella_info* info, const SliceResult* result = nullptr) {
+        kept_->info = require(std::move(found));
+        lamella_info c = info_of(result != nullptr ? result->info : kept_->info);
+        if (result == nullptr && own_ != nullptr) {
+            c.layer_of = nullptr;
+            c.layer_of_count = 0;
+        }
+        write_sized(c, info);
+    }
+
+private:
+    std::unique_ptr<Handle> own_;
+    Handle* kept_;
+};
+
+/// Throws Refused where no place is set, or several.
+lamella_destination read_destination(const lamella_destination* given);
+
+/// fill(destination, the result among the destinations or null) with what read_destination() gave. Throws Refused.
+void fill_destination(const lamella_destination& to, FunctionRef<void(const Destination&, const SliceResult*)> fill);
+
+/// Contours of the program's. Throws Refused where points are missing.
+std::vector<std::span<const Point>> read_paths(const lamella_path* contours, std::size_t count);
 
 }  // namespace lamella::c

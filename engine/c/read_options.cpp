@@ -177,6 +177,16 @@ MeshView read_mesh(const lamella_mesh* given) {
             .mm_per_unit = c.mm_per_unit};
 }
 
+std::vector<std::span<const Point>> read_paths(const lamella_path* contours, std::size_t count) {
+    require_list(contours, count, "contours");
+    std::vector<std::span<const Point>> paths;
+    for (std::size_t i = 0; i < count; ++i) {
+        require_list(contours[i].points, contours[i].count, "points of a contour");
+        paths.emplace_back(as_cpp(contours[i].points), contours[i].count);
+    }
+    return paths;
+}
+
 Host::Host(const lamella_context* given) : c_(read_sized(given)) {
     context.threads = c_.threads;
     context.memory = as_cpp(c_.memory);

@@ -48,83 +48,6 @@ private:
     std::vector<Part> parts_;
 };
 
-lamella_sink read_sink(const lamella_sink* given) {
-    const lamella_sink c = read_sized(given);
-    if (c.take == nullptr) {
-        refuse("the sink has no function that takes layers");
-    }
-    require_choice(c.order, LAMELLA_SINK_ANY, "the sink's order");
-    return c;
-}
-
-HostArrays read_arrays(const lamella_arrays* given) {
-    const lamella_arrays c = read_sized(given);
-    require_choice(c.point_type, LAMELLA_I64, "point_type");
-    return {.points = c.points,
-            .point_capacity = c.point_capacity,
-            .point_type = static_cast<Number>(c.point_type),
-            .point_stride = c.point_stride,
-            .scale = c.scale,
-            .contours = detail::span_of(as_cpp(c.contours), c.contour_capacity),
-            .layers = detail::span_of(as_cpp(c.layers), c.layer_capacity),
-            .stitches = detail::span_of(as_cpp(c.stitches), c.stitches == nullptr ? 0 : c.stitch_capacity),
-            .origins = detail::span_of(as_cpp(c.origins), c.origins == nullptr ? 0 : c.point_capacity)};
-}
-
-/// A slicer that the program keeps, or one for this call.
-class Kept {
-public:
-    explicit Kept(lamella_slicer* given) : kept_(given) {
-        if (kept_ == nullptr) {
-            own_ = std::make_unique<lamella_slicer>();
-            kept_ = own_.get();
-        }
-    }
-    lamella_slicer* operator->() const noexcept { return kept_; }
-
-    /// What the call found, for the program. The list of layers is that of `result` or else of the slicer; where the program
-    /// keeps neither, it ends with the call.
-    void give(Result<SliceInfo> found, lamella_info* info, const SliceResult* result = nullptr) {
-        kept_->info = require(std::move(found));
-        lamella_info c = info_of(result != nullptr ? result->info : kept_->info);
-        if (result == nullptr && own_ != nullptr) {
-            c.layer_of = nullptr;
-            c.layer_of_count = 0;
-        }
-        write_sized(c, info);
-    }
-
-private:
-    std::unique_ptr<lamella_slicer> own_;
-    lamella_slicer* kept_;
-};
-
-void slice_to(Kept& kept, const lamella_destination& to, const Source& from, const Context& context, lamella_info* info) {
-    const SliceOptions& options = kept->options;
-    if (to.result != nullptr) {
-        fill_result(to.result, [&](SliceResult& result) {
-            kept.give(kept->slicer.slice_to(result, from, options, context), info, &result);
-        });
-    } else if (to.sink != nullptr) {
-        const lamella_sink c = read_sink(to.sink);
-        auto take = [&](const LayerView& layer) noexcept {
-            const lamella_layer_view view = view_of(layer);
-            c.take(c.object, &view);
-        };
-        auto begin = [&](const SliceInfo& found) noexcept {
-            const lamella_info given = info_of(found);
-            c.begin(c.object, &given);
-        };
-        LayerSink cpp{.take = take, .order = c.order == LAMELLA_SINK_ANY ? SinkOrder::any : SinkOrder::ascending};
-        if (c.begin != nullptr) {
-            cpp.begin = begin;
-        }
-        kept.give(kept->slicer.slice_to(cpp, from, options, context), info);
-    } else {
-        kept.give(kept->slicer.slice_to(read_arrays(to.arrays), from, options, context), info);
-    }
-}
-
 }  // namespace
 }  // namespace lamella::c
 
@@ -133,7 +56,7 @@ namespace api = lamella::c;
 int32_t lamella_slice(lamella_slicer* slicer, const lamella_mesh* mesh, const lamella_options* options,
                       lamella_result** result, lamella_error* error) {
     return api::called(error, [&] {
-        api::Kept kept(slicer);
+        api::Kept<lamella_slicer> kept(slicer);
         api::read_options(options, kept->options);
         const lamella::Source from = api::read_mesh(mesh);
         api::fill_result(result, [&](lamella::SliceResult& filled) {
@@ -147,13 +70,14 @@ int32_t lamella_slice_to(lamella_slicer* slicer, const lamella_destination* to, 
                          lamella_error* error) {
     return api::called(error, [&] {
         api::require_initialised(info);
-        const auto where = api::read_sized(to);
-        api::require_one({where.result, where.sink, where.arrays}, "result, sink and arrays of a destination");
-        api::Kept kept(slicer);
+        const lamella_destination where = api::read_destination(to);
+        api::Kept<lamella_slicer> kept(slicer);
         const api::Host host(context);
         api::read_options(options, kept->options);
         const api::GivenSource source(from);
-        api::slice_to(kept, where, source.source(), host.context, info);
+        api::fill_destination(where, [&](const lamella::Destination& place, const lamella::SliceResult* result) {
+            kept.give(kept->slicer.slice_to(place, source.source(), kept->options, host.context), info, result);
+        });
     });
 }
 
@@ -161,7 +85,7 @@ int32_t lamella_outline(lamella_slicer* slicer, const lamella_source* from, cons
                         const lamella_context* context, lamella_info* info, lamella_error* error) {
     return api::called(error, [&] {
         api::require_initialised(info);
-        api::Kept kept(slicer);
+        api::Kept<lamella_slicer> kept(slicer);
         const api::Host host(context);
         api::read_options(options, kept->options);
         const api::GivenSource source(from);
@@ -222,7 +146,7 @@ int32_t lamella_slicer_make_ready(lamella_slicer* slicer, uint64_t triangles, co
                                   lamella_error* error) {
     return api::called(error, [&] {
         const api::Host host(context);
-        lamella::require(api::Kept(slicer)->slicer.make_ready(triangles, host.context));
+        lamella::require(api::Kept<lamella_slicer>(slicer)->slicer.make_ready(triangles, host.context));
     });
 }
 
@@ -232,11 +156,7 @@ int32_t lamella_region_of(const lamella_path* contours, size_t count, const lame
         const api::Host host(context);
         lamella::SliceOptions how;
         api::read_options(options, how);
-        api::require_list(contours, count, "contours");
-        std::vector<std::span<const lamella::Point>> paths;
-        for (std::size_t i = 0; i < count; ++i) {
-            paths.emplace_back(api::as_cpp(contours[i].points), contours[i].count);
-        }
+        const auto paths = api::read_paths(contours, count);
         const double step = grid_mm == 0 ? lamella::default_grid_mm : grid_mm;
         api::fill_result(result, [&](lamella::SliceResult& filled) {
             filled = lamella::require(lamella::region_of(paths, how.region, step, host.context));

@@ -24,7 +24,7 @@
  *     lamella_result_free(result);
  *
  * The shape is that of C++, whose headers say what each call does: a source is sliced by options within a context to a
- * destination. Here stands what C adds.
+ * destination. Here stands what C adds. lamella/overlay.h combines layers with layers.
  *
  * Structs that begin with their size may grow. LAMELLA_INIT initialises them, those that a call fills too: one that was not
  * is refused, and void functions leave it alone. A library newer than the program gives fields that the program does not
@@ -266,7 +266,7 @@ typedef struct lamella_info {
     uint64_t contours, points, stitches, holes; /* from here on known at the end only */
     uint64_t open_contours, flat_contours, overruled_contours, would_close_contours;
     uint64_t emptied_layers, cancelled_layers;
-    const uint64_t* layer_of; /* the layer of each height given: of the result, or of the slicer until its next call */
+    const uint64_t* layer_of; /* the layer of each height given: of the result, or of the slicer or overlay until its next call */
     uint64_t layer_of_count;
 } lamella_info;
 
@@ -476,7 +476,7 @@ LAMELLA_C_API const char* lamella_status_name(int32_t status); /* "bad_planes" *
 enum {
     LAMELLA_ERROR = 0, LAMELLA_CONTEXT = 1, LAMELLA_MESH = 2, LAMELLA_SOURCE = 3, LAMELLA_OPTIONS = 4, LAMELLA_INFO = 5,
     LAMELLA_LAYER_VIEW = 6, LAMELLA_VIEW = 7, LAMELLA_SINK = 8, LAMELLA_ARRAYS = 9, LAMELLA_DESTINATION = 10,
-    LAMELLA_CHECK_RESULT = 11, LAMELLA_AUDIT_RESULT = 12
+    LAMELLA_CHECK_RESULT = 11, LAMELLA_AUDIT_RESULT = 12, LAMELLA_LAYER_SET = 13, LAMELLA_RULE = 14
 };
 
 /* Sets the struct that `it` points to, one of the above, to its defaults; an unknown kind to zeros. */

@@ -10,28 +10,13 @@
 
 #include <catch2/catch.hpp>
 
+#include "engine/c_handles.hpp"
 #include "engine/everywhere.hpp"
-#include "lamella/lamella.h"
 
 using namespace lamella;
+using namespace c_handles;
 
 namespace {
-
-struct Freed {
-    void operator()(lamella_result* result) const { lamella_result_free(result); }
-    void operator()(lamella_slicer* slicer) const { lamella_slicer_free(slicer); }
-    void operator()(lamella_prepared* prepared) const { lamella_prepared_free(prepared); }
-    void operator()(lamella_welded* welded) const { lamella_welded_free(welded); }
-};
-using ResultHandle = std::unique_ptr<lamella_result, Freed>;
-
-/// A struct of C with its defaults, as fresh<lamella_view>(LAMELLA_VIEW).
-template <class T>
-T fresh(std::int32_t kind) {
-    T it;
-    LAMELLA_INIT(&it, kind);
-    return it;
-}
 
 lamella_mesh soup_of(const std::vector<float>& soup) {
     auto mesh = fresh<lamella_mesh>(LAMELLA_MESH);
@@ -52,21 +37,14 @@ lamella_source source_of(const lamella_mesh& mesh) {
     return source;
 }
 
-lamella_destination into(lamella_result** result, const lamella_sink* sink, const lamella_arrays* arrays) {
-    auto to = fresh<lamella_destination>(LAMELLA_DESTINATION);
-    to.result = result;
-    to.sink = sink;
-    to.arrays = arrays;
-    return to;
-}
-
-ResultHandle c_sliced(const lamella_source& from, const lamella_options& options, const lamella_context* context = nullptr) {
+Owned<lamella_result> c_sliced(const lamella_source& from, const lamella_options& options,
+                               const lamella_context* context = nullptr) {
     lamella_result* result = nullptr;
     const lamella_destination to = into(&result, nullptr, nullptr);
     REQUIRE(lamella_slice_to(nullptr, &to, &from, &options, context, nullptr, nullptr) == LAMELLA_OK);
-    return ResultHandle(result);
+    return Owned<lamella_result>(result);
 }
-ResultHandle c_sliced(const lamella_mesh& mesh, const lamella_options& options) {
+Owned<lamella_result> c_sliced(const lamella_mesh& mesh, const lamella_options& options) {
     return c_sliced(source_of(mesh), options);
 }
 
@@ -120,7 +98,7 @@ void check_result(const lamella_result* found, const SliceResult& expected) {
 
 /// Requires that every destination gets `expected` by C.
 void check_destinations(const lamella_source& source, const lamella_options& options, const SliceResult& expected) {
-    const std::unique_ptr<lamella_slicer, Freed> slicer(lamella_slicer_create());
+    const Owned<lamella_slicer> slicer(lamella_slicer_create());
     const auto slice_to = [&](const lamella_destination& to) {
         auto info = fresh<lamella_info>(LAMELLA_INFO);
         REQUIRE(lamella_slice_to(slicer.get(), &to, &source, &options, nullptr, &info, nullptr) == LAMELLA_OK);
@@ -128,7 +106,7 @@ void check_destinations(const lamella_source& source, const lamella_options& opt
     };
     lamella_result* result = nullptr;
     slice_to(into(&result, nullptr, nullptr));
-    check_result(ResultHandle(result).get(), expected);
+    check_result(Owned<lamella_result>(result).get(), expected);
 
     auto outline = fresh<lamella_info>(LAMELLA_INFO);
     REQUIRE(lamella_outline(slicer.get(), &source, &options, nullptr, &outline, nullptr) == LAMELLA_OK);
@@ -229,7 +207,7 @@ TEST_CASE("any source goes to any destination by C, with the bytes of C++, whate
         source.part_count = 0;
         lamella_prepared* handle = nullptr;
         REQUIRE(lamella_prepare(&mesh, &options, nullptr, &handle, nullptr) == LAMELLA_OK);
-        const std::unique_ptr<lamella_prepared, Freed> prepared(handle);
+        const Owned<lamella_prepared> prepared(handle);
         CHECK(lamella_prepared_bytes(handle) >= mesh.triangle_count * 12);
         source.prepared = handle;
         check_destinations(source, options, slice(prepare(view, in_cpp.frame).value(), in_cpp).value());
@@ -286,7 +264,7 @@ TEST_CASE("a struct that knows fewer fields has the defaults of the rest, one wi
     lamella_result* result = nullptr;
     CHECK(lamella_slice(nullptr, &mesh, &whole, &result, nullptr) == LAMELLA_INVALID_ARGUMENT);
     whole.struct_size = offsetof(lamella_options, fill_rule);
-    const ResultHandle owned = c_sliced(mesh, whole);
+    const Owned<lamella_result> owned = c_sliced(mesh, whole);
 
     // The library writes no further than the program's struct, too.
     lamella_view view;
@@ -399,7 +377,7 @@ TEST_CASE("threads, memory, stop and progress of C are used", "[c][threads]") {
     const lamella_source source = source_of(mesh);
     const lamella_options options = options_at(0.05);
     {
-        const ResultHandle result = c_sliced(source, options, &context);
+        const Owned<lamella_result> result = c_sliced(source, options, &context);
         CHECK(host.held > 0);
         CHECK(host.fraction == 1);
         CHECK(host.workers > 0);
@@ -424,7 +402,7 @@ TEST_CASE("regions, contours of segments, checks, welding and audits go through 
     rules.fill_rule = LAMELLA_FILL_RULE_NON_ZERO;
     lamella_result* made = nullptr;
     REQUIRE(lamella_region_of(paths, 2, &rules, 1, nullptr, &made, nullptr) == LAMELLA_OK);
-    const ResultHandle region(made);
+    const Owned<lamella_result> region(made);
     auto layer = fresh<lamella_layer_view>(LAMELLA_LAYER_VIEW);
     REQUIRE(lamella_result_layer(made, 0, &layer) == LAMELLA_OK);
     CHECK(lamella_area_mm2(&layer) == 28);
@@ -455,7 +433,7 @@ TEST_CASE("regions, contours of segments, checks, welding and audits go through 
 
     lamella_welded* handle = nullptr;
     REQUIRE(lamella_weld(&mesh, 0.01, 1, nullptr, &handle, nullptr) == LAMELLA_OK);
-    const std::unique_ptr<lamella_welded, Freed> welded(handle);
+    const Owned<lamella_welded> welded(handle);
     auto joined = fresh<lamella_mesh>(LAMELLA_MESH);
     lamella_welded_mesh(handle, &joined);
     CHECK(joined.vertex_count == 4);

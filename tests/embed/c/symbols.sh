@@ -1,19 +1,19 @@
 #!/usr/bin/env bash
-# symbols.sh SHARED STATIC HEADER FOLDER: the shared library exports the functions of HEADER and nothing else; what the static
-# one defines for others is lamella's. FOLDER takes what is written.
+# symbols.sh SHARED STATIC HEADERS FOLDER: the shared library exports the functions of the headers in the folder HEADERS and
+# nothing else; what the static one defines for others is lamella's. FOLDER takes what is written.
 set -euo pipefail
-shared=$1 static=$2 header=$3 folder=$4
+shared=$1 static=$2 headers=$3 folder=$4
 
-# exports_interface LIBRARY: fails unless LIBRARY exports the functions of the header.
+# exports_interface LIBRARY: fails unless LIBRARY exports the functions of the headers.
 exports_interface() {
     local defined
     defined=$(nm -D --defined-only --format=posix "$1") || return 1
-    diff <(grep -o 'LAMELLA_C_API[^;(]*' "$header" | grep -o 'lamella_[a-z0-9_]*$' | sort) \
+    diff <(grep -ho 'LAMELLA_C_API[^;(]*' "$headers"/*.h | grep -o 'lamella_[a-z0-9_]*$' | sort) \
         <(awk '{ sub(/@.*/, "", $1); print $1 }' <<< "$defined" | sort)
 }
 
-[[ $(grep -c '^LAMELLA_C_API' "$header") -ge 25 ]] || { echo "$header declares too little"; exit 1; }
-exports_interface "$shared" || { echo "$shared does not export what $header declares"; exit 1; }
+[[ $(cat "$headers"/*.h | grep -c '^LAMELLA_C_API') -ge 25 ]] || { echo "$headers declares too little"; exit 1; }
+exports_interface "$shared" || { echo "$shared does not export what $headers declares"; exit 1; }
 ! exports_interface "$(dirname "$(c++ -print-libgcc-file-name)")/libstdc++.so" > "$folder/differences" 2>&1 ||
     { echo "a library that exports something else is not noticed"; exit 1; }
 

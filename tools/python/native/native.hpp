@@ -208,5 +208,6 @@ void define_options(py::module_& module);
 void define_meshes(py::module_& module);
 void define_slicing(py::module_& module);
 void define_results(py::module_& module);
+void define_overlay(py::module_& module);
 
 }  // namespace lamella::python

@@ -103,6 +103,8 @@ layers: list[lamella.Layer] = result[2:5]
 mesh: lamella.Mesh = lamella.read("liver.stl")
 again: lamella.Result = lamella.prepare(mesh).slice([1.0, 2.0], threads=2)
 joined: lamella.Layer = lamella.region_of([mesh.vertices[:, :2]], fill_rule="even-odd", offset=0.1)
+tops: lamella.Result = lamella.combine([result, result.shifted(1).grown(0.1), [mesh.vertices[:, :2]]], "subtract", offset=-0.1)
+labelled: lamella.Result = lamella.combine([result, result[0]], lambda a, b: a + 2 * b, threads=1)
 for chunk in lamella.stream(mesh.vertices, mesh.faces, layer_height=0.01, chunk=64):
     total: float = chunk.volume
 cut: lamella.Layer = lamella.section(mesh, origin=[0, 0, 1], normal=[0, 1, 1], stitch=0.1)
@@ -116,6 +118,7 @@ WRONG = [
     ('lamella.slice("liver.stl", layer_hight=0.1)', 'Unexpected keyword argument "layer_hight"'),
     ('lamella.slice("liver.stl", layer_height="thin")', 'Argument "layer_height"'),
     ('lamella.section("liver.stl", origin=[0, 0, 0], normal=[0, 0, 1], layer_height=1)', '"layer_height"'),
+    ('lamella.combine([1])', 'List item 0 has incompatible type "int"'),
     ('lamella.slice("liver.stl").area', '"Result" has no attribute "area"'),
     ('x: str = lamella.slice("liver.stl")[0].z', "Incompatible types in assignment"),
 ]

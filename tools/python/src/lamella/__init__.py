@@ -26,6 +26,8 @@ check, weld
     What is wrong with a mesh and where; cracks joined.
 read
     A mesh file as a `Mesh`: STL, OBJ, OFF, PLY, VTK, VTP, 3MF, gzip of any.
+combine
+    Layers with layers: unions, differences, intersections of whole stacks, and regions by label.
 assemble, region_of
     Contours from segments, or regions from contours, of another program.
 lamella.dask.slice_many
@@ -44,11 +46,13 @@ Wherever a mesh is asked for, any of these will do, and arrays are not copied:
 Coordinates are in mm unless `unit` says otherwise. Faces run counter-clockwise as seen from outside.
 """
 
+from ._combine import combine
 from ._errors import (  # fmt: skip
     CancelledError, CoordinateError, EmptyMeshError, Error, InvalidArgumentError, MalformedMeshError, MeshTypeError,
     MeshWarning, OutOfMemoryError, PlanesError, ResultTooLargeError, UnreadableFileError, UnwritableFileError,
 )
 from ._layer import NO_TRIANGLE, SEVERAL_PARTS, ContourFlag, Layer, Polygon, Role
+from ._layer_set import LayerSet
 from ._mesh import Check, Finding, Mesh, check, read, weld
 from ._native import version as __version__
 from ._result import Certificate, Result
@@ -56,8 +60,8 @@ from ._slice import Prepared, assemble, prepare, region_of, section, section_mul
 
 __all__ = [
     "NO_TRIANGLE", "SEVERAL_PARTS", "CancelledError", "Certificate", "Check", "ContourFlag", "CoordinateError",
-    "EmptyMeshError", "Error", "Finding", "InvalidArgumentError", "Layer", "MalformedMeshError", "Mesh", "MeshTypeError",
+    "EmptyMeshError", "Error", "Finding", "InvalidArgumentError", "Layer", "LayerSet", "MalformedMeshError", "Mesh", "MeshTypeError",
     "MeshWarning", "OutOfMemoryError", "PlanesError", "Polygon", "Prepared", "Result", "ResultTooLargeError", "Role",
-    "UnreadableFileError", "UnwritableFileError", "__version__", "assemble", "check", "prepare", "read", "region_of",
+    "UnreadableFileError", "UnwritableFileError", "__version__", "assemble", "check", "combine", "prepare", "read", "region_of",
     "section", "section_multiplane", "slice", "slice_parts", "stream", "weld",
 ]  # fmt: skip

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, List, NamedTuple, Tuple
 import numpy as np
 import numpy.typing as npt
 
+from ._layer_set import SetMethods
+
 if TYPE_CHECKING:
     import matplotlib.axes
     import shapely.geometry
@@ -60,7 +62,7 @@ class Polygon(NamedTuple):
     """The same of each hole, clockwise."""
 
 
-class Layer:
+class Layer(SetMethods):
     """One layer of a `Result`: a view, of which nothing is computed until it is asked for.
 
     Attributes

@@ -61,7 +61,7 @@ class RuleKeywords(CallKeywords, LayerOptions, RegionOptions, total=False):
 
 
 class RegionKeywords(CallKeywords, RegionOptions, total=False):
-    """Those of `region_of`."""
+    """Those of `region_of` and `combine`."""
 
 
 class SectionKeywords(RuleKeywords, FrameOptions, total=False):

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from . import _native
 from ._errors import Error, InvalidArgumentError, MeshWarning, warn
 from ._layer import Layer, Role
+from ._layer_set import SetMethods
 
 if TYPE_CHECKING:
     import pandas
@@ -51,7 +52,7 @@ class Certificate:
         return self.verdict == "holds"
 
 
-class Result:
+class Result(SetMethods):
     """Layers, contours and points of a sliced mesh.
 
     Three flat arrays, views of the engine's memory, which are read-only and live as long as any of them does::
@@ -246,7 +247,7 @@ class Result:
 
     def _whole_mesh(self, what: str) -> View:
         if self._view is None:
-            raise InvalidArgumentError(f"the {what} needs the whole mesh, which neither pickled results nor chunks of layers have")
+            raise InvalidArgumentError(f"the {what} needs the whole mesh, which pickled results, chunks of layers and combined layers do not have")
         return self._view
 
     def __len__(self) -> int:

@@ -8,12 +8,12 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _native
-from ._errors import CoordinateError
+from ._contours import contours_on_grid, grid_step, on_grid
 from ._layer import Layer
 from ._mesh import MeshLike, View, as_view, as_views, oriented
 from ._option_table import UniformOptions
 from ._options import (  # fmt: skip
-    OF_PREPARED, FrameKeywords, PreparedKeywords, RegionKeywords, documented, number, plane_frame, progress_report, refuse, slice_options, truth, whole_array, whole_number,
+    OF_PREPARED, FrameKeywords, PreparedKeywords, RegionKeywords, documented, plane_frame, progress_report, refuse, slice_options, truth, whole_array, whole_number,
 )
 from ._result import Result, finish, warn_of_open
 
@@ -322,8 +322,8 @@ def assemble(segments: npt.ArrayLike, keys: Optional[npt.ArrayLike] = None, *, g
         if keys.dtype.kind not in "iu" or keys.shape != (len(rows), 2):
             refuse(f"keys must be integers of shape ({len(rows)}, 2), and are {keys.dtype} of shape {keys.shape}")
         keys = np.ascontiguousarray(keys, dtype=np.int64)
-    step = _step(grid)
-    return Result(_native.assemble(_on_grid(rows, "segments", step), keys, step), None)[0]
+    step = grid_step(grid)
+    return Result(_native.assemble(on_grid(rows, "segments", step), keys, step), None)[0]
 
 
 def region_of(contours: Sequence[npt.ArrayLike], *, grid: float = 2.0**-20, **rules: Unpack[RegionKeywords]) -> Layer:
@@ -344,28 +344,6 @@ def region_of(contours: Sequence[npt.ArrayLike], *, grid: float = 2.0**-20, **ru
     >>> lamella.region_of([low, low + 2]).area
     28.0
     """
-    step = _step(grid)
-    paths: List[npt.NDArray[np.int32]] = []
-    for i, contour in enumerate(contours):
-        name = f"contours[{i}]"
-        points = whole_array(contour, name)
-        if points.ndim != 2 or points.shape[1] != 2:
-            refuse(f"{name} must have shape (n, 2), and has {points.shape}")
-        paths.append(_on_grid(points, name, step))
+    step = grid_step(grid)
+    paths = contours_on_grid(contours, "contours", step)
     return Result(_native.region_of(paths, slice_options(rules, RegionKeywords), step), None)[0]
-
-
-def _step(grid: Any) -> float:
-    step = number("grid", grid)
-    if not 0 < step < float("inf"):
-        refuse(f"grid must be finite and more than 0 mm, and is {step:g}")
-    return step
-
-
-def _on_grid(rows: npt.NDArray[np.float64], name: str, step: float) -> npt.NDArray[np.int32]:
-    with np.errstate(over="ignore"):
-        units = np.rint(rows / step)
-    wrong = np.argwhere(~(np.abs(units) <= 2**30))
-    if len(wrong) > 0:
-        raise CoordinateError(f"{name}[{wrong[0, 0]}] has a coordinate that is not finite or beyond 2^30 grid units")
-    return np.ascontiguousarray(units.astype(np.int32))

@@ -1,0 +1,140 @@
+"""combine(): layers with layers."""
+
+from __future__ import annotations
+
+import operator
+from typing import TYPE_CHECKING, Any, Callable, List, Optional, Sequence, Tuple, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _native
+from ._contours import contours_on_grid, grid_step
+from ._layer import Layer
+from ._layer_set import LayerSet, as_set
+from ._options import FILL_RULES, RegionKeywords, array_of, number, one_of, refuse, slice_options, whole_number
+from ._result import Result
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+SetLike = Union[Result, Layer, LayerSet, npt.NDArray[Any], Sequence[npt.ArrayLike]]
+RuleLike = Union[str, npt.ArrayLike, Callable[..., Any]]
+
+RULES = ("unite", "subtract", "intersect", "exclusive", "last")
+MOST_FOR_FUNCTION = 16
+
+
+def combine(
+    sets: Sequence[SetLike], rule: RuleLike = "unite", *, grid: Optional[float] = None, **options: Unpack[RegionKeywords]
+) -> Result:
+    """Combine layers with layers: unions, differences, intersections of whole stacks, or regions by label.
+
+    Parameters
+    ----------
+    sets : sequence of Result, Layer, LayerSet or contours
+        At most 63. All stacks have the same planes, and all sets the same grid. A `Layer`, and contours (a list of arrays
+        (n, 2) in mm, or one such array), stand at every height. `Result.grown`, `Result.shifted` and `Result.of_part` say
+        which layers of a stack are meant, and how far they grow first.
+    rule : {"unite", "subtract", "intersect", "exclusive", "last"}, array_like of int, or callable
+        What is solid: in any set; in the first and in no other; in all; in an odd number; or, for "last", in any, labelled
+        by the last set that it is in. An array of 2^n labels: that of what is in sets i, j, ... is ``rule[2**i + 2**j + ...]``.
+        A function of n flags, one for each of at most 16 sets, returns a label, or whether there is solid. Label 0 is
+        empty, and label l becomes part l - 1; what is in no set has label 0.
+    grid : float, optional
+        Step of the grid of contours, mm; without it that of the first result or layer, or 2^-20.
+    **options
+        ``closing``, ``offset``, ``simplify`` and the other rules of regions but fill rules, done to the answer, and
+        ``threads`` and ``progress``, as for `slice`.
+
+    Returns
+    -------
+    Result
+        Layers at the planes of the stacks; without any stack one layer at 0. Parts share every point of the boundary between
+        them. It depends neither on threads nor on the order of sets, but for what the rule makes of it.
+
+    Examples
+    --------
+    >>> body = lamella.slice(corners, faces, layer_height=10)
+    >>> tops = lamella.combine([body, body.shifted(1)], "subtract")
+    >>> tops.areas.round(3)
+    array([168.75 , 112.5  ,  56.25 ,   7.031])
+    >>> bed = np.array([[0, 0], [10, 0], [10, 40], [0, 40]])
+    >>> lamella.combine([body, bed], lambda body, bed: 0 if not body else 2 if bed else 1).contours["part"]
+    array([0, 1, 0, 1, 0, 1, 1], dtype=uint32)
+    """
+    for name in options:
+        if name.startswith("fill_"):
+            refuse(f"{name} is not for combine(), but a set has a fill rule: lamella.LayerSet(layers, fill_rule=...)")
+    asked = [as_set(each) for each in sets]
+    if not 1 <= len(asked) <= _native.most_layer_sets:
+        refuse(f"from 1 to {_native.most_layer_sets} sets of layers can be combined, not {len(asked)}")
+    step = _step(asked, grid)
+    native = [_native_set(each, f"sets[{i}]", step) for i, each in enumerate(asked)]
+    return Result(_native.combine(native, _native_rule(rule, len(asked)), slice_options(options, RegionKeywords)), None)
+
+
+def _step(sets: Sequence[LayerSet], grid: Optional[float]) -> float:
+    if grid is not None:
+        return grid_step(grid)
+    for each in sets:
+        if isinstance(each.layers, Result):
+            return each.layers.grid
+        if isinstance(each.layers, Layer):
+            return each.layers.result.grid
+    return 2.0**-20
+
+
+def _native_set(each: LayerSet, name: str, step: float) -> Tuple[Any, ...]:
+    layers: Any = each.layers
+    what: Any
+    if isinstance(layers, Result):
+        what = layers._native
+    elif isinstance(layers, Layer):
+        what = (layers.result._native, layers.index)
+    else:
+        if isinstance(layers, (str, bytes)) or not hasattr(layers, "__iter__"):
+            refuse(f"{name} must be a Result, a Layer, a LayerSet or contours, not {layers!r}")
+        one = isinstance(layers, np.ndarray) and layers.ndim == 2
+        what = (contours_on_grid([layers] if one else layers, name, step), step)
+    part = None if each.part is None else whole_number(f"part of {name}", each.part)
+    if part is not None and part >= 2**32:
+        refuse(f"part of {name} must be below 2**32, and is {part}")
+    fill_rule = one_of(f"fill_rule of {name}", each.fill_rule, FILL_RULES)
+    first, last = (_distance(f"{end} of {name}", value) for end, value in (("first", each.first), ("last", each.last)))
+    return what, first, last, number(f"grow of {name}", each.grow), fill_rule, part
+
+
+def _distance(name: str, value: Any) -> int:
+    """In layers, up or down."""
+    try:
+        layers = operator.index(value)
+    except TypeError:
+        refuse(f"{name} must be a whole number, not {value!r}")
+    if not abs(layers) < 2**31:
+        refuse(f"{name} must be within 2**31 layers, and is {layers}")
+    return layers
+
+
+def _native_rule(rule: RuleLike, sets: int) -> Union[int, npt.NDArray[np.uint32]]:
+    if isinstance(rule, str):
+        return one_of("rule", rule, RULES)
+    if callable(rule):
+        if sets > MOST_FOR_FUNCTION:
+            refuse(f"a function as rule takes at most {MOST_FOR_FUNCTION} sets, and there are {sets}; a rule by name takes more")
+        flags = [[membership >> i & 1 == 1 for i in range(sets)] for membership in range(1 << sets)]
+        rule = [_label(rule, inside) for inside in flags]
+    labels = array_of(rule, "rule", kinds="iub")
+    if labels.shape != (1 << sets,):
+        refuse(f"rule must have 2**{sets} labels for {sets} sets in one dimension, and has shape {labels.shape}")
+    if not (0 <= labels.min() and labels.max() <= _native.most_labels):
+        refuse(f"labels of rule must be from 0 to {_native.most_labels}, and reach from {labels.min()} to {labels.max()}")
+    return np.ascontiguousarray(labels, dtype=np.uint32)
+
+
+def _label(rule: Callable[..., Any], inside: List[bool]) -> int:
+    label = rule(*inside)
+    try:
+        return int(label) if isinstance(label, np.bool_) else operator.index(label)
+    except TypeError:
+        refuse(f"rule must give a label or True or False, and gives {label!r} for {', '.join(map(str, inside))}")

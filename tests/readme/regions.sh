@@ -17,7 +17,7 @@ box() {
 prepare() { { echo "solid part"; box 0 5; box 4 9; box 9.05 12; box 20 30; echo "endsolid part"; } > part.stl; }
 
 source "$(dirname "${BASH_SOURCE[0]}")/page.sh" "$@"
-[[ $(grep -c '^lamella slice' examples) == 6 ]] || { echo "the page does not show six commands"; exit 1; }
+[[ $(grep -c '^lamella slice' examples) == 7 ]] || { echo "the page does not show seven slices"; exit 1; }
 
 # has FILE COUNT WORDS: the SVG has that many contours of that kind in its 50 layers.
 has() { [[ $(grep -o "$3" "$1" | wc -l) == "$2" ]] || { echo "$1: not $2 times $3"; exit 1; }; }
@@ -29,4 +29,5 @@ has light.svg 150 'slic3r:type="contour"'
 has light.svg 50 'points="20,0 30,0 30,10 20,10"'
 has flagged.svg 150 'slic3r:type="contour"'
 has flagged.svg 100 'class="near"'
+has overhang.svg 3 'slic3r:type="contour"'
 grep -q '"fill_rule": *"outermost"' rules.json || { echo "the report does not name the rule"; exit 1; }

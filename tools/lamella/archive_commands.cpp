@@ -1,5 +1,5 @@
 // lamella merge: archives of ranges of layers become that of all layers. lamella convert: what an archive holds, as any
-// other output of lamella slice; a mesh, as binary STL or PLY.
+// other output of lamella slice; a mesh, as binary STL or PLY. lamella combine: the layers of archives as one, likewise.
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "files/combination.hpp"
 #include "files/mesh_input.hpp"
 #include "lamella/io/mesh_writer.hpp"
 #include "lamella/medical.hpp"
@@ -68,6 +69,7 @@ struct ConvertArguments : MeshArguments {
     std::vector<std::string> archives;  ///< `mesh` is the one that is worked on
     OutputArguments outputs;
     ImageArguments image;  ///< of which only --like can be given
+    std::optional<Combination> combination{};
 };
 
 bool same_voxels(const ImageGeometry& a, const ImageGeometry& b) {
@@ -88,12 +90,15 @@ public:
         for (const std::string& archive : arguments_.archives) {
             file_plan_.reads(archive, "the archive");
         }
-        const std::size_t meshes = arguments_.archives.size();
+        const std::size_t meshes = arguments_.combination ? 1 : arguments_.archives.size();
         // The archives say whether there is an image, and how many planes a slice has.
         job_.outputs = plan_outputs(arguments_.outputs, meshes, {.in_archives = true}, file_plan_);
         stages_.interrupt().tidy(files_of(job_.outputs, meshes > 1));
         for (const std::string& archive : arguments_.archives) {
             read(archive);
+        }
+        if (arguments_.combination) {
+            combine();
         }
         if (!arguments_.image.like.empty()) {
             use_image();
@@ -143,6 +148,23 @@ private:
         job_.parts.push_back(std::move(part));
         job_.inputs.push_back(stages_.done("reading " + printable(path),
                                            [&](const Context& context) { return seal_file(path_of(path), context); }));
+    }
+
+    /// The parts become one, with the name of the first.
+    void combine() {
+        std::vector<const SliceResult*> layers;
+        for (const SlicedPart& part : job_.parts) {
+            layers.push_back(&part.result);
+            refuse_if(
+                part.frame != job_.parts.front().frame, bad_input,
+                arguments_.archives[layers.size() - 1] + ": not in the patient frame of " + arguments_.archives.front());
+        }
+        SlicedPart whole;
+        whole.result = combined(layers, arguments_.archives, *arguments_.combination, stages_);
+        whole.name = job_.parts.front().name;
+        whole.frame = job_.parts.front().frame;
+        job_.parts.clear();
+        job_.parts.push_back(std::move(whole));
     }
 
     /// --like: an image that says more than its geometry, which archives hold.
@@ -227,6 +249,19 @@ void add_merge_command(CLI::App& app, Interrupt& interrupt) {
     declare_running(*command, *arguments);
     declare_worker(*command);
     command->callback([arguments, &interrupt] { merge_parts(*arguments, interrupt); });
+}
+
+void add_combine_command(CLI::App& app, Interrupt& interrupt) {
+    CLI::App* const command = app.add_subcommand("combine", "Combine the layers of archives (.h5): unite, subtract, ...");
+    const auto arguments = std::make_shared<ConvertArguments>();
+    add_text(*command, "archives", arguments->archives, "IN.h5", "Archives of lamella slice with the same planes and grid")
+        ->required();
+    declare_combination(*command, arguments->combination.emplace());
+    declare_outputs(*command, arguments->outputs);
+    command->get_option("--output")->required();
+    declare_running(*command, *arguments);
+    declare_worker(*command);
+    command->callback([command, arguments, &interrupt] { ConvertCommand(*command, *arguments, interrupt).run(); });
 }
 
 void add_convert_command(CLI::App& app, Interrupt& interrupt) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/system/file.hpp"
+#include "files/combination.hpp"
 #include "files/mesh_input.hpp"
 #include "lamella/medical.hpp"
 #include "lamella/version.hpp"
@@ -81,12 +82,13 @@ public:
         put_in_words_of_today(record_.options);
         // What no command of the tool records is refused.
         const std::string& command = record_.command;
-        refuse_if(command != "slice" && command != "convert" && command != "merge", bad_input,
+        refuse_if(command != "slice" && command != "convert" && command != "combine" && command != "merge", bad_input,
                   "its record names the command '" + command + "'");
         const std::size_t hashes = record_.result_hashes.size();
         const bool split = std::count(record_.options.begin(), record_.options.end(), "--split") > 0;  // several of a mesh
         parts_ = count_of_parts(record_);
-        refuse_if(hashes == 0 || parts_ == 0 || (hashes != parts_ && !split && command != "merge"), bad_input,
+        refuse_if(hashes == 0 || parts_ == 0 || (hashes != parts_ && !split && command != "merge" && command != "combine"),
+                  bad_input,
                   "its record has " + counted(record_.inputs.size(), "input") + " and " + counted(hashes, "hash", "hashes"));
         fs::path made;
         const int failure = make_unique(path_of(temporary_folder()) / "lamella-verify-", {}, made, [](const fs::path& path) {
@@ -170,10 +172,14 @@ private:
         return words;
     }
 
-    /// Options must be those of slice that records hold. What they name are the inputs from `file` on.
+    /// Options must be those of slice, or combine, that records hold. What they name are the inputs from `file` on.
     void add_options(std::size_t file, std::vector<std::string>& words) {
         CLI::App slice_command;
         SliceArguments arguments;
+        Combination combination;
+        if (record_.command == "combine") {
+            declare_combination(slice_command, combination);
+        }
         declare(slice_command, arguments);
         for (std::size_t i = 0; i < record_.options.size(); ++i) {
             std::string name = record_.options[i];

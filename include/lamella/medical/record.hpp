@@ -29,7 +29,7 @@ struct FileSeal {
 /// What stands beside an output NAME as NAME.lamella.json. It holds no time.
 struct Record {
     std::string version;           ///< of the library
-    std::string command;           ///< of the tool that made the output: "slice", "convert" or "merge"
+    std::string command;           ///< of the tool that made the output: "slice", "convert", "combine" or "merge"
     std::vector<FileSeal> inputs;  ///< meshes, archives or parts in the order of labels, then the files that options name
     FileSeal output;               ///< named as it lies beside the record
     std::vector<std::string> options;  ///< the words of the command that decide the output

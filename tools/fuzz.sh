@@ -8,7 +8,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
     echo "usage: tools/fuzz.sh SECONDS" >&2
     exit 2
 }
-readonly targets=(read slice assemble check region)
+readonly targets=(read slice assemble check region combine)
 readonly seconds=$((($1 + ${#targets[@]} - 1) / ${#targets[@]}))
 readonly folder=build/fuzz
 

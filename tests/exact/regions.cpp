@@ -1,10 +1,15 @@
-// Regions of random polygons, judged in exact arithmetic. The long test runs the short one on a hundred thousand.
+// Regions of random polygons and combinations of such regions, judged in exact arithmetic. The long tests run the short ones
+// on many thousands.
 #include <array>
+#include <functional>
+#include <iterator>
+#include <stdexcept>
 
 #include <catch2/catch.hpp>
 
 #include "engine/polygons.hpp"
 #include "exact/judge.hpp"
+#include "lamella/overlay.hpp"
 
 using lamella::FillRule;
 using regions::Point;
@@ -104,8 +109,7 @@ Polygons several(std::mt19937& random, std::int64_t most, const Make& make) {
 
 /// One to four polygons of together about `points` points, on a range of the grid from a few units up to all of it. Some are
 /// given twice, a little moved or backwards.
-Polygons random_polygons(std::mt19937& random, std::size_t points) {
-    const Area area = random_area(random, points);
+Polygons random_polygons(std::mt19937& random, const Area& area, std::size_t points) {
     const std::int64_t most = points > 400 ? 1 : 4;
     const std::size_t each = std::max<std::size_t>(3, points / static_cast<std::size_t>((most + 1) / 2));
     Polygons polygons = several(random, most, [&] { return random_polygon(random, area, each); });
@@ -155,7 +159,8 @@ void judge_random_polygons(std::uint32_t seed, std::size_t layers) {
     std::mt19937 random(seed);
     std::size_t points = 0;
     for (std::size_t number = 0; number < layers; ++number) {
-        const Polygons polygons = random_polygons(random, random_size(random));
+        const std::size_t size = random_size(random);
+        const Polygons polygons = random_polygons(random, random_area(random, size), size);
         const std::string fault = judge(polygons, rules[number % 3], random);
         if (!fault.empty()) {
             FAIL("layer " << number << ", " << fault);
@@ -181,7 +186,115 @@ void judge_small_lattices(std::uint32_t seed, std::size_t layers) {
     }
 }
 
+/// Contours whose winding number by `rule` is that of a combination of regions, which wind once around what they hold.
+struct AsPolygons {
+    Polygons polygons;
+    FillRule rule = FillRule::positive;
+
+    AsPolygons& plus(const Polygons& rings) {
+        polygons.insert(polygons.end(), rings.begin(), rings.end());
+        return *this;
+    }
+    AsPolygons& minus(const Polygons& rings) {
+        std::transform(rings.begin(), rings.end(), std::back_inserter(polygons), polygons::reversed);
+        return *this;
+    }
+    /// Everywhere that the rings reach.
+    AsPolygons& minus_one() {
+        Point low{lamella::grid_limit, lamella::grid_limit};
+        Point high{-lamella::grid_limit, -lamella::grid_limit};
+        for (const Polygon& ring : polygons) {
+            for (const Point p : ring) {
+                low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+                high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+            }
+        }
+        return low.x < high.x && low.y < high.y ? minus({polygons::box(low.x, low.y, high.x, high.y)}) : *this;
+    }
+};
+
+/// A rule of three sets, a, b and c, and the same in winding numbers of their regions.
+struct Combined {
+    const char* name;
+    std::array<std::uint32_t, 8> labels;  ///< by membership; of which label 1 is judged
+    std::function<AsPolygons(const Polygons& a, const Polygons& b, const Polygons& c)> expected;
+};
+const std::array<Combined, 6> combinations = {{
+    {"all united", {0, 1, 1, 1, 1, 1, 1, 1}, [](auto& a, auto& b, auto& c) { return AsPolygons().plus(a).plus(b).plus(c); }},
+    {"a without b", {0, 1, 0, 0, 0, 1, 0, 0}, [](auto& a, auto& b, auto&) { return AsPolygons().plus(a).minus(b); }},
+    {"a without b and c",
+     {0, 1, 2, 2, 3, 3, 0, 2},
+     [](auto& a, auto& b, auto& c) { return AsPolygons().plus(a).minus(b).minus(c); }},
+    {"a and b", {0, 2, 3, 1, 0, 2, 3, 1}, [](auto& a, auto& b, auto&) { return AsPolygons().plus(a).plus(b).minus_one(); }},
+    {"a and b without c",
+     {0, 0, 0, 1, 0, 0, 0, 2},
+     [](auto& a, auto& b, auto& c) { return AsPolygons().plus(a).plus(b).minus_one().minus(c); }},
+    {"an odd number",
+     {0, 1, 1, 0, 1, 0, 0, 1},
+     [](auto& a, auto& b, auto& c) {
+         AsPolygons all = AsPolygons().plus(a).plus(b).plus(c);
+         all.rule = FillRule::even_odd;
+         return all;
+     }},
+}};
+
+/// Contours of label 1. Throws where they cannot be had.
+Polygons combined_rings(std::span<const lamella::SliceResult> regions, const Combined& combination) {
+    std::vector<lamella::LayerSet> sets;
+    for (const lamella::SliceResult& region : regions) {
+        sets.push_back({.layers = region});
+    }
+    lamella::SliceResult result;
+    lamella::Overlay overlay;
+    const auto done = overlay.combine(result, sets, {.labels = combination.labels});
+    if (!done) {
+        throw std::runtime_error(done.error().message);
+    }
+    Polygons rings;
+    for (const lamella::Contour& contour : result.contours) {
+        const auto points = result.points_of(contour);
+        if (contour.part == 0) {
+            rings.emplace_back(points.begin(), points.end());
+        }
+    }
+    return rings;
+}
+
+/// Of three regions each: differences lie in a band of a unit along their edges, and together are no larger than it.
+void judge_combinations(std::uint32_t seed, std::size_t layers) {
+    std::mt19937 random(seed);
+    std::size_t found = 0;
+    for (std::size_t number = 0; number < layers; ++number) {
+        const std::size_t size = std::min<std::size_t>(random_size(random), 150);
+        const Area area = random_area(random, size);
+        std::vector<lamella::SliceResult> regions;
+        std::vector<Polygons> rings;
+        for (int set = 0; set < 3; ++set) {
+            regions.push_back(regions::region_of(random_polygons(random, area, size), rules[random() % 3]));
+            rings.push_back(regions::rings_of(regions.back()));
+        }
+        const Combined& combination = combinations[number % combinations.size()];
+        const AsPolygons expected = combination.expected(rings[0], rings[1], rings[2]);
+        const Polygons answer = combined_rings(regions, combination);
+        const std::string fault = exact::fault_in_rings(expected.polygons, expected.rule, answer);
+        if (!fault.empty()) {
+            FAIL("layer " << number << ", " << combination.name << ": " << fault << "\nof " << regions::text_of(rings[0])
+                          << "\nand " << regions::text_of(rings[1]) << "\nand " << regions::text_of(rings[2]));
+        }
+        found += answer.size();
+    }
+    CHECK(found > layers);
+}
+
 }  // namespace
+
+TEST_CASE("combinations of random regions lie within a unit of the exact ones", "[regions]") {
+    judge_combinations(3, 300);
+}
+
+TEST_CASE("50,000 combinations of random regions are right", "[regions_long]") {
+    judge_combinations(4, 50'000);
+}
 
 TEST_CASE("regions of random polygons lie within a unit of the exact ones, and their contours as they must", "[regions]") {
     judge_random_polygons(1, 500);

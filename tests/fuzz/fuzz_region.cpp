@@ -1,59 +1,18 @@
 // Regions of polygons on small lattices and over the whole grid, by every rule. A region must keep its promises, must not
 // depend on the contours' order or starts, must be its own region, and closing must agree with closing everything.
 
-#include "bytes.hpp"
-#include "engine/region_checks.hpp"
+#include "rings.hpp"
 
 using namespace lamella;
-using Ring = regions::Polygon;
-using Rings = regions::Polygons;
+using fuzz::Lattice;
+using fuzz::Ring;
+using fuzz::Rings;
 
 namespace {
 
-constexpr double unit_mm = 1;  // lengths are in units
+using fuzz::unit_mm;
 constexpr std::size_t most_rings = 12;
 constexpr std::size_t most_points = 96;
-
-/// Where coordinates lie: steps of a lattice, with or without a few units added.
-struct Lattice {
-    std::int32_t step;
-    std::int32_t half_width;  // in steps
-    bool loose;
-
-    std::int32_t coordinate(fuzz::Bytes& bytes) const {
-        const unsigned byte = bytes.next();
-        const auto steps = static_cast<std::int32_t>(byte % static_cast<unsigned>(2 * half_width + 1)) - half_width;
-        const std::int32_t more = loose ? static_cast<std::int32_t>(bytes.below(7)) - 3 : 0;
-        return std::clamp(steps * step + more, -grid_limit, grid_limit);
-    }
-};
-
-Lattice drawn_lattice(fuzz::Bytes& bytes) {
-    constexpr Lattice lattices[] = {{1, 4, false},   {1, 100, false},     {1 << 28, 4, false},  {1 << 28, 4, true},
-                                    {1000, 8, true}, {1 << 16, 40, true}, {1 << 23, 100, true}, {1 << 30, 1, true}};
-    return lattices[bytes.below(8)];
-}
-
-/// Every coordinate drawn; or one only changed, so that edges are upright and level; or the way back along a spike.
-Ring drawn_ring(fuzz::Bytes& bytes, const Lattice& lattice) {
-    Ring ring;
-    const unsigned shape = bytes.next();
-    const std::size_t count = 1 + shape % 16;
-    for (std::size_t i = 0; i < count; ++i) {
-        Point p{lattice.coordinate(bytes), lattice.coordinate(bytes)};
-        if (shape >= 192 && !ring.empty()) {
-            (i % 2 == 0 ? p.x : p.y) = i % 2 == 0 ? ring.back().x : ring.back().y;
-        }
-        ring.push_back(p);
-    }
-    if (shape >= 96 && shape < 128) {
-        ring.insert(ring.end(), ring.rbegin(), ring.rend());
-    }
-    if (shape >= 64 && shape < 96) {
-        ring.insert(ring.end(), ring.begin(), ring.end());
-    }
-    return ring;
-}
 
 RegionRules drawn_rules(fuzz::Bytes& bytes, const Lattice& lattice) {
     constexpr FillRule rules[] = {FillRule::even_odd, FillRule::non_zero, FillRule::positive, FillRule::outermost};
@@ -115,15 +74,10 @@ double area_outside(const SliceResult& a, const SliceResult& b) {
     return regions::area_of(*region(rings, {.fill_rule = FillRule::positive}));
 }
 
-/// What rounding may move: a few units along every edge.
-double rounding_along(const Rings& rings) {
-    return 5 * (regions::perimeter_of(rings) + 20);
-}
-
 /// What is thinner than a unit may vanish: an edge that was moved can pass a pixel that it did not pass before.
 void check_itself(const SliceResult& made) {
     const auto again = region(regions::rings_of(made), {.fill_rule = FillRule::positive});
-    fuzz::require(regions::difference_of(made, *again) <= rounding_along(regions::rings_of(made)),
+    fuzz::require(regions::difference_of(made, *again) <= fuzz::rounding_along(regions::rings_of(made)),
                   "a region is its own region");
 }
 
@@ -159,8 +113,8 @@ void check_closing(const Rings& rings, RegionRules rules, const SliceResult& mad
     dilating.closing_mm = 0;
     RegionRules filling = dilating;
     filling.offset_mm = 0;
-    const double rounding =
-        rounding_along(regions::rings_of(*region(rings, filling))) + rounding_of_erosion(*region(rings, dilating), rules);
+    const double rounding = fuzz::rounding_along(regions::rings_of(*region(rings, filling))) +
+                            rounding_of_erosion(*region(rings, dilating), rules);
     const double difference = regions::difference_of(made, *everywhere);
     fuzz::require(difference >= 0 && difference <= rounding, "closing agrees with closing everything");
 }
@@ -174,7 +128,7 @@ void check_offset(const Rings& rings, RegionRules rules, const SliceResult& made
     rules.offset_mm = 0;
     const auto plain = region(rings, rules);
     fuzz::require(
-        area_outside(dilated ? *plain : made, dilated ? made : *plain) <= rounding_along(regions::rings_of(*plain)),
+        area_outside(dilated ? *plain : made, dilated ? made : *plain) <= fuzz::rounding_along(regions::rings_of(*plain)),
         "offsets move outwards or inwards only");
 }
 
@@ -203,12 +157,12 @@ void check_simplified(const Rings& rings, RegionRules rules, const SliceResult& 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     fuzz::Bytes bytes(data, size);
     const std::uint32_t seed = bytes.next();
-    const Lattice lattice = drawn_lattice(bytes);
+    const Lattice lattice = fuzz::drawn_lattice(bytes);
     const RegionRules rules = drawn_rules(bytes, lattice);
     Rings rings;
     std::size_t points = 0;
     while (!bytes.empty() && rings.size() < most_rings && points < most_points) {
-        rings.push_back(drawn_ring(bytes, lattice));
+        rings.push_back(fuzz::drawn_ring(bytes, lattice));
         points += rings.back().size();
     }
     const auto made = sound_region(rings, rules, seed);

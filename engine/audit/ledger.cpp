@@ -70,7 +70,7 @@ struct Scratch {
 };
 
 /// By SurfacePieceKind.
-constexpr std::array counts_in_slab = {&Slab::shells, &Slab::peaks, &Slab::pits};
+constexpr std::array counts_in_slab = {&LedgerSlab::shells, &LedgerSlab::peaks, &LedgerSlab::pits};
 constexpr std::array counts_in_ledger = {&Ledger::shells, &Ledger::peaks, &Ledger::pits};
 
 constexpr std::size_t grain = 4096;
@@ -113,7 +113,7 @@ public:
         }
         sum_up(ledger);
         std::erase_if(ledger.slabs,
-                      [](const Slab& slab) { return slab.triangles + slab.shells + slab.peaks + slab.pits == 0; });
+                      [](const LedgerSlab& slab) { return slab.triangles + slab.shells + slab.peaks + slab.pits == 0; });
         ledger.gaps = find_gaps();
         return ledger;
     }
@@ -165,7 +165,7 @@ private:
         ledger.between = ledger.triangles - ledger.cut - ledger.degenerate;
         const double half_mm2 = result_.info.grid_mm * result_.info.grid_mm / 2;
         for (std::size_t i = 0; i < ledger.slabs.size(); ++i) {
-            Slab& slab = ledger.slabs[i];
+            LedgerSlab& slab = ledger.slabs[i];
             slab.layer = i;
             slab.flat_up_mm2 = static_cast<double>(flat_areas_[i].up) * half_mm2;
             slab.flat_down_mm2 = static_cast<double>(flat_areas_[i].down) * half_mm2;
@@ -233,7 +233,7 @@ private:
     }
 
     /// The vertices of the part, united over the edges within a slab; and what its slabs hold.
-    void enter_part(std::size_t part, Scratch& scratch, std::vector<Slab>& in_slabs) {
+    void enter_part(std::size_t part, Scratch& scratch, std::vector<LedgerSlab>& in_slabs) {
         std::vector<Node>& nodes = scratch.nodes;
         std::size_t triangles = 0;
         for (const Share& share : shares_) {

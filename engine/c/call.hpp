@@ -29,6 +29,7 @@
 #include "lamella/context.hpp"
 #include "lamella/error.hpp"
 #include "lamella/grid.hpp"
+#include "lamella/heights.hpp"
 #include "lamella/lamella.h"
 #include "lamella/layers.hpp"
 #include "lamella/options.hpp"
@@ -56,6 +57,10 @@ struct lamella_overlay {
 
 struct lamella_prepared {
     lamella::PreparedMesh mesh;
+};
+
+struct lamella_slabs {
+    lamella::Array<lamella::Slab> slabs;
 };
 
 struct lamella_welded {
@@ -94,6 +99,7 @@ LAMELLA_SIZED(lamella_check_result, LAMELLA_CHECK_RESULT, faults);
 LAMELLA_SIZED(lamella_audit_result, LAMELLA_AUDIT_RESULT, reserved);
 LAMELLA_SIZED(lamella_layer_set, LAMELLA_LAYER_SET, part);
 LAMELLA_SIZED(lamella_rule, LAMELLA_RULE, label_object);
+LAMELLA_SIZED(lamella_adaptive, LAMELLA_ADAPTIVE, range_count);
 #undef LAMELLA_SIZED
 // NOLINTEND(bugprone-sizeof-expression)
 
@@ -121,6 +127,7 @@ void set_defaults(lamella_arrays& arrays) noexcept;
 void set_defaults(lamella_audit_result& found) noexcept;
 void set_defaults(lamella_layer_set& set) noexcept;
 void set_defaults(lamella_rule& rule) noexcept;
+void set_defaults(lamella_adaptive& adaptive) noexcept;
 
 template <class T>
 T defaults() noexcept {
@@ -181,6 +188,8 @@ LAMELLA_SAME(lamella_layer, Layer);
 LAMELLA_SAME(lamella_stitch, Stitch);
 LAMELLA_SAME(lamella_point_origin, PointOrigin);
 LAMELLA_SAME(lamella_segment, Segment);
+LAMELLA_SAME(lamella_slab, Slab);
+LAMELLA_SAME(lamella_height_range, HeightRange);
 LAMELLA_SAME(lamella_memory, Memory);
 #undef LAMELLA_SAME
 
@@ -207,6 +216,9 @@ LAMELLA_SAME_PLACE(lamella_point_origin, end_edge, PointOrigin, end_edge);
 LAMELLA_SAME_PLACE(lamella_segment, to_key, Segment, to_key);
 LAMELLA_SAME_PLACE(lamella_segment, from, Segment, from);
 LAMELLA_SAME_PLACE(lamella_segment, from_rank, Segment, from_rank);
+LAMELLA_SAME_PLACE(lamella_slab, top_mm, Slab, top_mm);
+LAMELLA_SAME_PLACE(lamella_height_range, to_mm, HeightRange, to_mm);
+LAMELLA_SAME_PLACE(lamella_height_range, height_mm, HeightRange, height_mm);
 static_assert(std::is_standard_layout_v<Memory>);
 LAMELLA_SAME_PLACE(lamella_memory, release_object, Memory, release);
 #undef LAMELLA_SAME_PLACE

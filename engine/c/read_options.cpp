@@ -43,6 +43,11 @@ void take(const lamella_options& all, const double* given, const char* name, std
     to->assign(given, given + all.height_count);
 }
 
+void take(const lamella_options& all, const lamella_slab* given, const char* name, std::vector<Slab>& to) {
+    require_list(given, all.slab_count, name);
+    to.assign(as_cpp(given), as_cpp(given) + all.slab_count);
+}
+
 void take(const lamella_options& all, const lamella_fill_from* given, const char* name, std::vector<FillFrom>& to) {
     require_list(given, all.fill_from_count, name);
     to.clear();
@@ -141,6 +146,13 @@ void set_defaults(lamella_audit_result& found) noexcept {
     found.volume = LAMELLA_VOLUME_NOT_ASKED;
     found.structure = -1;
     found.mesh_mm3 = found.slabs_mm3 = std::numeric_limits<double>::quiet_NaN();
+}
+
+void set_defaults(lamella_adaptive& adaptive) noexcept {
+    const AdaptiveOptions cpp;
+    adaptive.least_mm = cpp.least_mm;
+    adaptive.most_mm = cpp.most_mm;
+    adaptive.step_mm = cpp.step_mm;
 }
 
 void set_defaults(lamella_options& options) noexcept {

@@ -48,6 +48,21 @@ private:
     std::vector<Part> parts_;
 };
 
+AdaptiveOptions read_adaptive(const lamella_adaptive* given, const Frame& frame) {
+    const lamella_adaptive c = read_sized(given);
+    require_list(c.ranges, c.range_count, "ranges");
+    return {.least_mm = c.least_mm,
+            .most_mm = c.most_mm,
+            .step_mm = c.step_mm,
+            .cusp_mm = c.cusp_mm,
+            .deviation_mm = c.deviation_mm,
+            .slope_limit_mm = c.slope_limit_mm,
+            .most_change_mm = c.most_change_mm,
+            .smoothing_mm = c.smoothing_mm,
+            .ranges = {as_cpp(c.ranges), c.range_count},
+            .frame = frame};
+}
+
 }  // namespace
 }  // namespace lamella::c
 
@@ -116,6 +131,30 @@ double lamella_prepared_grid_mm(const lamella_prepared* prepared) {
 
 void lamella_prepared_free(lamella_prepared* prepared) {
     delete prepared;
+}
+
+int32_t lamella_adaptive_layers(const lamella_source* from, const lamella_adaptive* adaptive, const lamella_options* options,
+                                const lamella_context* context, lamella_slabs** slabs, lamella_error* error) {
+    return api::called(error, [&] {
+        api::require_place(slabs, "the slabs", "slabs");
+        const api::Host host(context);
+        const api::GivenSource source(from);
+        lamella::SliceOptions how;
+        api::read_options(options, how);
+        const lamella::AdaptiveOptions cpp = api::read_adaptive(adaptive, how.frame);
+        auto found = lamella::require(lamella::adaptive_layers(source.source(), cpp, host.context));
+        auto fresh = std::make_unique<lamella_slabs>(lamella_slabs{std::move(found)});
+        lamella_slabs_free(std::exchange(*slabs, fresh.release()));
+    });
+}
+
+const lamella_slab* lamella_slabs_view(const lamella_slabs* slabs, size_t* count) {
+    *count = slabs == nullptr ? 0 : slabs->slabs.size();
+    return slabs == nullptr ? nullptr : api::as_c<lamella_slab>(slabs->slabs.data());
+}
+
+void lamella_slabs_free(lamella_slabs* slabs) {
+    delete slabs;
 }
 
 lamella_slicer* lamella_slicer_create(void) {

@@ -1,5 +1,6 @@
 #include "options/asked.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -41,11 +42,24 @@ std::string rule_by_layer(const RegionRules& rules) {
     return text;
 }
 
+/// ", in slabs of 0.08 to 0.28 mm"; empty where none were given.
+std::string describe_slabs(const std::vector<Slab>& slabs) {
+    if (slabs.empty()) {
+        return {};
+    }
+    const auto [least, most] = std::minmax_element(slabs.begin(), slabs.end(), [](const Slab& a, const Slab& b) {
+        return a.top_mm - a.bottom_mm < b.top_mm - b.bottom_mm;
+    });
+    const auto height = [](const Slab& slab) { return exact_text(std::round((slab.top_mm - slab.bottom_mm) * 1e6) / 1e6); };
+    return ", in slabs of " + height(*least) + " to " + height(*most) + " mm";
+}
+
 std::string describe_heights(const SliceOptions& options) {
     const PlaneOptions& planes = options.planes;
     if (options.heights_mm) {
         const std::size_t count = options.heights_mm->size();
-        return counted(count, "plane") + " at " + (count == 1 ? "a given absolute height" : "given absolute heights");
+        return counted(count, "plane") + " at " + (count == 1 ? "a given absolute height" : "given absolute heights") +
+               describe_slabs(options.slabs);
     }
     const std::string from = planes.datum == Datum::mesh_min ? "the mesh's lowest vertex" : "z = 0";
     std::string text = "layers of " + exact_text(options.layer_height_mm) + " mm from " + from + " up (datum " +
@@ -133,7 +147,7 @@ std::string describe_stitching(const SliceOptions& options) {
 
 std::string heights_in_short(const SliceOptions& options) {
     if (options.heights_mm) {
-        return "at given heights";
+        return "at given heights" + describe_slabs(options.slabs);
     }
     const std::optional<double>& first = options.planes.first_height_mm;
     return exact_text(options.layer_height_mm) + " mm apart, datum " +

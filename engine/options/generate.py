@@ -31,10 +31,12 @@ KINDS = {  # their types in C++, in C and in Python
     "choice": ("", "int32_t", "str"),
     "optional_mm": ("std::optional<double>", "double", "float"),
     "heights": ("std::optional<std::vector<double>>", "const double*", "npt.ArrayLike"),
+    "slabs": ("std::vector<Slab>", "const lamella_slab*", "npt.ArrayLike"),
     "transform": ("Transform", "double", "npt.ArrayLike"),
     "fill_from": ("std::vector<FillFrom>", "const lamella_fill_from*", "Sequence[Tuple[int, str]]"),
 }
-MORE_IN_C = {"heights_mm": [("size_t", "height_count"), ("int32_t", "at_heights")], "fill_from": [("size_t", "fill_from_count")]}
+MORE_IN_C = {"heights_mm": [("size_t", "height_count"), ("int32_t", "at_heights")], "slabs": [("size_t", "slab_count")],
+             "fill_from": [("size_t", "fill_from_count")]}  # fmt: skip
 
 
 FIELDS = {"name", "group", "type", "default", "least", "above", "needs_region", "special", "special_text", "user_default",

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -85,6 +86,15 @@ inline void build_planes(const SliceCall& call, const SharedFrame& frame, PlaneS
 
 inline Box box_of(const Bounds& bounds) noexcept {
     return {std::to_array(bounds.min_mm), std::to_array(bounds.max_mm)};
+}
+
+/// An option speaks for itself; of a mesh among several the message must say which.
+inline Error blamed_on_part(Error error, std::size_t part) {
+    if (error.triangle >= 0 || error.code == ErrorCode::empty_mesh || error.code == ErrorCode::bad_coordinate) {
+        error.message = "part " + std::to_string(part) + ": " + error.message;
+        error.part = static_cast<std::int64_t>(part);
+    }
+    return error;
 }
 
 /// What is known of a slice before its triangles are counted.

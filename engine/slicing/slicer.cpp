@@ -21,23 +21,6 @@ namespace {
 using detail::PreparedImpl;
 using detail::SlicerImpl;
 
-/// A prepared mesh has its grid and its frame already: the options may leave them out, or repeat them.
-SliceOptions options_for(const PreparedImpl& prepared, const SliceOptions& options) {
-    const Frame& asked = options.frame;
-    if (asked.grid_mm != 0 && asked.grid_mm != prepared.asked_grid_mm && asked.grid_mm != prepared.asked.grid_mm) {
-        throw Refused{{ErrorCode::invalid_argument, "the mesh was prepared on another grid than the one asked for"}};
-    }
-    if (!asked.transform.is_identity() && !(asked.transform == prepared.asked.transform)) {
-        throw Refused{{ErrorCode::invalid_argument, "the mesh was prepared with another transform than the one asked for"}};
-    }
-    if (asked.as_mesh_numbers && !prepared.asked.as_mesh_numbers) {
-        throw Refused{{ErrorCode::invalid_argument, "the mesh was prepared in double, not as its own numbers"}};
-    }
-    SliceOptions own = options;
-    own.frame = prepared.asked;
-    return own;
-}
-
 /// What no mesh can be sliced with, and no other source than meshes gives.
 void check(const Source& from, const SliceCall& call) {
     check_options(call.options, call.tuning);
@@ -62,7 +45,8 @@ void slice_source(const Source& from, const Destination* to, const SliceCall& ca
     } else if (call.options.content != LayerContent::section) {
         slice_faces(from.mesh(), call, target, info);
     } else if (const PreparedImpl* const prepared = from.prepared(); prepared != nullptr) {
-        const SliceOptions options = options_for(*prepared, call.options);
+        SliceOptions options = call.options;
+        options.frame = prepared->frame_for(call.options.frame);
         PreparedSource source(*prepared, call.kept.source_tools());
         slice_layers(source, target, {options, call.tuning, call.context, call.kept}, info);
     } else {

@@ -132,7 +132,7 @@ std::string_view name_of(SurfacePieceKind kind) noexcept;
 /// A piece of the surface that does not join two planes.
 struct SurfacePiece {
     SurfacePieceKind kind = SurfacePieceKind::shell;
-    std::uint64_t layer = 0;        ///< the plane above it, as in Slab
+    std::uint64_t layer = 0;        ///< the plane above it, as in LedgerSlab
     std::array<double, 3> at_mm{};  ///< a peak's highest vertex, a pit's or shell's lowest; of equals the smallest (x, y)
     double height_mm = 0;           ///< from the plane below or above to there; of a shell, to its highest vertex
     std::uint64_t triangles = 0;    ///< of it that cross no plane; 0 for a tip
@@ -147,7 +147,7 @@ struct SurfacePieceCount {
 };
 
 /// What lies between two neighbouring planes and crosses neither.
-struct Slab {
+struct LedgerSlab {
     std::uint64_t layer = 0;  ///< the plane above it, as an index into SliceResult::layers; their number: above all planes
     std::uint64_t triangles = 0;  ///< wholly inside, horizontal ones among them
     double flat_up_mm2 = 0;       ///< horizontal faces that face up: where the part ends
@@ -155,7 +155,7 @@ struct Slab {
     std::uint64_t shells = 0;
     std::uint64_t peaks = 0;
     std::uint64_t pits = 0;
-    friend bool operator==(const Slab&, const Slab&) = default;
+    friend bool operator==(const LedgerSlab&, const LedgerSlab&) = default;
 };
 
 /// triangles = cut + between + degenerate; those between are the slabs', and those of the pieces and of what goes on.
@@ -170,7 +170,7 @@ struct Ledger {
     SurfacePieceCount shells;
     SurfacePieceCount peaks;
     SurfacePieceCount pits;
-    std::vector<Slab> slabs;           ///< those that hold something, from below
+    std::vector<LedgerSlab> slabs;           ///< those that hold something, from below
     std::vector<SurfacePiece> pieces;  ///< all, by layer, kind and place
     std::vector<std::uint64_t> gaps;   ///< layers without a contour that have some below and above
 };

@@ -14,7 +14,7 @@
 //     Slicer::outline(), make_ready()            yes                 yes    -          scratch
 //     assemble(), region_of()                    calling thread      yes    -          result and scratch
 //     read_mesh(), weld(), orient_shells()       yes                 yes    yes        mesh and scratch
-//     Overlay::combine()                         yes                 yes    yes        result and scratch
+//     Overlay::combine(), adaptive_layers()      yes                 yes    yes        result and scratch
 //     check(), audit()                           yes                 yes    yes        -
 //     writers                                    calling thread      yes    yes        -
 //
@@ -70,7 +70,7 @@ private:
 
 /// The host's memory. Its functions are called from several threads at once. It must outlive every call that it is passed to
 /// and every result whose arrays come from it. These take operator new though: the list of contours in a plane that all
-/// threads work on together; heights and fill rules that options and results hold; of several parts 8 bytes a layer; the
+/// threads work on together; heights, slabs and fill rules that options and results hold; of several parts 8 bytes a layer; the
 /// texts of errors and warnings; and objects of a fixed size, some a call, a thread and a band.
 struct Memory {
     /// `bytes` > 0 at a multiple of `alignment`, a power of two; null where there are none.

@@ -163,6 +163,11 @@ typedef struct lamella_fill_from {
     int32_t reserved;
 } lamella_fill_from;
 
+/* The material between two heights. */
+typedef struct lamella_slab {
+    double bottom_mm, top_mm;
+} lamella_slab;
+
 typedef struct lamella_options {
     uint32_t struct_size;
     int32_t reserved;
@@ -170,6 +175,8 @@ typedef struct lamella_options {
     double layer_height_mm; /* Height of uniform layers. */
     const double* heights_mm; /* Cut at these heights instead, in any order; an empty list cuts nothing. */
     size_t height_count;
+    const lamella_slab* slabs; /* Bottoms and tops of the layers, which are kept. */
+    size_t slab_count;
     double stitch_mm; /* Join ends of open polylines at most so far apart, the nearest first; 0 joins none. */
     double first_height_mm; /* Height of the first plane above the datum; not given, half a layer. */
     uint64_t first_layer; /* Cut the layers of the plan from this one on only. */
@@ -392,6 +399,32 @@ LAMELLA_C_API uint64_t lamella_prepared_bytes(const lamella_prepared* prepared);
 LAMELLA_C_API double lamella_prepared_grid_mm(const lamella_prepared* prepared);
 LAMELLA_C_API void lamella_prepared_free(lamella_prepared* prepared);
 
+/* --- Layers as high as the surface allows: lamella/heights.hpp says what each field does */
+
+typedef struct lamella_height_range {
+    double from_mm, to_mm, height_mm;
+} lamella_height_range;
+
+typedef struct lamella_adaptive {
+    uint32_t struct_size;
+    int32_t reserved;
+    double least_mm, most_mm, step_mm;
+    double cusp_mm, deviation_mm, slope_limit_mm; /* each that is not 0 holds */
+    double most_change_mm, smoothing_mm;
+    const lamella_height_range* ranges;
+    size_t range_count;
+} lamella_adaptive;
+
+typedef struct lamella_slabs lamella_slabs;
+
+/* Of `options` those of the frame are used. */
+LAMELLA_C_API int32_t lamella_adaptive_layers(const lamella_source* from, const lamella_adaptive* adaptive,
+                                              const lamella_options* options, const lamella_context* context,
+                                              lamella_slabs** slabs, lamella_error* error);
+/* For lamella_options.slabs: as long as the handle is there. */
+LAMELLA_C_API const lamella_slab* lamella_slabs_view(const lamella_slabs* slabs, size_t* count);
+LAMELLA_C_API void lamella_slabs_free(lamella_slabs* slabs);
+
 /* --- Contours that are not cut from a mesh: lamella/layers.hpp. The result has one layer. */
 
 typedef struct lamella_path {
@@ -476,7 +509,7 @@ LAMELLA_C_API const char* lamella_status_name(int32_t status); /* "bad_planes" *
 enum {
     LAMELLA_ERROR = 0, LAMELLA_CONTEXT = 1, LAMELLA_MESH = 2, LAMELLA_SOURCE = 3, LAMELLA_OPTIONS = 4, LAMELLA_INFO = 5,
     LAMELLA_LAYER_VIEW = 6, LAMELLA_VIEW = 7, LAMELLA_SINK = 8, LAMELLA_ARRAYS = 9, LAMELLA_DESTINATION = 10,
-    LAMELLA_CHECK_RESULT = 11, LAMELLA_AUDIT_RESULT = 12, LAMELLA_LAYER_SET = 13, LAMELLA_RULE = 14
+    LAMELLA_CHECK_RESULT = 11, LAMELLA_AUDIT_RESULT = 12, LAMELLA_LAYER_SET = 13, LAMELLA_RULE = 14, LAMELLA_ADAPTIVE = 15
 };
 
 /* Sets the struct that `it` points to, one of the above, to its defaults; an unknown kind to zeros. */

@@ -12,6 +12,7 @@
 //
 //     slice.hpp     cut a mesh, parts or a file, to a result, a sink or the host's arrays
 //     source.hpp    prepare() a mesh that is sliced again and again
+//     heights.hpp   layers as high as the surface allows
 //     layers.hpp    regions and contours that come from elsewhere than a mesh
 //     overlay.hpp   combine layers: unions, differences, regions by label
 //     check.hpp     is the mesh closed, and what is wrong with it?
@@ -26,6 +27,7 @@
 #include "lamella/destination.hpp"
 #include "lamella/error.hpp"
 #include "lamella/grid.hpp"
+#include "lamella/heights.hpp"
 #include "lamella/integer128.hpp"
 #include "lamella/layers.hpp"
 #include "lamella/mesh.hpp"

@@ -118,6 +118,13 @@ struct FillFrom {
     friend bool operator==(const FillFrom&, const FillFrom&) = default;
 };
 
+/// The material between two heights, which a layer stands for.
+struct Slab {
+    double bottom_mm = 0;
+    double top_mm = 0;
+    friend bool operator==(const Slab&, const Slab&) = default;
+};
+
 /// Where planes lie.
 struct PlaneOptions {
     // begin PlaneOptions
@@ -213,9 +220,13 @@ struct SliceOptions {
     double layer_height_mm = 0.2;
     /// Cut at these heights instead, in any order; an empty list cuts nothing. Heights that round to one plane share one
     /// layer, whose plane_mm is the least of them: SliceInfo::layer_of names the layer of each. Heights outside the mesh
-    /// give empty layers. A layer reaches from the middle between its plane and the one below to the middle between it and
-    /// the one above.
+    /// give empty layers. Without slabs, a layer reaches from the middle between its plane and the one below to the middle
+    /// between it and the one above.
     std::optional<std::vector<double>> heights_mm{};
+    /// Bottoms and tops of the layers, which are kept; a plane lies in the middle of each, or at the heights given, one in
+    /// each. adaptive_layers() finds some. Empty: none are given. A layer of several heights reaches from the lowest of
+    /// their bottoms to the highest of their tops.
+    std::vector<Slab> slabs{};
     /// Join ends of open polylines at most so far apart, the nearest first; 0 joins none. stitch_by_mesh: a hundredth of the
     /// diagonal of the mesh's box. Each joint is listed in SliceResult::stitches.
     double stitch_mm = 0;

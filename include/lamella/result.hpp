@@ -143,7 +143,8 @@ struct StageTimes {  ///< wall time, ms; the sweep and its fused phases are spli
 /// All that is known of a slice but its layers: what every destination is told. Heights, points and areas are in the frame
 /// of the slicing: after Frame::transform.
 struct SliceInfo {
-    /// As asked, but that stitch_mm is the length in mm: of several parts the longest of theirs.
+    /// As asked, but that stitch_mm is the length in mm, of several parts the longest of theirs, and that slabs without
+    /// heights have their middles for heights_mm.
     SliceOptions options;
     double grid_mm = default_grid_mm;  ///< grid units times this give mm
     int grid_doublings = 0;            ///< how often the step asked for, or the default, was doubled to fit the mesh

@@ -126,6 +126,8 @@ public:
             {"audit of the ledger", audits_of(&AuditOptions::ledger)},
             {"audit of the volume", audits_of(&AuditOptions::volume)},
             {"audit of crossings", audits_of(&AuditOptions::crossings)},
+            {"adaptive_layers",
+             [this](const Context& c) { return code_of(adaptive_layers(mesh_, {.cusp_mm = 0.1, .smoothing_mm = 1}, c)); }},
             {"combine",
              [this](const Context& c) {
                  SliceResult tops;

@@ -155,6 +155,7 @@ TEST_CASE("any source goes to any destination by C, with the bytes of C++, whate
     const std::vector<float> soup =  // with a hole, and another island
         floats(joined({octasphere({1, 2, 3}, 20, 3), flipped(octasphere({1, 2, 3}, 9, 2)), box({30, 0, 0}, {33, 3, 9})}));
     const std::vector<double> heights = {7, 1, 1, 4};
+    const lamella_slab slabs[] = {{1, 4}, {4, 5}};
     const auto listed = [&](lamella_options& it) {
         it.at_heights = 1;
         it.heights_mm = heights.data();
@@ -174,6 +175,11 @@ TEST_CASE("any source goes to any destination by C, with the bytes of C++, whate
              it.offset_mm = 0.25;
          },
          {.heights_mm = heights, .region = {.fill_rule = FillRule::non_zero, .offset_mm = 0.25}}},
+        {[&](lamella_options& it) {
+             it.slabs = slabs;
+             it.slab_count = 2;
+         },
+         {.slabs = {{1, 4}, {4, 5}}}},
         // The finest grid leaves room for the offset.
         {[](lamella_options& it) {
              it.fill_rule = LAMELLA_FILL_RULE_NON_ZERO;

@@ -80,8 +80,8 @@ Ledger booked(const shapes::Soup& soup, const SliceResult& result) {
     CHECK(books.cut + books.between + books.degenerate == books.triangles);
     CHECK(books.cut == result.info.crossed);
     CHECK(books.degenerate == result.info.degenerate);
-    Slab all;
-    for (const Slab& slab : books.slabs) {
+    LedgerSlab all;
+    for (const LedgerSlab& slab : books.slabs) {
         all.triangles += slab.triangles;
         all.shells += slab.shells;
         all.peaks += slab.peaks;

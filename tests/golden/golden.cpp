@@ -123,7 +123,7 @@ std::uint64_t hash_of(const lamella::Ledger& ledger) {
     hash.add(ledger.triangles, ledger.cut, ledger.between, ledger.degenerate, ledger.horizontal, ledger.shells.count,
              ledger.shells.triangles, ledger.peaks.count, ledger.peaks.triangles, ledger.pits.count, ledger.pits.triangles);
     hash.add(ledger.flat_up_mm2, ledger.flat_down_mm2);
-    for (const lamella::Slab& slab : ledger.slabs) {
+    for (const lamella::LedgerSlab& slab : ledger.slabs) {
         hash.add(slab.layer, slab.triangles, slab.flat_up_mm2, slab.flat_down_mm2, slab.shells, slab.peaks, slab.pits);
     }
     for (const lamella::SurfacePiece& piece : ledger.pieces) {

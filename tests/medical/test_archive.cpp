@@ -73,6 +73,8 @@ void change(Option& value) {
         value = Transform::scale(2);
     } else if constexpr (std::is_same_v<Option, std::optional<std::vector<double>>>) {
         value = {7, 3};
+    } else if constexpr (std::is_same_v<Option, std::vector<Slab>>) {
+        value = {{6, 8}, {1, 3.5}};
     } else if constexpr (std::is_same_v<Option, std::vector<FillFrom>>) {
         value = {{4, FillRule::positive}, {5, FillRule::even_odd}};
     } else if constexpr (std::is_same_v<Option, std::uint64_t>) {
@@ -108,6 +110,11 @@ TEST_CASE("an archive reads back as it was written, and parts joined in any orde
             options.heights_mm->push_back(7 - 0.1 * i);
         }
         options.planes.side = PlaneSide::above;
+    }
+    SECTION("given slabs") {
+        for (int i = 0; i < 70; ++i) {
+            options.slabs.push_back({7 - 0.1 * i, 7.1 - 0.1 * i});
+        }
     }
     SECTION("regions") {
         options.region.fill_rule = FillRule::non_zero;

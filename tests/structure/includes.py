@@ -37,7 +37,7 @@ SLICING = [
     ["slicer.hpp"],
     ["slice_layers.hpp"],
     ["slice_layers.cpp", "parts", "handover", "faces"],
-    ["slicer.cpp", "overlay"],
+    ["slicer.cpp", "overlay", "heights"],
 ]
 
 # Two ways to sweep, neither of which knows the other.
@@ -47,7 +47,7 @@ PEERS = [("slicing/sweep/band_sweep", "slicing/sweep/wide_plane")]
 PUBLIC = {
     "array": "base", "context": "base", "error": "base", "integer128": "base", "version": "base",
     "grid": "options", "mesh": "options", "options": "options",
-    "destination": "slicing", "layers": "slicing", "overlay": "slicing", "result": "slicing", "slice": "slicing", "source": "slicing",
+    "destination": "slicing", "heights": "slicing", "layers": "slicing", "overlay": "slicing", "result": "slicing", "slice": "slicing", "source": "slicing",
     "check": "mesh", "weld": "mesh", "audit": "audit",
     "lamella": "audit", "lamella.h": "c", "overlay.h": "c", "io": "io", "medical": "medical",
 }  # fmt: skip

@@ -105,7 +105,7 @@ private:
     void choose_planes() {
         build_planes(call_, frame_, planes_);
         counts_ = PlaneCounts(planes_.size());
-        model_.set_planes(planes_.planned());
+        model_.set_planes(planes_.planned(), !call_.options.slabs.empty());
         const StageTimes spent = info_.ms;
         begin_info(call_.options, frame_.bounds, frame_.unit, info_);
         describe_plan(planes_, call_.tuning.random_heights.has_value(), info_);

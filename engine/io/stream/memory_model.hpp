@@ -33,7 +33,10 @@ public:
     /// Triangles that are read at once.
     std::size_t chunk_triangles() const noexcept { return chunk_of(free_); }
     /// From here on the tables of so many planes count.
-    void set_planes(std::uint64_t planes) noexcept { planes_ = planes; }
+    void set_planes(std::uint64_t planes, bool with_slabs) noexcept {
+        planes_ = planes;
+        a_slab_ = with_slabs ? 2 * sizeof(Slab) : 0;
+    }
     /// Triangles that may be kept so that as many can be cut at once and a part is left for the sweep.
     std::size_t well_kept() const noexcept { return kept_within(7, 8, true); }
     /// Triangles that may be kept so that a quarter of them or so can be cut at once.
@@ -107,7 +110,7 @@ private:
     std::uint64_t fixed_of(std::uint64_t budget) const noexcept {
         const std::uint64_t chunk = chunk_of(budget);
         return threads_ * (chunk_triangle_ * chunk + a_thread) + (file_triangles_ / chunk + 1) * a_chunk +
-               planes_ * (a_plane + a_plane_a_thread * (threads_ + 1));
+               planes_ * (a_plane + a_slab_ + a_plane_a_thread * (threads_ + 1));
     }
 
     /// In `parts` of `of` of what the tables leave.
@@ -134,6 +137,7 @@ private:
     std::uint64_t free_;            ///< what they leave of the budget
     std::uint64_t chunk_triangle_;  ///< bytes that are held for each triangle that is read at once
     std::uint64_t planes_ = 0;
+    std::uint64_t a_slab_ = 0;  // given ones, twice
 };
 
 }  // namespace lamella

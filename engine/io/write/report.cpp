@@ -185,7 +185,7 @@ void write_ledger(JsonText& json, const Ledger& ledger) {
             json.member("triangles", piece.triangles);
         });
         json.member("slabs", ledger.slabs.size());
-        json.objects("first_slabs", ledger.slabs, most_places, [&](const Slab& slab) {
+        json.objects("first_slabs", ledger.slabs, most_places, [&](const LedgerSlab& slab) {
             json.member("below_layer", slab.layer);
             json.member("triangles", slab.triangles);
             json.member("flat_up_mm2", slab.flat_up_mm2);

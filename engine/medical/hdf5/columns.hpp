@@ -44,6 +44,7 @@ enum ColumnKind : std::uint8_t {
     origin_rows,
     stitch_rows,
     height_rows,
+    slab_rows,
     fill_change_rows
 };
 
@@ -219,6 +220,9 @@ constexpr std::array all = {
            info.options.heights_mm.value()[i], finite),
     MEMBER("/options/layer_of_height", height, std::uint64_t, "", "the layer of each height, among those of the plan",
            info.layer_of[i], [](In r, Index v) { return v < r.info.planned_layers; }),
+    MEMBER("/options/slab_bottom_mm", slab, double, "mm", "the slab asked for of each height",
+           info.options.slabs[i].bottom_mm, finite),
+    MEMBER("/options/slab_top_mm", slab, double, "mm", "", info.options.slabs[i].top_mm, finite),
     MEMBER("/options/fill_from_layer", fill_change, std::uint64_t, "", "from this layer of the plan on another fill rule",
            info.options.region.fill_from[i].first_layer, any),
     MEMBER("/options/fill_from_rule", fill_change, std::uint8_t, "",
@@ -245,14 +249,14 @@ inline std::vector<RowRange> ranges_of(std::uint64_t rows, const Column& column)
 
 inline KindRows rows_of(const SliceResult& result) noexcept {
     const SliceOptions& options = result.info.options;
-    return {result.layers.size(),           result.contours.size(), result.points.size(),
-            result.origins.size(),          result.stitches.size(), options.heights_mm ? options.heights_mm->size() : 0,
-            options.region.fill_from.size()};
+    return {result.layers.size(),  result.contours.size(),         result.points.size(),
+            result.origins.size(), result.stitches.size(),         options.heights_mm ? options.heights_mm->size() : 0,
+            options.slabs.size(),  options.region.fill_from.size()};
 }
 
 /// What the columns of options hold.
 inline auto option_columns(const SliceInfo& info) noexcept {
-    return std::tie(info.options.heights_mm, info.layer_of, info.options.region.fill_from);
+    return std::tie(info.options.heights_mm, info.layer_of, info.options.slabs, info.options.region.fill_from);
 }
 
 /// Arrays of so many rows, their contents unspecified; heights only where the options have some.
@@ -263,6 +267,7 @@ inline void resize(SliceResult& result, const KindRows& rows) {
     result.points.resize_discarding(rows[point_rows]);
     result.origins.resize_discarding(rows[origin_rows]);
     result.stitches.resize_discarding(rows[stitch_rows]);
+    options.slabs.resize(rows[slab_rows]);
     options.region.fill_from.resize(rows[fill_change_rows]);
     if (options.heights_mm) {
         options.heights_mm->resize(rows[height_rows]);

@@ -137,7 +137,8 @@ public:
                 value.emplace();
             }
         } else {
-            static_assert(std::is_same_v<Option, std::uint64_t> || std::is_same_v<Option, std::vector<FillFrom>>);
+            static_assert(std::is_same_v<Option, std::uint64_t> || std::is_same_v<Option, std::vector<Slab>> ||
+                          std::is_same_v<Option, std::vector<FillFrom>>);
         }
     }
 

@@ -271,7 +271,7 @@ std::vector<ArchivePart> open_parts(std::span<const std::filesystem::path> paths
     });
     require_whole(parts);
     for (ArchivePart& part : std::span(parts).subspan(1)) {  // whose options are those of the first
-        part.tree.rows[height_rows] = part.tree.rows[fill_change_rows] = 0;
+        part.tree.rows[height_rows] = part.tree.rows[slab_rows] = part.tree.rows[fill_change_rows] = 0;
     }
     return parts;
 }

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "base/distribute.hpp"
+#include "base/guard.hpp"
 #include "slicing/buckets/thread_shares.hpp"
 #include "slicing/grid/quantise.hpp"
 
@@ -87,6 +88,20 @@ void detail::PreparedImpl::build(const Parallel& parallel) {
 
 std::size_t detail::PreparedImpl::bytes() const noexcept {
     return sizeof(*this) + order.capacity() * sizeof(Triangle) + blocks.capacity() * sizeof(Range);
+}
+
+const Frame& detail::PreparedImpl::frame_for(const Frame& given) const {
+    const auto refuse = [](const char* why) { throw Refused{{ErrorCode::invalid_argument, why}}; };
+    if (given.grid_mm != 0 && given.grid_mm != asked_grid_mm && given.grid_mm != asked.grid_mm) {
+        refuse("the mesh was prepared on another grid than the one asked for");
+    }
+    if (!given.transform.is_identity() && !(given.transform == asked.transform)) {
+        refuse("the mesh was prepared with another transform than the one asked for");
+    }
+    if (given.as_mesh_numbers && !asked.as_mesh_numbers) {
+        refuse("the mesh was prepared in double, not as its own numbers");
+    }
+    return asked;
 }
 
 /// The blocks that a plane passes through, ascending.

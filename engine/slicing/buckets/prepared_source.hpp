@@ -40,6 +40,9 @@ struct PreparedImpl {
 
     std::size_t bytes() const noexcept;
 
+    /// The frame that it was prepared in, with its grid: a call may repeat it or leave it out. Throws Refused.
+    const Frame& frame_for(const Frame& given) const;
+
     MeshView mesh;
     struct Triangle {
         std::uint32_t number;

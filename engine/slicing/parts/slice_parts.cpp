@@ -229,15 +229,6 @@ private:
         return lamella::placing_of(part.mesh, call_.options.frame, part.placement);
     }
 
-    /// An option speaks for itself; of a mesh the message must say which.
-    static Error blame(Error error, std::size_t part) {
-        if (error.triangle >= 0 || error.code == ErrorCode::empty_mesh || error.code == ErrorCode::bad_coordinate) {
-            error.message = "part " + std::to_string(part) + ": " + error.message;
-            error.part = static_cast<std::int64_t>(part);
-        }
-        return error;
-    }
-
     void choose_frame() {
         BlockTable table(parallel_.memory());
         Bounds bounds = Bounds::empty();
@@ -250,7 +241,7 @@ private:
             }
             const Result<Bounds> own = measure_bounds(mesh, placing, call_.options.frame.grid_mm, parallel_, table);
             if (!own) {
-                throw Refused{blame(own.error(), p)};
+                throw Refused{blamed_on_part(own.error(), p)};
             }
             bounds.add(*own);
             if (placed_number(mesh, placing) == Number::f64) {
@@ -307,7 +298,7 @@ private:
             slice_layers(source_of(mesh, placing_of(parts_[p]), &frame_, call_.kept.source_tools(), source),
                          whole ? &target : nullptr, {options, call_.tuning, context, call_.kept}, own.info);
         } catch (Refused& refused) {
-            throw Refused{blame(std::move(refused.error), p)};
+            throw Refused{blamed_on_part(std::move(refused.error), p)};
         }
         for (Contour& contour : own.contours) {
             contour.part = static_cast<std::uint32_t>(p);

@@ -57,7 +57,10 @@ void PlaneSet::build(const SliceOptions& options, const std::optional<RandomHeig
     inverse_step_ = 0;
     heights_mm_.clear();
     plane_of_listed_.clear();
-    if (random) {
+    slabs_.clear();
+    if (!options.slabs.empty()) {
+        build_slabs(options);
+    } else if (random) {
         build_random(*random, frame.bounds, memory_limit);
     } else if (options.heights_mm) {
         build_listed(*options.heights_mm);
@@ -193,7 +196,35 @@ void PlaneSet::build_uniform(const SliceOptions& options, const Bounds& bounds, 
     make_table();
 }
 
-void PlaneSet::build_listed(const std::vector<double>& heights) {
+/// Of the heights that are one plane, the slabs become one.
+void PlaneSet::build_slabs(const SliceOptions& options) {
+    const std::vector<Slab>& given = options.slabs;
+    if (options.heights_mm && options.heights_mm->size() != given.size()) {
+        refuse(ErrorCode::bad_planes,
+               counted(given.size(), "slab") + " for " + counted(options.heights_mm->size(), "height"));
+    }
+    Vector<double> heights(heights_mm_.get_allocator());
+    heights.reserve(given.size());
+    for (std::size_t i = 0; i < given.size(); ++i) {
+        const auto [bottom, top] = given[i];
+        const double height = options.heights_mm ? (*options.heights_mm)[i] : middle_of(given[i]);
+        if (!(bottom <= height && height <= top && std::isfinite(top - bottom))) {
+            refuse(ErrorCode::bad_planes,
+                   "slab " + std::to_string(i) + ", from " + mm_text(bottom) + " to " + mm_text(top) +
+                       (options.heights_mm ? ", does not hold its plane at " + mm_text(height) : ", has no middle"),
+                   static_cast<std::int64_t>(i));
+        }
+        heights.push_back(height);
+    }
+    build_listed(heights);
+    slabs_.resize(heights_mm_.size(), {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()});
+    for (std::size_t i = 0; i < given.size(); ++i) {
+        Slab& slab = slabs_[plane_of_listed_[i]];
+        slab = {std::min(slab.bottom_mm, given[i].bottom_mm), std::max(slab.top_mm, given[i].top_mm)};
+    }
+}
+
+void PlaneSet::build_listed(std::span<const double> heights) {
     if (heights.size() > most_listed) {
         refuse(ErrorCode::bad_planes, "more than 2^27 planes listed");
     }
@@ -330,6 +361,9 @@ PlaneIndex PlaneSet::by_table(std::int32_t z) const noexcept {
 }
 
 double PlaneSet::bottom_mm(PlaneIndex i) const noexcept {
+    if (!slabs_.empty()) {
+        return slabs_[first_kept_ + i].bottom_mm;
+    }
     if (heights_mm_.empty()) {
         return height_mm(i) - layer_height_mm_ / 2;
     }
@@ -342,6 +376,9 @@ double PlaneSet::bottom_mm(PlaneIndex i) const noexcept {
 }
 
 double PlaneSet::top_mm(PlaneIndex i) const noexcept {
+    if (!slabs_.empty()) {
+        return slabs_[first_kept_ + i].top_mm;
+    }
     if (heights_mm_.empty()) {
         return height_mm(i) + layer_height_mm_ / 2;
     }

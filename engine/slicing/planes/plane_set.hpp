@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "base/vector.hpp"
@@ -52,11 +53,21 @@ struct PlaneRange {
     bool meets(PlaneRange other) const noexcept { return first < other.end && end > other.first; }
 };
 
+/// Where the plane of a slab lies that has no height of its own.
+inline double middle_of(const Slab& slab) noexcept {
+    return (slab.bottom_mm + slab.top_mm) / 2;
+}
+
 /// k planes, ascending. Immutable once made, shared by all threads.
 class PlaneSet {
 public:
     explicit PlaneSet(const Memory* memory)
-        : padded_(memory), heights_mm_(memory), plane_of_listed_(memory), listed_order_(memory), table_(memory) {}
+        : padded_(memory),
+          heights_mm_(memory),
+          plane_of_listed_(memory),
+          slabs_(memory),
+          listed_order_(memory),
+          table_(memory) {}
 
     PlaneIndex size() const noexcept { return count_; }
     bool uniform() const noexcept { return inverse_step_ > 0; }
@@ -71,7 +82,7 @@ public:
         return heights_mm_.empty() ? first_mm_ + (first_step_ + static_cast<double>(i)) * step_mm_
                                    : heights_mm_[first_kept_ + i];
     }
-    /// Bottom and top of the slab that plane i stands for.
+    /// Bottom and top of the slab that plane i stands for: given ones, or up to the middles between planes.
     double bottom_mm(PlaneIndex i) const noexcept;
     double top_mm(PlaneIndex i) const noexcept;
     /// The plane of each listed height; empty where heights are not listed.
@@ -110,7 +121,8 @@ public:
 private:
     // These throw Refused:
     void build_uniform(const SliceOptions& options, const Bounds& bounds, std::uint64_t memory_limit);
-    void build_listed(const std::vector<double>& heights);
+    void build_listed(std::span<const double> heights);
+    void build_slabs(const SliceOptions& options);
     void build_random(const RandomHeights& random, const Bounds& bounds, std::uint64_t memory_limit);
     void check_count(double planes, std::uint64_t memory_limit) const;
     void check_distinct() const;
@@ -153,6 +165,7 @@ private:
     double last_guess_ = 0;
     Vector<double> heights_mm_;           // when not uniform, of all planned
     Vector<PlaneIndex> plane_of_listed_;  // when heights are listed
+    Vector<Slab> slabs_;                  // when given, of all planned
     Vector<PlaneIndex> listed_order_;     // scratch: which of the listed heights is lowest, and so on
     HeightTable table_;
 };

@@ -335,6 +335,10 @@ void describe_plan(const PlaneSet& planes, bool list_heights, SliceInfo& info) {
     if (list_heights) {
         info.options.heights_mm.emplace(planes.listed_mm().begin(), planes.listed_mm().end());
     }
+    if (std::optional<std::vector<double>>& heights = info.options.heights_mm; !heights && !info.options.slabs.empty()) {
+        heights.emplace();
+        std::transform(info.options.slabs.begin(), info.options.slabs.end(), std::back_inserter(*heights), middle_of);
+    }
     info.layers = planes.size();
     info.first_layer = planes.first_kept();
     info.planned_layers = planes.planned();

@@ -23,19 +23,6 @@ std::string_view trimmed(std::string_view text) {
                                            : text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
 
-/// "1,2.5,3" (spaces around numbers allowed), or nothing if any part is not a number.
-std::optional<std::vector<double>> parse_list(std::string_view text) {
-    std::vector<double> values;
-    for (const std::string_view piece : split(text, ',')) {
-        const std::optional<double> value = parse_number(trimmed(piece));
-        if (!value) {
-            return std::nullopt;
-        }
-        values.push_back(*value);
-    }
-    return values;
-}
-
 /// "A:B", "A:" or ":B": layers from A up to, but not with, B. False where it is none of these; what is not given stays.
 bool parse_layers(std::string_view text, std::uint64_t& first, std::uint64_t& end) {
     const auto part = [](std::string_view digits, std::uint64_t& value) {
@@ -196,6 +183,8 @@ void declare_heights(CLI::App& command, const OptionLine& line, std::optional<st
     add_parsed(command, line.flag, "FILE|Z,Z,...", line.help, take)->check(given);
 }
 
+void declare_slabs(CLI::App& /*command*/, const OptionLine& /*line*/, const std::vector<Slab>& /*no flag of the tool*/) {}
+
 constexpr std::array<double, 4> last_row = {0, 0, 0, 1};  ///< of a 4x4 matrix
 
 void declare_transform(CLI::App& command, const OptionLine& line, Transform& transform) {
@@ -255,6 +244,18 @@ constexpr std::array<OlderWord, 7> older_words = {{{"--gap-sense", "kept", "--st
 
 const std::array<ChangedDefault, 2> changed_defaults = {
     {{"--fill-rule", "non-zero", "contours"}, {"--stitch", "auto", "0"}}};
+
+std::optional<std::vector<double>> parse_list(std::string_view text) {
+    std::vector<double> values;
+    for (const std::string_view piece : split(text, ',')) {
+        const std::optional<double> value = parse_number(trimmed(piece));
+        if (!value) {
+            return std::nullopt;
+        }
+        values.push_back(*value);
+    }
+    return values;
+}
 
 std::string given(const std::string& text) {
     return text.empty() ? "is empty" : "";

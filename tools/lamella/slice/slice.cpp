@@ -240,7 +240,7 @@ std::string times(const SliceInfo& info, const ToolRun& run) {
                {"contours", info.ms.contours},
                {"nesting", info.ms.nesting}});
     std::string text = "time      " + rounded(ms["total"], 1) + " ms: read " + rounded(ms["read"], 1);
-    for (const char* const what : {"parse", "weld", "bucket", "sweep", "contours", "nesting", "fill", "write", "ledger",
+    for (const char* const what : {"parse", "weld", "heights", "bucket", "sweep", "contours", "nesting", "fill", "write", "ledger",
                                    "certificate", "crossings", "report"}) {
         if (const auto took = ms.find(what); took != ms.end()) {
             text.append(", ").append(what).append(" ").append(rounded(took->second, 1));
@@ -309,6 +309,7 @@ void declare(CLI::App& command, SliceArguments& arguments) {
     exclude("--random-heights", {"--first-height", "--datum"});
     exclude("--normal", {"--transform"});
     exclude("--memory", {"--weld", "--orient-shells", "--map", "--split"});
+    declare_adaptive(command, arguments);
     for (const char* const image : {"--like", "--spacing"}) {
         exclude(image,
                 {"--layer-height", "--planes", "--random-heights", "--first-height", "--datum", "--normal", "--transform"});

@@ -16,6 +16,7 @@
 #include <CLI/CLI.hpp>
 
 #include "files/mesh_input.hpp"
+#include "lamella/heights.hpp"
 #include "lamella/io/report.hpp"
 #include "outputs/outputs.hpp"
 #include "slicing/tuning.hpp"
@@ -31,6 +32,8 @@ struct SliceArguments : MeshArguments {
     std::optional<double> weld_mm;
     bool orient_shells = false;
     Tuning tuning;
+    std::optional<AdaptiveOptions> adaptive;  ///< but for the frame and the ranges
+    std::vector<HeightRange> height_ranges;
     std::uint64_t memory_bytes = 0;  ///< 0: the mesh is held
     bool hash = false;
     bool split = false;  ///< each object of a file is a mesh
@@ -46,6 +49,9 @@ struct SliceArguments : MeshArguments {
 /// Declares the flags on `command`, to be stored in `arguments`. Values are checked, and files that flags name are read,
 /// when the command line is parsed, which throws CLI::ParseError or Failure.
 void declare(CLI::App& command, SliceArguments& arguments);
+
+/// The flags of adaptive heights.
+void declare_adaptive(CLI::App& command, SliceArguments& arguments);
 
 // --- the stages
 

@@ -226,7 +226,11 @@ private:
             note(arguments_.name() + ": names no objects to split it into, and is one");
             parts = {{mesh_name_of(arguments_.mesh), PartRole::solid, 0, mesh.file.triangle_count}};
         }
-        heights_ = job_.image ? std::vector<double>() : heights_of(mesh);
+        if (arguments_.adaptive) {
+            slabs_ = slabs_of(mesh);
+        } else {
+            heights_ = job_.image ? std::vector<double>() : heights_of(mesh);
+        }
         std::string words;
         for (const MeshPart& part : parts) {
             if (part.role == PartRole::solid) {
@@ -251,15 +255,29 @@ private:
         return heights;
     }
 
+    std::vector<Slab> slabs_of(const MeshToSlice& mesh) {
+        AdaptiveOptions options = *arguments_.adaptive;
+        options.ranges = arguments_.height_ranges;
+        options.frame = arguments_.options.frame;
+        const auto find = [&](const Context& context) { return adaptive_layers(mesh.source(), options, context); };
+        const Stopwatch watch;
+        const Array<Slab> slabs = done_or_thrown(stages_.run("choosing heights", find), arguments_.name());
+        run_.ms["heights"] = watch.ms();
+        return {slabs.begin(), slabs.end()};
+    }
+
     /// `first`: of its file.
     void slice_part(MeshToSlice& mesh, const std::string& name, bool first = true) {
         const std::size_t earlier = run_.warnings.size();  // of meshes before
         SlicedPart part;
         part.name = name;
-        const SliceOptions options = options_for(mesh.about(), part);
+        SliceOptions options = options_for(mesh.about(), part);
         run_.ms["read"] = mesh.about().read_ms;
         run_.ms["parse"] = mesh.about().parse_ms;
         mend(mesh);
+        if (arguments_.adaptive) {
+            options.slabs = slabs_.empty() ? slabs_of(mesh) : slabs_;
+        }
         Tuning tuning = arguments_.tuning;
         if (heights_) {
             tuning.random_heights.reset();
@@ -431,6 +449,7 @@ private:
     OutputJob job_;
     FilePlan file_plan_;
     bool streams_ = false;                        ///< within --memory, where all outputs take one layer after the other
+    std::vector<Slab> slabs_;                     ///< adaptive ones, of the file whose objects are being sliced
     std::optional<std::vector<double>> heights_;  ///< of the file whose objects are being sliced
     ToolRun run_;
     Stopwatch total_;

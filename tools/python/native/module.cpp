@@ -4,12 +4,14 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <exception>
 #include <filesystem>
 #include <type_traits>
 
 #include "lamella/check.hpp"
+#include "lamella/heights.hpp"
 #include "lamella/io/check_report.hpp"
 #include "lamella/io/mesh_file.hpp"
 #include "lamella/lamella.h"
@@ -54,6 +56,17 @@ void read_value(const py::handle& given, std::optional<std::vector<double>>& to)
         to.emplace(heights.data(), heights.data() + heights.size());
     }
 }
+/// Rows of doubles as structs of as many.
+template <class Row>
+std::vector<Row> rows_from(const py::handle& given) {
+    const auto rows = py::reinterpret_borrow<py::array_t<double, py::array::c_style>>(given);
+    std::vector<Row> made(static_cast<std::size_t>(rows.shape(0)));
+    std::copy_n(rows.data(), rows.size(), reinterpret_cast<double*>(made.data()));
+    return made;
+}
+void read_value(const py::handle& given, std::vector<Slab>& to) {
+    to = given.is_none() ? std::vector<Slab>() : rows_from<Slab>(given);
+}
 void read_value(const py::handle& given, Transform& to) {
     const auto rows = py::reinterpret_borrow<py::array_t<double, py::array::c_style>>(given);
     std::copy_n(rows.data(), to.m.size(), to.m.begin());
@@ -73,6 +86,14 @@ py::object value_of(const T& value) {
 }
 py::object value_of(const std::optional<std::vector<double>>& heights) {
     return heights ? py::object(copy_of(*heights, py::dtype::of<double>())) : py::none();
+}
+template <class Slabs>
+py::array_t<double> rows_of_slabs(const Slabs& slabs) {
+    const std::array<py::ssize_t, 2> shape = {static_cast<py::ssize_t>(slabs.size()), 2};
+    return py::array_t<double>(shape, reinterpret_cast<const double*>(slabs.data()));
+}
+py::object value_of(const std::vector<Slab>& slabs) {
+    return slabs.empty() ? py::none() : py::object(rows_of_slabs(slabs));
 }
 py::object value_of(const Transform& transform) {
     return py::array_t<double>({3, 4}, transform.m.data());
@@ -226,6 +247,13 @@ py::dict check_mesh(const View& view, const Asked& asked, double tolerance_mm, d
                     "shells"_a = shells_of(found), "findings"_a = findings_of(found));
 }
 
+/// `mm`: the lengths of AdaptiveOptions, in their order.
+py::array adaptive(const View& view, const Asked& asked, const std::array<double, 8>& mm, const py::array& ranges) {
+    const std::vector<HeightRange> own = rows_from<HeightRange>(ranges);
+    const AdaptiveOptions how{mm[0], mm[1], mm[2], mm[3], mm[4], mm[5], mm[6], mm[7], own, asked.options.frame};
+    return rows_of_slabs(run(asked, [&](const Context& context) { return adaptive_layers(view.source(), how, context); }));
+}
+
 }  // namespace
 
 std::atomic<bool> is_forked = false;
@@ -341,6 +369,7 @@ void define_meshes(py::module_& module) {
     module.def("weld", &weld_mesh);
     module.def("orient_shells", &orient_mesh);
     module.def("check", &check_mesh);
+    module.def("adaptive_layers", &adaptive);
 }
 
 }  // namespace lamella::python

@@ -191,6 +191,7 @@ def test_given_heights_come_in_any_order_and_shape(cube):
 # Values of what is neither a number, a word nor a flag, and what the engine's members hold then.
 STRUCTURED = {
     "heights": ([7, 2], [[7, 2]]),
+    "slabs": ([[6, 8], [1, 3]], [[[6, 8], [1, 3]]]),
     "layers": ((1, 3), [1, 3]),
     "transform": (np.diag([2, 2, 2, 1]), [np.diag([2, 2, 2, 1])[:3].tolist()]),
     "grid": (2.0**-19, [2.0**-19]),
@@ -219,8 +220,27 @@ def test_each_option_arrives(cube, name):
     expected = dict(zip(OPTIONS[name].fields, members))
     defaults, given = (options_of(lamella.slice(*cube, **{"stitch": 0, **options})) for options in ({}, {name: value}))
     assert len(members) == len(OPTIONS[name].fields)
+    if name == "slabs":
+        expected["heights_mm"] = [7, 2]  # their middles
     assert given == {**defaults, **expected}
     assert all(defaults[field] != member for field, member in expected.items())
+
+
+def test_adaptive_layers_follow_the_surface(cube):
+    vertices, faces = np.array([[0, 0, 0], [5, 0, 0], [0, 5, 0], [0, 0, 5]], dtype=float), [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+    flattest = np.sqrt(1 / 3)  # the cosine of its slope
+    slabs = lamella.adaptive_layers(vertices, faces, cusp=0.1)
+    assert slabs[:, 1] - slabs[:, 0] == pytest.approx(np.floor(0.1 / flattest / 0.005) * 0.005)
+    assert (slabs[1:, 0] == slabs[:-1, 1]).all()
+    layers = lamella.slice(vertices, faces, slabs=slabs).layers
+    assert (layers["bottom"] == slabs[:, 0]).all() and (layers["top"] == slabs[:, 1]).all()
+    ranged = lamella.adaptive_layers(*cube, least=0.1, most=0.25, step=0.05, ranges=[(0, 0.2, 0.2)], most_change=0.05, threads=2)
+    assert (ranged[:, 1] - ranged[:, 0])[:3] == pytest.approx([0.2, 0.25, 0.25])
+    assert lamella.adaptive_layers(*cube, normal=[1, 0, 0]) == pytest.approx(lamella.adaptive_layers(*cube))
+    with pytest.raises(lamella.InvalidArgumentError, match="least_mm must be at least step_mm"):
+        lamella.adaptive_layers(*cube, least=0.001)
+    with pytest.raises(lamella.InvalidArgumentError, match=r"ranges must have shape \(n, 3\), and have \(2,\)"):
+        lamella.adaptive_layers(*cube, ranges=[0, 1])
 
 
 @pytest.mark.parametrize("content, areas", [("upward-faces", [0, 100, 0]), ("downward-faces", [100, 0, 0])])

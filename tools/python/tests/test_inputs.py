@@ -148,6 +148,8 @@ OPTIONS = [
     ({"layer_height": 10**400}, "layer_height must be a number that 64 bits hold"),
     ({"layer_height": "0.2"}, "layer_height must be a number, not '0.2'"),
     ({"layer_height": 0.2, "heights": [1]}, "heights and layer_height exclude each other"),
+    ({"layer_height": 0.2, "slabs": [[0, 1]]}, "slabs and layer_height exclude each other"),
+    ({"slabs": [0, 1]}, r"slabs must have shape \(n, 2\), and have \(2,\)"),
     ({"heights": [[1]]}, r"heights must have one dimension, and have shape \(1, 1\)"),
     ({"heights": ["a"]}, "heights must be numbers"),
     ({"layers": 3}, "layers must be the first one and one past the last"),

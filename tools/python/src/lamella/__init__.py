@@ -20,6 +20,8 @@ stream
     More layers than fit in memory: chunks of them, one after the other.
 slice_parts
     Several meshes at the same planes.
+adaptive_layers
+    Bottoms and tops of layers as high as the surface allows.
 section, section_multiplane
     Planes of any direction, by origin and normal.
 check, weld
@@ -56,12 +58,14 @@ from ._layer_set import LayerSet
 from ._mesh import Check, Finding, Mesh, check, read, weld
 from ._native import version as __version__
 from ._result import Certificate, Result
-from ._slice import Prepared, assemble, prepare, region_of, section, section_multiplane, slice, slice_parts, stream
+from ._slice import (  # fmt: skip
+    Prepared, adaptive_layers, assemble, prepare, region_of, section, section_multiplane, slice, slice_parts, stream,
+)
 
 __all__ = [
     "NO_TRIANGLE", "SEVERAL_PARTS", "CancelledError", "Certificate", "Check", "ContourFlag", "CoordinateError",
     "EmptyMeshError", "Error", "Finding", "InvalidArgumentError", "Layer", "LayerSet", "MalformedMeshError", "Mesh", "MeshTypeError",
     "MeshWarning", "OutOfMemoryError", "PlanesError", "Polygon", "Prepared", "Result", "ResultTooLargeError", "Role",
-    "UnreadableFileError", "UnwritableFileError", "__version__", "assemble", "check", "combine", "prepare", "read", "region_of",
-    "section", "section_multiplane", "slice", "slice_parts", "stream", "weld",
+    "UnreadableFileError", "UnwritableFileError", "__version__", "adaptive_layers", "assemble", "check", "combine", "prepare", "read",
+    "region_of", "section", "section_multiplane", "slice", "slice_parts", "stream", "weld",
 ]  # fmt: skip

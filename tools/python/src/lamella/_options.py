@@ -218,6 +218,13 @@ def _heights(name: str, _: Option, value: Any) -> npt.NDArray[np.float64]:
     return np.ascontiguousarray(heights)
 
 
+def rows_of(name: str, width: int, value: Any) -> npt.NDArray[np.float64]:
+    rows = whole_array(value, name)
+    if rows.ndim != 2 or rows.shape[1] != width:
+        refuse(f"{name} must have shape (n, {width}), and have {rows.shape}")
+    return np.ascontiguousarray(rows)
+
+
 _CHECKS: Dict[str, Callable[[str, Option, Any], Any]] = {
     "mm": _limited,
     "optional_mm": _limited,
@@ -226,6 +233,7 @@ _CHECKS: Dict[str, Callable[[str, Option, Any], Any]] = {
     "choice": lambda name, option, value: one_of(name, value, option.words),
     "count": _range,
     "heights": _heights,
+    "slabs": lambda name, _, value: rows_of(name, 2, value),
     "transform": lambda name, _, value: affine(name, value),
     "fill_from": _fill_from,
 }
@@ -256,8 +264,9 @@ def slice_options(keywords: Mapping[str, Any], allowed: Any = SliceKeywords) -> 
                 refuse(f"{name} is an option of slice() that this call does not use; allowed: {', '.join(known)}")
             near = difflib.get_close_matches(name, known, n=1)
             refuse(f"there is no option {name!r}; " + (f"is it {near[0]!r}?" if near else f"allowed: {', '.join(known)}"))
-        if "heights" in given and name in UniformOptions.__annotations__:
-            refuse(f"heights and {name} exclude each other")
+        for planes in ("heights", "slabs"):
+            if planes in given and name in UniformOptions.__annotations__:
+                refuse(f"{planes} and {name} exclude each other")
     normal = given.pop("normal", None)
     if normal is not None and "transform" in given:
         refuse("normal and transform exclude each other")
@@ -283,6 +292,7 @@ def documented(call: Call) -> Call:
         "flag": "bool",
         "count": "(int, int)",
         "heights": "array_like of float",
+        "slabs": "array_like of float, shape (n, 2)",
         "transform": "array_like of float, shape (4, 4) or (3, 4)",
         "fill_from": "sequence of (int, str)",
     }

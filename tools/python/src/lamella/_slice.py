@@ -13,7 +13,7 @@ from ._layer import Layer
 from ._mesh import MeshLike, View, as_view, as_views, oriented
 from ._option_table import UniformOptions
 from ._options import (  # fmt: skip
-    OF_PREPARED, FrameKeywords, PreparedKeywords, RegionKeywords, documented, plane_frame, progress_report, refuse, slice_options, truth, whole_array, whole_number,
+    OF_PREPARED, FrameKeywords, PreparedKeywords, RegionKeywords, documented, number, plane_frame, progress_report, refuse, rows_of, slice_options, truth, whole_array, whole_number,
 )
 from ._result import Result, finish, warn_of_open
 
@@ -79,6 +79,68 @@ def slice(  # noqa: A001: the word of the field
     if truth("orient_shells", orient_shells):
         view = as_view(oriented(view, threads=options.get("threads", 0)), None, unit=None)
     return finish(view.run(_native.slice, slice_options(options)), view)
+
+
+def adaptive_layers(
+    mesh: MeshLike,
+    faces: Optional[npt.ArrayLike] = None,
+    *,
+    cusp: float = 0,
+    deviation: float = 0,
+    slope_limit: float = 0,
+    least: float = 0.05,
+    most: float = 0.3,
+    step: float = 0.005,
+    most_change: float = 0,
+    smoothing: float = 0,
+    ranges: Optional[npt.ArrayLike] = None,
+    **options: Unpack[FrameKeywords],
+) -> npt.NDArray[np.float64]:
+    """Layers as high as the surface allows: thick where walls stand upright, thin where they lean.
+
+    Parameters
+    ----------
+    mesh, faces
+        As for `slice`.
+    cusp : float
+        How far the corners of steps stand off the surface at most, mm; 0: any.
+    deviation : float
+        The surface deviation at most, mm, as slicers count it; 0: any.
+    slope_limit : float
+        How wide steps are at most, mm; 0: any.
+    least, most : float
+        Heights of layers, mm.
+    step : float
+        Heights are whole multiples of it, mm.
+    most_change : float
+        By how much a layer's height differs from that of the one below at most, mm; 0: any.
+    smoothing : float
+        The height that the surface allows is at most its mean over so much below and above, mm.
+    ranges : array_like of float, shape (n, 3), optional
+        From, to and a height that layers have which begin between, whatever the surface. Above the mesh's lowest vertex, mm.
+    **options
+        As for `prepare`.
+
+    Returns
+    -------
+    ndarray of float, shape (n, 2)
+        Bottom and top of each layer, for the option `slabs` of `slice`.
+
+    Examples
+    --------
+    >>> slabs = lamella.adaptive_layers(corners, faces, cusp=0.2, most=2)
+    >>> slabs[0]
+    array([0.   , 0.425])
+    >>> lamella.slice(corners, faces, slabs=slabs).layers["z"][:2]
+    array([0.2125, 0.6375])
+    """
+    view = as_view(mesh, faces, unit=options.pop("unit", None))
+    given = {"least": least, "most": most, "step": step, "cusp": cusp, "deviation": deviation, "slope_limit": slope_limit,
+             "most_change": most_change, "smoothing": smoothing}  # fmt: skip
+    lengths = tuple(number(name, value) for name, value in given.items())
+    own = rows_of("ranges", 3, np.empty((0, 3)) if ranges is None else ranges)
+    slabs: npt.NDArray[np.float64] = view.run(_native.adaptive_layers, slice_options(options, FrameKeywords), lengths, own)
+    return slabs
 
 
 class Prepared:

@@ -29,6 +29,7 @@
 #include "lamella/context.hpp"
 #include "lamella/error.hpp"
 #include "lamella/grid.hpp"
+#include "lamella/heights.h"
 #include "lamella/heights.hpp"
 #include "lamella/lamella.h"
 #include "lamella/layers.hpp"

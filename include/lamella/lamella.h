@@ -24,7 +24,8 @@
  *     lamella_result_free(result);
  *
  * The shape is that of C++, whose headers say what each call does: a source is sliced by options within a context to a
- * destination. Here stands what C adds. lamella/overlay.h combines layers with layers.
+ * destination. Here stands what C adds. lamella/overlay.h combines layers with layers, lamella/heights.h
+ * chooses heights.
  *
  * Structs that begin with their size may grow. LAMELLA_INIT initialises them, those that a call fills too: one that was not
  * is refused, and void functions leave it alone. A library newer than the program gives fields that the program does not
@@ -398,32 +399,6 @@ LAMELLA_C_API int32_t lamella_prepare(const lamella_mesh* mesh, const lamella_op
 LAMELLA_C_API uint64_t lamella_prepared_bytes(const lamella_prepared* prepared);
 LAMELLA_C_API double lamella_prepared_grid_mm(const lamella_prepared* prepared);
 LAMELLA_C_API void lamella_prepared_free(lamella_prepared* prepared);
-
-/* --- Layers as high as the surface allows: lamella/heights.hpp says what each field does */
-
-typedef struct lamella_height_range {
-    double from_mm, to_mm, height_mm;
-} lamella_height_range;
-
-typedef struct lamella_adaptive {
-    uint32_t struct_size;
-    int32_t reserved;
-    double least_mm, most_mm, step_mm;
-    double cusp_mm, deviation_mm, slope_limit_mm; /* each that is not 0 holds */
-    double most_change_mm, smoothing_mm;
-    const lamella_height_range* ranges;
-    size_t range_count;
-} lamella_adaptive;
-
-typedef struct lamella_slabs lamella_slabs;
-
-/* Of `options` those of the frame are used. */
-LAMELLA_C_API int32_t lamella_adaptive_layers(const lamella_source* from, const lamella_adaptive* adaptive,
-                                              const lamella_options* options, const lamella_context* context,
-                                              lamella_slabs** slabs, lamella_error* error);
-/* For lamella_options.slabs: as long as the handle is there. */
-LAMELLA_C_API const lamella_slab* lamella_slabs_view(const lamella_slabs* slabs, size_t* count);
-LAMELLA_C_API void lamella_slabs_free(lamella_slabs* slabs);
 
 /* --- Contours that are not cut from a mesh: lamella/layers.hpp. The result has one layer. */
 

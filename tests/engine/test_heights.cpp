@@ -8,7 +8,7 @@
 
 #include "engine/calls.hpp"
 #include "engine/slicing.hpp"
-#include "lamella/lamella.h"
+#include "lamella/heights.h"
 
 using namespace lamella;
 

@@ -49,7 +49,7 @@ PUBLIC = {
     "grid": "options", "mesh": "options", "options": "options",
     "destination": "slicing", "heights": "slicing", "layers": "slicing", "overlay": "slicing", "result": "slicing", "slice": "slicing", "source": "slicing",
     "check": "mesh", "weld": "mesh", "audit": "audit",
-    "lamella": "audit", "lamella.h": "c", "overlay.h": "c", "io": "io", "medical": "medical",
+    "lamella": "audit", "lamella.h": "c", "overlay.h": "c", "heights.h": "c", "io": "io", "medical": "medical",
 }  # fmt: skip
 
 # What a host that includes the core's headers is not to be burdened with.

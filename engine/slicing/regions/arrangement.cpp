@@ -152,6 +152,19 @@ void Arrangement::append(Half half, Vector<Point>& points, Vector<PointOrigin>* 
     worker_.spend(half_work + strand.edges);
 }
 
+void Arrangement::list_extents(Vector<Extent>& faces) {
+    faces.assign(faces_.size(), {});
+    for (Half half = 0; half < halves_.size(); half += 2) {
+        Extent along;
+        for (std::uint32_t i = 0; i <= strand_of(half).edges; ++i) {
+            along.include(point_of(half, i));
+        }
+        faces[face_of_[half]].include(along);
+        faces[face_of_[half + 1]].include(along);
+        worker_.spend(half_work + strand_of(half).edges);
+    }
+}
+
 void Arrangement::append_points_of(const Face& face, Vector<Point>& points) {
     Half half = face.first;
     do {

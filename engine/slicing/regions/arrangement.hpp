@@ -17,13 +17,16 @@
 // O(s log s) for s strands, and a step for each point that is written.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "lamella/options.hpp"
+#include "slicing/grid/exact.hpp"
 #include "slicing/nesting/nest.hpp"
 #include "slicing/regions/snap_rounding.hpp"
 
@@ -48,12 +51,26 @@ public:
         std::int64_t winding;  ///< if it were zero around the component
     };
 
+    /// Where points lie.
+    struct Extent {
+        FlatBox box = FlatBox::nothing();
+        Point smallest{std::numeric_limits<std::int32_t>::max(), 0};
+
+        void include(Point p) noexcept { include({{p, p}, p}); }
+        void include(const Extent& other) noexcept {
+            box.include(other.box);
+            smallest = std::min(smallest, other.smallest);
+        }
+    };
+
     /// Finds faces and winding numbers. `snapped` must stay until all is read. Throws std::bad_alloc.
     void build(const SnapRounding& snapped);
 
     std::span<const Face> faces() const noexcept { return faces_; }
     /// The face around each component, which is all strands that hang together.
     std::span<const std::uint32_t> outer_faces() const noexcept { return outer_faces_; }
+    /// Of each face: the box of the points around it, and the smallest of them.
+    void list_extents(Vector<Extent>& faces);
     /// Appends the points around a face that does not lie around its component: counter-clockwise.
     void append_points_of(const Face& face, Vector<Point>& points);
 

@@ -111,12 +111,9 @@ void Fill::overlay() {
     around_.assign(arrangement_.outer_faces().size(), 0);
 }
 
-/// No faces if everything hangs together: nothing lies around it.
 void Fill::list_pieces() {
     pieces_.clear();
     numbers_.clear();
-    face_points_.clear();
-    face_ends_.clear();
     for (std::uint32_t c = 0; c < items_.size(); ++c) {
         worker_.spend(path_work);
         if (!contacts_.meets(c)) {
@@ -130,13 +127,37 @@ void Fill::list_pieces() {
     }
     std::transform(numbers_.begin(), numbers_.end(), std::back_inserter(pieces_),
                    [this](std::uint32_t c) { return items_[c]; });
-    if (apart_ == 0 && around_.size() <= 1) {
-        return;
+    if (apart_ > 0 || around_.size() > 1) {  // else nothing lies around the one component
+        list_faces();
     }
-    for (std::uint32_t f = 0; f < arrangement_.faces().size(); ++f) {
-        const Arrangement::Face& face = arrangement_.faces()[f];
-        if (arrangement_.outer_faces()[face.component] != f) {
-            arrangement_.append_points_of(face, face_points_);
+}
+
+/// Those that something else may lie in, and of each component the first, by which is known what lies around it.
+void Fill::list_faces() {
+    const std::span<const Arrangement::Face> faces = arrangement_.faces();
+    arrangement_.list_extents(extents_);
+    starts_.clear();
+    std::transform(pieces_.begin(), pieces_.end(), std::back_inserter(starts_),
+                   [](const NestItem& item) { return item.from_start(0); });
+    starts_.resize(apart_ + around_.size(), Arrangement::Extent().smallest);
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        Point& start = starts_[apart_ + faces[f].component];
+        start = std::min(start, extents_[f].smallest);
+    }
+    start_tree_.assign(starts_.size(), [this](std::size_t i) { return starts_[i]; });
+    face_points_.clear();
+    face_ends_.clear();
+    for (std::uint32_t f = 0; f < faces.size(); ++f) {
+        const std::size_t own = apart_ + faces[f].component;
+        const bool is_first = extents_[f].smallest == starts_[own];
+        worker_.spend(path_work);
+        bool holds = false;
+        start_tree_.find_in(extents_[f].box, [&](Point, std::uint32_t i) {
+            holds = i != own;
+            return !holds;
+        });
+        if (arrangement_.outer_faces()[faces[f].component] != f && (is_first || holds)) {
+            arrangement_.append_points_of(faces[f], face_points_);
             face_ends_.push_back(face_points_.size());
             numbers_.push_back(f);
         }

@@ -65,6 +65,7 @@ private:
     void merge_equal_ones(std::span<const std::int64_t> weights);
     void overlay();
     void list_pieces();
+    void list_faces();
     void spread_windings();
     std::int64_t around(std::uint32_t piece) const noexcept {
         return pieces_[piece].parent < 0 ? 0 : inside_[static_cast<std::size_t>(pieces_[piece].parent)];
@@ -80,10 +81,13 @@ private:
     Contacts contacts_{worker_};
     SnapRounding snapped_{worker_};
     Arrangement arrangement_{worker_};
-    Vector<NestItem> items_{worker_.memory()};         // one of each group of equal contours
-    Vector<std::uint32_t> firsts_{worker_.memory()};   // of each item: the index of the first of the equal contours
-    Vector<std::int64_t> times_{worker_.memory()};     // of each item: how many there are
-    Vector<NestItem> pieces_{worker_.memory()};        // to be nested: contours that meet no other, then faces
+    Vector<NestItem> items_{worker_.memory()};               // one of each group of equal contours
+    Vector<std::uint32_t> firsts_{worker_.memory()};         // of each item: the index of the first of the equal contours
+    Vector<std::int64_t> times_{worker_.memory()};           // of each item: how many there are
+    Vector<NestItem> pieces_{worker_.memory()};              // to be nested: contours that meet no other, then faces
+    Vector<Arrangement::Extent> extents_{worker_.memory()};  // of all faces
+    Vector<Point> starts_{worker_.memory()};                 // of contours that meet no other, then of components
+    PointTree start_tree_{worker_};
     Vector<std::uint32_t> numbers_{worker_.memory()};  // of each piece: of an item, or of a face of the arrangement
     std::size_t apart_ = 0;                            // as many of pieces_ are contours
     Vector<std::int64_t> inside_{worker_.memory()};    // of each piece: the winding number just inside

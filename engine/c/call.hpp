@@ -88,7 +88,7 @@ struct Sized;
 LAMELLA_SIZED(lamella_error, LAMELLA_ERROR, message);
 LAMELLA_SIZED(lamella_context, LAMELLA_CONTEXT, reserved);
 LAMELLA_SIZED(lamella_mesh, LAMELLA_MESH, reserved);
-LAMELLA_SIZED(lamella_source, LAMELLA_SOURCE, part_count);
+LAMELLA_SIZED(lamella_source, LAMELLA_SOURCE, part_prepared);
 LAMELLA_SIZED(lamella_options, LAMELLA_OPTIONS, reserved_0_3);
 LAMELLA_SIZED(lamella_info, LAMELLA_INFO, layer_of_count);
 LAMELLA_SIZED(lamella_layer_view, LAMELLA_LAYER_VIEW, stitch_count);
@@ -223,6 +223,7 @@ LAMELLA_SAME_PLACE(lamella_height_range, height_mm, HeightRange, height_mm);
 static_assert(std::is_standard_layout_v<Memory>);
 LAMELLA_SAME_PLACE(lamella_memory, release_object, Memory, release);
 #undef LAMELLA_SAME_PLACE
+static_assert(LAMELLA_SOLID == static_cast<int>(PartRole::solid) && LAMELLA_SUPPORT == static_cast<int>(PartRole::support));
 static_assert(LAMELLA_NO_TRIANGLE == no_triangle && LAMELLA_NO_EDGE == no_edge && LAMELLA_SEVERAL_PARTS == several_parts);
 static_assert(LAMELLA_DEFAULT_GRID_MM == default_grid_mm && LAMELLA_FINEST_GRID == finest_grid &&
               LAMELLA_STITCH_BY_MESH == stitch_by_mesh && LAMELLA_GRID_LIMIT == grid_limit &&

@@ -36,7 +36,16 @@ private:
     void read_parts() {
         for (std::size_t p = 0; p < c_.part_count; ++p) {
             Part& part = parts_.emplace_back();
-            part.mesh = read_mesh(c_.parts[p].mesh);
+            if (c_.part_prepared != nullptr && c_.part_prepared[p] != nullptr) {
+                part.prepared = &c_.part_prepared[p]->mesh;
+            } else {
+                part.mesh = read_mesh(c_.parts[p].mesh);
+            }
+            if (c_.part_roles != nullptr) {
+                require_choice(c_.part_roles[p], LAMELLA_SUPPORT, "the part's role");
+                part.role = static_cast<PartRole>(c_.part_roles[p]);
+            }
+            part.object = c_.part_objects != nullptr ? c_.part_objects[p] : 0;
             const double* const placement = c_.parts[p].placement;
             if (std::any_of(placement, placement + 12, [](double entry) { return entry != 0; })) {
                 std::copy_n(placement, 12, part.placement.m.begin());

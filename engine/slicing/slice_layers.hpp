@@ -40,6 +40,10 @@ struct SliceCall {
 /// Refuses what no mesh can be sliced with.
 void check_options(const SliceOptions& options, const Tuning& tuning);
 
+/// The options for a prepared mesh, which has its grid and its frame already: they may leave them out, or repeat them.
+/// Throws Refused.
+SliceOptions options_for(const detail::PreparedImpl& prepared, const SliceOptions& options);
+
 // These throw Refused, Stopped, std::bad_alloc. Precondition: options were checked. `info` gets what is not in layers: where
 // `target` is null, what is known before anything is cut.
 
@@ -47,7 +51,7 @@ void check_options(const SliceOptions& options, const Tuning& tuning);
 void slice_layers(TriangleSource& source, LayerTarget* target, const SliceCall& call, SliceInfo& info,
                   std::uint64_t first_index = 0);
 
-/// Several meshes, each by itself, and their layers side by side or united.
+/// Several meshes, each by itself, and their layers by roles, then side by side or united.
 void slice_parts(std::span<const Part> parts, const SliceCall& call, LayerTarget* target, SliceInfo& info);
 
 /// n triangles, m pieces, q points left of a layer when its edges between pieces have cancelled: O(n + k + m) for k uniform

@@ -142,6 +142,17 @@ SlicerImpl& SlicerImpl::of(Slicer& slicer, const Context& context, const Tuning&
     return *kept;
 }
 
+SlicerImpl& SlicerImpl::side_of(int worker) {
+    std::unique_ptr<SlicerImpl>& side = sides[static_cast<std::size_t>(worker)];
+    if (side == nullptr) {
+        side = std::make_unique<SlicerImpl>(memory, instructions);
+        side->usual_limit = usual_limit;
+        side->parallel = std::make_unique<Parallel>(Context{.threads = 1, .memory = memory});
+    }
+    side->parallel->follow(parallel->stop());
+    return *side;
+}
+
 std::size_t SlicerImpl::bytes() const noexcept {
     const auto made = std::count_if(sweeps.begin(), sweeps.end(), [](const auto& sweep) { return sweep != nullptr; });
     return sizeof(*this) + static_cast<std::size_t>(made) * sizeof(BandSweep) + scratch.bytes();

@@ -28,6 +28,9 @@ struct SlicerImpl {
     /// What the slicer keeps, for a call that begins on this thread; made anew where memory or instructions differ.
     static SlicerImpl& of(Slicer& slicer, const Context& context, const Tuning& tuning);
 
+    /// What a worker slices a small part with, all by itself. Precondition: there is a place for it in `sides`.
+    SlicerImpl& side_of(int worker);
+
     SourceTools source_tools() noexcept { return {*parallel, planes, buckets, instructions}; }
 
     std::size_t bytes() const noexcept;
@@ -46,6 +49,7 @@ struct SlicerImpl {
     bool sweeps_made_regions = false;                // one of them, since it was made
     bool last_made_regions = false;
     OutputScratch output{memory};
+    std::vector<std::unique_ptr<SlicerImpl>> sides;  // by worker, with scratch from this one's
 };
 
 }  // namespace lamella::detail

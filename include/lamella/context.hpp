@@ -70,8 +70,8 @@ private:
 
 /// The host's memory. Its functions are called from several threads at once. It must outlive every call that it is passed to
 /// and every result whose arrays come from it. These take operator new though: the list of contours in a plane that all
-/// threads work on together; heights, slabs and fill rules that options and results hold; of several parts 8 bytes a layer; the
-/// texts of errors and warnings; and objects of a fixed size, some a call, a thread and a band.
+/// threads work on together; heights, slabs and fill rules that options and results hold; of several parts 8 bytes a layer
+/// and about 500 a part; the texts of errors and warnings; and objects of a fixed size, some a call, a thread and a band.
 struct Memory {
     /// `bytes` > 0 at a multiple of `alignment`, a power of two; null where there are none.
     Callback<void*(std::size_t bytes, std::size_t alignment)> allocate{};

@@ -130,7 +130,11 @@ typedef struct lamella_part {
     double placement[12]; /* into the space that all parts share; all 0: it stays where it is */
 } lamella_part;
 
-/* What is cut: exactly one is set. */
+/* What a part is for: lamella/source.hpp says what is left of each. */
+enum { LAMELLA_SOLID = 0, LAMELLA_NEGATIVE = 1, LAMELLA_MODIFIER = 2, LAMELLA_SUPPORT_BLOCKER = 3, LAMELLA_SUPPORT_ENFORCER = 4,
+       LAMELLA_SUPPORT = 5 };
+
+/* What is cut: exactly one of mesh, prepared and parts is set. */
 typedef struct lamella_source {
     uint32_t struct_size;
     int32_t reserved;
@@ -138,6 +142,10 @@ typedef struct lamella_source {
     const lamella_prepared* prepared;
     const lamella_part* parts;
     size_t part_count;
+    /* Of each part, or NULL: */
+    const int32_t* part_roles;                    /* LAMELLA_SOLID, ...; NULL: all are solid */
+    const uint32_t* part_objects;                 /* roles act among parts of the same number; NULL: all are of one object */
+    const lamella_prepared* const* part_prepared; /* in place of the part's mesh where one is not NULL */
 } lamella_source;
 
 /* --- Options: lamella/options.hpp says what each does; here they are flat. Written by engine/options/generate.py */

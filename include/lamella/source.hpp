@@ -15,16 +15,42 @@
 //     const lamella::Part parts[] = {{.mesh = mesh}, {.mesh = mesh, .placement = lamella::Transform::scale(2)}};
 //     const auto both = slicer.slice(parts);
 //
-// Several parts are cut at the planes of one plan, on one grid: both are chosen for the box around all parts. Facets of one
-// part never continue those of another. A layer has the contours of part 0, then of part 1, and so on, those of each as it
-// has them alone; Contour::part is the part's index. By SliceOptions::unite_parts the rules of regions are done to all of a
-// layer together, and contours are in the order of one mesh. Heights are rounded as floats where every part is of floats
-// that no transform moves in double, as doubles elsewhere. Parts are cut one after another by all threads, and held until
-// they are put together, so that the result takes its memory twice.
+//     // The mesh without what half of it fills, which is cut out of it.
+//     const lamella::Part holed[] = {{.mesh = mesh},
+//                                    {.mesh = mesh,
+//                                     .placement = lamella::Transform::scale(0.5),
+//                                     .role = lamella::PartRole::negative}};
+//     const auto rest = slicer.slice(holed);
+//
+// Several parts are cut at the planes of one plan, on one grid: planes are chosen for the box around the solid parts, the
+// grid for that around all. Facets of one part never continue those of another. A layer has the contours of part 0, then of
+// part 1, and so on, those of each as it has them alone; Contour::part is the part's index. By SliceOptions::unite_parts the
+// rules of regions are done to all of a layer together, and contours are in the order of one mesh. Heights are rounded as
+// floats where every part is of floats that no transform moves in double, as doubles elsewhere. Many small parts are cut
+// side by side, larger ones one after another by all threads; all are held until they are put together, so that the result
+// takes its memory twice.
+//
+// Where an object has a part that is negative or a modifier, each of its parts is made a region by the rules of the options,
+// by non-zero where they have none, and one overlay of these in each layer says what is solid, and of which part:
+//
+//     outside all solid parts, or inside a negative one      nothing
+//     else inside modifiers                                  the last of them
+//     else                                                   the last of the solid parts that it is inside of
+//
+//     .-------------.          Contours of part 0, a box from which part 1 is taken, and of part 2, a modifier: they share
+//     | 0  .---.  .-|----.     the points of the boundary between them, and neither overlap nor leave gaps.
+//     |    | 1 |  |2|    |
+//     |    '---'  '-|----'
+//     '-------------'
+//
+// Contours of supports are cut and have their part's number, but are no solid: a layer's area counts them, and a host that
+// wants its solid's leaves them out. By SliceOptions::unite_parts, what is solid is united afterwards, supports left out, so
+// that the modifiers' boundaries go, and the rules other than the fill rule are done to that region.
 #pragma once
 
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 
@@ -100,9 +126,24 @@ private:
     bool is_parts_ = false;
 };
 
+/// What a part is for.
+enum class PartRole : std::uint8_t {
+    solid,
+    negative,  ///< taken out of the solid parts of its object, wherever it stands among them
+    modifier,  ///< gives what it covers of its object's solid its own number
+    support_blocker,
+    support_enforcer,
+    support,
+};
+
 struct Part {
     MeshView mesh{};
     Transform placement{};  ///< from the part in mm to the space that all parts share; Frame::transform comes next
+    PartRole role = PartRole::solid;
+    std::uint32_t object = 0;  ///< roles act among parts of the same number, of which at most 63 are no supports
+    /// In place of `mesh`. It must be prepared on the grid of all, with the transform that the frame and `placement` make,
+    /// or they make none.
+    const PreparedMesh* prepared = nullptr;
 };
 
 inline Source::Source(std::span<const Part> parts, int /*made of parts*/) noexcept

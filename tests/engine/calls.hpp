@@ -88,6 +88,7 @@ public:
           result_(sliced(mesh, uniform(0.1))),
           prepared_(value_of(prepare(mesh))),
           parts_{{.mesh = mesh}, {.mesh = mesh}},
+          roles_{{.mesh = mesh}, {.mesh = mesh, .placement = Transform::scale(0.5), .role = PartRole::negative}},
           above_{{.layers = result_}, {.layers = result_, .from = 1, .to = 2, .grow_mm = 0.1}} {
         lamella::Slicer slicer;
         const lamella::SliceInfo outline = value_of(slicer.outline(mesh, options_));
@@ -112,6 +113,7 @@ public:
             {"slice", slices_of(mesh_)},
             {"slice of a prepared mesh", slices_of(prepared_)},
             {"slice of parts", slices_of(parts_)},
+            {"slice of parts with roles", slices_of(roles_)},
             {"slice to a sink in plane order", slices_to(ascending_)},
             {"slice to a sink in any order", slices_to(any_order_)},
             {"slice to arrays", slices_to(host_->arrays)},
@@ -163,6 +165,7 @@ private:
     lamella::SliceResult result_;
     lamella::PreparedMesh prepared_;
     std::vector<lamella::Part> parts_;
+    std::vector<lamella::Part> roles_;
     std::vector<lamella::LayerSet> above_;
     std::optional<GuardedArrays> host_;
     std::vector<lamella::Segment> segments_ = segments();

@@ -209,15 +209,29 @@ TEST_CASE("any source goes to any destination by C, with the bytes of C++, whate
         source.parts = parts;
         source.part_count = 2;
         check_destinations(source, options, slice(both, in_cpp).value());
-        source.parts = nullptr;
-        source.part_count = 0;
         lamella_prepared* handle = nullptr;
         REQUIRE(lamella_prepare(&mesh, &options, nullptr, &handle, nullptr) == LAMELLA_OK);
         const Owned<lamella_prepared> prepared(handle);
+        const lamella_prepared* const first[] = {handle, nullptr};
+        source.part_prepared = options.grid_mm == 0 ? first : nullptr;  // else that of both parts is coarser
+        check_destinations(source, options, slice(both, in_cpp).value());
+        source.part_prepared = nullptr;
+        source.parts = nullptr;
+        source.part_count = 0;
         CHECK(lamella_prepared_bytes(handle) >= mesh.triangle_count * 12);
         source.prepared = handle;
         check_destinations(source, options, slice(prepare(view, in_cpp.frame).value(), in_cpp).value());
     }
+    // What is negative takes something away only within its object.
+    std::int32_t roles[] = {LAMELLA_SOLID, LAMELLA_SOLID, LAMELLA_NEGATIVE};
+    const std::uint32_t objects[] = {3, 0, 0};
+    const lamella_part three[] = {parts[0], parts[1], {&mesh, {0.5, 0, 0, 51, 0, 0.5, 0, 1, 0, 0, 0.5, 0}}};
+    const lamella_source cut{sizeof cut, 0, nullptr, nullptr, three, 3, roles, objects, nullptr};
+    const Transform half{{0.5, 0, 0, 51, 0, 0.5, 0, 1, 0, 0, 0.5, 0}};
+    const Part holed[] = {{.mesh = view, .object = 3}, moved, {view, half, PartRole::negative}};
+    check_destinations(cut, fresh<lamella_options>(LAMELLA_OPTIONS), slice(holed).value());
+    roles[1] = 9;
+    CHECK(lamella_outline(nullptr, &cut, nullptr, nullptr, nullptr, nullptr) == LAMELLA_INVALID_ARGUMENT);
     // A slicer that ends with the call keeps no list.
     const lamella_source source = source_of(mesh);
     auto options = fresh<lamella_options>(LAMELLA_OPTIONS);

@@ -1,5 +1,7 @@
 // 3MF packages that are large, damaged or made to harm. All else: cases/packages.txt, cases/3mf.txt. How archives list parts
 // with ZIP64 fields: tests/sloppy and the fuzzer.
+#include <map>
+
 #include "cpu_time.hpp"
 #include "engine/counting_memory.hpp"
 #include "read.hpp"
@@ -49,6 +51,43 @@ TEST_CASE("all instances of a 3MF mesh of several chunks are placed", "[input][3
         t = {t[0], t[1], -1, t[6], t[7], -1, t[3], t[4], -1};
     }
     CHECK(std::equal(expected.begin(), expected.end(), contents.triangles.begin() + std::ssize(expected)));
+}
+
+TEST_CASE("a 3MF file's negative volume is cut out of its own object, and modifiers label", "[input][3mf][roles]") {
+    const auto component = [](const char* transform) {
+        return "<component objectid=\"1\" transform=\"" + std::string(transform) + "\"/>";
+    };
+    const std::string stage = "<components>" + component("1 0 0 0 1 0 0 0 1 0 0 0") +
+                              component(".5 0 0 0 .5 0 0 0 .5 2 2 -1") + component("1 0 0 0 1 0 0 0 1 6 0 0") +
+                              "</components>";
+    const std::string resources = cube_object(1) + object(2, stage) + cube_object(3);
+    std::vector<ZipPart> parts = package_parts(model_text(resources, item(2) + item(3)));
+    parts.push_back(
+        {"Metadata/model_settings.config",
+         "<config><object id=\"2\"><part id=\"1\" subtype=\"normal_part\"/><part id=\"1\" subtype=\"negative_part\"/>"
+         "<part id=\"1\" subtype=\"modifier_part\"/></object></config>"});
+    const auto path = dir.write("a.3mf", zip(parts));
+    const MeshFile solid = value_of(read_mesh(path));
+    CHECK(solid.warnings.size() == 2);
+    CHECK(parts_of(solid).size() == 2);
+    CHECK(value_of(slice(solid, {.heights_mm = {{2.0}}}))[0].area_mm2() == 200);
+    const MeshFile file = value_of(read_mesh(path, {.all_roles = true}));
+    CHECK(file.warnings.empty());
+    CHECK(file.triangle_count == 24);
+    CHECK(triangles_of(file) == triangles_of(solid));
+    const std::vector<Part> all = parts_of(file);
+    REQUIRE(all.size() == 4);
+    CHECK((all[2].role == PartRole::negative && all[3].role == PartRole::modifier));
+    CHECK((all[0].object == all[2].object && all[0].object == all[3].object && all[0].object != all[1].object));
+    const SliceResult cut = value_of(slice(all, {.heights_mm = {{2.0, 8.0}}}));
+    std::map<std::pair<std::size_t, std::uint32_t>, double> mm2;
+    for (const LayerView layer : cut) {
+        for (const Contour& contour : layer.contours) {
+            mm2[{layer.index, contour.part}] += layer.area_mm2(contour);
+        }
+    }
+    // Of layer 0 the modifier has what lies from x = 6 on, but for what is taken out up to x = 7.
+    CHECK(mm2 == decltype(mm2){{{0, 0}, 40}, {{0, 1}, 100}, {{0, 3}, 35}, {{1, 0}, 60}, {{1, 1}, 100}, {{1, 3}, 40}});
 }
 
 TEST_CASE("bytes around a zip archive give a warning, its comment does not", "[input][3mf]") {

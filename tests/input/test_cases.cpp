@@ -14,7 +14,7 @@
 //     same                     the triangles of the good file, as where there is none of the three below
 //     reads N ...              triangles of these coordinates
 //     box X Y Z X Y Z V        triangles that fill this box and this volume
-//     parts TEXT               parts_of() the mesh
+//     parts TEXT               list_list_parts_of() the mesh
 //     vertices N               so many of them
 //     warns TEXT               a warning, which holds TEXT; these are all, in this order
 //     LPS, RAS                 this patient frame; without them none
@@ -157,7 +157,7 @@ GoodFile read_good(std::istream& in, const std::string& name) {
 }
 
 /// "NAME ROLE FIRST COUNT; ..."
-std::string parts_of(const MeshFile& file) {
+std::string list_parts_of(const MeshFile& file) {
     std::string text;
     for (const MeshPart& part : file.parts) {
         text += (text.empty() ? "" : "; ") + part.name + " " + std::string(name_of(part.role)) + " " +
@@ -191,7 +191,7 @@ void check_read(const std::filesystem::path& path, const GoodFile& good, std::st
             }
             CHECK(found.volume_mm3 == Approx(numbers.at(6)).margin(1e-5));
         } else if (word == "parts") {
-            CHECK(parts_of(mesh) == unescaped(text));
+            CHECK(list_parts_of(mesh) == unescaped(text));
         } else if (word == "vertices") {
             CHECK(mesh.vertex_count == static_cast<std::uint64_t>(numbers.at(0)));
         } else if (word == "warns") {

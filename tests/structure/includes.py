@@ -36,8 +36,10 @@ SLICING = [
     ["sweep"],
     ["slicer.hpp"],
     ["slice_layers.hpp"],
-    ["slice_layers.cpp", "parts", "handover", "faces"],
-    ["slicer.cpp", "overlay", "heights"],
+    ["slice_layers.cpp", "handover", "faces"],
+    ["overlay", "heights"],
+    ["parts"],
+    ["slicer.cpp"],
 ]
 
 # Two ways to sweep, neither of which knows the other.

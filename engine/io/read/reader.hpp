@@ -30,6 +30,7 @@ public:
     const Parallel& parallel() const noexcept { return parallel_; }
     const Memory* memory() const noexcept { return parallel_.memory(); }
     std::uint64_t memory_limit() const noexcept { return memory_limit_; }
+    bool all_roles() const noexcept { return options_.all_roles; }
 
     /// The first 64 KiB, or all.
     std::string_view sample() const noexcept { return sample_; }

@@ -91,6 +91,25 @@ std::string_view name_of(PartRole role) noexcept {
     return names[static_cast<std::size_t>(role)];
 }
 
+std::vector<Part> parts_of(const MeshFile& file) {
+    std::vector<Part> parts;
+    for (const MeshPart& part : file.parts) {
+        MeshView view = file.view();
+        if (part.role != PartRole::solid && part.first_triangle == 0) {
+            continue;  // left out
+        }
+        const auto first = static_cast<std::size_t>(part.first_triangle);
+        (view.indices != nullptr ? view.indices : view.vertices) =
+            view.indices != nullptr ? view.indices_at(first) : view.vertex_at(first);
+        view.triangle_count = static_cast<std::size_t>(part.triangle_count);
+        parts.push_back({.mesh = view, .role = part.role, .object = part.object});
+    }
+    if (parts.empty()) {
+        parts.push_back({.mesh = file.view()});
+    }
+    return parts;
+}
+
 std::vector<std::string> distinct_names(std::span<const std::string> names, std::size_t most_characters) {
     std::unordered_set<std::string> taken;
     std::unordered_map<std::string, std::size_t> uses;

@@ -62,7 +62,10 @@ struct PreparedImpl {
 class PreparedSource final : public TriangleSource {
 public:
     PreparedSource(const detail::PreparedImpl& prepared, const SourceTools& tools) noexcept
-        : TriangleSource({prepared.mesh.triangle_count, &prepared.frame}, tools),
+        : PreparedSource(prepared, prepared.frame, tools) {}
+    /// With the planes of another box. Precondition: on the same grid.
+    PreparedSource(const detail::PreparedImpl& prepared, const SharedFrame& frame, const SourceTools& tools) noexcept
+        : TriangleSource({prepared.mesh.triangle_count, &frame}, tools),
           prepared_(prepared),
           placing_(placing_of(prepared.mesh, prepared.asked)) {}
 

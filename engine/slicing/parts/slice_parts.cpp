@@ -1,23 +1,27 @@
 // Slicing several meshes, as the list of its stages:
 //
 //     choose_frame       the box of all parts, and from it one grid and one set of planes
-//     slice_all          each part by itself, by all threads
-//     Merging            contours of all parts, side by side in each layer, or one region of them
+//     slice_all          each part by itself: many small ones side by side, others by all threads
+//     label_objects      contours by roles, where parts have some
+//     merge_parts        contours of all parts, side by side in each layer, or one region of them
 
 #include <algorithm>
-#include <cassert>
+#include <atomic>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "base/clock.hpp"
-#include "base/function_ref.hpp"
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
+#include "base/words.hpp"
 #include "slicing/buckets/mesh_source.hpp"
-#include "slicing/layer/layer_builder.hpp"
+#include "slicing/buckets/prepared_source.hpp"
+#include "slicing/parts/merge_parts.hpp"
+#include "slicing/parts/roles.hpp"
 #include "slicing/regions/rules.hpp"
 #include "slicing/result/layer_target.hpp"
 #include "slicing/slice_layers.hpp"
@@ -26,178 +30,69 @@ namespace lamella {
 
 namespace {
 
-constexpr std::size_t layers_a_task = 16;
+/// What a part is cut from: a prepared mesh, where it is not null, or the mesh.
+struct PartMesh {
+    explicit PartMesh(const Part& part) noexcept
+        : prepared(part.prepared == nullptr ? nullptr : Source(*part.prepared).prepared()),
+          mesh(prepared == nullptr ? part.mesh : prepared->mesh) {}
 
-/// As its facets run: a role that overruled them has turned it.
-Path as_given(const SliceResult& part, const Contour& contour) noexcept {
-    const PointOrigin* const origins = part.origins.empty() ? nullptr : part.origins_of(contour).data();
-    Path given = given_path(part.points_of(contour), origins, contour.role != Role::open);
-    given.segments = contour.segments;
-    given.item.reverse =
-        (contour.flags & orientation_overruled) != 0 && (contour.orientation > 0) != (contour.role == Role::outer);
-    given.item.flags = static_cast<std::uint16_t>(contour.flags & ~orientation_overruled);
-    given.item.part = contour.part;
-    return given;
+    const detail::PreparedImpl* prepared;
+    const MeshView& mesh;
+};
+
+/// As asked; of parts with roles each is a region.
+SliceOptions options_of_parts(const SliceOptions& asked, bool have_roles) {
+    SliceOptions options = asked;
+    if (have_roles) {
+        const auto make_region = [](FillRule& rule) { rule = rule == FillRule::contours ? FillRule::non_zero : rule; };
+        make_region(options.region.fill_rule);
+        for (FillFrom& from : options.region.fill_from) {
+            make_region(from.rule);
+        }
+    }
+    return options;
 }
 
-/// Hands over the layers of all parts.
-///
-///     part 0    layer 0 [ a b ]   layer 1 [ c ]
-///     part 1    layer 0 [ d ]     layer 1 [ e ]
-///     merged    layer 0 [ a b d ] layer 1 [ c e ]       contours, and their points in the same order
-///     united    layer 0 [ region of a, b and d ] ...    by the options' rules; no layer's may be `contours` then
-///
-/// O(n + p k) for n points and contours, p parts and k planes, which all parts have, and for regions O(q log q) for a layer
-/// of q points. A few layers are a band. Contours side by side have as many points as they had, so that those of a result
-/// are copied straight to their place.
-class Merging {
-public:
-    /// `merged` has the summary but for what the target counts.
-    Merging(std::span<const SliceResult> parts, bool united, const SliceCall& call, SliceInfo& merged)
-        : parts_(parts),
-          united_(united),
-          call_(call),
-          parallel_(*call.kept.parallel),
-          merged_(merged),
-          rules_{.region = &merged.options.region, .grid_mm = merged.grid_mm, .first_layer = merged.first_layer},
-          builders_(static_cast<std::size_t>(parallel_.threads())) {}
+/// What counts against the limit on memory, once a part is sliced.
+std::uint64_t bytes_of(const SliceResult& part) noexcept {
+    return part.points.size() * sizeof(Point) + part.contours.size() * sizeof(Contour) +
+           part.origins.size() * sizeof(PointOrigin);
+}
 
-    /// `reach` is told the share of layers that are done. Throws Refused, std::bad_alloc, Stopped.
-    void run(LayerTarget& target, FunctionRef<void(double)> reach) {
-        const std::vector<Band> tasks = cut_tasks();
-        std::uint64_t points = 0;
-        for (const Band& task : tasks) {
-            points += task.segments;
-        }
-        const auto layer_at = [this](PlaneIndex plane) { return layer_of_all(plane); };
-        const OutputPlan plan{.layers = static_cast<PlaneIndex>(parts_[0].layers.size()),
-                              .layer_at = layer_at,
-                              .segments = points,
-                              .cutting = 0,
-                              .bands = tasks,
-                              .parallel = parallel_,
-                              .scratch = call_.kept.output,
-                              .origins = merged_.options.origins,  // of some part: one that no plane meets has none
-                              .info = merged_};
-        target.begin(plan);
-        fill_bands(target, parallel_, 0, tasks.size(), [&](std::size_t task, int worker, BandOutput& output) {
-            for (PlaneIndex layer = tasks[task].first; layer < tasks[task].last; ++layer) {
-                for (const SliceResult& part : parts_) {
-                    for (const Stitch& stitch : part[layer].stitches) {
-                        output.stitches.push_back({layer - output.first_layer, stitch.from, stitch.to});
-                    }
-                }
-                united_ ? unite(layer, worker, output) : append(layer, output);
-                output.finish_layer();
-            }
-            reach(static_cast<double>(task) / static_cast<double>(tasks.size()));
-        });
-        target.finish();
-        for (const SliceResult& part : parts_) {
-            merged_.cancelled_layers += part.info.cancelled_layers;
+/// The most that may count before: see ResultTarget::admit().
+std::uint64_t most_counted(const SliceInfo& part) noexcept {
+    return part.segments * (sizeof(Point) + sizeof(PointOrigin)) +
+           part.layers * (sizeof(Layer) + sizeof(Contour) + sizeof(std::uint64_t)) +
+           part.layer_of.size() * sizeof(std::uint64_t);
+}
+
+void throw_first(std::vector<std::optional<Error>>& errors) {
+    for (std::optional<Error>& error : errors) {
+        if (error) {
+            throw Refused{std::move(*error)};
         }
     }
-
-private:
-    /// What a thread builds layers with.
-    struct Builder {
-        explicit Builder(const detail::SlicerImpl& kept)
-            : worker(kept.parallel->memory(), kept.parallel->stop(), kept.instructions) {}
-        Worker worker;
-        LayerBuilder layers{worker};
-        Vector<Path> given{worker.memory()};
-    };
-
-    /// Without contours.
-    Layer layer_of_all(PlaneIndex plane) const noexcept {
-        Layer layer = parts_[0].layers[plane];
-        layer.first_contour = layer.contour_count = layer.segments = 0;
-        for (const SliceResult& part : parts_) {
-            assert(part.layers[plane].plane == layer.plane);
-            layer.segments += part.layers[plane].segments;
-        }
-        return layer;
-    }
-
-    /// Where none is united, with how many points they have.
-    std::vector<Band> cut_tasks() const {
-        std::vector<Band> tasks;
-        tasks.reserve(parts_[0].layers.size() / layers_a_task + 1);
-        for (std::size_t l = 0; l < parts_[0].layers.size(); ++l) {
-            if (l % layers_a_task == 0) {
-                parallel_.stop_if_asked();
-                tasks.push_back({static_cast<PlaneIndex>(l), 0, 0});
-            }
-            tasks.back().last = static_cast<PlaneIndex>(l + 1);
-            for (const SliceResult& part : parts_) {
-                tasks.back().segments += united_ ? 0 : part[l].points.size();
-            }
-        }
-        return tasks;
-    }
-
-    void append(std::size_t l, BandOutput& output) const {
-        const std::size_t contours_before = output.contours.size();
-        for (const SliceResult& part : parts_) {
-            const LayerView layer = part[l];
-            std::copy(layer.points.begin(), layer.points.end(), output.reserve_points(layer.points.size()));
-            if (output.with_origins) {
-                std::copy(layer.origins.begin(), layer.origins.end(), output.origins + output.point_count);
-            }
-            const auto first = static_cast<std::int64_t>(output.contours.size());
-            for (const Contour& own : layer.contours) {
-                Contour& contour = output.contours.emplace_back(own);
-                contour.first_point += output.point_count - layer.first_point;
-                contour.parent += own.parent < 0 ? 0 : first - static_cast<std::int64_t>(layer.first_contour);
-                output.totals.add(contour);
-            }
-            output.point_count += layer.points.size();
-        }
-        output.layer_contours.push_back(static_cast<std::uint32_t>(output.contours.size() - contours_before));
-    }
-
-    void unite(std::size_t l, int worker, BandOutput& output) {
-        auto& builder = builders_[static_cast<std::size_t>(worker)];
-        if (builder == nullptr) {
-            builder = std::make_unique<Builder>(call_.kept);
-            builder->layers.rules = &rules_;
-        }
-        builder->given.clear();
-        for (const SliceResult& part : parts_) {
-            for (const Contour& contour : part.contours_of(part.layers[l])) {
-                builder->given.push_back(as_given(part, contour));
-            }
-        }
-        builder->layers.read_given(builder->given);
-        builder->layers.build(output);
-    }
-
-    std::span<const SliceResult> parts_;
-    bool united_;
-    const SliceCall& call_;
-    const Parallel& parallel_;
-    SliceInfo& merged_;
-    LayerRules rules_;
-    std::vector<std::unique_ptr<Builder>> builders_;  ///< by worker
-};
+}
 
 class PartSlicing {
 public:
     PartSlicing(std::span<const Part> parts, const SliceCall& call)
         : parts_(parts),
           call_(call),
-          united_(call.options.unite_parts),
+          have_roles_(have_roles(parts)),
+          options_(options_of_parts(call.options, have_roles_)),
           parallel_(*call.kept.parallel),
           progress_(call.context.progress) {
         if (parts.empty()) {
             throw Refused{{ErrorCode::invalid_argument, "there are no parts to slice"}};
         }
         constexpr std::size_t most = std::numeric_limits<std::uint16_t>::max();
-        if (call.options.origins && parts.size() > most) {
+        if (options_.origins && parts.size() > most) {
             throw Refused{{ErrorCode::invalid_argument, "origins name one of at most " + std::to_string(most) +
                                                             " parts, not of " + std::to_string(parts.size())}};
         }
-        if (united_) {
+        check_roles(parts, options_);
+        if (options_.unite_parts) {
             require(check_every_layer(call.options.region, "uniting parts"));
         }
     }
@@ -208,128 +103,261 @@ public:
         slice_all(box, target, info);
         if (info.degenerate == info.triangles) {
             frame_.bounds = {};  // the box of nothing must not choose planes
-            sliced_.clear();
             slice_all(box, target, info);
         }
         if (target == nullptr) {
             return;
         }
         const auto start = Clock::now();
+        const std::vector<SliceResult> labelled = label_objects(parts_, layers_, parallel_.within(call_.context));
         const auto reach = [this](double share) { progress_.reach(sliced_share() + (0.99 - sliced_share()) * share); };
-        Merging(sliced_, united_, call_, info).run(*target, reach);
-        (united_ ? info.ms.fill : info.ms.contours) += milliseconds_since(start);
+        merge_parts(layers_, call_, *target, info, reach);
+        (makes_regions() ? info.ms.fill : info.ms.contours) += milliseconds_since(start);
         progress_.finish();
     }
 
 private:
+    bool makes_regions() const noexcept { return have_roles_ || options_.unite_parts; }
     /// The progress when all parts are sliced.
-    double sliced_share() const noexcept { return united_ ? 0.5 : 0.95; }
+    double sliced_share() const noexcept { return makes_regions() ? 0.5 : 0.95; }
 
-    Placing placing_of(const Part& part) const noexcept {
-        return lamella::placing_of(part.mesh, call_.options.frame, part.placement);
-    }
-
-    void choose_frame() {
-        BlockTable table(parallel_.memory());
-        Bounds bounds = Bounds::empty();
-        Number number = Number::f32;
-        for (std::size_t p = 0; p < parts_.size(); ++p) {
-            const MeshView& mesh = parts_[p].mesh;
-            const Placing placing = placing_of(parts_[p]);
-            if (call_.options.allow_empty && mesh.triangle_count == 0) {
-                continue;
-            }
-            const Result<Bounds> own = measure_bounds(mesh, placing, call_.options.frame.grid_mm, parallel_, table);
-            if (!own) {
-                throw Refused{blamed_on_part(own.error(), p)};
-            }
-            bounds.add(*own);
-            if (placed_number(mesh, placing) == Number::f64) {
-                number = Number::f64;
-            }
-            triangles_ += mesh.triangle_count;
-        }
-        frame_ =
-            lamella::choose_frame(triangles_ == 0 ? Bounds{} : bounds, number, call_.options.frame, call_.options.region);
-    }
-
-    /// Once the target has admitted what the frame says of the whole. Without a target, parts are counted only.
-    void slice_all(const Bounds& box, LayerTarget* target, SliceInfo& info) {
-        begin_info(call_.options, box, frame_.unit, info);
-        build_planes(call_, frame_, call_.kept.planes);
-        describe_plan(call_.kept.planes, call_.tuning.random_heights.has_value(), info);
-        info.options.stitch_mm = 0;
-        info.part_count = parts_.size();
-        info.threads = parallel_.threads();
-        if (target != nullptr) {
-            target->admit_layers(info.layers, info);
-        }
-        std::uint64_t before = 0;  // triangles of the parts before
-        for (std::size_t p = 0; p < parts_.size(); ++p) {
-            slice_part(p, before, target != nullptr);
-            const SliceInfo& own = sliced_.back().info;
-            info.options.stitch_mm = std::max(info.options.stitch_mm, own.options.stitch_mm);
-            add_work(own, info);
-            before += parts_[p].mesh.triangle_count;
-        }
-    }
-
-    /// In the frame of all. Its contours and origins get the part's number.
-    void slice_part(std::size_t p, std::uint64_t before, bool whole) {
-        const MeshView& mesh = parts_[p].mesh;
-        const auto share = [this](std::uint64_t triangles) {
-            return sliced_share() * static_cast<double>(triangles) /
-                   static_cast<double>(std::max<std::uint64_t>(1, triangles_));
-        };
-        auto report = [&](double fraction) noexcept {
-            progress_.reach(share(before) + share(mesh.triangle_count) * fraction);
-        };
-        SliceOptions options = call_.options;
-        if (united_) {
-            options.region = {};
-        }
-        Context context = call_.context;
-        context.progress = report;
-        context.memory_limit_bytes = memory_left();
-        SliceResult& own = sliced_.emplace_back(call_.context.memory);
-        ResultTarget target(own);
-        try {
-            AnySource source;
-            slice_layers(source_of(mesh, placing_of(parts_[p]), &frame_, call_.kept.source_tools(), source),
-                         whole ? &target : nullptr, {options, call_.tuning, context, call_.kept}, own.info);
-        } catch (Refused& refused) {
-            throw Refused{blamed_on_part(std::move(refused.error), p)};
-        }
-        for (Contour& contour : own.contours) {
-            contour.part = static_cast<std::uint32_t>(p);
-        }
-        parallel_.run_ranges(own.origins.size(), std::size_t{1} << 16, [&](std::size_t begin, std::size_t end, int) {
-            for (PointOrigin& origin : own.origins.span().subspan(begin, end - begin)) {
-                origin.part = origin.triangle == no_triangle ? std::uint16_t{0} : static_cast<std::uint16_t>(p);
-            }
-        });
-    }
-
-    /// The rest of the limit that was asked for; where none was, each part has its own.
-    std::uint64_t memory_left() const noexcept {
-        std::uint64_t left = call_.context.memory_limit_bytes;
-        for (const SliceResult& result : sliced_) {
-            const std::uint64_t bytes = result.points.size() * sizeof(Point) + result.contours.size() * sizeof(Contour) +
-                                        result.origins.size() * sizeof(PointOrigin);
-            left = left > bytes ? left - bytes : std::min<std::uint64_t>(left, 1);
-        }
-        return left;
+    void choose_frame();
+    std::vector<Bounds> measure_all();
+    void check_prepared(std::size_t p) const;
+    void slice_all(const Bounds& box, LayerTarget* target, SliceInfo& info);
+    bool are_many_small() const noexcept;
+    bool slice_side_by_side(bool whole);
+    void slice_one_by_one(bool whole);
+    void slice_part(std::size_t p, bool whole, const Context& context, detail::SlicerImpl& kept);
+    double share_of(std::uint64_t triangles) const noexcept {
+        return sliced_share() * static_cast<double>(triangles) / static_cast<double>(std::max<std::uint64_t>(1, triangles_));
     }
 
     std::span<const Part> parts_;
     const SliceCall& call_;
-    bool united_;
+    bool have_roles_;
+    SliceOptions options_;
     const Parallel& parallel_;
     ProgressMeter progress_;
     SharedFrame frame_{};
     std::uint64_t triangles_ = 0;
-    std::vector<SliceResult> sliced_;
+    std::vector<SliceResult> sliced_;  ///< by part
+    std::vector<PartLayers> layers_;   ///< of sliced_
 };
+
+void PartSlicing::choose_frame() {
+    const std::vector<Bounds> bounds = measure_all();
+    Bounds all = Bounds::empty();
+    Bounds solid = Bounds::empty();
+    Number number = Number::f32;
+    Frame asked = options_.frame;
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+        const PartMesh of(parts_[p]);
+        if (options_.allow_empty && of.mesh.triangle_count == 0) {
+            continue;
+        }
+        triangles_ += of.mesh.triangle_count;
+        all.add(bounds[p]);
+        if (parts_[p].role == PartRole::solid) {
+            solid.add(bounds[p]);
+        }
+        const Number own = of.prepared != nullptr
+                               ? of.prepared->frame.number
+                               : placed_number(of.mesh, placing_of(of.mesh, options_.frame, parts_[p].placement));
+        number = own == Number::f64 ? own : number;
+        if (of.prepared != nullptr && asked.grid_mm == 0) {
+            asked.grid_mm = of.prepared->asked.grid_mm;
+        }
+    }
+    frame_ = lamella::choose_frame(triangles_ == 0 ? Bounds{} : all, number, asked, options_.region);
+    if (solid.max_mm[2] >= solid.min_mm[2]) {
+        frame_.bounds = solid;  // what takes away or labels chooses no planes
+    }
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+        check_prepared(p);
+    }
+}
+
+/// Of each part that has triangles.
+std::vector<Bounds> PartSlicing::measure_all() {
+    std::vector<Bounds> bounds(parts_.size());
+    std::vector<std::optional<Error>> errors(parts_.size());
+    const auto measure = [&](std::size_t p, const Parallel& parallel, BlockTable& table) {
+        const PartMesh of(parts_[p]);
+        if (options_.allow_empty && of.mesh.triangle_count == 0) {
+            return;
+        }
+        const Placing placing = placing_of(of.mesh, options_.frame, parts_[p].placement);
+        Result<Bounds> own = of.prepared != nullptr
+                                 ? of.prepared->bounds
+                                 : measure_bounds(of.mesh, placing, options_.frame.grid_mm, parallel, table);
+        if (own) {
+            bounds[p] = *own;
+        } else {
+            errors[p] = blamed_on_part(own.error(), p);
+        }
+    };
+    if (are_many_small()) {
+        call_.kept.sides.resize(static_cast<std::size_t>(parallel_.threads()));
+        parallel_.run(parts_.size(), [&](std::size_t p, int worker) {
+            detail::SlicerImpl& side = call_.kept.side_of(worker);
+            measure(p, *side.parallel, side.buckets.blocks);
+        });
+    } else {
+        BlockTable table(parallel_.memory());
+        for (std::size_t p = 0; p < parts_.size() && (p == 0 || !errors[p - 1]); ++p) {
+            measure(p, parallel_, table);
+        }
+    }
+    throw_first(errors);
+    return bounds;
+}
+
+/// Throws Refused where a part was not prepared for the frame of all.
+void PartSlicing::check_prepared(std::size_t p) const {
+    const detail::PreparedImpl* const prepared = PartMesh(parts_[p]).prepared;
+    if (prepared == nullptr) {
+        return;
+    }
+    if (prepared->frame.unit.mm != frame_.unit.mm) {
+        throw Refused{refusal_of(p, "it was prepared on a grid of " + exact_text(prepared->frame.unit.mm) +
+                                        " mm, and all parts need one of " + exact_text(frame_.unit.mm) +
+                                        " mm: prepare it on that one")};
+    }
+    SliceOptions options = options_;
+    options.frame.grid_mm = 0;  // just checked
+    options.frame.transform = options.frame.transform * parts_[p].placement;
+    try {
+        (void)options_for(*prepared, options);
+    } catch (Refused& refused) {
+        throw Refused{refusal_of(p, refused.error.message)};
+    }
+}
+
+/// Once the target has admitted what the frame says of the whole. Without a target, parts are counted only.
+void PartSlicing::slice_all(const Bounds& box, LayerTarget* target, SliceInfo& info) {
+    begin_info(options_, box, frame_.unit, info);
+    build_planes(call_, frame_, call_.kept.planes);
+    describe_plan(call_.kept.planes, call_.tuning.random_heights.has_value(), info);
+    info.options.stitch_mm = 0;
+    info.part_count = parts_.size();
+    info.threads = parallel_.threads();
+    if (target != nullptr) {
+        target->admit_layers(info.layers, info);
+    }
+    if (!are_many_small() || !slice_side_by_side(target != nullptr)) {
+        slice_one_by_one(target != nullptr);
+    }
+    layers_.clear();
+    for (std::uint32_t p = 0; p < parts_.size(); ++p) {
+        layers_.push_back({.alone = &sliced_[p], .number = p, .is_support = is_support(parts_[p].role)});
+        info.options.stitch_mm = std::max(info.options.stitch_mm, sliced_[p].info.options.stitch_mm);
+        add_work(sliced_[p].info, info);
+    }
+}
+
+/// Then a part keeps no two threads busy.
+bool PartSlicing::are_many_small() const noexcept {
+    constexpr std::size_t most_triangles = 1 << 16;
+    return parallel_.threads() > 1 && parts_.size() >= 2 * static_cast<std::size_t>(parallel_.threads()) &&
+           std::all_of(parts_.begin(), parts_.end(),
+                       [](const Part& part) { return PartMesh(part).mesh.triangle_count <= most_triangles; });
+}
+
+/// Each by one thread. False where the limit on memory might not hold all: what is refused then must not depend on threads.
+/// Of several parts that fail the first one speaks, as it does one by one.
+bool PartSlicing::slice_side_by_side(bool whole) {
+    sliced_.clear();
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+        sliced_.emplace_back(call_.kept.memory);
+    }
+    const std::uint64_t limit = call_.context.memory_limit_bytes;
+    std::atomic<std::uint64_t> triangles = 0;
+    std::atomic<std::uint64_t> bytes = 0;  // that results take
+    std::vector<std::optional<Error>> errors(parts_.size());
+    std::atomic<bool> failed = false;
+    const Context context{.memory = call_.context.memory, .memory_limit_bytes = limit};
+    call_.kept.sides.resize(static_cast<std::size_t>(parallel_.threads()));
+    parallel_.run(parts_.size(), [&](std::size_t p, int worker) {
+        if (failed || (limit != 0 && bytes > limit)) {
+            return;  // parts before have begun
+        }
+        try {
+            slice_part(p, whole, context, call_.kept.side_of(worker));
+        } catch (Refused& refused) {
+            errors[p] = std::move(refused.error);
+            failed = true;
+            return;
+        }
+        bytes += bytes_of(sliced_[p]);
+        progress_.reach(share_of(triangles += PartMesh(parts_[p]).mesh.triangle_count));
+    });
+    std::uint64_t most = 0;  // that one part may be refused for
+    for (const SliceResult& part : sliced_) {
+        most = std::max(most, most_counted(part.info));
+    }
+    if (limit != 0 && (failed || bytes + most > limit)) {
+        return false;
+    }
+    throw_first(errors);
+    return true;
+}
+
+/// Each by all threads, and within what those before leave of the limit that was asked for; where none was, each has its
+/// own.
+void PartSlicing::slice_one_by_one(bool whole) {
+    sliced_.clear();
+    std::uint64_t before = 0;  // triangles of the parts before
+    Context context = call_.context;
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+        const std::uint64_t own = PartMesh(parts_[p]).mesh.triangle_count;
+        auto report = [&](double fraction) noexcept { progress_.reach(share_of(before) + share_of(own) * fraction); };
+        context.progress = report;
+        sliced_.emplace_back(call_.kept.memory);
+        slice_part(p, whole, context, call_.kept);
+        const std::uint64_t bytes = bytes_of(sliced_[p]);
+        std::uint64_t& left = context.memory_limit_bytes;
+        left = left > bytes ? left - bytes : std::min<std::uint64_t>(left, 1);
+        before += own;
+    }
+}
+
+/// In the frame of all. Its contours and origins get the part's number.
+void PartSlicing::slice_part(std::size_t p, bool whole, const Context& context, detail::SlicerImpl& kept) {
+    SliceOptions options = options_;
+    if (options_.unite_parts) {  // other rules come after; only roles need regions of each part
+        options.region = {};
+        if (have_roles_) {
+            options.region.fill_rule = options_.region.fill_rule;
+            options.region.fill_from = options_.region.fill_from;
+        }
+    }
+    const PartMesh of(parts_[p]);
+    SliceResult& own = sliced_[p];
+    ResultTarget result(own);
+    LayerTarget* const target = whole ? &result : nullptr;
+    const SliceCall call{options, call_.tuning, context, kept};
+    try {
+        if (of.prepared != nullptr) {
+            PreparedSource source(*of.prepared, frame_, kept.source_tools());
+            slice_layers(source, target, call, own.info);
+        } else {
+            AnySource source;
+            const Placing placing = placing_of(of.mesh, options.frame, parts_[p].placement);
+            slice_layers(source_of(of.mesh, placing, &frame_, kept.source_tools(), source), target, call, own.info);
+        }
+    } catch (Refused& refused) {
+        throw Refused{blamed_on_part(std::move(refused.error), p)};
+    }
+    for (Contour& contour : own.contours) {
+        contour.part = static_cast<std::uint32_t>(p);
+    }
+    kept.parallel->run_ranges(own.origins.size(), std::size_t{1} << 16, [&](std::size_t begin, std::size_t end, int) {
+        for (PointOrigin& origin : own.origins.span().subspan(begin, end - begin)) {
+            origin.part = origin.triangle == no_triangle ? std::uint16_t{0} : static_cast<std::uint16_t>(p);
+        }
+    });
+}
 
 }  // namespace
 

@@ -23,6 +23,7 @@
 #include "lamella/context.hpp"
 #include "lamella/error.hpp"
 #include "lamella/mesh.hpp"
+#include "lamella/source.hpp"
 #include "lamella/weld.hpp"
 
 namespace lamella {
@@ -46,8 +47,8 @@ enum class PatientFrame : std::uint8_t { unstated, lps, ras };
 /// "LPS", "RAS" or "".
 std::string_view name_of(PatientFrame frame) noexcept;
 
-/// What a part of a file is for, by the file. Only solid parts are in the mesh; a warning names those left out.
-enum class PartRole : std::uint8_t { solid, negative, modifier, support_blocker, support_enforcer, support };
+// What a part of a file is for, by the file, is its role (source.hpp). Only solid parts are in the mesh; a warning names
+// those left out, but for those that ReadOptions::all_roles keeps.
 
 /// "solid", "negative volume", "modifier", "support blocker", "support enforcer" or "support".
 std::string_view name_of(PartRole role) noexcept;
@@ -57,8 +58,9 @@ std::string_view name_of(PartRole role) noexcept;
 struct MeshPart {
     std::string name;  ///< the file's bytes, else "object 7" or "part 2"; names may repeat
     PartRole role = PartRole::solid;
-    std::uint64_t first_triangle = 0;  ///< in the mesh; 0 where the part is left out
+    std::uint64_t first_triangle = 0;  ///< in the mesh, or after it where the part is not solid; 0 where it is left out
     std::uint64_t triangle_count = 0;  ///< those left out too
+    std::uint32_t object = 0;          ///< that the part belongs to, where some part of the file takes away or labels
 };
 
 /// Names in the same order, of which none repeats: the second "rib" is "rib (2)". Each has at most `most_characters` of
@@ -75,7 +77,7 @@ struct MeshFile {
     Array<std::uint32_t> indices;      ///< three a triangle; empty for soup
     std::uint64_t first_triangle = 0;  ///< of those that view() shows: with `triangle_count`, a part's for the part alone
     std::uint64_t triangle_count = 0;
-    std::vector<MeshPart> parts;  ///< the solid ones follow each other and are the whole mesh; empty where none are stated
+    std::vector<MeshPart> parts;  ///< the solid ones come first and are the whole mesh; empty where none are stated
 
     MeshFormat format = MeshFormat::stl;
     bool text = false;         ///< numbers were written out in decimals
@@ -102,6 +104,10 @@ struct MeshFile {
     }
 };
 
+/// All parts that have triangles in the file's memory, as a slicer takes them, by role and object; of a file that states
+/// none the mesh. Negative ones and modifiers are there by ReadOptions::all_roles. Throws std::bad_alloc.
+std::vector<Part> parts_of(const MeshFile& file);
+
 struct ReadOptions {
     /// Map the file instead of reading it, which saves the copy. A file that shrinks while it is mapped ends the process:
     /// this is for programs that own their input.
@@ -110,6 +116,8 @@ struct ReadOptions {
     /// What messages call a file whose path says nothing, as "/dev/fd/5" of a pipe's copy: its content alone then decides
     /// the format. Empty: its path.
     std::string_view name{};
+    /// Triangles of negative volumes and modifiers of a 3MF file are kept too, after those of the mesh: see parts_of().
+    bool all_roles = false;
     /// What reading may take beside the file's own bytes; more is an error before it is allocated. 0: three times the file
     /// and 256 MiB, which only files that expand enormously exceed.
     std::uint64_t memory_limit_bytes = 0;

@@ -233,7 +233,8 @@ MeshFile read_mesh_of(const MeshArguments& arguments, Stages& stages) {
     const bool standard = is_standard(arguments.mesh);
     const ReadOptions options{.map_file = arguments.map_file,
                               .mm_per_unit = arguments.unit_mm.value_or(1),
-                              .name = standard ? std::string_view(name) : ""};
+                              .name = standard ? std::string_view(name) : "",
+                              .all_roles = arguments.all_roles};
     const Stopwatch spooling;
     const File spooled = standard ? spooled_input() : File();
     const double spool_ms = standard ? spooling.ms() : 0;

@@ -88,6 +88,7 @@ struct MeshArguments {
     SliceOptions options = tool_options();  ///< of which info and check use the grid alone
     int threads = 0;
     bool map_file = false;
+    bool all_roles = false;  ///< of a file's parts: see ReadOptions
     ProgressBar::When progress = ProgressBar::When::automatic;
 
     std::string name() const { return input_name(mesh); }

@@ -198,7 +198,7 @@ bool is_flag(const CLI::Option& option) {
 }
 
 bool RecordedOption::names_file() const {
-    return name == "--like" || is_file_of(name, value.value_or(""));
+    return name == "--like" || name == "--negative" || is_file_of(name, value.value_or(""));
 }
 
 std::vector<RecordedOption> recorded_options(const CLI::App& slice_command) {

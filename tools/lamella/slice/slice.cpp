@@ -84,6 +84,8 @@ void declare_how(CLI::App& command, SliceArguments& arguments) {
     add_choice(command, "--split", objects,
                "Make each 3MF object, OBJ object or group, or STL solid a mesh with its own label, ROI and row",
                [&arguments](std::size_t) { arguments.split = true; });
+    add_text(command, "--negative", arguments.negative, "MESH",
+             "Take what is inside this mesh out of all that is sliced, as negative volumes of a 3MF file are");
     command.add_flag("--hash", arguments.hash, "Print the hash of the result");
     add_text(command, "--report", arguments.report, "FILE|-", "JSON report to write; - for standard output");
 }
@@ -240,8 +242,8 @@ std::string times(const SliceInfo& info, const ToolRun& run) {
                {"contours", info.ms.contours},
                {"nesting", info.ms.nesting}});
     std::string text = "time      " + rounded(ms["total"], 1) + " ms: read " + rounded(ms["read"], 1);
-    for (const char* const what : {"parse", "weld", "heights", "bucket", "sweep", "contours", "nesting", "fill", "write", "ledger",
-                                   "certificate", "crossings", "report"}) {
+    for (const char* const what : {"parse", "weld", "heights", "bucket", "sweep", "contours", "nesting", "fill", "write",
+                                   "ledger", "certificate", "crossings", "report"}) {
         if (const auto took = ms.find(what); took != ms.end()) {
             text.append(", ").append(what).append(" ").append(rounded(took->second, 1));
         }

@@ -29,6 +29,7 @@ struct SliceArguments : MeshArguments {
     OutputArguments outputs;
     ImageArguments image;
     std::string report;
+    std::string negative;  ///< a mesh's path
     std::optional<double> weld_mm;
     bool orient_shells = false;
     Tuning tuning;

@@ -6,11 +6,11 @@
 
 #include "files/mesh_input.hpp"
 #include "lamella/io.hpp"
-#include "lamella/io/mesh_stream.hpp"
 #include "lamella/lamella.hpp"
 #include "options/asked.hpp"
 #include "outputs/outputs.hpp"
 #include "processes/process.hpp"
+#include "slice/mesh_to_slice.hpp"
 #include "slice/slice.hpp"
 #include "system/process.hpp"
 #include "terminal/console.hpp"
@@ -18,41 +18,6 @@
 namespace lamella::cli {
 
 namespace {
-
-/// The mesh that is sliced: a file, mended or not, or within --memory a stream of it.
-struct MeshToSlice {
-    MeshFile file;
-    std::optional<MeshStream> stream{};      ///< in place of the file
-    std::optional<WeldedMesh> welded{};      ///< in place of the file
-    std::optional<OrientedMesh> oriented{};  ///< after welding
-    std::vector<std::string> warnings{};     ///< of reading
-
-    const MeshFile& about() const noexcept { return stream ? stream->about() : file; }
-    /// The triangles that are sliced. Precondition: no stream.
-    MeshView view() const noexcept { return oriented ? oriented->view() : welded ? welded->view() : file.view(); }
-    Source source() const noexcept { return stream ? stream->view() : Source(view()); }
-};
-
-/// For what a mesh larger than memory does not leave in it.
-std::filesystem::path folder_beside(const SliceArguments& arguments) {
-    const char* const asked = std::getenv("TMPDIR");
-    // Else beside the output: the system's own folder is often held in memory.
-    if ((asked == nullptr || *asked == 0) && !arguments.outputs.outputs.empty() && !arguments.output_to_stdout()) {
-        const std::filesystem::path folder = path_of(arguments.outputs.outputs.front()).parent_path();
-        return folder.empty() ? "." : folder;
-    }
-    return path_of(temporary_folder());
-}
-
-/// The patient frame of a mesh: what its file states, else --frame. Throws Failure where neither says it.
-PatientFrame patient_frame_of(const MeshFile& mesh, const ImageArguments& arguments, const std::string& name) {
-    if (mesh.patient_frame != PatientFrame::unstated) {
-        return mesh.patient_frame;
-    }
-    refuse_if(arguments.frame == PatientFrame::unstated, bad_usage,
-              name + ": states no patient frame; --frame lps or --frame ras says it");
-    return arguments.frame;
-}
 
 class SliceCommand {
 public:
@@ -62,10 +27,14 @@ public:
           job_{.arguments = arguments_.outputs, .command = command.get_name(), .options = recorded_options(command)} {
         run_.random_heights = arguments.tuning.random_heights;
         run_.print_hash = arguments.hash;
+        arguments_.all_roles = true;
     }
 
     void run() {
         plan();
+        if (!arguments_.negative.empty()) {
+            negative_ = read(arguments_.negative);
+        }
         std::vector<MeshToSlice> meshes = find_image();
         std::string words;
         for (std::size_t i = 0; i < arguments_.meshes.size(); ++i) {
@@ -118,6 +87,8 @@ private:
     void plan() {
         refuse_if(arguments_.in_ranges() && !arguments_.report.empty(), bad_usage,
                   "--memory: --report looks at the whole mesh, which is not held");
+        refuse_if(arguments_.in_ranges() && !arguments_.negative.empty(), bad_usage,
+                  "--memory: --negative needs whole meshes, which are not held");
         if (arguments_.in_ranges() && std::any_of(arguments_.meshes.begin(), arguments_.meshes.end(), is_standard)) {
             throw Failure(bad_usage, "--memory: standard input cannot be read twice; write it to a file first");
         }
@@ -231,16 +202,56 @@ private:
         } else {
             heights_ = job_.image ? std::vector<double>() : heights_of(mesh);
         }
+        label_parts(mesh);
         std::string words;
+        std::uint32_t number = 0;  // among parts_of() the file
         for (const MeshPart& part : parts) {
-            if (part.role == PartRole::solid) {
+            if (part.role != PartRole::solid && part.first_triangle == 0) {
+                continue;  // left out
+            }
+            label_ = number++;
+            if (part.role != PartRole::negative) {
                 mesh.file.first_triangle = part.first_triangle;
                 mesh.file.triangle_count = part.triangle_count;
                 slice_part(mesh, part.name, words.empty());
                 words += summary_of(mesh, arguments_.name() + ", " + part.name);
             }
         }
+        labelled_.reset();
         return words;
+    }
+
+    /// Where the parts of a file cut each other, all are cut at once.
+    void label_parts(MeshToSlice& mesh) {
+        mesh.parts = parts_to_cut(mesh.file, std::nullopt, negative_view(), true);
+        if (mesh.parts.empty()) {
+            return;
+        }
+        refuse_if(arguments_.weld_mm || arguments_.orient_shells, bad_usage,
+                  arguments_.name() + ": --split objects with --weld or --orient-shells: its parts cut each other");
+        SlicedPart all;
+        SliceOptions options = options_for(mesh.about(), all);
+        options.slabs = slabs_;
+        cut_mesh(mesh, options, arguments_.tuning, all);
+        mesh.parts.clear();
+        labelled_ = std::move(all.result);
+    }
+
+    std::optional<MeshView> negative_view() const { return negative_ ? std::optional(negative_->view()) : std::nullopt; }
+
+    /// One region of all that is solid, where something is taken away.
+    void take_out(MeshToSlice& mesh, SliceOptions& options) {
+        const bool mended = mesh.is_mended();
+        mesh.parts = parts_to_cut(mesh.file, mended ? std::optional(mesh.view()) : std::nullopt, negative_view(), false);
+        if (mesh.parts.empty()) {
+            return;
+        }
+        refuse_if(!arguments_.report.empty(), bad_usage,
+                  "--report: " + arguments_.name() + ": judges a mesh, from which something is taken away here");
+        options.unite_parts = true;
+        if (options.region.keeps_contours()) {
+            options.region.fill_rule = FillRule::non_zero;
+        }
     }
 
     std::vector<double> heights_of(const MeshToSlice& mesh) {
@@ -278,11 +289,18 @@ private:
         if (arguments_.adaptive) {
             options.slabs = slabs_.empty() ? slabs_of(mesh) : slabs_;
         }
+        if (!labelled_ && !mesh.stream) {
+            take_out(mesh, options);
+        }
         Tuning tuning = arguments_.tuning;
         if (heights_) {
             tuning.random_heights.reset();
         }
         cut_mesh(mesh, options, tuning, part);
+        const bool is_cut_out = labelled_ || !mesh.parts.empty();
+        if (is_cut_out) {
+            make_one_mesh(part.result, mesh.view());
+        }
         if (arguments_.hash && !streams_) {
             part.hash = part.result.hash();
         }
@@ -290,7 +308,7 @@ private:
         if (wants_records()) {
             part.mesh_sha256 = first ? add_input(arguments_.mesh, mesh.about().file_bytes) : job_.inputs.back().sha256;
         }
-        if (wants_facts()) {
+        if (wants_facts() && !is_cut_out) {
             part.facts = stages_.done(
                 "measuring", [&](const Context& context) { return measure_facts(mesh.view(), part.result, context); });
             part.facts->warnings = mesh.warnings;
@@ -339,6 +357,11 @@ private:
                 job_.finish_streamed = slice_streamed(job_, part, mesh.source(), options, tuning, arguments_.hash, context);
                 return {};
             }
+            if (labelled_) {
+                const LayerSet own{.layers = *labelled_, .part = label_};
+                const Result<SliceInfo> info = Overlay().combine(part.result, {&own, 1}, unite, {}, context);
+                return info ? Status() : info.error();
+            }
             Slicer slicer;
             const Result<SliceInfo> info = slice_tuned(slicer, part.result, mesh.source(), options, tuning, context);
             return info ? Status() : info.error();
@@ -377,7 +400,7 @@ private:
         return std::any_of(job_.outputs.begin(), job_.outputs.end(), std::mem_fn(&PlannedOutput::has_record));
     }
 
-    /// Facts are those of the whole mesh.
+    /// Facts are those of the whole mesh: where something is taken out of it, there are none.
     bool wants_facts() const { return !arguments_.in_ranges() && has_format(job_.outputs, OutputFormat::table); }
 
     /// Returns its SHA-256.
@@ -451,6 +474,9 @@ private:
     bool streams_ = false;                        ///< within --memory, where all outputs take one layer after the other
     std::vector<Slab> slabs_;                     ///< adaptive ones, of the file whose objects are being sliced
     std::optional<std::vector<double>> heights_;  ///< of the file whose objects are being sliced
+    std::optional<MeshToSlice> negative_;         ///< of --negative
+    std::optional<SliceResult> labelled_;         ///< of the file whose parts cut each other
+    std::uint32_t label_ = 0;                     ///< there, of the part that is worked on
     ToolRun run_;
     Stopwatch total_;
 };

@@ -358,6 +358,12 @@ View::View(const py::list& meshes, bool as_parts) : as_parts_(as_parts) {
         if (const py::object placement = given[3]; !placement.is_none()) {
             read_value(placement, part.placement);
         }
+        part.role = static_cast<PartRole>(py::cast<int>(given[4]));
+        part.object = py::cast<std::uint32_t>(given[5]);
+        if (const py::object prepared = given[6]; !prepared.is_none()) {
+            part.prepared = &py::cast<const PreparedMesh&>(prepared);
+            arrays_.push_back(prepared);
+        }
         arrays_.push_back(vertices);
         arrays_.push_back(faces);
     }

@@ -44,6 +44,9 @@ def test_parts_keep_their_numbers_and_have_no_ledger(cube, tmp_path):
     assert united.areas == pytest.approx([175])
     assert united.contours["part"].tolist() == [lamella.SEVERAL_PARTS]
     assert lamella.slice_parts([cube], heights=[5]).hash == lamella.slice(*cube, heights=[5]).hash
+    prepared = lamella.prepare(*cube, grid=separate.grid)
+    led = lamella.slice_parts([prepared, cube], transforms=[None, move], heights=[5])
+    assert led.hash == separate.hash
     separate.save(tmp_path / "parts.json")
     assert "ledger" not in (tmp_path / "parts.json").read_text()
 
@@ -72,6 +75,19 @@ def test_chunks_of_a_stream_are_the_layers_of_the_slice(torus, chunk, options):
         first += len(layers)
     assert first == len(whole)
     assert len(whole.origins) == (len(whole.points) if "origins" in options else 0)
+
+
+def test_parts_have_roles(cube):
+    half = np.diag([0.5, 0.5, 2, 1])
+    both = [cube, cube]
+    whole = lamella.slice(*cube, heights=[5]).areas[0]
+    cut = lamella.slice_parts(both, transforms=[None, half], roles=["solid", "negative"], heights=[5])
+    assert cut.areas[0] == whole * 3 / 4
+    named = lamella.slice_parts(both, transforms=[None, half], roles=["solid", "modifier"], heights=[5])
+    assert named.areas[0] == whole
+    assert sorted(named.contours["part"]) == [0, 1]
+    apart = lamella.slice_parts(both, transforms=[None, half], roles=["solid", "negative"], objects=["a", "b"], heights=[5])
+    assert apart.areas[0] == whole
 
 
 def test_sections_lie_in_their_planes(torus, cube):

@@ -191,6 +191,8 @@ MESHES = [
 # Other calls, of a cube.
 CALLS = [
     (lambda cube: lamella.slice_parts([cube, cube], transforms=[None]), InvalidArgumentError, "2 meshes and 1 transforms"),
+    (lambda cube: lamella.slice_parts([cube], roles=["hole"]), InvalidArgumentError, "must be one of solid, negative"),
+    (lambda cube: lamella.slice_parts([cube], objects=[1, 2]), InvalidArgumentError, "1 meshes and 2 objects"),
     (lambda cube: lamella.slice_parts(5), InvalidArgumentError, "meshes must be a sequence of them, not 5"),
     (lambda cube: lamella.slice_parts([]), InvalidArgumentError, ""),
     (lambda cube: lamella.slice_parts([cube, cube]).certificate, InvalidArgumentError, "one mesh, and there are 2"),

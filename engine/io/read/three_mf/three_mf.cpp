@@ -141,9 +141,10 @@ void build(const FileSource& file, Model& model, MeshFile& mesh) {
     }
     std::vector<Instance> instances;
     list_instances(model, file, instances, mesh.parts);
-    if (instances.empty()) {
-        file.refuse(ErrorCode::empty_mesh,
-                    mesh.parts.empty() ? "holds no triangles" : "holds nothing solid: " + model.warnings.back());
+    if (instances.empty() || instances.front().role != PartRole::solid) {
+        file.refuse(ErrorCode::empty_mesh, mesh.parts.empty()  ? "holds no triangles"
+                                           : instances.empty() ? "holds nothing solid: " + model.warnings.back()
+                                                               : "holds nothing solid, only what takes away or labels");
     }
     place(model, instances, file, mesh);
     mesh.text = true;

@@ -17,7 +17,7 @@ public:
 
     void run() {
         for (const Reference& item : model_.items) {
-            meet(item, Instance{});
+            meet(item, Instance{.item = of_item});
             while (!open_.empty()) {
                 step();
             }
@@ -26,6 +26,7 @@ public:
 
 private:
     enum class State : std::uint8_t { closed, open, empty };
+    static constexpr std::uint32_t of_item = ~std::uint32_t{0};
     struct Open {
         Instance at;
         std::size_t next_component;
@@ -85,8 +86,9 @@ private:
     }
 
     Instance placed(const Reference& reference, std::uint32_t index, const Instance& outer) const {
-        Instance instance{index, outer.transform * reference.transform, outer.mirrored != reference.mirrors, outer.label,
-                          outer.role};
+        Instance instance{
+            index,      outer.transform * reference.transform,     outer.mirrored != reference.mirrors, outer.label,
+            outer.role, outer.item == of_item ? index : outer.item};
         for (const std::uint32_t label : {model_.objects[index].label, reference.label}) {
             instance.label = model_.labels[label].name.empty() ? instance.label : label;
         }
@@ -136,13 +138,12 @@ void list_parts(const Model& model, const FileSource& file, const std::vector<In
         const Object& object = model.objects[instances[i].object];
         if (i == 0 || instances[i].key() != instances[i - 1].key()) {
             const std::string& name = model.labels[instances[i].label].name;
-            const bool solid = instances[i].role == PartRole::solid;
             budget.take(1, sizeof(MeshPart) + name.size());
-            parts.push_back(
-                {name.empty() ? "object " + std::to_string(object.id) : name, instances[i].role, solid ? next : 0, 0});
+            parts.push_back({name.empty() ? "object " + std::to_string(object.id) : name, instances[i].role,
+                             instances[i].is_kept(file.all_roles()) ? next : 0, 0, instances[i].item});
         }
         parts.back().triangle_count += object.triangles.size();
-        next += instances[i].role == PartRole::solid ? object.triangles.size() : 0;
+        next += instances[i].is_kept(file.all_roles()) ? object.triangles.size() : 0;
     }
 }
 
@@ -168,8 +169,8 @@ void put_triangles(std::span<const Triangle> triangles, std::uint32_t first_vert
     }
 }
 
-/// Calls put(chunk, instance, items before) for each chunk and instance, and releases the chunks, so that memory never holds
-/// the whole mesh twice.
+/// Calls put(chunk, instance, items of the list before) for each chunk and instance, and releases the chunks, so that memory
+/// never holds the whole mesh twice.
 template <class T, class Put>
 void place_chunks(ChunkList<T>& list, std::size_t instances, const Parallel& parallel, Put put) {
     Lookout lookout(parallel);
@@ -178,58 +179,80 @@ void place_chunks(ChunkList<T>& list, std::size_t instances, const Parallel& par
         const std::span<const T> chunk = list.chunk(c);
         for (std::size_t i = 0; i < instances; ++i) {
             lookout.pass(chunk.size());
-            put(chunk, i, i * list.size() + done);
+            put(chunk, i, done);
         }
         done += chunk.size();
         list.release(c);
     }
 }
 
-/// Appends the instances of one mesh to `mesh`.
-void place_object(Object& object, std::span<const Instance> instances, const Parallel& parallel, MeshFile& mesh) {
+/// An instance, and where it goes.
+struct PlacedInstance {
+    const Instance* of;
+    std::uint64_t first_vertex;
+    std::uint64_t first_triangle;
+};
+
+/// Writes the instances of one mesh to `mesh`.
+void place_object(Object& object, std::span<const PlacedInstance> instances, const Parallel& parallel, MeshFile& mesh) {
     place_chunks(object.vertices, instances.size(), parallel,
                  [&](std::span<const Vertex> chunk, std::size_t i, std::uint64_t before) {
-                     put_vertices(chunk, instances[i].transform,
-                                  mesh.bytes.data() + (mesh.vertex_count + before) * sizeof(Vertex));
+                     put_vertices(chunk, instances[i].of->transform,
+                                  mesh.bytes.data() + (instances[i].first_vertex + before) * sizeof(Vertex));
                  });
     place_chunks(object.triangles, instances.size(), parallel,
                  [&](std::span<const Triangle> chunk, std::size_t i, std::uint64_t before) {
-                     put_triangles(chunk, static_cast<std::uint32_t>(mesh.vertex_count + i * object.vertices.size()),
-                                   instances[i].mirrored, mesh.indices.data() + 3 * (mesh.triangle_count + before));
+                     put_triangles(chunk, static_cast<std::uint32_t>(instances[i].first_vertex), instances[i].of->mirrored,
+                                   mesh.indices.data() + 3 * (instances[i].first_triangle + before));
                  });
-    mesh.vertex_count += instances.size() * object.vertices.size();
-    mesh.triangle_count += instances.size() * object.triangles.size();
 }
 
 }  // namespace
 
 void list_instances(Model& model, const FileSource& file, std::vector<Instance>& instances, std::vector<MeshPart>& parts) {
     Lister(model, file, instances).run();
+    const bool have_roles = std::any_of(instances.begin(), instances.end(), [](const Instance& instance) {
+        return instance.role != PartRole::solid && instance.is_kept(true);
+    });
+    for (Instance& instance : instances) {
+        instance.item = file.all_roles() && have_roles ? instance.item : 0;
+        instance.is_beside = file.all_roles() && instance.role != PartRole::solid;
+    }
     std::stable_sort(instances.begin(), instances.end(),
                      [](const Instance& a, const Instance& b) { return a.key() < b.key(); });
     list_parts(model, file, instances, parts);
     for (int role = 1; role <= static_cast<int>(PartRole::support); ++role) {
-        warn_of_left_out(parts, static_cast<PartRole>(role), model);
+        if (!Instance{.role = static_cast<PartRole>(role)}.is_kept(file.all_roles())) {
+            warn_of_left_out(parts, static_cast<PartRole>(role), model);
+        }
     }
-    std::erase_if(instances, [](const Instance& instance) { return instance.role != PartRole::solid; });
+    std::erase_if(instances, [&file](const Instance& instance) { return !instance.is_kept(file.all_roles()); });
 }
 
 void place(Model& model, const std::vector<Instance>& instances, const FileSource& file, MeshFile& mesh) {
+    std::vector<PlacedInstance> placed;
+    placed.reserve(instances.size());
     std::uint64_t vertices = 0;
     std::uint64_t triangles = 0;
+    mesh.triangle_count = 0;
     for (const Instance& instance : instances) {
+        placed.push_back({&instance, vertices, triangles});
         vertices += model.objects[instance.object].vertices.size();
         triangles += model.objects[instance.object].triangles.size();
+        mesh.triangle_count = instance.role == PartRole::solid ? triangles : mesh.triangle_count;
     }
     MemoryBudget budget(file);  // list_instances() has refused what it does not hold
     allocate_vertices(vertices, Number::f64, budget, file.memory(), mesh);
-    mesh.vertex_count = 0;  // so far
     mesh.indices = Array<std::uint32_t>(file.memory());
     mesh.indices.resize_discarding(3 * triangles);
-    for (auto first = instances.begin(); first != instances.end();) {
-        const auto last =
-            std::find_if(first, instances.end(), [first](const Instance& other) { return other.object != first->object; });
-        place_object(model.objects[first->object], {&*first, static_cast<std::size_t>(last - first)}, file.parallel(), mesh);
+    std::stable_sort(placed.begin(), placed.end(), [](const PlacedInstance& a, const PlacedInstance& b) {
+        return a.of->object < b.of->object;  // whose mesh is released when all are written
+    });
+    for (auto first = placed.begin(); first != placed.end();) {
+        const auto last = std::find_if(
+            first, placed.end(), [first](const PlacedInstance& other) { return other.of->object != first->of->object; });
+        place_object(model.objects[first->of->object], {&*first, static_cast<std::size_t>(last - first)}, file.parallel(),
+                     mesh);
         first = last;
     }
 }

@@ -148,18 +148,24 @@ void read_part(ZipArchive& package, Model& model, Part part);
 /// A mesh object where the build wants it.
 struct Instance {
     std::uint32_t object = 0;  ///< index
-    Transform transform;
+    Transform transform{};
     bool mirrored = false;            ///< its triangles are reversed, so that they face outwards again
     std::uint32_t label = 0;          ///< the innermost that has a name
     PartRole role = PartRole::solid;  ///< of the outermost that is not solid
+    std::uint32_t item = 0;           ///< index of the outermost object, where roles count
+    bool is_beside = false;           ///< its triangles come after those of the mesh
 
-    auto key() const noexcept { return std::tuple(object, label, role); }
+    auto key() const noexcept { return std::tuple(is_beside, item, object, label, role); }
+    /// Its triangles are part of the solid, or `all_roles` says that they are kept beside it.
+    bool is_kept(bool all_roles) const noexcept {
+        return role == PartRole::solid || (all_roles && role <= PartRole::modifier);
+    }
 };
 
-/// All solid instances of the build, by object, and `parts`: those of one object and name are one. Nested components can
-/// make more instances than any machine can hold: they are refused where they and their mesh would take more than
-/// the file's memory limit. Types and roles that are no part of the solid are left out, with a warning added to the model's.
-/// Throws Refused.
+/// All instances of the build whose triangles are kept, the solid ones first, and `parts`: those of one object and name are
+/// one. Nested components can make more instances than any machine can hold: they are refused where they and their mesh
+/// would take more than the file's memory limit. Types and roles that are not kept are left out, with a warning added to the
+/// model's. Throws Refused.
 void list_instances(Model& model, const FileSource& file, std::vector<Instance>& instances, std::vector<MeshPart>& parts);
 
 /// The mesh of all instances. The model's meshes are released as they are copied.

@@ -25,11 +25,11 @@ class View:
 
     __slots__ = ("_meshes", "native")
 
-    def __init__(self, meshes: List[Mesh], placements: Optional[Sequence[Optional[npt.NDArray[Any]]]] = None) -> None:
-        """With placements they are parts."""
+    def __init__(self, meshes: List[Mesh], parts: Optional[Sequence[Tuple[Any, int, int, Any]]] = None) -> None:
+        """With placement, role, object and prepared mesh of each they are parts."""
         self._meshes = meshes
-        rows = [(mesh._vertices, mesh._faces, mesh.unit, move) for mesh, move in zip(meshes, placements or [None])]
-        self.native: _native.View = _native.View(rows, placements is not None)
+        rows = [(mesh._vertices, mesh._faces, mesh.unit, *part) for mesh, part in zip(meshes, parts or [(None, 0, 0, None)])]
+        self.native: _native.View = _native.View(rows, parts is not None)
 
     @property
     def mesh_count(self) -> int:
@@ -219,16 +219,38 @@ def as_view(mesh: MeshLike, faces: Optional[npt.ArrayLike], *, unit: Union[None,
     return View([_mesh_from(mesh, faces, unit)])
 
 
-def as_views(meshes: Sequence[Any], transforms: Optional[Sequence[Any]], *, unit: Union[None, str, float]) -> View:
-    """Several of them, each with a transform of its own."""
+_ROLES = ("solid", "negative", "modifier", "support blocker", "support enforcer", "support")
+
+
+def as_views(
+    meshes: Sequence[Any],
+    transforms: Optional[Sequence[Any]],
+    roles: Optional[Sequence[str]],
+    objects: Optional[Sequence[Any]],
+    *,
+    unit: Union[None, str, float],
+) -> View:
+    """Several of them, each with a transform, a role and an object of its own; prepared ones too."""
     if not isinstance(meshes, Iterable):
         refuse(f"meshes must be a sequence of them, not {meshes!r}")
-    given = [_mesh_from(mesh, None, unit) for mesh in meshes]
-    moves = [None] * len(given) if transforms is None else list(transforms)
-    if len(moves) != len(given):
-        refuse(f"there are {len(given)} meshes and {len(moves)} transforms")
+    prepared = [getattr(mesh, "_native", None) if hasattr(mesh, "_view") else None for mesh in meshes]
+    given = [mesh._view._meshes[0] if led else _mesh_from(mesh, None, unit) for mesh, led in zip(meshes, prepared)]
+
+    def of_each(name: str, values: Optional[Sequence[Any]], default: Any) -> List[Any]:
+        listed = [default] * len(given) if values is None else list(values)
+        if len(listed) != len(given):
+            refuse(f"there are {len(given)} meshes and {len(listed)} {name}")
+        return listed
+
+    moves = of_each("transforms", transforms, None)
     matrices = [None if move is None else affine(f"transforms[{i}]", move) for i, move in enumerate(moves)]
-    return View(given, matrices)
+    words = [str(role).replace("-", " ").replace(" volume", "") for role in of_each("roles", roles, "solid")]
+    for i, word in enumerate(words):
+        if word not in _ROLES:
+            refuse(f"roles[{i}] must be one of {', '.join(_ROLES)}, not {word!r}")
+    known: Dict[Any, int] = {}
+    numbers = [known.setdefault(name, len(known)) for name in of_each("objects", objects, 0)]
+    return View(given, list(zip(matrices, map(_ROLES.index, words), numbers, prepared)))
 
 
 def _mesh_from(mesh: MeshLike, faces: Optional[npt.ArrayLike], unit: Union[None, str, float]) -> Mesh:

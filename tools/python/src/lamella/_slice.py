@@ -206,18 +206,28 @@ def prepare(mesh: MeshLike, faces: Optional[npt.ArrayLike] = None, **options: Un
 
 
 def slice_parts(
-    meshes: Sequence[Any], *, transforms: Optional[Sequence[Optional[npt.ArrayLike]]] = None, **options: Unpack[SliceKeywords]
+    meshes: Sequence[Any],
+    *,
+    transforms: Optional[Sequence[Optional[npt.ArrayLike]]] = None,
+    roles: Optional[Sequence[str]] = None,
+    objects: Optional[Sequence[Any]] = None,
+    **options: Unpack[SliceKeywords],
 ) -> Result:
     """Cut several meshes by the same planes, as the parts of one print.
 
     Parameters
     ----------
     meshes : sequence of mesh
-        Each as `slice` takes it; one of vertices and faces as a pair.
+        Each as `slice` takes it; one of vertices and faces as a pair. Prepared ones too, on the grid of all.
     transforms : sequence of array_like, shape (4, 4), optional
         One for each part, or None for those that stay where they are.
+    roles : sequence of str, optional
+        What each part is for: "solid", "negative" (taken out of the solid parts), "modifier" (what it covers of them gets its
+        number), "support blocker", "support enforcer" or "support" (cut beside them).
+    objects : sequence, optional
+        Numbers or names: roles act among parts of the same one; not given, among all.
     **options
-        As for `slice`. Contours of parts may overlap, unless ``unite_parts=True``.
+        As for `slice`. Without roles, contours of parts may overlap, unless ``unite_parts=True``.
 
     Returns
     -------
@@ -231,8 +241,14 @@ def slice_parts(
     >>> pair = lamella.slice_parts([(corners, faces), (corners, faces)], transforms=[None, lift], layer_height=20)
     >>> pair.contours["part"]
     array([0, 0, 1, 1], dtype=uint32)
+    >>> half = np.diag([0.5, 0.5, 0.5, 1])
+    >>> holed = lamella.slice_parts(
+    ...     [(corners, faces), (corners, faces)], transforms=[None, half], roles=["solid", "negative"], heights=[10]
+    ... )
+    >>> holed.areas.round(3)
+    array([225.])
     """
-    view = as_views(meshes, transforms, unit=options.pop("unit", None))
+    view = as_views(meshes, transforms, roles, objects, unit=options.pop("unit", None))
     return finish(view.run(_native.slice, slice_options(options)), view)
 
 

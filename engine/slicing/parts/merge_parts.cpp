@@ -1,0 +1,225 @@
+#include "slicing/parts/merge_parts.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <memory>
+#include <vector>
+
+#include "base/parallel.hpp"
+#include "slicing/layer/layer_builder.hpp"
+#include "slicing/regions/rules.hpp"
+
+namespace lamella {
+
+namespace {
+
+constexpr std::size_t layers_a_task = 16;
+
+std::uint64_t points_in(const SliceResult& part, std::size_t l) noexcept {
+    const std::span<const Contour> contours = part.contours_of(part.layers[l]);
+    return contours.empty() ? 0 : contours.back().first_point + contours.back().point_count - contours.front().first_point;
+}
+
+/// As its facets run: a role that overruled them has turned it.
+Path as_given(const SliceResult& part, const Contour& contour) noexcept {
+    const PointOrigin* const origins = part.origins.empty() ? nullptr : part.origins_of(contour).data();
+    Path given = given_path(part.points_of(contour), origins, contour.role != Role::open);
+    given.segments = contour.segments;
+    given.item.reverse =
+        (contour.flags & orientation_overruled) != 0 && (contour.orientation > 0) != (contour.role == Role::outer);
+    given.item.flags = static_cast<std::uint16_t>(contour.flags & ~orientation_overruled);
+    given.item.part = contour.part;
+    return given;
+}
+
+/// A few layers are a band. Contours side by side have as many points as they had, so that those of a result are copied
+/// straight to their place.
+class Merging {
+public:
+    Merging(std::span<const PartLayers> parts, const SliceCall& call, SliceInfo& merged)
+        : parts_(parts),
+          united_(merged.options.unite_parts),
+          are_copied_(!united_ && std::none_of(parts.begin(), parts.end(),
+                                               [](const PartLayers& part) { return part.labelled != nullptr; })),
+          call_(call),
+          parallel_(*call.kept.parallel),
+          merged_(merged),
+          rules_{.region = &merged.options.region, .grid_mm = merged.grid_mm, .first_layer = merged.first_layer},
+          builders_(static_cast<std::size_t>(parallel_.threads())) {}
+
+    void run(LayerTarget& target, FunctionRef<void(double)> reach) {
+        const std::vector<Band> tasks = cut_tasks();
+        std::uint64_t points = 0;
+        for (const Band& task : tasks) {
+            points += task.segments;
+        }
+        const auto layer_at = [this](PlaneIndex plane) { return layer_of_all(plane); };
+        const OutputPlan plan{.layers = static_cast<PlaneIndex>(parts_[0].alone->size()),
+                              .layer_at = layer_at,
+                              .segments = points,
+                              .cutting = 0,
+                              .bands = tasks,
+                              .parallel = parallel_,
+                              .scratch = call_.kept.output,
+                              .origins = merged_.options.origins,  // of some part: one that no plane meets has none
+                              .info = merged_};
+        target.begin(plan);
+        fill_bands(target, parallel_, 0, tasks.size(), [&](std::size_t task, int worker, BandOutput& output) {
+            for (PlaneIndex layer = tasks[task].first; layer < tasks[task].last; ++layer) {
+                append_stitches(layer, output);
+                united_ ? unite(layer, worker, output) : append(layer, worker, output);
+                output.finish_layer();
+            }
+            reach(static_cast<double>(task) / static_cast<double>(tasks.size()));
+        });
+        target.finish();
+        for (const PartLayers& part : parts_) {
+            merged_.cancelled_layers += part.alone->info.cancelled_layers;
+        }
+    }
+
+private:
+    /// What a thread builds layers with.
+    struct Builder {
+        explicit Builder(const detail::SlicerImpl& kept)
+            : worker(kept.parallel->memory(), kept.parallel->stop(), kept.instructions) {}
+        Worker worker;
+        LayerBuilder layers{worker};
+        Vector<Path> given{worker.memory()};
+        Vector<std::int64_t> places{worker.memory()};  ///< in the output, of labelled contours
+    };
+
+    Builder& builder_of(int worker) {
+        auto& builder = builders_[static_cast<std::size_t>(worker)];
+        if (builder == nullptr) {
+            builder = std::make_unique<Builder>(call_.kept);
+            builder->layers.rules = &rules_;
+        }
+        return *builder;
+    }
+
+    /// Without contours.
+    Layer layer_of_all(PlaneIndex plane) const noexcept {
+        Layer layer = parts_[0].alone->layers[plane];
+        layer.first_contour = layer.contour_count = layer.segments = 0;
+        for (const PartLayers& part : parts_) {
+            assert(part.alone->layers[plane].plane == layer.plane);
+            layer.segments += part.alone->layers[plane].segments;
+        }
+        return layer;
+    }
+
+    /// Where all are copied, with how many points they have.
+    std::vector<Band> cut_tasks() const {
+        const std::size_t layers = parts_[0].alone->size();
+        std::vector<Band> tasks;
+        tasks.reserve(layers / layers_a_task + 1);
+        for (std::size_t l = 0; l < layers; ++l) {
+            if (l % layers_a_task == 0) {
+                parallel_.stop_if_asked();
+                tasks.push_back({static_cast<PlaneIndex>(l), 0, 0});
+            }
+            tasks.back().last = static_cast<PlaneIndex>(l + 1);
+            for (const PartLayers& part : parts_) {
+                tasks.back().segments += are_copied_ ? points_in(*part.alone, l) : 0;
+            }
+        }
+        return tasks;
+    }
+
+    void append_stitches(PlaneIndex l, BandOutput& output) const {
+        for (const PartLayers& part : parts_) {
+            if (part.alone->stitches.empty()) {
+                continue;
+            }
+            for (const Stitch& stitch : (*part.alone)[l].stitches) {
+                output.stitches.push_back({l - output.first_layer, stitch.from, stitch.to});
+            }
+        }
+    }
+
+    void append(std::size_t l, int worker, BandOutput& output) {
+        const std::size_t contours_before = output.contours.size();
+        for (const PartLayers& part : parts_) {
+            part.labelled == nullptr ? copy(*part.alone, l, output)
+                                     : append_labelled(part, l, builder_of(worker).places, output);
+        }
+        output.layer_contours.push_back(static_cast<std::uint32_t>(output.contours.size() - contours_before));
+    }
+
+    static void copy(const SliceResult& part, std::size_t l, BandOutput& output) {
+        if (part.layers[l].contour_count == 0) {
+            return;
+        }
+        const LayerView layer = part[l];
+        std::copy(layer.points.begin(), layer.points.end(), output.reserve_points(layer.points.size()));
+        if (output.with_origins) {
+            std::copy(layer.origins.begin(), layer.origins.end(), output.origins + output.point_count);
+        }
+        const auto first = static_cast<std::int64_t>(output.contours.size());
+        for (const Contour& own : layer.contours) {
+            Contour& contour = output.contours.emplace_back(own);
+            contour.first_point += output.point_count - layer.first_point;
+            contour.parent += own.parent < 0 ? 0 : first - static_cast<std::int64_t>(layer.first_contour);
+            output.totals.add(contour);
+        }
+        output.point_count += layer.points.size();
+    }
+
+    /// Open contours stand among those of the label, so that parents are known when all are there.
+    static void append_labelled(const PartLayers& part, std::size_t l, Vector<std::int64_t>& places, BandOutput& output) {
+        places.clear();
+        const std::size_t first = output.contours.size();
+        part.each_contour(l, [&](const SliceResult& of, const Contour& own) {
+            if (&of == part.labelled) {
+                places.push_back(static_cast<std::int64_t>(output.contours.size()));
+            }
+            const std::span<const Point> points = of.points_of(own);
+            std::copy(points.begin(), points.end(), output.reserve_points(points.size()));
+            output.contours.emplace_back(own).first_point = output.point_count;
+            output.totals.add(own);
+            output.point_count += points.size();
+        });
+        const std::span<const Contour> labelled = part.labelled_in(l);
+        const auto first_labelled = static_cast<std::int64_t>(labelled.data() - part.labelled->contours.data());
+        for (Contour& contour : std::span(output.contours).subspan(first)) {
+            if (contour.parent >= 0 && contour.role != Role::open) {
+                contour.parent = places[static_cast<std::size_t>(contour.parent - first_labelled)];
+            } else {
+                contour.parent = -1;
+            }
+        }
+    }
+
+    void unite(std::size_t l, int worker, BandOutput& output) {
+        Builder& builder = builder_of(worker);
+        builder.given.clear();
+        for (const PartLayers& part : parts_) {
+            if (!part.is_support) {
+                part.each_contour(l, [&builder](const SliceResult& of, const Contour& contour) {
+                    builder.given.push_back(as_given(of, contour));
+                });
+            }
+        }
+        builder.layers.read_given(builder.given);
+        builder.layers.build(output);
+    }
+
+    std::span<const PartLayers> parts_;
+    bool united_;
+    bool are_copied_;  ///< contours stay as they are
+    const SliceCall& call_;
+    const Parallel& parallel_;
+    SliceInfo& merged_;
+    LayerRules rules_;
+    std::vector<std::unique_ptr<Builder>> builders_;  ///< by worker
+};
+
+}  // namespace
+
+void merge_parts(std::span<const PartLayers> parts, const SliceCall& call, LayerTarget& target, SliceInfo& merged,
+                 FunctionRef<void(double)> reach) {
+    Merging(parts, call, merged).run(target, reach);
+}
+
+}  // namespace lamella

@@ -1,0 +1,116 @@
+#include "slicing/parts/roles.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <map>
+#include <string>
+
+#include "base/guard.hpp"
+#include "lamella/overlay.hpp"
+
+namespace lamella {
+
+namespace {
+
+/// Parts by object, supports left out, of objects that have roles.
+using PartsOfObjects = std::map<std::uint32_t, std::vector<std::uint32_t>>;
+
+PartsOfObjects list_objects(std::span<const Part> parts) {
+    PartsOfObjects objects;
+    for (std::uint32_t p = 0; p < parts.size(); ++p) {
+        if (!is_support(parts[p].role)) {
+            objects[parts[p].object].push_back(p);
+        }
+    }
+    std::erase_if(objects, [parts](const auto& object) {
+        return std::all_of(object.second.begin(), object.second.end(),
+                           [parts](std::uint32_t p) { return parts[p].role == PartRole::solid; });
+    });
+    return objects;
+}
+
+/// Which sets of an overlay have which role, as bits.
+struct RoleSets {
+    std::uint64_t solid = 0;
+    std::uint64_t negative = 0;
+    std::uint64_t modifier = 0;
+
+    void add(PartRole role, std::size_t set) noexcept {
+        (role == PartRole::solid ? solid : role == PartRole::negative ? negative : modifier) |= std::uint64_t{1} << set;
+    }
+    /// 1 + the number of the set.
+    std::uint32_t label_of(std::uint64_t in) const noexcept {
+        if ((in & solid) == 0 || (in & negative) != 0) {
+            return 0;
+        }
+        return static_cast<std::uint32_t>(std::bit_width((in & modifier) != 0 ? in & modifier : in & solid));
+    }
+};
+
+SliceResult label_object(std::span<const Part> parts, std::span<const std::uint32_t> own, std::span<const PartLayers> layers,
+                         Overlay& overlay, const Context& context) {
+    RoleSets roles;
+    std::vector<LayerSet> sets;
+    for (const std::uint32_t p : own) {
+        roles.add(parts[p].role, sets.size());
+        sets.push_back({.layers = *layers[p].alone});
+    }
+    const auto label = [&roles](std::uint64_t in) noexcept { return roles.label_of(in); };
+    SliceResult result(context.memory);
+    require(overlay.combine(result, sets, {.label_of = label}, {}, context));
+    for (Contour& contour : result.contours) {
+        contour.part = own[contour.part];
+    }
+    return result;
+}
+
+}  // namespace
+
+Error refusal_of(std::size_t part, const std::string& why) {
+    Error error{ErrorCode::invalid_argument, "part " + std::to_string(part) + ": " + why};
+    error.part = static_cast<std::int64_t>(part);
+    return error;
+}
+
+bool have_roles(std::span<const Part> parts) noexcept {
+    return std::any_of(parts.begin(), parts.end(),
+                       [](const Part& part) { return part.role == PartRole::negative || part.role == PartRole::modifier; });
+}
+
+void check_roles(std::span<const Part> parts, const SliceOptions& options) {
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+        if (parts[p].role > PartRole::support) {
+            throw Refused{refusal_of(p, "there is no role " + std::to_string(static_cast<unsigned>(parts[p].role)))};
+        }
+    }
+    if (!have_roles(parts)) {
+        return;
+    }
+    if (options.origins) {
+        throw Refused{{ErrorCode::invalid_argument, "parts with roles have no origins, since they cut each other"}};
+    }
+    for (const auto& [object, own] : list_objects(parts)) {
+        if (own.size() > most_layer_sets) {
+            throw Refused{{ErrorCode::invalid_argument, "object " + std::to_string(object) + " has " +
+                                                            std::to_string(own.size()) +
+                                                            " parts; of an object with roles at most " +
+                                                            std::to_string(most_layer_sets) + " can be overlaid"}};
+        }
+    }
+}
+
+std::vector<SliceResult> label_objects(std::span<const Part> parts, std::span<PartLayers> layers, const Context& context) {
+    const PartsOfObjects objects = list_objects(parts);
+    std::vector<SliceResult> labelled;
+    labelled.reserve(objects.size());  // layers refer to them
+    Overlay overlay;
+    for (const auto& [object, own] : objects) {
+        labelled.push_back(label_object(parts, own, layers, overlay, context));
+        for (const std::uint32_t p : own) {
+            layers[p].labelled = &labelled.back();
+        }
+    }
+    return labelled;
+}
+
+}  // namespace lamella

@@ -98,8 +98,7 @@ typedef struct lamella_context {
     /* Calls body(argument) up to `workers` times, at once or one by one, and returns when they have. NULL: oneTBB. */
     void (*executor)(void* object, int32_t workers, void (*body)(void* argument), void* argument);
     void* executor_object;
-    int32_t executor_threads;
-    int32_t reserved;
+    int32_t executor_threads, reserved;
 } lamella_context;
 
 /* --- The mesh: lamella/mesh.hpp */
@@ -437,12 +436,9 @@ typedef struct lamella_check_result {
     int32_t clean;    /* no fault was found but slivers; 0 with `counts_only` */
     int32_t complete; /* no search was cut short */
     uint64_t triangles, degenerate;
-    uint64_t edges, boundary_edges, overfull_edges, mismatched_edges;
-    uint64_t shells;
+    uint64_t edges, boundary_edges, overfull_edges, mismatched_edges, shells;
     double min_mm[3], max_mm[3];
-    double volume_mm3;
-    double area_mm2;
-    double grid_mm;
+    double volume_mm3, area_mm2, grid_mm;
     uint64_t faults[20]; /* of each kind, in the order of lamella::Fault */
 } lamella_check_result;
 
@@ -467,15 +463,12 @@ enum {
 typedef struct lamella_audit_result {
     uint32_t struct_size;
     int32_t volume; /* LAMELLA_VOLUME_NOT_ASKED ... */
-    double mesh_mm3;
-    double slabs_mm3;
+    double mesh_mm3, slabs_mm3;
     uint64_t open_layers;
     double open_share; /* of the crossed height */
     double stitch_mm;  /* would close them, but `stuck_layers` */
     uint64_t stuck_layers;
-    uint64_t triangles_between_planes;
-    uint64_t shells_between_planes;
-    uint64_t crossings;
+    uint64_t triangles_between_planes, shells_between_planes, crossings;
     int32_t structure; /* LAMELLA_OK; else not as slicing makes results; -1: not asked */
     int32_t reserved;
 } lamella_audit_result;

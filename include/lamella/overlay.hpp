@@ -79,7 +79,7 @@ struct LayerSet {
     std::int32_t from = 0;
     std::int32_t to = 0;
     double grow_mm = 0;  ///< that union's edges move outwards so far first, with mitred corners; negative: inwards
-    FillRule fill_rule = FillRule::non_zero;  ///< of contours that bound no region yet; not `contours`
+    FillRule fill_rule = FillRule::non_zero;  ///< of contours that bound no region yet; not `contours` or `outermost`
     std::optional<std::uint32_t> part{};      ///< contours of this Contour::part only
 };
 

@@ -88,7 +88,8 @@ public:
           result_(sliced(mesh, uniform(0.1))),
           prepared_(value_of(prepare(mesh))),
           parts_{{.mesh = mesh}, {.mesh = mesh}},
-          roles_{{.mesh = mesh}, {.mesh = mesh, .placement = Transform::scale(0.5), .role = PartRole::negative}},
+          roles_{{.mesh = mesh},
+                 {.mesh = mesh, .placement = lamella::Transform::scale(0.5), .role = lamella::PartRole::negative}},
           above_{{.layers = result_}, {.layers = result_, .from = 1, .to = 2, .grow_mm = 0.1}} {
         lamella::Slicer slicer;
         const lamella::SliceInfo outline = value_of(slicer.outline(mesh, options_));

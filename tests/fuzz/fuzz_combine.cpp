@@ -25,10 +25,10 @@ struct DrawnSet {
 };
 
 DrawnSet drawn_set(fuzz::Bytes& bytes, const fuzz::Lattice& lattice) {
-    constexpr FillRule rules[] = {FillRule::non_zero, FillRule::even_odd, FillRule::positive, FillRule::outermost};
+    constexpr FillRule rules[] = {FillRule::non_zero, FillRule::even_odd, FillRule::positive};
     DrawnSet set;
     const unsigned byte = bytes.next();
-    set.fill_rule = rules[byte % 4];
+    set.fill_rule = rules[byte % 3];
     const double steps = byte / 8 % 4 == 1 ? bytes.next() % 16 * 0.25 * lattice.step : 0;
     set.grow_mm = steps < 1 ? 0 : std::min(steps, 1e8) * (byte / 32 % 2 == 0 ? 1 : -1);
     const std::size_t count = 1 + bytes.below(most_rings_of_set);

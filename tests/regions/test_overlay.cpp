@@ -383,8 +383,12 @@ TEST_CASE("what cannot be combined is one clear error", "[regions][overlay]") {
     CHECK(message(beyond).find("set 0: a point with the coordinate") == 0);
     const LayerSet none[] = {{.layers = fine.set, .from = 1, .to = 0}};
     CHECK(message(none) == "set 0: layers from 1 to 0 are none");
+    const LayerSet outermost[] = {{.layers = fine.set, .fill_rule = FillRule::outermost}};
+    CHECK(message(outermost) ==
+          "set 0: the fill rule of a set is even-odd, non-zero or positive; others are done to a slice");
     const LayerSet contours[] = {{.layers = fine.set, .fill_rule = FillRule::contours}};
-    CHECK(message(contours) == "set 0: the fill rule contours makes no region; choose another, such as non-zero");
+    CHECK(message(contours) ==
+          "set 0: the fill rule of a set is even-odd, non-zero or positive; others are done to a slice");
     const LayerSet tiny[] = {{.layers = fine.set, .grow_mm = 0.25}};
     CHECK(message(tiny).find("set 0: the offset of 0.25 mm is under the grid unit") == 0);
     const std::uint32_t labels[] = {1, 1};
@@ -401,6 +405,11 @@ TEST_CASE("what cannot be combined is one clear error", "[regions][overlay]") {
     std::reverse(twice.points.data(), twice.points.data() + twice.contours[0].point_count);
     const LayerSet backwards[] = {{.layers = twice}};
     CHECK(message(backwards).find("layer 0: contours of a set wind twice or backwards") == 0);
+    constexpr std::uint64_t bytes = 4 * sizeof(Point) + sizeof(Contour);
+    const Error too_large = error_of(overlay.combine(result, one, unite, {}, {.memory_limit_bytes = bytes - 1}));
+    CHECK(too_large.code == ErrorCode::result_too_large);
+    CHECK(too_large.message == "combined layers need more than the memory limit of " + std::to_string(bytes - 1) + " bytes");
+    CHECK(overlay.combine(result, one, unite, {}, {.memory_limit_bytes = bytes}).ok());
     const LayerSet own[] = {{.layers = result}};
     CHECK(message(own) == "the answer cannot take the place of one of the sets");
 }

@@ -16,8 +16,8 @@ constexpr std::size_t set_work = 32;  ///< as StopPace counts it
 /// True if the set's contours in a layer are a region as they are: with the solid on their left, and across nothing.
 bool is_region(const LayerSet& set) noexcept {
     const SliceResult* const stack = set.layers.stack();
-    return stack != nullptr && set.from == set.to && set.grow_mm == 0 && set.fill_rule != FillRule::outermost &&
-           !stack->info.options.region.keeps_contours() && stack->info.options.region.fill_from.empty() &&
+    return stack != nullptr && set.from == set.to && set.grow_mm == 0 && !stack->info.options.region.keeps_contours() &&
+           stack->info.options.region.fill_from.empty() &&
            (stack->info.part_count == 1 || stack->info.options.unite_parts || set.part);
 }
 

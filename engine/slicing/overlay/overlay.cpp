@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -25,6 +26,7 @@
 #include "slicing/overlay/layer_overlay.hpp"
 #include "slicing/regions/rules.hpp"
 #include "slicing/result/layer_target.hpp"
+#include "slicing/slicer.hpp"
 
 namespace lamella {
 
@@ -101,9 +103,11 @@ public:
         begin(as_region);
     }
 
-    void run(LayerTarget& target, ProgressMeter& progress) {
+    /// `memory_limit`: bytes of points and contours.
+    void run(LayerTarget& target, std::uint64_t memory_limit, ProgressMeter& progress) {
         const auto start = Clock::now();
         std::atomic<std::size_t> done = 0;
+        std::atomic<std::uint64_t> bytes = 0;
         const std::vector<Band> tasks = cut_tasks();
         const auto layer_at = [this](PlaneIndex layer) { return describe(layer); };
         target.admit_layers(info_.layers, info_);
@@ -122,6 +126,10 @@ public:
                 const std::uint32_t label = kept_.of(worker).run(sets_, rule_, rules_, layer, output);
                 output.finish_layer();
                 raise(most_label_, label);
+            }
+            if ((bytes += output.point_count * sizeof(Point) + output.contours.size() * sizeof(Contour)) > memory_limit) {
+                throw Refused{{ErrorCode::result_too_large, "combined layers need more than the memory limit of " +
+                                                                std::to_string(memory_limit) + " bytes"}};
             }
             progress.reach(static_cast<double>(++done) / static_cast<double>(tasks.size()));
         });
@@ -218,8 +226,8 @@ double Combining::check_set(std::size_t number) {
     if (set.from > set.to) {
         throw bad_set("layers from " + std::to_string(set.from) + " to " + std::to_string(set.to) + " are none");
     }
-    if (set.fill_rule == FillRule::contours) {
-        throw bad_set("the fill rule contours makes no region; choose another, such as non-zero");
+    if (set.fill_rule == FillRule::contours || set.fill_rule == FillRule::outermost) {
+        throw bad_set("the fill rule of a set is even-odd, non-zero or positive; others are done to a slice");
     }
     if (!has_layers(set)) {
         return 0;
@@ -341,7 +349,11 @@ Result<SliceInfo> Overlay::combine(const Destination& to, std::span<const LayerS
         AnyTarget any;
         LayerTarget& target = *target_of(&to, context.memory, any);
         ProgressMeter progress(context.progress);
-        Combining(sets, rule, after, *impl_, info).run(target, progress);
+        const bool is_kept = to.result() != nullptr;  // others take layers away
+        const std::uint64_t limit =
+            context.memory_limit_bytes != 0 ? context.memory_limit_bytes : detail::usual_memory_limit();
+        Combining(sets, rule, after, *impl_, info)
+            .run(target, is_kept ? limit : std::numeric_limits<std::uint64_t>::max(), progress);
         return to.result() != nullptr ? SliceInfo(info) : std::move(info);
     });
 }

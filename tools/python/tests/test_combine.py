@@ -134,7 +134,7 @@ WRONG = [
     ([lamella.LayerSet([SQUARE], first=1)], {}, "set 0: layers from 1 to 0 are none"),
     ([lamella.LayerSet([SQUARE], part=-1)], {}, "part of sets\\[0\\] must not be negative"),
     ([lamella.LayerSet([SQUARE], part=2**32)], {}, "part of sets\\[0\\] must be below 2\\*\\*32"),
-    ([lamella.LayerSet([SQUARE], fill_rule="contours")], {}, "set 0: the fill rule contours makes no region"),
+    ([lamella.LayerSet([SQUARE], fill_rule="outermost")], {}, "set 0: the fill rule of a set is even-odd, non-zero or positive"),
     ([lamella.LayerSet([SQUARE], fill_rule="odd")], {}, "fill_rule of sets\\[0\\] must be one of"),
 ]
 
@@ -154,3 +154,5 @@ def test_stacks_that_do_not_match_are_refused(pair, cube):
         lamella.combine([np.array([[np.nan, 0], [1, 1], [0, 1]])])
     with pytest.raises(LookupError, match="of the rule"):
         lamella.combine(pair, raising)
+    with pytest.raises(lamella.ResultTooLargeError, match="more than the memory limit of 100 bytes"):
+        lamella.combine(pair, memory_limit=100)

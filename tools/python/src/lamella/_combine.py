@@ -12,7 +12,7 @@ from . import _native
 from ._contours import contours_on_grid, grid_step
 from ._layer import Layer
 from ._layer_set import LayerSet, as_set
-from ._options import FILL_RULES, RegionKeywords, array_of, number, one_of, refuse, slice_options, whole_number
+from ._options import FILL_RULES, CombineKeywords, array_of, number, one_of, refuse, slice_options, whole_number
 from ._result import Result
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ MOST_FOR_FUNCTION = 16
 
 
 def combine(
-    sets: Sequence[SetLike], rule: RuleLike = "unite", *, grid: Optional[float] = None, **options: Unpack[RegionKeywords]
+    sets: Sequence[SetLike], rule: RuleLike = "unite", *, grid: Optional[float] = None, **options: Unpack[CombineKeywords]
 ) -> Result:
     """Combine layers with layers: unions, differences, intersections of whole stacks, or regions by label.
 
@@ -45,7 +45,7 @@ def combine(
         Step of the grid of contours, mm; without it that of the first result or layer, or 2^-20.
     **options
         ``closing``, ``offset``, ``simplify`` and the other rules of regions but fill rules, done to the answer, and
-        ``threads`` and ``progress``, as for `slice`.
+        ``threads``, ``progress`` and ``memory_limit``, as for `slice`.
 
     Returns
     -------
@@ -71,7 +71,7 @@ def combine(
         refuse(f"from 1 to {_native.most_layer_sets} sets of layers can be combined, not {len(asked)}")
     step = _step(asked, grid)
     native = [_native_set(each, f"sets[{i}]", step) for i, each in enumerate(asked)]
-    return Result(_native.combine(native, _native_rule(rule, len(asked)), slice_options(options, RegionKeywords)), None)
+    return Result(_native.combine(native, _native_rule(rule, len(asked)), slice_options(options, CombineKeywords)), None)
 
 
 def _step(sets: Sequence[LayerSet], grid: Optional[float]) -> float:

@@ -61,7 +61,13 @@ class RuleKeywords(CallKeywords, LayerOptions, RegionOptions, total=False):
 
 
 class RegionKeywords(CallKeywords, RegionOptions, total=False):
-    """Those of `region_of` and `combine`."""
+    """Those of `region_of`."""
+
+
+class CombineKeywords(RegionKeywords, total=False):
+    """Those of `combine`."""
+
+    memory_limit: int
 
 
 class SectionKeywords(RuleKeywords, FrameOptions, total=False):

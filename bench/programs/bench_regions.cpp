@@ -1,6 +1,6 @@
 // Times region_of() on layers whose contours lie beside or across each other by the thousand, each of a known area; slicing
-// with regions beside the plain slice; and the regions of a slice's layers beside those of the clipping library. Slices are
-// warm. Regions of single layers run on one thread.
+// with regions beside the plain slice; layers with their neighbours; and the regions of a slice's layers beside those of the
+// clipping library. Slices are warm. Regions of single layers run on one thread.
 #include <cmath>
 #include <memory>
 #include <span>
@@ -11,6 +11,7 @@
 
 #include "engine/counting_memory.hpp"
 #include "lamella/layers.hpp"
+#include "lamella/overlay.hpp"
 #include "measure.hpp"
 
 namespace lamella::bench {
@@ -191,6 +192,71 @@ Figures time_layers(const MeshView& mesh, int rounds) {
                       rounds);
 }
 
+/// Combines a stack with itself by `rule`, into memory of its own, which stays warm.
+std::function<void()> combining(const SliceResult& stack, LayerSet neighbours, const Rule& rule, int threads) {
+    neighbours.layers = stack;
+    const auto overlay = std::make_shared<Overlay>();
+    const auto result = std::make_shared<SliceResult>();
+    return [=, &stack] {
+        const LayerSet sets[] = {{.layers = stack}, neighbours};
+        checked(overlay->combine(*result, sets, rule, {}, {.threads = threads}));
+    };
+}
+
+/// What the layers above leave uncovered, and what reaches beyond the layers below by more than `offset_mm`.
+Figures time_stacks(const MeshView& mesh, int rounds) {
+    SliceOptions options = layers;
+    options.region = non_zero();
+    const SliceResult stack = checked(slice(mesh, options));
+    const LayerSet above{.from = 1, .to = 1};
+    return medians_of(
+        {{"plain", slicing(mesh, {})},
+         {"top", combining(stack, above, subtract, region_threads)},
+         {"overhang", combining(stack, {.from = -1, .to = -1, .grow_mm = offset_mm}, subtract, region_threads)}},
+        rounds);
+}
+
+/// The first without the second.
+ClipperLib::Paths difference(const ClipperLib::Paths& of, const ClipperLib::Paths& without) {
+    ClipperLib::Clipper clipper;
+    clipper.AddPaths(of, ClipperLib::ptSubject, true);
+    clipper.AddPaths(without, ClipperLib::ptClip, true);
+    ClipperLib::Paths region;
+    clipper.Execute(ClipperLib::ctDifference, region, ClipperLib::pftNonZero, ClipperLib::pftNonZero);
+    return region;
+}
+
+/// The same top surfaces by the library, on one thread.
+Figures time_tops(const MeshView& mesh, int rounds) {
+    SliceOptions options = layers;
+    options.region = non_zero();
+    const SliceResult stack = checked(slice(mesh, options));
+    std::vector<BothForms> all;
+    for (const LayerView layer : stack) {
+        all.push_back(both_forms(layer));
+    }
+    all.emplace_back();
+    const LayerSet sets[] = {{.layers = stack}, {.layers = stack, .from = 1, .to = 1}};
+    SliceResult tops;
+    checked(Overlay().combine(tops, sets, subtract));
+    const double unit_mm2 = tops.info.grid_mm * tops.info.grid_mm;
+    for (std::size_t n = 0; n < tops.size(); ++n) {
+        double apart = tops[n].area_mm2() / unit_mm2;
+        for (const ClipperLib::Path& path : difference(all[n].theirs, all[n + 1].theirs)) {
+            apart -= ClipperLib::Area(path);
+        }
+        if (std::abs(apart) > 6 * (all[n].length + all[n + 1].length)) {
+            fail("top surfaces differ from the library's by " + std::to_string(apart) + " square units");
+        }
+    }
+    const auto theirs = [&] {
+        for (std::size_t n = 0; n + 1 < all.size(); ++n) {
+            difference(all[n].theirs, all[n + 1].theirs);
+        }
+    };
+    return medians_of({{"top", combining(stack, {.from = 1, .to = 1}, subtract, 1)}, {"library_top", theirs}}, rounds);
+}
+
 }  // namespace
 
 void add_regions(const Options& options) {
@@ -213,6 +279,10 @@ void add_slices_with_regions(const Options& options, const Case& wanted) {
     const int rounds = options.quick ? 1 : 3;
     add_benchmark(options, "regions/" + wanted.name + "/slices", region_threads,
                   [=](benchmark::State&) { return time_slices(prepared(wanted).mesh->view(), 3 * rounds); });
+    add_benchmark(options, "regions/" + wanted.name + "/stacks", region_threads,
+                  [=](benchmark::State&) { return time_stacks(prepared(wanted).mesh->view(), 3 * rounds); });
+    add_benchmark(options, "regions/" + wanted.name + "/tops", 1,
+                  [=](benchmark::State&) { return time_tops(prepared(wanted).mesh->view(), rounds); });
     add_benchmark(options, "regions/" + wanted.name + "/layers", 1,
                   [=](benchmark::State&) { return time_layers(prepared(wanted).mesh->view(), rounds); });
 }

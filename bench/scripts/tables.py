@@ -112,8 +112,13 @@ def figures(results, bars):
 
 
 def regions(results, bars):
-    slices, layers, cases = [], [], []
+    slices, layers, stacks, cases = [], [], [], []
     for name in results.cases("regions"):
+        plain, top, overhang = (results.figure(f"regions/{name}/stacks", 2, key) for key in ("plain", "top", "overhang"))
+        own, theirs = (results.figure(f"regions/{name}/tops", 1, key) for key in ("top", "library_top"))
+        stacks.append([name, f"{plain:.1f} ms", f"{top:.0f} ms", bars.most(f"{top / plain:.1f}", top / plain, 2.0), f"{overhang:.0f} ms",
+                       bars.most(f"{overhang / plain:.1f}", overhang / plain, 2.0), f"{own:.0f} ms", f"{theirs:.0f} ms",
+                       bars.least(f"{theirs / own:.1f}", theirs / own, 3.0)])
         ms = {key: results.figure(f"regions/{name}/slices", 2, key) for key in ("plain", "non_zero", "closing", "offset")}
         cells = [(ms[key], ms[key] / ms["plain"], bar) for key, bar in (("non_zero", 1.25), ("closing", 2.5), ("offset", 6.0))]
         slices.append([name, f"{ms['plain']:.1f} ms",
@@ -130,6 +135,8 @@ def regions(results, bars):
                         "over the slice (at most 2.5)", "non-zero and offset 0.2 mm", "over the slice (at most 6)"], slices),
         markdown_table(["mesh, all layers", "union", "by the library", "times as fast", "closing 0.049 mm", "by the library",
                         "times as fast"], layers),
+        markdown_table(["mesh", "slice", "top surfaces", "over the slice (at most 2)", "overhang", "over the slice (at most 2)",
+                        "top surfaces, 1 thread", "by the library", "times as fast (at least 3)"], stacks),
         markdown_table(["layer", "rule", "time", "peak memory"], cases)])
 
 

@@ -170,7 +170,7 @@ struct Ledger {
     SurfacePieceCount shells;
     SurfacePieceCount peaks;
     SurfacePieceCount pits;
-    std::vector<LedgerSlab> slabs;           ///< those that hold something, from below
+    std::vector<LedgerSlab> slabs;     ///< those that hold something, from below
     std::vector<SurfacePiece> pieces;  ///< all, by layer, kind and place
     std::vector<std::uint64_t> gaps;   ///< layers without a contour that have some below and above
 };

@@ -154,6 +154,8 @@ TEST_CASE("fill rules: what is empty is joined in a point, what is solid is not,
         {{{{0, 0}, {-2, 2}, {1, 4}, {0, 4}, {0, 9}, {10, 13}}, {{10, 14}, {16, 8}, {8, -7}}},
          even_odd,
          "outer 5 in -, outer 4 in -, "},
+        // The edges beside (-1, -7) to (3, -9) cross within its reach, and it passes their pixel: no sliver is left.
+        {{{{5, -8}, {-1, -7}, {3, -9}, {-2, 2}}}, even_odd, "outer 3 in -, "},
     };
     for (const auto& [rings, rule, expected] : cases) {
         const SliceResult region = regions::region_of(rings, rule);

@@ -263,11 +263,7 @@ void EdgeRuns::write_runs(const Piece& piece) noexcept {
     EdgeRun* out = runs_.data() + piece.first_run;
     std::size_t begin = piece.begin;
     const auto write = [&](std::size_t end) {
-        const Point from = points[begin];
-        const Point to = points[end];
-        const auto right = static_cast<std::int8_t>(sign_of(std::int64_t{to.x} - from.x));
-        const auto up = static_cast<std::int8_t>(sign_of(std::int64_t{to.y} - from.y));
-        *out++ = {FlatBox::around(from, to), begin, end, piece.path, right, up};
+        *out++ = {FlatBox::around(points[begin], points[end]), begin, end, piece.path};
         begin = end;
     };
     for (std::size_t turn = 0; turn < piece.turns; ++turn) {

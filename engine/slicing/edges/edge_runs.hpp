@@ -63,11 +63,6 @@ struct EdgeRun {
     std::size_t begin;
     std::size_t end;
     std::uint32_t path;
-    std::int8_t right;  ///< 1, -1, or 0 if all edges are upright
-    std::int8_t up;
-
-    /// True if one direction goes on.
-    bool goes_on_in(const EdgeRun& next) const noexcept { return right * next.right >= 0 || up * next.up >= 0; }
 };
 
 /// The runs of one layer after another, and a tree of their boxes; its memory is kept. O(m + p log p) for p

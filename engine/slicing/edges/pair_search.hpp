@@ -24,9 +24,9 @@ public:
 
     /// Share `share` of `shares` of all pairs. Calls meet(a, i, b, j) once for each pair, in no order, of edge i of path a
     /// and edge j of path b whose boxes come within the runs' margin of each other: all such pairs of two paths, and of one
-    /// path all but those of two successive runs that meet in their joint alone. Paths are those of `runs`, edges those of
-    /// the layer. The run of edge i comes before that of edge j. False if it would take more than `most_steps`, and not all
-    /// were found. Throws std::bad_alloc.
+    /// path all of different runs but the last and first edge of two successive runs that lead away from their joint. Paths
+    /// are those of `runs`, edges those of the layer. The run of edge i comes before that of edge j. False if it would take
+    /// more than `most_steps`, and not all were found. Throws std::bad_alloc.
     template <class Meet>
     bool find(const EdgeRuns& runs, std::size_t share, std::size_t shares, std::uint64_t most_steps, Meet meet) {
         layer_ = &runs;
@@ -74,14 +74,16 @@ private:
         return run.end == next.begin || (path.closed && run.end == path.end && next.begin == path.begin);
     }
 
-    /// True if `next`, which follows `run`, meets it nowhere but in their joint: one direction goes on, and the edges at the
-    /// joint do not lie on each other along a horizontal or vertical line.
+    /// True if `next`, which follows `run`, comes within the margin of it in their joint alone: one direction goes on, and
+    /// the two edges at the joint lead so far away in it.
     bool leads_away(const EdgeRun& run, const EdgeRun& next) const noexcept {
         const Point before = points_[run.end - 1];
         const Point joint = points_[run.end];
         const Point after = points_[next.begin + 1];
-        const bool back = (before.y == joint.y && joint.y == after.y) || (before.x == joint.x && joint.x == after.x);
-        return run.goes_on_in(next) && !back;
+        const auto goes_on = [margin = std::int64_t{layer_->margin()}](std::int64_t a, std::int64_t b, std::int64_t c) {
+            return (b - a > margin && c - b > margin) || (a - b > margin && b - c > margin);
+        };
+        return goes_on(before.x, joint.x, after.x) || goes_on(before.y, joint.y, after.y);
     }
 
     template <class Meet>
@@ -152,10 +154,9 @@ public:
     void stop() noexcept { search_.stop(); }
 
     /// Calls meet(a, i, b, j) once for each pair, in no order, of edge i of path a and edge j of path b whose boxes come
-    /// within `margin` of each other: all such pairs of two paths, and of one path all that meet elsewhere than in the joint
-    /// of two runs, and some that do not. Edge i leads from a[i] to a[i + 1]. `margin` is below grid_limit. The points added
-    /// must stay until it has returned. False if it would take more than `steps`, and not all were found. Throws
-    /// std::bad_alloc.
+    /// within `margin` of each other: of one path as PairSearch::find() says. Edge i leads from a[i] to a[i + 1]. `margin`
+    /// is below grid_limit. The points added must stay until it has returned. False if it would take more than `steps`, and
+    /// not all were found. Throws std::bad_alloc.
     template <class Meet>
     bool find(std::int32_t margin, std::uint64_t steps, Meet meet) {
         cut(margin);

@@ -209,6 +209,12 @@ bool passes_pixel(Point a, Point b, Point p) noexcept {
            Int128{-top} * dx < Int128{right} * -dy;
 }
 
+/// Two edges that cross beside one that joins them may do so within its reach, and neither is compared with it.
+bool SnapRounding::Source::may_bend(std::uint32_t edge) const noexcept {
+    const auto count = static_cast<std::uint32_t>(near.size());
+    return near[edge].edge || (near[edge > 0 ? edge - 1 : count - 1].edge && near[edge + 1 < count ? edge + 1 : 0].edge);
+}
+
 void SnapRounding::run(std::span<const Point> crossings) {
     strands_.clear();
     any_cancelled_ = false;
@@ -256,7 +262,7 @@ void SnapRounding::add_strands_of(std::uint32_t contour) {
         if (e > 0 && source.near[e].point) {
             stop_at({vertex_at(source.from(e)), e, true});
         }
-        if (source.near[e].edge) {
+        if (source.may_bend(e)) {
             find_passed(source.from(e), source.to(e));
             for (const Found& found : on_edge_) {
                 stop_at({found.vertex, e, false});

@@ -159,6 +159,7 @@ private:
         std::int64_t times;
         std::span<const Nearness> near;
 
+        bool may_bend(std::uint32_t edge) const noexcept;
         Point from(std::uint32_t edge) const noexcept { return item->from_start(edge); }
         Point to(std::uint32_t edge) const noexcept { return item->from_start(edge + 1); }
     };

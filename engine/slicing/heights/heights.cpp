@@ -8,12 +8,12 @@
 
 #include "lamella/heights.hpp"
 
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <string>
 
 #include "base/guard.hpp"
+#include "base/numbers.hpp"
 #include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/words.hpp"
@@ -199,16 +199,16 @@ private:
     /// The greatest squared tangent by which a slab is no higher than by the least.
     float flattest() const noexcept {
         const auto height_of = [this](std::uint32_t bits) {
-            return limits_.within(height_at(static_cast<double>(std::bit_cast<float>(bits)), options_) * scale_.per_mm);
+            return limits_.within(height_at(static_cast<double>(bits_as<float>(bits)), options_) * scale_.per_mm);
         };
         const std::uint32_t least = height_of(0);
         std::uint32_t same = 0;  // invariant: it has the least height, and `other` has more
-        std::uint32_t other = std::bit_cast<std::uint32_t>(SlopeTable::upright) + 1;
+        std::uint32_t other = bits_as<std::uint32_t>(SlopeTable::upright) + 1;
         while (other - same > 1) {
             const std::uint32_t middle = same + (other - same) / 2;
             (height_of(middle) == least ? same : other) = middle;
         }
-        return std::bit_cast<float>(same);
+        return bits_as<float>(same);
     }
 
     double mm_at(std::uint32_t step) const noexcept { return scale_.low_mm + step * options_.step_mm; }

@@ -60,7 +60,7 @@ SlopeTable::SlopeTable(std::uint32_t steps, float flattest, const Memory* memory
       entries_(memory),
       open_(memory) {
     entries_.resize_discarding(steps_ * levels_);
-    std::fill(entries_.begin(), entries_.end(), std::bit_cast<std::uint32_t>(upright));
+    std::fill(entries_.begin(), entries_.end(), bits_as<std::uint32_t>(upright));
     open_.resize_discarding(steps_ / word_bits + 1);
     std::fill(open_.begin(), open_.end(), ~std::uint64_t{0});
 }
@@ -123,7 +123,7 @@ void SlopeTable::add_facet(Steps over, float squared_tangent) noexcept {
         });
         squared_tangent = flattest_;
     }
-    const auto bits = std::bit_cast<std::uint32_t>(squared_tangent);
+    const auto bits = bits_as<std::uint32_t>(squared_tangent);
     const std::size_t half = std::bit_floor(over.end - over.first);  // or more: two of these cover all
     const std::size_t row = static_cast<std::size_t>(std::countr_zero(half)) * steps_;
     lower(row + over.first, bits);

@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "base/numbers.hpp"
 #include "base/system/atomic_word.hpp"
 #include "lamella/array.hpp"
 #include "slicing/grid/bounds.hpp"
@@ -49,7 +50,7 @@ public:
     /// All facets have been added.
     void settle() noexcept;
     /// The squared tangent of the least slope over a step, at most `upright`. Precondition: settled.
-    float squared_tangent(std::size_t step) const noexcept { return std::bit_cast<float>(entries_[step]); }
+    float squared_tangent(std::size_t step) const noexcept { return bits_as<float>(entries_[step]); }
 
     static constexpr float upright = 1e30F;  ///< stands for any steeper slope
 

@@ -4,7 +4,6 @@
 #include <cassert>
 #include <cstdlib>
 #include <limits>
-#include <tuple>
 #include <utility>
 
 #include "base/numbers.hpp"
@@ -125,8 +124,8 @@ void Contacts::meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::si
     const Point b1 = pairs_.point(b, j + 1);
     if (same && ((i + 1) % a.edges() == j || (j + 1) % a.edges() == i)) {
         if ((a1 == b0 && runs_back(a0, a1, b1)) || (b1 == a0 && runs_back(b0, b1, a1))) {
-            mark(a, i, true);
-            mark(b, j, true);
+            mark(a, i, true, true);
+            mark(b, j, true, true);
         }
         return;
     }
@@ -134,38 +133,42 @@ void Contacts::meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::si
         return;
     }
     const bool crossing = edges_cross(a0, a1, b0, b1);
-    const bool a_near = mark_ends(a, i, b0, b1);
-    const bool b_near = mark_ends(b, j, a0, a1);
-    if (!crossing && !a_near && !b_near) {
+    const EndsNear of_a = mark_ends(a, i, b0, b1);
+    const EndsNear of_b = mark_ends(b, j, a0, a1);
+    if (!crossing && !of_a.any && !of_b.any) {
         return;
     }
     const auto touch = [&] {
         return is_near(a0, b0, b1, 0) || is_near(a1, b0, b1, 0) || is_near(b0, a0, a1, 0) || is_near(b1, a0, a1, 0);
     };
     const bool meets = !same || crossing || touch();
-    mark(a, i, meets);
-    mark(b, j, meets);
+    const bool bends = crossing || of_a.between || of_b.between;
+    mark(a, i, meets, bends);
+    mark(b, j, meets, bends);
     if (crossing) {
         crossings_.push_back(rounded_crossing(a0, a1, b0, b1));
     }
 }
 
-void Contacts::mark(const EdgePath& path, std::size_t edge, bool meets) noexcept {
-    near_at(path, edge).edge = true;
+void Contacts::mark(const EdgePath& path, std::size_t edge, bool meets, bool bends) noexcept {
+    Nearness& near = near_at(path, edge);
+    near.edge = near.edge || bends;
     meets_[path.contour] |= meets ? 1 : 0;
     any_meets_ = any_meets_ || meets;
 }
 
-/// Marks the ends of an edge that come near the one from `a` to `b`. False if none does.
-bool Contacts::mark_ends(const EdgePath& path, std::size_t edge, Point a, Point b) noexcept {
-    bool any = false;
+/// Marks the ends of an edge that come near the one from `a` to `b`.
+Contacts::EndsNear Contacts::mark_ends(const EdgePath& path, std::size_t edge, Point a, Point b) noexcept {
+    EndsNear ends;
     for (const std::size_t end : {edge, edge + 1}) {
-        if (is_near(pairs_.point(path, end), a, b, rounding_reach)) {
+        const Point p = pairs_.point(path, end);
+        if (is_near(p, a, b, rounding_reach)) {
             near_at(path, end).point = true;
-            any = true;
+            ends.any = true;
+            ends.between = ends.between || (p != a && p != b);
         }
     }
-    return any;
+    return ends;
 }
 
 namespace {
@@ -310,27 +313,27 @@ void SnapRounding::add_straight(const Source& source, std::uint32_t from, std::u
 
 /// Straight strands between the same vertices become one. A chain is the only one of its kind.
 void SnapRounding::merge_strands() {
-    std::sort(strands_.begin(), strands_.end(), [this](const Strand& a, const Strand& b) {
+    const auto ends = [](const Strand& strand) { return std::uint64_t{strand.from} << 32 | strand.to; };
+    const auto chains = std::partition(strands_.begin(), strands_.end(), [](const Strand& s) { return !s.is_chain(); });
+    std::sort(strands_.begin(), chains, [&](const Strand& a, const Strand& b) {
         worker_.spend(1);
-        return std::tuple(a.is_chain(), a.from, a.to, a.contour, a.first) <
-               std::tuple(b.is_chain(), b.from, b.to, b.contour, b.first);
+        return ends(a) < ends(b);
     });
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < strands_.size();) {
+    auto kept = strands_.begin();
+    for (auto next = strands_.begin(); next != strands_.end();) {
         worker_.spend(1);
-        Strand strand = strands_[i++];
-        while (!strand.is_chain() && i < strands_.size() && !strands_[i].is_chain() && strands_[i].from == strand.from &&
-               strands_[i].to == strand.to) {
-            strand.part = part_of_both(strand.part, strands_[i].part);
-            strand.origin = origin_of_both(strand.origin, strands_[i].origin);
-            strand.times += strands_[i++].times;
+        Strand strand = *next++;
+        for (; next < chains && ends(*next) == ends(strand); ++next) {
+            strand.part = part_of_both(strand.part, next->part);
+            strand.origin = origin_of_both(strand.origin, next->origin);
+            strand.times += next->times;
         }
         if (strand.times != 0) {
-            strands_[kept++] = strand;
+            *kept++ = strand;
         }
         any_cancelled_ = any_cancelled_ || strand.times == 0;
     }
-    strands_.resize(kept);
+    strands_.erase(kept, strands_.end());
 }
 
 }  // namespace lamella

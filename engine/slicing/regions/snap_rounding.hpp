@@ -53,7 +53,7 @@ Point rounded_crossing(Point a, Point b, Point c, Point d) noexcept;
 
 /// What of an edge and the point that it leaves comes near something else.
 struct Nearness {
-    bool edge = false;
+    bool edge = false;  ///< somewhere between its ends
     bool point = false;
 };
 
@@ -81,8 +81,13 @@ public:
 
 private:
     void meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j);
-    void mark(const EdgePath& path, std::size_t edge, bool meets) noexcept;
-    bool mark_ends(const EdgePath& path, std::size_t edge, Point a, Point b) noexcept;
+    struct EndsNear {
+        bool any = false;
+        bool between = false;  ///< not only to an end
+    };
+
+    void mark(const EdgePath& path, std::size_t edge, bool meets, bool bends) noexcept;
+    EndsNear mark_ends(const EdgePath& path, std::size_t edge, Point a, Point b) noexcept;
     Nearness& near_at(const EdgePath& path, std::size_t edge) noexcept {
         return near_[first_edges_[path.contour] + (edge < path.edges() ? edge : edge - path.edges())];
     }

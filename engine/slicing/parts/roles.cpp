@@ -77,7 +77,7 @@ bool have_roles(std::span<const Part> parts) noexcept {
                        [](const Part& part) { return part.role == PartRole::negative || part.role == PartRole::modifier; });
 }
 
-void check_roles(std::span<const Part> parts, const SliceOptions& options) {
+void check_roles(std::span<const Part> parts) {
     for (std::size_t p = 0; p < parts.size(); ++p) {
         if (parts[p].role > PartRole::support) {
             throw Refused{refusal_of(p, "there is no role " + std::to_string(static_cast<unsigned>(parts[p].role)))};
@@ -85,9 +85,6 @@ void check_roles(std::span<const Part> parts, const SliceOptions& options) {
     }
     if (!have_roles(parts)) {
         return;
-    }
-    if (options.origins) {
-        throw Refused{{ErrorCode::invalid_argument, "parts with roles have no origins, since they cut each other"}};
     }
     for (const auto& [object, own] : list_objects(parts)) {
         if (own.size() > most_layer_sets) {

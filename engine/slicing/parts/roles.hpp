@@ -12,7 +12,6 @@
 
 #include "lamella/context.hpp"
 #include "lamella/error.hpp"
-#include "lamella/options.hpp"
 #include "lamella/result.hpp"
 #include "lamella/source.hpp"
 #include "slicing/parts/part_layers.hpp"
@@ -30,8 +29,8 @@ Error refusal_of(std::size_t part, const std::string& why);
 /// True if some part is negative or a modifier.
 bool have_roles(std::span<const Part> parts) noexcept;
 
-/// Throws Refused where a role is none, an object has too many parts for an overlay, or origins are asked for.
-void check_roles(std::span<const Part> parts, const SliceOptions& options);
+/// Throws Refused where a role is none, or an object has too many parts for an overlay.
+void check_roles(std::span<const Part> parts);
 
 /// The layers of each object that has roles, from its parts' regions. Adds them to `layers`, which are by part. Throws
 /// Refused, Stopped, std::bad_alloc.

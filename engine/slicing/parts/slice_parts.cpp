@@ -91,7 +91,10 @@ public:
             throw Refused{{ErrorCode::invalid_argument, "origins name one of at most " + std::to_string(most) +
                                                             " parts, not of " + std::to_string(parts.size())}};
         }
-        check_roles(parts, options_);
+        check_roles(parts);
+        if (options_.origins && have_roles_) {
+            throw Refused{{ErrorCode::invalid_argument, "parts with roles have no origins, since they cut each other"}};
+        }
         if (options_.unite_parts) {
             require(check_every_layer(call.options.region, "uniting parts"));
         }

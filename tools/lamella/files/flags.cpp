@@ -349,8 +349,14 @@ void declare_options(CLI::App& command, SliceOptions& options, std::string_view 
 SliceOptions tool_options() {
     SliceOptions options;
     options.stitch_mm = stitch_by_mesh;
-    options.region.fill_rule = FillRule::non_zero;
+    make_region(options);
     return options;
+}
+
+void make_region(SliceOptions& options) {
+    if (options.region.keeps_contours()) {
+        options.region.fill_rule = FillRule::non_zero;
+    }
 }
 
 void put_in_words_of_today(std::vector<std::string>& words) {

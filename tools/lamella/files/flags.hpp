@@ -92,6 +92,8 @@ void declare_options(CLI::App& command, SliceOptions& options, std::string_view 
 
 /// With the defaults of the tool.
 SliceOptions tool_options();
+/// The tool's fill rule, where contours are asked for.
+void make_region(SliceOptions& options);
 
 /// An option of slice whose default is not what it was. Records and results of a batch state it always: where one does not,
 /// an older version made it, by the older default.

@@ -54,6 +54,11 @@ std::vector<Part> parts_to_cut(const MeshFile& file, const std::optional<MeshVie
     return parts;
 }
 
+void cut_as_one(SliceOptions& options) {
+    options.unite_parts = true;
+    make_region(options);
+}
+
 void make_one_mesh(SliceResult& cut, const MeshView& mesh) {
     for (Contour& contour : cut.contours) {
         contour.part = 0;

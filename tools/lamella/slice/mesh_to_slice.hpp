@@ -40,6 +40,9 @@ PatientFrame patient_frame_of(const MeshFile& mesh, const ImageArguments& argume
 std::vector<Part> parts_to_cut(const MeshFile& file, const std::optional<MeshView>& mended,
                                const std::optional<MeshView>& negative, bool split);
 
+/// One region of all that is solid in parts.
+void cut_as_one(SliceOptions& options);
+
 /// What was cut of parts is the slice of `mesh` to all that is written.
 void make_one_mesh(SliceResult& cut, const MeshView& mesh);
 

@@ -248,10 +248,7 @@ private:
         }
         refuse_if(!arguments_.report.empty(), bad_usage,
                   "--report: " + arguments_.name() + ": judges a mesh, from which something is taken away here");
-        options.unite_parts = true;
-        if (options.region.keeps_contours()) {
-            options.region.fill_rule = FillRule::non_zero;
-        }
+        cut_as_one(options);
     }
 
     std::vector<double> heights_of(const MeshToSlice& mesh) {

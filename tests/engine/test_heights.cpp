@@ -234,8 +234,9 @@ TEST_CASE("heights do not depend on order, threads, types or how a mesh is given
     }
     CHECK(slabs_of(indexed.view(), options) == expected);
     CHECK(slabs_of(prepared, options) == expected);
-    const Part parts[] = {{.mesh = view_of(shapes::only(rounded, 0, 32768))},
-                          {.mesh = view_of(shapes::only(rounded, 32768, 8192))}};
+    const shapes::Soup first = shapes::only(rounded, 0, 32768);
+    const shapes::Soup rest = shapes::only(rounded, 32768, 8192);
+    const Part parts[] = {{.mesh = view_of(first)}, {.mesh = view_of(rest)}};
     CHECK(slabs_of(parts, options) == expected);
     AdaptiveOptions turned = options;
     turned.frame.transform.m = {0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0};  // x, y and z become z, x and y

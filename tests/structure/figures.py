@@ -20,7 +20,7 @@ SUFFIXES = {".cpp", ".hpp", ".h", ".py", ".sh"}
 OPTIONAL = ("regions", "offset", "simplify", "repair", "faces", "parts")
 # Figure: (at most, or at least, this). A bar is lowered when the house has become smaller; it was raised by what other systems,
 # layers of many contours, records in tiers, scratch made ahead, combined layers, roles and heights take.
-AT_MOST = {"lines": 95_513, "files of a slice": 105, "lines of a slice": 16_737, "longest file": 500, "fields of a sweep": 120}
+AT_MOST = {"lines": 95_514, "files of a slice": 105, "lines of a slice": 16_737, "longest file": 500, "fields of a sweep": 120}
 AT_LEAST = {"comment lines, %": 7.5}
 
 

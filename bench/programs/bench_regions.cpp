@@ -86,6 +86,7 @@ constexpr SliceOptions layers{.layer_height_mm = 0.2};
 constexpr int region_threads = 2;
 constexpr double closing_mm = 0.049;
 constexpr double offset_mm = 0.2;
+constexpr double units_apart = 6;  // of two areas, along the contours
 
 RegionRules non_zero(double closing = 0, double offset = 0) {
     return {.fill_rule = FillRule::non_zero, .closing_mm = closing, .offset_mm = offset};
@@ -153,14 +154,12 @@ BothForms both_forms(const LayerView& layer) {
     return both;
 }
 
-/// Areas may differ by six grid units along the contours.
 void require_same_area(const BothForms& layer, double closing, double unit_mm) {
-    constexpr double apart = 6;
     double difference = checked(region_of(layer.ours, non_zero(closing), unit_mm))[0].area_mm2() / (unit_mm * unit_mm);
     for (const ClipperLib::Path& path : closed(layer.theirs, closing / unit_mm)) {
         difference -= ClipperLib::Area(path);
     }
-    if (std::abs(difference) > apart * layer.length) {
+    if (std::abs(difference) > units_apart * layer.length) {
         fail("a region differs from the library's by " + std::to_string(difference) + " square units, " +
              std::to_string(difference / layer.length) + " units along its contours");
     }
@@ -192,6 +191,12 @@ Figures time_layers(const MeshView& mesh, int rounds) {
                       rounds);
 }
 
+SliceResult united_layers(const MeshView& mesh) {
+    SliceOptions options = layers;
+    options.region = non_zero();
+    return checked(slice(mesh, options));
+}
+
 /// Combines a stack with itself by `rule`, into memory of its own, which stays warm.
 std::function<void()> combining(const SliceResult& stack, LayerSet neighbours, const Rule& rule, int threads) {
     neighbours.layers = stack;
@@ -205,9 +210,7 @@ std::function<void()> combining(const SliceResult& stack, LayerSet neighbours, c
 
 /// What the layers above leave uncovered, and what reaches beyond the layers below by more than `offset_mm`.
 Figures time_stacks(const MeshView& mesh, int rounds) {
-    SliceOptions options = layers;
-    options.region = non_zero();
-    const SliceResult stack = checked(slice(mesh, options));
+    const SliceResult stack = united_layers(mesh);
     const LayerSet above{.from = 1, .to = 1};
     return medians_of(
         {{"plain", slicing(mesh, {})},
@@ -228,9 +231,7 @@ ClipperLib::Paths difference(const ClipperLib::Paths& of, const ClipperLib::Path
 
 /// The same top surfaces by the library, on one thread.
 Figures time_tops(const MeshView& mesh, int rounds) {
-    SliceOptions options = layers;
-    options.region = non_zero();
-    const SliceResult stack = checked(slice(mesh, options));
+    const SliceResult stack = united_layers(mesh);
     std::vector<BothForms> all;
     for (const LayerView layer : stack) {
         all.push_back(both_forms(layer));
@@ -245,7 +246,7 @@ Figures time_tops(const MeshView& mesh, int rounds) {
         for (const ClipperLib::Path& path : difference(all[n].theirs, all[n + 1].theirs)) {
             apart -= ClipperLib::Area(path);
         }
-        if (std::abs(apart) > 6 * (all[n].length + all[n + 1].length)) {
+        if (std::abs(apart) > units_apart * (all[n].length + all[n + 1].length)) {
             fail("top surfaces differ from the library's by " + std::to_string(apart) + " square units");
         }
     }

@@ -122,12 +122,12 @@ Result<SliceResult> slice(const Source& from, const SliceOptions& options, const
 
 namespace detail {
 
-std::uint64_t usual_memory_limit() {
-    return physical_memory_bytes() / 2;
+std::uint64_t memory_limit(std::uint64_t asked) {
+    return asked != 0 ? asked : physical_memory_bytes() / 2;
 }
 
 SlicerImpl::SlicerImpl(const Memory* host, InstructionSet level)
-    : scratch(host), instructions(level), usual_limit(usual_memory_limit()) {}
+    : scratch(host), instructions(level), usual_limit(memory_limit()) {}
 
 SlicerImpl& SlicerImpl::of(Slicer& slicer, const Context& context, const Tuning& tuning) {
     const InstructionSet level = tuning.instructions ? *tuning.instructions : instruction_set();

@@ -19,8 +19,8 @@
 
 namespace lamella::detail {
 
-/// Half of physical memory: what results may take where the caller says nothing. The system takes half a microsecond for it.
-std::uint64_t usual_memory_limit();
+/// What results may take: as asked, or by 0 half of physical memory. The system takes half a microsecond for that.
+std::uint64_t memory_limit(std::uint64_t asked = 0);
 
 struct SlicerImpl {
     SlicerImpl(const Memory* host, InstructionSet level);

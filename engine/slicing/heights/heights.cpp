@@ -172,8 +172,7 @@ private:
         scale_ = {box.min_mm[2], 1 / options_.step_mm};
         high_mm_ = box.max_mm[2];
         const double steps = std::max(1.0, std::ceil(scale_.of(high_mm_) - StepScale::slack));
-        const std::uint64_t limit =
-            context_.memory_limit_bytes != 0 ? context_.memory_limit_bytes : detail::usual_memory_limit();
+        const std::uint64_t limit = detail::memory_limit(context_.memory_limit_bytes);
         if (!(steps < most_table_steps) || bytes_for(static_cast<std::uint32_t>(steps)) > limit) {
             throw Refused{{ErrorCode::result_too_large,
                            exact_text(high_mm_ - scale_.low_mm) + " mm in steps of " + exact_text(options_.step_mm) +

@@ -350,10 +350,9 @@ Result<SliceInfo> Overlay::combine(const Destination& to, std::span<const LayerS
         LayerTarget& target = *target_of(&to, context.memory, any);
         ProgressMeter progress(context.progress);
         const bool is_kept = to.result() != nullptr;  // others take layers away
-        const std::uint64_t limit =
-            context.memory_limit_bytes != 0 ? context.memory_limit_bytes : detail::usual_memory_limit();
+        const std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
         Combining(sets, rule, after, *impl_, info)
-            .run(target, is_kept ? limit : std::numeric_limits<std::uint64_t>::max(), progress);
+            .run(target, is_kept ? detail::memory_limit(context.memory_limit_bytes) : most, progress);
         return to.result() != nullptr ? SliceInfo(info) : std::move(info);
     });
 }

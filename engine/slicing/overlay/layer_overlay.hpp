@@ -1,7 +1,6 @@
 // One layer of the answer, from those of all sets.
 //
-//     list      each set's contours in the layers that count here
-//     regions   what they bound, where they bound no region yet or are to grow
+//     regions   what each set's contours bound in the layers that count here
 //     fill      one arrangement of all regions: inside set i, the winding number rises by 2^i
 //     labels    a region for each label, and the steps after it; then its contours' place in the layer
 //
@@ -23,10 +22,9 @@
 #include "base/worker.hpp"
 #include "lamella/overlay.hpp"
 #include "slicing/layer/layer_builder.hpp"
-#include "slicing/layer/ring_reader.hpp"
 #include "slicing/nesting/nest.hpp"
+#include "slicing/overlay/set_reader.hpp"
 #include "slicing/regions/fill.hpp"
-#include "slicing/regions/regions.hpp"
 #include "slicing/result/band_output.hpp"
 
 namespace lamella {
@@ -42,22 +40,13 @@ public:
                       BandOutput& out);
 
 private:
-    /// What makes a set's region, where its contours are none yet.
-    struct SetRegion {
-        explicit SetRegion(Worker& worker) noexcept : given(worker), regions(worker) {}
-        GivenContours given;
-        Regions regions;
-    };
     /// A contour of a set's region.
     struct Ring {
         Path path;
         std::int64_t weight;
     };
 
-    SetRegion& region_of(std::size_t set);
-    void list(const LayerSet& set, std::size_t number, std::uint64_t n);
-    void list(const LayerSet& set, const LayerView& layer);
-    void add_region(const LayerSet& set, std::size_t number, double grid_mm);
+    void add_region(const LayerSet& set, std::size_t number, std::uint64_t n);
     void sort_rings();
     void find_labels(const Rule& rule, std::span<const std::int64_t> windings);
 
@@ -65,9 +54,7 @@ private:
     Nester nester_{worker_};
     Fill fill_{worker_};
     LayerBuilder layers_{worker_};
-    std::vector<std::unique_ptr<SetRegion>> regions_;   // by set, made where they are needed
-    Vector<Path> given_{worker_.memory()};              // of a set
-    Vector<Path> of_host_{worker_.memory()};            // the same as the host has them
+    std::vector<std::unique_ptr<SetReader>> readers_;   // by set
     Vector<Ring> rings_{worker_.memory()};              // of all sets, by start
     Vector<Path> paths_{worker_.memory()};              // of rings_
     Vector<std::int64_t> weights_{worker_.memory()};    // of rings_

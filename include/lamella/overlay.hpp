@@ -22,6 +22,11 @@
 //             std::printf("part %u: %g mm2\n", contour.part, tops[0].area_mm2(contour));
 //         }
 //     }
+//     // Two walls and what is left inside them for infill, without slits narrower than 0.2 mm: parts 0, 1 and 2.
+//     const lamella::OffsetStep steps[] = {{-0.2}, {-0.4}, {-0.3, false}, {0.1}};
+//     if (overlay.offset(tops, {.layers = result}, steps, {.join = lamella::Join::round})) {
+//         std::printf("%zu contours\n", tops.contours.size());
+//     }
 //
 // A set is a stack of layers; or one layer or contours of the host's, which then stand at every height. All stacks have the
 // same planes, and all sets the same grid:
@@ -109,6 +114,34 @@ constexpr Rule intersect(std::size_t sets) noexcept {
     return {.all = (std::uint64_t{1} << sets) - 1};
 }
 
+/// What the corners become that an offset moves apart: the sharp ones outside where it widens, inside where it narrows.
+enum class Join : std::uint8_t {
+    miter,   ///< edges run on to where they meet, at most miter_limit distances away, and are cut at the distance beyond
+    round,   ///< an arc around the corner, from the distance to arc_tolerance_mm more
+    square,  ///< cut at the distance, unless the corner lies within arc_tolerance_mm of it
+};
+
+/// What a contour is to an offset: the boundary of a region, or a line with ends.
+enum class End : std::uint8_t {
+    region,
+    butt,    ///< lines end where they end
+    square,  ///< lines are longer by the distance
+    round,   ///< lines end with half an arc
+};
+
+/// One step of an offset: how far edges move, outwards where it is above 0, from where the step before left them.
+struct OffsetStep {
+    double mm = 0;
+    bool keep = true;  ///< its region is a part of the answer
+};
+
+struct OffsetOptions {
+    Join join = Join::miter;
+    End end = End::region;
+    double miter_limit = 3;
+    double arc_tolerance_mm = 0.005;
+};
+
 namespace detail {
 struct OverlayImpl;
 }
@@ -132,6 +165,20 @@ public:
     /// threads), result_too_large, out_of_memory, cancelled.
     Result<SliceInfo> combine(const Destination& to, std::span<const LayerSet> sets, const Rule& rule = unite,
                               const RegionRules& after = {}, const Context& context = {}) noexcept;
+
+    /// The set's region moved step by step: kept steps are parts 0, 1, ... of the answer. So {-0.2}, {-0.4} are two walls,
+    /// {-r, false}, {r} is an opening, and {r, false}, {-r} a closing. A region that has vanished does not come back.
+    ///
+    /// Where the options name an end, contours of the host's and open contours of layers are lines, closed ones of layers
+    /// are lines without ends, and the first step makes the region within its distance of them.
+    ///
+    /// Each point lies within a unit along each axis of where arithmetic without rounding puts it, for each step. What
+    /// combine() says of sets, `after`, threads, times and errors holds here too; errors besides: a step of 0 or under a
+    /// unit, none that is kept, a first step inwards from lines, an arc tolerance that is not above 0 or finer than 3e-7 of
+    /// a step.
+    Result<SliceInfo> offset(const Destination& to, const LayerSet& of, std::span<const OffsetStep> steps,
+                             const OffsetOptions& options = {}, const RegionRules& after = {},
+                             const Context& context = {}) noexcept;
 
     /// Gives all memory back: before the host's Memory that it came from goes.
     void reset() noexcept;

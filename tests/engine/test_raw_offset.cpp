@@ -21,7 +21,7 @@ struct Curve {
 Curve offset_of(const Ring& ring, double distance, double miter_limit = 3) {
     lamella::Worker worker;
     RawOffset offset(worker);
-    const RawCurve facts = offset.append(ring, distance, miter_limit);
+    const RawCurve facts = offset.append(ring, distance, {.limit = miter_limit});
     const auto points = offset.points_of(facts);
     return {facts, {points.begin(), points.end()}};
 }

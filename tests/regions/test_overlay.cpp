@@ -13,27 +13,15 @@
 #include "engine/region_checks.hpp"
 #include "engine/slicing.hpp"
 #include "lamella/overlay.hpp"
+#include "regions/given.hpp"
 #include "regions/region.hpp"
 
 using namespace lamella;
+using regions::Given;
 using regions::Polygon;
 using regions::Polygons;
 
 namespace {
-
-/// Contours that a set refers to.
-struct Given {
-    explicit Given(Polygons of, double grid_mm = 1) : polygons(std::move(of)), views(polygons.begin(), polygons.end()) {
-        set.contours = views;
-        set.grid_mm = grid_mm;
-    }
-    Given(const Given&) = delete;
-    Given& operator=(const Given&) = delete;
-
-    Polygons polygons;
-    std::vector<std::span<const Point>> views;
-    ContourSet set;
-};
 
 SliceResult combined(std::span<const LayerSet> sets, const Rule& rule, const RegionRules& after = {},
                      const Context& context = {}) {

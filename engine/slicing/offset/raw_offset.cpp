@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "base/system/processor.hpp"
 #include "slicing/grid/exact.hpp"
@@ -71,6 +72,12 @@ bool reach_beyond_grid(const Point* first, const Point* last) noexcept {
     return highest > grid_limit || lowest < -grid_limit;
 }
 
+/// Where two edges around `v` meet that lie at the distance, by their normals.
+Point meeting_of(Point v, double distance, Direction a, Direction b) noexcept {
+    const double scale = distance / (1.0 + (a.x * b.x + a.y * b.y));
+    return rounded_to_grid(v.x + scale * (a.x + b.x), v.y + scale * (a.y + b.y));
+}
+
 /// Leaves one of equal consecutive points; the first follows the last.
 Point* without_repeats(Point* first, Point* last) noexcept {
     last = std::unique(first, last);
@@ -94,10 +101,18 @@ void RawOffset::reserve(std::size_t count) {
     corners_ = {at + 3 * each, at + 4 * each, miters_.data()};
 }
 
+/// The normal of the edge before a corner, or of the next, towards the side that edges move to.
+Direction RawOffset::normal_of(std::size_t corner, bool next, double distance) const noexcept {
+    const std::size_t at = corner + (next ? 1 : 0);
+    return distance > 0 ? Direction{edges_.uy[at], -edges_.ux[at]} : Direction{-edges_.uy[at], edges_.ux[at]};
+}
+
 /// Corners beyond the limit: what cut ones add, and which inner ones are cut on the way back. The sign of a turn of about
-/// 180 degrees is lost in rounding, so that it comes from the points.
-void RawOffset::settle_sharp_corners(std::span<const Point> contour, const Shape& shape, RawCurve& curve) {
+/// 180 degrees is lost in rounding, so that it comes from the points. Returns how many points arcs have beyond three a
+/// corner.
+std::size_t RawOffset::settle_sharp_corners(std::span<const Point> contour, const Shape& shape, RawCurve& curve) {
     const std::size_t count = contour.size();
+    std::size_t arc_points = 0;
     for (std::size_t i = 0; i < count; ++i) {
         if (corners_.cosine1[i] >= shape.least_cosine1) {
             continue;
@@ -106,11 +121,24 @@ void RawOffset::settle_sharp_corners(std::span<const Point> contour, const Shape
         if (turn * shape.distance < 0) {
             curve.reflex_cut = true;
             corners_.added[i] = corners_.cosine1[i] < sharpest_cosine1 ? -beyond_any_edge : corners_.added[i];
+        } else if (shape.is_round(i)) {
+            corners_.added[i] = 0;  // at least
+            arc_points += arc_at(i, shape).count;
+        } else if (shape.is_end(i)) {
+            corners_.added[i] = shape.corners.end == End::square ? shape.distance : 0;
         } else {  // tan(theta / 4) = sin(theta / 2) / (1 + cos(theta / 2))
             const double cosine1 = std::max(corners_.cosine1[i], 0.0);
             corners_.added[i] = std::abs(shape.distance) * std::sqrt(2.0 - cosine1) / (std::sqrt(2.0) + std::sqrt(cosine1));
         }
     }
+    return arc_points;
+}
+
+/// The directions between the normals of a round corner, counter-clockwise.
+ArcDirections::Between RawOffset::arc_at(std::size_t corner, const Shape& shape) const noexcept {
+    const bool forwards = shape.distance > 0;
+    return shape.corners.arcs->between(normal_of(corner, !forwards, shape.distance),
+                                       normal_of(corner, forwards, shape.distance));
 }
 
 bool RawOffset::keep_directions(std::size_t count) const noexcept {
@@ -139,6 +167,9 @@ Point* RawOffset::write_corner(std::span<const Point> contour, std::size_t corne
         return out;
     }
     const Point v = contour[corner];
+    if (outer && shape.is_round(corner)) {
+        return write_arc(v, corner, shape, out);
+    }
     const double d = shape.distance;
     const double beyond = outer ? added : 0.0;
     const double ux1 = edges_.ux[corner];
@@ -153,37 +184,85 @@ Point* RawOffset::write_corner(std::span<const Point> contour, std::size_t corne
     return out;
 }
 
-RawCurve RawOffset::append(std::span<const Point> contour, double distance, double miter, Turned turned) {
-    const Shape shape{distance, std::max(2.0 / (miter * miter), sharpest_cosine1)};
+/// Where edges with neighbouring normals meet, from that of the edge before the corner to that of the next.
+Point* RawOffset::write_arc(Point v, std::size_t corner, const Shape& shape, Point* out) const {
+    const ArcDirections& arcs = *shape.corners.arcs;
+    const ArcDirections::Between between = arc_at(corner, shape);
+    const bool forwards = shape.distance > 0;
+    Direction last = normal_of(corner, false, shape.distance);
+    for (std::size_t i = 0; i <= between.count; ++i) {
+        const std::size_t at = between.first + (forwards ? i : between.count - 1 - i);
+        const Direction next = i < between.count ? arcs[at] : normal_of(corner, true, shape.distance);
+        *out++ = meeting_of(v, std::abs(shape.distance), last, next);
+        last = next;
+    }
+    return out;
+}
+
+RawCurve RawOffset::append(std::span<const Point> contour, double distance, const Corners& corners, Turned turned) {
+    return append(contour, {corners, distance}, turned);
+}
+
+RawCurve RawOffset::append(std::span<const Point> contour, const Shape& shape, Turned turned) {
     const std::size_t count = contour.size();
     reserve(count);
     RawCurve curve;
     curve.first_point = points_.size();
     measure_edges(contour.data(), count, edges_);
-    const bool sharp = measure_corners(contour.data(), count, edges_, distance, corners_) < shape.least_cosine1;
-    if (sharp) {
-        settle_sharp_corners(contour, shape, curve);
-    }
+    const bool sharp = measure_corners(contour.data(), count, edges_, shape.distance, corners_) < shape.least_cosine1;
+    const std::size_t arc_points = sharp ? settle_sharp_corners(contour, shape, curve) : 0;
     corners_.added[count] = corners_.added[0];
     curve.directions_kept = keep_directions(count);
     if (!curve.directions_kept && turned == Turned::omitted) {
         return curve;
     }
-    points_.resize(points_.size() + 3 * count);
-    Point* const first = points_.data() + curve.first_point;
-    Point* last = first;
+    points_.resize(points_.size() + 3 * count + arc_points);
+    Point* last = points_.data() + curve.first_point;
     if (!sharp && curve.directions_kept) {
-        last = std::copy(corners_.miter, corners_.miter + count, first);
+        last = std::copy(corners_.miter, corners_.miter + count, last);
     } else {
         for (std::size_t i = 0; i < count; ++i) {
             last = write_corner(contour, i, shape, last);
         }
     }
+    return finish(curve, last);
+}
+
+RawCurve RawOffset::finish(RawCurve curve, Point* last) {
+    Point* const first = points_.data() + curve.first_point;
     curve.beyond_grid = reach_beyond_grid(first, last);
     last = without_repeats(first, last);
     curve.count = last - first < 3 ? 0 : static_cast<std::size_t>(last - first);
     points_.resize(curve.first_point + curve.count);
     return curve;
+}
+
+RawCurve RawOffset::append_line(std::span<const Point> line, double distance, const Corners& corners) {
+    line_.clear();
+    std::unique_copy(line.begin(), line.end(), std::back_inserter(line_));
+    if (line_.size() == 1) {
+        return append_dot(line_[0], distance, corners);
+    }
+    const std::size_t far_end = line_.size() - 1;
+    line_.reserve(2 * far_end);
+    for (std::size_t i = far_end; i-- > 1;) {
+        line_.push_back(line_[i]);
+    }
+    return append(line_, {corners, distance, far_end}, Turned::written);
+}
+
+/// A line of no length has no sides, but its ends have edges on all sides.
+RawCurve RawOffset::append_dot(Point at, double distance, const Corners& corners) {
+    RawCurve curve;
+    curve.first_point = points_.size();
+    const std::size_t edges = corners.end == End::butt ? 0 : corners.end == End::square ? 4 : corners.arcs->size();
+    points_.resize(points_.size() + edges);
+    Point* out = points_.data() + curve.first_point;
+    for (std::size_t i = 0; i < edges; ++i) {
+        const std::size_t step = corners.arcs->size() / edges;
+        *out++ = meeting_of(at, distance, (*corners.arcs)[i * step], (*corners.arcs)[(i + 1) * step]);
+    }
+    return finish(curve, out);
 }
 
 }  // namespace lamella

@@ -14,7 +14,8 @@
 //        - - - - - - . m                - - - - .                       :   |
 //
 //  - Outer: the miter m = v + d (n1 + n2) / (1 + cos theta), if |m - v| <= limit |d|. Beyond the limit two points, where the
-//    moved edges are cut across the bisector at distance |d| from v: |d| tan(|theta| / 4) beyond their ends.
+//    moved edges are cut across the bisector at distance |d| from v: |d| tan(|theta| / 4) beyond their ends. Or an arc: see
+//    arc_directions.hpp.
 //  - Inner: the same point m if both edges keep their direction, that is, if L and what the two ends add are positive
 //    together. Otherwise the joint v + d n1, v, v + d n2.
 //  - A spike, a turn of 180 degrees, counts as outer, as it looks alike from both sides: solid needs the cut, and what the
@@ -61,9 +62,13 @@
 // dilated region, and eroding that gives the contours. So closing changes contours only where curves meet, where an edge is
 // turned round, or where an inner corner passes the limit.
 //
+// A line is walked there and back, so that all of the above holds: the curve's winding numbers are how many rectangles and
+// wedges cover a point. At its two ends, which are spikes, it is cut at v (butt), at the distance beyond (square), or round.
+//
 // Points are rounded to the nearest of the grid. Only + - * / and sqrt, in a fixed order: the same bytes on every platform.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -71,6 +76,8 @@
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "lamella/grid.hpp"
+#include "lamella/overlay.hpp"
+#include "slicing/offset/arc_directions.hpp"
 
 namespace lamella {
 
@@ -89,6 +96,15 @@ struct OffsetCorners {
     double* added;    ///< to the length of both moved edges; negative at an inner corner
     double* cosine1;  ///< 1 + the cosine of the turn
     Point* miter;
+};
+
+/// What outer corners and the ends of lines become. `arcs` fits the distance, where
+/// something is round or a line.
+struct Corners {
+    double limit = 3;  ///< a longer miter, in distances, is cut or rounded; at least 1, counts as 1,000 if it is more
+    bool round = false;
+    End end = End::region;
+    const ArcDirections* arcs = nullptr;
 };
 
 /// The nearest point of the grid; beyond it, the nearest of those just outside.
@@ -115,10 +131,14 @@ public:
     void clear() noexcept { points_.clear(); }
 
     /// Appends the curve of a closed contour, solid on the left, from any of its points on; the first is not repeated.
-    /// `distance`: grid units, finite, at most 2 grid_limit either way. `miter`: at least 1; counts as 1,000 if it is
-    /// more. Precondition: three points or more, consecutive ones differ. At most three points a corner. Throws
-    /// std::bad_alloc.
-    RawCurve append(std::span<const Point> contour, double distance, double miter, Turned turned = Turned::written);
+    /// `distance`: grid units, finite, at most 2 grid_limit either way. Precondition: three points or more, consecutive ones
+    /// differ. At most three points a corner, but for arcs. Throws std::bad_alloc.
+    RawCurve append(std::span<const Point> contour, double distance, const Corners& corners,
+                    Turned turned = Turned::written);
+
+    /// Appends the curve around an open line, as wide as twice the distance, which is above 0. Precondition: one point or
+    /// more.
+    RawCurve append_line(std::span<const Point> line, double distance, const Corners& corners);
 
     /// For the contour that append() had last: its edges that do not keep their direction, ascending. Edge i leads from
     /// point i to the next.
@@ -130,23 +150,37 @@ public:
 
 private:
     struct Shape {
+        const Corners& corners;
         double distance;
-        double least_cosine1;  ///< below it a corner passes the limit
+        std::size_t far_end = 0;  ///< a line's corners 0 and far_end are ends; 0: it is none
+        double least_cosine1 = std::max(2.0 / (corners.limit * corners.limit), sharpest_cosine1);  ///< of a miter
+
+        bool is_end(std::size_t corner) const noexcept { return far_end != 0 && (corner == 0 || corner == far_end); }
+        bool is_round(std::size_t corner) const noexcept {
+            return is_end(corner) ? corners.end == End::round : corners.round;
+        }
     };
 
     void reserve(std::size_t count);
-    void settle_sharp_corners(std::span<const Point> contour, const Shape& shape, RawCurve& curve);
+    RawCurve append(std::span<const Point> contour, const Shape& shape, Turned turned);
+    RawCurve append_dot(Point at, double distance, const Corners& corners);
+    std::size_t settle_sharp_corners(std::span<const Point> contour, const Shape& shape, RawCurve& curve);
     bool keeps_direction(std::size_t edge) const noexcept {
         return edges_.length[edge + 1] + (corners_.added[edge] + corners_.added[edge + 1]) > 0;
     }
     bool keep_directions(std::size_t count) const noexcept;
+    ArcDirections::Between arc_at(std::size_t corner, const Shape& shape) const noexcept;
+    Direction normal_of(std::size_t corner, bool next, double distance) const noexcept;
     Point* write_corner(std::span<const Point> contour, std::size_t corner, const Shape& shape, Point* out) const;
+    Point* write_arc(Point v, std::size_t corner, const Shape& shape, Point* out) const;
+    RawCurve finish(RawCurve curve, Point* last);
 
     Worker& worker_;
     Vector<double> numbers_{worker_.memory()};  // what edges_ and corners_ point to
     Vector<Point> miters_{worker_.memory()};
     OffsetEdges edges_{};
-    OffsetCorners corners_{};  // the first stands at the end too
+    OffsetCorners corners_{};               // the first stands at the end too
+    Vector<Point> line_{worker_.memory()};  // there and back
     Vector<Point> points_{worker_.memory()};
 };
 

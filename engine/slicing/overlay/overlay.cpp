@@ -1,7 +1,8 @@
 // Overlay's calls, as the list of their stages:
 //
 //     LayerSets        one grid, one set of planes; what the host gives lies on the grid
-//     LayerOverlay     each layer by one thread, side by side
+//     LayerOverlay,    each layer by one thread, side by side
+//     LayerOffset
 //     LayerTarget      contours and points to their place
 
 #include "lamella/overlay.hpp"
@@ -19,6 +20,7 @@
 #include "base/parallel.hpp"
 #include "slicing/handover/sink_target.hpp"
 #include "slicing/overlay/labels.hpp"
+#include "slicing/overlay/layer_offset.hpp"
 #include "slicing/overlay/layer_overlay.hpp"
 #include "slicing/overlay/layer_sets.hpp"
 #include "slicing/regions/rules.hpp"
@@ -41,6 +43,7 @@ struct OverlayImpl {
         explicit Builder(const Parallel& parallel) : worker(parallel.memory(), parallel.stop()) {}
         Worker worker;
         LayerOverlay overlay{worker};
+        LayerOffset offset{worker};
     };
 
     Builder& of(int worker) {
@@ -182,6 +185,17 @@ Result<SliceInfo> Overlay::combine(const Destination& to, std::span<const LayerS
         return call.run({.parts = parts_of(rule, sets.size())}, after, [&](Builder& by, PlaneIndex n, BandOutput& out) {
             return by.overlay.run(sets, rule, call.rules(), n, out);
         });
+    });
+}
+
+Result<SliceInfo> Overlay::offset(const Destination& to, const LayerSet& of, std::span<const OffsetStep> steps,
+                                  const OffsetOptions& options, const RegionRules& after, const Context& context) noexcept {
+    return guarded(context, [&]() -> Result<SliceInfo> {
+        OverlayCall call(impl_, to, {&of, 1}, context);
+        const OffsetPlan plan(steps, options, of, call.sets(), context.memory);
+        return call.run(
+            {.parts = plan.kept(), .moved_mm = plan.moved_mm()}, after,
+            [&](Builder& by, PlaneIndex n, BandOutput& out) { return by.offset.run(of, plan, call.rules(), n, out); });
     });
 }
 

@@ -31,36 +31,61 @@ bool is_before(const Path& a, const Path& b) noexcept {
 
 std::span<const Path> SetReader::list_contours(const LayerSet& set, std::uint64_t n) {
     listed_.clear();
-    if (const ContourSet* const given = set.layers.given()) {
-        of_host_.clear();
-        for (const std::span<const Point> contour : given->contours) {
-            if (!contour.empty()) {
-                of_host_.push_back(given_path(contour));
-            }
-        }
+    if (set.layers.given() != nullptr) {
+        list_host(*set.layers.given(), true);
         given_.list(of_host_, listed_);
-    } else if (const LayerView* const layer = set.layers.layer()) {
-        list(set, *layer);
-    } else if (const SliceResult* const stack = set.layers.stack()) {
-        for (std::int64_t own = set.from; own <= set.to; ++own) {
-            const std::int64_t at = static_cast<std::int64_t>(n) + own;
-            if (at >= 0 && at < static_cast<std::int64_t>(stack->size())) {
-                list(set, (*stack)[static_cast<std::size_t>(at)]);
-            }
-        }
     }
-    return listed_;
-}
-
-/// Flat contours and open ones bound nothing.
-void SetReader::list(const LayerSet& set, const LayerView& layer) {
-    for (const Contour& contour : layer.contours) {
-        if (contour.role != Role::open && contour.role != Role::flat && (!set.part || *set.part == contour.part)) {
+    // Flat contours and open ones bound nothing.
+    for_each_contour(set, n, [&](const LayerView& layer, const Contour& contour) {
+        if (contour.role != Role::open && contour.role != Role::flat) {
             Path& path = listed_.emplace_back();
             path.item = closed_item(layer.points_of(contour));
             path.item.flags = static_cast<std::uint16_t>(contour.flags & (stitched | orientation_mixed));
             path.segments = contour.segments;
+        }
+    });
+    return listed_;
+}
+
+std::span<const Path> SetReader::list_lines(const LayerSet& set, std::uint64_t n) {
+    of_host_.clear();
+    if (set.layers.given() != nullptr) {
+        list_host(*set.layers.given(), false);
+    }
+    for_each_contour(set, n, [&](const LayerView& layer, const Contour& contour) {
+        of_host_.push_back(given_path(layer.points_of(contour), nullptr, contour.role != Role::open));
+    });
+    return of_host_;
+}
+
+void SetReader::list_host(const ContourSet& given, bool closed) {
+    of_host_.clear();
+    for (const std::span<const Point> contour : given.contours) {
+        if (!contour.empty()) {
+            of_host_.push_back(given_path(contour, nullptr, closed));
+        }
+    }
+}
+
+/// The contours of the set's layers that count for layer n.
+void SetReader::for_each_contour(const LayerSet& set, std::uint64_t n,
+                                 FunctionRef<void(const LayerView&, const Contour&)> take) {
+    const auto take_all = [&](const LayerView& layer) {
+        for (const Contour& contour : layer.contours) {
             worker_.spend(contour_work + contour.point_count);
+            if (!set.part || *set.part == contour.part) {
+                take(layer, contour);
+            }
+        }
+    };
+    if (set.layers.layer() != nullptr) {
+        take_all(*set.layers.layer());
+    } else if (const SliceResult* const stack = set.layers.stack()) {
+        for (std::int64_t own = set.from; own <= set.to; ++own) {
+            const std::int64_t at = static_cast<std::int64_t>(n) + own;
+            if (at >= 0 && at < static_cast<std::int64_t>(stack->size())) {
+                take_all((*stack)[static_cast<std::size_t>(at)]);
+            }
         }
     }
 }

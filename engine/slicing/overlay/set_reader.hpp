@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "base/function_ref.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "lamella/overlay.hpp"
@@ -23,9 +24,13 @@ public:
     std::span<const Path> list_contours(const LayerSet& set, std::uint64_t n);
     /// Those of the region, grown as the set says. Path::hole tells which side of a contour is solid, whichever way it runs.
     std::span<const Path> list_region(const LayerSet& set, std::uint64_t n, double grid_mm, Nester& nester);
+    /// All contours as lines: those of the host open, those of layers as they are. With NestItem::closed alone besides
+    /// points.
+    std::span<const Path> list_lines(const LayerSet& set, std::uint64_t n);
 
 private:
-    void list(const LayerSet& set, const LayerView& layer);
+    void list_host(const ContourSet& given, bool closed);
+    void for_each_contour(const LayerSet& set, std::uint64_t n, FunctionRef<void(const LayerView&, const Contour&)> take);
 
     Worker& worker_;
     Vector<Path> listed_{worker_.memory()};

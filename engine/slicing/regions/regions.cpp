@@ -52,10 +52,44 @@ void Regions::go_on(const Fill& filled, const RegionSteps& steps, Nester& nester
     }
     if (steps.offset != 0) {
         unchanged_ = false;
-        list_moved(steps.offset, steps.miter);
-        fill_positive(moved_, nester);
-        take(moved_);
+        latest_ = nullptr;
+        move(steps.offset, {.limit = steps.miter}, nester);
     }
+}
+
+void Regions::start_from(std::span<const Path> region) {
+    latest_ = nullptr;
+    rings_.assign(region.begin(), region.end());
+    turn_backward_ones();
+}
+
+void Regions::widen(std::span<const Path> lines, double distance, const Corners& corners, Nester& nester) {
+    clear(moved_curves_);
+    for (const Path& line : lines) {
+        if (!line.item.closed || line.item.count < 3) {
+            add_curve(line.item, moved_curves_.append_line(points_of(line.item), distance, corners));
+            continue;
+        }
+        // Both ways round: the distance to the right of each is the distance to both sides.
+        from_start_.assign(line.item.points, line.item.points + line.item.count);
+        add_curve(line.item, moved_curves_.append(from_start_, distance, corners));
+        std::reverse(from_start_.begin(), from_start_.end());
+        add_curve(line.item, moved_curves_.append(from_start_, distance, corners));
+    }
+    list_curves(moved_curves_);
+    fill_positive(moved_, nester);
+    take(moved_);
+    latest_ = &moved_;
+}
+
+void Regions::move(double distance, const Corners& corners, Nester& nester) {
+    const bool second = latest_ == &moved_;  // the rings are what moved_ and its curves hold
+    Fill& fill = second ? closed_ : moved_;
+    RawOffset& curves = second ? closed_curves_ : moved_curves_;
+    list_moved(curves, distance, corners);
+    fill_positive(fill, nester);
+    take(fill);
+    latest_ = &fill;
 }
 
 void Regions::take(const Fill& fill) {
@@ -94,7 +128,7 @@ void Regions::turn_backward_ones() {
 void Regions::close(const RegionSteps& steps, Nester& nester) {
     folded_.clear();
     folded_origins_.clear();
-    list_moved(steps.close, steps.miter, RawOffset::Turned::omitted);
+    list_dilated(steps.close, {.limit = steps.miter});
     fill_positive(moved_, nester);
     if (find_alone() && folded_.empty()) {
         return;
@@ -107,7 +141,7 @@ void Regions::close(const RegionSteps& steps, Nester& nester) {
 
 /// Edges are replaced from the ring's start on, wherever its points begin. None if then some edge still turns round.
 /// Precondition: the ring's curve is the last one that was appended to moved_curves_.
-std::optional<RawCurve> Regions::fold(const NestItem& ring, double distance, double miter) {
+std::optional<RawCurve> Regions::fold(const NestItem& ring, double distance, const Corners& corners) {
     const std::size_t begin = folded_.size();
     moved_curves_.list_turned_edges(ring.count, turned_edges_);
     for (std::uint32_t& edge : turned_edges_) {
@@ -117,11 +151,11 @@ std::optional<RawCurve> Regions::fold(const NestItem& ring, double distance, dou
     from_start_.resize(ring.count);
     std::rotate_copy(ring.points, ring.points + ring.start, ring.points + ring.count, from_start_.begin());
     folded_of_.clear();
-    if (!fold_edges(from_start_, turned_edges_, distance, miter, folded_, folded_of_)) {
+    if (!fold_edges(from_start_, turned_edges_, distance, corners.limit, folded_, folded_of_)) {
         return {};
     }
     const RawCurve curve =
-        moved_curves_.append(std::span(folded_).subspan(begin), distance, miter, RawOffset::Turned::omitted);
+        moved_curves_.append(std::span(folded_).subspan(begin), distance, corners, RawOffset::Turned::omitted);
     if (curve.reflex_cut || curve.count == 0) {
         folded_.resize(begin);
         return {};
@@ -163,43 +197,51 @@ Path Regions::as_folded(std::uint32_t ring) const {
 
 /// Curves of the dilated region, but for the rings left alone, which stay as they were or folded.
 void Regions::list_eroded(const RegionSteps& steps) {
-    closed_curves_.clear();
-    curves_.clear();
-    parts_.clear();
-    alone_.clear();
+    const Corners corners{.limit = steps.miter};
+    clear(closed_curves_);
     for (const Path& kept : moved_.kept()) {
         if (is_alone_[kept.source] != 0) {
-            alone_.push_back(as_folded(kept.source));
+            input_.push_back(as_folded(kept.source));
         } else {
-            add_curve(kept.item, closed_curves_.append(points_of(kept.item), -steps.close, steps.miter));
+            add_curve(kept.item, closed_curves_.append(points_of(kept.item), -steps.close, corners));
         }
     }
     for (const Path& made : moved_.made()) {
-        add_curve(made.item, closed_curves_.append(points_of(made.item), -steps.close, steps.miter));
+        add_curve(made.item, closed_curves_.append(points_of(made.item), -steps.close, corners));
     }
-    input_.swap(alone_);
     list_curves(closed_curves_);
 }
 
-/// Where curves with edges that turn round are omitted, their rings are folded if then none does, and otherwise moved as
-/// they are.
-void Regions::list_moved(double distance, double miter, RawOffset::Turned turned) {
-    moved_curves_.clear();
-    curves_.clear();
-    parts_.clear();
+void Regions::list_moved(RawOffset& curves, double distance, const Corners& corners) {
+    clear(curves);
+    for (const Path& ring : rings_) {
+        add_curve(ring.item, curves.append(points_of(ring.item), distance, corners));
+    }
+    list_curves(curves);
+}
+
+/// Rings with edges that turn round are folded if then none does, and otherwise moved as they are.
+void Regions::list_dilated(double distance, const Corners& corners) {
+    clear(moved_curves_);
     folded_ends_.clear();
     for (const Path& ring : rings_) {
         const std::span<const Point> points = points_of(ring.item);
-        RawCurve curve = moved_curves_.append(points, distance, miter, turned);
-        if (turned == RawOffset::Turned::omitted && !curve.directions_kept) {
-            const std::optional<RawCurve> folded = fold(ring.item, distance, miter);
-            curve = folded ? *folded : moved_curves_.append(points, distance, miter);
+        RawCurve curve = moved_curves_.append(points, distance, corners, RawOffset::Turned::omitted);
+        if (!curve.directions_kept) {
+            const std::optional<RawCurve> folded = fold(ring.item, distance, corners);
+            curve = folded ? *folded : moved_curves_.append(points, distance, corners);
         }
         add_curve(ring.item, curve);
         folded_ends_.push_back(folded_.size());
     }
-    input_.clear();
     list_curves(moved_curves_);
+}
+
+void Regions::clear(RawOffset& curves) {
+    input_.clear();
+    curves.clear();
+    curves_.clear();
+    parts_.clear();
 }
 
 void Regions::add_curve(const NestItem& ring, const RawCurve& curve) {
@@ -237,7 +279,7 @@ void Regions::mark_near(std::span<NestItem> contours, double distance, double mi
         }
     }
     turn_backward_ones();
-    list_moved(distance, miter);
+    list_moved(moved_curves_, distance, {.limit = miter});
     fill_positive(moved_, nester);
     find_alone();
     for (std::size_t r = 0; r < rings_.size(); ++r) {

@@ -50,6 +50,18 @@ public:
     /// The steps after the fill rule, from a region that is filled already. The region must stay until all is read.
     void go_on(const Fill& filled, const RegionSteps& steps, Nester& nester);
 
+    // Several steps sideways, each from the one before. start_from() or widen() comes first, then move() as often as wanted.
+    // What they are given must stay until the first move().
+
+    /// From a region that is known to be one; Path::hole tells the solid side of each contour.
+    void start_from(std::span<const Path> region);
+    /// From what lies within the distance of lines: open ones, and closed ones as if they came back to their start.
+    void widen(std::span<const Path> lines, double distance, const Corners& corners, Nester& nester);
+    /// By so many grid units; positive: outwards.
+    void move(double distance, const Corners& corners, Nester& nester);
+    /// The region after the last move() or widen(); its paths are paths() too.
+    const Fill& moved() const noexcept { return *latest_; }
+
     /// In no order; empty where is_unchanged(), unless RegionSteps::always_list. Path::made tells those apart that are given
     /// contours; points of the others stay until the next call. Path::touched counts from the first of these paths.
     std::span<const Path> paths() const noexcept { return rings_; }
@@ -64,11 +76,13 @@ public:
 private:
     void turn_backward_ones();
     void close(const RegionSteps& steps, Nester& nester);
-    std::optional<RawCurve> fold(const NestItem& ring, double distance, double miter);
+    std::optional<RawCurve> fold(const NestItem& ring, double distance, const Corners& corners);
     Path as_folded(std::uint32_t ring) const;
     bool find_alone();
     void list_eroded(const RegionSteps& steps);
-    void list_moved(double distance, double miter, RawOffset::Turned turned = RawOffset::Turned::written);
+    void list_moved(RawOffset& curves, double distance, const Corners& corners);
+    void list_dilated(double distance, const Corners& corners);
+    void clear(RawOffset& curves);
     void add_curve(const NestItem& ring, const RawCurve& curve);
     void list_curves(RawOffset& curves);
     void fill_positive(Fill& fill, Nester& nester);
@@ -80,7 +94,6 @@ private:
     Vector<RawCurve> curves_{worker_.memory()};        // of a stage's rings
     Vector<std::uint32_t> parts_{worker_.memory()};    // of curves_
     Vector<std::uint8_t> is_alone_{worker_.memory()};  // of each ring: closing leaves it alone
-    Vector<Path> alone_{worker_.memory()};
     Vector<std::uint32_t> turned_edges_{worker_.memory()};  // of a ring
     Vector<Point> from_start_{worker_.memory()};            // points of a ring
     Vector<Point> folded_{worker_.memory()};
@@ -92,10 +105,11 @@ private:
     bool unchanged_ = false;
 
     Fill filled_{worker_};
-    Fill moved_{worker_};  // dilated for closing, or offset
-    Fill closed_{worker_};
+    Fill moved_{worker_};   // dilated for closing, or offset by the first step, the third and so on
+    Fill closed_{worker_};  // or offset by the second step, the fourth and so on
     RawOffset moved_curves_{worker_};
     RawOffset closed_curves_{worker_};
+    const Fill* latest_ = nullptr;  // what move() and widen() made last
 };
 
 }  // namespace lamella

@@ -90,10 +90,10 @@ private:
 
     Worker& worker_;
     Vector<Path> rings_{worker_.memory()};
-    Vector<Path> input_{worker_.memory()};             // of a stage's fill, by start
-    Vector<RawCurve> curves_{worker_.memory()};        // of a stage's rings
-    Vector<std::uint32_t> parts_{worker_.memory()};    // of curves_
-    Vector<std::uint8_t> is_alone_{worker_.memory()};  // of each ring: closing leaves it alone
+    Vector<Path> input_{worker_.memory()};                  // of a stage's fill, by start
+    Vector<RawCurve> curves_{worker_.memory()};             // of a stage's rings
+    Vector<std::uint32_t> parts_{worker_.memory()};         // of curves_
+    Vector<std::uint8_t> is_alone_{worker_.memory()};       // of each ring: closing leaves it alone
     Vector<std::uint32_t> turned_edges_{worker_.memory()};  // of a ring
     Vector<Point> from_start_{worker_.memory()};            // points of a ring
     Vector<Point> folded_{worker_.memory()};

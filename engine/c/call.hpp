@@ -101,6 +101,7 @@ LAMELLA_SIZED(lamella_audit_result, LAMELLA_AUDIT_RESULT, reserved);
 LAMELLA_SIZED(lamella_layer_set, LAMELLA_LAYER_SET, part);
 LAMELLA_SIZED(lamella_rule, LAMELLA_RULE, label_object);
 LAMELLA_SIZED(lamella_adaptive, LAMELLA_ADAPTIVE, range_count);
+LAMELLA_SIZED(lamella_offset, LAMELLA_OFFSET, arc_tolerance_mm);
 #undef LAMELLA_SIZED
 // NOLINTEND(bugprone-sizeof-expression)
 
@@ -129,6 +130,7 @@ void set_defaults(lamella_audit_result& found) noexcept;
 void set_defaults(lamella_layer_set& set) noexcept;
 void set_defaults(lamella_rule& rule) noexcept;
 void set_defaults(lamella_adaptive& adaptive) noexcept;
+void set_defaults(lamella_offset& offset) noexcept;
 
 template <class T>
 T defaults() noexcept {

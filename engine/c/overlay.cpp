@@ -1,4 +1,5 @@
 // The calls of lamella.h that combine layers with layers.
+#include <algorithm>
 #include <deque>
 #include <new>
 #include <string>
@@ -101,7 +102,35 @@ Rule rule_of(const lamella_rule& c) {
     return rule;
 }
 
+std::vector<OffsetStep> read_steps(const lamella_offset_step* given, std::size_t count) {
+    require_list(given, count, "steps");
+    std::vector<OffsetStep> steps;
+    for (std::size_t i = 0; i < std::min<std::size_t>(count, most_labels + 1); ++i) {
+        if (given[i].reserved != 0) {
+            refuse("step " + std::to_string(i) + ": reserved must be 0");
+        }
+        steps.push_back({given[i].mm, given[i].drop == 0});
+    }
+    return steps;
+}
+
+OffsetOptions read_offset(const lamella_offset* given) {
+    const lamella_offset c = read_sized(given);
+    require_choice(c.join, LAMELLA_JOIN_SQUARE, "join");
+    require_choice(c.end, LAMELLA_END_ROUND, "end");
+    return {.join = static_cast<Join>(c.join),
+            .end = static_cast<End>(c.end),
+            .miter_limit = c.miter_limit,
+            .arc_tolerance_mm = c.arc_tolerance_mm};
+}
+
 }  // namespace
+
+void set_defaults(lamella_offset& offset) noexcept {
+    const OffsetOptions options;
+    offset.miter_limit = options.miter_limit;
+    offset.arc_tolerance_mm = options.arc_tolerance_mm;
+}
 
 void set_defaults(lamella_layer_set& set) noexcept {
     set.fill_rule = LAMELLA_FILL_RULE_NON_ZERO;
@@ -146,6 +175,26 @@ int32_t lamella_overlay_combine(lamella_overlay* overlay, const lamella_destinat
         const lamella_rule by = api::read_sized(rule);
         api::fill_destination(where, [&](const lamella::Destination& place, const lamella::SliceResult* result) {
             kept.give(kept->overlay.combine(place, given.sets(), api::rule_of(by), how.region, host.context), info, result);
+        });
+    });
+}
+
+int32_t lamella_overlay_offset(lamella_overlay* overlay, const lamella_destination* to, const lamella_layer_set* of,
+                               const lamella_offset_step* steps, size_t step_count, const lamella_offset* offset,
+                               const lamella_options* after, const lamella_context* context, lamella_info* info,
+                               lamella_error* error) {
+    return api::called(error, [&] {
+        api::require_initialised(info);
+        const lamella_destination where = api::read_destination(to);
+        api::Kept<lamella_overlay> kept(overlay);
+        const api::Host host(context);
+        lamella::SliceOptions how;
+        api::read_options(after, how);
+        const api::GivenSets given(of, 1);
+        const std::vector<lamella::OffsetStep> moves = api::read_steps(steps, step_count);
+        const lamella::OffsetOptions options = api::read_offset(offset);
+        api::fill_destination(where, [&](const lamella::Destination& place, const lamella::SliceResult* result) {
+            kept.give(kept->overlay.offset(place, given.sets()[0], moves, options, how.region, host.context), info, result);
         });
     });
 }

@@ -283,6 +283,7 @@ void lamella_init_sized(void* it, int32_t kind, size_t size) {
     api::init_if<lamella_layer_set>(kind, it, size);
     api::init_if<lamella_rule>(kind, it, size);
     api::init_if<lamella_adaptive>(kind, it, size);
+    api::init_if<lamella_offset>(kind, it, size);
     const auto bytes = static_cast<std::uint32_t>(size);
     std::memcpy(it, &bytes, sizeof bytes);
 }

@@ -68,6 +68,25 @@ typedef struct lamella_rule {
     void* label_object;
 } lamella_rule;
 
+/* One step of an offset: how far edges move, outwards where it is above 0, from where the step before left them. */
+typedef struct lamella_offset_step {
+    double mm;
+    int32_t drop; /* not 0: its region is no part of the answer */
+    int32_t reserved;
+} lamella_offset_step;
+
+enum { LAMELLA_JOIN_MITER = 0, LAMELLA_JOIN_ROUND = 1, LAMELLA_JOIN_SQUARE = 2 };
+enum { LAMELLA_END_REGION = 0, LAMELLA_END_BUTT = 1, LAMELLA_END_SQUARE = 2, LAMELLA_END_ROUND = 3 };
+
+typedef struct lamella_offset {
+    uint32_t struct_size;
+    int32_t join;
+    int32_t end;
+    int32_t reserved;
+    double miter_limit;      /* 3 by default */
+    double arc_tolerance_mm; /* 0.005 by default */
+} lamella_offset;
+
 typedef struct lamella_overlay lamella_overlay;
 
 /* Scratch that is kept from call to call, one for each thread that calls. NULL where there is no memory. */
@@ -81,6 +100,12 @@ LAMELLA_C_API int32_t lamella_overlay_combine(lamella_overlay* overlay, const la
                                               const lamella_layer_set* sets, size_t set_count, const lamella_rule* rule,
                                               const lamella_options* after, const lamella_context* context,
                                               lamella_info* info, lamella_error* error);
+
+/* Kept steps are parts 0, 1, ... of the answer. Overlay, offset, `after`, context, info and error may be NULL. */
+LAMELLA_C_API int32_t lamella_overlay_offset(lamella_overlay* overlay, const lamella_destination* to,
+                                             const lamella_layer_set* of, const lamella_offset_step* steps,
+                                             size_t step_count, const lamella_offset* offset, const lamella_options* after,
+                                             const lamella_context* context, lamella_info* info, lamella_error* error);
 
 #ifdef __cplusplus
 } /* extern "C" */

@@ -145,6 +145,48 @@ TEST_CASE("sets and rules of every form combine by C to the bytes of C++", "[c][
                                   nullptr) == LAMELLA_CANCELLED);
 }
 
+TEST_CASE("offsets by C are the bytes of C++, and what they are given wrongly is refused", "[c][offset]") {
+    const BothStacks both;
+    const lamella_layer_set set = both.set(0);
+    const LayerSet expected_set{.layers = both.cpp, .part = 0};
+    const lamella_offset_step steps[] = {{-0.5, 0, 0}, {-0.25, 1, 0}, {0.5, 0, 0}};
+    const OffsetStep expected_steps[] = {{-0.5}, {-0.25, false}, {0.5}};
+    SliceResult expected;
+    REQUIRE(Overlay()
+                .offset(expected, expected_set, expected_steps, {.join = Join::round, .arc_tolerance_mm = 0.1},
+                        {.drop_collinear = true})
+                .ok());
+    auto offset = fresh<lamella_offset>(LAMELLA_OFFSET);
+    offset.join = LAMELLA_JOIN_ROUND;
+    offset.arc_tolerance_mm = 0.1;
+    auto after = fresh<lamella_options>(LAMELLA_OPTIONS);
+    after.drop_collinear = 1;
+    lamella_result* made = nullptr;
+    const lamella_destination to = into(&made, nullptr, nullptr);
+    auto info = fresh<lamella_info>(LAMELLA_INFO);
+    auto error = fresh<lamella_error>(LAMELLA_ERROR);
+    REQUIRE(lamella_overlay_offset(nullptr, &to, &set, steps, 3, &offset, &after, nullptr, &info, &error) == LAMELLA_OK);
+    const Owned<lamella_result> result(made);
+    CHECK(lamella_result_hash(made) == expected.hash());
+    CHECK(info.part_count == 2);
+    made = nullptr;
+    const auto message = [&](const lamella_offset_step* given, std::size_t count) {
+        CHECK(lamella_overlay_offset(nullptr, &to, &set, given, count, &offset, nullptr, nullptr, nullptr, &error) ==
+              LAMELLA_INVALID_ARGUMENT);
+        CHECK(made == nullptr);
+        return std::string(error.message);
+    };
+    CHECK(message(nullptr, 2) == "steps is NULL, but its count is not 0");
+    CHECK(message(steps, 0) == "an offset has from 1 to 65535 steps, not 0");
+    const lamella_offset_step reserved[] = {{1, 0, 1}};
+    CHECK(message(reserved, 1) == "step 0: reserved must be 0");
+    offset.join = 3;
+    CHECK(message(steps, 3) == "join is 3, but the choices are 0 to 2");
+    offset.join = 0;
+    offset.end = -1;
+    CHECK(message(steps, 3) == "end is -1, but the choices are 0 to 3");
+}
+
 TEST_CASE("what C gives wrongly to combine is refused by name", "[c][overlay]") {
     const BothStacks both;
     const lamella_path no_points = {nullptr, 3};

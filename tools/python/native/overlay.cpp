@@ -1,6 +1,9 @@
 // Layers combined with layers.
 #include <deque>
 #include <span>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 #include "lamella/overlay.hpp"
 #include "native.hpp"
@@ -77,12 +80,33 @@ HeldResult combine(const py::list& given, const py::object& rule, const Asked& a
     return HeldResult(std::move(result));
 }
 
+/// Steps: (mm, kept) each. `how`: join, end, miter limit, arc tolerance.
+HeldResult offset(const py::list& given, const std::vector<std::pair<double, bool>>& steps,
+                  const std::tuple<int, int, double, double>& how, const Asked& asked) {
+    const Sets sets(given);
+    std::vector<OffsetStep> moves;
+    for (const auto& [mm, keep] : steps) {
+        moves.push_back({mm, keep});
+    }
+    const auto [join, end, miter_limit, arc_tolerance] = how;
+    const OffsetOptions options{.join = static_cast<Join>(join),
+                                .end = static_cast<End>(end),
+                                .miter_limit = miter_limit,
+                                .arc_tolerance_mm = arc_tolerance};
+    SliceResult result;
+    run(asked, [&](const Context& context) {
+        return Overlay().offset(result, sets.all()[0], moves, options, asked.options.region, context);
+    });
+    return HeldResult(std::move(result));
+}
+
 }  // namespace
 
 void define_overlay(py::module_& module) {
     module.attr("most_layer_sets") = most_layer_sets;
     module.attr("most_labels") = most_labels;
     module.def("combine", &combine);
+    module.def("offset", &offset);
 }
 
 }  // namespace lamella::python

@@ -156,3 +156,38 @@ def test_stacks_that_do_not_match_are_refused(pair, cube):
         lamella.combine(pair, raising)
     with pytest.raises(lamella.ResultTooLargeError, match="more than the memory limit of 100 bytes"):
         lamella.combine(pair, memory_limit=100)
+
+
+def test_offsets_move_edges_step_by_step(pair):
+    walls = lamella.offset(pair[0], [-0.5, -1.0, -1.0])
+    assert walls.info["part_count"] == 3
+    for part, area in enumerate([81, 49, 25]):
+        assert lamella.combine([walls.of_part(part)]).areas == pytest.approx([area] * 5)
+    assert lamella.offset(pair[0], -0.5).areas == pytest.approx([81] * 5)
+    assert lamella.offset(pair[0], [-2, 2], keep="last").hash == lamella.offset(pair[0], [-2, 2], keep=[False, True]).hash
+    assert lamella.offset(pair[0].grown(-1), [1]).areas == pytest.approx([100] * 5)
+    round_one = lamella.offset([SQUARE], 1, join="round", arc_tolerance=0.001)
+    assert round_one.areas == pytest.approx([16 + 16 + np.pi], abs=0.01)
+
+
+def test_lines_get_a_width():
+    line = np.array([[0, 0], [10, 0]])
+    for end, area in {"butt": 20, "square": 24, "round": 20 + np.pi}.items():
+        assert lamella.offset([line], 1, end=end, arc_tolerance=1e-4).areas == pytest.approx([area], abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    "arguments, message",
+    [
+        ({"steps": []}, "an offset has from 1 to 65535 steps, not 0"),
+        ({"steps": 0}, "step 0: the offset of 0 mm moves nothing"),
+        ({"steps": "far"}, "steps must be a number"),
+        ({"steps": 1, "join": "bevel"}, "join must be one of 'miter', 'round', 'square', not 'bevel'"),
+        ({"steps": 1, "end": 1}, "end must be one of"),
+        ({"steps": [1, 2], "keep": [True]}, "keep has 1 flags for 2 steps"),
+        ({"steps": 1, "fill_rule": "positive"}, "fill_rule is not for offset"),
+    ],
+)
+def test_offsets_are_refused_by_name(pair, arguments, message):
+    with pytest.raises(lamella.InvalidArgumentError, match=message):
+        lamella.offset(pair[0], **arguments)

@@ -1,9 +1,9 @@
-"""combine(): layers with layers."""
+"""combine() and offset(): layers with layers, and their edges moved."""
 
 from __future__ import annotations
 
 import operator
-from typing import TYPE_CHECKING, Any, Callable, List, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Iterable, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +23,8 @@ RuleLike = Union[str, npt.ArrayLike, Callable[..., Any]]
 
 RULES = ("unite", "subtract", "intersect", "exclusive", "last")
 MOST_FOR_FUNCTION = 16
+JOINS = ("miter", "round", "square")
+ENDS = ("region", "butt", "square", "round")
 
 
 def combine(
@@ -63,15 +65,85 @@ def combine(
     >>> lamella.combine([body, bed], lambda body, bed: 0 if not body else 2 if bed else 1).contours["part"]
     array([0, 1, 0, 1, 0, 1, 1], dtype=uint32)
     """
-    for name in options:
-        if name.startswith("fill_"):
-            refuse(f"{name} is not for combine(), but a set has a fill rule: lamella.LayerSet(layers, fill_rule=...)")
+    _refuse_fill("combine", options)
     asked = [as_set(each) for each in sets]
     if not 1 <= len(asked) <= _native.most_layer_sets:
         refuse(f"from 1 to {_native.most_layer_sets} sets of layers can be combined, not {len(asked)}")
     step = _step(asked, grid)
     native = [_native_set(each, f"sets[{i}]", step) for i, each in enumerate(asked)]
     return Result(_native.combine(native, _native_rule(rule, len(asked)), slice_options(options, CombineKeywords)), None)
+
+
+def offset(
+    layers: SetLike,
+    steps: Union[float, Sequence[float]],
+    *,
+    join: str = "miter",
+    end: str = "region",
+    miter_limit: float = 3.0,
+    arc_tolerance: float = 0.005,
+    keep: Union[str, Sequence[bool]] = "all",
+    grid: Optional[float] = None,
+    **options: Unpack[CombineKeywords],
+) -> Result:
+    """Move the edges of layers outwards, or inwards, in one step or several.
+
+    Parameters
+    ----------
+    layers : Result, Layer, LayerSet or contours
+        As for `combine`.
+    steps : float or sequence of float
+        How far edges move, mm, each from where the step before left them; negative: inwards.
+    join : {"miter", "round", "square"}
+        What corners become that the offset moves apart. Arcs lie between the distance and `arc_tolerance` mm more.
+    end : {"region", "butt", "square", "round"}
+        Other than "region": contours given as arrays, and open ones of layers, are lines with such ends, and closed ones of
+        layers lines without ends. The first step is above 0 then.
+    miter_limit : float
+        A corner farther away than so many distances is cut.
+    keep : {"all", "last"} or sequence of bool
+        The steps whose regions are parts 0, 1, ... of the answer. An opening keeps the last of two steps.
+    grid : float, optional
+        As for `combine`.
+    **options
+        As for `combine`.
+
+    Examples
+    --------
+    >>> s = lamella.slice(corners, faces, layer_height=10)
+    >>> walls = lamella.offset(s, [-0.2, -0.4, -0.4])
+    >>> walls.contours["part"]
+    array([0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2], dtype=uint32)
+    >>> lamella.offset(s, [-1, 1], keep="last", join="round").contours.size
+    4
+    >>> line = [[0, 0], [10, 0], [10, 10]]
+    >>> float(lamella.offset([line], 1, end="butt").areas[0])
+    40.0
+    """
+    _refuse_fill("offset", options)
+    asked = as_set(layers)
+    step = _step([asked], grid)
+    moves = [number("steps", mm) for mm in (steps if isinstance(steps, (Sequence, np.ndarray)) else [steps])]
+    if keep == "all" or keep == "last":
+        kept = [keep == "all" or i + 1 == len(moves) for i in range(len(moves))]
+    else:
+        kept = [bool(each) for each in keep]
+        if len(kept) != len(moves):
+            refuse(f"keep has {len(kept)} flags for {len(moves)} steps")
+    how = (
+        one_of("join", join, JOINS),
+        one_of("end", end, ENDS),
+        number("miter_limit", miter_limit),
+        number("arc_tolerance", arc_tolerance),
+    )
+    native = [_native_set(asked, "layers", step)]
+    return Result(_native.offset(native, list(zip(moves, kept)), how, slice_options(options, CombineKeywords)), None)
+
+
+def _refuse_fill(call: str, options: Iterable[str]) -> None:
+    for name in options:
+        if name.startswith("fill_"):
+            refuse(f"{name} is not for {call}(), but a set has a fill rule: lamella.LayerSet(layers, fill_rule=...)")
 
 
 def _step(sets: Sequence[LayerSet], grid: Optional[float]) -> float:

@@ -1,40 +1,31 @@
 // Parts with roles, judged cell by cell: parts are prisms over triangles of a lattice, and so is what is left of each.
 #include <array>
 #include <bit>
-#include <map>
 #include <random>
 
 #include <catch2/catch.hpp>
 
 #include "engine/counting_memory.hpp"
 #include "engine/everywhere.hpp"
-#include "rings.hpp"
+#include "regions/lattice.hpp"
 
 using namespace lamella;
+using lattice::Cells;
+using lattice::cells_of;
 
 namespace {
 
-constexpr int lattice_side = 4;
-constexpr std::int32_t lattice_cell = 12;
-using LatticeCells = std::uint64_t;  // bit 4 (y * lattice_side + x) + t: bottom, right, top, left of a cell
-constexpr double triangle_mm2 = lattice_cell * lattice_cell / 4.0;
-
-std::array<Point, 3> lattice_triangle(int number) {
-    const std::int32_t x = number / 4 % lattice_side * lattice_cell;
-    const std::int32_t y = number / 4 / lattice_side * lattice_cell;
-    const Point corners[] = {{x, y}, {x + lattice_cell, y}, {x + lattice_cell, y + lattice_cell}, {x, y + lattice_cell}};
-    return {corners[number % 4], corners[(number % 4 + 1) % 4], {x + lattice_cell / 2, y + lattice_cell / 2}};
-}
+constexpr double triangle_mm2 = lattice::cell * lattice::cell / 4.0;
 
 /// From z = 0 to 10 on a grid of 1 mm, each triangle by itself.
-shapes::Soup prisms_over(LatticeCells cells) {
+shapes::Soup prisms_over(Cells cells) {
     shapes::Soup soup;
     const auto add = [&soup](Point p, double z) { soup.insert(soup.end(), {double(p.x), double(p.y), z}); };
-    for (int t = 0; t < 64; ++t) {
+    for (int t = 0; t < lattice::triangles; ++t) {
         if ((cells >> t & 1) == 0) {
             continue;
         }
-        const auto [a, b, c] = lattice_triangle(t);
+        const auto [a, b, c] = lattice::triangle_of(t);
         for (const auto& [from, to] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)}) {
             add(from, 0), add(to, 0), add(to, 10);
             add(from, 0), add(to, 10), add(from, 10);
@@ -43,24 +34,6 @@ shapes::Soup prisms_over(LatticeCells cells) {
         add(a, 10), add(b, 10), add(c, 10);
     }
     return soup;
-}
-
-/// Which triangles the contours of a part fill in a layer.
-LatticeCells cells_of(const LayerView& layer, std::uint32_t part) {
-    LatticeCells cells = 0;
-    for (int t = 0; t < 64; ++t) {
-        const auto [a, b, c] = lattice_triangle(t);
-        const Point middle{(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
-        int winding = 0;
-        for (const Contour& contour : layer.contours) {
-            if (contour.part == part) {
-                winding += rings::winding(layer.points_of(contour), middle).value();
-            }
-        }
-        REQUIRE((winding == 0 || winding == 1));
-        cells |= LatticeCells(winding) << t;
-    }
-    return cells;
 }
 
 double area_of(const LayerView& layer, std::uint32_t part) {
@@ -72,11 +45,11 @@ double area_of(const LayerView& layer, std::uint32_t part) {
 }
 
 struct LatticeParts {
-    std::vector<LatticeCells> cells;
+    std::vector<Cells> cells;
     std::vector<shapes::Soup> soups;
     std::vector<Part> parts;
 
-    void add(LatticeCells own, PartRole role, std::uint32_t object = 0) {
+    void add(Cells own, PartRole role, std::uint32_t object = 0) {
         cells.push_back(own);
         soups.push_back(prisms_over(own));
         parts.push_back({.role = role, .object = object});
@@ -87,10 +60,10 @@ struct LatticeParts {
         }
     }
     /// By the definition, triangle by triangle.
-    LatticeCells left_of(std::size_t part) const {
-        LatticeCells left = 0;
-        for (int t = 0; t < 64; ++t) {
-            left |= LatticeCells(owner(t, parts[part].object, part)) << t;
+    Cells left_of(std::size_t part) const {
+        Cells left = 0;
+        for (int t = 0; t < lattice::triangles; ++t) {
+            left |= Cells(owner(t, parts[part].object, part)) << t;
         }
         return left;
     }
@@ -131,7 +104,7 @@ TEST_CASE("what is left of each part is what its role gives it, triangle by tria
         LatticeParts given;
         const std::size_t count = 1 + random() % 6;
         for (std::size_t p = 0; p < count; ++p) {
-            const LatticeCells cells = (round % 2 == 0 ? random() & random() : random()) | 1;
+            const Cells cells = (round % 2 == 0 ? random() & random() : random()) | 1;
             given.add(cells, static_cast<PartRole>(random() % 4), static_cast<std::uint32_t>(random() % 2));
         }
         given.add(random() | 1, PartRole::negative, 5);  // so that some part has a role; alone in its object
@@ -140,7 +113,7 @@ TEST_CASE("what is left of each part is what its role gives it, triangle by tria
         const SliceResult result = sliced(given.parts, at_five(rule), {.threads = 1 + static_cast<int>(round % 3)});
         CHECK(result.info.part_count == given.parts.size());
         for (std::uint32_t p = 0; p < given.parts.size(); ++p) {
-            const LatticeCells left = given.left_of(p);
+            const Cells left = given.left_of(p);
             CAPTURE(round, p);
             REQUIRE(cells_of(result[0], p) == left);
             REQUIRE(area_of(result[0], p) == triangle_mm2 * std::popcount(left));  // no gap, no overlap, to the unit
@@ -148,7 +121,7 @@ TEST_CASE("what is left of each part is what its role gives it, triangle by tria
         // United, it is all that is solid, as one region.
         SliceOptions unite = at_five(FillRule::non_zero);
         unite.unite_parts = true;
-        LatticeCells solid = 0;
+        Cells solid = 0;
         for (std::uint32_t p = 0; p < given.parts.size(); ++p) {
             solid |= given.parts[p].role == PartRole::support_blocker ? 0 : given.left_of(p);
         }
@@ -235,12 +208,7 @@ TEST_CASE("parts with roles go to every destination, with the same bytes on any 
     const auto take = [&hash](const LayerView& layer) noexcept { hash.add(layer); };
     sliced_to(LayerSink{.take = take}, parts, uniform(0.1));
     CHECK(hash.value() == result.hash());
-    std::vector<Point> points(result.points.size());
-    std::vector<Contour> contours(result.contours.size());
-    std::vector<Layer> layers(result.size());
-    sliced_to(HostArrays{.points = points.data(), .point_capacity = points.size(), .contours = contours, .layers = layers},
-              parts, uniform(0.1));
-    CHECK(std::equal(points.begin(), points.end(), result.points.begin()));
+    require_at_every_destination(result, parts, uniform(0.1));
     for (std::uint64_t fails_at = 1; fails_at < 2000; fails_at += 37) {
         CountingMemory memory(~std::size_t{0}, fails_at);
         const auto code = code_of(Slicer().slice(parts, uniform(1), {.threads = 1, .memory = &memory}));

@@ -14,9 +14,13 @@
 #include "engine/slicing.hpp"
 #include "lamella/overlay.hpp"
 #include "regions/given.hpp"
+#include "regions/lattice.hpp"
 #include "regions/region.hpp"
 
 using namespace lamella;
+using lattice::Cells;
+using lattice::cells_of;
+using lattice::winding_around;
 using regions::Given;
 using regions::Polygon;
 using regions::Polygons;
@@ -58,33 +62,12 @@ std::string roles_of(const SliceResult& result) {
     return text;
 }
 
-// A lattice of cells of `cell` units, each cut into four triangles by its diagonals: bottom, right, top, left.
-constexpr int side = 4;
-constexpr std::int32_t cell = 12;
-constexpr int triangles = 4 * side * side;
-using Cells = std::uint64_t;  // bit 4 (y * side + x) + t
-static_assert(triangles == 64);
-
-Polygon triangle_of(int number) {
-    const std::int32_t x = number / 4 % side * cell;
-    const std::int32_t y = number / 4 / side * cell;
-    const Point corners[] = {{x, y}, {x + cell, y}, {x + cell, y + cell}, {x, y + cell}};
-    return {corners[number % 4], corners[(number % 4 + 1) % 4], {x + cell / 2, y + cell / 2}};
-}
-
-Point centroid_of(int number) {
-    Point sum{0, 0};
-    for (const Point p : triangle_of(number)) {
-        sum = {sum.x + p.x, sum.y + p.y};
-    }
-    return {sum.x / 3, sum.y / 3};
-}
-
 Polygons triangles_of(Cells cells) {
     Polygons all;
-    for (int t = 0; t < triangles; ++t) {
+    for (int t = 0; t < lattice::triangles; ++t) {
         if ((cells >> t & 1) != 0) {
-            all.push_back(triangle_of(t));
+            const auto corners = lattice::triangle_of(t);
+            all.emplace_back(corners.begin(), corners.end());
         }
     }
     return all;
@@ -106,26 +89,6 @@ int winding_around(const Polygons& polygons, Point p, bool& near) {
         });
     }
     return winding;
-}
-
-/// The same for contours of `part`; requires that the point lies on none.
-int winding_around(const SliceResult& result, std::uint32_t part, Point p) {
-    int winding = 0;
-    for (const Contour& contour : result.contours) {
-        winding += contour.part == part ? rings::winding(result.points_of(contour), p).value() : 0;
-    }
-    return winding;
-}
-
-/// The triangles of each part; requires that contours wind once around what they hold.
-Cells cells_of(const SliceResult& result, std::uint32_t part) {
-    Cells cells = 0;
-    for (int t = 0; t < triangles; ++t) {
-        const int winding = winding_around(result, part, centroid_of(t));
-        REQUIRE((winding == 0 || winding == 1));
-        cells |= Cells(winding) << t;
-    }
-    return cells;
 }
 
 rings::Int128 twice_area_of(const SliceResult& result, std::uint32_t part) {
@@ -220,7 +183,7 @@ TEST_CASE("on a lattice every label holds the triangles that the rule gives it",
         }
         const SliceResult result = combined(sets, {.labels = labels});
         std::array<Cells, 4> expected{};
-        for (int t = 0; t < triangles; ++t) {
+        for (int t = 0; t < lattice::triangles; ++t) {
             std::size_t in = 0;
             for (std::size_t s = 0; s < count; ++s) {
                 in |= std::size_t{cells[s] >> t & 1} << s;
@@ -230,7 +193,7 @@ TEST_CASE("on a lattice every label holds the triangles that the rule gives it",
         const std::uint32_t parts[] = {0, 1, 2};
         for (const std::uint32_t part : parts) {
             REQUIRE(cells_of(result, part) == expected[part + 1]);
-            REQUIRE(twice_area_of(result, part) == std::popcount(expected[part + 1]) * cell * cell / 2);
+            REQUIRE(twice_area_of(result, part) == std::popcount(expected[part + 1]) * lattice::cell * lattice::cell / 2);
         }
         check_regions(result, parts);
     }

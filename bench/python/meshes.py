@@ -19,10 +19,6 @@ def signed_area(contour):
     return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
 
-def length(contour):
-    return float(np.hypot(*(np.roll(contour, -1, axis=0) - contour).T).sum())
-
-
 def encloses(contour, point):
     """Whether a closed contour encloses a point that does not lie on it."""
     x, y = (contour - point).T

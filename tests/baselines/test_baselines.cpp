@@ -1,8 +1,6 @@
 // The algorithms that the paper describes or compares find the oracle's segments and the engine's contours.
 #include <cstring>
 #include <functional>
-#include <map>
-#include <set>
 
 #include "engine/slicing.hpp"
 #include "geometry.hpp"
@@ -255,56 +253,6 @@ void require_engines_roles(const Case& given) {
     }
 }
 
-using Sides = std::multiset<std::pair<Point, Point>>;
-
-/// Those whose ends differ.
-Sides sides_of(const std::vector<Polyline>& polylines) {
-    Sides sides;
-    for (const auto& [points, closed] : polylines) {
-        for (std::size_t i = closed ? 0 : 1; i < points.size(); ++i) {
-            const Point from = points[i > 0 ? i - 1 : points.size() - 1];
-            if (from != points[i]) {
-                sides.insert(std::minmax(from, points[i]));
-            }
-        }
-    }
-    return sides;
-}
-
-/// A lower bound for the number of open polylines: half the number of points in which an odd number of segments meet.
-std::ptrdiff_t fewest_open(const Sides& sides) {
-    std::map<Point, int> met;
-    for (const auto& [a, b] : sides) {
-        ++met[a];
-        ++met[b];
-    }
-    return std::count_if(met.begin(), met.end(), [](const auto& entry) { return entry.second % 2 == 1; }) / 2;
-}
-
-std::ptrdiff_t open_of(const std::vector<Polyline>& polylines) {
-    return std::count_if(polylines.begin(), polylines.end(), [](const Polyline& p) { return !p.closed; });
-}
-
-/// Every segment is used once, where any number of them meet.
-void require_all_used(const Case& given) {
-    const SegmentLists lists = trivial_slicing.slice(given.problem);
-    const Contours trivial = trivial_contours.join(lists);
-    const Contours hashed = hashed_contours.join(lists);
-    for (std::size_t i = 0; i < lists.size(); ++i) {
-        INFO("plane " << i);
-        std::vector<Polyline> each_alone;
-        each_alone.reserve(lists[i].size());
-        for (const auto& [from, to] : lists[i]) {
-            each_alone.push_back({{from, to}, false});
-        }
-        const Sides sides = sides_of(each_alone);
-        REQUIRE((sides_of(trivial[i]) == sides));
-        REQUIRE((sides_of(hashed[i]) == sides));
-        CHECK(open_of(trivial[i]) >= fewest_open(sides));
-        CHECK(open_of(hashed[i]) == fewest_open(sides));
-    }
-}
-
 }  // namespace
 
 TEST_CASE("baselines cut meshes into the oracle's segments", "[baselines]") {
@@ -332,59 +280,5 @@ TEST_CASE("rays find the engine's roles and orientations", "[baselines]") {
     each_model(3000, require_engines_roles);
     require_engines_roles({nested_balls(), {}, irregular(0.05, 0.3)});
 }
-
-TEST_CASE("every segment is used once where any number of them meet", "[baselines]") {
-    const SliceOptions options = at_heights({0.5, 1, 1.5, 2, 2.5, 3, 3.5, 4, 4.5, 5}, 0.125);
-    for (std::uint64_t seed = 0; seed < 200; ++seed) {
-        INFO("seed " << seed);
-        require_all_used(
-            {seed % 2 == 0 ? shapes::random_soup(seed, 40, 5) : shapes::random_tetrahedra(seed, 12, 5), options});
-    }
-}
-
-TEST_CASE("no planes or no triangles give no segments and no contours", "[baselines]") {
-    const std::vector<float> cube = shapes::floats(shapes::box({0, 0, 0}, {4, 4, 4}));
-    const std::vector<float> flat{0, 0, 0, 0, 0, 0, 1, 1, 1};
-    for (const bool uniform : {false, true}) {
-        const Problem no_planes{.soup = cube, .planes = {}, .uniform = uniform};
-        const Problem no_triangles{.soup = flat, .planes = {1, 3, 5}, .uniform = uniform, .first = 1, .step = 2};
-        for (const SlicingMethod* method : slicing_methods) {
-            INFO(method->name);
-            CHECK(method->slice(no_planes).empty());
-            const SegmentLists lists = method->slice(no_triangles);
-            CHECK(lists.size() == 3);
-            CHECK(std::ranges::all_of(lists, [](const auto& list) { return list.empty(); }));
-        }
-        for (const WholeMethod* method : whole_methods) {
-            INFO(method->name);
-            CHECK(method->run(no_planes).contours.empty());
-            const WholeOutcome nothing = method->run(no_triangles);
-            CHECK(nothing.segments == 0);
-            CHECK(nothing.contours.size() == 3);
-            CHECK(std::ranges::all_of(nothing.contours, [](const auto& plane) { return plane.empty(); }));
-        }
-    }
-}
-
-TEST_CASE("a contour of two segments closes, and segments of no length are dropped", "[baselines]") {
-    const SegmentLists lists{
-        {{{0, 0}, {4, 0}}, {{4, 0}, {0, 0}}, {{4, 0}, {4, 0}}, {{9, 9}, {9, 9}}}, {}, {{{1, 1}, {2, 2}}}};
-    for (const ContourMethod* method : {&trivial_contours, &hashed_contours}) {
-        INFO(method->name);
-        const Contours contours = method->join(lists);
-        CHECK((lines_of(contours[0], false) == std::vector<Line>{{true, {{0, 0}, {4, 0}}}}));
-        CHECK(contours[1].empty());
-        CHECK((lines_of(contours[2], false) == std::vector<Line>{{false, {{1, 1}, {2, 2}}}}));
-    }
-}
-
-#ifdef LAMELLA_BASELINES_CGAL
-TEST_CASE("a sweep line splits segments at crossings and keeps all their ends", "[baselines]") {
-    const SegmentLists cross{{{{0, 0}, {4, 4}}, {{0, 4}, {4, 0}}}};
-    const Contours contours = sweepline_contours.join(cross);
-    CHECK(open_of(contours[0]) == 2);
-    CHECK((sides_of(contours[0]) == Sides{{{0, 0}, {2, 2}}, {{0, 4}, {2, 2}}, {{2, 2}, {4, 0}}, {{2, 2}, {4, 4}}}));
-}
-#endif
 
 }  // namespace lamella::baselines::test

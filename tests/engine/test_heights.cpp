@@ -6,11 +6,14 @@
 #include <numeric>
 #include <random>
 
+#include "engine/c_handles.hpp"
 #include "engine/calls.hpp"
 #include "engine/slicing.hpp"
 #include "lamella/heights.h"
 
 using namespace lamella;
+using c_handles::fresh;
+using c_handles::Owned;
 
 namespace {
 
@@ -368,15 +371,12 @@ TEST_CASE("slabs that do not fit their planes are refused", "[engine][heights][p
 
 TEST_CASE("adaptive layers go through C, to a slice that keeps them", "[c][heights]") {
     const std::vector<float> soup = shapes::floats(pyramid());
-    lamella_mesh mesh;
-    LAMELLA_INIT(&mesh, LAMELLA_MESH);
+    auto mesh = fresh<lamella_mesh>(LAMELLA_MESH);
     mesh.vertices = soup.data();
     mesh.triangle_count = soup.size() / 9;
-    lamella_source source;
-    LAMELLA_INIT(&source, LAMELLA_SOURCE);
+    auto source = fresh<lamella_source>(LAMELLA_SOURCE);
     source.mesh = &mesh;
-    lamella_adaptive adaptive;
-    LAMELLA_INIT(&adaptive, LAMELLA_ADAPTIVE);
+    auto adaptive = fresh<lamella_adaptive>(LAMELLA_ADAPTIVE);
     const lamella_height_range in_c{0, 0.3, 0.2};
     const HeightRange in_cpp[] = {{0, 0.3, 0.2}};
     adaptive.cusp_mm = 0.1;
@@ -384,23 +384,20 @@ TEST_CASE("adaptive layers go through C, to a slice that keeps them", "[c][heigh
     adaptive.range_count = 1;
     lamella_slabs* found = nullptr;
     REQUIRE(lamella_adaptive_layers(&source, &adaptive, nullptr, nullptr, &found, nullptr) == LAMELLA_OK);
-    lamella_options options;
-    LAMELLA_INIT(&options, LAMELLA_OPTIONS);
+    auto options = fresh<lamella_options>(LAMELLA_OPTIONS);
     options.slabs = lamella_slabs_view(found, &options.slab_count);
     const std::vector<Slab> slabs = slabs_of(view_of(soup), {.cusp_mm = 0.1, .ranges = in_cpp});
     REQUIRE(options.slab_count == slabs.size());
-    lamella_result* result = nullptr;
-    REQUIRE(lamella_slice(nullptr, &mesh, &options, &result, nullptr) == LAMELLA_OK);
-    lamella_layer_view layer;
-    LAMELLA_INIT(&layer, LAMELLA_LAYER_VIEW);
+    lamella_result* made = nullptr;
+    REQUIRE(lamella_slice(nullptr, &mesh, &options, &made, nullptr) == LAMELLA_OK);
+    const Owned<lamella_result> result(made);
+    auto layer = fresh<lamella_layer_view>(LAMELLA_LAYER_VIEW);
     for (std::size_t i = 0; i < slabs.size(); ++i) {
-        REQUIRE(lamella_result_layer(result, i, &layer) == LAMELLA_OK);
+        REQUIRE(lamella_result_layer(made, i, &layer) == LAMELLA_OK);
         CHECK(Slab{layer.layer.bottom_mm, layer.layer.top_mm} == slabs[i]);
     }
-    lamella_result_free(result);
     adaptive.ranges = nullptr;
-    lamella_error error;
-    LAMELLA_INIT(&error, LAMELLA_ERROR);
+    auto error = fresh<lamella_error>(LAMELLA_ERROR);
     CHECK(lamella_adaptive_layers(&source, &adaptive, nullptr, nullptr, &found, &error) == LAMELLA_INVALID_ARGUMENT);
     CHECK(std::string(error.message) == "ranges is NULL, but its count is not 0");
     lamella_slabs_free(found);

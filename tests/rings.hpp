@@ -91,6 +91,15 @@ inline std::optional<int> winding(std::span<const Point> ring, Point p) {
     return winding(ring, Place{p.x, p.y});
 }
 
+/// From p to the segment from a to b, which may be one point.
+inline double distance(Point a, Point b, PlaceOf<double> p) {
+    const double dx = double(b.x) - a.x;
+    const double dy = double(b.y) - a.y;
+    const double squared = dx * dx + dy * dy;
+    const double along = squared == 0 ? 0 : std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / squared, 0.0, 1.0);
+    return std::hypot(a.x + along * dx - p.x, a.y + along * dy - p.y);
+}
+
 inline bool strictly_around(std::span<const Point> ring, Point p) {
     return winding(ring, p).value_or(0) != 0;
 }

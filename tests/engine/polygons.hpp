@@ -7,9 +7,11 @@
 #include <cstdint>
 #include <numbers>
 #include <random>
+#include <span>
 #include <vector>
 
 #include "lamella/grid.hpp"
+#include "rings.hpp"
 
 namespace polygons {
 
@@ -28,6 +30,16 @@ inline double between(std::mt19937& random, double low, double high) {
 /// From 0 to below `count`.
 inline std::int32_t below(std::mt19937& random, std::int32_t count) {
     return static_cast<std::int32_t>(random() % static_cast<std::uint32_t>(count));
+}
+
+/// Anywhere within twice `size`, but mostly near one of the points, at about `distance`, where a mistake would be.
+inline rings::PlaceOf<double> place_near(std::mt19937& random, std::span<const Point> points, double size, double distance) {
+    if (points.empty() || random() % 4 == 0) {
+        return {between(random, -2 * size, 2 * size), between(random, -2 * size, 2 * size)};
+    }
+    const Point near = points[random() % points.size()];
+    const double reach = distance * std::pow(10, between(random, -2, 0.3));
+    return {near.x + between(random, -reach, reach), near.y + between(random, -reach, reach)};
 }
 
 inline Point at_angle(Point centre, double radius, double angle) {

@@ -28,12 +28,7 @@ Curve offset_of(const Ring& ring, double distance, double miter_limit = 3) {
 
 double distance_to(const Ring& ring, Place p) {
     double nearest = 1e300;
-    rings::each_edge(ring, [&](Point a, Point b) {
-        const double dx = double(b.x) - a.x;
-        const double dy = double(b.y) - a.y;
-        const double along = std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
-        nearest = std::min(nearest, std::hypot(a.x + along * dx - p.x, a.y + along * dy - p.y));
-    });
+    rings::each_edge(ring, [&](Point a, Point b) { nearest = std::min(nearest, rings::distance(a, b, p)); });
     return nearest;
 }
 
@@ -141,16 +136,6 @@ private:
     std::vector<std::vector<Place>> convex_;
 };
 
-/// A place anywhere around the ring, or near a point of the curve.
-Place sample(std::mt19937& random, const Curve& curve, double size, double distance) {
-    if (curve.points.empty() || random() % 4 == 0) {
-        return {between(random, -2 * size, 2 * size), between(random, -2 * size, 2 * size)};
-    }
-    const Point near = curve.points[random() % curve.points.size()];
-    const double reach = std::abs(distance) * std::pow(10, between(random, -2, 0.3));
-    return {near.x + between(random, -reach, reach), near.y + between(random, -reach, reach)};
-}
-
 TEST_CASE("raw offsets of a few corners are known", "[engine][raw_offset]") {
     constexpr std::int32_t far = grid_limit;
     const Ring large{{-far, -far}, {far, -far}, {far, far}, {-far, far}};
@@ -224,7 +209,7 @@ TEST_CASE("the positive region of a curve is solid, rectangles and wedges", "[en
         const int around = rings::twice_area(ring) > 0 ? 0 : 1;  // what a hole lies in
         mixed += !curve.facts.directions_kept && curve.points.size() < 2 * ring.size() ? 1 : 0;
         for (int i = 0; i < 60; ++i) {
-            const Place p = sample(random, curve, size, distance);
+            const Place p = place_near(random, curve.points, size, std::abs(distance));
             if (curve.points.empty() || distance_to(curve.points, p) < 3 || distance_to(ring, p) < 3) {
                 continue;
             }

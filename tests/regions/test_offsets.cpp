@@ -65,13 +65,7 @@ Polygon hole(std::int32_t low, std::int32_t high) {
 double distance_to(const Polygon& line, bool closed, Place p) {
     double nearest = 1e300;
     for (std::size_t i = 0; i + (closed ? 0 : 1) < std::max<std::size_t>(line.size(), 2); ++i) {
-        const Point a = line[i % line.size()];
-        const Point b = line[(i + 1) % line.size()];
-        const double dx = double(b.x) - a.x;
-        const double dy = double(b.y) - a.y;
-        const double squared = dx * dx + dy * dy;
-        const double along = squared == 0 ? 0 : std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / squared, 0.0, 1.0);
-        nearest = std::min(nearest, std::hypot(a.x + along * dx - p.x, a.y + along * dy - p.y));
+        nearest = std::min(nearest, rings::distance(line[i % line.size()], line[(i + 1) % line.size()], p));
     }
     return nearest;
 }
@@ -82,16 +76,6 @@ bool contains(const SliceResult& result, std::uint32_t part, Place p) {
         winding += contour.part == part ? rings::winding(result[0].points_of(contour), p).value_or(0) : 0;
     }
     return winding > 0;
-}
-
-/// Around the answer's points mostly, where a mistake would be.
-Place drawn_place(std::mt19937& random, const SliceResult& result, double size, double distance) {
-    if (result.points.empty() || random() % 4 == 0) {
-        return {between(random, -2 * size, 2 * size), between(random, -2 * size, 2 * size)};
-    }
-    const Point near = result.points[random() % result.points.size()];
-    const double reach = distance * std::pow(10, between(random, -2, 0.3));
-    return {near.x + between(random, -reach, reach), near.y + between(random, -reach, reach)};
 }
 
 constexpr double pi = std::numbers::pi;
@@ -174,7 +158,7 @@ TEST_CASE("points lie in an offset by their distance, whatever the joins", "[reg
                                                 : distance * std::max(join == Join::miter ? options.miter_limit : 1,
                                                                       std::numbers::sqrt2 + tolerance / distance);
         for (int i = 0; i < 200; ++i) {
-            const Place p = drawn_place(random, found, size, distance);
+            const Place p = polygons::place_near(random, found.points, size, distance);
             const bool within = rings::winding(ring, p).value_or(0) != 0;
             // How far outside of what is moved: the ring where it widens, its complement where it narrows.
             const double out = within != inwards ? 0 : distance_to(ring, true, p);
@@ -204,7 +188,7 @@ TEST_CASE("points lie around a line by their distance, where joins and ends are 
         const SliceResult found =
             moved({line}, {{distance}}, {.join = Join::round, .end = End::round, .arc_tolerance_mm = tolerance});
         for (int i = 0; i < 200; ++i) {
-            const Place p = drawn_place(random, found, size, distance);
+            const Place p = polygons::place_near(random, found.points, size, distance);
             const double away = distance_to(line, false, p);
             CAPTURE(round, regions::text_of({line}), distance, tolerance, p.x, p.y, away);
             if (away < distance - 2) {

@@ -10,6 +10,7 @@
 
 #include "base/numbers.hpp"
 #include "engine/counting_memory.hpp"
+#include "engine/polygons.hpp"
 #include "engine/region_checks.hpp"
 #include "engine/slicing.hpp"
 #include "lamella/overlay.hpp"
@@ -21,6 +22,7 @@ using namespace lamella;
 using lattice::Cells;
 using lattice::cells_of;
 using lattice::winding_around;
+using polygons::box;
 using regions::Given;
 using regions::Polygon;
 using regions::Polygons;
@@ -46,10 +48,7 @@ SliceResult combined(const Polygons& a, const Polygons& b, const Rule& rule) {
 }
 
 Polygon square(std::int32_t low, std::int32_t high) {
-    return {{low, low}, {high, low}, {high, high}, {low, high}};
-}
-Polygon rectangle(std::int32_t x, std::int32_t y, std::int32_t to_x, std::int32_t to_y) {
-    return {{x, y}, {to_x, y}, {to_x, to_y}, {x, to_y}};
+    return box(low, low, high, high);
 }
 
 /// "outer 4 hole 1": roles and areas in the order of the result.
@@ -81,11 +80,7 @@ int winding_around(const Polygons& polygons, Point p, bool& near) {
         winding += own.value_or(0);
         near = near || !own;
         rings::each_edge(std::span<const Point>(polygon), [&](Point a, Point b) {
-            const double dx = double(b.x) - a.x;
-            const double dy = double(b.y) - a.y;
-            const double along =
-                std::clamp(((p.x - double(a.x)) * dx + (p.y - double(a.y)) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
-            near = near || std::hypot(a.x + along * dx - p.x, a.y + along * dy - p.y) < 2;
+            near = near || rings::distance(a, b, {double(p.x), double(p.y)}) < 2;
         });
     }
     return winding;
@@ -127,10 +122,10 @@ TEST_CASE("booleans of squares have the known contours", "[regions][overlay]") {
     CHECK(roles_of(combined(four, four, subtract)).empty());
     CHECK(roles_of(combined(four, four, exclusive)).empty());
     CHECK(roles_of(combined({square(0, 2)}, {square(2, 4)}, unite)) == "outer 4, outer 4");
-    CHECK(roles_of(combined({rectangle(0, 0, 2, 2)}, {rectangle(2, 0, 4, 2)}, unite)) == "outer 8");
+    CHECK(roles_of(combined({box(0, 0, 2, 2)}, {box(2, 0, 4, 2)}, unite)) == "outer 8");
     CHECK(roles_of(combined({square(0, 6)}, {square(2, 4)}, subtract)) == "outer 36, hole 4");
     CHECK(roles_of(combined({square(2, 4)}, {square(0, 6)}, subtract)).empty());
-    CHECK(roles_of(combined({square(0, 6)}, {rectangle(2, 2, 6, 4)}, subtract)) == "outer 28");
+    CHECK(roles_of(combined({square(0, 6)}, {box(2, 2, 6, 4)}, subtract)) == "outer 28");
     CHECK(roles_of(combined({square(0, 8)}, {square(2, 4), square(4, 6)}, subtract)) == "outer 64, hole 8");
     CHECK(roles_of(combined({{{0, 0}, {0, 0}, {4, 0}, {4, 4}, {4, 4}, {4, 4}, {0, 4}, {0, 0}}, {}}, {square(1, 3), {{9, 9}}},
                             subtract)) == "outer 16, hole 4");
@@ -141,8 +136,8 @@ TEST_CASE("booleans of squares have the known contours", "[regions][overlay]") {
 }
 
 TEST_CASE("labels share their boundary, and the last set wins where asked", "[regions][overlay]") {
-    const Given wide({rectangle(0, 0, 6, 2)});
-    const Given inlay({rectangle(2, 0, 4, 2)});
+    const Given wide({box(0, 0, 6, 2)});
+    const Given inlay({box(2, 0, 4, 2)});
     const LayerSet sets[] = {{.layers = wide.set}, {.layers = inlay.set}};
     const SliceResult result = combined(sets, {.last_wins = true});
     REQUIRE(result.contours.size() == 3);

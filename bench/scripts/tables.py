@@ -6,6 +6,7 @@
 Prints the table of bars; with README, puts all tables whose benchmarks have been run between its marks. Exit status 1 if a bar is not
 met, 2 if a benchmark failed."""
 import pathlib
+import statistics
 import sys
 
 from drawing import Panel, save
@@ -111,33 +112,29 @@ def figures(results, bars):
         "### Nesting on lattices of rings; 1 thread", nesting(results)])
 
 
+OPERATIONS = {"union": "union", "difference": "difference", "intersection": "intersection", "miter": "offset, miter", "round": "offset, round",
+              "walls": "three walls"}
+OVER_SLICE = {"non_zero": ("non-zero", 1.25), "closing": ("and closing 0.049 mm", 1.5), "offset": ("and offset 0.2 mm", 3.0),
+              "top": ("top surfaces", 2.0), "overhang": ("overhang", 2.0)}
+
+
 def regions(results, bars):
-    slices, layers, stacks, cases = [], [], [], []
-    for name in results.cases("regions"):
-        plain, top, overhang = (results.figure(f"regions/{name}/stacks", 2, key) for key in ("plain", "top", "overhang"))
-        own, theirs = (results.figure(f"regions/{name}/tops", 1, key) for key in ("top", "library_top"))
-        stacks.append([name, f"{plain:.1f} ms", f"{top:.0f} ms", bars.most(f"{top / plain:.1f}", top / plain, 2.0), f"{overhang:.0f} ms",
-                       bars.most(f"{overhang / plain:.1f}", overhang / plain, 2.0), f"{own:.0f} ms", f"{theirs:.0f} ms",
-                       bars.least(f"{theirs / own:.1f}", theirs / own, 3.0)])
-        ms = {key: results.figure(f"regions/{name}/slices", 2, key) for key in ("plain", "non_zero", "closing", "offset")}
-        cells = [(ms[key], ms[key] / ms["plain"], bar) for key, bar in (("non_zero", 1.25), ("closing", 2.5), ("offset", 6.0))]
-        slices.append([name, f"{ms['plain']:.1f} ms",
-                       *(cell for each, over, bar in cells for cell in (f"{each:.1f} ms", bars.most(f"{over:.2f}", over, bar)))])
-        pairs = [[results.figure(f"regions/{name}/layers", 1, prefix + what) for prefix in ("", "library_")] for what in ("union", "closing")]
-        layers.append([name, *(cell for own, theirs in pairs for cell in (f"{own:.1f} ms", f"{theirs:.0f} ms", f"{theirs / own:.1f}"))])
-    most = {"comb_16000": (200, None), "bars_500x500": (3000, 1e9)}  # ms and bytes
-    for case, rule in results.variants("region"):
-        ms, peak = (results.figure(f"region/{case}/{rule}", 1, key) for key in ("real_time", "peak_bytes"))
-        ms_bar, peak_bar = most.get(case, (None, None))
-        cases.append([case, rule, bars.most(f"{ms:.0f} ms", ms, ms_bar), bars.most(f"{peak / 1e6:.0f} MB", peak, peak_bar)])
+    slices, beside, gains = [], [], []
+    for name, kind in results.variants("regions"):
+        if kind == "slices":
+            plain, *times = (results.figure(f"regions/{name}/slices", 2, key) for key in ("plain", *OVER_SLICE))
+            slices.append([name, f"{plain:.1f} ms", *(f"{ms:.1f} ms: " + bars.most(f"{ms / plain:.2f}", ms / plain, bar)
+                                                      for ms, (_, bar) in zip(times, OVER_SLICE.values()))])
+            continue
+        pairs = [[results.figure(f"regions/{name}/operations", 1, prefix + key) for prefix in ("", "library_")] for key in OPERATIONS]
+        gains += [theirs / own for own, theirs in pairs]
+        beside.append([name, *(f"{own:.1f} ms: " + bars.least(f"{theirs / own:.1f}", theirs / own, 3.0) for own, theirs in pairs)])
+    squares = ratio(*(results.figure("regions/checkerboard_100000/operations", 1, key) for key in ("contours", "union")))
     return "\n\n".join([
-        markdown_table(["mesh", "slice", "non-zero", "over the slice (at most 1.25)", "non-zero and closing 0.049 mm",
-                        "over the slice (at most 2.5)", "non-zero and offset 0.2 mm", "over the slice (at most 6)"], slices),
-        markdown_table(["mesh, all layers", "union", "by the library", "times as fast", "closing 0.049 mm", "by the library",
-                        "times as fast"], layers),
-        markdown_table(["mesh", "slice", "top surfaces", "over the slice (at most 2)", "overhang", "over the slice (at most 2)",
-                        "top surfaces, 1 thread", "by the library", "times as fast (at least 3)"], stacks),
-        markdown_table(["layer", "rule", "time", "peak memory"], cases)])
+        markdown_table(["mesh", "slice", *(f"{head} (at most {bar})" for head, bar in OVER_SLICE.values())], slices),
+        markdown_table(["layers", *OPERATIONS.values()], beside),
+        f"Times as fast as the library, the median of all: {bars.least(f'{statistics.median(gains):.1f}', statistics.median(gains), 10)}. "
+        f"Squares a millisecond of the checkerboard: {bars.least(f'{squares:.0f}', squares, 500)}."])
 
 
 def hosts(results, bars):
@@ -210,7 +207,7 @@ def cores(results, bars):
 
 
 # By name of the marks: what must have been measured, and the tables.
-SECTIONS = {"figures": (["end_to_end"], figures), "regions": (["regions", "region"], regions), "hosts": (["host", "first"], hosts),
+SECTIONS = {"figures": (["end_to_end"], figures), "regions": (["regions"], regions), "hosts": (["host", "first"], hosts),
             "masks": (["mask"], masks), "partition": (["partition"], partition), "cores": (["cores"], cores)}
 
 

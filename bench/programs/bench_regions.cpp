@@ -275,9 +275,8 @@ Figures time_layers(const MeshView& mesh, int rounds) {
 void add_regions(const Options& options) {
     for (const auto make : list_patterns()) {
         const std::string name = make(0.01).name;
-        add_benchmark(options, "regions/" + name + "/operations", 1, [=](benchmark::State&) {
-            return time_pattern(make(options.quick ? 0.01 : 1), 1);
-        });
+        add_benchmark(options, "regions/" + name + "/operations", 1,
+                      [=](benchmark::State&) { return time_pattern(make(options.quick ? 0.01 : 1), 1); });
     }
 }
 

@@ -229,17 +229,23 @@ private:
         }
     }
 
-    /// Outers, flats and open ones by start; after each outer its holes by start.
+    /// Outers, flats and open ones by start, but for pieces of polylines; after each outer its holes by start.
     void check_order() const {
         std::size_t head = none;  // the last contour that is no hole
         for (std::size_t c = 0; c < contours_.size(); ++c) {
             const bool hole = contours_[c].role == Role::hole;
             at(c).require(!hole || owner(c) == head, "a hole that does not follow its outer");
             const std::size_t before = hole ? c - 1 : head;
-            at(c).require(before == none || (hole && before == head) || start(c) >= start(before),
-                          "contours are not in the order of their starts");
+            at(c).require(
+                before == none || (hole && before == head) || start(c) >= start(before) || may_be_clipped(before, c),
+                "contours are not in the order of their starts");
             head = hole ? head : c;
         }
+    }
+
+    /// Pieces of a polyline come in order along it.
+    bool may_be_clipped(std::size_t a, std::size_t b) const {
+        return !is_closed(contours_[a]) && !is_closed(contours_[b]) && !keeps_contours(result_, index_);
     }
 
     /// The nearest ancestor that is an outer. Every hole has one: the outermost contour around it.

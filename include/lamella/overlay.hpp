@@ -53,7 +53,8 @@
 
 namespace lamella {
 
-/// Closed contours of a caller's own. A contour's last point leads to its first; equal consecutive points count once.
+/// Contours of a caller's own. A contour's last point leads to its first, unless it is a polyline to be clipped; equal
+/// consecutive points count once.
 struct ContourSet {
     std::span<const std::span<const Point>> contours;
     double grid_mm = default_grid_mm;  ///< a grid unit of the points
@@ -142,6 +143,12 @@ struct OffsetOptions {
     double arc_tolerance_mm = 0.005;
 };
 
+/// What clip() keeps of polylines.
+struct ClipOptions {
+    bool inside = true;              ///< what lies inside; else what lies outside
+    bool boundary_is_inside = true;  ///< what runs along a boundary, with solid on one side only
+};
+
 namespace detail {
 struct OverlayImpl;
 }
@@ -179,6 +186,24 @@ public:
     Result<SliceInfo> offset(const Destination& to, const LayerSet& of, std::span<const OffsetStep> steps,
                              const OffsetOptions& options = {}, const RegionRules& after = {},
                              const Context& context = {}) noexcept;
+
+    /// The pieces of polylines that lie inside the region of `by`, or outside: open contours, by polyline and in order along
+    /// it. Contour::part is the polyline's number in its layer, from 0. Polylines are all contours of `lines`: those of the
+    /// host are open, those of layers as their role says. Pieces meet where a closed one starts, and if all of it is kept it
+    /// comes as an open one that ends where it starts.
+    ///
+    ///     // Infill: lines over the whole plate, cut to what lies half a millimetre inside.
+    ///     overlay.clip(infill, lines, {.layers = result, .grow_mm = -0.5});
+    ///
+    /// Given points stay. Where a polyline is cut lies a grid point, half a unit away at most along each axis; pieces that
+    /// become a point are dropped. A polyline is not cut where it only touches a boundary, nor where it crosses itself or
+    /// another. The answer depends on no order of contours of `by`, nor on threads.
+    ///
+    /// Layers in parallel; usually O((q + p) log p + c log c) for q points of polylines, p of the region, and c places where
+    /// they cross. Contours around a point where a polyline starts, or that it passes aslant and near, cost as crossings do.
+    /// Errors: those of combine(); in messages the lines are set 0, and `by` is set 1.
+    Result<SliceInfo> clip(const Destination& to, const Layers& lines, const LayerSet& by, const ClipOptions& options = {},
+                           const Context& context = {}) noexcept;
 
     /// Gives all memory back: before the host's Memory that it came from goes.
     void reset() noexcept;

@@ -136,6 +136,11 @@ public:
                  SliceResult tops;
                  return code_of(Overlay().combine(tops, above_, subtract, {}, c));
              }},
+            {"clip",
+             [this](const Context& c) {
+                 SliceResult pieces;
+                 return code_of(Overlay().clip(pieces, result_, above_[1], {}, c));
+             }},
         };
     }
 

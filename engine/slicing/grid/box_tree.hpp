@@ -307,6 +307,30 @@ void order_by_place(std::span<Item> items, const At& at, StopPace& pace) {
     order_by_place(items.subspan(half), at, pace);
 }
 
+// Boxes along an edge.
+
+/// On which side of the line through `a` in the direction (dx, dy) all of `box` lies, with a unit around it: 1 left, -1
+/// right; 0 on both, or so near that double precision cannot tell: products of 33 bits and 31 have an error of less than
+/// 2^13.
+inline int side_of_box(Point a, double dx, double dy, const FlatBox& box) noexcept {
+    const double middle_x = (static_cast<double>(box.low.x) + box.high.x) / 2 - a.x;
+    const double middle_y = (static_cast<double>(box.low.y) + box.high.y) / 2 - a.y;
+    const double half_x = static_cast<double>(width_of(box)) / 2 + 2;
+    const double half_y = static_cast<double>(height_of(box)) / 2 + 2;
+    const double distance = dx * middle_y - dy * middle_x;
+    constexpr double room = 1 << 14;
+    return std::abs(distance) > std::abs(dx) * half_y + std::abs(dy) * half_x + room ? sign_of(distance) : 0;
+}
+
+/// Those that meet the box of the edge from `a` to `b`, but for some that lie two units and more off the edge.
+inline LaneBits lanes_along(const BoxBlock<Point>& block, Point a, Point b) noexcept {
+    const double dx = static_cast<double>(b.x) - a.x;
+    const double dy = static_cast<double>(b.y) - a.y;
+    LaneBits met = block.meets(FlatBox::around(a, b));
+    each_lane(met, [&](std::size_t lane) { met &= ~(LaneBits{side_of_box(a, dx, dy, block[lane]) != 0} << lane); });
+    return met;
+}
+
 // Points of a plane in a tree: those in a box, those near an edge, the nearest one. O(n log n) to build. O(sqrt n) and what
 // is found for a query along an edge; usually O(log n).
 
@@ -351,12 +375,9 @@ public:
     /// some that lie two units and more off the edge.
     template <class See>
     void find_along(Point a, Point b, See see) const {
-        const FlatBox box = FlatBox::around(a, b);
         const auto enter = [&](const BoxBlock<Point>& block) {
             worker_.spend(BoxTree<Point>::fan);
-            LaneBits met = block.meets(box);
-            each_lane(met, [&](std::size_t lane) { met &= ~(LaneBits{passes_by(a, b, block[lane])} << lane); });
-            return met;
+            return lanes_along(block, a, b);
         };
         boxes_.search_if(enter, [&](std::size_t i) {
             see(points_[i].point, points_[i].number);
@@ -426,20 +447,6 @@ private:
                 best = {squared, number, best.but};
             }
         }
-    }
-
-    /// True if all of `box`, with a unit around it, lies on one side of the edge from `a` to `b`. In double precision, with
-    /// room for its rounding: products of 33 bits and 31 have an error of less than 2^13.
-    static bool passes_by(Point a, Point b, const FlatBox& box) noexcept {
-        const double dx = static_cast<double>(b.x) - a.x;
-        const double dy = static_cast<double>(b.y) - a.y;
-        const double middle_x = (static_cast<double>(box.low.x) + box.high.x) / 2 - a.x;
-        const double middle_y = (static_cast<double>(box.low.y) + box.high.y) / 2 - a.y;
-        const double half_x = static_cast<double>(width_of(box)) / 2 + 2;
-        const double half_y = static_cast<double>(height_of(box)) / 2 + 2;
-        const double distance = std::abs(dx * middle_y - dy * middle_x);
-        constexpr double room = 1 << 14;
-        return distance > std::abs(dx) * half_y + std::abs(dy) * half_x + room;
     }
 
     Worker& worker_;

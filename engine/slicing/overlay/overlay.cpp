@@ -2,7 +2,8 @@
 //
 //     LayerSets        one grid, one set of planes; what the host gives lies on the grid
 //     LayerOverlay,    each layer by one thread, side by side
-//     LayerOffset
+//     LayerOffset,
+//     LayerClip
 //     LayerTarget      contours and points to their place
 
 #include "lamella/overlay.hpp"
@@ -20,6 +21,7 @@
 #include "base/parallel.hpp"
 #include "slicing/handover/sink_target.hpp"
 #include "slicing/overlay/labels.hpp"
+#include "slicing/overlay/layer_clip.hpp"
 #include "slicing/overlay/layer_offset.hpp"
 #include "slicing/overlay/layer_overlay.hpp"
 #include "slicing/overlay/layer_sets.hpp"
@@ -44,6 +46,7 @@ struct OverlayImpl {
         Worker worker;
         LayerOverlay overlay{worker};
         LayerOffset offset{worker};
+        LayerClip clip{worker};
     };
 
     Builder& of(int worker) {
@@ -196,6 +199,17 @@ Result<SliceInfo> Overlay::offset(const Destination& to, const LayerSet& of, std
         return call.run(
             {.parts = plan.kept(), .moved_mm = plan.moved_mm()}, after,
             [&](Builder& by, PlaneIndex n, BandOutput& out) { return by.offset.run(of, plan, call.rules(), n, out); });
+    });
+}
+
+Result<SliceInfo> Overlay::clip(const Destination& to, const Layers& lines, const LayerSet& by, const ClipOptions& options,
+                                const Context& context) noexcept {
+    return guarded(context, [&]() -> Result<SliceInfo> {
+        const LayerSet sets[] = {{.layers = lines}, by};
+        OverlayCall call(impl_, to, sets, context);
+        return call.run({.parts = 0}, {}, [&](Builder& builder, PlaneIndex n, BandOutput& out) {
+            return builder.clip.run(lines, by, options, call.sets().grid_mm(), n, out);
+        });
     });
 }
 

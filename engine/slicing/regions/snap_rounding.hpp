@@ -47,8 +47,8 @@ inline constexpr std::int32_t rounding_reach = 1;
 /// `reach` > 0.
 bool is_near(Point p, Point a, Point b, std::int32_t reach) noexcept;
 
-/// Where two edges cross at a point that is an end of neither, rounded: the grid point whose pixel, which is a unit wide and
-/// contains its left and lower side, contains the crossing. `a` to `b` and `c` to `d` must cross there.
+/// Where two edges cross, rounded: the grid point whose pixel, which is a unit wide and contains its left and lower side,
+/// contains the crossing. `a` to `b` and `c` to `d` must cross there, in a single point, which is not `a`.
 Point rounded_crossing(Point a, Point b, Point c, Point d) noexcept;
 
 /// What of an edge and the point that it leaves comes near something else.

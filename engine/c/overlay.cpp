@@ -14,7 +14,8 @@ namespace {
 /// The program's sets. Holds what the C++ sets view: neither copied nor moved.
 class GivenSets {
 public:
-    GivenSets(const lamella_layer_set* given, std::size_t count) {
+    /// `first`: the number of the first in messages.
+    GivenSets(const lamella_layer_set* given, std::size_t count, std::size_t first = 0) {
         require_list(given, count, "sets");
         if (count > most_layer_sets) {
             refuse("from 1 to " + std::to_string(most_layer_sets) + " sets of layers can be combined, not " +
@@ -27,7 +28,7 @@ public:
             if (size_given(set, Sized<lamella_layer_set>::name, Sized<lamella_layer_set>::init) != step) {
                 refuse("the sets do not begin with one size: initialise each by LAMELLA_INIT(&it, LAMELLA_LAYER_SET)");
             }
-            sets_.push_back(read(read_sized(set), "set " + std::to_string(s) + ": "));
+            sets_.push_back(read(read_sized(set), "set " + std::to_string(first + s) + ": "));
         }
     }
     GivenSets(const GivenSets&) = delete;
@@ -195,6 +196,29 @@ int32_t lamella_overlay_offset(lamella_overlay* overlay, const lamella_destinati
         const lamella::OffsetOptions options = api::read_offset(offset);
         api::fill_destination(where, [&](const lamella::Destination& place, const lamella::SliceResult* result) {
             kept.give(kept->overlay.offset(place, given.sets()[0], moves, options, how.region, host.context), info, result);
+        });
+    });
+}
+
+int32_t lamella_overlay_clip(lamella_overlay* overlay, const lamella_destination* to, const lamella_layer_set* lines,
+                             const lamella_layer_set* by, int32_t keep, const lamella_context* context, lamella_info* info,
+                             lamella_error* error) {
+    return api::called(error, [&] {
+        api::require_initialised(info);
+        const lamella_destination where = api::read_destination(to);
+        api::Kept<lamella_overlay> kept(overlay);
+        const api::Host host(context);
+        api::require_choice(keep, LAMELLA_CLIP_OUTSIDE | LAMELLA_CLIP_BOUNDARY_IS_OUTSIDE, "keep");
+        const api::GivenSets polylines(lines, 1);
+        const api::GivenSets region(by, 1, 1);
+        const lamella::LayerSet& own = polylines.sets()[0];
+        if (own.from != 0 || own.to != 0 || own.grow_mm != 0 || own.part) {
+            api::refuse("set 0: polylines are clipped as they are, but of lines from, to, grow_mm or part is set");
+        }
+        const lamella::ClipOptions options{.inside = (keep & LAMELLA_CLIP_OUTSIDE) == 0,
+                                           .boundary_is_inside = (keep & LAMELLA_CLIP_BOUNDARY_IS_OUTSIDE) == 0};
+        api::fill_destination(where, [&](const lamella::Destination& place, const lamella::SliceResult* result) {
+            kept.give(kept->overlay.clip(place, own.layers, region.sets()[0], options, host.context), info, result);
         });
     });
 }

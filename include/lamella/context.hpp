@@ -14,7 +14,7 @@
 //     Slicer::outline(), make_ready()            yes                 yes    -          scratch
 //     assemble(), region_of()                    calling thread      yes    -          result and scratch
 //     read_mesh(), weld(), orient_shells()       yes                 yes    yes        mesh and scratch
-//     Overlay::combine(), adaptive_layers()      yes                 yes    yes        result and scratch
+//     Overlay, adaptive_layers()                 yes                 yes    yes        result and scratch
 //     check(), audit()                           yes                 yes    yes        -
 //     writers                                    calling thread      yes    yes        -
 //

@@ -107,6 +107,19 @@ LAMELLA_C_API int32_t lamella_overlay_offset(lamella_overlay* overlay, const lam
                                              size_t step_count, const lamella_offset* offset, const lamella_options* after,
                                              const lamella_context* context, lamella_info* info, lamella_error* error);
 
+/* What lamella_overlay_clip() keeps; 0: what lies inside, and what runs along a boundary. */
+enum {
+    LAMELLA_CLIP_OUTSIDE = 1,            /* what lies outside instead */
+    LAMELLA_CLIP_BOUNDARY_IS_OUTSIDE = 2 /* what runs along a boundary counts as outside */
+};
+
+/* The pieces of polylines, as open contours in order along each; part is the polyline's number. Of `lines`, which are a
+ * result, one of its layers, or open contours of the program's, only these are set. `keep`: flags, together. Overlay,
+ * context, info and error may be NULL. */
+LAMELLA_C_API int32_t lamella_overlay_clip(lamella_overlay* overlay, const lamella_destination* to,
+                                           const lamella_layer_set* lines, const lamella_layer_set* by, int32_t keep,
+                                           const lamella_context* context, lamella_info* info, lamella_error* error);
+
 #ifdef __cplusplus
 } /* extern "C" */
 #endif

@@ -100,6 +100,16 @@ HeldResult offset(const py::list& given, const std::vector<std::pair<double, boo
     return HeldResult(std::move(result));
 }
 
+/// `given`: the polylines, then what clips them.
+HeldResult clip(const py::list& given, bool inside, bool boundary_is_inside, const Asked& asked) {
+    const Sets sets(given);
+    SliceResult result;
+    run(asked, [&](const Context& context) {
+        return Overlay().clip(result, sets.all()[0].layers, sets.all()[1], {inside, boundary_is_inside}, context);
+    });
+    return HeldResult(std::move(result));
+}
+
 }  // namespace
 
 void define_overlay(py::module_& module) {
@@ -107,6 +117,7 @@ void define_overlay(py::module_& module) {
     module.attr("most_labels") = most_labels;
     module.def("combine", &combine);
     module.def("offset", &offset);
+    module.def("clip", &clip);
 }
 
 }  // namespace lamella::python

@@ -182,3 +182,23 @@ def test_lines_get_a_width():
 def test_offsets_are_refused_by_name(pair, arguments, message):
     with pytest.raises(lamella.InvalidArgumentError, match=message):
         lamella.offset(pair[0], **arguments)
+
+
+HATCH = [[[-1, y], [5, y]] for y in range(-1, 6)]
+
+
+def test_lines_are_clipped(pair):
+    inside = lamella.clip(HATCH, SQUARE)
+    assert inside[0].contours["part"].tolist() == [1, 2, 3, 4, 5]
+    assert inside.points.reshape(5, 2, 2).tolist() == [[[0, y], [4, y]] for y in range(5)]
+    assert len(lamella.clip(HATCH, SQUARE, boundary_inside=False).contours) == 3
+    assert len(lamella.clip(HATCH, SQUARE, inside=False, threads=1).contours) == 12
+    assert lamella.clip(np.array(HATCH[2]), [SQUARE]).hash == lamella.clip([HATCH[2]], SQUARE).hash
+    stack = lamella.clip(pair[0], pair[1].shifted(-1).grown(1))
+    assert len(stack) == 5 and len(stack[0].contours) == 0 and stack.info["open_contours"] == 4
+    assert lamella.clip(pair[0][2], pair[1].grown(1))[2].contours["part"].tolist() == [0]
+    for wrong, match in ((SQUARE.view(), "there is no option 'offset'"), (pair[0].grown(1), "lines must be a Result, a Layer or polylines"), ("a", "lines must be")):
+        with pytest.raises(lamella.InvalidArgumentError, match=match):
+            lamella.clip(wrong, SQUARE, **({"offset": 1} if isinstance(wrong, np.ndarray) else {}))
+    with pytest.raises(lamella.ResultTooLargeError, match="more than the memory limit of 100 bytes"):
+        lamella.clip(HATCH, SQUARE, memory_limit=100)

@@ -104,6 +104,7 @@ mesh: lamella.Mesh = lamella.read("liver.stl")
 again: lamella.Result = lamella.prepare(mesh).slice([1.0, 2.0], threads=2)
 joined: lamella.Layer = lamella.region_of([mesh.vertices[:, :2]], fill_rule="even-odd", offset=0.1)
 tops: lamella.Result = lamella.combine([result, result.shifted(1).grown(0.1), [mesh.vertices[:, :2]]], "subtract", offset=-0.1)
+infill: lamella.Result = lamella.clip([mesh.vertices[:, :2]], result.grown(-0.1), inside=False, threads=1)
 labelled: lamella.Result = lamella.combine([result, result[0]], lambda a, b: a + 2 * b, threads=1)
 for chunk in lamella.stream(mesh.vertices, mesh.faces, layer_height=0.01, chunk=64):
     total: float = chunk.volume

@@ -32,6 +32,8 @@ combine
     Layers with layers: unions, differences, intersections of whole stacks, and regions by label.
 offset
     Edges of layers moved in one step or several: walls, openings, lines with a width.
+clip
+    Polylines, as infill, cut to what lies inside layers or outside.
 assemble, region_of
     Contours from segments, or regions from contours, of another program.
 lamella.dask.slice_many
@@ -50,7 +52,7 @@ Wherever a mesh is asked for, any of these will do, and arrays are not copied:
 Coordinates are in mm unless `unit` says otherwise. Faces run counter-clockwise as seen from outside.
 """
 
-from ._combine import combine, offset
+from ._combine import clip, combine, offset
 from ._errors import (  # fmt: skip
     CancelledError, CoordinateError, EmptyMeshError, Error, InvalidArgumentError, MalformedMeshError, MeshTypeError,
     MeshWarning, OutOfMemoryError, PlanesError, ResultTooLargeError, UnreadableFileError, UnwritableFileError,
@@ -68,6 +70,6 @@ __all__ = [
     "NO_TRIANGLE", "SEVERAL_PARTS", "CancelledError", "Certificate", "Check", "ContourFlag", "CoordinateError",
     "EmptyMeshError", "Error", "Finding", "InvalidArgumentError", "Layer", "LayerSet", "MalformedMeshError", "Mesh", "MeshTypeError",
     "MeshWarning", "OutOfMemoryError", "PlanesError", "Polygon", "Prepared", "Result", "ResultTooLargeError", "Role",
-    "UnreadableFileError", "UnwritableFileError", "__version__", "adaptive_layers", "assemble", "check", "combine", "offset", "prepare", "read",
-    "region_of", "section", "section_multiplane", "slice", "slice_parts", "stream", "weld",
+    "UnreadableFileError", "UnwritableFileError", "__version__", "adaptive_layers", "assemble", "check", "clip", "combine", "offset",
+    "prepare", "read", "region_of", "section", "section_multiplane", "slice", "slice_parts", "stream", "weld",
 ]  # fmt: skip

@@ -1,4 +1,4 @@
-"""combine() and offset(): layers with layers, and their edges moved."""
+"""combine(), offset() and clip(): layers with layers, their edges moved, and polylines cut by layers."""
 
 from __future__ import annotations
 
@@ -12,13 +12,14 @@ from . import _native
 from ._contours import contours_on_grid, grid_step
 from ._layer import Layer
 from ._layer_set import LayerSet, as_set
-from ._options import FILL_RULES, CombineKeywords, array_of, number, one_of, refuse, slice_options, whole_number
+from ._options import FILL_RULES, ClipKeywords, CombineKeywords, array_of, number, one_of, refuse, slice_options, whole_number
 from ._result import Result
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 SetLike = Union[Result, Layer, LayerSet, npt.NDArray[Any], Sequence[npt.ArrayLike]]
+LinesLike = Union[Result, Layer, npt.NDArray[Any], Sequence[npt.ArrayLike]]
 RuleLike = Union[str, npt.ArrayLike, Callable[..., Any]]
 
 RULES = ("unite", "subtract", "intersect", "exclusive", "last")
@@ -144,6 +145,54 @@ def _refuse_fill(call: str, options: Iterable[str]) -> None:
     for name in options:
         if name.startswith("fill_"):
             refuse(f"{name} is not for {call}(), but a set has a fill rule: lamella.LayerSet(layers, fill_rule=...)")
+
+
+def clip(
+    lines: LinesLike,
+    layers: SetLike,
+    *,
+    inside: bool = True,
+    boundary_inside: bool = True,
+    grid: Optional[float] = None,
+    **options: Unpack[ClipKeywords],
+) -> Result:
+    """Cut polylines, as infill, to what lies inside layers, or outside.
+
+    Parameters
+    ----------
+    lines : Result, Layer or polylines
+        Polylines are a list of arrays (n, 2) in mm, or one such array; they and a `Layer` stand at every height. Closed
+        contours of a result are polylines that end where they start.
+    layers : Result, Layer, LayerSet or contours
+        As one of the sets of `combine`.
+    inside : bool
+        Keep what lies inside; else what lies outside.
+    boundary_inside : bool
+        What runs along a boundary counts as inside.
+    grid : float, optional
+        As of `combine`.
+    **options
+        ``threads``, ``progress`` and ``memory_limit``, as for `slice`.
+
+    Returns
+    -------
+    Result
+        Layers of open contours, by polyline and in order along it; ``contours["part"]`` is the polyline's number.
+
+    Examples
+    --------
+    >>> body = lamella.slice(corners, faces, layer_height=10)
+    >>> hatch = [[[-30, y], [30, y]] for y in range(-20, 30, 5)]
+    >>> infill = lamella.clip(hatch, body.grown(-1))
+    >>> infill[0].contours["part"]
+    array([0], dtype=uint32)
+    """
+    if isinstance(lines, LayerSet):
+        refuse("lines must be a Result, a Layer or polylines: a LayerSet is for layers")
+    asked = [as_set(lines), as_set(layers)]
+    step = _step(asked, grid)
+    native = [_native_set(each, name, step) for each, name in zip(asked, ("lines", "layers"))]
+    return Result(_native.clip(native, bool(inside), bool(boundary_inside), slice_options(options, ClipKeywords)), None)
 
 
 def _step(sets: Sequence[LayerSet], grid: Optional[float]) -> float:

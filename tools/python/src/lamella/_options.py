@@ -70,6 +70,12 @@ class CombineKeywords(RegionKeywords, total=False):
     memory_limit: int
 
 
+class ClipKeywords(CallKeywords, total=False):
+    """Those of `clip`."""
+
+    memory_limit: int
+
+
 class SectionKeywords(RuleKeywords, FrameOptions, total=False):
     """Those of `section`, which places the planes itself."""
 

@@ -161,18 +161,13 @@ def clip(
     Parameters
     ----------
     lines : Result, Layer or polylines
-        Polylines are a list of arrays (n, 2) in mm, or one such array; they and a `Layer` stand at every height. Closed
-        contours of a result are polylines that end where they start.
+        Polylines are a list of arrays (n, 2) in mm, or one such array; they and a `Layer` stand at every height.
     layers : Result, Layer, LayerSet or contours
         As one of the sets of `combine`.
-    inside : bool
-        Keep what lies inside; else what lies outside.
-    boundary_inside : bool
-        What runs along a boundary counts as inside.
-    grid : float, optional
-        As of `combine`.
-    **options
-        ``threads``, ``progress`` and ``memory_limit``, as for `slice`.
+    inside, boundary_inside : bool
+        Whether to keep what lies inside, or else what lies outside; and whether a boundary counts as inside.
+    grid, **options
+        As for `combine`, but that there are no rules of regions.
 
     Returns
     -------

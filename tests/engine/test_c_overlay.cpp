@@ -261,7 +261,7 @@ TEST_CASE("polylines are clipped by C to the bytes of C++", "[c][overlay][clip]"
     lamella_result* made = nullptr;
     const lamella_destination to = into(&made, nullptr, nullptr);
     auto error = fresh<lamella_error>(LAMELLA_ERROR);
-    for (const std::int32_t keep : {0, LAMELLA_CLIP_OUTSIDE, LAMELLA_CLIP_BOUNDARY_IS_OUTSIDE}) {
+    for (const int keep : {0, int(LAMELLA_CLIP_OUTSIDE), int(LAMELLA_CLIP_BOUNDARY_IS_OUTSIDE)}) {
         SliceResult expected;
         const ClipOptions options{keep != LAMELLA_CLIP_OUTSIDE, keep != LAMELLA_CLIP_BOUNDARY_IS_OUTSIDE};
         REQUIRE(Overlay().clip(expected, given, {.layers = both.cpp, .grow_mm = 0.25, .part = 0}, options).ok());

@@ -180,7 +180,7 @@ def clip(
     >>> hatch = [[[-30, y], [30, y]] for y in range(-20, 30, 5)]
     >>> infill = lamella.clip(hatch, body.grown(-1))
     >>> infill[0].contours["part"]
-    array([0], dtype=uint32)
+    array([5, 6, 7, 8], dtype=uint32)
     """
     if isinstance(lines, LayerSet):
         refuse("lines must be a Result, a Layer or polylines: a LayerSet is for layers")

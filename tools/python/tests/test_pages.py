@@ -29,7 +29,8 @@ def run(text, path):
 @pytest.fixture
 def names_of(torus, tmp_path, monkeypatch, matplotlib):
     """Runs a page's blocks in Python, in a folder with the mesh that the pages cut."""
-    write_stl(tmp_path / "bone.stl", torus[0][torus[1]])
+    for name in ("bone.stl", "part.stl"):
+        write_stl(tmp_path / name, torus[0][torus[1]])
     monkeypatch.chdir(tmp_path)
 
     def names_of_page(name, least):
@@ -53,6 +54,18 @@ def test_the_page_on_python_is_true(names_of, capsys, tmp_path):
     assert names["holes_per_layer"].tolist() == [int((layer.contours["role"] == lamella.Role.HOLE).sum()) for layer in names["s"]]
     assert len(names["outline"]) == names["longest"]["point_count"]
     assert {"bone.svg", "bone.json"} <= {path.name for path in tmp_path.iterdir()}
+
+
+def test_the_page_from_layers_to_walls_draws_its_pictures(names_of, capsys, tmp_path):
+    names = names_of("tools/docs/walls.md", 6)
+    shown = re.findall(r"\(../pictures/(walls_\w+.png)\)", (ROOT / "tools/docs/walls.md").read_text())
+    assert len(shown) == 6
+    for name in shown:
+        assert (ROOT / "tools/pictures" / name).exists()
+        assert (tmp_path / name).stat().st_size > 1000
+    assert capsys.readouterr().out == "1 islands begin, 1 merge others\n"
+    assert set(names["walls"].contours["part"]) == {0, 1, 2, 3}
+    assert set(names["skins"].contours["part"]) >= {0, 1, 2}
 
 
 def test_the_gallery_draws_its_pictures(torus, tmp_path, matplotlib):

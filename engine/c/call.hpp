@@ -88,9 +88,9 @@ struct Sized;
 LAMELLA_SIZED(lamella_error, LAMELLA_ERROR, message);
 LAMELLA_SIZED(lamella_context, LAMELLA_CONTEXT, reserved);
 LAMELLA_SIZED(lamella_mesh, LAMELLA_MESH, reserved);
-LAMELLA_SIZED(lamella_source, LAMELLA_SOURCE, part_prepared);
-LAMELLA_SIZED(lamella_options, LAMELLA_OPTIONS, reserved_0_3);
-LAMELLA_SIZED(lamella_info, LAMELLA_INFO, layer_of_count);
+LAMELLA_SIZED(lamella_source, LAMELLA_SOURCE, part_place_counts);
+LAMELLA_SIZED(lamella_options, LAMELLA_OPTIONS, largest_only);
+LAMELLA_SIZED(lamella_info, LAMELLA_INFO, copy_count);
 LAMELLA_SIZED(lamella_layer_view, LAMELLA_LAYER_VIEW, stitch_count);
 LAMELLA_SIZED(lamella_view, LAMELLA_VIEW, info);
 LAMELLA_SIZED(lamella_sink, LAMELLA_SINK, object);
@@ -191,6 +191,7 @@ LAMELLA_SAME(lamella_layer, Layer);
 LAMELLA_SAME(lamella_stitch, Stitch);
 LAMELLA_SAME(lamella_point_origin, PointOrigin);
 LAMELLA_SAME(lamella_segment, Segment);
+LAMELLA_SAME(lamella_part_copy, PartCopy);
 LAMELLA_SAME(lamella_slab, Slab);
 LAMELLA_SAME(lamella_height_range, HeightRange);
 LAMELLA_SAME(lamella_memory, Memory);
@@ -219,6 +220,7 @@ LAMELLA_SAME_PLACE(lamella_point_origin, end_edge, PointOrigin, end_edge);
 LAMELLA_SAME_PLACE(lamella_segment, to_key, Segment, to_key);
 LAMELLA_SAME_PLACE(lamella_segment, from, Segment, from);
 LAMELLA_SAME_PLACE(lamella_segment, from_rank, Segment, from_rank);
+LAMELLA_SAME_PLACE(lamella_part_copy, move, PartCopy, move);
 LAMELLA_SAME_PLACE(lamella_slab, top_mm, Slab, top_mm);
 LAMELLA_SAME_PLACE(lamella_height_range, to_mm, HeightRange, to_mm);
 LAMELLA_SAME_PLACE(lamella_height_range, height_mm, HeightRange, height_mm);
@@ -329,6 +331,8 @@ public:
         if (result == nullptr && own_ != nullptr) {
             c.layer_of = nullptr;
             c.layer_of_count = 0;
+            c.copies = nullptr;
+            c.copy_count = 0;
         }
         write_sized(c, info);
     }

@@ -163,9 +163,6 @@ void set_defaults(lamella_options& options) noexcept {
 
 void read_options(const lamella_options* given, SliceOptions& options) {
     const lamella_options c = read_sized(given);
-    if (c.reserved_0_3 != 0) {
-        refuse("lamella_options has a field set that lamella " + std::string(version) + " does not know");
-    }
 #define OPTION(kind, name, path, ...) take(c, c.name, #name, options.path);
 #include "options/options.inc"
 }

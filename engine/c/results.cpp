@@ -108,6 +108,8 @@ lamella_info info_of(const SliceInfo& info) noexcept {
 #include "options/counters.inc"
     c.layer_of = info.layer_of.data();
     c.layer_of_count = info.layer_of.size();
+    c.copies = as_c<lamella_part_copy>(info.copies.data());
+    c.copy_count = info.copies.size();
     return c;
 }
 

@@ -1,5 +1,6 @@
 // The calls of lamella.h that cut, and that put contours together.
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <new>
 #include <span>
@@ -46,6 +47,11 @@ private:
                 part.role = static_cast<PartRole>(c_.part_roles[p]);
             }
             part.object = c_.part_objects != nullptr ? c_.part_objects[p] : 0;
+            if (c_.part_places != nullptr && c_.part_places[p] != nullptr) {
+                require_given(c_.part_place_counts, "the number of places");
+                const auto* const places = reinterpret_cast<const std::array<double, 3>*>(c_.part_places[p]);
+                part.at_mm = {places, c_.part_place_counts[p]};
+            }
             const double* const placement = c_.parts[p].placement;
             if (std::any_of(placement, placement + 12, [](double entry) { return entry != 0; })) {
                 std::copy_n(placement, 12, part.placement.m.begin());

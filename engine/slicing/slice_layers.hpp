@@ -82,10 +82,12 @@ inline SharedFrame choose_frame(const MeshView& mesh, const Frame& asked, bool a
     return choose_frame(bounds, placed_number(mesh, placing), asked, rules);
 }
 
-/// The planes that are asked for within the frame's box, less the layers that are left out. Throws Refused.
+/// The planes that are asked for within the frame's box, less the layers that are left out, above the mesh as it is read.
+/// Throws Refused.
 inline void build_planes(const SliceCall& call, const SharedFrame& frame, PlaneSet& planes) {
     planes.build(call.options, call.tuning.random_heights, frame, call.memory_limit());
     planes.keep(call.options.planes.first_layer, call.options.planes.end_layer);
+    planes.lower(frame.raised);
 }
 
 inline Box box_of(const Bounds& bounds) noexcept {

@@ -145,6 +145,8 @@ typedef struct lamella_source {
     const int32_t* part_roles;                    /* LAMELLA_SOLID, ...; NULL: all are solid */
     const uint32_t* part_objects;                 /* roles act among parts of the same number; NULL: all are of one object */
     const lamella_prepared* const* part_prepared; /* in place of the part's mesh where one is not NULL */
+    const double* const* part_places; /* moves in mm, x, y and z of each copy; one that is NULL: the part stays where it is */
+    const size_t* part_place_counts;  /* copies, where part_places has some */
 } lamella_source;
 
 /* --- Options: lamella/options.hpp says what each does; here they are flat. Written by engine/options/generate.py */
@@ -202,6 +204,7 @@ typedef struct lamella_options {
     int32_t stitch_direction; /* Which ends of open polylines may be stitched. */
     int32_t origins; /* Say which triangle each contour edge comes from. */
     int32_t unite_parts; /* The rules of regions are done to all parts of a layer together, and not to each by itself. */
+    int32_t share_copies; /* Copies of a part (Part::at_mm) at one height share the contours of the first of them. */
     int32_t allow_empty; /* A mesh without triangles, or of which none is left on the grid, is no error. */
     int32_t content; /* What a layer shows: the section at its plane, or what faces project onto it. */
     int32_t datum; /* Where heights of uniform layers count from: the mesh's lowest vertex, or z = 0. */
@@ -212,7 +215,6 @@ typedef struct lamella_options {
     int32_t fill_rule; /* What is solid where contours overlap, nest in the same direction or run backwards. */
     int32_t drop_collinear; /* Drop points exactly on the line between their neighbours. */
     int32_t largest_only; /* Keep the outer contour of the largest area of a layer only, with its holes. */
-    int32_t reserved_0_3;
     /* end options */
 } lamella_options;
 
@@ -265,6 +267,12 @@ typedef struct lamella_stitch {
     lamella_point from, to;
 } lamella_stitch;
 
+/* A part whose contours are those of part `first`, moved by `move`. */
+typedef struct lamella_part_copy {
+    uint32_t part, first;
+    lamella_point move;
+} lamella_part_copy;
+
 /* What is known of a slice but its layers. */
 typedef struct lamella_info {
     uint32_t struct_size;
@@ -283,6 +291,8 @@ typedef struct lamella_info {
     uint64_t emptied_layers, cancelled_layers;
     const uint64_t* layer_of; /* the layer of each height given: of the result, or of the slicer or overlay until its next call */
     uint64_t layer_of_count;
+    const lamella_part_copy* copies; /* with share_copies: those that are not in the layers; lives as long as layer_of */
+    uint64_t copy_count;
 } lamella_info;
 
 /* One layer, of a result or in a sink, where it is valid until the sink returns. The points of a contour c are

@@ -238,6 +238,10 @@ struct SliceOptions {
     /// The rules of regions are done to all parts of a layer together, and not to each by itself. No layer's fill rule may
     /// then be `contours`. A contour names the part that all its edges come from, or several_parts.
     bool unite_parts = false;
+    /// Copies of a part (Part::at_mm) at one height share the contours of the first of them. The result has these alone,
+    /// once, and SliceInfo::copies says where the others stand: nothing but the host's own code reads that, so that files,
+    /// audits and overlays have the first copies only. Without it each copy is written out. Not with unite_parts or origins.
+    bool share_copies = false;
     /// A mesh without triangles, or of which none is left on the grid, is no error. Given heights then give empty layers,
     /// other plans none. The box of a mesh without triangles is a point at zero.
     bool allow_empty = false;

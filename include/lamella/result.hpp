@@ -132,6 +132,14 @@ struct PointMm {
     double y = 0;
 };
 
+/// A copy of a part that shares its points with another: see SliceOptions::share_copies.
+struct PartCopy {
+    std::uint32_t part = 0;   ///< Contour::part where copies share nothing
+    std::uint32_t first = 0;  ///< the part whose contours are its own when they are moved
+    Point move;               ///< by so much, grid units
+    friend bool operator==(const PartCopy&, const PartCopy&) = default;
+};
+
 struct StageTimes {  ///< wall time, ms; the sweep and its fused phases are split by thread time
     double bucket = 0;
     double sweep = 0;
@@ -154,6 +162,7 @@ struct SliceInfo {
     std::uint64_t planned_layers = 0;  ///< of the plan
     /// The layer of the plan that each of SliceOptions::heights_mm has; the result's own begin with `first_layer`.
     std::vector<std::uint64_t> layer_of;
+    std::vector<PartCopy> copies;  ///< by part, with SliceOptions::share_copies. Not kept in archives
 
     std::uint64_t triangles = 0;   ///< in the input
     std::uint64_t degenerate = 0;  ///< dropped: two equal vertices after rounding

@@ -48,6 +48,7 @@
 // that the modifiers' boundaries go, and the rules other than the fill rule are done to that region.
 #pragma once
 
+#include <array>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -144,6 +145,8 @@ struct Part {
     /// In place of `mesh`. It must be prepared on the grid of all, with the transform that the frame and `placement` make,
     /// or they make none.
     const PreparedMesh* prepared = nullptr;
+    /// Moves from where `placement` puts the part, one for each copy of it; none: it stays there.
+    std::span<const std::array<double, 3>> at_mm{};
 };
 
 inline Source::Source(std::span<const Part> parts, int /*made of parts*/) noexcept

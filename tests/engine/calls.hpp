@@ -1,6 +1,7 @@
 // Every call on a mesh in memory that takes a Context, by name, and what a Context promises of each call.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <functional>
 #include <limits>
@@ -87,7 +88,7 @@ public:
           options_(uniform(layer_mm)),
           result_(sliced(mesh, uniform(0.1))),
           prepared_(value_of(prepare(mesh))),
-          parts_{{.mesh = mesh}, {.mesh = mesh}},
+          parts_{{.mesh = mesh}, {.mesh = mesh, .at_mm = places_}},
           roles_{{.mesh = mesh},
                  {.mesh = mesh, .placement = lamella::Transform::scale(0.5), .role = lamella::PartRole::negative}},
           above_{{.layers = result_}, {.layers = result_, .from = 1, .to = 2, .grow_mm = 0.1}} {
@@ -170,6 +171,7 @@ private:
     lamella::SliceOptions options_;
     lamella::SliceResult result_;
     lamella::PreparedMesh prepared_;
+    std::vector<std::array<double, 3>> places_{{0, 0, 0}, {1, 2, 0.5}};
     std::vector<lamella::Part> parts_;
     std::vector<lamella::Part> roles_;
     std::vector<lamella::LayerSet> above_;

@@ -158,14 +158,31 @@ TEST_CASE("edges pierce a plane at the interpolated points", "[engine][kernels]"
             edges.put(slot, MeshEdge::between(lower, upper));
             const double height = upper.z - lower.z;
             const double rise = 77.0 - lower.z;
-            expected.push_back({static_cast<std::int32_t>(std::nearbyint(lower.x + (upper.x - lower.x) / height * rise)),
-                                static_cast<std::int32_t>(std::nearbyint(lower.y + (upper.y - lower.y) / height * rise))});
+            const auto moved = [rise, height](double side) {
+                return static_cast<std::int32_t>(std::nearbyint(side / height * rise));
+            };
+            expected.push_back({lower.x + moved(upper.x - lower.x), lower.y + moved(upper.y - lower.y)});
         }
         for (const auto& [needs, form] : supported(kernel_forms())) {
             std::vector<Point> points(count + padded_count);
             form.pierce(edges.arrays(0), 77, count, points.data());
             points.resize(count);
             CHECK(points == expected);
+        }
+    }
+}
+
+TEST_CASE("edges pierce a plane alike wherever they stand", "[engine][kernels]") {
+    // What they move by is nearly a tie: a double near 2^28 would not tell it from one.
+    constexpr std::int32_t far[padded_count] = {0, 1 << 28, -(1 << 28), 1 << 30, -(1 << 30)};
+    constexpr std::int32_t low[padded_count] = {};
+    const std::vector<double> up(padded_count, 0.5 + 0x1p-40);
+    const std::vector<double> down(padded_count, -0.5 - 0x1p-40);
+    for (const auto& [needs, form] : supported(kernel_forms())) {
+        std::vector<Point> points(padded_count);
+        form.pierce({far, far, low, up.data(), down.data()}, 1, 5, points.data());
+        for (std::size_t e = 0; e < 5; ++e) {
+            CHECK(points[e] == Point{far[e] + 1, far[e] - 1});
         }
     }
 }

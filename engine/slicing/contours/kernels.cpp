@@ -16,7 +16,7 @@ namespace {
 void pierce_portable(const EdgeArrays& edges, std::int32_t z, std::size_t count, Point* points) {
     for (std::size_t e = 0; e < count; ++e) {
         const auto rise = static_cast<double>(std::int64_t{z} - edges.z[e]);
-        points[e] = {round_to_int(edges.x[e] + edges.slope_x[e] * rise), round_to_int(edges.y[e] + edges.slope_y[e] * rise)};
+        points[e] = {edges.x[e] + round_to_int(edges.slope_x[e] * rise), edges.y[e] + round_to_int(edges.slope_y[e] * rise)};
     }
 }
 
@@ -72,12 +72,10 @@ LAMELLA_AVX2 void pierce_avx2(const EdgeArrays& edges, std::int32_t z, std::size
     const __m128i plane = _mm_set1_epi32(z);
     for (std::size_t e = 0; e < count; e += 4) {
         const __m256d rise = _mm256_cvtepi32_pd(_mm_sub_epi32(plane, four_ints(edges.z + e)));
-        const __m256d x = _mm256_add_pd(_mm256_cvtepi32_pd(four_ints(edges.x + e)),
-                                        _mm256_mul_pd(_mm256_loadu_pd(edges.slope_x + e), rise));
-        const __m256d y = _mm256_add_pd(_mm256_cvtepi32_pd(four_ints(edges.y + e)),
-                                        _mm256_mul_pd(_mm256_loadu_pd(edges.slope_y + e), rise));
-        const __m128i xs = _mm256_cvtpd_epi32(x);
-        const __m128i ys = _mm256_cvtpd_epi32(y);
+        const __m256d x = _mm256_mul_pd(_mm256_loadu_pd(edges.slope_x + e), rise);
+        const __m256d y = _mm256_mul_pd(_mm256_loadu_pd(edges.slope_y + e), rise);
+        const __m128i xs = _mm_add_epi32(four_ints(edges.x + e), _mm256_cvtpd_epi32(x));
+        const __m128i ys = _mm_add_epi32(four_ints(edges.y + e), _mm256_cvtpd_epi32(y));
         auto* out = reinterpret_cast<__m128i*>(points + e);
         _mm_storeu_si128(out, _mm_unpacklo_epi32(xs, ys));
         _mm_storeu_si128(out + 1, _mm_unpackhi_epi32(xs, ys));
@@ -317,10 +315,9 @@ constexpr Kernels avx512{pierce_avx2, trace_avx512, select_equal_avx512};
 
 // --- NEON: two edges, four points a step. Its speed is not measured.
 
-/// Where two edges pierce, along one axis. Product and sum are rounded apart, as in the portable form.
+/// Where two edges pierce, along one axis.
 int32x2_t pierce_two(const std::int32_t* from, const double* slopes, float64x2_t rise) {
-    const float64x2_t start = vcvtq_f64_s64(vmovl_s32(vld1_s32(from)));
-    return vmovn_s64(vcvtnq_s64_f64(vaddq_f64(start, vmulq_f64(vld1q_f64(slopes), rise))));
+    return vadd_s32(vld1_s32(from), vmovn_s64(vcvtnq_s64_f64(vmulq_f64(vld1q_f64(slopes), rise))));
 }
 
 void pierce_neon(const EdgeArrays& edges, std::int32_t z, std::size_t count, Point* points) {

@@ -97,7 +97,8 @@ struct ChosenUnit {
 struct SharedFrame {
     Bounds bounds;
     ChosenUnit unit;
-    Number number;  ///< heights are rounded to it; see PlaneSet::build()
+    Number number;            ///< heights are rounded to it; see PlaneSet::build()
+    std::int32_t raised = 0;  ///< even: the mesh stands so many units higher than its coordinates say
 };
 
 /// The unit to use: `asked_mm`, or if that is 0 the default, doubled until the box fits, or if that is finest_grid the

@@ -84,7 +84,7 @@ inline Point pierced_point(const MeshEdge& edge, std::int32_t z) noexcept {
     const double slope_x = (static_cast<double>(upper.x) - lower.x) / height;
     const double slope_y = (static_cast<double>(upper.y) - lower.y) / height;
     const auto rise = static_cast<double>(std::int64_t{z} - lower.z);
-    return {round_to_int(lower.x + slope_x * rise), round_to_int(lower.y + slope_y * rise)};
+    return {lower.x + round_to_int(slope_x * rise), lower.y + round_to_int(slope_y * rise)};
 }
 
 // Hashes of a grid vertex, the same on every platform.

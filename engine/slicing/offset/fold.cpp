@@ -4,7 +4,6 @@
 #include <cmath>
 #include <optional>
 
-#include "base/system/processor.hpp"
 #include "slicing/offset/raw_offset.hpp"
 
 namespace lamella {
@@ -35,7 +34,7 @@ std::optional<Point> corner_of(Point a, Point b, Point c, Point d) noexcept {
     if (!(std::abs(x) < grid_limit && std::abs(y) < grid_limit)) {
         return {};
     }
-    return Point{round_to_int(x), round_to_int(y)};
+    return moved_on_grid(b, part * ux, part * uy);
 }
 
 struct Step {

@@ -11,13 +11,19 @@ namespace lamella {
 
 namespace {
 
-constexpr double just_outside = grid_limit + 1.0;
+/// Ties go to even numbers.
+std::int32_t moved_on_grid(std::int32_t from, double by) noexcept {
+    constexpr std::int64_t just_outside = grid_limit + 1;
+    constexpr double most = 2147483646;
+    const std::int32_t odd = from & 1;
+    const std::int64_t to = std::int64_t{from - odd} + round_to_int(std::max(-most, std::min(most, odd + by)));
+    return static_cast<std::int32_t>(std::max(-just_outside, std::min(just_outside, to)));
+}
 
 }  // namespace
 
-Point rounded_to_grid(double x, double y) noexcept {
-    return {round_to_int(std::max(-just_outside, std::min(just_outside, x))),
-            round_to_int(std::max(-just_outside, std::min(just_outside, y)))};
+Point moved_on_grid(Point from, double x, double y) noexcept {
+    return {moved_on_grid(from.x, x), moved_on_grid(from.y, y)};
 }
 
 namespace {
@@ -53,7 +59,7 @@ double measure_corners(const Point* points, std::size_t count, const OffsetEdges
         const double scale = distance / std::max(cosine1, sharpest_cosine1);
         corners.added[i] = scale * (ux1 * uy2 - uy1 * ux2);
         corners.cosine1[i] = cosine1;
-        corners.miter[i] = rounded_to_grid(points[i].x + scale * (uy1 + uy2), points[i].y - scale * (ux1 + ux2));
+        corners.miter[i] = moved_on_grid(points[i], scale * (uy1 + uy2), -scale * (ux1 + ux2));
         least = std::min(least, cosine1);
     }
     return least;
@@ -176,11 +182,11 @@ Point* RawOffset::write_corner(std::span<const Point> contour, std::size_t corne
     const double uy1 = edges_.uy[corner];
     const double ux2 = edges_.ux[corner + 1];
     const double uy2 = edges_.uy[corner + 1];
-    *out++ = rounded_to_grid(v.x + (d * uy1 + beyond * ux1), v.y + (beyond * uy1 - d * ux1));
+    *out++ = moved_on_grid(v, d * uy1 + beyond * ux1, beyond * uy1 - d * ux1);
     if (!outer) {
         *out++ = v;
     }
-    *out++ = rounded_to_grid(v.x + (d * uy2 - beyond * ux2), v.y - (beyond * uy2 + d * ux2));
+    *out++ = moved_on_grid(v, d * uy2 - beyond * ux2, -(beyond * uy2 + d * ux2));
     return out;
 }
 

@@ -107,8 +107,9 @@ struct Corners {
     const ArcDirections* arcs = nullptr;
 };
 
-/// The nearest point of the grid; beyond it, the nearest of those just outside.
-Point rounded_to_grid(double x, double y) noexcept;
+/// The nearest point of the grid; beyond it, the nearest of those just outside. Rounds what is added, so that it does not
+/// depend on where a contour stands, but for odd shifts of ties.
+Point moved_on_grid(Point from, double x, double y) noexcept;
 
 /// The curve of one contour.
 struct RawCurve {

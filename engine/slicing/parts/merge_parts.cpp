@@ -1,7 +1,6 @@
 #include "slicing/parts/merge_parts.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <memory>
 #include <vector>
 
@@ -20,15 +19,26 @@ std::uint64_t points_in(const SliceResult& part, std::size_t l) noexcept {
     return contours.empty() ? 0 : contours.back().first_point + contours.back().point_count - contours.front().first_point;
 }
 
+void move_points(const PartLayers& part, std::span<const Point> points, Point* to) noexcept {
+    std::transform(points.begin(), points.end(), to, [&part](Point point) { return part.moved(point); });
+}
+
+void number_origins(const PartLayers& part, std::span<const PointOrigin> origins, PointOrigin* to) noexcept {
+    std::transform(origins.begin(), origins.end(), to, [&part](PointOrigin origin) {
+        origin.part = origin.triangle == no_triangle ? std::uint16_t{0} : static_cast<std::uint16_t>(part.number);
+        return origin;
+    });
+}
+
 /// As its facets run: a role that overruled them has turned it.
-Path as_given(const SliceResult& part, const Contour& contour) noexcept {
-    const PointOrigin* const origins = part.origins.empty() ? nullptr : part.origins_of(contour).data();
-    Path given = given_path(part.points_of(contour), origins, contour.role != Role::open);
+Path as_given(const Contour& contour, std::span<const Point> points, const PointOrigin* origins,
+              std::uint32_t part) noexcept {
+    Path given = given_path(points, origins, contour.role != Role::open);
     given.segments = contour.segments;
     given.item.reverse =
         (contour.flags & orientation_overruled) != 0 && (contour.orientation > 0) != (contour.role == Role::outer);
     given.item.flags = static_cast<std::uint16_t>(contour.flags & ~orientation_overruled);
-    given.item.part = contour.part;
+    given.item.part = part;
     return given;
 }
 
@@ -36,10 +46,11 @@ Path as_given(const SliceResult& part, const Contour& contour) noexcept {
 /// straight to their place.
 class Merging {
 public:
-    Merging(std::span<const PartLayers> parts, const SliceCall& call, SliceInfo& merged)
-        : parts_(parts),
+    Merging(const PartsToMerge& given, const SliceCall& call, SliceInfo& merged)
+        : given_(given),
+          parts_(given.parts),
           united_(merged.options.unite_parts),
-          are_copied_(!united_ && std::none_of(parts.begin(), parts.end(),
+          are_copied_(!united_ && std::none_of(parts_.begin(), parts_.end(),
                                                [](const PartLayers& part) { return part.labelled != nullptr; })),
           call_(call),
           parallel_(*call.kept.parallel),
@@ -54,15 +65,23 @@ public:
             points += task.segments;
         }
         const auto layer_at = [this](PlaneIndex plane) { return layer_of_all(plane); };
-        const OutputPlan plan{.layers = static_cast<PlaneIndex>(parts_[0].alone->size()),
-                              .layer_at = layer_at,
-                              .segments = points,
-                              .cutting = 0,
-                              .bands = tasks,
-                              .parallel = parallel_,
-                              .scratch = call_.kept.output,
-                              .origins = merged_.options.origins,  // of some part: one that no plane meets has none
-                              .info = merged_};
+        OutputPlan plan{.layers = static_cast<PlaneIndex>(given_.layers.size()),
+                        .layer_at = layer_at,
+                        .segments = 0,
+                        .cutting = 0,
+                        .bands = tasks,
+                        .parallel = parallel_,
+                        .scratch = call_.kept.output,
+                        .origins = merged_.options.origins,  // of some part: one that no plane meets has none
+                        .info = merged_};
+        if (given_.are_repeated) {
+            for (const PartLayers& part : parts_) {
+                plan.segments += part.alone->points.size();
+                plan.cutting += part.alone->contours.size();
+            }
+            target.admit(plan, call_.memory_limit());
+        }
+        plan.segments = points;
         target.begin(plan);
         fill_bands(target, parallel_, 0, tasks.size(), [&](std::size_t task, int worker, BandOutput& output) {
             for (PlaneIndex layer = tasks[task].first; layer < tasks[task].last; ++layer) {
@@ -86,6 +105,8 @@ private:
         Worker worker;
         LayerBuilder layers{worker};
         Vector<Path> given{worker.memory()};
+        Vector<Point> points{worker.memory()};         ///< of given
+        Vector<PointOrigin> origins{worker.memory()};  ///< of points
         Vector<std::int64_t> places{worker.memory()};  ///< in the output, of labelled contours
     };
 
@@ -100,10 +121,8 @@ private:
 
     /// Without contours.
     Layer layer_of_all(PlaneIndex plane) const noexcept {
-        Layer layer = parts_[0].alone->layers[plane];
-        layer.first_contour = layer.contour_count = layer.segments = 0;
+        Layer layer = given_.layers[plane];
         for (const PartLayers& part : parts_) {
-            assert(part.alone->layers[plane].plane == layer.plane);
             layer.segments += part.alone->layers[plane].segments;
         }
         return layer;
@@ -111,7 +130,7 @@ private:
 
     /// Where all are copied, with how many points they have.
     std::vector<Band> cut_tasks() const {
-        const std::size_t layers = parts_[0].alone->size();
+        const std::size_t layers = given_.layers.size();
         std::vector<Band> tasks;
         tasks.reserve(layers / layers_a_task + 1);
         for (std::size_t l = 0; l < layers; ++l) {
@@ -133,7 +152,7 @@ private:
                 continue;
             }
             for (const Stitch& stitch : (*part.alone)[l].stitches) {
-                output.stitches.push_back({l - output.first_layer, stitch.from, stitch.to});
+                output.stitches.push_back({l - output.first_layer, part.moved(stitch.from), part.moved(stitch.to)});
             }
         }
     }
@@ -141,26 +160,26 @@ private:
     void append(std::size_t l, int worker, BandOutput& output) {
         const std::size_t contours_before = output.contours.size();
         for (const PartLayers& part : parts_) {
-            part.labelled == nullptr ? copy(*part.alone, l, output)
-                                     : append_labelled(part, l, builder_of(worker).places, output);
+            part.labelled == nullptr ? copy(part, l, output) : append_labelled(part, l, builder_of(worker).places, output);
         }
         output.layer_contours.push_back(static_cast<std::uint32_t>(output.contours.size() - contours_before));
     }
 
-    static void copy(const SliceResult& part, std::size_t l, BandOutput& output) {
-        if (part.layers[l].contour_count == 0) {
+    static void copy(const PartLayers& part, std::size_t l, BandOutput& output) {
+        if (part.alone->layers[l].contour_count == 0) {
             return;
         }
-        const LayerView layer = part[l];
-        std::copy(layer.points.begin(), layer.points.end(), output.reserve_points(layer.points.size()));
+        const LayerView layer = (*part.alone)[l];
+        move_points(part, layer.points, output.reserve_points(layer.points.size()));
         if (output.with_origins) {
-            std::copy(layer.origins.begin(), layer.origins.end(), output.origins + output.point_count);
+            number_origins(part, layer.origins, output.origins + output.point_count);
         }
         const auto first = static_cast<std::int64_t>(output.contours.size());
         for (const Contour& own : layer.contours) {
             Contour& contour = output.contours.emplace_back(own);
             contour.first_point += output.point_count - layer.first_point;
             contour.parent += own.parent < 0 ? 0 : first - static_cast<std::int64_t>(layer.first_contour);
+            contour.part = part.number;
             output.totals.add(contour);
         }
         output.point_count += layer.points.size();
@@ -175,8 +194,10 @@ private:
                 places.push_back(static_cast<std::int64_t>(output.contours.size()));
             }
             const std::span<const Point> points = of.points_of(own);
-            std::copy(points.begin(), points.end(), output.reserve_points(points.size()));
-            output.contours.emplace_back(own).first_point = output.point_count;
+            move_points(part, points, output.reserve_points(points.size()));
+            Contour& contour = output.contours.emplace_back(own);
+            contour.first_point = output.point_count;
+            contour.part = part.number;
             output.totals.add(own);
             output.point_count += points.size();
         });
@@ -193,18 +214,33 @@ private:
 
     void unite(std::size_t l, int worker, BandOutput& output) {
         Builder& builder = builder_of(worker);
-        builder.given.clear();
-        for (const PartLayers& part : parts_) {
-            if (!part.is_support) {
-                part.each_contour(l, [&builder](const SliceResult& of, const Contour& contour) {
-                    builder.given.push_back(as_given(of, contour));
-                });
+        const auto each_contour = [this, l](auto use) {
+            for (const PartLayers& part : parts_) {
+                if (!part.is_support) {
+                    part.each_contour(l, [&](const SliceResult& of, const Contour& own) { use(part, of, own); });
+                }
             }
-        }
+        };
+        std::size_t count = 0;
+        each_contour([&](const PartLayers&, const SliceResult&, const Contour& own) { count += own.point_count; });
+        builder.points.resize(count);
+        builder.origins.resize(merged_.options.origins ? count : 0);
+        builder.given.clear();
+        std::size_t at = 0;
+        each_contour([&](const PartLayers& part, const SliceResult& of, const Contour& own) {
+            move_points(part, of.points_of(own), &builder.points[at]);
+            PointOrigin* const origins = builder.origins.empty() ? nullptr : &builder.origins[at];
+            if (origins != nullptr) {
+                number_origins(part, of.origins_of(own), origins);
+            }
+            builder.given.push_back(as_given(own, {&builder.points[at], own.point_count}, origins, part.number));
+            at += own.point_count;
+        });
         builder.layers.read_given(builder.given);
         builder.layers.build(output);
     }
 
+    const PartsToMerge& given_;
     std::span<const PartLayers> parts_;
     bool united_;
     bool are_copied_;  ///< contours stay as they are
@@ -217,9 +253,9 @@ private:
 
 }  // namespace
 
-void merge_parts(std::span<const PartLayers> parts, const SliceCall& call, LayerTarget& target, SliceInfo& merged,
+void merge_parts(const PartsToMerge& given, const SliceCall& call, LayerTarget& target, SliceInfo& merged,
                  FunctionRef<void(double)> reach) {
-    Merging(parts, call, merged).run(target, reach);
+    Merging(given, call, merged).run(target, reach);
 }
 
 }  // namespace lamella

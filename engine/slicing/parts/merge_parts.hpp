@@ -15,10 +15,17 @@
 
 namespace lamella {
 
+/// What is put together.
+struct PartsToMerge {
+    std::span<const Layer> layers;  ///< without contours
+    std::span<const PartLayers> parts;
+    bool are_repeated;  ///< parts share results, so that a limit holds for what they become
+};
+
 /// O(n + p k) for n points and contours, p parts and k planes, which all parts have, and for regions O(q log q) for a layer
 /// of q points. `merged` has the summary but for what the target counts; its options say whether parts are united. `reach`
 /// is told the share of layers that are done. Throws Refused, std::bad_alloc, Stopped.
-void merge_parts(std::span<const PartLayers> parts, const SliceCall& call, LayerTarget& target, SliceInfo& merged,
+void merge_parts(const PartsToMerge& given, const SliceCall& call, LayerTarget& target, SliceInfo& merged,
                  FunctionRef<void(double)> reach);
 
 }  // namespace lamella

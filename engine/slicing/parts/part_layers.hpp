@@ -11,17 +11,20 @@
 namespace lamella {
 
 struct PartLayers {
-    const SliceResult* alone;               ///< as the part was sliced; all parts have the same layers
-    const SliceResult* labelled = nullptr;  ///< its object's, whose contours of `number` stand for the closed ones
-    std::uint32_t number = 0;               ///< the part's index
+    const SliceResult* alone;               ///< as the part was sliced; all parts have as many layers
+    const SliceResult* labelled = nullptr;  ///< its object's, whose contours of `label` stand for the closed ones
+    std::uint32_t label = 0;                ///< the part's index
+    std::uint32_t number = 0;               ///< the copy's, which its contours get
+    Point move{};                           ///< what its points are moved by
     bool is_support = false;
+
+    Point moved(Point point) const noexcept { return {point.x + move.x, point.y + move.y}; }
 
     /// Of a layer's labelled contours, which lie by part.
     std::span<const Contour> labelled_in(std::size_t layer) const noexcept {
         const auto all = labelled->contours_of(labelled->layers[layer]);
-        const auto begin =
-            std::partition_point(all.begin(), all.end(), [this](const Contour& c) { return c.part < number; });
-        const auto end = std::partition_point(begin, all.end(), [this](const Contour& c) { return c.part == number; });
+        const auto begin = std::partition_point(all.begin(), all.end(), [this](const Contour& c) { return c.part < label; });
+        const auto end = std::partition_point(begin, all.end(), [this](const Contour& c) { return c.part == label; });
         return {begin, end};
     }
 

@@ -47,13 +47,14 @@ struct RoleSets {
     }
 };
 
-SliceResult label_object(std::span<const Part> parts, std::span<const std::uint32_t> own, std::span<const PartLayers> layers,
-                         Overlay& overlay, const Context& context) {
+/// `layers_of`: of each part in `own`.
+SliceResult label_object(std::span<const Part> parts, std::span<const std::uint32_t> own,
+                         std::span<PartLayers* const> layers_of, Overlay& overlay, const Context& context) {
     RoleSets roles;
     std::vector<LayerSet> sets;
-    for (const std::uint32_t p : own) {
-        roles.add(parts[p].role, sets.size());
-        sets.push_back({.layers = *layers[p].alone});
+    for (const PartLayers* const layers : layers_of) {
+        roles.add(parts[layers->label].role, sets.size());
+        sets.push_back({.layers = *layers->alone});
     }
     const auto label = [&roles](std::uint64_t in) noexcept { return roles.label_of(in); };
     SliceResult result(context.memory);
@@ -87,6 +88,14 @@ void check_roles(std::span<const Part> parts) {
         return;
     }
     for (const auto& [object, own] : list_objects(parts)) {
+        for (const std::uint32_t p : own) {
+            const auto places = parts[p].at_mm;
+            const auto others = parts[own[0]].at_mm;
+            if (!std::equal(places.begin(), places.end(), others.begin(), others.end())) {
+                throw Refused{refusal_of(p, "roles act among parts at the same places, and part " + std::to_string(own[0]) +
+                                                " of its object stands at others")};
+            }
+        }
         if (own.size() > most_layer_sets) {
             throw Refused{{ErrorCode::invalid_argument, "object " + std::to_string(object) + " has " +
                                                             std::to_string(own.size()) +
@@ -96,15 +105,24 @@ void check_roles(std::span<const Part> parts) {
     }
 }
 
-std::vector<SliceResult> label_objects(std::span<const Part> parts, std::span<PartLayers> layers, const Context& context) {
-    const PartsOfObjects objects = list_objects(parts);
-    std::vector<SliceResult> labelled;
-    labelled.reserve(objects.size());  // layers refer to them
+std::deque<SliceResult> label_objects(std::span<const Part> parts, std::span<const std::uint32_t> first_copy,
+                                      std::span<PartLayers> layers, const Context& context) {
+    std::deque<SliceResult> labelled;  // layers refer to them
     Overlay overlay;
-    for (const auto& [object, own] : objects) {
-        labelled.push_back(label_object(parts, own, layers, overlay, context));
-        for (const std::uint32_t p : own) {
-            layers[p].labelled = &labelled.back();
+    for (const auto& [object, own] : list_objects(parts)) {
+        std::map<const SliceResult*, const SliceResult*> by_cut;  // of the first part: the others stand at its places
+        for (std::size_t place = 0; place < std::max<std::size_t>(1, parts[own[0]].at_mm.size()); ++place) {
+            std::vector<PartLayers*> copy;
+            for (const std::uint32_t p : own) {
+                copy.push_back(&layers[first_copy[p] + place]);
+            }
+            const SliceResult*& known = by_cut[copy[0]->alone];
+            if (known == nullptr) {
+                known = &labelled.emplace_back(label_object(parts, own, copy, overlay, context));
+            }
+            for (PartLayers* const part : copy) {
+                part->labelled = known;
+            }
         }
     }
     return labelled;

@@ -6,9 +6,9 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "lamella/context.hpp"
 #include "lamella/error.hpp"
@@ -29,11 +29,12 @@ Error refusal_of(std::size_t part, const std::string& why);
 /// True if some part is negative or a modifier.
 bool have_roles(std::span<const Part> parts) noexcept;
 
-/// Throws Refused where a role is none, or an object has too many parts for an overlay.
+/// Throws Refused where a role is none, or an object has too many parts for an overlay, or some at other places.
 void check_roles(std::span<const Part> parts);
 
-/// The layers of each object that has roles, from its parts' regions. Adds them to `layers`, which are by part. Throws
-/// Refused, Stopped, std::bad_alloc.
-std::vector<SliceResult> label_objects(std::span<const Part> parts, std::span<PartLayers> layers, const Context& context);
+/// The layers of each object that has roles, from its parts' regions. Adds them to `layers`, which are by part and place.
+/// Copies that share what they are cut from share them too. Throws Refused, Stopped, std::bad_alloc.
+std::deque<SliceResult> label_objects(std::span<const Part> parts, std::span<const std::uint32_t> first_copy,
+                                      std::span<PartLayers> layers, const Context& context);
 
 }  // namespace lamella

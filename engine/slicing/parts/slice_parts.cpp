@@ -1,13 +1,13 @@
 // Slicing several meshes, as the list of its stages:
 //
 //     choose_frame       the box of all parts, and from it one grid and one set of planes
-//     slice_all          each part by itself: many small ones side by side, others by all threads
+//     list_copies        what is cut: a part once for all of its places that are at one height
+//     slice_all          each cut by itself: many small ones side by side, others by all threads
 //     label_objects      contours by roles, where parts have some
 //     merge_parts        contours of all parts, side by side in each layer, or one region of them
 
 #include <algorithm>
 #include <atomic>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,9 +17,11 @@
 #include "base/clock.hpp"
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
+#include "base/vector.hpp"
 #include "base/words.hpp"
 #include "slicing/buckets/mesh_source.hpp"
 #include "slicing/buckets/prepared_source.hpp"
+#include "slicing/parts/copies.hpp"
 #include "slicing/parts/merge_parts.hpp"
 #include "slicing/parts/roles.hpp"
 #include "slicing/regions/rules.hpp"
@@ -86,11 +88,7 @@ public:
         if (parts.empty()) {
             throw Refused{{ErrorCode::invalid_argument, "there are no parts to slice"}};
         }
-        constexpr std::size_t most = std::numeric_limits<std::uint16_t>::max();
-        if (options_.origins && parts.size() > most) {
-            throw Refused{{ErrorCode::invalid_argument, "origins name one of at most " + std::to_string(most) +
-                                                            " parts, not of " + std::to_string(parts.size())}};
-        }
+        check_places(parts, options_);
         check_roles(parts);
         if (options_.origins && have_roles_) {
             throw Refused{{ErrorCode::invalid_argument, "parts with roles have no origins, since they cut each other"}};
@@ -112,9 +110,14 @@ public:
             return;
         }
         const auto start = Clock::now();
-        const std::vector<SliceResult> labelled = label_objects(parts_, layers_, parallel_.within(call_.context));
+        layers_ = layers_of(parts_, list_, sliced_);
+        const auto labelled = label_objects(parts_, list_.first_copy, layers_, parallel_.within(call_.context));
+        if (options_.share_copies) {
+            info.copies = leave_first(list_, layers_);
+        }
         const auto reach = [this](double share) { progress_.reach(sliced_share() + (0.99 - sliced_share()) * share); };
-        merge_parts(layers_, call_, *target, info, reach);
+        merge_parts({.layers = planned_, .parts = layers_, .are_repeated = layers_.size() > list_.cuts.size()}, call_,
+                    *target, info, reach);
         (makes_regions() ? info.ms.fill : info.ms.contours) += milliseconds_since(start);
         progress_.finish();
     }
@@ -131,7 +134,8 @@ private:
     bool are_many_small() const noexcept;
     bool slice_side_by_side(bool whole);
     void slice_one_by_one(bool whole);
-    void slice_part(std::size_t p, bool whole, const Context& context, detail::SlicerImpl& kept);
+    void slice_cut(std::size_t c, bool whole, const Context& context, detail::SlicerImpl& kept);
+    PartMesh mesh_of(std::size_t cut) const noexcept { return PartMesh(parts_[list_.cuts[cut].part]); }
     double share_of(std::uint64_t triangles) const noexcept {
         return sliced_share() * static_cast<double>(triangles) / static_cast<double>(std::max<std::uint64_t>(1, triangles_));
     }
@@ -143,15 +147,16 @@ private:
     const Parallel& parallel_;
     ProgressMeter progress_;
     SharedFrame frame_{};
-    std::uint64_t triangles_ = 0;
-    std::vector<SliceResult> sliced_;  ///< by part
-    std::vector<PartLayers> layers_;   ///< of sliced_
+    std::uint64_t triangles_ = 0;  ///< of all cuts
+    CopyList list_;
+    std::vector<SliceResult> sliced_;           ///< by cut
+    std::vector<PartLayers> layers_;            ///< of sliced_, by copy
+    Vector<Layer> planned_{call_.kept.memory};  ///< without contours
 };
 
 void PartSlicing::choose_frame() {
     const std::vector<Bounds> bounds = measure_all();
     Bounds all = Bounds::empty();
-    Bounds solid = Bounds::empty();
     Number number = Number::f32;
     Frame asked = options_.frame;
     for (std::size_t p = 0; p < parts_.size(); ++p) {
@@ -161,29 +166,35 @@ void PartSlicing::choose_frame() {
         }
         triangles_ += of.mesh.triangle_count;
         all.add(bounds[p]);
-        if (parts_[p].role == PartRole::solid) {
-            solid.add(bounds[p]);
+        Number own = of.prepared != nullptr
+                         ? of.prepared->frame.number
+                         : placed_number(of.mesh, placing_of(of.mesh, options_.frame, parts_[p].placement));
+        for (const auto& move : moves_mm(parts_, p, options_.frame.transform)) {
+            all.add(moved(bounds[p], move));
+            own = move[2] != 0 ? Number::f64 : own;
         }
-        const Number own = of.prepared != nullptr
-                               ? of.prepared->frame.number
-                               : placed_number(of.mesh, placing_of(of.mesh, options_.frame, parts_[p].placement));
         number = own == Number::f64 ? own : number;
         if (of.prepared != nullptr && asked.grid_mm == 0) {
             asked.grid_mm = of.prepared->asked.grid_mm;
         }
     }
     frame_ = lamella::choose_frame(triangles_ == 0 ? Bounds{} : all, number, asked, options_.region);
-    if (solid.max_mm[2] >= solid.min_mm[2]) {
-        frame_.bounds = solid;  // what takes away or labels chooses no planes
+    list_ = list_copies(parts_, options_.frame.transform, frame_.unit.mm);
+    if (triangles_ > 0) {
+        frame_.bounds = box_of_copies(parts_, bounds, list_, frame_.unit.mm);
+    }
+    triangles_ = 0;
+    for (std::size_t c = 0; c < list_.cuts.size(); ++c) {
+        triangles_ += mesh_of(c).mesh.triangle_count;
     }
     for (std::size_t p = 0; p < parts_.size(); ++p) {
         check_prepared(p);
     }
 }
 
-/// Of each part that has triangles.
+/// Empty where a part has no triangles.
 std::vector<Bounds> PartSlicing::measure_all() {
-    std::vector<Bounds> bounds(parts_.size());
+    std::vector<Bounds> bounds(parts_.size(), Bounds::empty());
     std::vector<std::optional<Error>> errors(parts_.size());
     const auto measure = [&](std::size_t p, const Parallel& parallel, BlockTable& table) {
         const PartMesh of(parts_[p]);
@@ -242,8 +253,12 @@ void PartSlicing::slice_all(const Bounds& box, LayerTarget* target, SliceInfo& i
     begin_info(options_, box, frame_.unit, info);
     build_planes(call_, frame_, call_.kept.planes);
     describe_plan(call_.kept.planes, call_.tuning.random_heights.has_value(), info);
+    planned_.clear();
+    for (PlaneIndex l = 0; l < info.layers; ++l) {
+        planned_.push_back(describe_layer(call_.kept.planes, l, 0));
+    }
     info.options.stitch_mm = 0;
-    info.part_count = parts_.size();
+    info.part_count = list_.copies.size();
     info.threads = parallel_.threads();
     if (target != nullptr) {
         target->admit_layers(info.layers, info);
@@ -251,18 +266,17 @@ void PartSlicing::slice_all(const Bounds& box, LayerTarget* target, SliceInfo& i
     if (!are_many_small() || !slice_side_by_side(target != nullptr)) {
         slice_one_by_one(target != nullptr);
     }
-    layers_.clear();
-    for (std::uint32_t p = 0; p < parts_.size(); ++p) {
-        layers_.push_back({.alone = &sliced_[p], .number = p, .is_support = is_support(parts_[p].role)});
-        info.options.stitch_mm = std::max(info.options.stitch_mm, sliced_[p].info.options.stitch_mm);
-        add_work(sliced_[p].info, info);
+    for (std::size_t c = 0; c < sliced_.size(); ++c) {
+        info.options.stitch_mm = std::max(info.options.stitch_mm, sliced_[c].info.options.stitch_mm);
+        add_work(sliced_[c].info, options_.share_copies ? 1 : list_.cuts[c].copies, info);
     }
 }
 
 /// Then a part keeps no two threads busy.
 bool PartSlicing::are_many_small() const noexcept {
     constexpr std::size_t most_triangles = 1 << 16;
-    return parallel_.threads() > 1 && parts_.size() >= 2 * static_cast<std::size_t>(parallel_.threads()) &&
+    return parallel_.threads() > 1 &&
+           std::max(parts_.size(), list_.cuts.size()) >= 2 * static_cast<std::size_t>(parallel_.threads()) &&
            std::all_of(parts_.begin(), parts_.end(),
                        [](const Part& part) { return PartMesh(part).mesh.triangle_count <= most_triangles; });
 }
@@ -271,29 +285,29 @@ bool PartSlicing::are_many_small() const noexcept {
 /// Of several parts that fail the first one speaks, as it does one by one.
 bool PartSlicing::slice_side_by_side(bool whole) {
     sliced_.clear();
-    for (std::size_t p = 0; p < parts_.size(); ++p) {
+    for (std::size_t c = 0; c < list_.cuts.size(); ++c) {
         sliced_.emplace_back(call_.kept.memory);
     }
     const std::uint64_t limit = call_.context.memory_limit_bytes;
     std::atomic<std::uint64_t> triangles = 0;
     std::atomic<std::uint64_t> bytes = 0;  // that results take
-    std::vector<std::optional<Error>> errors(parts_.size());
+    std::vector<std::optional<Error>> errors(list_.cuts.size());
     std::atomic<bool> failed = false;
     const Context context{.memory = call_.context.memory, .memory_limit_bytes = limit};
     call_.kept.sides.resize(static_cast<std::size_t>(parallel_.threads()));
-    parallel_.run(parts_.size(), [&](std::size_t p, int worker) {
+    parallel_.run(list_.cuts.size(), [&](std::size_t c, int worker) {
         if (failed || (limit != 0 && bytes > limit)) {
             return;  // parts before have begun
         }
         try {
-            slice_part(p, whole, context, call_.kept.side_of(worker));
+            slice_cut(c, whole, context, call_.kept.side_of(worker));
         } catch (Refused& refused) {
-            errors[p] = std::move(refused.error);
+            errors[c] = std::move(refused.error);
             failed = true;
             return;
         }
-        bytes += bytes_of(sliced_[p]);
-        progress_.reach(share_of(triangles += PartMesh(parts_[p]).mesh.triangle_count));
+        bytes += bytes_of(sliced_[c]);
+        progress_.reach(share_of(triangles += mesh_of(c).mesh.triangle_count));
     });
     std::uint64_t most = 0;  // that one part may be refused for
     for (const SliceResult& part : sliced_) {
@@ -312,21 +326,21 @@ void PartSlicing::slice_one_by_one(bool whole) {
     sliced_.clear();
     std::uint64_t before = 0;  // triangles of the parts before
     Context context = call_.context;
-    for (std::size_t p = 0; p < parts_.size(); ++p) {
-        const std::uint64_t own = PartMesh(parts_[p]).mesh.triangle_count;
+    for (std::size_t c = 0; c < list_.cuts.size(); ++c) {
+        const std::uint64_t own = mesh_of(c).mesh.triangle_count;
         auto report = [&](double fraction) noexcept { progress_.reach(share_of(before) + share_of(own) * fraction); };
         context.progress = report;
         sliced_.emplace_back(call_.kept.memory);
-        slice_part(p, whole, context, call_.kept);
-        const std::uint64_t bytes = bytes_of(sliced_[p]);
+        slice_cut(c, whole, context, call_.kept);
+        const std::uint64_t bytes = bytes_of(sliced_[c]);
         std::uint64_t& left = context.memory_limit_bytes;
         left = left > bytes ? left - bytes : std::min<std::uint64_t>(left, 1);
         before += own;
     }
 }
 
-/// In the frame of all. Its contours and origins get the part's number.
-void PartSlicing::slice_part(std::size_t p, bool whole, const Context& context, detail::SlicerImpl& kept) {
+/// In the frame of all.
+void PartSlicing::slice_cut(std::size_t c, bool whole, const Context& context, detail::SlicerImpl& kept) {
     SliceOptions options = options_;
     if (options_.unite_parts) {  // other rules come after; only roles need regions of each part
         options.region = {};
@@ -335,31 +349,26 @@ void PartSlicing::slice_part(std::size_t p, bool whole, const Context& context, 
             options.region.fill_from = options_.region.fill_from;
         }
     }
+    const std::size_t p = list_.cuts[c].part;
     const PartMesh of(parts_[p]);
-    SliceResult& own = sliced_[p];
+    SharedFrame frame = frame_;
+    frame.raised = list_.cuts[c].up;
+    SliceResult& own = sliced_[c];
     ResultTarget result(own);
     LayerTarget* const target = whole ? &result : nullptr;
     const SliceCall call{options, call_.tuning, context, kept};
     try {
         if (of.prepared != nullptr) {
-            PreparedSource source(*of.prepared, frame_, kept.source_tools());
+            PreparedSource source(*of.prepared, frame, kept.source_tools());
             slice_layers(source, target, call, own.info);
         } else {
             AnySource source;
             const Placing placing = placing_of(of.mesh, options.frame, parts_[p].placement);
-            slice_layers(source_of(of.mesh, placing, &frame_, kept.source_tools(), source), target, call, own.info);
+            slice_layers(source_of(of.mesh, placing, &frame, kept.source_tools(), source), target, call, own.info);
         }
     } catch (Refused& refused) {
         throw Refused{blamed_on_part(std::move(refused.error), p)};
     }
-    for (Contour& contour : own.contours) {
-        contour.part = static_cast<std::uint32_t>(p);
-    }
-    kept.parallel->run_ranges(own.origins.size(), std::size_t{1} << 16, [&](std::size_t begin, std::size_t end, int) {
-        for (PointOrigin& origin : own.origins.span().subspan(begin, end - begin)) {
-            origin.part = origin.triangle == no_triangle ? std::uint16_t{0} : static_cast<std::uint16_t>(p);
-        }
-    });
 }
 
 }  // namespace

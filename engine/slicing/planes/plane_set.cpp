@@ -94,6 +94,18 @@ void PlaneSet::keep(std::uint64_t first_layer, std::uint64_t end_layer) {
     make_table();
 }
 
+void PlaneSet::lower(std::int32_t by) {
+    if (by == 0) {
+        return;
+    }
+    for (PlaneIndex i = 0; i < count_; ++i) {
+        const std::int64_t z = std::int64_t{padded_[i + 1]} - by;
+        padded_[i + 1] = static_cast<std::int32_t>(std::clamp<std::int64_t>(z, below_all + 1, above_all - 2));
+    }
+    inverse_step_ = 0;  // vertices may be too far from the first for its arithmetic
+    make_table();
+}
+
 void PlaneSet::build(const Array<Layer>& layers) {
     count_ = static_cast<PlaneIndex>(layers.size());
     planned_ = count_;

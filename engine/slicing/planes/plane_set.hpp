@@ -110,6 +110,8 @@ public:
                std::uint64_t memory_limit);
     /// Drops all planes but those of range_of(), which keep their heights, bottoms and tops. O(k).
     void keep(std::uint64_t first, std::uint64_t end);
+    /// Every plane by so many units, which are even; beyond 32 bits they stay at either end. Heights in mm stay. O(k).
+    void lower(std::int32_t by);
     /// Those of the layers [first, end) that there are. Refused: bad_planes (there are planes, but none of these).
     PlaneRange range_of(std::uint64_t first, std::uint64_t end) const;
     /// The plane that is now plane 0, and how many there were before.

@@ -344,11 +344,11 @@ void describe_plan(const PlaneSet& planes, bool list_heights, SliceInfo& info) {
     info.planned_layers = planes.planned();
 }
 
-void add_work(const SliceInfo& part, SliceInfo& sum) noexcept {
-    sum.triangles += part.triangles;
-    sum.degenerate += part.degenerate;
-    sum.crossed += part.crossed;
-    sum.segments += part.segments;
+void add_work(const SliceInfo& part, std::uint64_t times, SliceInfo& sum) noexcept {
+    sum.triangles += times * part.triangles;
+    sum.degenerate += times * part.degenerate;
+    sum.crossed += times * part.crossed;
+    sum.segments += times * part.segments;
     sum.bands += part.bands;
     sum.ms.bucket += part.ms.bucket;
     sum.ms.sweep += part.ms.sweep;

@@ -227,7 +227,7 @@ inline Layer describe_layer(const PlaneSet& planes, PlaneIndex plane, std::uint6
 /// SliceInfo::layers, layer_of, first_layer and planned_layers; `list_heights`: the options have not chosen them.
 void describe_plan(const PlaneSet& planes, bool list_heights, SliceInfo& info);
 
-/// Adds what a part of a slice has read, swept and spent.
-void add_work(const SliceInfo& part, SliceInfo& sum) noexcept;
+/// Adds what a part of a slice has swept and spent, and what it has read, so many times.
+void add_work(const SliceInfo& part, std::uint64_t times, SliceInfo& sum) noexcept;
 
 }  // namespace lamella

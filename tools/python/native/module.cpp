@@ -364,6 +364,12 @@ View::View(const py::list& meshes, bool as_parts) : as_parts_(as_parts) {
             part.prepared = &py::cast<const PreparedMesh&>(prepared);
             arrays_.push_back(prepared);
         }
+        if (const py::object places = given[7]; !places.is_none()) {
+            const auto rows = py::reinterpret_borrow<py::array_t<double>>(places);
+            part.at_mm = {reinterpret_cast<const std::array<double, 3>*>(rows.data()),
+                          static_cast<std::size_t>(rows.shape(0))};
+            arrays_.push_back(places);
+        }
         arrays_.push_back(vertices);
         arrays_.push_back(faces);
     }

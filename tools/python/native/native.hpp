@@ -113,8 +113,8 @@ auto run(Work&& work) {
 /// Meshes in arrays of Python, which it keeps alive.
 class View {
 public:
-    /// Each mesh is (vertices, faces or None, mm per unit, 3x4 placement or None, role, object, Prepared or None). Arrays
-    /// are as _mesh.py leaves them.
+    /// Each mesh is (vertices, faces or None, mm per unit, 3x4 placement or None, role, object, Prepared or None, places or
+    /// None). Arrays are as _mesh.py leaves them.
     View(const py::list& meshes, bool as_parts);
 
     Source source() const noexcept { return as_parts_ ? Source(parts_) : Source(mesh()); }

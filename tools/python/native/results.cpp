@@ -202,17 +202,24 @@ void each_array(Held& result, Visit visit) {
     visit(result.stitches);
 }
 
+py::dtype copy_type() {
+    return type_of<PartCopy>({{"part", "u4", offsetof(PartCopy, part)},
+                              {"first", "u4", offsetof(PartCopy, first)},
+                              {"move_grid", "2i4", offsetof(PartCopy, move)}});
+}
+
 py::tuple state(const py::object& self) {
     const SliceResult& result = self.cast<const HeldResult&>().result;
     py::list arrays;
     each_array(result, [&](const auto& array) {
         arrays.append(view_of(std::as_bytes(std::span(array)), py::dtype::of<std::uint8_t>(), self));
     });
-    return py::make_tuple(version, arrays, dict_of(result.info.options), figures_of(result.info), result.info.layer_of);
+    return py::make_tuple(version, arrays, dict_of(result.info.options), figures_of(result.info), result.info.layer_of,
+                          copy_of(result.info.copies, copy_type()));
 }
 
 HeldResult restore(const py::tuple& state) {
-    if (state.size() != 5 || state[0].cast<std::string>() != version) {
+    if (state.size() != 6 || state[0].cast<std::string>() != version) {
         raise({ErrorCode::invalid_argument, "the result was pickled by another version of lamella"});
     }
     SliceResult result;
@@ -230,6 +237,9 @@ HeldResult restore(const py::tuple& state) {
         figure = figures[name].template cast<std::remove_reference_t<decltype(figure)>>();
     });
     result.info.layer_of = state[4].cast<std::vector<std::uint64_t>>();
+    const auto copies = state[5].cast<py::array>();
+    const auto* const rows = static_cast<const PartCopy*>(copies.data());
+    result.info.copies.assign(rows, rows + copies.size());
     return HeldResult(std::move(result));
 }
 
@@ -305,6 +315,7 @@ void define_results(py::module_& module) {
     view("points_grid", &SliceResult::points, py::dtype("(2,)i4"));
     held.def_property_readonly(
             "layer_of", [](const HeldResult& h) { return copy_of(h.result.info.layer_of, py::dtype::of<std::int64_t>()); })
+        .def_property_readonly("copies", [](const HeldResult& h) { return copy_of(h.result.info.copies, copy_type()); })
         .def("areas", &areas)
         .def("contour_areas", &contour_areas)
         .def("contour_lengths", &contour_lengths)

@@ -25,10 +25,11 @@ class View:
 
     __slots__ = ("_meshes", "native")
 
-    def __init__(self, meshes: List[Mesh], parts: Optional[Sequence[Tuple[Any, int, int, Any]]] = None) -> None:
-        """With placement, role, object and prepared mesh of each they are parts."""
+    def __init__(self, meshes: List[Mesh], parts: Optional[Sequence[Tuple[Any, int, int, Any, Any]]] = None) -> None:
+        """With placement, role, object, prepared mesh and places of each they are parts."""
         self._meshes = meshes
-        rows = [(mesh._vertices, mesh._faces, mesh.unit, *part) for mesh, part in zip(meshes, parts or [(None, 0, 0, None)])]
+        alone = [(None, 0, 0, None, None)]
+        rows = [(mesh._vertices, mesh._faces, mesh.unit, *part) for mesh, part in zip(meshes, parts or alone)]
         self.native: _native.View = _native.View(rows, parts is not None)
 
     @property
@@ -227,10 +228,11 @@ def as_views(
     transforms: Optional[Sequence[Any]],
     roles: Optional[Sequence[str]],
     objects: Optional[Sequence[Any]],
+    at: Optional[Sequence[Any]],
     *,
     unit: Union[None, str, float],
 ) -> View:
-    """Several of them, each with a transform, a role and an object of its own; prepared ones too."""
+    """Several of them, each with a transform, a role, an object and places of its own; prepared ones too."""
     if not isinstance(meshes, Iterable):
         refuse(f"meshes must be a sequence of them, not {meshes!r}")
     prepared = [getattr(mesh, "_native", None) if hasattr(mesh, "_view") else None for mesh in meshes]
@@ -250,7 +252,11 @@ def as_views(
             refuse(f"roles[{i}] must be one of {', '.join(_ROLES)}, not {word!r}")
     known: Dict[Any, int] = {}
     numbers = [known.setdefault(name, len(known)) for name in of_each("objects", objects, 0)]
-    return View(given, list(zip(matrices, map(_ROLES.index, words), numbers, prepared)))
+    places = [None if rows is None else np.ascontiguousarray(rows, dtype=np.float64) for rows in of_each("at", at, None)]
+    for i, rows in enumerate(places):
+        if rows is not None and (rows.ndim != 2 or rows.shape[1] != 3 or len(rows) == 0):
+            refuse(f"at[{i}] must be an array of shape (copies, 3), not {rows.shape}")
+    return View(given, list(zip(matrices, map(_ROLES.index, words), numbers, prepared, places)))
 
 
 def _mesh_from(mesh: MeshLike, faces: Optional[npt.ArrayLike], unit: Union[None, str, float]) -> Mesh:

@@ -15,7 +15,7 @@ class Options:
     ) -> None: ...
 
 class View:
-    def __init__(self, meshes: Sequence[Tuple[Any, Any, float, Any, int, int, Any]], as_parts: bool) -> None: ...
+    def __init__(self, meshes: Sequence[Tuple[Any, Any, float, Any, int, int, Any, Any]], as_parts: bool) -> None: ...
 
 class Prepared:
     @property
@@ -35,6 +35,7 @@ class Result:
     origins: npt.NDArray[np.void]
     stitches: npt.NDArray[np.void]
     layer_of: npt.NDArray[np.int64]
+    copies: npt.NDArray[np.void]
     points_grid: npt.NDArray[np.int32]
     options: Dict[str, Any]
     info: Dict[str, Any]

@@ -140,6 +140,13 @@ class Result(SetMethods):
         return self._native.layer_of
 
     @functools.cached_property
+    def copies(self) -> npt.NDArray[np.void]:
+        """With ``share_copies=True`` the parts that are not among the contours: `part`, `first`, the part whose contours they
+        have, and `move_grid`, by how much these are moved.
+        """
+        return self._native.copies
+
+    @functools.cached_property
     def areas(self) -> npt.NDArray[np.float64]:
         """Solid area of each layer, mm²: outers minus holes. NaN, not known, where the layer has open contours."""
         return self._native.areas()

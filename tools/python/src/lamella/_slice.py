@@ -211,6 +211,7 @@ def slice_parts(
     transforms: Optional[Sequence[Optional[npt.ArrayLike]]] = None,
     roles: Optional[Sequence[str]] = None,
     objects: Optional[Sequence[Any]] = None,
+    at: Optional[Sequence[Optional[npt.ArrayLike]]] = None,
     **options: Unpack[SliceKeywords],
 ) -> Result:
     """Cut several meshes by the same planes, as the parts of one print.
@@ -226,6 +227,9 @@ def slice_parts(
         number), "support blocker", "support enforcer" or "support" (cut beside them).
     objects : sequence, optional
         Numbers or names: roles act among parts of the same one; not given, among all.
+    at : sequence of array_like, shape (copies, 3), optional
+        Moves in mm, rounded to the grid, one for each copy of a part, or None for one that stays. Copies at one height are
+        cut once, and are parts of their own; with ``share_copies=True`` they share contours: see `Result.copies`.
     **options
         As for `slice`. Without roles, contours of parts may overlap, unless ``unite_parts=True``.
 
@@ -247,8 +251,11 @@ def slice_parts(
     ... )
     >>> holed.areas.round(3)
     array([225.])
+    >>> plate = lamella.slice_parts([(corners, faces)], at=[[(0, 0, 0), (40, 0, 0), (0, 40, 0)]], heights=[10])
+    >>> plate.contours["part"]
+    array([0, 1, 2], dtype=uint32)
     """
-    view = as_views(meshes, transforms, roles, objects, unit=options.pop("unit", None))
+    view = as_views(meshes, transforms, roles, objects, at, unit=options.pop("unit", None))
     return finish(view.run(_native.slice, slice_options(options)), view)
 
 

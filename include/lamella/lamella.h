@@ -145,7 +145,7 @@ typedef struct lamella_source {
     const int32_t* part_roles;                    /* LAMELLA_SOLID, ...; NULL: all are solid */
     const uint32_t* part_objects;                 /* roles act among parts of the same number; NULL: all are of one object */
     const lamella_prepared* const* part_prepared; /* in place of the part's mesh where one is not NULL */
-    const double* const* part_places; /* moves in mm, x, y and z of each copy; one that is NULL: the part stays where it is */
+    const double* const* part_places; /* x, y and z in mm of each copy; where one is NULL, the part stays where it is */
     const size_t* part_place_counts;  /* copies, where part_places has some */
 } lamella_source;
 
@@ -226,9 +226,7 @@ enum { LAMELLA_ORIENTATION_OVERRULED = 1, LAMELLA_ORIENTATION_MIXED = 2, LAMELLA
 #define LAMELLA_SEVERAL_PARTS UINT32_MAX
 #define LAMELLA_NO_TRIANGLE UINT32_MAX
 #define LAMELLA_NO_EDGE 3
-typedef struct lamella_point { /* grid units; times grid_mm they are mm */
-    int32_t x, y;
-} lamella_point;
+typedef struct lamella_point { int32_t x, y; } lamella_point; /* grid units; times grid_mm they are mm */
 
 typedef struct lamella_contour {
     uint64_t first_point;
@@ -252,12 +250,8 @@ typedef struct lamella_point_origin {
 } lamella_point_origin;
 
 typedef struct lamella_layer {
-    double bottom_mm;
-    double plane_mm;
-    double top_mm;
-    uint64_t first_contour;
-    uint64_t contour_count;
-    uint64_t segments;
+    double bottom_mm, plane_mm, top_mm;
+    uint64_t first_contour, contour_count, segments;
     int32_t plane; /* grid units */
     int32_t reserved;
 } lamella_layer;
@@ -268,10 +262,7 @@ typedef struct lamella_stitch {
 } lamella_stitch;
 
 /* A part whose contours are those of part `first`, moved by `move`. */
-typedef struct lamella_part_copy {
-    uint32_t part, first;
-    lamella_point move;
-} lamella_part_copy;
+typedef struct lamella_part_copy { uint32_t part, first; lamella_point move; } lamella_part_copy;
 
 /* What is known of a slice but its layers. */
 typedef struct lamella_info {
@@ -283,8 +274,7 @@ typedef struct lamella_info {
     uint64_t part_count;
     uint64_t first_layer; /* of the first layer among those of the plan */
     uint64_t planned_layers;
-    uint64_t triangles;
-    uint64_t degenerate; /* dropped: two equal vertices on the grid */
+    uint64_t triangles, degenerate; /* of which dropped: two equal vertices on the grid */
     uint64_t crossed, layers, segments;
     uint64_t contours, points, stitches, holes; /* from here on known at the end only */
     uint64_t open_contours, flat_contours, overruled_contours, would_close_contours;

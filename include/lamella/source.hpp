@@ -22,13 +22,23 @@
 //                                     .role = lamella::PartRole::negative}};
 //     const auto rest = slicer.slice(holed);
 //
+//     // The mesh three times, cut once.
+//     const std::vector<std::array<double, 3>> places = {{0, 0, 0}, {250, 0, 0}, {0, 250, 0}};
+//     const lamella::Part copies[] = {{.mesh = mesh, .at_mm = places}};
+//     const auto plate = slicer.slice(copies);
+//
 // Several parts are cut at the planes of one plan, on one grid: planes are chosen for the box around the solid parts, the
 // grid for that around all. Facets of one part never continue those of another. A layer has the contours of part 0, then of
 // part 1, and so on, those of each as it has them alone; Contour::part is the part's index. By SliceOptions::unite_parts the
 // rules of regions are done to all of a layer together, and contours are in the order of one mesh. Heights are rounded as
-// floats where every part is of floats that no transform moves in double, as doubles elsewhere. Many small parts are cut
-// side by side, larger ones one after another by all threads; all are held until they are put together, so that the result
-// takes its memory twice.
+// floats where every part is of floats that no transform moves in double and no place lifts, as doubles elsewhere. Many
+// small parts are cut side by side, larger ones one after another by all threads; all are held until they are put together,
+// so that the result takes its memory twice.
+//
+// A part with places stands for as many parts, one after the other, each with a number of its own and the bytes of the mesh
+// moved there by hand. Places are turned and scaled as Frame::transform turns and scales parts, then rounded to the even
+// grid: 0.3 mm are 314,572 units. All at one height are cut once; the mesh must fit the grid where it is cut, too. Objects
+// with roles are copied as a whole: their parts have the same places, and roles act at each by itself.
 //
 // Where an object has a part that is negative or a modifier, each of its parts is made a region by the rules of the options,
 // by non-zero where they have none, and one overlay of these in each layer says what is solid, and of which part:

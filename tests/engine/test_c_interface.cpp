@@ -67,6 +67,8 @@ void check_info(const lamella_info& it, const SliceInfo& expected) {
     CHECK(it.grid_mm == expected.grid_mm);
     CHECK(std::equal(it.max_mm, it.max_mm + 3, std::begin(expected.box.max_mm)));
     CHECK(std::vector(it.layer_of, it.layer_of + it.layer_of_count) == expected.layer_of);
+    REQUIRE(it.copy_count == expected.copies.size());
+    CHECK(std::memcmp(it.copies, expected.copies.data(), it.copy_count * sizeof(lamella_part_copy)) == 0);
 }
 
 /// Arrays, areas and islands.
@@ -226,10 +228,21 @@ TEST_CASE("any source goes to any destination by C, with the bytes of C++, whate
     std::int32_t roles[] = {LAMELLA_SOLID, LAMELLA_SOLID, LAMELLA_NEGATIVE};
     const std::uint32_t objects[] = {3, 0, 0};
     const lamella_part three[] = {parts[0], parts[1], {&mesh, {0.5, 0, 0, 51, 0, 0.5, 0, 1, 0, 0, 0.5, 0}}};
-    const lamella_source cut{sizeof cut, 0, nullptr, nullptr, three, 3, roles, objects, nullptr};
+    lamella_source cut{sizeof cut, 0, nullptr, nullptr, three, 3, roles, objects, nullptr, nullptr, nullptr};
     const Transform half{{0.5, 0, 0, 51, 0, 0.5, 0, 1, 0, 0, 0.5, 0}};
-    const Part holed[] = {{.mesh = view, .object = 3}, moved, {view, half, PartRole::negative}};
+    Part holed[] = {{.mesh = view, .object = 3}, moved, {view, half, PartRole::negative}};
     check_destinations(cut, fresh<lamella_options>(LAMELLA_OPTIONS), slice(holed).value());
+    const std::array<double, 3> at[] = {{0, 90, 0}, {0, -90, 0}};
+    const double* const places[] = {at[0].data(), nullptr, nullptr};
+    const std::size_t place_counts[] = {2, 7, 7};
+    holed[0].at_mm = at;
+    cut.part_places = places;
+    cut.part_place_counts = place_counts;
+    for (const bool share : {false, true}) {
+        auto options = fresh<lamella_options>(LAMELLA_OPTIONS);
+        options.share_copies = share ? 1 : 0;
+        check_destinations(cut, options, slice(holed, {.share_copies = share}).value());
+    }
     roles[1] = 9;
     CHECK(lamella_outline(nullptr, &cut, nullptr, nullptr, nullptr, nullptr) == LAMELLA_INVALID_ARGUMENT);
     // A slicer that ends with the call keeps no list.

@@ -90,6 +90,22 @@ def test_parts_have_roles(cube):
     assert apart.areas[0] == whole
 
 
+def test_copies_are_the_parts_that_they_stand_for(cube):
+    places = [(0, 0, 0), (20, 0, 0), (0, 30, 2)]
+    moves = [np.eye(4) for _ in places]
+    for move, place in zip(moves, places):
+        move[:3, 3] = place
+    alone = lamella.slice_parts([cube] * 4, transforms=[None, *moves], heights=[1, 5])
+    copied = lamella.slice_parts([cube, cube], at=[None, places], heights=[1, 5])
+    assert copied.hash == alone.hash
+    assert len(copied.copies) == 0
+    shared = lamella.slice_parts([cube, cube], at=[None, places], heights=[1, 5], share_copies=True)
+    assert shared.contours["part"].tolist() == [0, 1, 0, 1, 3]
+    for result in (shared, pickle.loads(pickle.dumps(shared))):
+        assert result.copies[["part", "first"]].tolist() == [(2, 1)]
+        assert (result.copies["move_grid"] * result.grid).tolist() == [[20, 0]]
+
+
 def test_sections_lie_in_their_planes(torus, cube):
     origin, normal = np.array([3.0, 1, -2]), np.array([1.0, 2, 3])
     cut = lamella.section(torus, origin=origin, normal=normal)

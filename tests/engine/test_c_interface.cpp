@@ -232,10 +232,10 @@ TEST_CASE("any source goes to any destination by C, with the bytes of C++, whate
     const Transform half{{0.5, 0, 0, 51, 0, 0.5, 0, 1, 0, 0, 0.5, 0}};
     Part holed[] = {{.mesh = view, .object = 3}, moved, {view, half, PartRole::negative}};
     check_destinations(cut, fresh<lamella_options>(LAMELLA_OPTIONS), slice(holed).value());
-    const std::array<double, 3> at[] = {{0, 90, 0}, {0, -90, 0}};
-    const double* const places[] = {at[0].data(), nullptr, nullptr};
+    const std::array<double, 3> stands[] = {{0, 90, 0}, {0, -90, 0}};
+    const double* const places[] = {stands[0].data(), nullptr, nullptr};
     const std::size_t place_counts[] = {2, 7, 7};
-    holed[0].at_mm = at;
+    holed[0].at_mm = stands;
     cut.part_places = places;
     cut.part_place_counts = place_counts;
     for (const bool share : {false, true}) {

@@ -156,10 +156,12 @@ TEST_CASE("edges pierce a plane at the interpolated points", "[engine][kernels]"
             const GridVertex lower{even(1 << 29), even(1 << 29), -1000 - even(1 << 10)};
             const GridVertex upper{even(1 << 29), even(1 << 29), 1000 + even(1 << 10)};
             edges.put(slot, MeshEdge::between(lower, upper));
-            const double height = upper.z - lower.z;
-            const double rise = 77.0 - lower.z;
-            const auto moved = [rise, height](double side) {
-                return static_cast<std::int32_t>(std::nearbyint(side / height * rise));
+            const auto moved = [lower, upper](std::int64_t side) {  // exactly, ties to even
+                const std::int64_t height = upper.z - lower.z;
+                const std::int64_t all = side * (77 - lower.z);
+                const std::int64_t whole = all / height - (all % height < 0 ? 1 : 0);
+                const std::int64_t twice_rest = 2 * (all - whole * height);
+                return static_cast<std::int32_t>(whole + (twice_rest + (whole & 1) > height ? 1 : 0));
             };
             expected.push_back({lower.x + moved(upper.x - lower.x), lower.y + moved(upper.y - lower.y)});
         }
@@ -173,7 +175,7 @@ TEST_CASE("edges pierce a plane at the interpolated points", "[engine][kernels]"
 }
 
 TEST_CASE("edges pierce a plane alike wherever they stand", "[engine][kernels]") {
-    // What they move by is nearly a tie: a double near 2^28 would not tell it from one.
+    // What they move by is nearly a tie, which a double near 0 would tell from one, and one near 2^28 would not.
     constexpr std::int32_t far[padded_count] = {0, 1 << 28, -(1 << 28), 1 << 30, -(1 << 30)};
     constexpr std::int32_t low[padded_count] = {};
     const std::vector<double> up(padded_count, 0.5 + 0x1p-40);
@@ -182,7 +184,7 @@ TEST_CASE("edges pierce a plane alike wherever they stand", "[engine][kernels]")
         std::vector<Point> points(padded_count);
         form.pierce({far, far, low, up.data(), down.data()}, 1, 5, points.data());
         for (std::size_t e = 0; e < 5; ++e) {
-            CHECK(points[e] == Point{far[e] + 1, far[e] - 1});
+            CHECK(points[e] == Point{far[e], far[e]});
         }
     }
 }

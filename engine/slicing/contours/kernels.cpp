@@ -6,6 +6,7 @@
 
 #include "base/numbers.hpp"
 #include "base/system/processor.hpp"
+#include "slicing/grid/mesh_edge.hpp"
 
 namespace lamella {
 
@@ -16,7 +17,7 @@ namespace {
 void pierce_portable(const EdgeArrays& edges, std::int32_t z, std::size_t count, Point* points) {
     for (std::size_t e = 0; e < count; ++e) {
         const auto rise = static_cast<double>(std::int64_t{z} - edges.z[e]);
-        points[e] = {edges.x[e] + round_to_int(edges.slope_x[e] * rise), edges.y[e] + round_to_int(edges.slope_y[e] * rise)};
+        points[e] = {edges.x[e] + round_move(edges.slope_x[e] * rise), edges.y[e] + round_move(edges.slope_y[e] * rise)};
     }
 }
 
@@ -68,14 +69,19 @@ LAMELLA_AVX2 __m128i four_ints(const std::int32_t* at) {
     return _mm_loadu_si128(reinterpret_cast<const __m128i*>(at));
 }
 
+/// Where four edges pierce, along one axis.
+LAMELLA_AVX2 __m128i pierce_four(const std::int32_t* from, const double* slopes, __m256d rise) {
+    const __m256d room = _mm256_set1_pd(tie_room);
+    const __m256d by = _mm256_add_pd(_mm256_mul_pd(_mm256_loadu_pd(slopes), rise), room);
+    return _mm_add_epi32(four_ints(from), _mm256_cvtpd_epi32(_mm256_sub_pd(by, room)));
+}
+
 LAMELLA_AVX2 void pierce_avx2(const EdgeArrays& edges, std::int32_t z, std::size_t count, Point* points) {
     const __m128i plane = _mm_set1_epi32(z);
     for (std::size_t e = 0; e < count; e += 4) {
         const __m256d rise = _mm256_cvtepi32_pd(_mm_sub_epi32(plane, four_ints(edges.z + e)));
-        const __m256d x = _mm256_mul_pd(_mm256_loadu_pd(edges.slope_x + e), rise);
-        const __m256d y = _mm256_mul_pd(_mm256_loadu_pd(edges.slope_y + e), rise);
-        const __m128i xs = _mm_add_epi32(four_ints(edges.x + e), _mm256_cvtpd_epi32(x));
-        const __m128i ys = _mm_add_epi32(four_ints(edges.y + e), _mm256_cvtpd_epi32(y));
+        const __m128i xs = pierce_four(edges.x + e, edges.slope_x + e, rise);
+        const __m128i ys = pierce_four(edges.y + e, edges.slope_y + e, rise);
         auto* out = reinterpret_cast<__m128i*>(points + e);
         _mm_storeu_si128(out, _mm_unpacklo_epi32(xs, ys));
         _mm_storeu_si128(out + 1, _mm_unpackhi_epi32(xs, ys));
@@ -317,7 +323,9 @@ constexpr Kernels avx512{pierce_avx2, trace_avx512, select_equal_avx512};
 
 /// Where two edges pierce, along one axis.
 int32x2_t pierce_two(const std::int32_t* from, const double* slopes, float64x2_t rise) {
-    return vadd_s32(vld1_s32(from), vmovn_s64(vcvtnq_s64_f64(vmulq_f64(vld1q_f64(slopes), rise))));
+    const float64x2_t room = vdupq_n_f64(tie_room);
+    const float64x2_t by = vsubq_f64(vaddq_f64(vmulq_f64(vld1q_f64(slopes), rise), room), room);
+    return vadd_s32(vld1_s32(from), vmovn_s64(vcvtnq_s64_f64(by)));
 }
 
 void pierce_neon(const EdgeArrays& edges, std::int32_t z, std::size_t count, Point* points) {

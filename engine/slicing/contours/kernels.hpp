@@ -23,9 +23,8 @@ struct EdgeArrays {
 };
 
 struct Kernels {
-    /// points[e] = where edge e pierces the plane at height z, for e in [0, count). What it has moved by is rounded before
-    /// it is added, so that a mesh has the same contours wherever it stands. Arrays are readable, and points writable, up to
-    /// the next multiple of padded_count.
+    /// points[e] = where edge e pierces the plane at height z, for e in [0, count), as pierced_point() says. Arrays are
+    /// readable, and points writable, up to the next multiple of padded_count.
     void (*pierce)(const EdgeArrays& edges, std::int32_t z, std::size_t count, Point* points);
     /// ring[i] = points[slots[i]] for i in [0, count), count > 0, and the facts of the closed ring that this makes. `slots`
     /// is readable, with numbers below the number of points, and `ring` writable up to the next multiple of padded_count.

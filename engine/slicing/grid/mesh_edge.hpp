@@ -75,6 +75,15 @@ inline MeshEdge from_key(const EndKey& key) noexcept {
     return MeshEdge::between({high(key.a), low(key.a), high(key.b)}, {low(key.b), high(key.c), low(key.c)});
 }
 
+/// Added to a move along an edge and taken off again, it leaves multiples of 2^-20 units: a slope's own rounding does not
+/// decide a tie.
+inline constexpr double tie_room = 0x1.8p32;
+
+/// A move of less than 2^31 units, rounded by itself, so that contours do not depend on where a mesh stands.
+inline std::int32_t round_move(double units) noexcept {
+    return round_to_int(units + tie_room - tie_room);
+}
+
 /// Where an edge that does not lie level pierces the plane at `z`, which is between its ends; the arithmetic of
 /// Kernels::pierce.
 inline Point pierced_point(const MeshEdge& edge, std::int32_t z) noexcept {
@@ -84,7 +93,7 @@ inline Point pierced_point(const MeshEdge& edge, std::int32_t z) noexcept {
     const double slope_x = (static_cast<double>(upper.x) - lower.x) / height;
     const double slope_y = (static_cast<double>(upper.y) - lower.y) / height;
     const auto rise = static_cast<double>(std::int64_t{z} - lower.z);
-    return {lower.x + round_to_int(slope_x * rise), lower.y + round_to_int(slope_y * rise)};
+    return {lower.x + round_move(slope_x * rise), lower.y + round_move(slope_y * rise)};
 }
 
 // Hashes of a grid vertex, the same on every platform.

@@ -6,6 +6,7 @@
 
 #include "base/system/processor.hpp"
 #include "slicing/grid/exact.hpp"
+#include "slicing/grid/mesh_edge.hpp"
 
 namespace lamella {
 
@@ -13,11 +14,12 @@ namespace {
 
 /// Ties go to even numbers.
 std::int32_t moved_on_grid(std::int32_t from, double by) noexcept {
-    constexpr std::int64_t just_outside = grid_limit + 1;
-    constexpr double most = 2147483646;
+    constexpr double just_outside = grid_limit + 1.0;
+    constexpr double without_fractions = 0x1.8p52;
     const std::int32_t odd = from & 1;
-    const std::int64_t to = std::int64_t{from - odd} + round_to_int(std::max(-most, std::min(most, odd + by)));
-    return static_cast<std::int32_t>(std::max(-just_outside, std::min(just_outside, to)));
+    const double move = odd + by + tie_room - tie_room;
+    const double to = from - odd + (move + without_fractions - without_fractions);
+    return round_to_int(std::max(-just_outside, std::min(just_outside, to)));
 }
 
 }  // namespace

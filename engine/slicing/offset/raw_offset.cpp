@@ -83,7 +83,7 @@ bool reach_beyond_grid(const Point* first, const Point* last) noexcept {
 /// Where two edges around `v` meet that lie at the distance, by their normals.
 Point meeting_of(Point v, double distance, Direction a, Direction b) noexcept {
     const double scale = distance / (1.0 + (a.x * b.x + a.y * b.y));
-    return rounded_to_grid(v.x + scale * (a.x + b.x), v.y + scale * (a.y + b.y));
+    return moved_on_grid(v, scale * (a.x + b.x), scale * (a.y + b.y));
 }
 
 /// Leaves one of equal consecutive points; the first follows the last.

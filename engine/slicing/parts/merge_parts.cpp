@@ -20,6 +20,10 @@ std::uint64_t points_in(const SliceResult& part, std::size_t l) noexcept {
 }
 
 void move_points(const PartLayers& part, std::span<const Point> points, Point* to) noexcept {
+    if (part.move == Point{}) {
+        std::copy(points.begin(), points.end(), to);
+        return;
+    }
     std::transform(points.begin(), points.end(), to, [&part](Point point) { return part.moved(point); });
 }
 

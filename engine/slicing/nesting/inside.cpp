@@ -254,7 +254,8 @@ LevelSteps ManyInside::sort_by_step() {
     return steps;
 }
 
-void ManyInside::test(const Point* points, std::uint32_t count, Vector<std::uint32_t>& inside) {
+void ManyInside::test(const Point* points, std::uint32_t count, Vector<std::uint32_t>& inside,
+                      Vector<std::uint32_t>* touching) {
     const LevelSteps steps = sort_by_step();
     const Point end = points[count - 1];
     const auto [low, high] = std::minmax({steps.of(end.y), steps.of(points[0].y)});
@@ -272,6 +273,8 @@ void ManyInside::test(const Point* points, std::uint32_t count, Vector<std::uint
     for (const Query& query : by_step_) {
         if (query.winding.strictly_inside()) {
             inside.push_back(query.number);
+        } else if (touching != nullptr && query.winding.on_boundary()) {
+            touching->push_back(query.number);
         }
     }
 }

@@ -37,6 +37,7 @@ public:
     Point query() const noexcept { return query_; }
     /// The boundary does not count as inside.
     bool strictly_inside() const noexcept { return number_ != 0 && !on_boundary_; }
+    bool on_boundary() const noexcept { return on_boundary_; }
 
 private:
     Point query_;
@@ -50,12 +51,17 @@ using AddEdges = void (*)(Winding& winding, const Point* points, std::uint32_t c
 /// All forms, the fastest first.
 std::span<const Form<AddEdges>> add_edges_forms() noexcept;
 
-/// True if the non-zero winding interior of a closed contour contains `query`. O(count).
-inline bool strictly_inside(AddEdges add_edges, const Point* points, std::uint32_t count, Point query) noexcept {
+/// Of a closed contour around `query`. O(count).
+inline Winding winding_around(AddEdges add_edges, const Point* points, std::uint32_t count, Point query) noexcept {
     Winding winding(query);
     add_edges(winding, points, count - 1);
     winding.add(points[count - 1], points[0]);
-    return winding.strictly_inside();
+    return winding;
+}
+
+/// True if the non-zero winding interior of a closed contour contains `query`. O(count).
+inline bool strictly_inside(AddEdges add_edges, const Point* points, std::uint32_t count, Point query) noexcept {
+    return winding_around(add_edges, points, count, query).strictly_inside();
 }
 
 /// The range of y that points lie in, in equal steps. What lies below all of them is in the first step, what lies above in
@@ -104,9 +110,10 @@ public:
     void clear() noexcept { queries_.clear(); }
     /// Throws std::bad_alloc.
     void add(Point point, std::uint32_t number) { queries_.push_back({Winding(point), number}); }
-    /// Appends the numbers of the points added that lie strictly inside to `inside`, in an unspecified order. Throws
-    /// std::bad_alloc.
-    void test(const Point* points, std::uint32_t count, Vector<std::uint32_t>& inside);
+    /// Appends the numbers of the points added that lie strictly inside to `inside`, in an unspecified order, and of those on
+    /// the contour to `touching` where it is given. Throws std::bad_alloc.
+    void test(const Point* points, std::uint32_t count, Vector<std::uint32_t>& inside,
+              Vector<std::uint32_t>* touching = nullptr);
 
 private:
     struct Query {

@@ -38,6 +38,8 @@
 #include "lamella/overlay.hpp"
 #include "lamella/result.hpp"
 #include "lamella/slice.hpp"
+#include "lamella/tracks.h"
+#include "lamella/tracks.hpp"
 #include "lamella/version.hpp"
 #include "lamella/weld.hpp"
 
@@ -62,6 +64,10 @@ struct lamella_prepared {
 
 struct lamella_slabs {
     lamella::Array<lamella::Slab> slabs;
+};
+
+struct lamella_tracks {
+    lamella::Tracks tracks;
 };
 
 struct lamella_welded {
@@ -102,6 +108,8 @@ LAMELLA_SIZED(lamella_layer_set, LAMELLA_LAYER_SET, part);
 LAMELLA_SIZED(lamella_rule, LAMELLA_RULE, label_object);
 LAMELLA_SIZED(lamella_adaptive, LAMELLA_ADAPTIVE, range_count);
 LAMELLA_SIZED(lamella_offset, LAMELLA_OFFSET, arc_tolerance_mm);
+LAMELLA_SIZED(lamella_track_options, LAMELLA_TRACK_OPTIONS, pockets);
+LAMELLA_SIZED(lamella_track_arrays, LAMELLA_TRACK_ARRAYS, bodies);
 #undef LAMELLA_SIZED
 // NOLINTEND(bugprone-sizeof-expression)
 
@@ -194,6 +202,9 @@ LAMELLA_SAME(lamella_segment, Segment);
 LAMELLA_SAME(lamella_part_copy, PartCopy);
 LAMELLA_SAME(lamella_slab, Slab);
 LAMELLA_SAME(lamella_height_range, HeightRange);
+LAMELLA_SAME(lamella_track, Track);
+LAMELLA_SAME(lamella_track_link, TrackLink);
+LAMELLA_SAME(lamella_pocket, Pocket);
 LAMELLA_SAME(lamella_memory, Memory);
 #undef LAMELLA_SAME
 
@@ -224,6 +235,13 @@ LAMELLA_SAME_PLACE(lamella_part_copy, move, PartCopy, move);
 LAMELLA_SAME_PLACE(lamella_slab, top_mm, Slab, top_mm);
 LAMELLA_SAME_PLACE(lamella_height_range, to_mm, HeightRange, to_mm);
 LAMELLA_SAME_PLACE(lamella_height_range, height_mm, HeightRange, height_mm);
+LAMELLA_SAME_PLACE(lamella_track, contour, Track, contour);
+LAMELLA_SAME_PLACE(lamella_track, centroid_mm, Track, centroid_mm);
+LAMELLA_SAME_PLACE(lamella_track, above, Track, above);
+LAMELLA_SAME_PLACE(lamella_track, body, Track, body);
+LAMELLA_SAME_PLACE(lamella_track_link, upper, TrackLink, upper);
+LAMELLA_SAME_PLACE(lamella_pocket, end_layer, Pocket, end_layer);
+LAMELLA_SAME_PLACE(lamella_pocket, is_cavity, Pocket, is_cavity);
 static_assert(std::is_standard_layout_v<Memory>);
 LAMELLA_SAME_PLACE(lamella_memory, release_object, Memory, release);
 #undef LAMELLA_SAME_PLACE

@@ -15,6 +15,7 @@
 //     heights.hpp   layers as high as the surface allows
 //     layers.hpp    regions and contours that come from elsewhere than a mesh
 //     overlay.hpp   combine layers: unions, differences, regions by label
+//     tracks.hpp    follow islands from layer to layer: births, merges, splits, cavities
 //     check.hpp     is the mesh closed, and what is wrong with it?
 //     weld.hpp      mend it: join vertices, turn shells
 //     audit.hpp     is the result right?
@@ -36,5 +37,6 @@
 #include "lamella/result.hpp"
 #include "lamella/slice.hpp"
 #include "lamella/source.hpp"
+#include "lamella/tracks.hpp"
 #include "lamella/version.hpp"
 #include "lamella/weld.hpp"

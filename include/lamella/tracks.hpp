@@ -40,7 +40,7 @@ struct TrackOptions {
     bool pockets = false;  ///< Tracks::pockets are found, which takes longer
 };
 
-/// An island. 72 bytes.
+/// An island. 64 bytes.
 struct Track {
     std::uint64_t layer = 0;              ///< index into SliceResult::layers
     std::uint64_t contour = 0;            ///< index of its outer into SliceResult::contours
@@ -66,6 +66,7 @@ struct Pocket {
     std::uint64_t end_layer = 0;    ///< a cup meets the outside in this layer, or above all of them
     double volume_mm3 = 0;          ///< areas of voids times the heights of their slabs
     bool is_cavity = false;         ///< closed above; false: a cup
+    std::array<std::uint8_t, 7> reserved{};
 };
 
 struct Tracks {

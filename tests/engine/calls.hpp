@@ -87,6 +87,7 @@ public:
         : mesh_(mesh),
           options_(uniform(layer_mm)),
           result_(sliced(mesh, uniform(0.1))),
+          closed_(sliced(shapes::octasphere({0, 0, 5}, 5, 2), uniform(0.1))),
           prepared_(value_of(prepare(mesh))),
           parts_{{.mesh = mesh}, {.mesh = mesh, .at_mm = places_}},
           roles_{{.mesh = mesh},
@@ -142,6 +143,7 @@ public:
                  SliceResult pieces;
                  return code_of(Overlay().clip(pieces, result_, above_[1], {}, c));
              }},
+            {"find_tracks", [this](const Context& c) { return code_of(find_tracks(closed_, {.pockets = true}, c)); }},
         };
     }
 
@@ -170,6 +172,7 @@ private:
     lamella::MeshView mesh_;
     lamella::SliceOptions options_;
     lamella::SliceResult result_;
+    lamella::SliceResult closed_;
     lamella::PreparedMesh prepared_;
     std::vector<std::array<double, 3>> places_{{0, 0, 0}, {1, 2, 0.5}};
     std::vector<lamella::Part> parts_;

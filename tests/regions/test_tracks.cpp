@@ -1,6 +1,7 @@
 // Islands from layer to layer, judged cell by cell: on a lattice, islands, voids and what they share are sets of triangles.
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <functional>
 #include <map>
 #include <numeric>
@@ -11,7 +12,8 @@
 #include <catch2/catch.hpp>
 
 #include "base/numbers.hpp"
-#include "engine/counting_memory.hpp"
+#include "c/call.hpp"
+#include "engine/c_handles.hpp"
 #include "engine/region_checks.hpp"
 #include "engine/slicing.hpp"
 #include "lamella/tracks.hpp"
@@ -75,9 +77,12 @@ Polygons frame(std::int32_t low, std::int32_t high, std::int32_t hole_low, std::
 /// "islands links births merges", then pockets.
 std::string summary(const std::vector<Polygons>& layers) {
     const Tracks tracks = value_of(find_tracks(stack_of(layers), {.pockets = true}));
-    const auto count = [&](auto test) { return std::to_string(std::count_if(tracks.islands.begin(), tracks.islands.end(), test)); };
+    const auto count = [&](auto test) {
+        return std::to_string(std::count_if(tracks.islands.begin(), tracks.islands.end(), test));
+    };
     std::string text = std::to_string(tracks.islands.size()) + " " + std::to_string(tracks.links.size()) + " " +
-                       count([](const Track& t) { return t.below == 0; }) + " " + count([](const Track& t) { return t.below > 1; });
+                       count([](const Track& t) { return t.below == 0; }) + " " +
+                       count([](const Track& t) { return t.below > 1; });
     for (const Pocket& pocket : tracks.pockets) {
         text += (pocket.is_cavity ? " cavity " : " cup ") + std::to_string(pocket.first_layer) + "-" +
                 std::to_string(pocket.end_layer) + ":" + std::to_string(int(pocket.volume_mm3));
@@ -107,14 +112,16 @@ Polygon cell_at(int number) {
 bool touch(int a, int b, bool along_an_edge) {
     const Polygon of_a = cell_at(a);
     const Polygon of_b = cell_at(b);
-    const auto shared = std::count_if(of_a.begin(), of_a.end(), [&](Point p) { return std::count(of_b.begin(), of_b.end(), p) != 0; });
+    const auto shared =
+        std::count_if(of_a.begin(), of_a.end(), [&](Point p) { return std::count(of_b.begin(), of_b.end(), p) != 0; });
     return shared >= (along_an_edge ? 2 : 1);
 }
 
 /// Triangles that touch, along an edge for solids, in a point for voids.
 const std::vector<int>& neighbours(int cell, bool solid) {
     static const auto all = [] {
-        std::array<std::vector<std::vector<int>>, 2> lists{std::vector<std::vector<int>>(cells), std::vector<std::vector<int>>(cells)};
+        std::array<std::vector<std::vector<int>>, 2> lists{std::vector<std::vector<int>>(cells),
+                                                           std::vector<std::vector<int>>(cells)};
         for (int a = 0; a < cells; ++a) {
             for (int b = 0; b < cells; ++b) {
                 for (const int solids : {0, 1}) {
@@ -253,7 +260,8 @@ std::set<int> cells_of(const SliceResult& stack, const Track& track) {
         }
         for (int c = 0; c < cells; ++c) {
             const Polygon corners = cell_at(c);
-            const rings::Place middle{corners[0].x + corners[1].x + corners[2].x, corners[0].y + corners[1].y + corners[2].y, 3};
+            const rings::Place middle{corners[0].x + corners[1].x + corners[2].x, corners[0].y + corners[1].y + corners[2].y,
+                                      3};
             int winding = *rings::winding(stack.points_of(*island.outer), middle);
             for (const Contour& hole : island.holes) {
                 winding += *rings::winding(stack.points_of(hole), middle);
@@ -268,12 +276,13 @@ std::set<int> cells_of(const SliceResult& stack, const Track& track) {
 
 std::vector<Cells> random_layers(std::mt19937& random) {
     std::vector<Cells> layers(2 + random() % 4, Cells(cells));
-    const unsigned filled = 2 + random() % 7;  // of ten
-    const bool whole = random() % 2 == 0;      // squares
+    const bool whole = random() % 4 != 0;  // squares
     for (std::size_t n = 0; n < layers.size(); ++n) {
+        const unsigned filled = 8 + random() % 12;  // of 20
+        const unsigned kept = random() % 10;
         for (int c = 0; c < cells; ++c) {
-            const bool as_before = n > 0 && random() % 4 != 0;
-            const bool solid = as_before ? layers[n - 1][c] != 0 : random() % 10 < filled;
+            const bool as_before = n > 0 && random() % 10 < kept;
+            const bool solid = as_before ? layers[n - 1][c] != 0 : random() % 20 < filled;
             layers[n][c] = !in_border(c) && (whole && c % 4 != 0 ? layers[n][c - 1] != 0 : solid) ? 1 : 0;
         }
     }
@@ -319,16 +328,22 @@ void check_arrays(const Tracks& tracks) {
         REQUIRE(track.body == numbers[body[i]]);
     }
     REQUIRE(tracks.bodies == numbers.size());
-    const auto sum = [&](auto of) { return std::accumulate(tracks.islands.begin(), tracks.islands.end(), std::size_t{0}, [&](std::size_t s, const Track& t) { return s + t.*of; }); };
+    const auto sum = [&](auto of) {
+        return std::accumulate(tracks.islands.begin(), tracks.islands.end(), std::size_t{0},
+                               [&](std::size_t s, const Track& t) { return s + t.*of; });
+    };
     REQUIRE(sum(&Track::above) == tracks.links.size());
     REQUIRE(sum(&Track::below) == tracks.links.size());
 }
 
+template <class T>
+bool are_same(const Array<T>& a, const Array<T>& b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+}
+
 bool are_equal(const Tracks& a, const Tracks& b) {
-    const auto same = [](const auto& x, const auto& y) {
-        return x.size() == y.size() && (x.empty() || std::memcmp(x.data(), y.data(), x.size() * sizeof(*x.data())) == 0);
-    };
-    return same(a.islands, b.islands) && same(a.links, b.links) && same(a.links_by_upper, b.links_by_upper) && same(a.pockets, b.pockets) && a.bodies == b.bodies;
+    return are_same(a.islands, b.islands) && are_same(a.links, b.links) && are_same(a.links_by_upper, b.links_by_upper) &&
+           are_same(a.pockets, b.pockets) && a.bodies == b.bodies;
 }
 
 }  // namespace
@@ -339,7 +354,7 @@ TEST_CASE("islands and pockets of squares are the known ones", "[regions][tracks
     CHECK(summary({{square(0, 2)}, {square(2, 4)}}) == "2 0 2 0");
     CHECK(summary({{square(0, 2)}, {rectangle(2, 0, 4, 2)}}) == "2 0 2 0");
     CHECK(summary({frame(0, 7, 1, 6), {square(3, 4)}}) == "2 0 2 0");
-    CHECK(summary({frame(0, 7, 1, 6), {square(1, 6)}, frame(0, 7, 1, 6)}) == "3 0 3 0");
+    CHECK(summary({frame(0, 7, 1, 6), {square(1, 6)}, frame(0, 7, 1, 6)}) == "3 0 3 0 cup 2-3:25");
     CHECK(summary({{square(0, 7)}, frame(1, 6, 3, 4), frame(0, 7, 3, 4)}) == "3 2 1 0 cup 1-3:2");
     CHECK(summary({{square(0, 6)}, frame(0, 6, 2, 4), {square(0, 6)}}) == "3 2 1 0 cavity 1-2:4");
     CHECK(summary({{square(0, 6)}, frame(0, 6, 2, 4)}) == "2 1 1 0 cup 1-2:4");
@@ -366,9 +381,9 @@ TEST_CASE("lattices are followed as their cells are", "[regions][tracks]") {
     std::mt19937 random(20261130);
     std::size_t links = 0;
     std::size_t pockets = 0;
-    for (int turn = 0; turn < 1500; ++turn) {
+    for (int turn = 0; turn < 1000; ++turn) {
         const std::vector<Cells> layers = random_layers(random);
-        const SliceResult stack = stack_of(layers, random);
+        SliceResult stack = stack_of(layers, random);
         const Tracks tracks = value_of(find_tracks(stack, {.pockets = true}));
         const Judged expected = judged(layers);
         INFO("turn " << turn);
@@ -390,14 +405,56 @@ TEST_CASE("lattices are followed as their cells are", "[regions][tracks]") {
             REQUIRE(stack.contours[pocket.contour].role == Role::hole);
         }
         REQUIRE(own == pockets_of(layers));
-        Tracks alone = value_of(find_tracks(stack));
-        REQUIRE(alone.pockets.empty());
-        alone.pockets.resize_discarding(tracks.pockets.size());
-        std::copy(tracks.pockets.begin(), tracks.pockets.end(), alone.pockets.begin());
-        REQUIRE(are_equal(alone, tracks));
+        for (const Contour& contour : stack.contours) {  // from other starts
+            const auto first = stack.points.begin() + contour.first_point;
+            std::rotate(first, first + random() % contour.point_count, first + contour.point_count);
+        }
+        REQUIRE(are_equal(value_of(find_tracks(stack, {.pockets = true}, {.threads = 1})), tracks));
+        const Tracks alone = value_of(find_tracks(stack));
+        REQUIRE((alone.pockets.empty() && are_same(alone.links, tracks.links)));
         links += tracks.links.size();
         pockets += tracks.pockets.size();
     }
     CHECK(links > 1000);
-    CHECK(pockets > 300);
+    CHECK(pockets > 50);
+}
+
+TEST_CASE("many islands have one answer on any threads, through C too", "[regions][tracks][threads][c]") {
+    const shapes::Soup soup = generated(models::Shape::gyroid, 20000);
+    SliceOptions options = uniform(0.05);
+    options.region.fill_rule = FillRule::non_zero;
+    lamella_result held{sliced(soup, options)};
+    const Tracks tracks = value_of(find_tracks(held.result, {.pockets = true}, {.threads = 1}));
+    check_arrays(tracks);
+    REQUIRE(tracks.islands.size() > 500);
+    CHECK(are_equal(value_of(find_tracks(held.result, {.pockets = true}, {.threads = 8})), tracks));
+
+    auto how = c_handles::fresh<lamella_track_options>(LAMELLA_TRACK_OPTIONS);
+    how.pockets = 1;
+    lamella_tracks* found = nullptr;
+    REQUIRE(lamella_find_tracks(&held, &how, nullptr, &found, nullptr) == LAMELLA_OK);
+    auto view = c_handles::fresh<lamella_track_arrays>(LAMELLA_TRACK_ARRAYS);
+    lamella_tracks_view(found, &view);
+    CHECK(are_equal(found->tracks, tracks));
+    CHECK((view.island_count == tracks.islands.size() && view.link_count == tracks.links.size() &&
+           view.pocket_count == tracks.pockets.size() && view.bodies == tracks.bodies));
+    CHECK(view.islands[view.island_count - 1].body == (tracks.islands.end() - 1)->body);
+    lamella_tracks_free(found);
+    lamella_tracks_view(nullptr, &view);
+    CHECK((view.islands == nullptr && view.island_count == 0));
+    CHECK(lamella_find_tracks(nullptr, nullptr, nullptr, &found, nullptr) == LAMELLA_INVALID_ARGUMENT);
+}
+
+TEST_CASE("layers of which islands are not known are refused", "[regions][tracks][errors]") {
+    SliceResult stack = stack_of({{square(0, 2)}, {square(0, 2)}});
+    CHECK(error_of(find_tracks(stack, {}, {.memory_limit_bytes = 100})).code == ErrorCode::result_too_large);
+    CHECK(error_of(find_tracks(stack, {}, {.memory_limit_bytes = 130})).message ==
+          "2 islands with 1 links need more than the memory limit of 130 bytes");
+    stack.points[5].y = -grid_limit - 1;
+    CHECK(error_of(find_tracks(stack)).message == "layer 1 has a point beyond the grid, which ends at 1073741824 units");
+    stack.contours[1].role = Role::flat;
+    CHECK(value_of(find_tracks(stack)).islands.size() == 1);
+    stack.contours[1].role = Role::open;
+    CHECK(error_of(find_tracks(stack)).message ==
+          "layer 1 has an open contour, which bounds no island: close the mesh, or slice with a longer stitch_mm");
 }

@@ -9,10 +9,6 @@ namespace {
 
 constexpr std::size_t track_work = 16;  ///< as StopPace counts it
 
-bool holds_box(const FlatBox& outer, const FlatBox& inner) noexcept {
-    return outer.holds(inner.low) && outer.holds(inner.high);
-}
-
 void make_unique(Vector<TrackLink>& links, StopPace& pace) {
     const auto key = [](const TrackLink& link) { return std::pair(link.lower, link.upper); };
     std::sort(links.begin(), links.end(), [&](const TrackLink& a, const TrackLink& b) {
@@ -302,10 +298,6 @@ void LayerLinks::meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::
 /// A contact that is no crossing. Each belongs to the edges that begin there, or that it lies within.
 void LayerLinks::touch(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) {
     const Point* const points = runs_.points();
-    const auto lies_within = [points](Point p, std::size_t e) {
-        return p != points[e + 1] && FlatBox::around(points[e], points[e + 1]).holds(p) &&
-               side_of(points[e], points[e + 1], p) == 0;
-    };
     const TrackRing& lower = ring_of(stretch_of(a));
     const TrackRing& upper = ring_of(stretch_of(b));
     if (points[i] == points[j]) {
@@ -330,34 +322,59 @@ void LayerLinks::pass(const TrackRing& lower, const Passage& of_lower, const Tra
     if (of_lower.leads_to(of_upper.after)) {  // what lies right of both edges
         link_voids(lower.empty, upper.empty);
     } else {
-        touches_.push_back({of_lower, lower.empty, false});
-        touches_.push_back({of_upper, upper.empty, true});
+        touches_.push_back({of_lower.at, {lower.empty, upper.empty}});
     }
 }
 
-/// All contours of both layers that pass a point have passed another there. The voids at a point are one of each layer.
+/// At a point is one void of each layer. A contour may pass it within an edge, and meet no corner there: all are looked for.
 void LayerLinks::link_open_points() {
-    const auto key = [](const Touch& touch) {
-        return std::tuple(touch.passage.at, touch.is_upper, touch.empty, touch.passage.after, touch.passage.before);
-    };
+    const auto key = [](const Touch& touch) { return std::tuple(touch.at, touch.voids.lower, touch.voids.upper); };
     std::sort(touches_.begin(), touches_.end(), [&](const Touch& a, const Touch& b) {
         worker_.spend(1);
         return key(a) < key(b);
     });
-    const auto same = [&](const Touch& a, const Touch& b) { return key(a) == key(b); };
-    touches_.erase(std::unique(touches_.begin(), touches_.end(), same), touches_.end());
-    for (auto begin = touches_.begin(); begin != touches_.end();) {
-        const auto end = std::find_if(begin, touches_.end(),
-                                      [begin](const Touch& touch) { return touch.passage.at != begin->passage.at; });
-        const bool is_open = std::any_of(begin, end, [&](const Touch& from) {
-            worker_.spend(static_cast<std::size_t>(end - begin));
-            return std::none_of(begin, end, [&](const Touch& touch) { return touch.passage.holds(from.passage.before); });
+    const auto end =
+        std::unique(touches_.begin(), touches_.end(), [&](const Touch& a, const Touch& b) { return key(a) == key(b); });
+    for (auto touch = touches_.begin(); touch != end; ++touch) {
+        passages_.clear();
+        const FlatBox point{touch->at, touch->at};
+        runs_.boxes().search_if([&](const BoxBlock<Point>& block) { return block.meets(point); },
+                                [&](std::size_t i) {
+                                    const EdgeRun& run = runs_.runs()[i];
+                                    list_passages(touch->at, run.begin, run.end, runs_.path_of(run));
+                                    return true;
+                                });
+        worker_.spend(track_work + passages_.size() * passages_.size());
+        const bool is_open = std::any_of(passages_.begin(), passages_.end(), [this](const Passage& from) {
+            return std::none_of(passages_.begin(), passages_.end(), [&](const Passage& p) { return p.holds(from.before); });
         });
         if (is_open) {
-            link_voids(begin->empty, std::prev(end)->empty);
+            link_voids(touch->voids.lower, touch->voids.upper);
         }
-        begin = end;
     }
+}
+
+/// Of edges of one run.
+void LayerLinks::list_passages(Point at, std::size_t begin, std::size_t end, const EdgePath& path) {
+    const Point* const points = runs_.points();
+    if (!FlatBox::around(points[begin], points[end]).holds(at)) {
+        return;
+    }
+    if (end - begin > 1) {
+        list_passages(at, begin, begin + (end - begin) / 2, path);
+        list_passages(at, begin + (end - begin) / 2, end, path);
+    } else if (at == points[begin]) {
+        passages_.push_back(passage_at(path, begin));
+    } else if (lies_within(at, begin)) {
+        passages_.push_back({points[begin], at, points[end]});
+    }
+}
+
+/// And not at its end.
+bool LayerLinks::lies_within(Point at, std::size_t edge) const noexcept {
+    const Point a = runs_.points()[edge];
+    const Point b = runs_.points()[edge + 1];
+    return at != b && FlatBox::around(a, b).holds(at) && side_of(a, b, at) == 0;
 }
 
 /// Where the ring passes the point that the edge leaves.

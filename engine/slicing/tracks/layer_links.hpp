@@ -85,11 +85,10 @@ private:
         std::uint32_t first;
         bool is_upper;
     };
-    /// A passage of a contour of the lower or upper layer.
+    /// A point where contours of both layers meet, and the voids there.
     struct Touch {
-        Passage passage;
-        std::uint32_t empty;
-        bool is_upper;
+        Point at;
+        TrackLink voids;
     };
 
     void begin(Side& side, const TrackLayer& layer);
@@ -108,6 +107,8 @@ private:
     void touch(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j);
     void pass(const TrackRing& lower, const Passage& of_lower, const TrackRing& upper, const Passage& of_upper);
     void link_open_points();
+    void list_passages(Point at, std::size_t begin, std::size_t end, const EdgePath& path);
+    bool lies_within(Point at, std::size_t edge) const noexcept;
     Passage passage_at(const EdgePath& path, std::size_t edge) const noexcept;
     const Stretch& stretch_of(const EdgePath& path) const noexcept { return stretches_[path.contour]; }
     const TrackRing& ring_of(const Stretch& stretch) const noexcept {
@@ -143,6 +144,7 @@ private:
     EdgeRuns runs_{worker_};
     PairSearch pairs_{worker_};
     Vector<Touch> touches_{worker_.memory()};
+    Vector<Passage> passages_{worker_.memory()};  // through one point
 };
 
 }  // namespace lamella

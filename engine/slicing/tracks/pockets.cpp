@@ -59,7 +59,7 @@ std::uint32_t Pockets::root(std::uint32_t v) noexcept {
 
 /// The smaller root is that of both.
 void Pockets::unite(const TrackLink& link) {
-    const auto [a, b] = std::minmax(root(link.lower), root(link.upper));
+    const auto [a, b] = std::minmax({root(link.lower), root(link.upper)});
     if (a == b) {
         return;
     }

@@ -116,7 +116,10 @@ void TrackFinding::check_limit(std::uint64_t islands, std::uint64_t links) const
 void TrackFinding::number(Tracks& tracks) {
     const auto is_outer = [](const Contour& contour) { return contour.role == Role::outer; };
     const auto outers = std::count_if(stack_.contours.begin(), stack_.contours.end(), is_outer);
-    check_limit(static_cast<std::uint64_t>(outers), stack_.contours.size() + stack_.size() < no_track ? 0 : no_track);
+    if (stack_.contours.size() + stack_.size() >= no_track) {
+        throw Refused{{ErrorCode::result_too_large, std::to_string(stack_.contours.size()) + " contours are too many"}};
+    }
+    check_limit(static_cast<std::uint64_t>(outers), 0);
     tracks.islands.resize_discarding(static_cast<std::uint64_t>(outers));
     rings_.resize_discarding(stack_.contours.size());
     by_size_.resize_discarding(stack_.contours.size());
@@ -174,10 +177,9 @@ void TrackFinding::measure(std::size_t n, Tracks& tracks) {
     for (const std::uint32_t r : by_size) {
         TrackRing& ring = rings_[first + r];
         ring.box = FlatBox::around(ring.points);
-        if (!FlatBox{{-grid_limit, -grid_limit}, {grid_limit, grid_limit}}.holds(ring.box.low) ||
-            ring.box.high.x > grid_limit || ring.box.high.y > grid_limit) {
+        if (exceeds({-grid_limit, -grid_limit}, ring.box.low) || exceeds(ring.box.high, {grid_limit, grid_limit})) {
             throw Refused{{ErrorCode::invalid_argument, "layer " + std::to_string(n) +
-                                                            " has points beyond the grid, which ends at " +
+                                                            " has a point beyond the grid, which ends at " +
                                                             std::to_string(grid_limit) + " units"}};
         }
         moments[ring.island - own.first_island].add(ring.points);

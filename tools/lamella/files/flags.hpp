@@ -25,6 +25,7 @@ void add_check_command(CLI::App& app, Interrupt& interrupt);
 void add_make_command(CLI::App& app, Interrupt& interrupt);
 void add_convert_command(CLI::App& app, Interrupt& interrupt);
 void add_combine_command(CLI::App& app, Interrupt& interrupt);
+void add_tracks_command(CLI::App& app, Interrupt& interrupt);
 void add_merge_command(CLI::App& app, Interrupt& interrupt);
 void add_verify_command(CLI::App& app, Interrupt& interrupt);
 void add_batch_command(CLI::App& app, Interrupt& interrupt);

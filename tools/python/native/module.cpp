@@ -396,4 +396,5 @@ PYBIND11_MODULE(_native, module) {
     python::define_results(module);
     python::define_slicing(module);
     python::define_overlay(module);
+    python::define_tracks(module);
 }

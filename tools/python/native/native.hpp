@@ -205,6 +205,7 @@ py::dtype type_of(std::initializer_list<Field> fields) {
     return py::dtype(names, formats, offsets, sizeof(T));
 }
 
+void define_tracks(py::module_& module);
 void define_options(py::module_& module);
 void define_meshes(py::module_& module);
 void define_slicing(py::module_& module);

@@ -34,6 +34,8 @@ offset
     Edges of layers moved in one step or several: walls, openings, lines with a width.
 clip
     Polylines, as infill, cut to what lies inside layers or outside.
+tracks
+    Islands from layer to layer: where they begin, merge, split and end, and what they enclose.
 assemble, region_of
     Contours from segments, or regions from contours, of another program.
 lamella.dask.slice_many
@@ -65,11 +67,12 @@ from ._result import Certificate, Result
 from ._slice import (  # fmt: skip
     Prepared, adaptive_layers, assemble, prepare, region_of, section, section_multiplane, slice, slice_parts, stream,
 )
+from ._tracks import Tracks, tracks
 
 __all__ = [
     "NO_TRIANGLE", "SEVERAL_PARTS", "CancelledError", "Certificate", "Check", "ContourFlag", "CoordinateError",
     "EmptyMeshError", "Error", "Finding", "InvalidArgumentError", "Layer", "LayerSet", "MalformedMeshError", "Mesh", "MeshTypeError",
-    "MeshWarning", "OutOfMemoryError", "PlanesError", "Polygon", "Prepared", "Result", "ResultTooLargeError", "Role",
+    "MeshWarning", "OutOfMemoryError", "PlanesError", "Polygon", "Prepared", "Result", "ResultTooLargeError", "Role", "Tracks",
     "UnreadableFileError", "UnwritableFileError", "__version__", "adaptive_layers", "assemble", "check", "clip", "combine", "offset",
-    "prepare", "read", "region_of", "section", "section_multiplane", "slice", "slice_parts", "stream", "weld",
+    "prepare", "read", "region_of", "section", "section_multiplane", "slice", "slice_parts", "stream", "tracks", "weld",
 ]  # fmt: skip

@@ -76,6 +76,12 @@ class ClipKeywords(CallKeywords, total=False):
     memory_limit: int
 
 
+class TrackKeywords(CallKeywords, total=False):
+    """Those of `tracks`."""
+
+    memory_limit: int
+
+
 class SectionKeywords(RuleKeywords, FrameOptions, total=False):
     """Those of `section`, which places the planes itself."""
 

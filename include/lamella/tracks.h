@@ -30,6 +30,8 @@
 extern "C" {
 #endif
 
+enum { LAMELLA_TRACK_OPTIONS = 17, LAMELLA_TRACK_ARRAYS = 18 }; /* for LAMELLA_INIT */
+
 typedef struct lamella_track_options {
     uint32_t struct_size;
     int32_t pockets; /* 0: no */

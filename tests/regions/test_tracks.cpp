@@ -75,8 +75,13 @@ Polygons frame(std::int32_t low, std::int32_t high, std::int32_t hole_low, std::
 }
 
 /// "islands links births merges", then pockets.
-std::string summary(const std::vector<Polygons>& layers) {
-    const Tracks tracks = value_of(find_tracks(stack_of(layers), {.pockets = true}));
+std::string summary(const std::vector<Polygons>& layers, bool drop_collinear = false) {
+    const Tracks tracks = value_of(find_tracks(stack_of(layers,
+                                                        [=](std::size_t) {
+                                                            return RegionRules{.fill_rule = FillRule::positive,
+                                                                               .drop_collinear = drop_collinear};
+                                                        }),
+                                               {.pockets = true}));
     const auto count = [&](auto test) {
         return std::to_string(std::count_if(tracks.islands.begin(), tracks.islands.end(), test));
     };
@@ -365,6 +370,12 @@ TEST_CASE("islands and pockets of squares are the known ones", "[regions][tracks
     const Polygons holes = {square(0, 8), {{2, 2}, {2, 4}, {4, 4}, {4, 2}}, {{4, 4}, {4, 6}, {6, 6}, {6, 4}}};
     CHECK(summary({{square(0, 8)}, holes, frame(0, 8, 4, 6)}) == "3 2 1 0 cup 1-3:12");
     CHECK(summary({{square(0, 8)}, holes, {square(0, 8)}}) == "3 2 1 0 cavity 1-2:8");
+    // An island's corner on another's edge, which has no corner there, as the edge of the void above that fits it has not.
+    Polygons two_inside = frame(-20, 28, -4, 12);
+    two_inside.insert(two_inside.end(), {rectangle(0, 0, 8, 4), {{4, 4}, {6, 6}, {2, 6}}});
+    Polygons above = {square(-20, 28), {{0, 0}, {0, 4}, {8, 4}, {8, 0}}};
+    CHECK(summary({{square(-20, 28)}, two_inside, above, {square(-20, 28)}}, true) ==
+          "6 6 1 1 cavity 1-2:220 cavity 2-3:32");
 }
 
 TEST_CASE("areas and centres are exact far from the origin", "[regions][tracks]") {

@@ -110,8 +110,8 @@ public:
     void clear() noexcept { queries_.clear(); }
     /// Throws std::bad_alloc.
     void add(Point point, std::uint32_t number) { queries_.push_back({Winding(point), number}); }
-    /// Appends the numbers of the points added that lie strictly inside to `inside`, in an unspecified order, and of those on
-    /// the contour to `touching` where it is given. Throws std::bad_alloc.
+    /// Appends the numbers of the points added that lie strictly inside to `inside`, in an unspecified order, and of those
+    /// on the contour to `touching` where it is given. Throws std::bad_alloc.
     void test(const Point* points, std::uint32_t count, Vector<std::uint32_t>& inside,
               Vector<std::uint32_t>* touching = nullptr);
 

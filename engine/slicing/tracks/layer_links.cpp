@@ -385,22 +385,4 @@ Passage LayerLinks::passage_at(const EdgePath& path, std::size_t edge) const noe
     return {points[at == 0 ? points.size() - 1 : at - 1], points[at], points[at + 1 == points.size() ? 0 : at + 1]};
 }
 
-bool LayerLinks::is_linked(std::uint32_t lower, std::uint32_t upper) const {
-    return is_known(sides_[0], lower, sides_[1], upper) || last_[lower - sides_[0].layer.first_island] == upper;
-}
-
-void LayerLinks::link_islands(std::uint32_t lower, std::uint32_t upper) {
-    if (!is_linked(lower, upper)) {
-        islands_->push_back({lower, upper});
-        last_[lower - sides_[0].layer.first_island] = upper;
-    }
-}
-
-void LayerLinks::link_voids(std::uint32_t lower, std::uint32_t upper) {
-    if (last_voids_.lower != lower || last_voids_.upper != upper) {
-        last_voids_ = {lower, upper};
-        voids_->push_back(last_voids_);
-    }
-}
-
 }  // namespace lamella

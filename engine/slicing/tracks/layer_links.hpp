@@ -114,15 +114,27 @@ private:
     const TrackRing& ring_of(const Stretch& stretch) const noexcept {
         return sides_[stretch.is_upper ? 1 : 0].layer.rings[stretch.ring];
     }
-    bool is_linked(std::uint32_t lower, std::uint32_t upper) const;
+    bool is_linked(std::uint32_t lower, std::uint32_t upper) const {
+        return is_known(sides_[0], lower, sides_[1], upper) || last_[lower - sides_[0].layer.first_island] == upper;
+    }
     static bool is_known(const Side& a, std::uint32_t of_a, const Side& b, std::uint32_t of_b) {
         const auto has = [](const auto& around, std::uint32_t other) {
             return std::find(around.begin(), around.end(), other) != around.end();
         };
         return has(a.around_island(of_a), of_b) || has(b.around_island(of_b), of_a);
     }
-    void link_islands(std::uint32_t lower, std::uint32_t upper);
-    void link_voids(std::uint32_t lower, std::uint32_t upper);
+    void link_islands(std::uint32_t lower, std::uint32_t upper) {
+        if (!is_linked(lower, upper)) {
+            islands_->push_back({lower, upper});
+            last_[lower - sides_[0].layer.first_island] = upper;
+        }
+    }
+    void link_voids(std::uint32_t lower, std::uint32_t upper) {
+        if (last_voids_.lower != lower || last_voids_.upper != upper) {
+            last_voids_ = {lower, upper};
+            voids_->push_back(last_voids_);
+        }
+    }
 
     Worker& worker_;
     nesting::AddEdges add_edges_ = best_of(nesting::add_edges_forms(), worker_.instructions());

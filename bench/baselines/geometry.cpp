@@ -1,5 +1,6 @@
 #include "geometry.hpp"
 
+#include "slicing/grid/mesh_edge.hpp"
 #include "slicing/grid/quantise.hpp"
 
 namespace lamella::baselines {
@@ -30,7 +31,7 @@ Point crossing(const GridVertex& a, const GridVertex& b, std::int32_t plane) noe
     const double slope_x = static_cast<double>(std::int64_t{high.x} - low.x) / height;
     const double slope_y = static_cast<double>(std::int64_t{high.y} - low.y) / height;
     const auto rise = static_cast<double>(std::int64_t{plane} - low.z);
-    return {round_to_int(low.x + slope_x * rise), round_to_int(low.y + slope_y * rise)};
+    return {low.x + round_move(slope_x * rise), low.y + round_move(slope_y * rise)};
 }
 
 Segment cut(const Facet& facet, std::int32_t plane) noexcept {

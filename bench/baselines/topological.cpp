@@ -16,8 +16,8 @@
 
 #include <utility>
 
-#include "base/system/processor.hpp"
 #include "geometry.hpp"
+#include "slicing/grid/mesh_edge.hpp"
 #include "topology.hpp"
 
 namespace lamella::baselines {
@@ -39,7 +39,7 @@ struct CutEdge {
 
     Point at(std::int32_t plane) const noexcept {
         const auto rise = static_cast<double>(std::int64_t{plane} - z);
-        return {round_to_int(x + slope_x * rise), round_to_int(y + slope_y * rise)};
+        return {x + round_move(slope_x * rise), y + round_move(slope_y * rise)};
     }
 };
 

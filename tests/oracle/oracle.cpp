@@ -31,8 +31,11 @@ Crossing crossing_of(GridVertex u, GridVertex v, std::int32_t z) {
     const double rise = static_cast<double>(z) - low.z;
     const double sx = (static_cast<double>(high.x) - low.x) / (static_cast<double>(high.z) - low.z);
     const double sy = (static_cast<double>(high.y) - low.y) / (static_cast<double>(high.z) - low.z);
-    const Point point{static_cast<std::int32_t>(std::nearbyint(low.x + sx * rise)),
-                      static_cast<std::int32_t>(std::nearbyint(low.y + sy * rise))};
+    const auto rounded = [](double move) {  // to multiples of 2^-20 first, so that nearly ties are ties
+        constexpr double room = 0x1.8p32;
+        return static_cast<std::int32_t>(std::nearbyint(move + room - room));
+    };
+    const Point point{low.x + rounded(sx * rise), low.y + rounded(sy * rise)};
     return {point, {low, high}};
 }
 

@@ -91,12 +91,7 @@ public:
     /// Throws Refused where the sets do not go together.
     OverlayCall(std::unique_ptr<detail::OverlayImpl>& impl, const Destination& to, std::span<const LayerSet> sets,
                 const Context& context)
-        : to_(to), context_(context), sets_(sets) {
-        for (const LayerSet& set : sets) {
-            if (to.result() != nullptr && set.layers.stack() == to.result()) {
-                throw Refused{{ErrorCode::invalid_argument, "the answer cannot take the place of one of the sets"}};
-            }
-        }
+        : to_(to), context_(context), sets_(elsewhere(sets, to)) {
         if (impl == nullptr || impl->memory != context.memory || !impl->parallel.serves(context)) {
             impl = std::make_unique<detail::OverlayImpl>(context);
         }
@@ -111,6 +106,14 @@ public:
     SliceInfo run(const Answer& answer, const RegionRules& after, LayerWork work);
 
 private:
+    static std::span<const LayerSet> elsewhere(std::span<const LayerSet> sets, const Destination& to) {
+        for (const LayerSet& set : sets) {
+            if (to.result() != nullptr && set.layers.stack() == to.result()) {
+                throw Refused{{ErrorCode::invalid_argument, "the answer cannot take the place of one of the sets"}};
+            }
+        }
+        return sets;
+    }
     void fill(LayerTarget& target, LayerWork work);
 
     const Destination& to_;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <string>
 
@@ -11,25 +10,6 @@
 #include "slicing/parts/roles.hpp"
 
 namespace lamella {
-
-void check_places(std::span<const Part> parts, const SliceOptions& options) {
-    std::uint64_t copies = 0;
-    for (std::size_t p = 0; p < parts.size(); ++p) {
-        copies += moves_mm(parts, p, options.frame.transform).size();
-    }
-    constexpr std::size_t most_with_origins = std::numeric_limits<std::uint16_t>::max();
-    if (options.origins && copies > most_with_origins) {
-        throw Refused{{ErrorCode::invalid_argument, "origins name one of at most " + std::to_string(most_with_origins) +
-                                                        " parts, not of " + std::to_string(copies)}};
-    }
-    if (copies >= several_parts) {
-        throw Refused{{ErrorCode::invalid_argument, std::to_string(copies) + " copies of parts are more than 2^32 - 2"}};
-    }
-    if (options.share_copies && (options.unite_parts || options.origins)) {
-        throw Refused{{ErrorCode::invalid_argument, options.origins ? "copies that share points have no origins"
-                                                                    : "parts that are united share no points"}};
-    }
-}
 
 std::vector<std::array<double, 3>> moves_mm(std::span<const Part> parts, std::size_t part, const Transform& frame) {
     const auto& m = frame.m;

@@ -38,9 +38,6 @@ struct CopyList {
     std::vector<std::uint32_t> first_copy;  ///< of each part
 };
 
-/// Throws Refused where there are too many copies, a place is none, or copies cannot share points as is asked.
-void check_places(std::span<const Part> parts, const SliceOptions& options);
-
 /// How far each place of a part moves it, after `frame`: at least one move. Throws
 /// Refused where one is too far, or no number.
 std::vector<std::array<double, 3>> moves_mm(std::span<const Part> parts, std::size_t part, const Transform& frame);

@@ -1,11 +1,15 @@
 #include "slicing/parts/merge_parts.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <memory>
+#include <string>
 #include <vector>
 
+#include "base/guard.hpp"
 #include "base/parallel.hpp"
 #include "slicing/layer/layer_builder.hpp"
+#include "slicing/parts/copies.hpp"
 #include "slicing/regions/rules.hpp"
 
 namespace lamella {
@@ -256,6 +260,25 @@ private:
 };
 
 }  // namespace
+
+void check_places(std::span<const Part> parts, const SliceOptions& options) {
+    std::uint64_t copies = 0;
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+        copies += moves_mm(parts, p, options.frame.transform).size();
+    }
+    constexpr std::size_t most_with_origins = std::numeric_limits<std::uint16_t>::max();
+    if (options.origins && copies > most_with_origins) {
+        throw Refused{{ErrorCode::invalid_argument, "origins name one of at most " + std::to_string(most_with_origins) +
+                                                        " parts, not of " + std::to_string(copies)}};
+    }
+    if (copies >= several_parts) {
+        throw Refused{{ErrorCode::invalid_argument, std::to_string(copies) + " copies of parts are more than 2^32 - 2"}};
+    }
+    if (options.share_copies && (options.unite_parts || options.origins)) {
+        throw Refused{{ErrorCode::invalid_argument, options.origins ? "copies that share points have no origins"
+                                                                    : "parts that are united share no points"}};
+    }
+}
 
 void merge_parts(const PartsToMerge& given, const SliceCall& call, LayerTarget& target, SliceInfo& merged,
                  FunctionRef<void(double)> reach) {

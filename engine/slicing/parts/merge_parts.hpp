@@ -22,6 +22,9 @@ struct PartsToMerge {
     bool are_repeated;  ///< parts share results, so that a limit holds for what they become
 };
 
+/// Throws Refused where there are too many copies, a place is none, or copies cannot share points as is asked.
+void check_places(std::span<const Part> parts, const SliceOptions& options);
+
 /// O(n + p k) for n points and contours, p parts and k planes, which all parts have, and for regions O(q log q) for a layer
 /// of q points. `merged` has the summary but for what the target counts; its options say whether parts are united. `reach`
 /// is told the share of layers that are done. Throws Refused, std::bad_alloc, Stopped.

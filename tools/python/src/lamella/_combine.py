@@ -81,10 +81,8 @@ def offset(
     *,
     join: str = "miter",
     end: str = "region",
-    miter_limit: float = 3.0,
     arc_tolerance: float = 0.005,
-    keep: Union[str, Sequence[bool]] = "all",
-    grid: Optional[float] = None,
+    keep: Union[str, Sequence[bool]] = "all", grid: Optional[float] = None,  # fmt: skip
     **options: Unpack[CombineKeywords],
 ) -> Result:
     """Move the edges of layers outwards, or inwards, in one step or several.
@@ -100,14 +98,12 @@ def offset(
     end : {"region", "butt", "square", "round"}
         Other than "region": contours given as arrays, and open ones of layers, are lines with such ends, and closed ones of
         layers lines without ends. The first step is above 0 then.
-    miter_limit : float
-        A corner farther away than so many distances is cut.
     keep : {"all", "last"} or sequence of bool
         The steps whose regions are parts 0, 1, ... of the answer. An opening keeps the last of two steps.
     grid : float, optional
         As for `combine`.
     **options
-        As for `combine`.
+        As for `combine`. A corner farther away than ``miter_limit`` distances, 3 without it, is cut.
 
     Examples
     --------
@@ -134,7 +130,7 @@ def offset(
     how = (
         one_of("join", join, JOINS),
         one_of("end", end, ENDS),
-        number("miter_limit", miter_limit),
+        number("miter_limit", options.get("miter_limit", 3.0)),
         number("arc_tolerance", arc_tolerance),
     )
     native = [_native_set(asked, "layers", step)]
@@ -152,8 +148,7 @@ def clip(
     layers: SetLike,
     *,
     inside: bool = True,
-    boundary_inside: bool = True,
-    grid: Optional[float] = None,
+    boundary_inside: bool = True, grid: Optional[float] = None,  # fmt: skip
     **options: Unpack[ClipKeywords],
 ) -> Result:
     """Cut polylines, as infill, to what lies inside layers, or outside.

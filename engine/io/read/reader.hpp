@@ -115,25 +115,14 @@ bool is_text(std::string_view sample) noexcept;
 
 // --- What readers share
 
-/// Looks for a stop request, which throws, once in a few thousand steps. Steps take well below a microsecond.
-class Lookout {
-public:
-    explicit Lookout(const Parallel& parallel) noexcept : parallel_(parallel) {}
+/// A step of a reader, which takes well below a microsecond, as StopPace counts it.
+inline constexpr std::size_t step_work = 32;
 
-    void pass(std::uint64_t steps = 1) {
-        steps_ += steps;
-        if (steps_ >= often) {
-            steps_ = 0;
-            parallel_.stop_if_asked();
-        }
-    }
-
-private:
-    static constexpr std::uint64_t often = 4096;
-
-    const Parallel& parallel_;
-    std::uint64_t steps_ = 0;
-};
+inline StopPace pace_of(const Parallel& parallel) noexcept {
+    StopPace pace;
+    pace.follow(parallel.stop());
+    return pace;
+}
 
 /// Bytes that a reader may still allocate. Counted before memory is taken, so that no count in a file can take more. From
 /// any thread.

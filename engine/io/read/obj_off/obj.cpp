@@ -33,13 +33,13 @@ Statement statement_at(const char* p, const char* end) {
 /// (`usemtl textures\`) where the next line is a vertex or a face: these are returned.
 LeftOut join_lines(FileContents& file) {
     LeftOut after_backslash;
-    Lookout lookout(file.source.parallel());
+    StopPace pace = pace_of(file.source.parallel());
     const std::string_view text = file.text;
     const char* const end = text.data() + text.size();
     bool is_shape = false;   // the statement that goes on
     std::size_t joined = 0;  // where it does
     for (std::size_t at = text.find('\\'); at < text.size(); at = text.find('\\', at + 1)) {
-        lookout.pass();
+        pace.spend(step_work);
         if (at + 1 == text.size() || !ends_line(text[at + 1])) {
             continue;
         }

@@ -54,7 +54,7 @@ enum class OffLayout : std::uint8_t {
 class OffParser : private LineParser {
 public:
     OffParser(std::string_view text, OffLayout layout, const Parallel& parallel)
-        : LineParser(text), layout_(layout), lookout_(parallel) {}
+        : LineParser(text), layout_(layout), pace_(pace_of(parallel)) {}
 
     /// Reads the file's head, which rest() then follows. The number of edges may be absent: it is on the line of the faces'.
     OffCounts header() {
@@ -128,7 +128,7 @@ private:
         if (layout_ == OffLayout::lines) {
             return to_word();
         }
-        lookout_.pass();
+        pace_.spend(step_work);
         return next_word();
     }
 
@@ -191,7 +191,7 @@ private:
     int extras(int most) { return layout_ == OffLayout::bare_numbers ? 0 : other_numbers(most); }
 
     OffLayout layout_;
-    Lookout lookout_;
+    StopPace pace_;
     const char* item_ = nullptr;
     std::optional<int> face_extras_;      // of the first face
     std::vector<std::uint32_t> corners_;  // of a face

@@ -140,11 +140,11 @@ private:
                 return;
             }
         }
-        Lookout lookout(source_.parallel());
+        StopPace pace = pace_of(source_.parallel());
         for (std::uint64_t row = 0; row < element.count && !element.properties.empty(); ++row) {
             const bool begins_block = row % rows_a_block == 0;
             const std::uint64_t block_end = std::min(element.count, row + rows_a_block);
-            lookout.pass();
+            pace.spend(step_work);
             if (begins_block && element.role != PlyRole::nothing) {
                 add_block({&element, row, block_end, numbers, {}});
             }
@@ -198,12 +198,12 @@ private:
     }
 
     void read_block(Block& block, FaceList& faces) {
-        Lookout lookout(source_.parallel());
+        StopPace pace = pace_of(source_.parallel());
         std::vector<std::uint32_t> corners;
         Numbers numbers = block.numbers;
         const char* const block_end = numbers.end();
         for (std::uint64_t row = block.begin; row < block.end; ++row) {
-            lookout.pass(1 + corners.size());
+            pace.spend(step_work * (1 + corners.size()));
             const char* const place = numbers.at();
             numbers.begin_row(block_end);
             numbers = read_row(numbers, *block.element, row, corners, faces);

@@ -99,7 +99,7 @@ struct Facets {
 class FacetParser {
 public:
     FacetParser(const char* begin, const char* end, const Parallel& parallel, Facets& facets)
-        : p_(begin), end_(end), lookout_(parallel), facets_(facets) {}
+        : p_(begin), end_(end), pace_(pace_of(parallel)), facets_(facets) {}
 
     /// All that begins before `stop`. Throws TextError.
     void parse(const char* stop) {
@@ -132,7 +132,7 @@ private:
     const char* name_end() {
         const char* p = skip_word(p_, end_);
         while (p != end_ && !ends_line(*p)) {
-            lookout_.pass();
+            pace_.spend(step_work);
             if (begins_facet(p, end_)) {
                 return p;
             }
@@ -151,7 +151,7 @@ private:
         bool harmless = !is_word_in_facet(p_, end_) && !is_cut_off &&
                         std::memchr(p_, '\0', static_cast<std::size_t>(line_end - p_)) == nullptr;
         for (const char* p = p_; harmless && p < line_end; p = next_word(p, end_)) {
-            lookout_.pass();
+            pace_.spend(step_work);
             harmless = !may_begin_facet(p, end_);
         }
         if (skipped.at == nullptr) {
@@ -260,7 +260,7 @@ private:
 
     const char* p_;
     const char* end_;
-    Lookout lookout_;
+    StopPace pace_;
     Facets& facets_;
     TextError failure_;
 };
@@ -293,14 +293,14 @@ std::vector<Facets> parse_facets(std::string_view text, const Parallel& parallel
 void blank_nuls(FileContents& file, std::vector<std::string>& warnings) {
     const std::string_view text = file.whole;
     const char* const text_end = text.data() + text.size();
-    Lookout lookout(file.source.parallel());
+    StopPace pace = pace_of(file.source.parallel());
     std::size_t count = 0;
     std::size_t line_end = 0;
     const char* word = nullptr;  // the line's first, or white space before it
     const std::size_t first = text.find('\0');
     for (std::size_t begin = first; begin != std::string_view::npos; begin = text.find('\0', begin)) {
         const std::size_t end = std::min(text.find_first_not_of('\0', begin), text.size());
-        lookout.pass();
+        pace.spend(step_work);
         if (begin >= line_end) {
             word = text.data() + (text.find_last_of("\r\n", begin) + 1);  // 0 where there is no line before
             line_end = std::min(text.find_first_of("\r\n", begin), text.size());

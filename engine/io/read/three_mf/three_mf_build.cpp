@@ -46,7 +46,7 @@ private:
 
     /// `outer` is a copy, as the stack may move.
     void meet(const Reference& reference, Instance outer) {
-        lookout_.pass();
+        pace_.spend(step_work);
         const auto found = model_.object_index.find(Model::key(reference.part, reference.id));
         if (found == model_.object_index.end()) {
             refuse(reference, "there is no object " + std::to_string(reference.id) +
@@ -105,7 +105,7 @@ private:
 
     const Model& model_;
     const FileSource& file_;
-    Lookout lookout_{file_.parallel()};
+    StopPace pace_ = pace_of(file_.parallel());
     std::vector<State> states_ = std::vector<State>(model_.objects.size());
     std::vector<Instance>& instances_;
     std::vector<Open> open_;
@@ -173,12 +173,12 @@ void put_triangles(std::span<const Triangle> triangles, std::uint32_t first_vert
 /// never holds the whole mesh twice.
 template <class T, class Put>
 void place_chunks(ChunkList<T>& list, std::size_t instances, const Parallel& parallel, Put put) {
-    Lookout lookout(parallel);
+    StopPace pace = pace_of(parallel);
     std::uint64_t done = 0;
     for (std::size_t c = 0; c < list.chunk_count(); ++c) {
         const std::span<const T> chunk = list.chunk(c);
         for (std::size_t i = 0; i < instances; ++i) {
-            lookout.pass(chunk.size());
+            pace.spend(step_work * chunk.size());
             put(chunk, i, done);
         }
         done += chunk.size();

@@ -100,9 +100,9 @@ public:
     std::string_view strings(std::uint64_t count, std::string_view name) {
         std::string_view last;
         line();
-        Lookout lookout(file_.source.parallel());
+        StopPace pace = pace_of(file_.source.parallel());
         for (; count > 0; --count) {
-            lookout.pass();
+            pace.spend(step_work);
             need(1, name);
             last = binary_ ? binary_string(name) : line();
         }

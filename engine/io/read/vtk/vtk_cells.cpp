@@ -97,7 +97,7 @@ struct Block {
 class CellReader {
 public:
     CellReader(VtkFile& file, const CellArray& array)
-        : file_(file), array_(array), name_(array.name), lookout_(file.source.parallel()) {}
+        : file_(file), array_(array), name_(array.name), pace_(pace_of(file.source.parallel())) {}
 
     /// Looks where all cells begin, and appends the blocks in which their faces can be read. Throws errors.
     void cut(std::vector<Block>& blocks) {
@@ -105,7 +105,7 @@ public:
             if (cell % cell_grain == 0) {
                 blocks.push_back({&array_, cell, at_});
             }
-            lookout_.pass();
+            pace_.spend(step_work);
             at_ += corners_of(cell);
         }
         if (at_ != array_.corners.count) {
@@ -159,7 +159,7 @@ private:
 
     /// Of so many corners from at_ on.
     void read_face(std::uint64_t count, FaceList& faces) {
-        lookout_.pass(1 + count);
+        pace_.spend(step_work * (1 + count));
         corners_.resize(count);
         const bool exist = use_numbers(array_.corners, at_, [&](auto number) {
             bool good = true;
@@ -205,7 +205,7 @@ private:
     VtkFile& file_;
     const CellArray& array_;
     std::string name_;
-    Lookout lookout_;
+    StopPace pace_;
     std::uint64_t at_ = 0;  // in the array's corners
     std::vector<std::uint32_t> corners_;
 };

@@ -46,6 +46,34 @@ std::size_t line_of(std::string_view text, std::size_t offset) {
     return 1 + ends + (at_end ? 1 : 0);
 }
 
+std::optional<double> parse_number(std::string_view text) noexcept {
+    double value = 0;
+    const char* at = text.data();
+    const char* const end = at + text.size();
+    const bool is_number = !text.empty() && !is_space(*at) && read_number(at, end, value) == NumberText::read && at == end;
+    return is_number ? std::optional(value) : std::nullopt;
+}
+
+std::optional<std::vector<double>> parse_numbers(std::string_view text, char separator) {
+    std::vector<double> numbers;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(separator, begin), text.size());
+        const std::optional<double> number = parse_number(trimmed(text.substr(begin, end - begin)));
+        if (!number) {
+            return std::nullopt;
+        }
+        numbers.push_back(*number);
+        begin = end + 1;
+    }
+    return numbers;
+}
+
+std::string_view trimmed(std::string_view text, std::string_view padding) {
+    const std::size_t begin = text.find_first_not_of(padding);
+    return begin == std::string_view::npos ? std::string_view()
+                                           : text.substr(begin, text.find_last_not_of(padding) - begin + 1);
+}
+
 // --- pieces
 
 std::vector<TextPiece> cut_text(std::string_view text, std::size_t piece_bytes,

@@ -173,6 +173,14 @@ NumberText read_number(const char*& p, const char* end, Value& value) {
     return NumberText::read;
 }
 
+/// All of `text` as one finite number; a leading + is allowed.
+std::optional<double> parse_number(std::string_view text) noexcept;
+/// Such numbers between separators, with blanks around them or none; nothing where something else stands there.
+std::optional<std::vector<double>> parse_numbers(std::string_view text, char separator);
+
+/// Without what is in `padding` at both ends.
+std::string_view trimmed(std::string_view text, std::string_view padding = " \t\r\v\f");
+
 // --- pieces
 
 /// A piece of text, and which of the items of the whole text are in it.

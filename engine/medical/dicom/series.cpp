@@ -13,6 +13,7 @@
 #include "base/system/file.hpp"
 #include "base/words.hpp"
 #include "io/read/input_file.hpp"
+#include "io/text/text.hpp"
 #include "lamella/grid.hpp"
 #include "medical/dicom/data_set.hpp"
 #include "medical/geometry/common.hpp"
@@ -58,7 +59,7 @@ struct DicomHeader {
     template <std::size_t count>
     std::array<double, count> numbers(dicom::Tag tag, const char* keyword) const {
         const std::string all = required_text(tag, keyword);
-        const std::optional<std::vector<double>> found = numbers_in(all, '\\');
+        const std::optional<std::vector<double>> found = parse_numbers(all, '\\');
         if (!found || found->size() != count) {
             refuse(std::string(keyword) + " is '" + one_line(all) + "', not " + counted(count, "number"));
         }

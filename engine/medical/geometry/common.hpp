@@ -7,10 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "lamella/io/name_text.hpp"
 #include "lamella/medical/geometry.hpp"
@@ -60,11 +58,6 @@ inline NearestAxis nearest_axis(const Direction& a) noexcept {
 [[noreturn]] void refuse_output(const std::filesystem::path& path, const std::string& what);
 /// Throws Refused (invalid_argument) unless `result` has a layer for each of so many heights of an image.
 void require_cut(const SliceResult* result, const std::string& name, std::uint64_t heights);
-
-/// Without what is in `padding` at both ends.
-std::string_view trimmed(std::string_view text, std::string_view padding = " \t\r");
-/// Finite numbers between separators; nothing where something else stands there.
-std::optional<std::vector<double>> numbers_in(std::string_view text, char separator);
 
 /// A cell of a CSV file: in UTF-8, and quoted where it has to be.
 inline std::string csv_text(const std::string& bytes) {

@@ -7,7 +7,6 @@
 #include <map>
 #include <memory>
 
-#include <fast_float/fast_float.h>
 #include <zlib.h>
 
 #include "base/guard.hpp"
@@ -219,7 +218,7 @@ std::optional<Direction> vector_of(std::string_view text) {
     if (text.size() < 2 || text.front() != '(' || text.back() != ')') {
         return std::nullopt;
     }
-    const std::optional<std::vector<double>> found = numbers_in(text.substr(1, text.size() - 2), ',');
+    const std::optional<std::vector<double>> found = parse_numbers(text.substr(1, text.size() - 2), ',');
     return found && found->size() == 3 ? std::optional<Direction>({(*found)[0], (*found)[1], (*found)[2]}) : std::nullopt;
 }
 
@@ -396,29 +395,6 @@ void require_cut(const SliceResult* result, const std::string& name, std::uint64
         !std::all_of(result->info.layer_of.begin(), result->info.layer_of.end(), is_there)) {
         throw Refused{{ErrorCode::invalid_argument, "'" + name + "' was not cut at the slices of the image"}};
     }
-}
-
-std::string_view trimmed(std::string_view text, std::string_view padding) {
-    const std::size_t begin = text.find_first_not_of(padding);
-    return begin == std::string_view::npos ? std::string_view()
-                                           : text.substr(begin, text.find_last_not_of(padding) - begin + 1);
-}
-
-std::optional<std::vector<double>> numbers_in(std::string_view text, char separator) {
-    std::vector<double> numbers;
-    for (std::size_t begin = 0; begin <= text.size();) {
-        const std::size_t end = std::min(text.find(separator, begin), text.size());
-        std::string_view word = trimmed(text.substr(begin, end - begin));
-        word.remove_prefix(word.starts_with('+') ? 1 : 0);
-        double value = 0;
-        const auto [stop, problem] = fast_float::from_chars(word.data(), word.data() + word.size(), value);
-        if (problem != std::errc() || stop != word.data() + word.size() || !std::isfinite(value)) {
-            return std::nullopt;
-        }
-        numbers.push_back(value);
-        begin = end + 1;
-    }
-    return numbers;
 }
 
 ImageGeometry upright(const std::string& name, const std::array<std::uint64_t, 3>& size,

@@ -15,14 +15,6 @@ namespace {
 
 // --- text that people write
 
-constexpr std::string_view blanks = " \t\r\v\f";
-
-std::string_view trimmed(std::string_view text) {
-    const std::size_t first = text.find_first_not_of(blanks);
-    return first == std::string_view::npos ? std::string_view{}
-                                           : text.substr(first, text.find_last_not_of(blanks) - first + 1);
-}
-
 /// "A:B", "A:" or ":B": layers from A up to, but not with, B. False where it is none of these; what is not given stays.
 bool parse_layers(std::string_view text, std::uint64_t& first, std::uint64_t& end) {
     const auto part = [](std::string_view digits, std::uint64_t& value) {
@@ -170,7 +162,7 @@ void declare_choice(CLI::App& command, const OptionLine& line, Enum& value) {
 
 void declare_heights(CLI::App& command, const OptionLine& line, std::optional<std::vector<double>>& heights) {
     const auto take = [&heights](const std::string& text) -> std::string {
-        heights = parse_list(text);
+        heights = parse_numbers(text, ',');
         std::error_code unknown;
         if (!heights && text.find(',') != std::string::npos && !std::filesystem::exists(path_of(text), unknown)) {
             return "'" + text + "' is neither a list of numbers nor a file";
@@ -245,18 +237,6 @@ constexpr std::array<OlderWord, 7> older_words = {{{"--gap-sense", "kept", "--st
 const std::array<ChangedDefault, 2> changed_defaults = {
     {{"--fill-rule", "non-zero", "contours"}, {"--stitch", "auto", "0"}}};
 
-std::optional<std::vector<double>> parse_list(std::string_view text) {
-    std::vector<double> values;
-    for (const std::string_view piece : split(text, ',')) {
-        const std::optional<double> value = parse_number(trimmed(piece));
-        if (!value) {
-            return std::nullopt;
-        }
-        values.push_back(*value);
-    }
-    return values;
-}
-
 std::string given(const std::string& text) {
     return text.empty() ? "is empty" : "";
 }
@@ -295,7 +275,7 @@ CLI::Option* add_triple(CLI::App& command, const std::string& flag, const std::s
                         std::function<std::string(const std::array<double, 3>&)> take) {
     return add_parsed(command, flag, "X,Y,Z", help,
                       [take = std::move(take)](const std::string& text) {
-                          const std::vector<double> values = parse_list(text).value_or(std::vector<double>());
+                          const std::vector<double> values = parse_numbers(text, ',').value_or(std::vector<double>());
                           const std::string wrong =
                               values.size() == 3 ? take({values[0], values[1], values[2]}) : " is not three numbers X,Y,Z";
                           return when(!wrong.empty(), "'" + text + "'" + wrong);
@@ -382,7 +362,7 @@ bool is_file_of(std::string_view flag, const std::string& value) {
     std::string_view kind;
 #define OPTION(kind_of_line, name, path, python, own_flag, ...) kind = flag == own_flag ? #kind_of_line : kind;
 #include "options/options.inc"
-    return kind == "transform" || (kind == "heights" && !parse_list(value));
+    return kind == "transform" || (kind == "heights" && !parse_numbers(value, ','));
 }
 
 }  // namespace lamella::cli

@@ -53,9 +53,6 @@ inline std::string in_lower_case(const std::string& word) {
     return lower_case(word);
 }
 
-/// "1,2.5,3" (spaces around numbers allowed), or nothing if any part is not a number.
-std::optional<std::vector<double>> parse_list(std::string_view text);
-
 /// An option whose value `take` stores, or says what is wrong with it.
 CLI::Option* add_parsed(CLI::App& command, const std::string& flag, const std::string& type, const std::string& help,
                         std::function<std::string(const std::string&)> take);

@@ -14,7 +14,7 @@ void take_ranges(const std::vector<std::string>& all, SliceArguments& arguments)
     adaptive_of(arguments);
     arguments.height_ranges.clear();
     for (const std::string& text : all) {
-        const std::vector<double> range = parse_list(text).value_or(std::vector<double>());
+        const std::vector<double> range = parse_numbers(text, ',').value_or(std::vector<double>());
         if (range.size() != 3) {
             throw CLI::ValidationError("--height-range", "'" + text + "' is not FROM,TO,MM, such as 0,0.3,0.2");
         }

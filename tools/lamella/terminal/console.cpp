@@ -154,14 +154,6 @@ void Interrupt::die_if_interrupted() noexcept {
     }
 }
 
-std::optional<double> parse_number(std::string_view text) noexcept {
-    double value = 0;
-    const char* at = text.data();
-    const char* const end = at + text.size();
-    const bool is_number = !text.empty() && !is_space(*at) && read_number(at, end, value) == NumberText::read && at == end;
-    return is_number ? std::optional(value) : std::nullopt;
-}
-
 bool is_decimal_comma(std::string_view text) noexcept {
     const std::size_t comma = text.find(',');
     text.remove_prefix(text.starts_with('-') || text.starts_with('+') ? 1 : 0);

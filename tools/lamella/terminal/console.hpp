@@ -232,9 +232,6 @@ private:
 
 // --- what people write
 
-/// All of `text` as one finite number; a leading + is allowed.
-std::optional<double> parse_number(std::string_view text) noexcept;
-
 /// All of the file. Throws Failure (bad_input) of one that cannot be read, or is larger than `most_bytes`.
 std::string read_bytes(const std::string& path, std::size_t most_bytes = std::numeric_limits<std::size_t>::max());
 

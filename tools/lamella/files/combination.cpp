@@ -30,10 +30,7 @@ void add_by_archive(CLI::App& command, const std::string& flag, const std::strin
             }
         }
     };
-    command.add_option_function<std::vector<std::string>>(flag, store, help)
-        ->type_name(type)
-        ->take_all()
-        ->allow_extra_args(false);
+    add_repeatable(command, flag, type, help, store);
 }
 
 bool read_labels(const std::string& text, std::vector<std::uint32_t>& labels) {

@@ -210,11 +210,7 @@ void declare_fill_from(CLI::App& command, const OptionLine& line, std::vector<Fi
             from.rule = static_cast<FillRule>(rule - words.begin());
         }
     };
-    command.add_option_function<std::vector<std::string>>(line.flag, take, line.help)
-        ->type_name("LAYER:RULE")
-        ->transform(in_lower_case)
-        ->take_all()
-        ->allow_extra_args(false);
+    add_repeatable(command, line.flag, "LAYER:RULE", line.help, take)->transform(in_lower_case);
 }
 
 /// Options and values as earlier versions recorded them.
@@ -281,6 +277,28 @@ CLI::Option* add_triple(CLI::App& command, const std::string& flag, const std::s
                           return when(!wrong.empty(), "'" + text + "'" + wrong);
                       })
         ->check(given);
+}
+
+CLI::Option* add_range(CLI::App& command, const std::string& flag, const std::string& help,
+                       std::function<void(double, double)> take) {
+    return add_parsed(command, flag, "MIN:MAX", help,
+                      [take = std::move(take)](const std::string& text) {
+                          const std::vector<double> ends = parse_numbers(text, ':').value_or(std::vector<double>());
+                          const bool good = ends.size() == 2 && ends[0] > 0 && ends[1] >= ends[0];
+                          if (good) {
+                              take(ends[0], ends[1]);
+                          }
+                          return when(!good, "'" + text + "' is not MIN:MAX in mm with 0 < MIN <= MAX");
+                      })
+        ->check(given);
+}
+
+CLI::Option* add_repeatable(CLI::App& command, const std::string& flag, const std::string& type, const std::string& help,
+                            std::function<void(const std::vector<std::string>&)> take) {
+    return command.add_option_function<std::vector<std::string>>(flag, std::move(take), help)
+        ->type_name(type)
+        ->take_all()
+        ->allow_extra_args(false);
 }
 
 CLI::Option* add_count(CLI::App& command, const std::string& flag, const std::string& help,

@@ -69,6 +69,14 @@ CLI::Option* add_bytes(CLI::App& command, const std::string& flag, const std::st
 CLI::Option* add_triple(CLI::App& command, const std::string& flag, const std::string& help,
                         std::function<std::string(const std::array<double, 3>&)> take);
 
+/// An option that takes MIN:MAX, in mm with 0 < MIN <= MAX.
+CLI::Option* add_range(CLI::App& command, const std::string& flag, const std::string& help,
+                       std::function<void(double, double)> take);
+
+/// An option of which `take` gets all values.
+CLI::Option* add_repeatable(CLI::App& command, const std::string& flag, const std::string& type, const std::string& help,
+                            std::function<void(const std::vector<std::string>&)> take);
+
 /// An option that takes a whole number from 0 on.
 CLI::Option* add_count(CLI::App& command, const std::string& flag, const std::string& help,
                        std::function<void(std::uint64_t)> take);

@@ -22,19 +22,6 @@ void take_ranges(const std::vector<std::string>& all, SliceArguments& arguments)
     }
 }
 
-/// "MIN:MAX"
-std::string take_heights(const std::string& text, SliceArguments& arguments) {
-    const std::size_t colon = std::min(text.find(':'), text.size());
-    const std::optional<double> least = parse_number(text.substr(0, colon));
-    const std::optional<double> most = parse_number(text.substr(std::min(colon + 1, text.size())));
-    AdaptiveOptions& adaptive = adaptive_of(arguments);
-    adaptive.least_mm = least.value_or(0);
-    adaptive.most_mm = most.value_or(0);
-    return adaptive.least_mm > 0 && adaptive.most_mm >= adaptive.least_mm
-               ? ""
-               : "'" + text + "' is not MIN:MAX in mm with 0 < MIN <= MAX";
-}
-
 }  // namespace
 
 void declare_adaptive(CLI::App& command, SliceArguments& arguments) {
@@ -48,22 +35,18 @@ void declare_adaptive(CLI::App& command, SliceArguments& arguments) {
                "Layers so high that the corners of steps stand at most MM off the surface");
     add_length("--deviation", &AdaptiveOptions::deviation_mm, "Layers so high that the surface deviates by at most MM");
     add_length("--slope-limit", &AdaptiveOptions::slope_limit_mm, "Layers so high that steps are at most MM wide");
-    add_parsed(command, "--heights", "MIN:MAX", "Heights of adaptive layers (0.05:0.3)",
-               [&arguments](const std::string& text) { return take_heights(text, arguments); })
-        ->check(given)
-        ->group(group);
+    add_range(command, "--heights", "Heights of adaptive layers (0.05:0.3)", [&arguments](double least, double most) {
+        adaptive_of(arguments).least_mm = least;
+        adaptive_of(arguments).most_mm = most;
+    })->group(group);
     add_length("--height-step", &AdaptiveOptions::step_mm, "Heights of adaptive layers are multiples of MM (0.005)");
     add_length("--height-change", &AdaptiveOptions::most_change_mm,
                "The height of a layer differs from that of the one below by at most MM (any)");
     add_length("--height-smoothing", &AdaptiveOptions::smoothing_mm,
                "The height that the surface allows is at most its mean over MM below and above (off)");
     const auto ranges = [&arguments](const std::vector<std::string>& all) { take_ranges(all, arguments); };
-    command
-        .add_option_function<std::vector<std::string>>(
-            "--height-range", ranges, "Layers that begin FROM to TO above the mesh's lowest vertex are MM high; repeatable")
-        ->type_name("FROM,TO,MM")
-        ->take_all()
-        ->allow_extra_args(false)
+    add_repeatable(command, "--height-range", "FROM,TO,MM",
+                   "Layers that begin FROM to TO above the mesh's lowest vertex are MM high; repeatable", ranges)
         ->group(group);
     for (const char* const planes : {"--layer-height", "--planes", "--random-heights", "--first-height", "--datum", "--like",
                                      "--spacing", "--memory"}) {

@@ -45,19 +45,11 @@ void declare_experiments(CLI::App& command, SliceArguments& arguments) {
     const auto random_heights = [&tuning]() -> RandomHeights& {
         return tuning.random_heights ? *tuning.random_heights : tuning.random_heights.emplace();
     };
-    const auto random = [random_heights](const std::string& text) {
-        const std::size_t colon = std::min(text.find(':'), text.size());
-        const std::optional<double> least = parse_number(text.substr(0, colon));
-        const std::optional<double> most = parse_number(text.substr(std::min(colon + 1, text.size())));
-        RandomHeights& heights = random_heights();
-        heights.min_step_mm = least.value_or(0);
-        heights.max_step_mm = most.value_or(0);
-        return heights.min_step_mm > 0 && heights.max_step_mm >= heights.min_step_mm
-                   ? ""
-                   : "'" + text + "' is not MIN:MAX in mm with 0 < MIN <= MAX";
-    };
-    add_parsed(command, "--random-heights", "MIN:MAX", "Random steps between MIN and MAX mm", random)
-        ->check(given)
+    add_range(command, "--random-heights", "Random steps between MIN and MAX mm",
+              [random_heights](double least, double most) {
+                  random_heights().min_step_mm = least;
+                  random_heights().max_step_mm = most;
+              })
         ->group(experiments);
     add_count(command, "--seed", "Seed of the random heights (1)",
               [random_heights](std::uint64_t seed) { random_heights().seed = seed; })

@@ -154,11 +154,12 @@ void OutputFile::flush() noexcept {
     used_ = 0;
 }
 
-Status OutputFile::commit() {
+Status OutputFile::commit(bool durable) {
     assert(file_.is_open());
     flush();
-    const int on_closing = file_.close();
-    error_number_ = error_number_ == 0 ? on_closing : error_number_;
+    for (const int failure : {durable ? file_.sync() : 0, file_.close()}) {
+        error_number_ = error_number_ == 0 ? failure : error_number_;
+    }
     if (aside_.empty()) {
         return error_number_ == 0 ? Status() : unwritable(target_, error_number_);
     }
@@ -170,6 +171,9 @@ Status OutputFile::commit() {
     if (error_number_ != 0) {
         std::filesystem::remove(aside_, failure);
         return unwritable(target_, error_number_);
+    }
+    if (File entries; durable && entries.open_to_read(destination_.parent_path()) == 0) {
+        (void)entries.sync();  // some file systems have none for folders
     }
     return {};
 }

@@ -37,8 +37,8 @@ public:
     /// Something could not be written: what follows is for nothing.
     bool failed() const noexcept { return error_number_ != 0; }
 
-    /// Writes what is left and puts the file in its place. Errors: unwritable_file.
-    Status commit();
+    /// Writes what is left and puts the file in its place; `durable`: on disk when this returns. Errors: unwritable_file.
+    Status commit(bool durable = false);
 
 private:
     OutputFile(std::filesystem::path target, std::filesystem::path destination);

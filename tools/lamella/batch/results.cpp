@@ -7,8 +7,8 @@
 #include <unordered_set>
 #include <utility>
 
-#include "base/system/machine.hpp"
 #include "batch/batch.hpp"
+#include "io/write/output_file.hpp"
 #include "lamella/io/name_text.hpp"
 #include "lamella/medical/record.hpp"
 #include "terminal/console.hpp"
@@ -66,8 +66,8 @@ std::size_t add_results(const std::string& path, ResultLines& lines) {
     return bytes;
 }
 
-/// Writes the lines, by mesh, then by output, aside, waits for the disk, renames. The lock of the file that is replaced ends
-/// after that, where a system allows it. Throws Failure (bad_output).
+/// Writes the lines, by mesh, then by output. The lock of the file that is replaced ends after that, where a system allows
+/// it. Throws Failure (bad_output).
 void write_durably(const std::string& path, const ResultLines& lines, File replaced) {
     std::vector<const ResultLine*> order;
     order.reserve(lines.size());
@@ -81,31 +81,12 @@ void write_durably(const std::string& path, const ResultLines& lines, File repla
     for (const ResultLine* line : order) {
         text += line->json.dump() + "\n";
     }
-    const std::filesystem::path real = path_of(path);
-    std::filesystem::path aside = real.parent_path() / ".";
-    aside += real.filename();
-    aside += "." + std::to_string(process_number()) + "-0.part";
-    File file;
-    int error_number = file.open_or_create(aside, 0666);
-    error_number = error_number == 0 ? file.truncate(0) : error_number;
-    error_number = error_number == 0 ? write_to_disk(file, text, 0) : error_number;
-    (void)file.close();
-    std::error_code failure;
-    if (error_number == 0) {
-        if (!File::can_be_replaced) {
-            (void)replaced.close();
-        }
-        std::filesystem::rename(aside, real, failure);
-        error_number = error_number_of(failure);
+    OutputFile file = done_or_thrown(OutputFile::create(path_of(path)));
+    file.append(text);
+    if (!File::can_be_replaced) {
+        (void)replaced.close();
     }
-    if (error_number != 0) {
-        std::filesystem::remove(aside, failure);
-        throw unwritable(path, error_number);
-    }
-    File entries;
-    if (entries.open_to_read(real.parent_path()) == 0) {
-        (void)entries.sync();  // Some file systems have none for folders.
-    }
+    done_or_thrown(file.commit(true));
 }
 
 /// Drops the lines of which another item of this batch writes an output.

@@ -25,38 +25,27 @@ namespace lamella {
 namespace {
 
 /// A vertex as the mesh has it.
-template <class Real>
-struct Place {
-    Real at[3];
-
-    friend bool operator==(const Place& a, const Place& b) noexcept {
-        return a.at[0] == b.at[0] && a.at[1] == b.at[1] && a.at[2] == b.at[2];
-    }
-    friend bool operator<(const Place& a, const Place& b) noexcept {
-        return std::lexicographical_compare(a.at, a.at + 3, b.at, b.at + 3);
-    }
-};
+using Place = std::array<double, 3>;
 
 /// Reads vertices as the mesh has them.
-template <class Real>
 class PlaceCorners {
 public:
-    using Vertex = Place<Real>;
+    using Vertex = Place;
     explicit PlaceCorners(const MeshView& mesh) noexcept : read_(mesh, {}) {}
 
     std::array<Vertex, 3> operator()(std::size_t t) const noexcept {
         const RawTriangle raw = read_(t);
         std::array<Vertex, 3> corners;
         for (std::size_t i = 0; i < 9; ++i) {
-            corners[i / 3].at[i % 3] = static_cast<Real>(raw.v[i]) + Real{0};  // one zero, not two
+            corners[i / 3][i % 3] = raw.v[i] + 0.0;  // one zero, not two
         }
         return corners;
     }
     static std::uint64_t hash(const Vertex& vertex) noexcept {
-        const auto bits = [&](std::size_t i) { return bits_as<std::uint64_t>(static_cast<double>(vertex.at[i])); };
+        const auto bits = [&](std::size_t i) { return bits_as<std::uint64_t>(vertex[i]); };
         return mix64(mix64(mix64(bits(0)) ^ bits(1)) ^ bits(2));
     }
-    static Real key(const Vertex& vertex) noexcept { return vertex.at[0]; }
+    static double key(const Vertex& vertex) noexcept { return vertex[0]; }
     static bool differ(const Vertex& /*a*/, const Vertex& /*b*/) noexcept { return false; }
 
 private:
@@ -65,14 +54,13 @@ private:
 
 /// The vertices that are kept, found again by where they lie: in chains, one for each cell of a grid so coarse that a search
 /// seldom has to look into two.
-template <class Real>
 class NearVertices {
 public:
     using Vertex = std::uint32_t;
     static constexpr Vertex none = std::numeric_limits<Vertex>::max();
 
     /// No vertex is kept yet. `places` ascend and outlive this. Throws std::bad_alloc.
-    NearVertices(std::span<const Place<Real>> places, double tolerance, const Parallel& parallel)
+    NearVertices(std::span<const Place> places, double tolerance, const Parallel& parallel)
         : places_(places), tolerance_(tolerance), newest_(parallel.memory()), before_(parallel.memory()) {
         newest_.resize_discarding(std::bit_ceil(places.size() / 2 + 1));
         parallel.run_ranges(newest_.size(), std::size_t{1} << 16, [this](std::size_t begin, std::size_t end, int) {
@@ -103,7 +91,7 @@ public:
 
     double squared_distance(Vertex a, Vertex b) const noexcept {
         double sum = 0;
-        for (int axis = 0; axis < 3; ++axis) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
             const double difference = coordinate(a, axis) - coordinate(b, axis);
             sum += difference * difference;
         }
@@ -114,11 +102,11 @@ private:
     using CellNumbers = std::array<std::int64_t, 3>;
     static constexpr double cells_per_tolerance = 1.0 / 16;
 
-    double coordinate(Vertex vertex, int axis) const noexcept { return static_cast<double>(places_[vertex].at[axis]); }
+    double coordinate(Vertex vertex, std::size_t axis) const noexcept { return places_[vertex][axis]; }
 
     /// Of the place that lies `beside` the vertex on all axes.
     CellNumbers cell_of(Vertex vertex, double beside = 0) const noexcept {
-        const auto number = [&](int axis) {
+        const auto number = [&](std::size_t axis) {
             return static_cast<std::int64_t>(
                 std::floor((coordinate(vertex, axis) + beside) / tolerance_ * cells_per_tolerance));
         };
@@ -148,7 +136,7 @@ private:
         }
     }
 
-    std::span<const Place<Real>> places_;
+    std::span<const Place> places_;
     double tolerance_;
     Array<Vertex> newest_;  ///< by chain; none where it is empty
     Array<Vertex> before_;  ///< by kept vertex: the one before it in its chain
@@ -171,10 +159,9 @@ struct Joining {
 };
 
 /// Vertices decide one after the other, since what each finds depends on which of those before it are kept.
-template <class Real>
-Joining join(std::span<const Place<Real>> places, double tolerance, const Parallel& parallel) {
+Joining join(std::span<const Place> places, double tolerance, const Parallel& parallel) {
     constexpr std::uint32_t vertices_between_stops = 1 << 12;
-    NearVertices<Real> near(places, tolerance, parallel);
+    NearVertices near(places, tolerance, parallel);
     Joining joining{Array<std::uint32_t>(parallel.memory())};
     joining.target.resize_discarding(places.size());
     for (std::uint32_t vertex = 0; vertex < places.size(); ++vertex) {
@@ -183,7 +170,7 @@ Joining join(std::span<const Place<Real>> places, double tolerance, const Parall
             parallel.reach(numbered_share + (joined_share - numbered_share) * vertex / static_cast<double>(places.size()));
         }
         const std::uint32_t nearest = near.nearest(vertex);
-        if (nearest == NearVertices<Real>::none) {
+        if (nearest == NearVertices::none) {
             joining.target[vertex] = vertex;
             near.keep(vertex);
         } else {
@@ -195,21 +182,32 @@ Joining join(std::span<const Place<Real>> places, double tolerance, const Parall
     return joining;
 }
 
-/// Writes the coordinates of the vertices that are kept, and their numbers in place of those among all.
+/// As numbers of the type.
 template <class Real>
-void keep(std::span<const Place<Real>> places, const Joining& joining, const Parallel& parallel, WeldedMesh& welded) {
+void write_place(const Place& place, std::byte* to) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto number = static_cast<Real>(place[axis]);
+        std::memcpy(to + axis * sizeof number, &number, sizeof number);
+    }
+}
+
+/// Writes the coordinates of the vertices that are kept, and their numbers in place of those among all.
+void keep(std::span<const Place> places, const Joining& joining, const Parallel& parallel, WeldedMesh& welded) {
+    const bool floats = welded.vertex_type == Number::f32;
+    const std::size_t bytes = 3 * (floats ? sizeof(float) : sizeof(double));
     Array<std::uint32_t> number_of(parallel.memory());
     number_of.resize_discarding(places.size());
     number_where(
         places.size(), parallel, [&](std::size_t v) { return joining.is_kept(v); },
         [&](std::size_t count) {
             welded.vertex_count = count;
-            welded.coordinates.resize_discarding(count * sizeof(Place<Real>));
+            welded.coordinates.resize_discarding(count * bytes);
         },
         [&](std::size_t v, std::uint32_t number, bool kept) {
             if (kept) {
                 number_of[v] = number;
-                std::memcpy(welded.coordinates.data() + number * sizeof places[v], &places[v], sizeof places[v]);
+                std::byte* const to = welded.coordinates.data() + number * bytes;
+                floats ? write_place<float>(places[v], to) : write_place<double>(places[v], to);
             }
         });
     if (joining.joined == 0) {
@@ -222,14 +220,13 @@ void keep(std::span<const Place<Real>> places, const Joining& joining, const Par
     });
 }
 
-template <class Real>
-WeldedMesh weld_corners(const MeshView& mesh, double tolerance, const Parallel& parallel) {
+WeldedMesh weld_within(const MeshView& mesh, double tolerance, const Parallel& parallel) {
     WeldedMesh welded{Array<std::byte>(parallel.memory()), Array<std::uint32_t>(parallel.memory()),
-                      std::is_same_v<Real, float> ? Number::f32 : Number::f64};
+                      mesh.vertex_type == Number::f32 ? Number::f32 : Number::f64};
     parallel.begin_stage(numbered_share, 9);
-    const PlaceCorners<Real> corners(mesh);
+    const PlaceCorners corners(mesh);
     VertexNumbers numbers(corners, mesh.triangle_count, parallel);
-    const Array<Place<Real>>& places = numbers.vertices;
+    const Array<Place>& places = numbers.vertices;
     welded.indices = std::move(numbers.of_corners);
     Joining joining;
     if (tolerance > 0) {  // else equal vertices are one already
@@ -240,11 +237,6 @@ WeldedMesh weld_corners(const MeshView& mesh, double tolerance, const Parallel& 
     welded.joined = joining.joined;
     welded.largest_move_mm = std::sqrt(joining.largest_squared);
     return welded;
-}
-
-WeldedMesh weld_within(const MeshView& mesh, double tolerance, const Parallel& parallel) {
-    return mesh.vertex_type == Number::f32 ? weld_corners<float>(mesh, tolerance, parallel)
-                                           : weld_corners<double>(mesh, tolerance, parallel);
 }
 
 Result<WeldedMesh> weld_or_throw(const MeshView& mesh, double tolerance_mm, const Context& context) {

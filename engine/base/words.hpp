@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -20,6 +21,15 @@ inline std::string counted(std::uint64_t count, std::string_view noun, std::stri
 inline std::string exact_text(double value) {
     std::array<char, longest_decimal> text{};
     return {text.data(), write_decimal(value, text.data())};
+}
+
+/// So many hexadecimal digits.
+inline std::string hex_text(std::uint64_t number, std::size_t digits = 16) {
+    std::string text(digits, '0');
+    for (; digits > 0; number >>= 4) {
+        text[--digits] = "0123456789abcdef"[number & 15];
+    }
+    return text;
 }
 
 }  // namespace lamella

@@ -54,7 +54,7 @@ void merge_parts(const MergeArguments& arguments, Interrupt& interrupt) {
             record.patient_frame = name_of(merged->info.frame);
             record.grid_mm = {merged->grid_mm};
             record.fill_rule = name_of(merged->fill_rule);
-            record.result_hashes = {hexadecimal(merged->hash)};
+            record.result_hashes = {hex_text(merged->hash)};
             for (const std::string& part : arguments.parts) {
                 record.inputs.push_back(done_or_thrown(seal_file(path_of(part), context)));
             }

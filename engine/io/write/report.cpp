@@ -1,10 +1,8 @@
 // The report of a slicing: what was asked, what was found, and how long each stage took, as JSON.
 #include <algorithm>
 #include <array>
-#include <cinttypes>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,6 +10,7 @@
 
 #include "base/clock.hpp"
 #include "base/guard.hpp"
+#include "base/words.hpp"
 #include "io/write/json.hpp"
 #include "lamella/io/report.hpp"
 #include "options/asked.hpp"
@@ -31,13 +30,6 @@ double solid_volume_mm3(const SliceResult& result) {
         volume += layer.area_mm2() * (layer.top_mm - layer.bottom_mm);
     }
     return volume;
-}
-
-/// As text: readers of JSON keep 53 bits of a number.
-std::string hex(std::uint64_t value) {
-    std::array<char, 17> digits{};
-    (void)std::snprintf(digits.data(), digits.size(), "%016" PRIx64, value);
-    return digits.data();
 }
 
 void write_counts(JsonText& json, const SliceResult& result) {
@@ -322,7 +314,7 @@ void write_report(JsonText& json, const SliceResult& result, const ReportParts& 
     json.member("bands", info.bands);
     write_times(json, info.ms, parts, start);
     write_members(json, parts, ReportPlace::after_times);
-    json.member("output_hash", hex(hash));
+    json.member("output_hash", hex_text(hash));  // as text: readers of JSON keep 53 bits of a number
     write_members(json, parts, ReportPlace::at_end);
 }
 

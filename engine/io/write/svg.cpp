@@ -9,7 +9,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <limits>
 #include <memory>
 #include <string>
@@ -181,14 +180,12 @@ private:
     std::string colour(std::uint64_t index) const {
         const std::uint64_t last = std::max<std::uint64_t>(layers_, 2) - 1;
         const double share = std::min(1.0, static_cast<double>(index) / static_cast<double>(last));
-        std::array<int, 3> rgb{};
+        std::string text = "#";
         for (std::size_t channel = 0; channel < 3; ++channel) {
             const int low = lowest_colour[channel];
-            rgb[channel] = low + static_cast<int>(std::lround(share * (highest_colour[channel] - low)));
+            text += hex_text(static_cast<std::uint64_t>(low + std::lround(share * (highest_colour[channel] - low))), 2);
         }
-        std::array<char, 8> text{};
-        (void)std::snprintf(text.data(), text.size(), "#%02x%02x%02x", rgb[0] & 0xff, rgb[1] & 0xff, rgb[2] & 0xff);
-        return text.data();
+        return text;
     }
 
     void contour(const Contour& contour, std::span<const Point> own_points) {

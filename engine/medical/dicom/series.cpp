@@ -48,9 +48,8 @@ struct DicomHeader {
     std::string required_text(dicom::Tag tag, const char* keyword) const {
         std::string found = text(tag);
         if (found.empty()) {
-            std::array<char, 16> number{};
-            (void)std::snprintf(number.data(), number.size(), " (%04x,%04x)", tag >> 16, tag & 0xffffU);
-            refuse(std::string("its header states no ") + keyword + number.data());
+            refuse(std::string("its header states no ") + keyword + " (" + hex_text(tag >> 16, 4) + "," + hex_text(tag, 4) +
+                   ")");
         }
         return found;
     }

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <utility>
 
@@ -8,6 +7,7 @@
 
 #include "base/guard.hpp"
 #include "base/numbers.hpp"
+#include "base/words.hpp"
 #include "io/text/text.hpp"
 #include "lamella/io/name_text.hpp"
 #include "lamella/medical/archive.hpp"
@@ -422,10 +422,8 @@ void set_info(SliceResult& result) {
 }  // namespace
 
 std::string closing_line(std::uint32_t crc) {
-    std::array<char, 9> digits{};
-    (void)std::snprintf(digits.data(), digits.size(), "%08x", crc);
     return "\n" + std::string(archive_format) + " " + std::to_string(archive_version) +
-           ", CRC-32 of all before: " + digits.data() + "\n";
+           ", CRC-32 of all before: " + hex_text(crc, 8) + "\n";
 }
 
 std::vector<ArchiveAttribute> attributes_of(SliceInfo slice, ArchiveInfo info, std::uint64_t hash) {

@@ -9,6 +9,7 @@
 #include "base/guard.hpp"
 #include "base/system/file.hpp"
 #include "base/system/sha256.hpp"
+#include "base/words.hpp"
 #include "io/read/input_file.hpp"
 #include "lamella/io/name_text.hpp"
 #include "lamella/io/text_file.hpp"
@@ -48,13 +49,10 @@ void for_each_member(Record& record, Exchange exchange) {
     exchange("source_date_epoch", record.source_date_epoch);
 }
 
-/// 64 hexadecimal digits.
-std::string hexadecimal(const Sha256::Digest& digest) {
-    constexpr std::string_view digits = "0123456789abcdef";
+std::string digest_text(const Sha256::Digest& digest) {
     std::string text;
     for (const unsigned char byte : digest) {
-        text += digits[byte >> 4];
-        text += digits[byte & 15];
+        text += hex_text(byte, 2);
     }
     return text;
 }
@@ -92,7 +90,7 @@ Result<FileSeal> seal_file(const std::filesystem::path& path, const Context& con
         std::error_code unknown;
         if (!std::filesystem::is_directory(path, unknown)) {
             seal.bytes = add_file(path, hash, context);
-            seal.sha256 = hexadecimal(hash.digest());
+            seal.sha256 = digest_text(hash.digest());
             return seal;
         }
         const ImageGeometry image = read_dicom_folder(path);
@@ -102,7 +100,7 @@ Result<FileSeal> seal_file(const std::filesystem::path& path, const Context& con
             const Sha256::Digest digest = own.digest();
             hash.add(digest.data(), digest.size());
         }
-        seal.sha256 = hexadecimal(hash.digest());
+        seal.sha256 = digest_text(hash.digest());
         return seal;
     });
 }

@@ -178,7 +178,7 @@ Record record_of(const OutputJob& job, const PlannedOutput& output) {
     for (const SlicedPart& part : job.parts) {
         record.grid_mm.push_back(part.result.info.grid_mm);
         record.stitch_mm.push_back(part.reach_mm());
-        record.result_hashes.push_back(hexadecimal(part.hash ? *part.hash : part.result.hash()));
+        record.result_hashes.push_back(hex_text(part.hash ? *part.hash : part.result.hash()));
     }
     return record;
 }

@@ -427,7 +427,7 @@ std::string summary(const SlicedPart& part, const ReportParts& parts, const Tool
     text += when(info.flat_contours > 0, ", without area " + grouped(info.flat_contours));
     text += when(info.overruled_contours > 0, ", turned against their facets " + grouped(info.overruled_contours)) + "\n";
     text += when(part.open.layers > 0, "open      " + part.open_words() + "\n");
-    text += when(run.print_hash && part.hash, "hash      " + hexadecimal(part.hash.value_or(0)) + "\n");
+    text += when(run.print_hash && part.hash, "hash      " + hex_text(part.hash.value_or(0)) + "\n");
     return text + findings(parts) + times(info, run) + "memory    " + file_size_text(run.peak_rss_bytes) + " at the peak\n" +
            run.ranges + wrote(run.outputs);
 }

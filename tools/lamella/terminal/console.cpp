@@ -53,12 +53,6 @@ std::string measure_text(double value) {
     return rounded(value, std::max(3, 6 - digits_before_point));
 }
 
-std::string hexadecimal(std::uint64_t value) {
-    std::array<char, 17> text{};
-    (void)std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(value));
-    return text.data();
-}
-
 std::string file_size_text(std::uint64_t bytes) {
     const auto size = static_cast<double>(bytes);
     return size < 1e4   ? grouped(bytes) + " bytes"

@@ -109,9 +109,6 @@ std::string rounded(double value, int decimals);
 /// For people, with at least six digits.
 std::string measure_text(double value);
 
-/// 16 digits.
-std::string hexadecimal(std::uint64_t value);
-
 /// As "12.3 MB", or in smaller units what is smaller.
 std::string file_size_text(std::uint64_t bytes);
 

@@ -140,7 +140,7 @@ check_stack_moves() {
 check_wasm_size() {
     local at=$folder/wasm bytes functions
     functions=$(grep -ohE '\<lamella_[a-z0-9_]+\(' include/lamella/*.h | tr -d '(' | sort -u | sed 's/^/_/' | paste -sd ,)
-    quietly em++ -O3 -fwasm-exceptions -sALLOW_MEMORY_GROWTH=1 -sMALLOC=emmalloc -sENVIRONMENT=web,worker \
+    quietly em++ -Oz -fwasm-exceptions -sALLOW_MEMORY_GROWTH=1 -sMALLOC=emmalloc -sENVIRONMENT=web,worker \
         -sINCOMING_MODULE_JS_API=[] --no-entry -sEXPORTED_FUNCTIONS="_malloc,_free,$functions" "$at/engine/liblamella.a" -o "$at/core.js"
     bytes=$(cat "$at/core.wasm" "$at/core.js" | gzip -9 | wc -c)
     ((bytes <= wasm_limit_bytes)) || stop "wasm: the core has $bytes bytes gzipped, more than $wasm_limit_bytes"

@@ -7,6 +7,7 @@
 
 #include "audit/questions.hpp"
 #include "base/guard.hpp"
+#include "base/sort.hpp"
 #include "base/words.hpp"
 #include "slicing/repair/polylines.hpp"
 
@@ -167,8 +168,8 @@ OpenLayers open_layer(const LayerView& view, StitchDirection direction, const St
     }
     found.layers = 1;
     found.height_mm = found.crossed_mm;
-    std::sort(open.begin(), open.end(),
-              [](const Contour* a, const Contour* b) { return a->part != b->part ? a->part < b->part : a < b; });
+    sort_briefly(open.begin(), open.end(),
+                 [](const Contour* a, const Contour* b) { return a->part != b->part ? a->part < b->part : a < b; });
     GapCloser closer(worker);
     bool stuck = false;
     std::vector<PolylineEnds> ends;

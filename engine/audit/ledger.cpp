@@ -9,6 +9,7 @@
 #include "audit/questions.hpp"
 #include "base/distribute.hpp"
 #include "base/numbers.hpp"
+#include "base/sort.hpp"
 #include "mesh/vertex_numbers.hpp"
 #include "slicing/grid/exact.hpp"
 #include "slicing/grid/mesh_edge.hpp"
@@ -133,7 +134,7 @@ private:
         for (std::size_t i = 0; i < samples.size(); ++i) {
             samples[i] = planes_.first_above(read_(triangles_ * i / samples.size())[0].z);
         }
-        std::sort(samples.begin(), samples.end());
+        sort_briefly(samples.begin(), samples.end());
         std::size_t part = 0;
         for (std::size_t slab = 0; slab < part_of_.size(); ++slab) {
             while (part + 1 < parts && samples[samples.size() * (part + 1) / parts] <= slab) {
@@ -226,7 +227,7 @@ private:
         for (const std::uint32_t root : roots) {
             pieces.push_back(piece_of(nodes[root], vertices));
         }
-        std::sort(pieces.begin(), pieces.end(), [](const SurfacePiece& a, const SurfacePiece& b) {
+        sort_briefly(pieces.begin(), pieces.end(), [](const SurfacePiece& a, const SurfacePiece& b) {
             return std::tie(a.layer, a.kind, a.at_mm) < std::tie(b.layer, b.kind, b.at_mm);
         });
         return pieces;

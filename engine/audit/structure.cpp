@@ -9,6 +9,7 @@
 
 #include "audit/questions.hpp"
 #include "base/guard.hpp"
+#include "base/sort.hpp"
 
 namespace lamella {
 
@@ -99,7 +100,7 @@ std::vector<Start> enclosed_starts(const SliceResult& result, std::span<const Co
             starts.push_back({c, result.points[contours[c].first_point]});
         }
     }
-    std::sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.at.y < b.at.y; });
+    sort_briefly(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.at.y < b.at.y; });
     if (starts.size() < 2) {
         return starts;  // one alone lies in no other
     }
@@ -193,7 +194,7 @@ private:
     void check_roles() const {
         std::vector<std::size_t> by_start(contours_.size());
         std::iota(by_start.begin(), by_start.end(), std::size_t{0});
-        std::sort(by_start.begin(), by_start.end(), [&](std::size_t a, std::size_t b) { return start(a) < start(b); });
+        sort_briefly(by_start.begin(), by_start.end(), [&](std::size_t a, std::size_t b) { return start(a) < start(b); });
         std::vector<Standing> standing(contours_.size());
         for (const std::size_t c : by_start) {
             if (!has_area(contours_[c])) {

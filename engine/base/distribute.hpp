@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/parallel.hpp"
+#include "base/sort.hpp"
 #include "base/vector.hpp"
 #include "lamella/array.hpp"
 
@@ -163,7 +164,7 @@ public:
         }
         std::size_t begin = 0;
         for (std::size_t i = 0; i + 1 < ends_.size(); ++i) {
-            std::sort(items.begin() + static_cast<std::ptrdiff_t>(begin), items.begin() + ends_[i], less);
+            sort_briefly(items.begin() + static_cast<std::ptrdiff_t>(begin), items.begin() + ends_[i], less);
             begin = ends_[i];
         }
     }

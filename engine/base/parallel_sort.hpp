@@ -8,6 +8,7 @@
 
 #include "base/distribute.hpp"
 #include "base/parallel.hpp"
+#include "base/sort.hpp"
 
 namespace lamella {
 
@@ -19,7 +20,7 @@ void sort_in_parallel(std::span<T> items, Less less, const Parallel& parallel, c
     constexpr std::size_t wanted = std::size_t{1} << 14;  // stays in the cache
     constexpr std::size_t samples_a_part = 32;
     if (items.size() <= wanted) {
-        std::sort(items.begin(), items.end(), less);
+        sort_briefly(items.begin(), items.end(), less);
         return;
     }
     const std::size_t count = parts_for(items.size(), wanted);
@@ -27,7 +28,7 @@ void sort_in_parallel(std::span<T> items, Less less, const Parallel& parallel, c
     for (std::size_t i = 0; i < samples.size(); ++i) {
         samples[i] = items[items.size() * i / samples.size()];
     }
-    std::sort(samples.begin(), samples.end(), less);
+    sort_briefly(samples.begin(), samples.end(), less);
     std::vector<T> cuts(count - 1);
     for (std::size_t part = 1; part < count; ++part) {
         cuts[part - 1] = samples[part * samples_a_part];
@@ -52,7 +53,7 @@ void sort_in_parallel(std::span<T> items, Less less, const Parallel& parallel, c
         memory);
     parallel.run(parts.size(), [&](std::size_t part, int) {
         const std::span<T> own = parts.of(part);
-        std::sort(own.begin(), own.end(), less);
+        sort_briefly(own.begin(), own.end(), less);
         std::copy(own.begin(), own.end(), items.begin() + static_cast<std::ptrdiff_t>(parts.firsts[part]));
     });
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/parallel_sort.hpp"
+#include "base/sort.hpp"
 #include "mesh/check/finders.hpp"
 #include "slicing/grid/box_tree.hpp"
 #include "slicing/grid/exact.hpp"
@@ -58,7 +59,7 @@ public:
                 first = end;
             }
         }
-        std::sort(loops_.begin(), loops_.end());
+        sort_briefly(loops_.begin(), loops_.end());
         return std::move(loops_);
     }
 

@@ -9,6 +9,7 @@
 
 #include "base/disjoint_sets.hpp"
 #include "base/parallel_sort.hpp"
+#include "base/sort.hpp"
 #include "mesh/check/finders.hpp"
 #include "slicing/grid/exact.hpp"
 
@@ -142,7 +143,7 @@ std::size_t count_fans(const GridMesh& mesh, std::span<const std::uint32_t> corn
             }
         }
     }
-    std::sort(spokes.begin(), spokes.end());
+    sort_briefly(spokes.begin(), spokes.end());
     for (std::size_t begin = 0, end = 0; begin < spokes.size(); begin = end) {
         while (end < spokes.size() && spokes[end].first == spokes[begin].first) {
             ++end;

@@ -100,6 +100,7 @@ TEST_CASE("each counter of a slice has its own field of C's info, and none is le
     info.grid_doublings = 1;
     info.box = {{1, 2, 3}, {4, 5, 6}};
     info.layer_of = {7};
+    info.copies = {{1, 0, {2, 2}}};
     std::uint64_t next = 1000;
 #define COUNTER(name) info.name = ++next;
 #include "options/counters.inc"

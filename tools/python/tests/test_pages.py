@@ -63,7 +63,7 @@ def test_the_page_from_layers_to_walls_draws_its_pictures(names_of, capsys, tmp_
     for name in shown:
         assert (ROOT / "tools/pictures" / name).exists()
         assert (tmp_path / name).stat().st_size > 1000
-    assert capsys.readouterr().out == "1 islands begin, 1 merge others\n"
+    assert capsys.readouterr().out == "4 islands begin, 2 merge others\n"
     assert set(names["walls"].contours["part"]) == {0, 1, 2, 3}
     assert set(names["skins"].contours["part"]) >= {0, 1, 2}
 

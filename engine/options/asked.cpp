@@ -85,6 +85,41 @@ bool are_all_layers(const SliceOptions& options) noexcept {
     return options.planes.first_layer == 0 && options.planes.end_layer == all_layers;
 }
 
+std::vector<AskedValue> values_of_plan(const SliceOptions& options) {
+    std::vector<AskedValue> values = {{"kind", std::string(options.heights_mm ? "explicit" : "uniform")}};
+    if (options.heights_mm) {
+        values.push_back({"heights", std::uint64_t{options.heights_mm->size()}});
+    } else {
+        const std::optional<double>& first = options.planes.first_height_mm;
+        values.push_back({"layer_height_mm", options.layer_height_mm});
+        values.push_back({"first_height_mm", nullptr});
+        if (first) {
+            values.back().value = *first;
+        }
+        values.push_back({"datum", std::string(name_of(options.planes.datum))});
+    }
+    values.push_back({"side", std::string(name_of(options.planes.side))});
+    values.push_back({"rule", describe_planes(options)});
+    return values;
+}
+
+std::vector<AskedValue> values_of_stitching(const SliceOptions& options) {
+    return {{"reach_mm", options.stitch_mm}, {"direction", std::string(name_of(options.stitch_direction))}};
+}
+
+std::vector<AskedValue> values_of_rules(const RegionRules& rules) {
+    std::vector<AskedValue> values = {{"closing_mm", rules.closing_mm},
+                                      {"offset_mm", rules.offset_mm},
+                                      {"miter_limit", rules.miter_limit},
+                                      {"largest_only", rules.largest_only},
+                                      {"drop_collinear", rules.drop_collinear}};
+    if (rules.simplify_mm > 0) {
+        values.push_back({"simplify_mm", rules.simplify_mm});
+    }
+    values.push_back({"flag_closing_mm", rules.flag_closing_mm});
+    return values;
+}
+
 std::string describe_planes(const SliceOptions& options) {
     return describe_heights(options) + "; each height rounded as a vertex of that height would be, then one grid unit " +
            side_in_short(options);

@@ -1,8 +1,12 @@
-// The options that were asked for, as outputs tell them: in sentences and short lines.
+// The options that were asked for, as outputs tell them: in values, sentences and short lines.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
 
 #include "lamella/options.hpp"
 
@@ -14,6 +18,15 @@ bool goes_beyond_one_rule(const RegionRules& rules) noexcept;
 /// Cut these layers of the plan only.
 void set_layers(SliceOptions& options, std::uint64_t first, std::uint64_t end) noexcept;
 bool are_all_layers(const SliceOptions& options) noexcept;
+
+/// A member of a report.
+struct AskedValue {
+    std::string_view name;
+    std::variant<std::nullptr_t, bool, std::uint64_t, double, std::string> value;
+};
+std::vector<AskedValue> values_of_plan(const SliceOptions& options);
+std::vector<AskedValue> values_of_stitching(const SliceOptions& options);
+std::vector<AskedValue> values_of_rules(const RegionRules& rules);
 
 /// Where the planes lie and how each was rounded, as one sentence.
 std::string describe_planes(const SliceOptions& options);

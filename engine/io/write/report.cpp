@@ -23,6 +23,12 @@ namespace {
 constexpr std::size_t most_places = 100;
 constexpr std::size_t most_open_in_layer = 10;
 
+void write_values(JsonText& json, const std::vector<AskedValue>& values) {
+    for (const auto& [name, value] : values) {
+        std::visit([&json, key = name](const auto& own) { json.member(key, own); }, value);
+    }
+}
+
 /// NaN where the area of a layer is not known.
 double solid_volume_mm3(const SliceResult& result) {
     double volume = 0;
@@ -94,8 +100,7 @@ void write_gaps(JsonText& json, const SliceResult& result) {
         total += length_mm(result, gap);
     }
     json.object("gaps", [&] {
-        json.member("reach_mm", result.info.options.stitch_mm);
-        json.member("direction", name_of(result.info.options.stitch_direction));
+        write_values(json, values_of_stitching(result.info.options));
         json.member("closed", result.stitches.size());
         json.member("longest_mm", longest);
         json.member("total_mm", total);
@@ -235,33 +240,9 @@ void write_region(JsonText& json, const SliceResult& result) {
             json.member("first_layer", from.first_layer);
             json.member("fill_rule", name_of(from.rule));
         });
-        json.member("closing_mm", rules.closing_mm);
-        json.member("offset_mm", rules.offset_mm);
-        json.member("miter_limit", rules.miter_limit);
-        json.member("largest_only", rules.largest_only);
-        json.member("drop_collinear", rules.drop_collinear);
-        if (rules.simplify_mm > 0) {
-            json.member("simplify_mm", rules.simplify_mm);
-        }
-        json.member("flag_closing_mm", rules.flag_closing_mm);
+        write_values(json, values_of_rules(rules));
         json.member("would_close_contours", result.info.would_close_contours);
         json.member("emptied_layers", result.info.emptied_layers);
-    });
-}
-
-void write_plan(JsonText& json, const SliceOptions& options) {
-    json.object("plan", [&] {
-        json.member("kind", options.heights_mm ? "explicit" : "uniform");
-        if (options.heights_mm) {
-            json.member("heights", options.heights_mm->size());
-        } else {
-            const std::optional<double>& first = options.planes.first_height_mm;
-            json.member("layer_height_mm", options.layer_height_mm);
-            json.member_if(first.has_value(), "first_height_mm", first.value_or(0));
-            json.member("datum", name_of(options.planes.datum));
-        }
-        json.member("side", name_of(options.planes.side));
-        json.member("rule", describe_planes(options));
     });
 }
 
@@ -306,7 +287,7 @@ void write_report(JsonText& json, const SliceResult& result, const ReportParts& 
     if (info.grid_doublings > 0 && info.grid_mm == std::ldexp(default_grid_mm, info.grid_doublings)) {
         json.member("grid_rule", "the unit doubles beyond 1,024 mm, and parts there change with the plate");
     }
-    write_plan(json, info.options);
+    json.object("plan", [&] { write_values(json, values_of_plan(info.options)); });
     json.member("frame", info.options.frame.transform.m);
     write_box(json, info.box);
     json.member("solid_volume_mm3", solid_volume_mm3(result));

@@ -59,7 +59,11 @@ public:
         Tracks tracks(memory_);
         number(tracks);
         parallel_.begin_stage(0.2);
-        parallel_.run(layers_.size(), [&](std::size_t n, int) { measure(n, tracks); });
+        parallel_.run_ranges(layers_.size(), layers_a_task(), [&](std::size_t first, std::size_t last, int) {
+            for (std::size_t n = first; n < last; ++n) {
+                measure(n, tracks);
+            }
+        });
         parallel_.begin_stage(0.9);
         link();
         write(tracks);
@@ -81,6 +85,11 @@ private:
         LayerLinks links{worker};
     };
 
+    /// Enough points for a thread to be woken for.
+    std::size_t layers_a_task() const noexcept {
+        constexpr std::size_t enough_points = 1 << 14;
+        return 1 + layers_.size() * enough_points / (stack_.points.size() + 1);
+    }
     void number(Tracks& tracks);
     void number(std::size_t n, Tracks& tracks);
     void measure(std::size_t n, Tracks& tracks);
@@ -212,12 +221,14 @@ void TrackFinding::link() {
     const std::size_t pairs = layers_.empty() ? 0 : layers_.size() - 1;
     links_.resize(pairs, PairLinks(memory_));
     std::vector<std::unique_ptr<Linker>> linkers(static_cast<std::size_t>(parallel_.threads()));
-    parallel_.run(pairs, [&](std::size_t n, int worker) {
+    parallel_.run_ranges(pairs, layers_a_task(), [&](std::size_t first, std::size_t last, int worker) {
         auto& linker = linkers[static_cast<std::size_t>(worker)];
         if (linker == nullptr) {
             linker = std::make_unique<Linker>(parallel_);
         }
-        linker->links.run(layers_[n], layers_[n + 1], links_[n].islands, pockets_ ? &links_[n].voids : nullptr);
+        for (std::size_t n = first; n < last; ++n) {
+            linker->links.run(layers_[n], layers_[n + 1], links_[n].islands, pockets_ ? &links_[n].voids : nullptr);
+        }
     });
 }
 

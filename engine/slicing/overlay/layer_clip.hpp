@@ -1,8 +1,8 @@
 // One layer's polylines, cut where they enter and leave a region.
 //
-//     find_crossings   where the region's edges cross an edge of a polyline, in a tree of their runs; in order along the
-//     edge Sides::pass      there the winding numbers just left and just right of the polyline change turn             where
-//     both sides, one, or none being filled begins or ceases to be wanted, a piece begins or ends
+//     find_crossings   where the region's edges cross an edge of a polyline, in order along it, by a tree of their runs
+//     Sides::pass      there the winding numbers just left and just right of the polyline change
+//     turn             where what is filled on its sides begins or ceases to be wanted, a piece begins or ends
 //
 //           left:   0       1      1   0     What only touches the polyline changes the number on one side. So a boundary
 //                       .----------.         along which the polyline runs is told from one that it crosses.

@@ -376,6 +376,30 @@ TEST_CASE("islands and pockets of squares are the known ones", "[regions][tracks
     Polygons above = {square(-20, 28), {{0, 0}, {0, 4}, {8, 4}, {8, 0}}};
     CHECK(summary({{square(-20, 28)}, two_inside, above, {square(-20, 28)}}, true) ==
           "6 6 1 1 cavity 1-2:220 cavity 2-3:32");
+    // Two contours that cross where corners of both layers lie: all around that point is solid in one of them.
+    const Polygons pinched = {{{92, 84},   {344, -24}, {398, -12}, {368, 36},  {452, 0},   {476, 60},  {392, 96},
+                               {416, 156}, {332, 192}, {308, 132}, {254, 120}, {194, 216}, {248, 228}, {164, 264},
+                               {116, 144}, {170, 156}, {200, 108}, {284, 72},  {230, 60},  {200, 108}, {116, 144}},
+                              {{224, 168}, {308, 132}, {278, 180}},
+                              {{248, 228}, {278, 180}, {332, 192}},
+                              {{320, -84}, {374, -72}, {344, -24}},
+                              {{416, 156}, {476, 60}, {500, 120}}};
+    const Polygons over = {{{68, 24}, {152, -12}, {176, 48}, {92, 84}},
+                           {{92, 84},
+                            {146, 96},
+                            {176, 48},
+                            {260, 12},
+                            {152, -12},
+                            {320, -84},
+                            {344, -24},
+                            {374, -72},
+                            {320, -84},
+                            {404, -120},
+                            {500, 120},
+                            {164, 264}},
+                           {{170, 156}, {278, 180}, {308, 132}, {224, 168}, {200, 108}},
+                           {{284, 72}, {338, 84}, {368, 36}, {314, 24}}};
+    CHECK(summary({pinched, over}, true) == "7 3 6 1 cup 1-2:2952 cup 1-2:2952");
 }
 
 TEST_CASE("areas and centres are exact far from the origin", "[regions][tracks]") {

@@ -1,4 +1,5 @@
 #include "slicing/tracks/layer_links.hpp"
+#include "slicing/regions/snap_rounding.hpp"
 
 #include <algorithm>
 #include <tuple>
@@ -288,10 +289,20 @@ void LayerLinks::meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::
     if (edges_cross(points[i], points[i + 1], points[j], points[j + 1])) {
         link_islands(lower.island, upper.island);
         if (voids_ != nullptr) {
-            link_voids(lower.empty, upper.empty);
+            cross_voids(points + i, points + j, {lower.empty, upper.empty});
         }
     } else {
         touch(a, i, b, j);
+    }
+}
+
+/// What lies right of two edges that cross is open in both layers, unless corners of other contours lie where they cross.
+void LayerLinks::cross_voids(const Point* lower, const Point* upper, TrackLink voids) {
+    const Point at = rounded_crossing(lower[0], lower[1], upper[0], upper[1]);
+    if (side_of(lower[0], lower[1], at) == 0 && side_of(upper[0], upper[1], at) == 0) {
+        touches_.push_back({at, voids});
+    } else {
+        link_voids(voids.lower, voids.upper);
     }
 }
 

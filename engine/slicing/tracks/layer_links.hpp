@@ -104,6 +104,7 @@ private:
     void list_stretch(std::size_t side, std::uint32_t ring, std::size_t first, std::span<const Point> points);
     void search();
     void meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j);
+    void cross_voids(const Point* lower, const Point* upper, TrackLink voids);
     void touch(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j);
     void pass(const TrackRing& lower, const Passage& of_lower, const TrackRing& upper, const Passage& of_upper);
     void link_open_points();

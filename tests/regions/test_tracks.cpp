@@ -44,7 +44,8 @@ SliceResult stack_of(const std::vector<Polygons>& layers, const std::function<Re
     stack.points.resize_discarding(points);
     contours = points = 0;
     for (std::size_t n = 0; n < each.size(); ++n) {
-        stack.layers[n] = {.bottom_mm = double(n), .plane_mm = n + 0.5, .top_mm = double(n + 1), .first_contour = contours};
+        stack.layers[n] = {
+            .bottom_mm = double(n), .plane_mm = double(n) + 0.5, .top_mm = double(n + 1), .first_contour = contours};
         stack.layers[n].contour_count = each[n].contours.size();
         for (Contour contour : each[n].contours) {
             contour.first_point += points;
@@ -109,8 +110,8 @@ Polygon cell_at(int number) {
     const std::int32_t x = 12 * (number / 4 % side);
     const std::int32_t y = 12 * (number / 4 / side);
     const std::array<std::array<std::int32_t, 2>, 4> corners{{{x, y}, {x + 12, y}, {x + 12, y + 12}, {x, y + 12}}};
-    const auto& a = corners[number % 4];
-    const auto& b = corners[(number % 4 + 1) % 4];
+    const auto& a = corners[std::size_t(number % 4)];
+    const auto& b = corners[std::size_t((number % 4 + 1) % 4)];
     return {placed(a[0], a[1]), placed(b[0], b[1]), placed(x + 6, y + 6)};
 }
 
@@ -131,14 +132,14 @@ const std::vector<int>& neighbours(int cell, bool solid) {
             for (int b = 0; b < cells; ++b) {
                 for (const int solids : {0, 1}) {
                     if (a != b && touch(a, b, solids != 0)) {
-                        lists[solids][a].push_back(b);
+                        lists[std::size_t(solids)][std::size_t(a)].push_back(b);
                     }
                 }
             }
         }
         return lists;
     }();
-    return all[solid ? 1 : 0][cell];
+    return all[solid ? 1 : 0][std::size_t(cell)];
 }
 
 bool in_border(int cell) {
@@ -153,8 +154,8 @@ std::vector<std::vector<int>> flooded(const std::vector<Cells>& layers, std::siz
     int next = 0;
     std::vector<std::pair<std::size_t, int>> open;
     const auto enter = [&](std::size_t n, int c) {
-        if ((layers[n][c] != 0) == solid && numbers[n][c] < 0) {
-            numbers[n][c] = next;
+        if ((layers[n][std::size_t(c)] != 0) == solid && numbers[n][std::size_t(c)] < 0) {
+            numbers[n][std::size_t(c)] = next;
             open.emplace_back(n, c);
         }
     };
@@ -196,8 +197,8 @@ std::multiset<PocketKey> pockets_of(const std::vector<Cells>& layers) {
         std::map<int, Space> spaces;
         for (std::size_t n = 0; n < end; ++n) {
             for (int c = 0; c < cells; ++c) {
-                if (numbers[n][c] >= 0) {
-                    Space& space = spaces[numbers[n][c]];
+                if (numbers[n][std::size_t(c)] >= 0) {
+                    Space& space = spaces[numbers[n][std::size_t(c)]];
                     space.open = space.open || n == 0 || in_border(c);
                     space.first = std::min(space.first, n);
                     space.volume += double(rings::twice_area(cell_at(c))) / 2;
@@ -239,15 +240,16 @@ Judged judged(const std::vector<Cells>& layers) {
     for (std::size_t n = 0; n < layers.size(); ++n) {
         const auto numbers = flooded(layers, n, n + 1, true)[n];
         for (int c = 0; c < cells; ++c) {
-            if (numbers[c] >= 0) {
-                of[n][numbers[c]].insert(int(n) * cells + c);
+            if (numbers[std::size_t(c)] >= 0) {
+                of[n][numbers[std::size_t(c)]].insert(int(n) * cells + c);
             }
         }
         for (const auto& [number, island] : of[n]) {
             all.islands.push_back(island);
-            for (const auto& [other, below] : n == 0 ? std::map<int, std::set<int>>() : of[n - 1]) {
-                if (std::any_of(island.begin(), island.end(), [&](int c) { return below.count(c - cells) != 0; })) {
-                    all.links.emplace(below, island);
+            for (const auto& [other, others] : n == 0 ? std::map<int, std::set<int>>() : of[n - 1]) {
+                if (std::any_of(island.begin(), island.end(),
+                                [&lower = others](int c) { return lower.count(c - cells) != 0; })) {
+                    all.links.emplace(others, island);
                 }
             }
         }
@@ -287,8 +289,9 @@ std::vector<Cells> random_layers(std::mt19937& random) {
         const unsigned kept = random() % 10;
         for (int c = 0; c < cells; ++c) {
             const bool as_before = n > 0 && random() % 10 < kept;
-            const bool solid = as_before ? layers[n - 1][c] != 0 : random() % 20 < filled;
-            layers[n][c] = !in_border(c) && (whole && c % 4 != 0 ? layers[n][c - 1] != 0 : solid) ? 1 : 0;
+            const bool solid = as_before ? layers[n - 1][std::size_t(c)] != 0 : random() % 20 < filled;
+            layers[n][std::size_t(c)] =
+                !in_border(c) && (whole && c % 4 != 0 ? layers[n][std::size_t(c - 1)] != 0 : solid) ? 1 : 0;
         }
     }
     return layers;
@@ -298,7 +301,7 @@ SliceResult stack_of(const std::vector<Cells>& layers, std::mt19937& random) {
     std::vector<Polygons> polygons(layers.size());
     for (std::size_t n = 0; n < layers.size(); ++n) {
         for (int c = 0; c < cells; ++c) {
-            if (layers[n][c] != 0) {
+            if (layers[n][std::size_t(c)] != 0) {
                 polygons[n].push_back(cell_at(c));
             }
         }

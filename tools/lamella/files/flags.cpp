@@ -294,8 +294,8 @@ CLI::Option* add_range(CLI::App& command, const std::string& flag, const std::st
 }
 
 CLI::Option* add_repeatable(CLI::App& command, const std::string& flag, const std::string& type, const std::string& help,
-                            std::function<void(const std::vector<std::string>&)> take) {
-    return command.add_option_function<std::vector<std::string>>(flag, std::move(take), help)
+                            const std::function<void(const std::vector<std::string>&)>& take) {
+    return command.add_option_function<std::vector<std::string>>(flag, take, help)
         ->type_name(type)
         ->take_all()
         ->allow_extra_args(false);

@@ -75,7 +75,7 @@ CLI::Option* add_range(CLI::App& command, const std::string& flag, const std::st
 
 /// An option of which `take` gets all values.
 CLI::Option* add_repeatable(CLI::App& command, const std::string& flag, const std::string& type, const std::string& help,
-                            std::function<void(const std::vector<std::string>&)> take);
+                            const std::function<void(const std::vector<std::string>&)>& take);
 
 /// An option that takes a whole number from 0 on.
 CLI::Option* add_count(CLI::App& command, const std::string& flag, const std::string& help,

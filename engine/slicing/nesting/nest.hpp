@@ -170,6 +170,7 @@ struct Path {
     bool hole = false;           ///< of a region: clockwise in the result
     std::uint32_t source = 0;    ///< of an offset curve: index of the path that was moved
     std::int64_t touched = -1;   ///< of a region: see Arrangement::trace()
+    bool is_backward() const noexcept { return (to_int128(item.twice_area) > 0) == hole; }  ///< of a region: solid right
 };
 
 /// The edge that the i-th point of a contour lies on.

@@ -31,23 +31,9 @@ std::uint32_t LayerClip::run(const Layers& lines, const LayerSet& by, const Clip
     const std::size_t before = out.contours.size();
     std::uint32_t number = 0;
     std::uint32_t last = 0;
-    const auto clip_next = [&](std::span<const Point> points, bool closed) {
-        last = clip(points, closed, number, out) ? number + 1 : last;
+    for (const Path& line : reader_.list_lines({.layers = lines}, n)) {
+        last = clip({line.item.points, line.item.count}, line.item.closed, number, out) ? number + 1 : last;
         ++number;
-    };
-    const auto clip_layer = [&](const LayerView& layer) {
-        for (const Contour& contour : layer.contours) {
-            clip_next(layer.points_of(contour), contour.role != Role::open);
-        }
-    };
-    if (lines.stack() != nullptr) {
-        clip_layer((*lines.stack())[n]);
-    } else if (lines.layer() != nullptr) {
-        clip_layer(*lines.layer());
-    } else if (lines.given() != nullptr) {
-        for (const std::span<const Point> points : lines.given()->contours) {
-            clip_next(points, false);
-        }
     }
     out.layer_contours.push_back(static_cast<std::uint32_t>(out.contours.size() - before));
     return last;
@@ -57,9 +43,8 @@ void LayerClip::read_region(const LayerSet& by, double grid_mm, std::uint64_t n)
     runs_.clear();
     weights_.clear();
     for (const Path& path : reader_.list_region(by, n, grid_mm, nester_)) {
-        const bool is_backward = (to_int128(path.item.twice_area) > 0) == path.hole;
         runs_.add({.points = {path.item.points, path.item.count}, .contour = weights_.size()});
-        weights_.push_back(is_backward ? -1 : 1);
+        weights_.push_back(path.is_backward() ? -1 : 1);
     }
     runs_.cut(0);
 }

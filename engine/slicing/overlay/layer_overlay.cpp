@@ -51,8 +51,7 @@ void LayerOverlay::add_region(const LayerSet& set, std::size_t number, std::uint
     for (Path path : readers_[number]->list_region(set, n, layers_.rules->grid_mm, nester_)) {
         path.segments = path.made ? path.item.count : path.segments;
         // As a region has it: with the solid on the left.
-        const bool is_backward = (to_int128(path.item.twice_area) > 0) == path.hole;
-        rings_.push_back({path, is_backward ? -weight : weight});
+        rings_.push_back({path, path.is_backward() ? -weight : weight});
     }
 }
 

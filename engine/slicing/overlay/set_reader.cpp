@@ -61,7 +61,7 @@ std::span<const Path> SetReader::list_lines(const LayerSet& set, std::uint64_t n
 void SetReader::list_host(const ContourSet& given, bool closed) {
     of_host_.clear();
     for (const std::span<const Point> contour : given.contours) {
-        if (!contour.empty()) {
+        if (!closed || !contour.empty()) {
             of_host_.push_back(given_path(contour, nullptr, closed));
         }
     }

@@ -24,8 +24,8 @@ public:
     std::span<const Path> list_contours(const LayerSet& set, std::uint64_t n);
     /// Those of the region, grown as the set says. Path::hole tells which side of a contour is solid, whichever way it runs.
     std::span<const Path> list_region(const LayerSet& set, std::uint64_t n, double grid_mm, Nester& nester);
-    /// All contours as lines: those of the host open, those of layers as they are. With NestItem::closed alone besides
-    /// points.
+    /// All contours as lines: those of the host, of which one may have no points, open, those of layers as they are. Of
+    /// items only points and NestItem::closed are set.
     std::span<const Path> list_lines(const LayerSet& set, std::uint64_t n);
 
 private:

@@ -67,7 +67,9 @@ void Regions::widen(std::span<const Path> lines, double distance, const Corners&
     clear(moved_curves_);
     for (const Path& line : lines) {
         if (!line.item.closed || line.item.count < 3) {
-            add_curve(line.item, moved_curves_.append_line(points_of(line.item), distance, corners));
+            if (line.item.count > 0) {
+                add_curve(line.item, moved_curves_.append_line(points_of(line.item), distance, corners));
+            }
             continue;
         }
         // Both ways round: the distance to the right of each is the distance to both sides.
@@ -101,9 +103,8 @@ void Regions::take(const Fill& fill) {
 void Regions::turn_backward_ones() {
     turned_.clear();
     turned_origins_.clear();
-    const auto is_backward = [](const Path& ring) { return (to_int128(ring.item.twice_area) > 0) == ring.hole; };
     for (const Path& ring : rings_) {
-        if (is_backward(ring)) {
+        if (ring.is_backward()) {
             const std::span<const Point> points = points_of(ring.item);
             turned_.insert(turned_.end(), points.begin(), points.end());
             turned_origins_.insert(turned_origins_.end(), ring.item.origins,
@@ -113,7 +114,7 @@ void Regions::turn_backward_ones() {
     }
     std::span<Point> rest(turned_);
     for (Path& ring : rings_) {
-        if (is_backward(ring)) {
+        if (ring.is_backward()) {
             const std::size_t count = ring.item.count;
             PointOrigin* const origins =
                 ring.item.origins == nullptr ? nullptr : turned_origins_.data() + (rest.data() - turned_.data());

@@ -1,8 +1,9 @@
 #include "slicing/tracks/layer_links.hpp"
-#include "slicing/regions/snap_rounding.hpp"
 
 #include <algorithm>
 #include <tuple>
+
+#include "slicing/regions/snap_rounding.hpp"
 
 namespace lamella {
 

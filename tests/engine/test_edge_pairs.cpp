@@ -9,6 +9,8 @@
 #include "lamella/context.hpp"
 #include "rings.hpp"
 #include "slicing/edges/pair_search.hpp"
+#include "slicing/edges/slab_search.hpp"
+#include "slicing/regions/snap_rounding.hpp"
 
 using namespace lamella;
 
@@ -40,6 +42,34 @@ Pairs found(EdgePairs& search, const Layer& layer, std::int32_t margin) {
         ++pairs[pair_of(a.contour, i, b.contour, j)];
     }));
     return pairs;
+}
+
+/// Of the layer in which `search` found pairs last.
+Pairs found_in_slabs(SlabSearch& slabs, const EdgePairs& search) {
+    Pairs pairs;
+    slabs.find(search, [&](std::uint32_t a, std::size_t i, std::uint32_t b, std::size_t j) {
+        const EdgePath& from = search.paths()[a];
+        const EdgePath& to = search.paths()[b];
+        ++pairs[pair_of(from.contour, i - from.begin, to.contour, j - to.begin)];
+    });
+    return pairs;
+}
+
+/// True if the edges from a[i] and b[j] come within `margin` of each other; may be true somewhat farther away.
+bool are_near(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j, std::int32_t margin) {
+    return rings::meet(a[i], a[i + 1], b[j], b[j + 1]) || is_near(a[i], b[j], b[j + 1], margin) ||
+           is_near(a[i + 1], b[j], b[j + 1], margin) || is_near(b[j], a[i], a[i + 1], margin) ||
+           is_near(b[j + 1], a[i], a[i + 1], margin);
+}
+
+/// Checks that pairs found in slabs have all that come near each other of those found by boxes.
+void check_slabs(const Layer& layer, std::int32_t margin, const Pairs& by_boxes, const Pairs& in_slabs) {
+    for (const auto& [pair, times] : by_boxes) {
+        const auto [p, i, q, j] = pair;
+        if (are_near(layer[p].given(p), i, layer[q].given(q), j, margin) && !in_slabs.contains(pair)) {
+            FAIL("paths " << p << ' ' << q << " edges " << i << ' ' << j << " margin " << margin);
+        }
+    }
 }
 
 /// True if the path from edge `i` to edge `j` never turns back in x or in y.
@@ -138,12 +168,18 @@ TEST_CASE("edge pairs: random layers agree with a test of all pairs", "[engine][
     std::mt19937 random(21);
     Worker worker;
     EdgePairs search(worker);
+    SlabSearch slabs(worker);
+    const auto check_both = [&](const Layer& layer, std::int32_t margin) {
+        const Pairs pairs = found(search, layer, margin);
+        check(layer, margin, pairs);
+        check_slabs(layer, margin, pairs, found_in_slabs(slabs, search));
+    };
     for (int round = 0; round < 6000; ++round) {
         const Kind kind{4, 20, round % 2 == 0 ? 8 : 200, round % 2 == 0 ? 3 : 20, false};
         const Layer layer = random_layer(random, kind);
         const std::int32_t margin = std::array{0, 1, 2, 37}[static_cast<std::size_t>(round) / 2 % 4];
         INFO("round " << round);
-        check(layer, margin, found(search, layer, margin));
+        check_both(layer, margin);
         // Repeated points make corners of several edges, of which only pairs of two paths are specified.
         Layer single;
         for (const Path& path : random_layer(random, {4, 12, 10, 3, true})) {
@@ -152,7 +188,7 @@ TEST_CASE("edge pairs: random layers agree with a test of all pairs", "[engine][
             }
         }
         if (round % 6 == 0) {
-            check(single, margin, found(search, single, margin));
+            check_both(single, margin);
         }
     }
 }
@@ -161,6 +197,7 @@ TEST_CASE("edge pairs: layers of thousands of edges agree with a test of all pai
     std::mt19937 random(23);
     Worker worker;
     EdgePairs search(worker);
+    SlabSearch slabs(worker);
     for (int round = 0; round < 12; ++round) {
         const bool many = round % 2 == 0;
         const Kind kind{many ? std::size_t{300} : 6, many ? std::size_t{8} : 600, 1'000'000, 20'000, false};
@@ -177,9 +214,52 @@ TEST_CASE("edge pairs: layers of thousands of edges agree with a test of all pai
         }
         for (const std::int32_t margin : {0, 2, 10'000}) {
             INFO("round " << round);
-            check(layer, margin, found(search, layer, margin));
+            const Pairs pairs = found(search, layer, margin);
+            check(layer, margin, pairs);
+            check_slabs(layer, margin, pairs, found_in_slabs(slabs, search));
         }
     }
+}
+
+TEST_CASE("edge pairs: slabs find few pairs of edges that lie side by side or along each other", "[engine][pairs]") {
+    Worker worker;
+    EdgePairs search(worker);
+    SlabSearch slabs(worker);
+    const std::size_t steps_of_edge = 40;  // the boxes of a thousand meet each
+    const auto pairs_of = [&](const Layer& layer) {
+        search.clear();
+        for (std::size_t p = 0; p < layer.size(); ++p) {
+            search.add(layer[p].given(p));
+        }
+        search.cut(1);
+        std::size_t pairs = 0;
+        for (const auto& [pair, times] : found_in_slabs(slabs, search)) {
+            pairs += static_cast<std::size_t>(times);
+        }
+        return pairs;
+    };
+    Layer nested;
+    Layer fan;
+    Layer bundle;  // thirty edges along each other, over many small ones
+    for (std::int32_t i = 1; i <= 1000; ++i) {
+        nested.push_back({{{1000 * i, 7 * i}, {-7 * i, 1000 * i}, {-1000 * i, -7 * i}, {7 * i, -1000 * i}}, true, 0});
+        fan.push_back({{{10 * i, 10 * i}, {1'000'000 + i, 1000 * i}}, false, 0});
+        bundle.push_back({{{1000 * i, 10'000'000}, {1000 * i + 300, 10'000'700}}, false, 0});
+    }
+    CHECK(pairs_of(nested) < steps_of_edge * 4 * nested.size());
+    CHECK(pairs_of(fan) < steps_of_edge * fan.size());
+    for (std::int32_t i = 0; i < 30; ++i) {
+        bundle.push_back({{{-i, -i}, {1'000'000 + i, 1'000'000 + i}}, false, 0});
+    }
+    const std::size_t pairs = pairs_of(bundle);
+    CHECK(pairs >= 30 * 29 / 2);
+    CHECK(pairs < steps_of_edge * bundle.size());
+    Layer steep;  // a unit apart along x, 5,000 along y
+    for (std::int32_t i = 0; i < 30; ++i) {
+        steep.push_back({{{i, 0}, {200 + i, 1'000'000}}, false, 0});
+    }
+    const Pairs neighbours = found(search, steep, 1);
+    check_slabs(steep, 1, neighbours, found_in_slabs(slabs, search));
 }
 
 TEST_CASE("edge pairs: neighbouring runs that lead away from each other are not compared", "[engine][pairs]") {

@@ -1,5 +1,6 @@
 // Laws of sets that combinations of layers obey, to the unit where every crossing lies on the grid; and answers as input of
 // all else that takes a result.
+#include <algorithm>
 #include <memory>
 #include <random>
 
@@ -74,6 +75,31 @@ TEST_CASE("areas of union and intersection add up to those of the sets, and sets
         REQUIRE(combined(a, a, subtract).contours.empty());
         REQUIRE(combined(rest, b, intersect(2)).contours.empty());
     }
+}
+
+TEST_CASE("squares in one another, turned, obey the laws where all their boxes meet", "[regions][overlay]") {
+    constexpr std::int32_t count = 400;
+    const auto squares_around = [](Point centre) {
+        Polygons all;
+        for (std::int32_t i = 1; i <= count; ++i) {
+            const std::int32_t reach = 10 * i;
+            Polygon& square = all.emplace_back(Polygon{{centre.x + reach, centre.y},
+                                                       {centre.x, centre.y + reach},
+                                                       {centre.x - reach, centre.y},
+                                                       {centre.x, centre.y - reach}});
+            if (i % 2 == 1) {
+                std::reverse(square.begin(), square.end());
+            }
+        }
+        return regions::region_of(all, FillRule::non_zero);
+    };
+    const SliceResult a = squares_around({0, 0});
+    const SliceResult b = squares_around({4, 2});
+    CHECK(a.contours.size() == count);
+    const SliceResult both = combined(a, b, unite);
+    CHECK(twice_area_of(a) == 2 * std::int64_t{10} * 10 * count * (count + 1));
+    CHECK(twice_area_of(a) + twice_area_of(b) == twice_area_of(both) + twice_area_of(combined(a, b, intersect(2))));
+    CHECK(both.hash() == combined(b, a, unite).hash());
 }
 
 TEST_CASE("answers are input of every operation and every question", "[regions][overlay]") {

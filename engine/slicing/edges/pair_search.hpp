@@ -21,6 +21,8 @@ public:
 
     /// To be called in `meet`: find() ends, and returns false.
     void stop() noexcept { cut_short_ = true; }
+    /// To be called in `meet`: find() may take so many steps more.
+    void allow(std::uint64_t steps) noexcept { most_steps_ += steps; }
 
     /// Share `share` of `shares` of all pairs. Calls meet(a, i, b, j) once for each pair, in no order, of edge i of path a
     /// and edge j of path b whose boxes come within the runs' margin of each other: all such pairs of two paths, and of one
@@ -152,6 +154,8 @@ public:
 
     /// To be called in `meet`: find() ends, and returns false.
     void stop() noexcept { search_.stop(); }
+    /// To be called in `meet`: find() may take so many steps more.
+    void allow(std::uint64_t steps) noexcept { search_.allow(steps); }
 
     /// Calls meet(a, i, b, j) once for each pair, in no order, of edge i of path a and edge j of path b whose boxes come
     /// within `margin` of each other: of one path as PairSearch::find() says. Edge i leads from a[i] to a[i + 1]. `margin`

@@ -13,7 +13,9 @@ namespace lamella {
 
 namespace {
 
-constexpr std::uint64_t any_number = std::numeric_limits<std::uint64_t>::max();
+// Of the search by boxes: where it takes more, most boxes that meet have edges that do not.
+constexpr std::uint64_t steps_of_edge = 256;
+constexpr std::uint64_t steps_of_contact = 8;
 
 /// True if the edge from `joint` to `to` leads back, by more than a right angle, from the one from `from` to `joint`.
 bool turns_back(Point from, Point joint, Point to) noexcept {
@@ -91,8 +93,17 @@ void Contacts::find(std::span<const NestItem> contours) {
         first_edges_.push_back(first_edges_.back() + contours[c].count);
     }
     near_.assign(first_edges_.back(), {});
-    pairs_.find(rounding_reach, any_number,
-                [this](const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) { meet(a, i, b, j); });
+    const bool found = pairs_.find(rounding_reach, steps_of_edge * pairs_.edges(),
+                                   [this](const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) {
+                                       pairs_.allow(meet(a, i, b, j) ? steps_of_contact : 0);
+                                   });
+    if (!found) {
+        slabs_.find(pairs_, [this](std::uint32_t a, std::size_t i, std::uint32_t b, std::size_t j) {
+            const EdgePath& from = pairs_.paths()[a];
+            const EdgePath& to = pairs_.paths()[b];
+            meet(from, i - from.begin, to, j - to.begin);
+        });
+    }
     for (const EdgePath& path : pairs_.paths()) {
         if (meets_[path.contour] != 0) {
             mark_sharp_corners(path);
@@ -116,7 +127,7 @@ void Contacts::mark_sharp_corners(const EdgePath& path) {
     }
 }
 
-void Contacts::meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) {
+bool Contacts::meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) {
     const bool same = a.contour == b.contour;
     const Point a0 = pairs_.point(a, i);
     const Point a1 = pairs_.point(a, i + 1);
@@ -127,16 +138,16 @@ void Contacts::meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::si
             mark(a, i, true, true);
             mark(b, j, true, true);
         }
-        return;
+        return false;
     }
     if (are_apart(a0, a1, b0, b1) || are_apart(b0, b1, a0, a1)) {
-        return;
+        return false;
     }
     const bool crossing = edges_cross(a0, a1, b0, b1);
     const EndsNear of_a = mark_ends(a, i, b0, b1);
     const EndsNear of_b = mark_ends(b, j, a0, a1);
     if (!crossing && !of_a.any && !of_b.any) {
-        return;
+        return false;
     }
     const auto touch = [&] {
         return is_near(a0, b0, b1, 0) || is_near(a1, b0, b1, 0) || is_near(b0, a0, a1, 0) || is_near(b1, a0, a1, 0);
@@ -148,6 +159,7 @@ void Contacts::meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::si
     if (crossing) {
         crossings_.push_back(rounded_crossing(a0, a1, b0, b1));
     }
+    return true;
 }
 
 void Contacts::mark(const EdgePath& path, std::size_t edge, bool meets, bool bends) noexcept {

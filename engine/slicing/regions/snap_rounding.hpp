@@ -33,6 +33,7 @@
 #include "base/worker.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/edges/pair_search.hpp"
+#include "slicing/edges/slab_search.hpp"
 #include "slicing/grid/box_tree.hpp"
 #include "slicing/nesting/nest.hpp"
 
@@ -80,7 +81,7 @@ public:
     std::span<const Point> crossings() const noexcept { return crossings_; }
 
 private:
-    void meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j);
+    bool meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j);
     struct EndsNear {
         bool any = false;
         bool between = false;  ///< not only to an end
@@ -95,6 +96,7 @@ private:
 
     Worker& worker_;
     EdgePairs pairs_{worker_};
+    SlabSearch slabs_{worker_};                          // where boxes tell too little apart
     Vector<std::uint8_t> meets_{worker_.memory()};       // of each contour
     Vector<std::size_t> first_edges_{worker_.memory()};  // of each contour
     Vector<Nearness> near_{worker_.memory()};

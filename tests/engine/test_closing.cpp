@@ -117,6 +117,14 @@ TEST_CASE("closing agrees with closing everything where folding and rounding are
             {{0, 0}, {148'997, 0}, {41'210, 309'207}},
             {{0, 427'428}, {41'210, 309'207}, {261'997, 1'965'799}, {0, 1'817'628}}},
            81'921, 10);
+    // Folded, some edges are so short that their directions, rounded, are any.
+    closed({{{41309, 7276},    {63135, 14699},   {68404, 29840},   {33107, 24203},   {16492, 17819},   {16068, 28997},
+             {34681, 84101},   {6823, 43357},    {-1053, 80070},   {-22744, 84703},  {-10262, 21402},  {-38698, 57159},
+             {-65262, 54184},  {-41424, 19255},  {-64822, 23265},  {-63073, 9685},   {-24435, -182},   {-76903, -29838},
+             {-59379, -29147}, {-56049, -44669}, {-59315, -67842}, {-44255, -73638}, {-16714, -49388}, {-3231, -22021},
+             {7544, -51276},   {32514, -86045},  {13090, -22455},  {25888, -26820},  {63938, -43950},  {48405, -22697},
+             {78379, -22255},  {86177, -16702}}},
+           97'499, 10);
 }
 
 TEST_CASE("closing loses nothing between edges that are bent onto one another", "[closing][regions]") {
@@ -128,7 +136,7 @@ TEST_CASE("closing loses nothing between edges that are bent onto one another", 
     const double open = area();
     options.region.closing_mm = 9;
     options.region.miter_limit = 4;
-    CHECK(area() == open);
+    CHECK(area() >= open);
 }
 
 TEST_CASE("a contour with nothing near is the same contour after closing", "[closing]") {
@@ -170,8 +178,8 @@ TEST_CASE("offsets of squares can be written down", "[closing]") {
          {"outer + x8 in -: -10,-4 -4,-10 1004,-10 1010,-4 1010,1004 1004,1010 -4,1010 -10,1004"}},
         {{hook},
          positive,
-         {"outer + x13 in -: -100,-100 -49,-93 -52,-90 -52,-81 -52,-80 -53,-80 -89,-80 -92,-77 -92,-69 -92,-68 -93,-68 "
-          "-99,-68 -100,-69"}}};  // rounding lays edges of the needle on each other
+         {"outer + x9 in -: -100,-100 -46,-93 -49,-93 -52,-90 -52,-80 -89,-80 -92,-77 -92,-68 "
+          "-100,-68"}}};  // rounding lays edges of the needle on each other
     for (const auto& [rings, rules, expected] : cases) {
         CHECK(contours_at(region_by(rings, rules), 0) == expected);
     }

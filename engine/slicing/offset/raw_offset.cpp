@@ -4,29 +4,9 @@
 #include <cmath>
 #include <iterator>
 
-#include "base/system/processor.hpp"
 #include "slicing/grid/exact.hpp"
-#include "slicing/grid/mesh_edge.hpp"
 
 namespace lamella {
-
-namespace {
-
-/// Ties go to even numbers.
-std::int32_t moved_on_grid(std::int32_t from, double by) noexcept {
-    constexpr double just_outside = grid_limit + 1.0;
-    constexpr double without_fractions = 0x1.8p52;
-    const std::int32_t odd = from & 1;
-    const double move = odd + by + tie_room - tie_room;
-    const double to = from - odd + (move + without_fractions - without_fractions);
-    return round_to_int(std::max(-just_outside, std::min(just_outside, to)));
-}
-
-}  // namespace
-
-Point moved_on_grid(Point from, double x, double y) noexcept {
-    return {moved_on_grid(from.x, x), moved_on_grid(from.y, y)};
-}
 
 namespace {
 
@@ -67,6 +47,9 @@ double measure_corners(const Point* points, std::size_t count, const OffsetEdges
     return least;
 }
 
+/// 1 + cos theta, rounded, of a turn of 180 degrees is less.
+constexpr double spike_cosine1 = 1e-12;
+
 /// The length that an inner corner too sharp to trim takes off: longer than any edge.
 constexpr double beyond_any_edge = 1e12;
 
@@ -78,12 +61,6 @@ bool reach_beyond_grid(const Point* first, const Point* last) noexcept {
         lowest = std::min(lowest, std::min(first->x, first->y));
     }
     return highest > grid_limit || lowest < -grid_limit;
-}
-
-/// Where two edges around `v` meet that lie at the distance, by their normals.
-Point meeting_of(Point v, double distance, Direction a, Direction b) noexcept {
-    const double scale = distance / (1.0 + (a.x * b.x + a.y * b.y));
-    return moved_on_grid(v, scale * (a.x + b.x), scale * (a.y + b.y));
 }
 
 /// Leaves one of equal consecutive points; the first follows the last.
@@ -116,7 +93,7 @@ Direction RawOffset::normal_of(std::size_t corner, bool next, double distance) c
 }
 
 /// Corners beyond the limit: what cut ones add, and which inner ones are cut on the way back. The sign of a turn of about
-/// 180 degrees is lost in rounding, so that it comes from the points. Returns how many points arcs have beyond three a
+/// 180 degrees is lost in rounding, so that it comes from the points. Returns how many points arcs have beyond two a
 /// corner.
 std::size_t RawOffset::settle_sharp_corners(std::span<const Point> contour, const Shape& shape, RawCurve& curve) {
     const std::size_t count = contour.size();
@@ -157,37 +134,22 @@ bool RawOffset::keep_directions(std::size_t count) const noexcept {
     return turned == 0;
 }
 
-void RawOffset::list_turned_edges(std::size_t edges, Vector<std::uint32_t>& turned) const {
-    turned.clear();
-    for (std::uint32_t i = 0; i < edges; ++i) {
-        if (!keeps_direction(i)) {
-            turned.push_back(i);
-        }
-    }
-}
-
 Point* RawOffset::write_corner(std::span<const Point> contour, std::size_t corner, const Shape& shape, Point* out) const {
-    const double added = corners_.added[corner];
-    const bool outer = added >= 0;
-    const std::size_t edge_before = corner > 0 ? corner - 1 : contour.size() - 1;
-    if (outer ? corners_.cosine1[corner] >= shape.least_cosine1 : keeps_direction(edge_before) && keeps_direction(corner)) {
+    if (!is_cut(corner, shape)) {
         *out++ = corners_.miter[corner];
         return out;
     }
     const Point v = contour[corner];
-    if (outer && shape.is_round(corner)) {
+    if (shape.is_round(corner)) {
         return write_arc(v, corner, shape, out);
     }
     const double d = shape.distance;
-    const double beyond = outer ? added : 0.0;
+    const double beyond = corners_.added[corner];
     const double ux1 = edges_.ux[corner];
     const double uy1 = edges_.uy[corner];
     const double ux2 = edges_.ux[corner + 1];
     const double uy2 = edges_.uy[corner + 1];
     *out++ = moved_on_grid(v, d * uy1 + beyond * ux1, beyond * uy1 - d * ux1);
-    if (!outer) {
-        *out++ = v;
-    }
     *out++ = moved_on_grid(v, d * uy2 - beyond * ux2, -(beyond * uy2 + d * ux2));
     return out;
 }
@@ -207,11 +169,11 @@ Point* RawOffset::write_arc(Point v, std::size_t corner, const Shape& shape, Poi
     return out;
 }
 
-RawCurve RawOffset::append(std::span<const Point> contour, double distance, const Corners& corners, Turned turned) {
-    return append(contour, {corners, distance}, turned);
+RawCurve RawOffset::append(std::span<const Point> contour, double distance, const Corners& corners) {
+    return append(contour, {corners, distance});
 }
 
-RawCurve RawOffset::append(std::span<const Point> contour, const Shape& shape, Turned turned) {
+RawCurve RawOffset::append(std::span<const Point> contour, const Shape& shape) {
     const std::size_t count = contour.size();
     reserve(count);
     RawCurve curve;
@@ -221,12 +183,14 @@ RawCurve RawOffset::append(std::span<const Point> contour, const Shape& shape, T
     const std::size_t arc_points = sharp ? settle_sharp_corners(contour, shape, curve) : 0;
     corners_.added[count] = corners_.added[0];
     curve.directions_kept = keep_directions(count);
-    if (!curve.directions_kept && turned == Turned::omitted) {
-        return curve;
+    if (!curve.directions_kept) {
+        list_moving(contour, shape);
+        moving_.move(std::abs(shape.distance), points_);
+        return finish(curve, points_.data() + points_.size());
     }
-    points_.resize(points_.size() + 3 * count + arc_points);
+    points_.resize(points_.size() + 2 * count + arc_points);
     Point* last = points_.data() + curve.first_point;
-    if (!sharp && curve.directions_kept) {
+    if (!sharp) {
         last = std::copy(corners_.miter, corners_.miter + count, last);
     } else {
         for (std::size_t i = 0; i < count; ++i) {
@@ -234,6 +198,37 @@ RawCurve RawOffset::append(std::span<const Point> contour, const Shape& shape, T
         }
     }
     return finish(curve, last);
+}
+
+bool RawOffset::fold(double distance, Vector<Point>& points, Vector<std::uint32_t>& numbers) const {
+    return moving_.fold(std::abs(distance), points, numbers);
+}
+
+/// The edges of the contour, and at outer corners beyond the limit those of the cut or the arc.
+void RawOffset::list_moving(std::span<const Point> contour, const Shape& shape) {
+    const bool outwards = shape.distance > 0;
+    const double side = outwards ? 1 : -1;
+    moving_.clear(outwards);
+    for (std::size_t i = 0; i < contour.size(); ++i) {
+        const Point v = contour[i];
+        const Direction before{edges_.ux[i], edges_.uy[i]};
+        if (is_cut(i, shape) && shape.is_round(i)) {
+            const ArcDirections& arcs = *shape.corners.arcs;
+            const ArcDirections::Between between = arc_at(i, shape);
+            for (std::size_t k = 0; k < between.count; ++k) {
+                const Direction normal = arcs[between.first + (outwards ? k : between.count - 1 - k)];
+                moving_.add_at(v, {-side * normal.y, side * normal.x});
+            }
+        } else if (is_cut(i, shape)) {  // half the turn on, to the left where it moves to the right
+            const double half = corners_.cosine1[i] > spike_cosine1 ? corners_.cosine1[i] / 2 : 0;
+            const double cosine = std::sqrt(half);
+            const double sine = side * std::sqrt(1 - half);
+            moving_.add_at(v, {cosine * before.x - sine * before.y, cosine * before.y + sine * before.x},
+                           shape.is_end(i) && shape.corners.end == End::butt);
+        }
+        moving_.add(v, static_cast<std::uint32_t>(i), {edges_.ux[i + 1], edges_.uy[i + 1]}, edges_.length[i + 1],
+                    corners_.added[i] < 0);
+    }
 }
 
 RawCurve RawOffset::finish(RawCurve curve, Point* last) {
@@ -256,7 +251,7 @@ RawCurve RawOffset::append_line(std::span<const Point> line, double distance, co
     for (std::size_t i = far_end; i-- > 1;) {
         line_.push_back(line_[i]);
     }
-    return append(line_, {corners, distance, far_end}, Turned::written);
+    return append(line_, {corners, distance, far_end});
 }
 
 /// A line of no length has no sides, but its ends have edges on all sides.

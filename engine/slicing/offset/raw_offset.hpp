@@ -16,40 +16,22 @@
 //  - Outer: the miter m = v + d (n1 + n2) / (1 + cos theta), if |m - v| <= limit |d|. Beyond the limit two points, where the
 //    moved edges are cut across the bisector at distance |d| from v: |d| tan(|theta| / 4) beyond their ends. Or an arc: see
 //    arc_directions.hpp.
-//  - Inner: the same point m if both edges keep their direction, that is, if L and what the two ends add are positive
-//    together. Otherwise the joint v + d n1, v, v + d n2.
+//  - Inner: the same point m if all edges of the contour keep their direction, that is, if L and what the two ends add are
+//    positive together. Otherwise edges that shrink to a point go on the way: see moving_edges.hpp.
 //  - A spike, a turn of 180 degrees, counts as outer, as it looks alike from both sides: solid needs the cut, and what the
 //    cut of a slit adds lies within 1.42 |d| of its end.
 //
-// Why the positive rule gives the offset region. Let d > 0 and every inner corner have the joint. The curve is then a sum of
-// the contour and of closed curves around it that all run counter-clockwise: a rectangle from each edge to the moved edge,
-// and a wedge from each outer corner to its miter. Winding numbers add up. Those of a layer's contours are 1 in solid and 0
-// outside, and each rectangle or wedge adds 1: the sum is positive in solid, rectangles and wedges, and nowhere else. For
-// d < 0 rectangles and wedges are subtracted: only solid that none of them covers stays positive.
-//
-//     Dilated by 2: a notch 3 wide and 1 deep, whose floor turns round, as 3 - 2 - 2 < 0. Its walls and floor have a
-//     rectangle each, its upper corners a wedge each, 2 by 2. With joints, the winding numbers are:
-//
-//         - - - - - - - - - - - - - - - -    2 above the upper side
-//            1    : 1 : 2 : 1 :    1
-//            1    : 2 : 3 : 2 :    1         rectangle of the floor: 2 high
-//         ________:   :   :   :________
-//            1    | 2 : 3 : 2 |    1         the notch is filled
-//            1    |___________|    1
-//            1      1   1   1      1         solid
-//
-//     Eroded by 3: a square of side 4. Trimmed at its corners it would be a square of side 2 with every edge turned round,
-//     counter-clockwise again: winding number 1 where nothing is left. With joints the number is 1 less how many of the four
-//     rectangles cover a point, in places -3, and nowhere positive.
-//
-// Trimming an inner corner takes the kite (v + d n1, v, v + d n2, m) off the sum. What is left is again a sum of curves that
-// run counter-clockwise: each edge adds what it passes over on its way, between its two ends' paths, and no edge that has a
-// trimmed end turns round. So trimming makes nothing positive that is not so with joints. If all directions are kept, it
-// loses nothing within the distance either. For let the distance grow from 0 to d; take a point outside, and the point of
-// the region nearest to it. That lies on an edge, which comes nearer at unit speed, or at a corner between two such edges,
-// which comes no slower. So the point is reached by the time that equals its distance. That nothing is lost where trimmed
-// corners and joints mix, nor of a miter beyond the distance, is tested, not proven: against the sum of rectangles and
-// wedges, at random places around random polygons, most of them next to the curve.
+// Why the positive rule gives the offset region. Let d > 0. While the distance grows from 0 to d, each edge adds 1 to the
+// winding number of each point that it passes over, and nothing takes any away. The numbers of a layer's contours are 1 in
+// solid and 0 outside: in the end they are positive in solid and in what edges have passed over, and nowhere else. For d < 0
+// edges take away 1 each: only solid that none has passed over stays positive.
+//  - An edge passes over no more than its rectangle, up to the moved edge, and the wedges from its outer corners to their
+//    miters: corners between edges that have met on the way are inner ones.
+//  - Every point within the distance is passed over. Take one outside, and the point of the contour nearest to it. That lies
+//    on an edge, which comes nearer at unit speed, or at a corner between two such edges, which comes no slower. So the
+//    point is reached by the time that equals its distance.
+// So the region lies between all that is within the distance and all rectangles and wedges together; it lacks wedges of
+// edges that were gone before the distance. Tested at random places around random polygons, most of them next to the curve.
 //
 // Which contours closing leaves alone. If all edges keep their direction, and no inner corner passes the limit, then the
 // curve's own curve at -d is the contour, in exact arithmetic:
@@ -62,8 +44,8 @@
 // dilated region, and eroding that gives the contours. So closing changes contours only where curves meet, where an edge is
 // turned round, or where an inner corner passes the limit.
 //
-// A line is walked there and back, so that all of the above holds: the curve's winding numbers are how many rectangles and
-// wedges cover a point. At its two ends, which are spikes, it is cut at v (butt), at the distance beyond (square), or round.
+// A line is walked there and back, so that all of the above holds: the curve's winding numbers are how many edges have
+// passed over a point. At its two ends, which are spikes, it is cut at v (butt), at the distance beyond (square), or round.
 //
 // Points are rounded to the nearest of the grid. Only + - * / and sqrt, in a fixed order: the same bytes on every platform.
 #pragma once
@@ -78,6 +60,7 @@
 #include "lamella/grid.hpp"
 #include "lamella/overlay.hpp"
 #include "slicing/offset/arc_directions.hpp"
+#include "slicing/offset/moving_edges.hpp"
 
 namespace lamella {
 
@@ -107,10 +90,6 @@ struct Corners {
     const ArcDirections* arcs = nullptr;
 };
 
-/// The nearest point of the grid; beyond it, the nearest of those just outside. Rounds what is added, so that it does not
-/// depend on where a contour stands, but for odd shifts of ties.
-Point moved_on_grid(Point from, double x, double y) noexcept;
-
 /// The curve of one contour.
 struct RawCurve {
     std::size_t first_point = 0;  ///< index into the points of all curves since clear()
@@ -125,25 +104,20 @@ class RawOffset {
 public:
     explicit RawOffset(Worker& worker) noexcept : worker_(worker) {}
 
-    /// The fate of a curve with edges that turn round: omitted, it has no points.
-    enum class Turned : bool { written, omitted };
-
     /// Forgets the curves: for the next layer.
     void clear() noexcept { points_.clear(); }
 
     /// Appends the curve of a closed contour, solid on the left, from any of its points on; the first is not repeated.
     /// `distance`: grid units, finite, at most 2 grid_limit either way. Precondition: three points or more, consecutive ones
-    /// differ. At most three points a corner, but for arcs. Throws std::bad_alloc.
-    RawCurve append(std::span<const Point> contour, double distance, const Corners& corners,
-                    Turned turned = Turned::written);
+    /// differ. At most three points an edge, but for arcs; O(e log e) for e edges and those of arcs. Throws std::bad_alloc.
+    RawCurve append(std::span<const Point> contour, double distance, const Corners& corners);
 
     /// Appends the curve around an open line, as wide as twice the distance, which is above 0. Precondition: one point or
     /// more.
     RawCurve append_line(std::span<const Point> line, double distance, const Corners& corners);
 
-    /// For the contour that append() had last: its edges that do not keep their direction, ascending. Edge i leads from
-    /// point i to the next.
-    void list_turned_edges(std::size_t edges, Vector<std::uint32_t>& turned) const;
+    /// For the contour that append() had last, some edges of which did not keep their direction: as MovingEdges::fold().
+    bool fold(double distance, Vector<Point>& points, Vector<std::uint32_t>& numbers) const;
 
     std::span<Point> points_of(const RawCurve& curve) noexcept {
         return std::span(points_).subspan(curve.first_point, curve.count);
@@ -163,13 +137,18 @@ private:
     };
 
     void reserve(std::size_t count);
-    RawCurve append(std::span<const Point> contour, const Shape& shape, Turned turned);
+    RawCurve append(std::span<const Point> contour, const Shape& shape);
     RawCurve append_dot(Point at, double distance, const Corners& corners);
     std::size_t settle_sharp_corners(std::span<const Point> contour, const Shape& shape, RawCurve& curve);
     bool keeps_direction(std::size_t edge) const noexcept {
         return edges_.length[edge + 1] + (corners_.added[edge] + corners_.added[edge + 1]) > 0;
     }
     bool keep_directions(std::size_t count) const noexcept;
+    /// An outer corner that is more than a miter.
+    bool is_cut(std::size_t corner, const Shape& shape) const noexcept {
+        return corners_.added[corner] >= 0 && corners_.cosine1[corner] < shape.least_cosine1;
+    }
+    void list_moving(std::span<const Point> contour, const Shape& shape);
     ArcDirections::Between arc_at(std::size_t corner, const Shape& shape) const noexcept;
     Direction normal_of(std::size_t corner, bool next, double distance) const noexcept;
     Point* write_corner(std::span<const Point> contour, std::size_t corner, const Shape& shape, Point* out) const;
@@ -180,7 +159,8 @@ private:
     Vector<double> numbers_{worker_.memory()};  // what edges_ and corners_ point to
     Vector<Point> miters_{worker_.memory()};
     OffsetEdges edges_{};
-    OffsetCorners corners_{};               // the first stands at the end too
+    OffsetCorners corners_{};  // the first stands at the end too
+    MovingEdges moving_{worker_};
     Vector<Point> line_{worker_.memory()};  // there and back
     Vector<Point> points_{worker_.memory()};
 };

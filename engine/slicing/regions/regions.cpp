@@ -1,13 +1,11 @@
 #include "slicing/regions/regions.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <string>
 #include <utility>
 
 #include "base/guard.hpp"
 #include "base/numbers.hpp"
-#include "slicing/offset/fold.hpp"
 
 namespace lamella {
 
@@ -140,24 +138,16 @@ void Regions::close(const RegionSteps& steps, Nester& nester) {
     take(closed_);
 }
 
-/// Edges are replaced from the ring's start on, wherever its points begin. None if then some edge still turns round.
-/// Precondition: the ring's curve is the last one that was appended to moved_curves_.
+/// None if there is no such ring, or if some edge of it would not keep its direction either. Precondition: the ring's curve
+/// is the last one that was appended to moved_curves_.
 std::optional<RawCurve> Regions::fold(const NestItem& ring, double distance, const Corners& corners) {
     const std::size_t begin = folded_.size();
-    moved_curves_.list_turned_edges(ring.count, turned_edges_);
-    for (std::uint32_t& edge : turned_edges_) {
-        edge = edge >= ring.start ? edge - ring.start : edge + ring.count - ring.start;
-    }
-    std::sort(turned_edges_.begin(), turned_edges_.end());
-    from_start_.resize(ring.count);
-    std::rotate_copy(ring.points, ring.points + ring.start, ring.points + ring.count, from_start_.begin());
     folded_of_.clear();
-    if (!fold_edges(from_start_, turned_edges_, distance, corners.limit, folded_, folded_of_)) {
-        return {};
+    RawCurve curve;
+    if (moved_curves_.fold(distance, folded_, folded_of_) && folded_.size() >= begin + 3) {
+        curve = moved_curves_.append(std::span(folded_).subspan(begin), distance, corners);
     }
-    const RawCurve curve =
-        moved_curves_.append(std::span(folded_).subspan(begin), distance, corners, RawOffset::Turned::omitted);
-    if (curve.reflex_cut || curve.count == 0) {
+    if (!curve.directions_kept || curve.reflex_cut || curve.count == 0) {
         folded_.resize(begin);
         return {};
     }
@@ -165,7 +155,7 @@ std::optional<RawCurve> Regions::fold(const NestItem& ring, double distance, con
         const std::uint32_t from = folded_of_[i];
         const std::uint32_t to = folded_of_[i + 1 < folded_of_.size() ? i + 1 : 0];
         const bool stayed = from != no_point && to == (from + 1 < ring.count ? from + 1 : 0);
-        folded_origins_.push_back(stayed ? ring.origin_from_start(from) : PointOrigin());
+        folded_origins_.push_back(stayed ? ring.origins[from] : PointOrigin());
     }
     return curve;
 }
@@ -177,8 +167,7 @@ bool Regions::find_alone() {
     for (const Path& kept : moved_.kept()) {
         const std::uint32_t ring = kept.source;
         const RawCurve& curve = curves_[ring];
-        assert(curve.directions_kept);  // one with an edge that turns round crosses itself
-        is_alone_[ring] = !curve.reflex_cut && kept.hole == rings_[ring].hole ? 1 : 0;
+        is_alone_[ring] = curve.directions_kept && !curve.reflex_cut && kept.hole == rings_[ring].hole ? 1 : 0;
         alone += is_alone_[ring];
     }
     return alone == rings_.size() && moved_.region().size() == rings_.size();
@@ -226,11 +215,9 @@ void Regions::list_dilated(double distance, const Corners& corners) {
     clear(moved_curves_);
     folded_ends_.clear();
     for (const Path& ring : rings_) {
-        const std::span<const Point> points = points_of(ring.item);
-        RawCurve curve = moved_curves_.append(points, distance, corners, RawOffset::Turned::omitted);
+        RawCurve curve = moved_curves_.append(points_of(ring.item), distance, corners);
         if (!curve.directions_kept) {
-            const std::optional<RawCurve> folded = fold(ring.item, distance, corners);
-            curve = folded ? *folded : moved_curves_.append(points, distance, corners);
+            curve = fold(ring.item, distance, corners).value_or(curve);
         }
         add_curve(ring.item, curve);
         folded_ends_.push_back(folded_.size());

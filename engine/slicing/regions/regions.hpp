@@ -10,7 +10,7 @@
 // Closing computes offset curves of all rings (see offset/raw_offset.hpp) and looks where they meet. A ring is left alone
 // if and only if its curve keeps all directions, passes the limit at no inner corner, and meets no curve, itself included,
 // and bounds the same side as before: then eroding would give it back. A ring with short edges in notches, which turn round,
-// is first folded (see offset/fold.hpp): eroding would give the folded ring. The rest goes on as eroded curves, together
+// is folded (see offset/moving_edges.hpp): eroding would give the folded ring. The rest goes on as eroded curves, together
 // with the rings that were left alone, since eroding by miters may reach those.
 #pragma once
 
@@ -90,12 +90,11 @@ private:
 
     Worker& worker_;
     Vector<Path> rings_{worker_.memory()};
-    Vector<Path> input_{worker_.memory()};                  // of a stage's fill, by start
-    Vector<RawCurve> curves_{worker_.memory()};             // of a stage's rings
-    Vector<std::uint32_t> parts_{worker_.memory()};         // of curves_
-    Vector<std::uint8_t> is_alone_{worker_.memory()};       // of each ring: closing leaves it alone
-    Vector<std::uint32_t> turned_edges_{worker_.memory()};  // of a ring
-    Vector<Point> from_start_{worker_.memory()};            // points of a ring
+    Vector<Path> input_{worker_.memory()};             // of a stage's fill, by start
+    Vector<RawCurve> curves_{worker_.memory()};        // of a stage's rings
+    Vector<std::uint32_t> parts_{worker_.memory()};    // of curves_
+    Vector<std::uint8_t> is_alone_{worker_.memory()};  // of each ring: closing leaves it alone
+    Vector<Point> from_start_{worker_.memory()};       // points of a ring
     Vector<Point> folded_{worker_.memory()};
     Vector<PointOrigin> folded_origins_{worker_.memory()};
     Vector<std::uint32_t> folded_of_{worker_.memory()};  // of a folded ring's points: which they were before

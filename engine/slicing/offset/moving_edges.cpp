@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t edge_work = 8;           ///< as StopPace counts it
 constexpr double fastest_growth = 1e12;        ///< longer than any edge, for each unit
+constexpr double fastest_of_miter = 999;       ///< beyond, the miter is not computed: see sharpest_cosine1
 constexpr double fastest_after_meeting = 1e6;  ///< what meets at so sharp a corner counts as parallel
 constexpr double never = std::numeric_limits<double>::infinity();
 
@@ -41,29 +42,19 @@ Point moved_on_grid(Point from, double x, double y) noexcept {
     return {moved_on_grid(from.x, x), moved_on_grid(from.y, y)};
 }
 
-Point meeting_of(Point v, double distance, Direction a, Direction b) noexcept {
-    const double scale = distance / (1.0 + dot(a, b));
-    return moved_on_grid(v, scale * (a.x + b.x), scale * (a.y + b.y));
-}
-
 void MovingEdges::clear(bool outwards) noexcept {
     edges_.clear();
     events_.clear();
     side_ = outwards ? 1 : -1;
 }
 
-void MovingEdges::add(Point from, std::uint32_t point, Direction along, double length, bool shrinks) {
-    Edge& edge = edges_.emplace_back();
-    edge.from = from;
-    edge.along = along;
-    edge.end = length;
-    edge.point = point;
-    edge.shrinks = shrinks;
+void MovingEdges::add(Point from, std::uint32_t point, Direction along, double length, Point miter, bool shrinks) {
+    edges_.push_back(
+        {.from = from, .miter = miter, .along = along, .end = length, .point = point, .shrinks = shrinks, .stands = false});
 }
 
 void MovingEdges::add_at(Point corner, Direction along, bool stands) {
-    add(corner, no_point, along, 0, false);
-    edges_.back().stands = stands;
+    edges_.push_back({.from = corner, .miter = corner, .along = along, .shrinks = false, .stands = stands});
 }
 
 void MovingEdges::move(double distance, Vector<Point>& points) {
@@ -213,10 +204,11 @@ Point MovingEdges::place_on(const Edge& edge, double along, double distance) con
 void MovingEdges::append_corner(const Edge& edge, double distance, Vector<Point>& points) const {
     const Edge& before = edges_[edge.before];
     const double end = before.end + before.end_rate * distance;
-    if (edge.corner == Corner::given && !before.stands && !edge.stands) {
-        points.push_back(meeting_of(edge.from, distance, normal_of(before), normal_of(edge)));
-    } else if (edge.corner == Corner::given) {
-        points.push_back(place_on(before.stands ? edge : before, before.stands ? edge.begin : end, distance));
+    if (edge.corner == Corner::given && before.point != no_point && edge.point != no_point &&
+        before.end_rate > -fastest_of_miter) {
+        points.push_back(edge.miter);
+    } else if (before.stands) {
+        points.push_back(place_on(edge, edge.begin, distance));
     } else {
         points.push_back(place_on(before, end, distance));
     }

@@ -33,9 +33,6 @@ namespace lamella {
 /// depend on where a contour stands, but for odd shifts of ties.
 Point moved_on_grid(Point from, double x, double y) noexcept;
 
-/// Where two edges around `v` meet that lie at the distance, by their normals.
-Point meeting_of(Point v, double distance, Direction a, Direction b) noexcept;
-
 /// The number of a point that is none of the contour's.
 inline constexpr std::uint32_t no_point = 0xffffffff;
 
@@ -46,9 +43,12 @@ public:
 
     /// For the next contour. `outwards`: edges move to their right, else to their left.
     void clear(bool outwards) noexcept;
-    /// The next edge: from `from` on in a direction, a unit vector. `point`: which of the contour's points that is.
-    /// `shrinks`: the corner there is an inner one, at which edges become shorter.
-    void add(Point from, std::uint32_t point, Direction along, double length, bool shrinks);
+    /// For so many edges at least.
+    void reserve(std::size_t edges) { edges_.reserve(edges); }
+    /// The next edge: from `from` on in a direction, a unit vector. `point`: which of the contour's points that is; `miter`:
+    /// where it meets the edge before if both move and neither goes. `shrinks`: the corner there is an inner one, at which
+    /// edges become shorter.
+    void add(Point from, std::uint32_t point, Direction along, double length, Point miter, bool shrinks);
     /// One of no length, at a corner. `stands`: it does not move, and edges before and after it end beside it.
     void add_at(Point corner, Direction along, bool stands = false);
     /// Moves all by a distance above 0, and appends where they are then: nothing if fewer than three are left. O(e log e)
@@ -65,6 +65,7 @@ private:
     /// A stretch of a moved line. Numbers are of the distance 0, and what they grow by for each unit of it.
     struct Edge {
         Point from;  ///< lengths along the edge count from here
+        Point miter;
         Direction along;
         double begin = 0;
         double end = 0;

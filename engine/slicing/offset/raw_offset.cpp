@@ -63,6 +63,12 @@ bool reach_beyond_grid(const Point* first, const Point* last) noexcept {
     return highest > grid_limit || lowest < -grid_limit;
 }
 
+/// Where two edges around `v` meet that lie at the distance, by their normals.
+Point meeting_of(Point v, double distance, Direction a, Direction b) noexcept {
+    const double scale = distance / (1.0 + (a.x * b.x + a.y * b.y));
+    return moved_on_grid(v, scale * (a.x + b.x), scale * (a.y + b.y));
+}
+
 /// Leaves one of equal consecutive points; the first follows the last.
 Point* without_repeats(Point* first, Point* last) noexcept {
     last = std::unique(first, last);
@@ -209,6 +215,7 @@ void RawOffset::list_moving(std::span<const Point> contour, const Shape& shape) 
     const bool outwards = shape.distance > 0;
     const double side = outwards ? 1 : -1;
     moving_.clear(outwards);
+    moving_.reserve(contour.size());
     for (std::size_t i = 0; i < contour.size(); ++i) {
         const Point v = contour[i];
         const Direction before{edges_.ux[i], edges_.uy[i]};
@@ -227,7 +234,7 @@ void RawOffset::list_moving(std::span<const Point> contour, const Shape& shape) 
                            shape.is_end(i) && shape.corners.end == End::butt);
         }
         moving_.add(v, static_cast<std::uint32_t>(i), {edges_.ux[i + 1], edges_.uy[i + 1]}, edges_.length[i + 1],
-                    corners_.added[i] < 0);
+                    corners_.miter[i], corners_.added[i] < 0);
     }
 }
 

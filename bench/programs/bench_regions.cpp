@@ -195,9 +195,12 @@ Figures time_operations(const Work& work, int rounds) {
     std::vector<Operation> operations = operations_on(work, overlay);
     const double length = length_of(work.contours);
     std::map<std::string, std::function<void()>> works;
+    SliceResult result;
     works["union"] = [&] {
         for (const Contours& contours : work.contours) {
-            checked(region_of(contours, non_zero(), work.unit_mm, {.threads = 1}));
+            const ContourSet given{contours, work.unit_mm};
+            const LayerSet set[] = {{.layers = given, .fill_rule = FillRule::non_zero}};
+            checked(overlay.combine(result, set, unite, {}, {.threads = 1}));
         }
     };
     works["library_union"] = [&] {
@@ -205,7 +208,6 @@ Figures time_operations(const Work& work, int rounds) {
             clipped(ClipperLib::ctUnion, paths, {});
         }
     };
-    SliceResult result;
     for (const Operation& each : operations) {
         each.ours(result);
         double apart = 0;

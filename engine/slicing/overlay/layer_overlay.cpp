@@ -1,6 +1,8 @@
 #include "slicing/overlay/layer_overlay.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <iterator>
 #include <string>
 
 #include "base/guard.hpp"
@@ -11,26 +13,18 @@ namespace lamella {
 namespace {
 
 constexpr std::size_t set_work = 32;  ///< as StopPace counts it
+constexpr int winding_bits = 63;      ///< without the sign
 
 }  // namespace
 
 std::uint32_t LayerOverlay::run(std::span<const LayerSet> sets, const Rule& rule, const LayerRules& after, std::uint64_t n,
                                 BandOutput& out) {
-    rings_.clear();
     layers_.rules = &after;
-    for (std::size_t s = 0; s < sets.size(); ++s) {
-        add_region(sets[s], s, n);
-    }
+    add_sets(sets, n);
     sort_rings();
     fill_.find_windings(paths_, weights_, nester_);
     const std::span<const std::int64_t> windings = fill_.list_windings();
-    if (windings.front() < 0 || windings.back() >> sets.size() != 0) {
-        throw Refused{
-            {ErrorCode::invalid_argument, "layer " + std::to_string(n) +
-                                              ": contours of a set wind twice or backwards around something, though "
-                                              "it is said to be a region"}};
-    }
-    find_labels(rule, windings);
+    find_labels(rule, windings, n);
     std::uint32_t contours = 0;
     for (const std::uint32_t label : labels_) {
         fill_.select([&](std::int64_t winding) {
@@ -43,16 +37,61 @@ std::uint32_t LayerOverlay::run(std::span<const LayerSet> sets, const Rule& rule
     return labels_.empty() ? 0 : labels_.back();
 }
 
-void LayerOverlay::add_region(const LayerSet& set, std::size_t number, std::uint64_t n) {
-    if (readers_.size() == number) {
-        readers_.push_back(std::make_unique<SetReader>(worker_));
+void LayerOverlay::add_sets(std::span<const LayerSet> sets, std::uint64_t n) {
+    rings_.clear();
+    fields_.clear();
+    int shift = 0;
+    for (std::size_t s = 0; s < sets.size(); ++s) {
+        if (readers_.size() == s) {
+            readers_.push_back(std::make_unique<SetReader>(worker_));
+        }
+        SetReader& reader = *readers_[s];
+        const std::int64_t weight = std::int64_t{1} << shift;
+        const int room = winding_bits - shift - static_cast<int>(sets.size() - 1 - s);  // the others need a bit each
+        if (!SetReader::is_region(sets[s]) && sets[s].grow_mm == 0) {
+            const std::span<const Path> contours = reader.list_contours(sets[s], n);
+            std::uint64_t turns = 0;  // a contour winds at most once for each two of its points
+            for (const Path& path : contours) {
+                turns += path.item.count / 2;
+            }
+            const int bits = static_cast<int>(std::bit_width(turns)) + 1;
+            if (bits <= room) {
+                std::transform(contours.begin(), contours.end(), std::back_inserter(rings_), [weight](const Path& path) {
+                    return Ring{path, weight};
+                });
+                fields_.push_back({bits, sets[s].fill_rule});
+                shift += bits;
+                continue;
+            }
+        }
+        for (Path path : reader.list_region(sets[s], n, layers_.rules->grid_mm, nester_)) {
+            path.segments = path.made ? path.item.count : path.segments;
+            // As a region has it: with the solid on the left.
+            rings_.push_back({path, path.is_backward() ? -weight : weight});
+        }
+        fields_.push_back({1, FillRule::contours});
+        ++shift;
     }
-    const std::int64_t weight = std::int64_t{1} << number;
-    for (Path path : readers_[number]->list_region(set, n, layers_.rules->grid_mm, nester_)) {
-        path.segments = path.made ? path.item.count : path.segments;
-        // As a region has it: with the solid on the left.
-        rings_.push_back({path, path.is_backward() ? -weight : weight});
+}
+
+/// By bits, the sets that hold what has the winding number.
+std::uint64_t LayerOverlay::membership_of(std::int64_t winding, std::uint64_t n) const {
+    std::uint64_t in = 0;
+    for (std::size_t s = 0; s < fields_.size(); ++s) {
+        const auto [bits, rule] = fields_[s];
+        const std::int64_t end = std::int64_t{1} << bits;
+        const std::int64_t low = winding & (end - 1);
+        const std::int64_t own = rule != FillRule::contours && low >= end / 2 ? low - end : low;
+        winding = (winding - own) >> bits;
+        in |= std::uint64_t{rule == FillRule::contours ? own != 0 : fills(rule, own)} << s;
     }
+    if (winding != 0) {
+        throw Refused{
+            {ErrorCode::invalid_argument, "layer " + std::to_string(n) +
+                                              ": contours of a set wind twice or backwards around something, though "
+                                              "it is said to be a region"}};
+    }
+    return in;
 }
 
 void LayerOverlay::sort_rings() {
@@ -70,11 +109,11 @@ void LayerOverlay::sort_rings() {
 }
 
 /// Asks the rule once for each membership.
-void LayerOverlay::find_labels(const Rule& rule, std::span<const std::int64_t> windings) {
+void LayerOverlay::find_labels(const Rule& rule, std::span<const std::int64_t> windings, std::uint64_t n) {
     label_of_.clear();
     labels_.clear();
     for (const std::int64_t winding : windings) {
-        const std::uint32_t label = label_of(rule, static_cast<std::uint64_t>(winding));
+        const std::uint32_t label = label_of(rule, membership_of(winding, n));
         require(check_label(label));
         label_of_.push_back(label);
         if (label != 0) {

@@ -1,7 +1,9 @@
 // One layer of the answer, from those of all sets.
 //
-//     regions   what each set's contours bound in the layers that count here
-//     fill      one arrangement of all regions: inside set i, the winding number rises by 2^i
+//     sets      each set's contours in the layers that count here; where they are grown first, or too many, the region that
+//               they bound
+//     fill      one arrangement of all. A set has bits of the winding number to itself: one for a region, which rises by it
+//               inside; for other contours as many as their own winding number may need, with its sign
 //     labels    a region for each label, and the steps after it; then its contours' place in the layer
 //
 //     set 0   .-------.             winding numbers:  1  inside set 0 only
@@ -10,7 +12,8 @@
 //             '---+---'   |
 //                 '-------'  set 1
 //
-// The winding number is the membership, since a region winds once around what is in it, and not around what is not.
+// With regions alone the winding number is the membership, since a region winds once around what is in it, and not around
+// what is not.
 #pragma once
 
 #include <cstdint>
@@ -46,15 +49,23 @@ private:
         std::int64_t weight;
     };
 
-    void add_region(const LayerSet& set, std::size_t number, std::uint64_t n);
+    /// A set's share of winding numbers.
+    struct Field {
+        int bits;
+        FillRule rule;  ///< by which its winding number is filled; FillRule::contours: of a region, 0 or 1
+    };
+
+    void add_sets(std::span<const LayerSet> sets, std::uint64_t n);
     void sort_rings();
-    void find_labels(const Rule& rule, std::span<const std::int64_t> windings);
+    void find_labels(const Rule& rule, std::span<const std::int64_t> windings, std::uint64_t n);
+    std::uint64_t membership_of(std::int64_t winding, std::uint64_t n) const;
 
     Worker& worker_;
     Nester nester_{worker_};
     Fill fill_{worker_};
     LayerBuilder layers_{worker_};
     std::vector<std::unique_ptr<SetReader>> readers_;   // by set
+    Vector<Field> fields_{worker_.memory()};            // by set
     Vector<Ring> rings_{worker_.memory()};              // of all sets, by start
     Vector<Path> paths_{worker_.memory()};              // of rings_
     Vector<std::int64_t> weights_{worker_.memory()};    // of rings_

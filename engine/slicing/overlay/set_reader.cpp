@@ -9,14 +9,6 @@ namespace {
 
 constexpr std::size_t contour_work = 32;  ///< as StopPace counts it
 
-/// True if the set's contours in a layer are a region as they are: with the solid on their left, and across nothing.
-bool is_region(const LayerSet& set) noexcept {
-    const SliceResult* const stack = set.layers.stack();
-    return stack != nullptr && set.from == set.to && set.grow_mm == 0 && !stack->info.options.region.keeps_contours() &&
-           stack->info.options.region.fill_from.empty() &&
-           (stack->info.part_count == 1 || stack->info.options.unite_parts || set.part);
-}
-
 }  // namespace
 
 bool is_before(const Path& a, const Path& b) noexcept {
@@ -27,6 +19,13 @@ bool is_before(const Path& a, const Path& b) noexcept {
         return points < 0;
     }
     return std::tie(a.segments, a.item.flags) < std::tie(b.segments, b.item.flags);
+}
+
+bool SetReader::is_region(const LayerSet& set) noexcept {
+    const SliceResult* const stack = set.layers.stack();
+    return stack != nullptr && set.from == set.to && set.grow_mm == 0 && !stack->info.options.region.keeps_contours() &&
+           stack->info.options.region.fill_from.empty() &&
+           (stack->info.part_count == 1 || stack->info.options.unite_parts || set.part);
 }
 
 std::span<const Path> SetReader::list_contours(const LayerSet& set, std::uint64_t n) {

@@ -20,6 +20,8 @@ class SetReader {
 public:
     explicit SetReader(Worker& worker) noexcept : worker_(worker) {}
 
+    /// True if the set's contours in a layer are a region as they are: with the solid on their left, and across nothing.
+    static bool is_region(const LayerSet& set) noexcept;
     /// The contours that bound something, in no order.
     std::span<const Path> list_contours(const LayerSet& set, std::uint64_t n);
     /// Those of the region, grown as the set says. Path::hole tells which side of a contour is solid, whichever way it runs.

@@ -14,7 +14,7 @@ void Pockets::add_layer(std::uint32_t end, std::span<const TrackLink> links) {
         spaces_.push_back({{.contour = own.contour,
                             .first_layer = layer_,
                             .end_layer = layer_ + 1,
-                            .volume_mm3 = static_cast<double>(own.twice_area) * own.slab_mm3},
+                            .volume_mm3 = own.twice_area.to_double() * own.slab_mm3},
                            own.is_outside || layer_ == 0});
     }
     std::for_each(links.begin(), links.end(), [this](const TrackLink& link) { unite(link); });

@@ -12,7 +12,7 @@ namespace lamella {
 /// A void of a layer.
 struct TrackVoid {
     std::uint64_t contour = 0;  ///< its hole
-    Int128 twice_area = 0;      ///< square grid units
+    Integer128 twice_area;      ///< square grid units
     double slab_mm3 = 0;        ///< of half a square unit within its slab
     bool is_outside = false;
 };

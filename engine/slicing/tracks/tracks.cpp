@@ -33,19 +33,25 @@ Int128 magnitude_of(const Contour& contour) noexcept {
 
 /// Exact: coordinates are below 2^31, so a term of the moments is below 2^93, and there are fewer than 2^32.
 struct Moments {
-    Int128 twice_area = 0;
-    Int128 six_x = 0;  ///< six times the integral of x
-    Int128 six_y = 0;
+    Integer128 twice_area;
+    Integer128 six_x;  ///< six times the integral of x
+    Integer128 six_y;
 
     void add(std::span<const Point> ring) noexcept {
+        Int128 area = to_int128(twice_area);
+        Int128 x = to_int128(six_x);
+        Int128 y = to_int128(six_y);
         Point a = ring.back();
         for (const Point b : ring) {
             const std::int64_t product = std::int64_t{a.x} * b.y - std::int64_t{a.y} * b.x;
-            twice_area += product;
-            six_x += Int128{product} * (std::int64_t{a.x} + b.x);
-            six_y += Int128{product} * (std::int64_t{a.y} + b.y);
+            area += product;
+            x += Int128{product} * (std::int64_t{a.x} + b.x);
+            y += Int128{product} * (std::int64_t{a.y} + b.y);
             a = b;
         }
+        twice_area = to_integer128(area);
+        six_x = to_integer128(x);
+        six_y = to_integer128(y);
     }
 };
 
@@ -198,12 +204,12 @@ void TrackFinding::measure(std::size_t n, Tracks& tracks) {
     for (std::uint32_t i = 0; i < own.islands; ++i) {
         Track& track = tracks.islands[own.first_island + i];
         const Point start = rings_[track.contour].points.front();
-        const double twice_area = static_cast<double>(std::max<Int128>(moments[i].twice_area, 0));
+        const double twice_area = std::max(moments[i].twice_area.to_double(), 0.0);
         track.area_mm2 = twice_area / 2 * grid_mm * grid_mm;
         track.centroid_mm = {start.x * grid_mm, start.y * grid_mm};
         if (twice_area > 0) {
-            track.centroid_mm = {static_cast<double>(moments[i].six_x) / (3 * twice_area) * grid_mm,
-                                 static_cast<double>(moments[i].six_y) / (3 * twice_area) * grid_mm};
+            track.centroid_mm = {moments[i].six_x.to_double() / (3 * twice_area) * grid_mm,
+                                 moments[i].six_y.to_double() / (3 * twice_area) * grid_mm};
         }
     }
     std::sort(by_size.begin(), by_size.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -283,7 +289,8 @@ void TrackFinding::find_pockets(Tracks& tracks) {
         for (const std::uint32_t r : layers_[n].by_size) {
             const Contour& contour = stack_.contours[layer.first_contour + r];
             TrackVoid& own = voids[layers_[n].rings[r].empty];
-            own.twice_area -= to_int128(contour.twice_area);  // of a hole it is negative
+            own.twice_area =
+                to_integer128(to_int128(own.twice_area) - to_int128(contour.twice_area));  // of a hole it is negative
             own.slab_mm3 = mm3;
             own.contour = contour.role == Role::hole ? layer.first_contour + r : own.contour;
         }

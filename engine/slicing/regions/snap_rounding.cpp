@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cstdlib>
-#include <limits>
+#include <numeric>
 #include <utility>
 
 #include "base/numbers.hpp"
@@ -16,6 +16,7 @@ namespace {
 // Of the search by boxes: where it takes more, most boxes that meet have edges that do not.
 constexpr std::uint64_t steps_of_edge = 256;
 constexpr std::uint64_t steps_of_contact = 8;
+constexpr std::size_t strand_work = 24;  ///< as StopPace counts it; memory is not read in order
 
 /// True if the edge from `joint` to `to` leads back, by more than a right angle, from the one from `from` to `joint`.
 bool turns_back(Point from, Point joint, Point to) noexcept {
@@ -323,14 +324,36 @@ void SnapRounding::add_straight(const Source& source, std::uint32_t from, std::u
     }
 }
 
+/// Straight strands by their ends, then chains: counted by the vertex that they leave first, of which each has few.
+void SnapRounding::sort_strands() {
+    first_strands_.assign(vertices_.size() + 1, 0);
+    worker_.in_stretches(0, strands_.size(), strand_work, [this](std::size_t begin, std::size_t end) {
+        for (std::size_t s = begin; s < end; ++s) {
+            first_strands_[strands_[s].from + 1] += strands_[s].is_chain() ? 0 : 1;
+        }
+    });
+    std::partial_sum(first_strands_.begin(), first_strands_.end(), first_strands_.begin());
+    next_strands_.assign(first_strands_.begin(), first_strands_.end());
+    sorted_.resize(strands_.size());
+    std::size_t chain = first_strands_.back();
+    worker_.in_stretches(0, strands_.size(), strand_work, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t s = begin; s < end; ++s) {
+            sorted_[strands_[s].is_chain() ? chain++ : next_strands_[strands_[s].from]++] = strands_[s];
+        }
+    });
+    for (std::size_t v = 0; v < vertices_.size(); ++v) {
+        std::sort(sorted_.begin() + first_strands_[v], sorted_.begin() + first_strands_[v + 1],
+                  [](const Strand& a, const Strand& b) { return a.to < b.to; });
+        worker_.spend(1 + first_strands_[v + 1] - first_strands_[v]);
+    }
+    strands_.swap(sorted_);
+}
+
 /// Straight strands between the same vertices become one. A chain is the only one of its kind.
 void SnapRounding::merge_strands() {
     const auto ends = [](const Strand& strand) { return std::uint64_t{strand.from} << 32 | strand.to; };
-    const auto chains = std::partition(strands_.begin(), strands_.end(), [](const Strand& s) { return !s.is_chain(); });
-    std::sort(strands_.begin(), chains, [&](const Strand& a, const Strand& b) {
-        worker_.spend(1);
-        return ends(a) < ends(b);
-    });
+    sort_strands();
+    const auto chains = strands_.begin() + first_strands_.back();
     auto kept = strands_.begin();
     for (auto next = strands_.begin(); next != strands_.end();) {
         worker_.spend(1);

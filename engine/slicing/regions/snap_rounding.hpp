@@ -187,6 +187,7 @@ private:
     void add_strand(std::uint32_t contour, const Stop& from, const Stop& to);
     void add_straight(const Source& source, std::uint32_t from, std::uint32_t to, const PointOrigin& origin);
     std::uint32_t vertex_at(Point p) const noexcept;
+    void sort_strands();
     void merge_strands();
 
     Worker& worker_;
@@ -194,6 +195,9 @@ private:
     Vector<Point> vertices_{worker_.memory()};
     PointTree tree_{worker_};
     Vector<Strand> strands_{worker_.memory()};
+    Vector<Strand> sorted_{worker_.memory()};
+    Vector<std::uint32_t> first_strands_{worker_.memory()};  // straight ones from each vertex on, in sorted_
+    Vector<std::uint32_t> next_strands_{worker_.memory()};   // where the next one from each vertex goes
     Vector<Found> on_edge_{worker_.memory()};  // vertices that an edge passes between its ends, in its direction
     bool any_cancelled_ = false;
 };

@@ -277,34 +277,25 @@ private:
     Array<Block> blocks_;                            ///< level by level
 };
 
-/// Orders items with places at(item) for a tree: halves them across the longer side of their box, until eight are left. The
-/// first half fills whole nodes. O(n log n).
+/// Orders items with places at(item) for a tree: by x in strips, and by y within each, which are about as wide as eight
+/// items are high. O(n log n).
 template <class Item, class At>
 void order_by_place(std::span<Item> items, const At& at, StopPace& pace) {
     constexpr std::size_t fan = BoxTree<Point>::fan;
     if (items.size() <= fan) {
         return;
     }
-    FlatBox box = FlatBox::nothing();
-    for (const Item& item : items) {
-        box.include({at(item), at(item)});
+    const auto left = [&](const Item& a, const Item& b) { return at(a).x < at(b).x; };
+    if (!std::is_sorted(items.begin(), items.end(), left)) {
+        std::sort(items.begin(), items.end(), left);
     }
-    std::size_t node = fan;
-    while (node * fan < items.size()) {
-        node *= fan;
+    const auto strips = static_cast<std::size_t>(std::sqrt(static_cast<double>(items.size()) / fan)) + 1;
+    const std::size_t size = (items.size() / strips / fan + 1) * fan;
+    for (std::size_t first = 0; first < items.size(); first += size) {
+        const std::span<Item> strip = items.subspan(first, std::min(size, items.size() - first));
+        std::sort(strip.begin(), strip.end(), [&](const Item& a, const Item& b) { return at(a).y < at(b).y; });
+        pace.spend(16 * strip.size());
     }
-    const std::size_t half = (items.size() + node - 1) / node / 2 * node;
-    pace.spend(4 * items.size());
-    const auto middle = items.begin() + static_cast<std::ptrdiff_t>(half);
-    if (width_of(box) > height_of(box)) {
-        std::nth_element(items.begin(), middle, items.end(),
-                         [&](const Item& a, const Item& b) { return at(a).x < at(b).x; });
-    } else {
-        std::nth_element(items.begin(), middle, items.end(),
-                         [&](const Item& a, const Item& b) { return at(a).y < at(b).y; });
-    }
-    order_by_place(items.first(half), at, pace);
-    order_by_place(items.subspan(half), at, pace);
 }
 
 // Boxes along an edge.

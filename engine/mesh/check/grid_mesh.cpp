@@ -9,6 +9,7 @@
 
 #include "base/distribute.hpp"
 #include "base/numbers.hpp"
+#include "base/sort.hpp"
 #include "mesh/vertex_numbers.hpp"
 #include "slicing/grid/mesh_edge.hpp"
 
@@ -84,7 +85,8 @@ Distributed<Face> distribute_faces(const Array<std::uint32_t>& numbers, std::siz
             for (std::size_t t = begin; t != end; ++t) {
                 Face face = face_of(numbers, t);
                 if (is_collapsed(face)) {
-                    std::sort(face.corners.begin(), face.corners.end());  // without orientation; two corners may be smallest
+                    sort_briefly(face.corners.begin(),
+                                 face.corners.end());  // without orientation; two corners may be smallest
                     emit(parts, face);
                 } else {
                     emit(part_of_number(face.corners[0], vertices, parts), face);

@@ -10,6 +10,7 @@
 #include <cstdlib>
 
 #include "base/numbers.hpp"
+#include "base/sort.hpp"
 
 namespace lamella {
 
@@ -202,7 +203,7 @@ std::array<std::array<double, 3>, 2> crossing_segment(const ExactFace& a, const 
     add_ends(a, b);
     add_ends(b, a);
     assert(count == 4);  // two segments on the line have four ends; the middle two bound what they share
-    std::sort(points.begin(), points.begin() + 4);
+    sort_briefly(points.begin(), points.begin() + 4);
     return {points[1], points[2]};
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/numbers.hpp"
+#include "base/sort.hpp"
 #include "slicing/grid/exact.hpp"
 
 namespace lamella {
@@ -168,7 +169,7 @@ void sort_round_edge(const GridVertex& lower, const GridVertex& upper, std::span
         }
         return dot(zero, normal(face)) < 0 ? 2 : 0;  // the normals are parallel
     };
-    std::sort(faces.begin(), faces.end(), [&](const FaceAtEdge& a, const FaceAtEdge& b) {
+    sort_briefly(faces.begin(), faces.end(), [&](const FaceAtEdge& a, const FaceAtEdge& b) {
         const int quadrant_a = quadrant(a);
         const int quadrant_b = quadrant(b);
         if (quadrant_a != quadrant_b) {
@@ -219,7 +220,7 @@ bool SlotTable::settle(std::span<Link> links, SortEnds sort_ends) {
             }
         }
     }
-    std::sort(late_ends_.begin(), late_ends_.end(), [](const auto& a, const auto& b) { return a.slot < b.slot; });
+    sort_briefly(late_ends_.begin(), late_ends_.end(), [](const auto& a, const auto& b) { return a.slot < b.slot; });
     for (auto begin = late_ends_.begin(); begin != late_ends_.end();) {
         const auto end = std::find_if(begin, late_ends_.end(), [begin](const auto& end) { return end.slot != begin->slot; });
         const std::span<MeetingEnd> ends(&*begin, static_cast<std::size_t>(end - begin));

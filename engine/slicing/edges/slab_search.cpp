@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <numeric>
 
+#include "base/sort.hpp"
+
 namespace lamella {
 
 namespace {
@@ -150,7 +152,7 @@ void SlabSearch::compare_all(std::span<const Piece> pieces) const {
 std::size_t SlabSearch::take_stairs(std::span<Piece> spanning) {
     stairs_.clear();
     stair_pieces_.clear();
-    std::sort(spanning.begin(), spanning.end(), [this](const Piece& a, const Piece& b) {
+    sort_briefly(spanning.begin(), spanning.end(), [this](const Piece& a, const Piece& b) {
         worker_.spend(1);
         return a.low[0] + a.high[0] < b.low[0] + b.high[0];
     });

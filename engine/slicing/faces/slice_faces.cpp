@@ -16,6 +16,7 @@
 #include "base/distribute.hpp"
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
+#include "base/sort.hpp"
 #include "base/words.hpp"
 #include "slicing/faces/face_pieces.hpp"
 #include "slicing/grid/quantise.hpp"
@@ -218,8 +219,8 @@ private:
 
     void build_task(const Band& layers, std::span<FacePiece> pieces, FaceWorker& worker, BandOutput& output) {
         if (layers.last - layers.first > 1) {
-            std::sort(pieces.begin(), pieces.end(),
-                      [](const FacePiece& a, const FacePiece& b) { return a.layer < b.layer; });
+            sort_briefly(pieces.begin(), pieces.end(),
+                         [](const FacePiece& a, const FacePiece& b) { return a.layer < b.layer; });
         }
         for (PlaneIndex number = layers.first; number < layers.last; ++number) {
             const PlaneIndex layer = layers_.first + number;

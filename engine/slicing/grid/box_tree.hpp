@@ -21,6 +21,7 @@
 #include "base/eight.hpp"
 #include "base/numbers.hpp"
 #include "base/parallel.hpp"
+#include "base/sort.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "lamella/array.hpp"
@@ -294,13 +295,13 @@ void order_by_place(std::span<Item> items, const At& at, StopPace& pace) {
         return at(a).y < at(b).y;
     };
     if (!std::is_sorted(items.begin(), items.end(), left)) {
-        std::sort(items.begin(), items.end(), left);
+        sort_briefly(items.begin(), items.end(), left);
     }
     const auto strips = static_cast<std::size_t>(std::sqrt(static_cast<double>(items.size()) / fan)) + 1;
     const std::size_t size = (items.size() / strips / fan + 1) * fan;
     for (std::size_t first = 0; first < items.size(); first += size) {
-        std::sort(items.begin() + static_cast<std::ptrdiff_t>(first),
-                  items.begin() + static_cast<std::ptrdiff_t>(std::min(first + size, items.size())), lower);
+        sort_briefly(items.begin() + static_cast<std::ptrdiff_t>(first),
+                     items.begin() + static_cast<std::ptrdiff_t>(std::min(first + size, items.size())), lower);
     }
 }
 

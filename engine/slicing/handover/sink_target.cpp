@@ -5,6 +5,7 @@
 
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
+#include "base/sort.hpp"
 
 namespace lamella {
 
@@ -55,8 +56,8 @@ struct LayerCursor {
             rest[count++].layer = index;
         }
         first_gap += count;
-        std::sort(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(count),
-                  [](const Stitch& a, const Stitch& b) { return std::tie(a.from, a.to) < std::tie(b.from, b.to); });
+        sort_briefly(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(count),
+                     [](const Stitch& a, const Stitch& b) { return std::tie(a.from, a.to) < std::tie(b.from, b.to); });
         return rest.first(count);
     }
 };

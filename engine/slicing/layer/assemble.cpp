@@ -1,10 +1,10 @@
 // The assembled form on a caller's own segments: Algorithm 4 of the paper, with keys from the caller.
 #include "lamella/layers.hpp"
 
-#include <algorithm>
 
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
+#include "base/sort.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "slicing/contours/link_graph.hpp"
@@ -75,7 +75,7 @@ private:
         const auto other_key = [this](const MeetingEnd& end) -> const EndKey& {
             return end.is_source ? segments_[end.link].to_key : segments_[end.link].from_key;
         };
-        std::sort(ends.begin(), ends.end(), [&](const MeetingEnd& a, const MeetingEnd& b) {
+        sort_briefly(ends.begin(), ends.end(), [&](const MeetingEnd& a, const MeetingEnd& b) {
             worker_.spend(comparison_work);
             if (rank(a) != rank(b)) {
                 return rank(a) < rank(b);

@@ -5,6 +5,8 @@
 #include <limits>
 #include <tuple>
 
+#include "base/sort.hpp"
+
 namespace lamella {
 
 namespace {
@@ -169,7 +171,7 @@ void Nester::sort_by_size(std::span<const NestItem> items) {
     nesting::sort_keys(by_size_, spare_keys_, worker_);
     const auto huge =
         std::partition_point(by_size_.begin(), by_size_.end(), [](const SortKey& key) { return key.key != huge_key; });
-    std::sort(huge, by_size_.end(), [&](const SortKey& a, const SortKey& b) {
+    sort_briefly(huge, by_size_.end(), [&](const SortKey& a, const SortKey& b) {
         const auto size = [&](const SortKey& key) { return size_of(items[rings_[key.index].item]); };
         return std::pair(size(a), a.index) < std::pair(size(b), b.index);
     });

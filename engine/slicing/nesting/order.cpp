@@ -46,7 +46,7 @@ void insert_in_order(Vector<SortKey>& keys) {
         }
         keys[place] = key;
         if (i - place > moves_left) {
-            std::sort(keys.begin(), keys.end(), before);
+            sort_briefly(keys.begin(), keys.end(), before);
             return;
         }
         moves_left -= i - place;
@@ -65,7 +65,7 @@ void sort_keys(Vector<SortKey>& keys, Vector<SortKey>& spare, StopPace& pace) {
         return;
     }
     if (keys.size() <= very_few) {
-        std::sort(keys.begin(), keys.end(), before);
+        sort_briefly(keys.begin(), keys.end(), before);
         return;
     }
     const std::uint64_t base = smallest_halves(keys);

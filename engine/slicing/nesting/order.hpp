@@ -9,6 +9,7 @@
 #include "base/function_ref.hpp"
 #include "base/numbers.hpp"
 #include "base/parallel.hpp"
+#include "base/sort.hpp"
 #include "base/vector.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/grid/exact.hpp"
@@ -52,7 +53,7 @@ void sort_equal_keys(Vector<SortKey>& keys, const Before& before) {
     const auto equal = [](const SortKey& a, const SortKey& b) { return a.key == b.key; };
     for (auto run = std::adjacent_find(keys.begin(), keys.end(), equal); run != keys.end();) {
         const auto end = std::find_if(run, keys.end(), [run](const SortKey& key) { return key.key != run->key; });
-        std::sort(run, end, before);
+        sort_briefly(run, end, before);
         run = std::adjacent_find(end, keys.end(), equal);
     }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/numbers.hpp"
+#include "base/sort.hpp"
 #include "slicing/grid/box_tree.hpp"
 #include "slicing/regions/snap_rounding.hpp"
 
@@ -179,7 +180,7 @@ void LayerClip::find_crossings() {
         compare(run.begin, run.end, weight_of(run));
         return true;
     });
-    std::sort(crossings_.begin(), crossings_.end(), [this](const Crossing& a, const Crossing& b) {
+    sort_briefly(crossings_.begin(), crossings_.end(), [this](const Crossing& a, const Crossing& b) {
         worker_.spend(1);
         return comes_earlier(a, b);
     });

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/guard.hpp"
+#include "base/sort.hpp"
 #include "slicing/overlay/labels.hpp"
 
 namespace lamella {
@@ -95,7 +96,7 @@ std::uint64_t LayerOverlay::membership_of(std::int64_t winding, std::uint64_t n)
 }
 
 void LayerOverlay::sort_rings() {
-    std::sort(rings_.begin(), rings_.end(), [this](const Ring& a, const Ring& b) {
+    sort_briefly(rings_.begin(), rings_.end(), [this](const Ring& a, const Ring& b) {
         worker_.spend(1);
         return is_before(a.path, b.path);
     });
@@ -120,7 +121,7 @@ void LayerOverlay::find_labels(const Rule& rule, std::span<const std::int64_t> w
             labels_.push_back(label);
         }
     }
-    std::sort(labels_.begin(), labels_.end());
+    sort_briefly(labels_.begin(), labels_.end());
     labels_.erase(std::unique(labels_.begin(), labels_.end()), labels_.end());
 }
 

@@ -1,7 +1,8 @@
 #include "slicing/overlay/set_reader.hpp"
 
-#include <algorithm>
 #include <tuple>
+
+#include "base/sort.hpp"
 
 namespace lamella {
 
@@ -97,7 +98,7 @@ std::span<const Path> SetReader::list_region(const LayerSet& set, std::uint64_t 
         }
         return listed_;
     }
-    std::sort(listed_.begin(), listed_.end(), [this](const Path& a, const Path& b) {
+    sort_briefly(listed_.begin(), listed_.end(), [this](const Path& a, const Path& b) {
         worker_.spend(1);
         return is_before(a, b);
     });

@@ -8,6 +8,7 @@
 
 #include "base/guard.hpp"
 #include "base/numbers.hpp"
+#include "base/sort.hpp"
 #include "base/words.hpp"
 #include "lamella/result.hpp"
 #include "slicing/grid/quantise.hpp"
@@ -248,8 +249,8 @@ void PlaneSet::build_listed(std::span<const double> heights) {
     listed_order_.resize(heights.size());
     std::iota(listed_order_.begin(), listed_order_.end(), PlaneIndex{0});
     if (!std::is_sorted(heights.begin(), heights.end())) {
-        std::sort(listed_order_.begin(), listed_order_.end(),
-                  [&](PlaneIndex a, PlaneIndex b) { return heights[a] != heights[b] ? heights[a] < heights[b] : a < b; });
+        sort_briefly(listed_order_.begin(), listed_order_.end(),
+                     [&](PlaneIndex a, PlaneIndex b) { return heights[a] != heights[b] ? heights[a] < heights[b] : a < b; });
     }
     heights_mm_.reserve(heights.size());
     plane_of_listed_.resize(heights.size());

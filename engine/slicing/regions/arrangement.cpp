@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "base/sort.hpp"
+
 namespace lamella {
 
 namespace {
@@ -70,7 +72,7 @@ void Arrangement::sort_halves() {
         const AroundPoint is_before(snapped_->vertices()[v]);
         const auto begin = halves_.begin() + first_halves_[v];
         const auto end = halves_.begin() + first_halves_[v + 1];
-        std::sort(begin, end, [&](Half a, Half b) { return is_before(point_of(a, 1), point_of(b, 1)); });
+        sort_briefly(begin, end, [&](Half a, Half b) { return is_before(point_of(a, 1), point_of(b, 1)); });
         for (auto half = begin; half != end; ++half) {
             place_of_[*half] = static_cast<std::uint32_t>(half - halves_.begin());
         }

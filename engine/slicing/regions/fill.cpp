@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "base/numbers.hpp"
+#include "base/sort.hpp"
 
 namespace lamella {
 
@@ -58,7 +59,7 @@ std::span<const std::int64_t> Fill::list_windings() {
     for (const Arrangement::Face& face : arrangement_.faces()) {
         windings_.push_back(winding_of(face));
     }
-    std::sort(windings_.begin(), windings_.end());
+    sort_briefly(windings_.begin(), windings_.end());
     windings_.erase(std::unique(windings_.begin(), windings_.end()), windings_.end());
     return windings_;
 }
@@ -174,7 +175,7 @@ void Fill::spread_windings() {
     order_.resize(pieces_.size());
     std::iota(order_.begin(), order_.end(), 0U);
     if (apart_ < pieces_.size()) {  // contours are in order
-        std::sort(order_.begin(), order_.end(), [this](std::uint32_t a, std::uint32_t b) {
+        sort_briefly(order_.begin(), order_.end(), [this](std::uint32_t a, std::uint32_t b) {
             worker_.spend(1);
             return pieces_[a].from_start(0) < pieces_[b].from_start(0);
         });

@@ -6,6 +6,7 @@
 
 #include "base/guard.hpp"
 #include "base/numbers.hpp"
+#include "base/sort.hpp"
 
 namespace lamella {
 
@@ -252,7 +253,7 @@ void Regions::list_curves(RawOffset& curves) {
 
 /// Fills the region that input_ bounds by the positive rule.
 void Regions::fill_positive(Fill& fill, Nester& nester) {
-    std::sort(input_.begin(), input_.end(), [this](const Path& a, const Path& b) {
+    sort_briefly(input_.begin(), input_.end(), [this](const Path& a, const Path& b) {
         worker_.spend(1);
         return std::pair(a.item.from_start(0), a.source) < std::pair(b.item.from_start(0), b.source);
     });

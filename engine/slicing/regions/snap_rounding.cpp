@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/numbers.hpp"
+#include "base/sort.hpp"
 #include "slicing/grid/exact.hpp"
 
 namespace lamella {
@@ -254,7 +255,7 @@ void SnapRounding::collect_vertices(std::span<const Point> crossings) {
             }
         }
     }
-    std::sort(vertices_.begin(), vertices_.end(), [this](const Point& a, const Point& b) {
+    sort_briefly(vertices_.begin(), vertices_.end(), [this](const Point& a, const Point& b) {
         worker_.spend(1);
         return a < b;
     });
@@ -298,7 +299,7 @@ void SnapRounding::find_passed(Point a, Point b) {
             on_edge_.push_back({p, vertex});
         }
     });
-    std::sort(on_edge_.begin(), on_edge_.end(), Along(a, b));
+    sort_briefly(on_edge_.begin(), on_edge_.end(), Along(a, b));
 }
 
 /// A contour that comes from a vertex over one point back to it encloses nothing.
@@ -342,8 +343,8 @@ void SnapRounding::sort_strands() {
         }
     });
     for (std::size_t v = 0; v < vertices_.size(); ++v) {
-        std::sort(sorted_.begin() + first_strands_[v], sorted_.begin() + first_strands_[v + 1],
-                  [](const Strand& a, const Strand& b) { return a.to < b.to; });
+        sort_briefly(sorted_.begin() + first_strands_[v], sorted_.begin() + first_strands_[v + 1],
+                     [](const Strand& a, const Strand& b) { return a.to < b.to; });
         worker_.spend(1 + first_strands_[v + 1] - first_strands_[v]);
     }
     strands_.swap(sorted_);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <tuple>
 
+#include "base/sort.hpp"
 #include "slicing/grid/exact.hpp"
 
 namespace lamella {
@@ -34,7 +35,7 @@ std::span<const Gap> GapCloser::close(std::span<const PolylineEnds> polylines, c
 void GapCloser::list_sites(std::span<const PolylineEnds> polylines) {
     const auto at = [polylines](PolylineEnd end) { return polylines[end.polyline()].at(end.last()); };
     ends_.assign(joined_to_.begin(), joined_to_.end());
-    std::sort(ends_.begin(), ends_.end(), [&at, this](PolylineEnd a, PolylineEnd b) {
+    sort_briefly(ends_.begin(), ends_.end(), [&at, this](PolylineEnd a, PolylineEnd b) {
         worker_.spend(1);
         return std::tuple(a.last(), at(a), a.number()) < std::tuple(b.last(), at(b), b.number());
     });
@@ -152,7 +153,7 @@ std::span<const Gap> GapCloser::leave_open(std::span<const std::uint8_t> crossed
 
 /// By distance; see close().
 void GapCloser::sort_gaps(std::span<const PolylineEnds> polylines) {
-    std::sort(gaps_.begin(), gaps_.end(), [polylines, this](const Gap& a, const Gap& b) {
+    sort_briefly(gaps_.begin(), gaps_.end(), [polylines, this](const Gap& a, const Gap& b) {
         worker_.spend(1);
         const auto key = [polylines](const Gap& gap) {
             const Point from = polylines[gap.from.polyline()].at(gap.from.last());
@@ -252,7 +253,7 @@ void PolylineRepair::mark_crossed(std::span<const Path> around, std::size_t free
             between_joints_.emplace_back(static_cast<std::uint32_t>(path->contour), static_cast<std::uint32_t>(joint));
         }
     });
-    std::sort(between_joints_.begin(), between_joints_.end());
+    sort_briefly(between_joints_.begin(), between_joints_.end());
     for (const auto& [later, earlier] : between_joints_) {
         crossed_[later] |= static_cast<std::uint8_t>(crossed_[earlier] == 0);
     }
@@ -260,7 +261,7 @@ void PolylineRepair::mark_crossed(std::span<const Path> around, std::size_t free
 
 void PolylineRepair::sort(std::span<const Path> polylines) {
     sorted_.assign(polylines.begin(), polylines.end());
-    std::sort(sorted_.begin(), sorted_.end(), [this](const Path& a, const Path& b) {
+    sort_briefly(sorted_.begin(), sorted_.end(), [this](const Path& a, const Path& b) {
         worker_.spend(1);
         return comes_before(a, b);
     });

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/guard.hpp"
+#include "base/sort.hpp"
 #include "base/words.hpp"
 
 namespace lamella {
@@ -284,7 +285,7 @@ void PlacedTarget::write_stitches(std::span<Stitch> stitches) const {
         for (const Stitch& own : (*placed_)[b].stitches) {
             *out++ = {plan_->first_index + plan_->bands[b].first + own.layer, own.from, own.to};
         }
-        std::sort(first, out, [&pace](const Stitch& a, const Stitch& b) {
+        sort_briefly(first, out, [&pace](const Stitch& a, const Stitch& b) {
             pace.spend(1);
             return std::tie(a.layer, a.from, a.to) < std::tie(b.layer, b.from, b.to);
         });

@@ -6,6 +6,7 @@
 #include <limits>
 #include <new>
 
+#include "base/sort.hpp"
 #include "slicing/grid/exact.hpp"
 #include "slicing/nesting/order.hpp"
 
@@ -318,8 +319,8 @@ void Simplifier::list_beside(std::size_t path, std::size_t first, std::size_t la
 bool Simplifier::jumps_over_any(std::size_t first, std::size_t last, std::uint64_t most) {
     const Vector2 line = between(points_[first], points_[last]);
     const auto along = [wide = std::abs(line.x) > std::abs(line.y)](Point p) { return wide ? p.x : p.y; };
-    std::sort(beside_.begin(), beside_.end(),
-              [&](const Beside& a, const Beside& b) { return along(a.start) < along(b.start); });
+    sort_briefly(beside_.begin(), beside_.end(),
+                 [&](const Beside& a, const Beside& b) { return along(a.start) < along(b.start); });
     worker_.spend(chain_work * (last - first));
     for (std::size_t i = first; i <= last && steps_ <= most; ++i) {
         const Point from = points_[i];

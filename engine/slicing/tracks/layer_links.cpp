@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "base/sort.hpp"
 #include "slicing/regions/snap_rounding.hpp"
 
 namespace lamella {
@@ -13,7 +14,7 @@ constexpr std::size_t track_work = 16;  ///< as StopPace counts it
 
 void make_unique(Vector<TrackLink>& links, StopPace& pace) {
     const auto key = [](const TrackLink& link) { return std::pair(link.lower, link.upper); };
-    std::sort(links.begin(), links.end(), [&](const TrackLink& a, const TrackLink& b) {
+    sort_briefly(links.begin(), links.end(), [&](const TrackLink& a, const TrackLink& b) {
         pace.spend(1);
         return key(a) < key(b);
     });
@@ -341,7 +342,7 @@ void LayerLinks::pass(const TrackRing& lower, const Passage& of_lower, const Tra
 /// At a point is one void of each layer. A contour may pass it within an edge, and meet no corner there: all are looked for.
 void LayerLinks::link_open_points() {
     const auto key = [](const Touch& touch) { return std::tuple(touch.at, touch.voids.lower, touch.voids.upper); };
-    std::sort(touches_.begin(), touches_.end(), [&](const Touch& a, const Touch& b) {
+    sort_briefly(touches_.begin(), touches_.end(), [&](const Touch& a, const Touch& b) {
         worker_.spend(1);
         return key(a) < key(b);
     });

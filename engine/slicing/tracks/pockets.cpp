@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "base/sort.hpp"
+
 namespace lamella {
 
 void Pockets::add_layer(std::uint32_t end, std::span<const TrackLink> links) {
@@ -32,7 +34,7 @@ void Pockets::finish() {
     for (const auto& [space, pocket] : closed_) {
         add_found(pocket, false);
     }
-    std::sort(found_.begin(), found_.end(), [](const Pocket& a, const Pocket& b) {
+    sort_briefly(found_.begin(), found_.end(), [](const Pocket& a, const Pocket& b) {
         return std::tie(a.end_layer, a.first_layer, a.contour) < std::tie(b.end_layer, b.first_layer, b.contour);
     });
 }

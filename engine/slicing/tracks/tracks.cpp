@@ -17,6 +17,7 @@
 #include "base/disjoint_sets.hpp"
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
+#include "base/sort.hpp"
 #include "base/vector.hpp"
 #include "slicing/slicer.hpp"
 #include "slicing/tracks/layer_links.hpp"
@@ -212,7 +213,7 @@ void TrackFinding::measure(std::size_t n, Tracks& tracks) {
                                  moments[i].six_y.to_double() / (3 * twice_area) * grid_mm};
         }
     }
-    std::sort(by_size.begin(), by_size.end(), [&](std::uint32_t a, std::uint32_t b) {
+    sort_briefly(by_size.begin(), by_size.end(), [&](std::uint32_t a, std::uint32_t b) {
         worker.spend(1);
         const Contour& of_a = stack_.contours[first + a];
         const Contour& of_b = stack_.contours[first + b];

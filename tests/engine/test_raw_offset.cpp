@@ -174,7 +174,14 @@ TEST_CASE("raw offsets of a few corners are known", "[engine][raw_offset]") {
         {"inside out", large, -2.5 * far, 3, beyond},
         {"not yet", large, 0.4, 3, kept},
         {"inwards", large, -0.6, 3, kept},
-        {"nearly all", large, -1.0 * far + 10, 3, kept}};
+        {"nearly all", large, -1.0 * far + 10, 3, kept},
+        {"the notch, its floor last",
+         {notched[5], notched[6], notched[7], notched[0], notched[1], notched[2], notched[3], notched[4]},
+         2000,
+         3,
+         turned,
+         {{4500, 6500}, {4500, 7000}},
+         11}};
     for (const auto& [name, ring, distance, limit, facts, points, count] : cases) {
         INFO(name);
         const Curve curve = offset_of(ring, distance, limit);

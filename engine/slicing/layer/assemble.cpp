@@ -1,7 +1,6 @@
 // The assembled form on a caller's own segments: Algorithm 4 of the paper, with keys from the caller.
 #include "lamella/layers.hpp"
 
-
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
 #include "base/sort.hpp"

@@ -57,7 +57,7 @@ void MovingEdges::add_at(Point corner, Direction along, bool stands) {
     edges_.push_back({.from = corner, .miter = corner, .along = along, .shrinks = false, .stands = stands});
 }
 
-void MovingEdges::move(double distance, Vector<Point>& points) {
+bool MovingEdges::move(double distance, Vector<Point>& points) {
     left_ = edges_.size();
     for (std::uint32_t e = 0; e < left_; ++e) {
         edges_[e].before = e > 0 ? e - 1 : static_cast<std::uint32_t>(left_ - 1);
@@ -71,6 +71,7 @@ void MovingEdges::move(double distance, Vector<Point>& points) {
         schedule(e, 0, distance);
     }
     worker_.spend(edge_work * left_);
+    const bool all_stay = events_.empty();
     while (!events_.empty() && left_ > 2) {
         std::pop_heap(events_.begin(), events_.end(), std::greater<>());
         const Event event = events_.back();
@@ -81,6 +82,7 @@ void MovingEdges::move(double distance, Vector<Point>& points) {
         }
     }
     each_left([&](const Edge& edge) { append_corner(edge, distance, points); });
+    return all_stay;
 }
 
 /// In their order.

@@ -51,9 +51,9 @@ public:
     void add(Point from, std::uint32_t point, Direction along, double length, Point miter, bool shrinks);
     /// One of no length, at a corner. `stands`: it does not move, and edges before and after it end beside it.
     void add_at(Point corner, Direction along, bool stands = false);
-    /// Moves all by a distance above 0, and appends where they are then: nothing if fewer than three are left. O(e log e)
-    /// for e edges. Throws std::bad_alloc.
-    void move(double distance, Vector<Point>& points);
+    /// Moves all by a distance above 0, and appends where they are then: nothing if fewer than three are left. True if no
+    /// edge shrank to a point. O(e log e) for e edges. Throws std::bad_alloc.
+    bool move(double distance, Vector<Point>& points);
     /// Appends the contour as folded by move(), rounded, and of each point which it was, or no_point. False, with some
     /// appended, where there are joints, where a folded corner lies beyond the grid or beside a cut or an arc, or where an
     /// edge to it is so short that rounding turns it.

@@ -50,9 +50,6 @@ double measure_corners(const Point* points, std::size_t count, const OffsetEdges
 /// 1 + cos theta, rounded, of a turn of 180 degrees is less.
 constexpr double spike_cosine1 = 1e-12;
 
-/// The length that an inner corner too sharp to trim takes off: longer than any edge.
-constexpr double beyond_any_edge = 1e12;
-
 bool reach_beyond_grid(const Point* first, const Point* last) noexcept {
     std::int32_t highest = 0;
     std::int32_t lowest = 0;
@@ -61,12 +58,6 @@ bool reach_beyond_grid(const Point* first, const Point* last) noexcept {
         lowest = std::min(lowest, std::min(first->x, first->y));
     }
     return highest > grid_limit || lowest < -grid_limit;
-}
-
-/// Where two edges around `v` meet that lie at the distance, by their normals.
-Point meeting_of(Point v, double distance, Direction a, Direction b) noexcept {
-    const double scale = distance / (1.0 + (a.x * b.x + a.y * b.y));
-    return moved_on_grid(v, scale * (a.x + b.x), scale * (a.y + b.y));
 }
 
 /// Leaves one of equal consecutive points; the first follows the last.
@@ -98,31 +89,18 @@ Direction RawOffset::normal_of(std::size_t corner, bool next, double distance) c
     return distance > 0 ? Direction{edges_.uy[at], -edges_.ux[at]} : Direction{-edges_.uy[at], edges_.ux[at]};
 }
 
-/// Corners beyond the limit: what cut ones add, and which inner ones are cut on the way back. The sign of a turn of about
-/// 180 degrees is lost in rounding, so that it comes from the points. Returns how many points arcs have beyond two a
-/// corner.
-std::size_t RawOffset::settle_sharp_corners(std::span<const Point> contour, const Shape& shape, RawCurve& curve) {
+/// Corners beyond the limit: outer ones make no edge shorter, and inner ones are cut on the way back. The sign of a turn of
+/// about 180 degrees is lost in rounding, so that it comes from the points.
+void RawOffset::settle_sharp_corners(std::span<const Point> contour, const Shape& shape, RawCurve& curve) {
     const std::size_t count = contour.size();
-    std::size_t arc_points = 0;
     for (std::size_t i = 0; i < count; ++i) {
-        if (corners_.cosine1[i] >= shape.least_cosine1) {
-            continue;
-        }
-        const int turn = side_of(contour[i > 0 ? i - 1 : count - 1], contour[i], contour[i + 1 < count ? i + 1 : 0]);
-        if (turn * shape.distance < 0) {
-            curve.reflex_cut = true;
-            corners_.added[i] = corners_.cosine1[i] < sharpest_cosine1 ? -beyond_any_edge : corners_.added[i];
-        } else if (shape.is_round(i)) {
-            corners_.added[i] = 0;  // at least
-            arc_points += arc_at(i, shape).count;
-        } else if (shape.is_end(i)) {
-            corners_.added[i] = shape.corners.end == End::square ? shape.distance : 0;
-        } else {  // tan(theta / 4) = sin(theta / 2) / (1 + cos(theta / 2))
-            const double cosine1 = std::max(corners_.cosine1[i], 0.0);
-            corners_.added[i] = std::abs(shape.distance) * std::sqrt(2.0 - cosine1) / (std::sqrt(2.0) + std::sqrt(cosine1));
+        if (corners_.cosine1[i] < shape.least_cosine1) {
+            const int turn = side_of(contour[i > 0 ? i - 1 : count - 1], contour[i], contour[i + 1 < count ? i + 1 : 0]);
+            const bool inner = turn * shape.distance < 0;
+            corners_.added[i] = inner ? -1 : 0;
+            curve.reflex_cut = curve.reflex_cut || inner;
         }
     }
-    return arc_points;
 }
 
 /// The directions between the normals of a round corner, counter-clockwise.
@@ -140,41 +118,6 @@ bool RawOffset::keep_directions(std::size_t count) const noexcept {
     return turned == 0;
 }
 
-Point* RawOffset::write_corner(std::span<const Point> contour, std::size_t corner, const Shape& shape, Point* out) const {
-    if (!is_cut(corner, shape)) {
-        *out++ = corners_.miter[corner];
-        return out;
-    }
-    const Point v = contour[corner];
-    if (shape.is_round(corner)) {
-        return write_arc(v, corner, shape, out);
-    }
-    const double d = shape.distance;
-    const double beyond = corners_.added[corner];
-    const double ux1 = edges_.ux[corner];
-    const double uy1 = edges_.uy[corner];
-    const double ux2 = edges_.ux[corner + 1];
-    const double uy2 = edges_.uy[corner + 1];
-    *out++ = moved_on_grid(v, d * uy1 + beyond * ux1, beyond * uy1 - d * ux1);
-    *out++ = moved_on_grid(v, d * uy2 - beyond * ux2, -(beyond * uy2 + d * ux2));
-    return out;
-}
-
-/// Where edges with neighbouring normals meet, from that of the edge before the corner to that of the next.
-Point* RawOffset::write_arc(Point v, std::size_t corner, const Shape& shape, Point* out) const {
-    const ArcDirections& arcs = *shape.corners.arcs;
-    const ArcDirections::Between between = arc_at(corner, shape);
-    const bool forwards = shape.distance > 0;
-    Direction last = normal_of(corner, false, shape.distance);
-    for (std::size_t i = 0; i <= between.count; ++i) {
-        const std::size_t at = between.first + (forwards ? i : between.count - 1 - i);
-        const Direction next = i < between.count ? arcs[at] : normal_of(corner, true, shape.distance);
-        *out++ = meeting_of(v, std::abs(shape.distance), last, next);
-        last = next;
-    }
-    return out;
-}
-
 RawCurve RawOffset::append(std::span<const Point> contour, double distance, const Corners& corners) {
     return append(contour, {corners, distance});
 }
@@ -186,24 +129,15 @@ RawCurve RawOffset::append(std::span<const Point> contour, const Shape& shape) {
     curve.first_point = points_.size();
     measure_edges(contour.data(), count, edges_);
     const bool sharp = measure_corners(contour.data(), count, edges_, shape.distance, corners_) < shape.least_cosine1;
-    const std::size_t arc_points = sharp ? settle_sharp_corners(contour, shape, curve) : 0;
     corners_.added[count] = corners_.added[0];
-    curve.directions_kept = keep_directions(count);
-    if (!curve.directions_kept) {
-        list_moving(contour, shape);
-        moving_.move(std::abs(shape.distance), points_);
-        return finish(curve, points_.data() + points_.size());
+    if (!sharp && keep_directions(count)) {
+        points_.insert(points_.end(), corners_.miter, corners_.miter + count);
+        return finish(curve);
     }
-    points_.resize(points_.size() + 2 * count + arc_points);
-    Point* last = points_.data() + curve.first_point;
-    if (!sharp) {
-        last = std::copy(corners_.miter, corners_.miter + count, last);
-    } else {
-        for (std::size_t i = 0; i < count; ++i) {
-            last = write_corner(contour, i, shape, last);
-        }
-    }
-    return finish(curve, last);
+    settle_sharp_corners(contour, shape, curve);
+    list_moving(contour, shape);
+    curve.directions_kept = moving_.move(std::abs(shape.distance), points_);
+    return finish(curve);
 }
 
 bool RawOffset::fold(double distance, Vector<Point>& points, Vector<std::uint32_t>& numbers) const {
@@ -238,8 +172,9 @@ void RawOffset::list_moving(std::span<const Point> contour, const Shape& shape) 
     }
 }
 
-RawCurve RawOffset::finish(RawCurve curve, Point* last) {
+RawCurve RawOffset::finish(RawCurve curve) {
     Point* const first = points_.data() + curve.first_point;
+    Point* last = points_.data() + points_.size();
     curve.beyond_grid = reach_beyond_grid(first, last);
     last = without_repeats(first, last);
     curve.count = last - first < 3 ? 0 : static_cast<std::size_t>(last - first);
@@ -266,13 +201,14 @@ RawCurve RawOffset::append_dot(Point at, double distance, const Corners& corners
     RawCurve curve;
     curve.first_point = points_.size();
     const std::size_t edges = corners.end == End::butt ? 0 : corners.end == End::square ? 4 : corners.arcs->size();
-    points_.resize(points_.size() + edges);
-    Point* out = points_.data() + curve.first_point;
     for (std::size_t i = 0; i < edges; ++i) {
         const std::size_t step = corners.arcs->size() / edges;
-        *out++ = meeting_of(at, distance, (*corners.arcs)[i * step], (*corners.arcs)[(i + 1) * step]);
+        const Direction a = (*corners.arcs)[i * step];
+        const Direction b = (*corners.arcs)[(i + 1) * step];
+        const double scale = distance / (1.0 + (a.x * b.x + a.y * b.y));
+        points_.push_back(moved_on_grid(at, scale * (a.x + b.x), scale * (a.y + b.y)));
     }
-    return finish(curve, out);
+    return finish(curve);
 }
 
 }  // namespace lamella

@@ -76,7 +76,7 @@ struct OffsetEdges {
 };
 
 struct OffsetCorners {
-    double* added;    ///< to the length of both moved edges; negative at an inner corner
+    double* added;    ///< to the length of both moved edges; negative at an inner corner, 0 at an outer one beyond the limit
     double* cosine1;  ///< 1 + the cosine of the turn
     Point* miter;
 };
@@ -139,7 +139,7 @@ private:
     void reserve(std::size_t count);
     RawCurve append(std::span<const Point> contour, const Shape& shape);
     RawCurve append_dot(Point at, double distance, const Corners& corners);
-    std::size_t settle_sharp_corners(std::span<const Point> contour, const Shape& shape, RawCurve& curve);
+    void settle_sharp_corners(std::span<const Point> contour, const Shape& shape, RawCurve& curve);
     bool keeps_direction(std::size_t edge) const noexcept {
         return edges_.length[edge + 1] + (corners_.added[edge] + corners_.added[edge + 1]) > 0;
     }
@@ -151,9 +151,7 @@ private:
     void list_moving(std::span<const Point> contour, const Shape& shape);
     ArcDirections::Between arc_at(std::size_t corner, const Shape& shape) const noexcept;
     Direction normal_of(std::size_t corner, bool next, double distance) const noexcept;
-    Point* write_corner(std::span<const Point> contour, std::size_t corner, const Shape& shape, Point* out) const;
-    Point* write_arc(Point v, std::size_t corner, const Shape& shape, Point* out) const;
-    RawCurve finish(RawCurve curve, Point* last);
+    RawCurve finish(RawCurve curve);
 
     Worker& worker_;
     Vector<double> numbers_{worker_.memory()};  // what edges_ and corners_ point to

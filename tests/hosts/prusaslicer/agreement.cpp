@@ -16,21 +16,8 @@ namespace {
 
 using namespace Slic3r;
 using Mode = MeshSlicingParams::SlicingMode;
-using Layers = std::vector<ExPolygons>;
 
 constexpr double square_mm = SCALING_FACTOR * SCALING_FACTOR;
-
-using Slicing = std::function<Layers(const Model& model, const std::vector<float>& zs)>;
-
-// A way of slicing by both, and how far contours may lie apart on average.
-struct Way {
-    const char* name;
-    Slicing host;
-    Slicing ours;
-    double bound_mm;
-    bool by_area = false;  ///< of contours with the same area either may be kept
-    Transform3d trafo = Transform3d::Identity();
-};
 
 // The layer in which the two differ most.
 struct Worst {
@@ -95,8 +82,6 @@ Transform3d mirrored() {
     return made;
 }
 
-// Where a plane passes a few units beside a face that is nearly flat, a contour moves by many.
-constexpr double points_mm = 1e-4;
 // The host rounds coordinates to float in units of 1e-6 mm.
 double rounding_mm(const Model& model) {
     float farthest = 0;
@@ -139,7 +124,6 @@ Way slabs(bool upward, const Transform3d& trafo) {
 }
 
 std::vector<Way> ways() {
-    constexpr double corners_mm = 5e-3;  // sharp corners are cut off differently
     constexpr double resolution_mm = 0.01;
     MeshSlicingParamsEx turned = params_of(Mode::Regular);
     turned.trafo = tilted();
@@ -156,32 +140,6 @@ std::vector<Way> ways() {
             regions("resolution 0.01", params_of(Mode::Regular, 0, 0, resolution_mm), resolution_mm),
             regions("tilted", turned, points_mm),
             regions("largest contour, regular below layer 5", mixed, points_mm, true)};
-}
-
-// Prints a row: the mesh and layer in which both differ most. Any beyond the bound is a line after the table. The lowest
-// plane lies half a layer up, as hosts cut, or a layer up, where flat faces lie.
-bool agree(const std::vector<Model>& models, double first_mm, const Way& way, const char* label, std::string& beyond) {
-    Worst worst;
-    std::string worst_mesh;
-    std::size_t layers = 0;
-    bool all = true;
-    for (const Model& model : models) {
-        const std::vector<float> zs = heights(model, 0.2, first_mm, way.trafo);
-        const Worst found = worst_layer(way.host(model, zs), way.ours(model, zs), zs, way.by_area);
-        layers += zs.size();
-        if (found.apart_mm > way.bound_mm + rounding_mm(model)) {
-            all = false;
-            beyond += "Beyond the bound: " + model.name + ", " + way.name + ", at " + std::to_string(found.height) + ": " +
-                      std::to_string(found.difference_mm2) + " of " + std::to_string(found.area_mm2) + " mm2\n";
-        }
-        if (found.apart_mm >= worst.apart_mm) {
-            worst = found;
-            worst_mesh = model.name;
-        }
-    }
-    std::printf("| %s | %s | %zu | %s | %.2g | %.4g | %.2g | %.0g |\n", label, way.name, layers, worst_mesh.c_str(),
-                worst.difference_mm2, worst.area_mm2, worst.apart_mm, way.bound_mm);
-    return all;
 }
 
 // Every third facet, as if painted: the host projects such patches.
@@ -223,10 +181,38 @@ bool loops_agree(const Model& model) {
 
 }  // namespace
 
-bool layers_agree(const std::vector<Model>& parts, const std::vector<Model>& organs) {
+void print_agreement_head() {
     std::printf(
         "| meshes | way | layers | worst in | differ by, mm2 | of mm2 | apart, mm | bound, mm |\n"
         "|---|---|---|---|---|---|---|---|\n");
+}
+
+bool agree(const std::vector<Model>& models, double first_mm, const Way& way, const char* label, std::string& beyond) {
+    Worst worst;
+    std::string worst_mesh;
+    std::size_t layers = 0;
+    bool all = true;
+    for (const Model& model : models) {
+        const std::vector<float> zs = heights(model, 0.2, first_mm, way.trafo);
+        const Worst found = worst_layer(way.host(model, zs), way.ours(model, zs), zs, way.by_area);
+        layers += zs.size();
+        if (found.apart_mm > way.bound_mm + rounding_mm(model)) {
+            all = false;
+            beyond += "Beyond the bound: " + model.name + ", " + way.name + ", at " + std::to_string(found.height) + ": " +
+                      std::to_string(found.difference_mm2) + " of " + std::to_string(found.area_mm2) + " mm2\n";
+        }
+        if (found.apart_mm >= worst.apart_mm) {
+            worst = found;
+            worst_mesh = model.name;
+        }
+    }
+    std::printf("| %s | %s | %zu | %s | %.2g | %.4g | %.2g | %.0g |\n", label, way.name, layers, worst_mesh.c_str(),
+                worst.difference_mm2, worst.area_mm2, worst.apart_mm, way.bound_mm);
+    return all;
+}
+
+bool layers_agree(const std::vector<Model>& parts, const std::vector<Model>& organs) {
+    print_agreement_head();
     bool all = true;
     std::string beyond;
     const std::vector<Way> each_way = ways();

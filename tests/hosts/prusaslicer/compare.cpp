@@ -47,11 +47,6 @@ std::vector<Model> organs_in(const fs::path& folder) {
     return {read(folder / "liver.stl"), read(folder / "femur.stl"), read(folder / "brain.stl")};
 }
 
-struct Pair {
-    double host_ms = 0;
-    double ours_ms = 0;
-};
-
 template <class Work>
 double milliseconds(const Work& work) {
     const auto begin = std::chrono::steady_clock::now();
@@ -62,23 +57,6 @@ double milliseconds(const Work& work) {
 double median(std::vector<double> times) {
     std::sort(times.begin(), times.end());
     return times[times.size() / 2];
-}
-
-// Medians of runs that alternate, so that a machine which slows down slows both. The first of each is not counted.
-template <class Host, class Ours>
-Pair medians(const Host& host, const Ours& ours) {
-    constexpr std::size_t least_runs = 3;
-    constexpr std::size_t most_runs = 7;
-    constexpr double enough_ms = 20000;
-    std::vector<double> host_ms;
-    std::vector<double> ours_ms;
-    double spent_ms = milliseconds(host) + milliseconds(ours);
-    while (host_ms.size() < least_runs || (host_ms.size() < most_runs && spent_ms < enough_ms)) {
-        host_ms.push_back(milliseconds(host));
-        ours_ms.push_back(milliseconds(ours));
-        spent_ms += host_ms.back() + ours_ms.back();
-    }
-    return {median(host_ms), median(ours_ms)};
 }
 
 Pair time_loops(const Model& model, const std::vector<float>& zs) {
@@ -115,14 +93,6 @@ Pair time_single_planes(const Model& model) {
     return {sums.host_ms / planes, sums.ours_ms / planes};
 }
 
-// Prints a cell, with a mark if it misses its bar: how many times faster it must be.
-bool reaches(Pair pair, double bar) {
-    const double times = pair.host_ms / pair.ours_ms;
-    std::printf(" %.3g -> %.3g (%.1f%s) |", pair.host_ms, pair.ours_ms, times, times < bar ? ", below the bar" : "");
-    std::fflush(stdout);
-    return times >= bar;
-}
-
 /// Times both, alternately, and prints the tables. False if the adapter is not as much faster as it must be: at 0.2 mm 12
 /// times for loops and 8 times for regions with closing; elsewhere no slower.
 bool time_both(const std::vector<Model>& organs) {
@@ -149,6 +119,28 @@ bool time_both(const std::vector<Model>& organs) {
 }
 
 }  // namespace
+
+Pair medians(const std::function<void()>& host, const std::function<void()>& ours) {
+    constexpr std::size_t least_runs = 3;
+    constexpr std::size_t most_runs = 7;
+    constexpr double enough_ms = 20000;
+    std::vector<double> host_ms;
+    std::vector<double> ours_ms;
+    double spent_ms = milliseconds(host) + milliseconds(ours);
+    while (host_ms.size() < least_runs || (host_ms.size() < most_runs && spent_ms < enough_ms)) {
+        host_ms.push_back(milliseconds(host));
+        ours_ms.push_back(milliseconds(ours));
+        spent_ms += host_ms.back() + ours_ms.back();
+    }
+    return {median(host_ms), median(ours_ms)};
+}
+
+bool reaches(Pair pair, double bar) {
+    const double times = pair.host_ms / pair.ours_ms;
+    std::printf(" %.3g -> %.3g (%.1f%s) |", pair.host_ms, pair.ours_ms, times, times < bar ? ", below the bar" : "");
+    std::fflush(stdout);
+    return times >= bar;
+}
 
 std::vector<float> heights(const Model& model, double layer_mm, double first_mm, const Slic3r::Transform3d& transform) {
     double low = std::numeric_limits<double>::max();

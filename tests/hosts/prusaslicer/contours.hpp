@@ -103,18 +103,23 @@ inline Polygons largest_polygon(const lamella::LayerView& layer) {
     return made;
 }
 
+inline ExPolygon expolygon(const lamella::LayerView& layer, const lamella::Island& island) {
+    ExPolygon whole;
+    whole.contour = polygon(layer, *island.outer);
+    whole.holes.reserve(island.holes.size());
+    for (const Contour& hole : island.holes) {
+        whole.holes.emplace_back(polygon(layer, hole));
+    }
+    return whole;
+}
+
 /// Outer contours, each with its holes.
 inline ExPolygons expolygons(const lamella::LayerView& layer) {
     const lamella::Islands islands = layer.islands();
     ExPolygons made;
     made.reserve(static_cast<std::size_t>(std::distance(islands.begin(), islands.end())));
     for (const lamella::Island island : islands) {
-        ExPolygon& whole = made.emplace_back();
-        whole.contour = polygon(layer, *island.outer);
-        whole.holes.reserve(island.holes.size());
-        for (const Contour& hole : island.holes) {
-            whole.holes.emplace_back(polygon(layer, hole));
-        }
+        made.emplace_back(expolygon(layer, island));
     }
     return made;
 }

@@ -181,6 +181,15 @@ inline lamella::SliceOptions cutting_options(const std::vector<float>& heights) 
     return options;
 }
 
+/// For a mesh that no transform moves.
+inline lamella::SliceOptions cutting_options(const std::vector<float>& heights, const lamella::RegionRules& rules) {
+    lamella::SliceOptions options = cutting_options(heights);
+    options.region = rules;
+    options.frame.transform = lamella::Transform::scale(frame_per_mm);
+    options.frame.as_mesh_numbers = true;
+    return options;
+}
+
 // One slice by the library: the layer of each height.
 inline std::vector<std::uint64_t> slice(const lamella::MeshView& mesh, const lamella::SliceOptions& options,
                                         const std::function<void()>& throw_on_cancel, const TakeLayer& take,
@@ -202,13 +211,11 @@ inline std::vector<std::uint64_t> cut(const indexed_triangle_set& mesh, const st
                                       const Transform3d& transform, const lamella::RegionRules& rules,
                                       const std::function<void()>& throw_on_cancel, const TakeLayer& take) {
     throw_on_cancel();
+    if (is_identity(transform)) {
+        return slice(view_of(mesh.vertices, mesh.indices), cutting_options(heights, rules), throw_on_cancel, take);
+    }
     lamella::SliceOptions options = cutting_options(heights);
     options.region = rules;
-    if (is_identity(transform)) {
-        options.frame.transform = lamella::Transform::scale(frame_per_mm);
-        options.frame.as_mesh_numbers = true;
-        return slice(view_of(mesh.vertices, mesh.indices), options, throw_on_cancel, take);
-    }
     const std::vector<stl_vertex> vertices = host_vertices(mesh.vertices, HostVertex(transform));
     return slice(view_of(vertices, mesh.indices), options, throw_on_cancel, take);
 }

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Puts lamella into PrusaSlicer in the place of its own slicing: its tests must pass as they do without, its layers must be
-# the same, and both are timed. By hand: it installs packages, fetches 28 MB and compiles for about half an hour.
+# the same, and both are timed. So are operations on layers by the host and by lamella. By hand: it installs packages, fetches
+# 28 MB and compiles for about half an hour.
 #
 #     tests/hosts/prusaslicer.sh [WORK]
 #
@@ -140,6 +141,8 @@ step "layers of both"
 compare agree | tee "$table/layers.md" || status=1
 step "times of both"
 compare time | tee "$table/times.md" || status=1
+step "operations on layers by both"
+compare operations | tee "$table/operations.md" || status=1
 python3 "$adapter/tables.py" page "$table" "$work/build" tests/hosts/prusaslicer.sh > "$work/hosts.md"
 mv "$work/hosts.md" "$root/bench/results/hosts.md"
 ((status == 0)) || stop "tests that PrusaSlicer passes by itself fail, layers differ or bars are missed: see above"

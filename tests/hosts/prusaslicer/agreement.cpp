@@ -196,7 +196,7 @@ bool agree(const std::vector<Model>& models, double first_mm, const Way& way, co
         const std::vector<float> zs = heights(model, 0.2, first_mm, way.trafo);
         const Worst found = worst_layer(way.host(model, zs), way.ours(model, zs), zs, way.by_area);
         layers += zs.size();
-        if (found.apart_mm > way.bound_mm + rounding_mm(model)) {
+        if (found.apart_mm > way.bound_mm + (way.same_layers ? 0 : rounding_mm(model))) {
             all = false;
             beyond += "Beyond the bound: " + model.name + ", " + way.name + ", at " + std::to_string(found.height) + ": " +
                       std::to_string(found.difference_mm2) + " of " + std::to_string(found.area_mm2) + " mm2\n";

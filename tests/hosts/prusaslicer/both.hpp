@@ -46,6 +46,7 @@ struct Way {
     double bound_mm;
     bool by_area = false;  ///< of contours with the same area either may be kept
     Slic3r::Transform3d trafo = Slic3r::Transform3d::Identity();
+    bool same_layers = false;  ///< both start with the same layers; else each rounds the mesh in its own way
 };
 
 /// Where a plane passes a few units beside a face that is nearly flat, a contour moves by many.
@@ -71,5 +72,9 @@ Pair medians(const std::function<void()>& host, const std::function<void()>& our
 
 /// Prints a cell, with a mark if it misses its bar: how many times faster it must be.
 bool reaches(Pair pair, double bar);
+
+/// Does operations on layers by both, compares what they give and times both: two tables. False if one is beyond the bound,
+/// or ours is slower.
+bool operations_agree(const std::vector<Model>& parts, const std::vector<Model>& organs);
 
 }  // namespace compare

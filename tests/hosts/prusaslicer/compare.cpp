@@ -1,7 +1,7 @@
 // Slices with the host's own functions and with the adapter's, compares the layers, and times both. Prints markdown.
 // Under the adapter's licence: AGPL-3.0-or-later (see adapter.cpp).
 //
-//     lamella_compare agree|time PARTS_FOLDER ORGANS_FOLDER
+//     lamella_compare agree|time|operations PARTS_FOLDER ORGANS_FOLDER
 //
 // PARTS_FOLDER holds the host's test meshes (.obj); ORGANS_FOLDER liver.stl, femur.stl and brain.stl.
 #include <algorithm>
@@ -162,8 +162,8 @@ std::vector<float> heights(const Model& model, double layer_mm, double first_mm,
 int main(int argc, char** argv) {
     using namespace compare;
     const std::string_view task = argc == 4 ? argv[1] : "";
-    if (task != "agree" && task != "time") {
-        std::fprintf(stderr, "usage: lamella_compare agree|time PARTS_FOLDER ORGANS_FOLDER\n");
+    if (task != "agree" && task != "time" && task != "operations") {
+        std::fprintf(stderr, "usage: lamella_compare agree|time|operations PARTS_FOLDER ORGANS_FOLDER\n");
         return 2;
     }
     try {
@@ -171,7 +171,8 @@ int main(int argc, char** argv) {
         if (task == "time") {
             return time_both(organs) ? 0 : 1;
         }
-        return layers_agree(parts_in(argv[2]), organs) ? 0 : 1;
+        const std::vector<compare::Model> parts = parts_in(argv[2]);
+        return (task == "agree" ? layers_agree(parts, organs) : operations_agree(parts, organs)) ? 0 : 1;
     } catch (const std::exception& error) {
         std::fprintf(stderr, "error: %s\n", error.what());
         return 1;

@@ -3,8 +3,8 @@
 
     tables.py suites OWN ADAPTER SUITE...   the host's test suites by themselves and with the adapter. Both folders hold SUITE.xml,
                                             written by Catch2. The exit status is 1 if a case passes only without the adapter.
-    tables.py page TABLES BUILD COMMAND     bench/results/hosts.md. TABLES holds suites.md, layers.md and times.md, BUILD the host's
-                                            build.
+    tables.py page TABLES BUILD COMMAND     bench/results/hosts.md. TABLES holds suites.md, layers.md, times.md and
+                                            operations.md, BUILD the host's build.
 """
 import pathlib
 import sys
@@ -36,6 +36,16 @@ TIMES = """## Times
 
 Wall ms, the host's own -> with lamella (how many times faster): medians of 7 runs that alternate (3
 or more, if they take longer than 20 s), after one that is not counted. Both include the conversion to the host's polygons.
+
+"""
+
+OPERATIONS = """## Operations on layers
+
+Both are given the same layers, cut at 0.2 mm by lamella: united with the next layer, without it, narrowed by 0.2 mm, closed by
+0.049 mm, and told apart into top, bottom and inner surfaces as `PrintObject::detect_surfaces_type()` does. The host's functions
+run layer by layer in `tbb::parallel_for`. lamella::Overlay takes a lamella::SliceResult; its times include the conversion of
+what it gives to the host's polygons. First by how much they differ, as above: an opening may keep or drop a strip that is just
+as wide as itself. Then wall ms, as above.
 
 """
 
@@ -76,7 +86,7 @@ def page(tables, build, command):
     host = package + ", with -O1; what is timed, and the adapter, with -O3"
     print(HEAD)
     print(machine_table(build, host=host, command=f"`{command}`"))
-    for text, table in ((SUITES, "suites"), (LAYERS, "layers"), (TIMES, "times")):
+    for text, table in ((SUITES, "suites"), (LAYERS, "layers"), (TIMES, "times"), (OPERATIONS, "operations")):
         print(f"\n{text}{(tables / f'{table}.md').read_text().strip()}")
     return 0
 

@@ -21,7 +21,6 @@
 #include "base/eight.hpp"
 #include "base/numbers.hpp"
 #include "base/parallel.hpp"
-#include "base/sort.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "lamella/array.hpp"
@@ -278,30 +277,49 @@ private:
     Array<Block> blocks_;                            ///< level by level
 };
 
-/// Orders items with places at(item) for a tree: by x into as many strips as each has blocks of eight, and by y within a
-/// strip. O(n log n).
+/// Halves items with places at(item) across the longer side of their box, until eight are left. The first half fills whole
+/// nodes.
 template <class Item, class At>
-void order_by_place(std::span<Item> items, const At& at, StopPace& pace) {
+void halve_by_place(std::span<Item> items, const At& at, StopPace& pace) {
     constexpr std::size_t fan = BoxTree<Point>::fan;
     if (items.size() <= fan) {
         return;
     }
-    const auto left = [&](const Item& a, const Item& b) {
-        pace.spend(1);
-        return at(a).x < at(b).x;
-    };
-    const auto lower = [&](const Item& a, const Item& b) {
-        pace.spend(1);
-        return at(a).y < at(b).y;
-    };
-    if (!std::is_sorted(items.begin(), items.end(), left)) {
-        sort_briefly(items.begin(), items.end(), left);
+    FlatBox box = FlatBox::nothing();
+    for (const Item& item : items) {
+        box.include({at(item), at(item)});
     }
-    const auto strips = static_cast<std::size_t>(std::sqrt(static_cast<double>(items.size()) / fan)) + 1;
-    const std::size_t size = (items.size() / strips / fan + 1) * fan;
-    for (std::size_t first = 0; first < items.size(); first += size) {
-        sort_briefly(items.begin() + static_cast<std::ptrdiff_t>(first),
-                     items.begin() + static_cast<std::ptrdiff_t>(std::min(first + size, items.size())), lower);
+    std::size_t node = fan;
+    while (node * fan < items.size()) {
+        node *= fan;
+    }
+    const std::size_t half = (items.size() + node - 1) / node / 2 * node;
+    pace.spend(4 * items.size());
+    const auto middle = items.begin() + static_cast<std::ptrdiff_t>(half);
+    if (width_of(box) > height_of(box)) {
+        std::nth_element(items.begin(), middle, items.end(),
+                         [&](const Item& a, const Item& b) { return at(a).x < at(b).x; });
+    } else {
+        std::nth_element(items.begin(), middle, items.end(),
+                         [&](const Item& a, const Item& b) { return at(a).y < at(b).y; });
+    }
+    halve_by_place(items.first(half), at, pace);
+    halve_by_place(items.subspan(half), at, pace);
+}
+
+/// Orders items with places at(item) for a tree: halves them. Those that come in the order of x are cut before, into as many
+/// strips as each has blocks of eight. O(n log n).
+template <class Item, class At>
+void order_by_place(std::span<Item> items, const At& at, StopPace& pace) {
+    constexpr std::size_t fan = BoxTree<Point>::fan;
+    std::size_t strip = items.size();
+    pace.spend(items.size());
+    if (std::is_sorted(items.begin(), items.end(), [&](const Item& a, const Item& b) { return at(a).x < at(b).x; })) {
+        const auto strips = static_cast<std::size_t>(std::sqrt(static_cast<double>(items.size()) / fan)) + 1;
+        strip = (items.size() / strips / fan + 1) * fan;
+    }
+    for (std::size_t first = 0; first < items.size(); first += strip) {
+        halve_by_place(items.subspan(first, std::min(strip, items.size() - first)), at, pace);
     }
 }
 

@@ -38,40 +38,48 @@ std::uint32_t LayerOverlay::run(std::span<const LayerSet> sets, const Rule& rule
     return labels_.empty() ? 0 : labels_.back();
 }
 
-void LayerOverlay::add_sets(std::span<const LayerSet> sets, std::uint64_t n) {
-    rings_.clear();
+void LayerOverlay::list_fields(std::span<const LayerSet> sets, std::uint64_t n) {
     fields_.clear();
-    int shift = 0;
+    int all_bits = 0;
     for (std::size_t s = 0; s < sets.size(); ++s) {
         if (readers_.size() == s) {
             readers_.push_back(std::make_unique<SetReader>(worker_));
         }
-        SetReader& reader = *readers_[s];
-        const std::int64_t weight = std::int64_t{1} << shift;
-        const int room = winding_bits - shift - static_cast<int>(sets.size() - 1 - s);  // the others need a bit each
+        Field& field = fields_.emplace_back();
         if (!SetReader::is_region(sets[s]) && sets[s].grow_mm == 0) {
-            const std::span<const Path> contours = reader.list_contours(sets[s], n);
+            field.contours = readers_[s]->list_contours(sets[s], n);
             std::uint64_t turns = 0;  // a contour winds at most once for each two of its points
-            for (const Path& path : contours) {
+            for (const Path& path : field.contours) {
                 turns += path.item.count / 2;
             }
-            const int bits = static_cast<int>(std::bit_width(turns)) + 1;
-            if (bits <= room) {
-                std::transform(contours.begin(), contours.end(), std::back_inserter(rings_), [weight](const Path& path) {
-                    return Ring{path, weight};
-                });
-                fields_.push_back({bits, sets[s].fill_rule});
-                shift += bits;
-                continue;
-            }
+            field.rule = sets[s].fill_rule;
+            field.bits = static_cast<int>(std::bit_width(turns)) + 1;
         }
-        for (Path path : reader.list_region(sets[s], n, layers_.rules->grid_mm, nester_)) {
+        all_bits += field.bits;
+    }
+    if (all_bits > winding_bits) {  // whichever comes first
+        fields_.assign(sets.size(), {});
+    }
+}
+
+void LayerOverlay::add_sets(std::span<const LayerSet> sets, std::uint64_t n) {
+    list_fields(sets, n);
+    rings_.clear();
+    int shift = 0;
+    for (std::size_t s = 0; s < sets.size(); ++s) {
+        const std::int64_t weight = std::int64_t{1} << shift;
+        shift += fields_[s].bits;
+        for (const Path& path : fields_[s].contours) {
+            rings_.push_back({path, weight});
+        }
+        if (!fields_[s].is_region()) {
+            continue;
+        }
+        for (Path path : readers_[s]->list_region(sets[s], n, layers_.rules->grid_mm, nester_)) {
             path.segments = path.made ? path.item.count : path.segments;
             // As a region has it: with the solid on the left.
             rings_.push_back({path, path.is_backward() ? -weight : weight});
         }
-        fields_.push_back({1, FillRule::contours});
-        ++shift;
     }
 }
 
@@ -79,12 +87,12 @@ void LayerOverlay::add_sets(std::span<const LayerSet> sets, std::uint64_t n) {
 std::uint64_t LayerOverlay::membership_of(std::int64_t winding, std::uint64_t n) const {
     std::uint64_t in = 0;
     for (std::size_t s = 0; s < fields_.size(); ++s) {
-        const auto [bits, rule] = fields_[s];
-        const std::int64_t end = std::int64_t{1} << bits;
+        const Field& field = fields_[s];
+        const std::int64_t end = std::int64_t{1} << field.bits;
         const std::int64_t low = winding & (end - 1);
-        const std::int64_t own = rule != FillRule::contours && low >= end / 2 ? low - end : low;
-        winding = (winding - own) >> bits;
-        in |= std::uint64_t{rule == FillRule::contours ? own != 0 : fills(rule, own)} << s;
+        const std::int64_t own = !field.is_region() && low >= end / 2 ? low - end : low;
+        winding = (winding - own) >> field.bits;
+        in |= std::uint64_t{field.is_region() ? own != 0 : fills(field.rule, own)} << s;
     }
     if (winding != 0) {
         throw Refused{

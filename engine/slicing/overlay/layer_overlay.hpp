@@ -1,7 +1,7 @@
 // One layer of the answer, from those of all sets.
 //
-//     sets      each set's contours in the layers that count here; where they are grown first, or too many, the region that
-//               they bound
+//     sets      each set's contours in the layers that count here; where they are grown first, or there are too many for
+//               the winding number, the region that they bound
 //     fill      one arrangement of all. A set has bits of the winding number to itself: one for a region, which rises by it
 //               inside; for other contours as many as their own winding number may need, with its sign
 //     labels    a region for each label, and the steps after it; then its contours' place in the layer
@@ -51,10 +51,13 @@ private:
 
     /// A set's share of winding numbers.
     struct Field {
-        int bits;
-        FillRule rule;  ///< by which its winding number is filled; FillRule::contours: of a region, 0 or 1
+        int bits = 1;
+        FillRule rule = FillRule::contours;  ///< by which its winding number is filled; contours: of a region, 0 or 1
+        std::span<const Path> contours{};    ///< of no region
+        bool is_region() const noexcept { return rule == FillRule::contours; }
     };
 
+    void list_fields(std::span<const LayerSet> sets, std::uint64_t n);
     void add_sets(std::span<const LayerSet> sets, std::uint64_t n);
     void sort_rings();
     void find_labels(const Rule& rule, std::span<const std::int64_t> windings, std::uint64_t n);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <span>
 
 #include "base/system/processor.hpp"
 #include "slicing/grid/mesh_edge.hpp"
@@ -98,6 +99,7 @@ void MovingEdges::each_left(Take take) const {
 }
 
 bool MovingEdges::fold(double distance, Vector<Point>& points, Vector<std::uint32_t>& numbers) const {
+    const std::size_t begin = points.size();
     bool folds = left_ > 2;
     each_left([&](const Edge& edge) {
         const Edge& before = edges_[edge.before];
@@ -114,7 +116,9 @@ bool MovingEdges::fold(double distance, Vector<Point>& points, Vector<std::uint3
         points.push_back(corner);
         numbers.push_back(no_point);
     });
-    return folds;
+    const std::span<const Point> made = std::span(points).subspan(begin);
+    return folds && !made.empty() && made.front() != made.back() &&
+           std::adjacent_find(made.begin(), made.end()) == made.end();
 }
 
 /// True if the edge, an end of which is rounded, still has its direction before it moves: its ends may slip along it by a

@@ -56,7 +56,7 @@ public:
     bool move(double distance, Vector<Point>& points);
     /// Appends the contour as folded by move(), rounded, and of each point which it was, or no_point. False, with some
     /// appended, where there are joints, where a folded corner lies beyond the grid or beside a cut or an arc, or where an
-    /// edge to it is so short that rounding turns it.
+    /// edge to it is so short that rounding turns it or leaves none.
     bool fold(double distance, Vector<Point>& points, Vector<std::uint32_t>& numbers) const;
 
 private:

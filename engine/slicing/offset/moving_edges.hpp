@@ -1,18 +1,17 @@
 // The edges of a contour on their way sideways: one that shrinks to a point goes, and its neighbours meet from then on.
 //
-//     A notch with a slanted floor, moved outwards, that is, upwards. The floor's edge shrinks while its walls come nearer
-//     each other, and is a point at `o`. The walls' edges go on, and meet at `x`:
-//
-//          a           d                  .      x      .              the curve is a .. x .. d, where without the event it
-//           \         /                     `.  / \  .'                would be a loop, with the floor's edge turned round
-//            \       /      floor: b c        ` ' o '
-//             b-----c
+//     a                     d     A notch, whose edges move into it. The floor's edge, from b to c, is a point when it has
+//      \  .               .  /      come up to `o`, and goes. Those of the walls go on, until they meet at `x`. With the
+//       \   ` .       . '   /       floor, the curve would cross itself there, and then run along the floor backwards.
+//        \      ` x '      /
+//         \       o       /
+//          b-------------c
 //
 // Each moved edge is a stretch of its line, moved: from `begin` to `end` along it, which change at a steady rate between two
 // events. The edge goes when both are equal. The next event comes from a heap.
 //
-// The contour without the edges that are gone, whose neighbours meet at `o` on its lines before they move, is folded: moved,
-// it becomes the same curve.
+// The contour is folded if edges that are gone are left out of it, and their neighbours run on to where their lines meet,
+// here below the floor: moved, it becomes the same curve.
 //
 // Where the neighbours of such an edge do not meet, as the parallel walls of a slot do not, its corners become joints: from
 // there on, edges move as if their ends were free, and the curve goes from one end back to the corner and out to the other.

@@ -47,11 +47,10 @@ Pairs found(EdgePairs& search, const Layer& layer, std::int32_t margin) {
 /// Of the layer in which `search` found pairs last.
 Pairs found_in_slabs(SlabSearch& slabs, const EdgePairs& search) {
     Pairs pairs;
-    slabs.find(search, [&](std::uint32_t a, std::size_t i, std::uint32_t b, std::size_t j) {
-        const EdgePath& from = search.paths()[a];
-        const EdgePath& to = search.paths()[b];
-        ++pairs[pair_of(from.contour, i - from.begin, to.contour, j - to.begin)];
-    });
+    const auto count = [&](const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) {
+        ++pairs[pair_of(a.contour, i, b.contour, j)];
+    };
+    slabs.find(search, search.by_path(count));
     return pairs;
 }
 

@@ -164,11 +164,17 @@ public:
     template <class Meet>
     bool find(std::int32_t margin, std::uint64_t steps, Meet meet) {
         cut(margin);
-        return search_.find(*this, 0, 1, steps, [&](std::uint32_t a, std::size_t i, std::uint32_t b, std::size_t j) {
+        return search_.find(*this, 0, 1, steps, by_path(meet));
+    }
+
+    /// Calls `meet` as find() does, for what names paths by their numbers and edges by those of the layer. It must stay.
+    template <class Meet>
+    auto by_path(Meet& meet) const {
+        return [this, &meet](std::uint32_t a, std::size_t i, std::uint32_t b, std::size_t j) {
             const EdgePath& a_path = paths()[a];
             const EdgePath& b_path = paths()[b];
             meet(a_path, i - a_path.begin, b_path, j - b_path.begin);
-        });
+        };
     }
 
 private:

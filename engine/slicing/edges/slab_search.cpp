@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <numeric>
+#include <utility>
 
 #include "base/sort.hpp"
 
@@ -159,13 +159,13 @@ std::size_t SlabSearch::take_stairs(std::span<Piece> spanning) {
     std::size_t left = 0;
     for (const Piece& piece : spanning) {
         if (stairs_.empty() || is_below(stairs_.back().hull, piece)) {
+            stairs_.push_back({piece, stair_pieces_.size(), stair_pieces_.size() + 1});
             stair_pieces_.push_back(piece);
-            stairs_.push_back({piece, stair_pieces_.size()});
         } else if (joins_last(piece)) {
-            std::for_each(
-                stair_pieces_.begin() + static_cast<std::ptrdiff_t>(stairs_.size() > 1 ? stairs_.end()[-2].end : 0),
-                stair_pieces_.end(), [&](const Piece& other) { meet(other, piece); });
             Stair& stair = stairs_.back();
+            for (const Piece& other : pieces_of(stair)) {
+                meet(other, piece);
+            }
             for (const int end : {0, 1}) {
                 stair.hull.low[end] = std::min(stair.hull.low[end], piece.low[end]);
                 stair.hull.high[end] = std::max(stair.hull.high[end], piece.high[end]);
@@ -182,21 +182,18 @@ std::size_t SlabSearch::take_stairs(std::span<Piece> spanning) {
 /// True if it meets all pieces of the last stair, and the stair before lies below it. So edges along each other, which meet
 /// in every slab, are one stair.
 bool SlabSearch::joins_last(const Piece& piece) const noexcept {
-    const std::size_t before = stairs_.size() - 1;
-    const std::size_t first = before > 0 ? stairs_[before - 1].end : 0;
-    return (before == 0 || is_below(stairs_[before - 1].hull, piece)) &&
-           std::all_of(stair_pieces_.rbegin(), stair_pieces_.rend() - static_cast<std::ptrdiff_t>(first),
-                       [&](const Piece& other) { return meets(other, piece); });
+    const std::span<const Piece> last = pieces_of(stairs_.back());
+    return (stairs_.size() == 1 || is_below(stairs_.end()[-2].hull, piece)) &&
+           std::all_of(last.rbegin(), last.rend(), [&](const Piece& other) { return meets(other, piece); });
 }
 
 void SlabSearch::meet_stairs(const Piece& piece) const {
     auto stair =
         std::partition_point(stairs_.begin(), stairs_.end(), [&](const Stair& each) { return is_below(each.hull, piece); });
-    std::size_t at = stair == stairs_.begin() ? 0 : stair[-1].end;
     for (; stair != stairs_.end() && !is_above(stair->hull, piece); ++stair) {
-        for (; at < stair->end; ++at) {
-            if (meets(stair_pieces_[at], piece)) {
-                meet(stair_pieces_[at], piece);
+        for (const Piece& other : pieces_of(*stair)) {
+            if (meets(other, piece)) {
+                meet(other, piece);
             }
         }
     }

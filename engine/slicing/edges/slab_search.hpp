@@ -1,13 +1,13 @@
 // Pairs of edges that come near one another, where boxes say little: edges that lie side by side aslant, or contours in one
 // another, whose boxes all meet.
 //
-//        :  _,.-' :            A slab between two heights of x. Edges that reach from side to side in one order at both
-//        sides
-//        :-'  _,.-:            are its stairs; each other edge finds those that it meets by bisection. Then the slab is
-//        halved, : ,-' b _:            and both halves are searched without the stairs. Here `a` crosses the upper two
-//        stairs, and
-//        :`.a_.-' :            `b`, which ends within the slab, none.
-//        :' `.    :
+//      :        __..--:      A slab: all between two x. Edges that reach from side to side in one order at both are its
+//      :__..--''      :      stairs, here three. Each other edge finds by bisection those that it meets: `a` crosses
+//      :\       __..--:      two of them; `b`, which ends within the slab, none. Then the slab is halved, and both
+//      :_\..--''      :      halves are searched without the stairs.
+//      :  \a    __..--:
+//      :__.\--''      :
+//      :    \  -b-    :
 //
 // A pair that is kept for the halves has met a stair: O(e log^2 e + c) for e edges and c pairs (Balaban 1995, the simpler of
 // his algorithms). Slower than the search by boxes where boxes lie apart.
@@ -59,7 +59,8 @@ private:
     /// The hull of pieces which all meet; it lies above that of the stair before.
     struct Stair {
         Piece hull;
-        std::size_t end;  ///< of its pieces in stair_pieces_
+        std::size_t begin;  ///< of its pieces in stair_pieces_
+        std::size_t end;
     };
 
     static Strip strip_of(Point a, Point b, double margin) noexcept;
@@ -67,6 +68,9 @@ private:
     bool list_pieces(std::span<const std::uint32_t> strips, double left, double right);
     void compare_all(std::span<const Piece> pieces) const;
     std::size_t take_stairs(std::span<Piece> spanning);
+    std::span<const Piece> pieces_of(const Stair& stair) const noexcept {
+        return std::span(stair_pieces_).subspan(stair.begin, stair.end - stair.begin);
+    }
     bool joins_last(const Piece& piece) const noexcept;
     void meet_stairs(const Piece& piece) const;
     void meet(const Piece& a, const Piece& b) const;

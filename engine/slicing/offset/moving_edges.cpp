@@ -50,15 +50,15 @@ void MovingEdges::clear(bool outwards) noexcept {
 }
 
 void MovingEdges::add(Point from, std::uint32_t point, Direction along, double length, Point miter, bool shrinks) {
-    edges_.push_back(
-        {.from = from, .miter = miter, .along = along, .end = length, .point = point, .shrinks = shrinks, .stands = false});
+    edges_.push_back({.from = from, .miter = miter, .along = along, .end = length, .point = point, .shrinks = shrinks});
 }
 
 void MovingEdges::add_at(Point corner, Direction along, bool stands) {
-    edges_.push_back({.from = corner, .miter = corner, .along = along, .shrinks = false, .stands = stands});
+    edges_.push_back({.from = corner, .miter = corner, .along = along, .stands = stands});
 }
 
 bool MovingEdges::move(double distance, Vector<Point>& points) {
+    distance_ = distance;
     left_ = edges_.size();
     for (std::uint32_t e = 0; e < left_; ++e) {
         edges_[e].before = e > 0 ? e - 1 : static_cast<std::uint32_t>(left_ - 1);
@@ -69,7 +69,7 @@ bool MovingEdges::move(double distance, Vector<Point>& points) {
         set_rates(before, edge, (edge.shrinks ? -1 : 1) * growth(before, edge), 0);
     }
     for (std::uint32_t e = 0; e < left_; ++e) {
-        schedule(e, 0, distance);
+        schedule(e, 0);
     }
     worker_.spend(edge_work * left_);
     const bool all_stay = events_.empty();
@@ -78,11 +78,11 @@ bool MovingEdges::move(double distance, Vector<Point>& points) {
         const Event event = events_.back();
         events_.pop_back();
         if (event.distance == edges_[event.edge].vanishes) {
-            take_off(event.edge, event.distance, distance);
+            take_off(event.edge, event.distance);
             worker_.spend(edge_work);
         }
     }
-    each_left([&](const Edge& edge) { append_corner(edge, distance, points); });
+    each_left([&](const Edge& edge) { append_corner(edge, points); });
     return all_stay;
 }
 
@@ -98,7 +98,7 @@ void MovingEdges::each_left(Take take) const {
     }
 }
 
-bool MovingEdges::fold(double distance, Vector<Point>& points, Vector<std::uint32_t>& numbers) const {
+bool MovingEdges::fold(Vector<Point>& points, Vector<std::uint32_t>& numbers) const {
     const std::size_t begin = points.size();
     bool folds = left_ > 2;
     each_left([&](const Edge& edge) {
@@ -111,7 +111,7 @@ bool MovingEdges::fold(double distance, Vector<Point>& points, Vector<std::uint3
             return;
         }
         const Point corner = place_on(before, before.end, 0);
-        folds = folds && edge.corner == Corner::met && is_steady(before, distance) && is_steady(edge, distance) &&
+        folds = folds && edge.corner == Corner::met && is_steady(before) && is_steady(edge) &&
                 std::max(std::abs(corner.x), std::abs(corner.y)) <= grid_limit;
         points.push_back(corner);
         numbers.push_back(no_point);
@@ -123,9 +123,9 @@ bool MovingEdges::fold(double distance, Vector<Point>& points, Vector<std::uint3
 
 /// True if the edge, an end of which is rounded, still has its direction before it moves: its ends may slip along it by a
 /// few units on the way.
-bool MovingEdges::is_steady(const Edge& edge, double distance) const noexcept {
+bool MovingEdges::is_steady(const Edge& edge) const noexcept {
     constexpr double slip = 8;
-    return edge.point != no_point && (edge.end - edge.begin) * slip >= distance;
+    return edge.point != no_point && (edge.end - edge.begin) * slip >= distance_;
 }
 
 Direction MovingEdges::normal_of(const Edge& edge) const noexcept {
@@ -149,11 +149,11 @@ void MovingEdges::set_rates(Edge& before, Edge& after, double rate, double at) c
     after.begin_rate = -of_after;
 }
 
-void MovingEdges::schedule(std::uint32_t number, double now, double last) {
+void MovingEdges::schedule(std::uint32_t number, double now) {
     Edge& edge = edges_[number];
     const double rate = edge.end_rate - edge.begin_rate;
     edge.vanishes = rate < 0 ? std::max(now, (edge.begin - edge.end) / rate) : never;
-    if (edge.vanishes <= last) {
+    if (edge.vanishes <= distance_) {
         events_.push_back({edge.vanishes, number});
         std::push_heap(events_.begin(), events_.end(), std::greater<>());
     }
@@ -168,7 +168,7 @@ bool MovingEdges::neighbours_meet(const Edge& edge) const noexcept {
            side_ * cross(before.along, after.along) < 0 && growth(before, after) < fastest_after_meeting;
 }
 
-void MovingEdges::take_off(std::uint32_t number, double at, double last) {
+void MovingEdges::take_off(std::uint32_t number, double at) {
     Edge& edge = edges_[number];
     Edge& before = edges_[edge.before];
     Edge& after = edges_[edge.after];
@@ -177,28 +177,28 @@ void MovingEdges::take_off(std::uint32_t number, double at, double last) {
         after.before = edge.before;
         after.corner = Corner::met;
         set_rates(before, after, -growth(before, after), at);
-        schedule(edge.before, at, last);
-        schedule(edge.after, at, last);
+        schedule(edge.before, at);
+        schedule(edge.after, at);
         edge.vanishes = -1;
         --left_;
         return;
     }
     if (edge.begin_rate > 0) {
-        make_joint(number, at, last);
+        make_joint(number, at);
     }
     if (edge.end_rate < 0) {
-        make_joint(edge.after, at, last);
+        make_joint(edge.after, at);
     }
 }
 
 /// Of the corner where the edge begins.
-void MovingEdges::make_joint(std::uint32_t number, double at, double last) {
+void MovingEdges::make_joint(std::uint32_t number, double at) {
     Edge& edge = edges_[number];
     set_rates(edges_[edge.before], edge, 0, at);
     edge.corner = Corner::joint;
     edge.joint_since = at;
-    schedule(edge.before, at, last);
-    schedule(number, at, last);
+    schedule(edge.before, at);
+    schedule(number, at);
 }
 
 /// The point of the edge, moved by the distance, so far along it.
@@ -207,20 +207,20 @@ Point MovingEdges::place_on(const Edge& edge, double along, double distance) con
     return moved_on_grid(edge.from, along * edge.along.x + distance * normal.x, along * edge.along.y + distance * normal.y);
 }
 
-void MovingEdges::append_corner(const Edge& edge, double distance, Vector<Point>& points) const {
+void MovingEdges::append_corner(const Edge& edge, Vector<Point>& points) const {
     const Edge& before = edges_[edge.before];
-    const double end = before.end + before.end_rate * distance;
+    const double end = before.end + before.end_rate * distance_;
     if (edge.corner == Corner::given && before.point != no_point && edge.point != no_point &&
         before.end_rate > -fastest_of_miter) {
         points.push_back(edge.miter);
     } else if (before.stands) {
-        points.push_back(place_on(edge, edge.begin, distance));
+        points.push_back(place_on(edge, edge.begin, distance_));
     } else {
-        points.push_back(place_on(before, end, distance));
+        points.push_back(place_on(before, end, distance_));
     }
     if (edge.corner == Corner::joint) {
         points.push_back(place_on(edge, edge.begin, edge.joint_since));
-        points.push_back(place_on(edge, edge.begin, distance));
+        points.push_back(place_on(edge, edge.begin, distance_));
     }
 }
 

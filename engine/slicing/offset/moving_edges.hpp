@@ -56,7 +56,7 @@ public:
     /// Appends the contour as folded by move(), rounded, and of each point which it was, or no_point. False, with some
     /// appended, where there are joints, where a folded corner lies beyond the grid or beside a cut or an arc, or where an
     /// edge to it is so short that rounding turns it or leaves none.
-    bool fold(double distance, Vector<Point>& points, Vector<std::uint32_t>& numbers) const;
+    bool fold(Vector<Point>& points, Vector<std::uint32_t>& numbers) const;
 
 private:
     enum class Corner : std::uint8_t { given, met, joint };
@@ -90,18 +90,19 @@ private:
     Direction normal_of(const Edge& edge) const noexcept;
     double growth(const Edge& before, const Edge& after) const noexcept;
     void set_rates(Edge& before, Edge& after, double rate, double at) const noexcept;
-    void schedule(std::uint32_t number, double now, double last);
+    void schedule(std::uint32_t number, double now);
     bool neighbours_meet(const Edge& edge) const noexcept;
-    void take_off(std::uint32_t number, double at, double last);
-    void make_joint(std::uint32_t number, double at, double last);
+    void take_off(std::uint32_t number, double at);
+    void make_joint(std::uint32_t number, double at);
     Point place_on(const Edge& edge, double along, double distance) const noexcept;
     template <class Take>
     void each_left(Take take) const;
-    bool is_steady(const Edge& edge, double distance) const noexcept;
-    void append_corner(const Edge& edge, double distance, Vector<Point>& points) const;
+    bool is_steady(const Edge& edge) const noexcept;
+    void append_corner(const Edge& edge, Vector<Point>& points) const;
 
     Worker& worker_;
     double side_ = 1;  // 1: to the right, -1: to the left
+    double distance_ = 0;
     std::size_t left_ = 0;
     Vector<Edge> edges_{worker_.memory()};
     Vector<Event> events_{worker_.memory()};  // a heap; those of edges that have changed since are passed over

@@ -134,14 +134,12 @@ RawCurve RawOffset::append(std::span<const Point> contour, const Shape& shape) {
         points_.insert(points_.end(), corners_.miter, corners_.miter + count);
         return finish(curve);
     }
-    settle_sharp_corners(contour, shape, curve);
+    if (sharp) {
+        settle_sharp_corners(contour, shape, curve);
+    }
     list_moving(contour, shape);
     curve.directions_kept = moving_.move(std::abs(shape.distance), points_);
     return finish(curve);
-}
-
-bool RawOffset::fold(double distance, Vector<Point>& points, Vector<std::uint32_t>& numbers) const {
-    return moving_.fold(std::abs(distance), points, numbers);
 }
 
 /// The edges of the contour, and at outer corners beyond the limit those of the cut or the arc.

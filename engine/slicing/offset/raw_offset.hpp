@@ -117,7 +117,7 @@ public:
     RawCurve append_line(std::span<const Point> line, double distance, const Corners& corners);
 
     /// For the contour that append() had last, some edges of which did not keep their direction: as MovingEdges::fold().
-    bool fold(double distance, Vector<Point>& points, Vector<std::uint32_t>& numbers) const;
+    bool fold(Vector<Point>& points, Vector<std::uint32_t>& numbers) const { return moving_.fold(points, numbers); }
 
     std::span<Point> points_of(const RawCurve& curve) noexcept {
         return std::span(points_).subspan(curve.first_point, curve.count);

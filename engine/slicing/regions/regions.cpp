@@ -145,7 +145,7 @@ std::optional<RawCurve> Regions::fold(const NestItem& ring, double distance, con
     const std::size_t begin = folded_.size();
     folded_of_.clear();
     RawCurve curve;
-    if (moved_curves_.fold(distance, folded_, folded_of_) && folded_.size() >= begin + 3) {
+    if (moved_curves_.fold(folded_, folded_of_) && folded_.size() >= begin + 3) {
         curve = moved_curves_.append(std::span(folded_).subspan(begin), distance, corners);
     }
     if (!curve.directions_kept || curve.reflex_cut || curve.count == 0) {

@@ -95,16 +95,11 @@ void Contacts::find(std::span<const NestItem> contours) {
         first_edges_.push_back(first_edges_.back() + contours[c].count);
     }
     near_.assign(first_edges_.back(), {});
-    const bool found = pairs_.find(rounding_reach, steps_of_edge * pairs_.edges(),
-                                   [this](const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) {
-                                       pairs_.allow(meet(a, i, b, j) ? steps_of_contact : 0);
-                                   });
-    if (!found) {
-        slabs_.find(pairs_, [this](std::uint32_t a, std::size_t i, std::uint32_t b, std::size_t j) {
-            const EdgePath& from = pairs_.paths()[a];
-            const EdgePath& to = pairs_.paths()[b];
-            meet(from, i - from.begin, to, j - to.begin);
-        });
+    const auto meet_next = [this](const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) {
+        pairs_.allow(meet(a, i, b, j) ? steps_of_contact : 0);
+    };
+    if (!pairs_.find(rounding_reach, steps_of_edge * pairs_.edges(), meet_next)) {
+        slabs_.find(pairs_, pairs_.by_path(meet_next));
     }
     for (const EdgePath& path : pairs_.paths()) {
         if (meets_[path.contour] != 0) {

@@ -65,7 +65,7 @@ public:
     explicit Contacts(Worker& worker) noexcept : worker_(worker) {}
 
     /// Compares closed contours. O(q log q) for q points whose edges lie apart, plus a step for each pair of
-    /// edges with close boxes. Throws std::bad_alloc.
+    /// edges with close boxes; where few of those come near, O(q log^2 q). Throws std::bad_alloc.
     void find(std::span<const NestItem> contours);
 
     /// True if the contour meets another or itself.

@@ -33,6 +33,8 @@
 #include "lamella/heights.hpp"
 #include "lamella/lamella.h"
 #include "lamella/layers.hpp"
+#include "lamella/measures.h"
+#include "lamella/measures.hpp"
 #include "lamella/options.hpp"
 #include "lamella/overlay.h"
 #include "lamella/overlay.hpp"
@@ -205,6 +207,7 @@ LAMELLA_SAME(lamella_height_range, HeightRange);
 LAMELLA_SAME(lamella_track, Track);
 LAMELLA_SAME(lamella_track_link, TrackLink);
 LAMELLA_SAME(lamella_pocket, Pocket);
+LAMELLA_SAME(lamella_section_measures, SectionMeasures);
 LAMELLA_SAME(lamella_memory, Memory);
 #undef LAMELLA_SAME
 
@@ -242,6 +245,9 @@ LAMELLA_SAME_PLACE(lamella_track, body, Track, body);
 LAMELLA_SAME_PLACE(lamella_track_link, upper, TrackLink, upper);
 LAMELLA_SAME_PLACE(lamella_pocket, end_layer, Pocket, end_layer);
 LAMELLA_SAME_PLACE(lamella_pocket, is_cavity, Pocket, is_cavity);
+LAMELLA_SAME_PLACE(lamella_section_measures, known, SectionMeasures, known);
+LAMELLA_SAME_PLACE(lamella_section_measures, polar_mm4, SectionMeasures, polar_mm4);
+LAMELLA_SAME_PLACE(lamella_section_measures, circularity, SectionMeasures, circularity);
 static_assert(std::is_standard_layout_v<Memory>);
 LAMELLA_SAME_PLACE(lamella_memory, release_object, Memory, release);
 #undef LAMELLA_SAME_PLACE

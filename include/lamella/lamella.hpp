@@ -16,6 +16,7 @@
 //     layers.hpp    regions and contours that come from elsewhere than a mesh
 //     overlay.hpp   combine layers: unions, differences, regions by label
 //     tracks.hpp    follow islands from layer to layer: births, merges, splits, cavities
+//     measures.hpp  areas, moments and diameters of layers and islands
 //     check.hpp     is the mesh closed, and what is wrong with it?
 //     weld.hpp      mend it: join vertices, turn shells
 //     audit.hpp     is the result right?
@@ -31,6 +32,7 @@
 #include "lamella/heights.hpp"
 #include "lamella/integer128.hpp"
 #include "lamella/layers.hpp"
+#include "lamella/measures.hpp"
 #include "lamella/mesh.hpp"
 #include "lamella/options.hpp"
 #include "lamella/overlay.hpp"

@@ -143,6 +143,7 @@ public:
                  SliceResult pieces;
                  return code_of(Overlay().clip(pieces, result_, above_[1], {}, c));
              }},
+            {"measure", [this](const Context& c) { return code_of(measure(result_, {.islands = true, .feret = true}, c)); }},
             {"find_tracks", [this](const Context& c) { return code_of(find_tracks(closed_, {.pockets = true}, c)); }},
         };
     }

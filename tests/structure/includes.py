@@ -37,6 +37,7 @@ SLICING = [
     ["slicer.hpp"],
     ["slice_layers.hpp"],
     ["slice_layers.cpp", "handover", "faces"],
+    ["measures"],
     ["overlay", "heights", "tracks"],
     ["parts"],
     ["slicer.cpp"],
@@ -49,9 +50,9 @@ PEERS = [("slicing/sweep/band_sweep", "slicing/sweep/wide_plane")]
 PUBLIC = {
     "array": "base", "context": "base", "error": "base", "integer128": "base", "version": "base",
     "grid": "options", "mesh": "options", "options": "options",
-    "destination": "slicing", "heights": "slicing", "layers": "slicing", "overlay": "slicing", "result": "slicing", "slice": "slicing", "source": "slicing", "tracks": "slicing",
+    "destination": "slicing", "heights": "slicing", "layers": "slicing", "measures": "slicing", "overlay": "slicing", "result": "slicing", "slice": "slicing", "source": "slicing", "tracks": "slicing",
     "check": "mesh", "weld": "mesh", "audit": "audit",
-    "lamella": "audit", "lamella.h": "c", "overlay.h": "c", "heights.h": "c", "tracks.h": "c", "io": "io", "medical": "medical",
+    "lamella": "audit", "lamella.h": "c", "overlay.h": "c", "heights.h": "c", "tracks.h": "c", "measures.h": "c", "io": "io", "medical": "medical",
 }  # fmt: skip
 
 # What a host that includes the core's headers is not to be burdened with.

@@ -11,8 +11,8 @@
 #include "lamella/audit.hpp"
 #include "lamella/check.hpp"
 #include "lamella/io/text_file.hpp"
+#include "lamella/measures.hpp"
 #include "medical/geometry/common.hpp"
-#include "medical/raster/coverage.hpp"
 
 namespace lamella {
 
@@ -65,72 +65,33 @@ std::string line_of(const Row& row, bool csv, const char* kind) {
 
 using Place = std::array<double, 3>;
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-constexpr Place nowhere = {unknown, unknown, unknown};
 
-/// Measures of a layer's contours. Where one is open, the solid is not known.
-struct Measures {
-    std::array<std::uint64_t, 4> by_role{};
-    double perimeter_mm = 0;
-    Place centroid = nowhere;
-    Place low = nowhere;  ///< least and largest coordinates
-    Place high = nowhere;
-};
-
-/// The sum of moments of a contour about one of its points, so that nothing cancels: six times the area times the centroid.
-void add_moments(std::span<const Point> points, Point about, std::array<double, 3>& sums) {
-    const auto from_there = [&](const Point& point) {
-        return PointMm{static_cast<double>(std::int64_t{point.x} - about.x),
-                       static_cast<double>(std::int64_t{point.y} - about.y)};
-    };
-    PointMm a = from_there(points.front());
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const PointMm b = from_there(points[i + 1 < points.size() ? i + 1 : 0]);
-        const double area = a.x * b.y - a.y * b.x;
-        sums[0] += area;
-        sums[1] += area * (a.x + b.x);
-        sums[2] += area * (a.y + b.y);
-        a = b;
-    }
+/// Where something of a layer lies: in LPS where the layer is one of an image.
+Place placed(const LayerView& view, double x_mm, double y_mm, const ImageGeometry* image) {
+    const Place place = {x_mm, y_mm, view.cut_mm()};
+    return image != nullptr ? image->to_lps(place) : place;
 }
 
-/// Places are in LPS where the layer is one of an image.
-Measures measure(const LayerView& view, const ImageGeometry* image) {
-    const auto placed = [&](PointMm at) {
-        const Place place = {at.x, at.y, view.cut_mm()};
-        return image != nullptr ? image->to_lps(place) : place;
-    };
-    Measures found;
-    std::optional<Point> about;
-    std::array<double, 3> sums{};
-    for (const Contour& contour : view.contours) {
-        const std::span<const Point> points = view.points_of(contour);
-        ++found.by_role[static_cast<std::size_t>(contour.role)];
-        for (const Point& point : points) {
-            const Place at = placed(view.to_mm(point));
+/// Least and largest coordinates of the points of contours.
+std::array<Place, 2> reach_of(const LayerView& view, std::span<const Contour> contours, const ImageGeometry* image) {
+    Place low = {unknown, unknown, unknown};
+    Place high = low;
+    for (const Contour& contour : contours) {
+        for (const Point& point : view.points_of(contour)) {
+            const Place at = placed(view, point.x * view.grid_mm, point.y * view.grid_mm, image);
             for (std::size_t axis = 0; axis < 3; ++axis) {  // of a number and NaN, these give the number
-                found.low[axis] = std::fmin(found.low[axis], at[axis]);
-                found.high[axis] = std::fmax(found.high[axis], at[axis]);
+                low[axis] = std::fmin(low[axis], at[axis]);
+                high[axis] = std::fmax(high[axis], at[axis]);
             }
         }
-        if (contour.role == Role::outer || contour.role == Role::hole) {
-            about = about.value_or(points.front());
-            add_moments(points, *about, sums);
-            found.perimeter_mm += perimeter_of(points) * view.grid_mm;
-        }
     }
-    if (found.by_role[static_cast<std::size_t>(Role::open)] > 0) {
-        found.perimeter_mm = unknown;
-    } else if (about && sums[0] != 0) {
-        found.centroid = placed(
-            {(about->x + sums[1] / (3 * sums[0])) * view.grid_mm, (about->y + sums[2] / (3 * sums[0])) * view.grid_mm});
-    }
-    return found;
+    return {low, high};
 }
 
-/// With `image`, heights and places are the patient's, and the names say so.
-Row layer_row(const std::string& mesh, const LayerView& layer, const ImageGeometry* image) {
-    const Measures found = measure(layer, image);
-    const auto role = [&](Role role) { return found.by_role[static_cast<std::size_t>(role)]; };
+/// With `image`, heights and places are the patient's, and the names say so. `contours`: those of the layer or the island.
+Row section_row(const std::string& mesh, const LayerView& layer, const SectionMeasures& found,
+                std::span<const Contour> contours, const ImageGeometry* image) {
+    const auto count = [](std::int64_t number) { return static_cast<std::uint64_t>(number); };
     const char* const mm = image != nullptr ? "_lps_mm" : "_mm";
     std::array<std::pair<std::string, double>, 4> heights = {
         {{"height", layer.plane_mm}, {"cut", layer.cut_mm()}, {"bottom", layer.bottom_mm}, {"top", layer.top_mm}}};
@@ -144,18 +105,36 @@ Row layer_row(const std::string& mesh, const LayerView& layer, const ImageGeomet
     for (const auto& [what, height] : heights) {
         row.emplace_back(what + mm, height);
     }
-    row.insert(row.end(), {{"area_mm2", layer.area_mm2()},
+    const auto flat = std::count_if(contours.begin(), contours.end(), [](const Contour& c) { return c.role == Role::flat; });
+    row.insert(row.end(), {{"area_mm2", found.area_mm2},
                            {"perimeter_mm", found.perimeter_mm},
-                           {"contours", layer.contour_count},
-                           {"holes", role(Role::hole)},
-                           {"open", role(Role::open)},
-                           {"flat", role(Role::flat)}});
+                           {"contours", contours.size()},
+                           {"islands", count(found.islands)},
+                           {"holes", count(found.holes)},
+                           {"open", count(found.open)},
+                           {"flat", count(flat)}});
     // Three coordinates in the patient, else two in the layer.
-    for (const auto& [what, place] : {std::pair{"centroid_", found.centroid}, {"min_", found.low}, {"max_", found.high}}) {
+    const auto [low, high] = reach_of(layer, contours, image);
+    const Place centroid = placed(layer, found.centroid_mm[0], found.centroid_mm[1], image);
+    for (const auto& [what, place] : {std::pair{"centroid_", centroid}, {"min_", low}, {"max_", high}}) {
         for (std::size_t axis = 0; axis < (image != nullptr ? 3 : 2); ++axis) {
             row.emplace_back(std::string(what) + "xyz"[axis] + mm, place[axis]);
         }
     }
+    row.insert(row.end(), {{"outer_area_mm2", found.outer_area_mm2},
+                           {"outer_perimeter_mm", found.outer_perimeter_mm},
+                           {"ix_mm4", found.ix_mm4},
+                           {"iy_mm4", found.iy_mm4},
+                           {"ixy_mm4", found.ixy_mm4},
+                           {"imin_mm4", found.imin_mm4},
+                           {"imax_mm4", found.imax_mm4},
+                           {"angle_rad", found.angle_rad},
+                           {"polar_mm4", found.polar_mm4},
+                           {"feret_max_mm", found.feret_max_mm},
+                           {"feret_min_mm", found.feret_min_mm},
+                           {"feret_angle_rad", found.feret_angle_rad},
+                           {"equivalent_diameter_mm", found.equivalent_diameter_mm},
+                           {"circularity", found.circularity}});
     return row;
 }
 
@@ -173,21 +152,35 @@ struct TableFile : OutputStream {
     bool csv;
     std::string name;  ///< of the mesh
     std::optional<ImageGeometry> image;
+    bool islands = false;  ///< a row each, not one a layer
 
     /// The format is that of the end of the file's name. Throws Refused, also where it is not that of a table.
-    static TableFile begin(const std::string& name, const std::filesystem::path& path, const ImageGeometry* image) {
+    static TableFile begin(const std::string& name, const std::filesystem::path& path, const ImageGeometry* image,
+                           bool islands) {
         const std::string end = lower_case(path.extension().string());
         if (end != ".csv" && end != ".jsonl") {
             refuse_output(path, "a table's name ends in .csv or .jsonl");
         }
         TableFile table{{require(OutputFile::create(path)), {}}, end == ".csv", name, {}};
         table.image = image != nullptr ? std::optional(*image) : std::nullopt;
-        table.out.append(table.csv ? names_line(layer_row({}, {}, image)) : "");
+        table.islands = islands;
+        table.out.append(table.csv ? names_line(section_row({}, {}, {}, {}, image)) : "");
         return table;
     }
 
     void add(const std::string& mesh, const LayerView& layer) {
-        out.append(line_of(layer_row(mesh, layer, image ? &*image : nullptr), csv, "layer"));
+        const Measures found = require(measure(layer, {.islands = islands, .feret = true}));
+        const auto write = [&](const SectionMeasures& row, std::span<const Contour> contours) {
+            out.append(line_of(section_row(mesh, layer, row, contours, image ? &*image : nullptr), csv,
+                               islands ? "island" : "layer"));
+        };
+        if (!islands) {
+            write(found.layers[0], layer.contours);
+        }
+        for (const SectionMeasures& island : found.islands) {
+            const auto first = static_cast<std::size_t>(island.contour) - layer.first_contour;
+            write(island, layer.contours.subspan(first, 1 + static_cast<std::size_t>(island.holes)));
+        }
     }
 };
 
@@ -205,10 +198,10 @@ Result<MeshFacts> measure_facts(const MeshView& mesh, const SliceResult& result,
 }
 
 Status write_layer_table(std::span<const TablePart> parts, const std::filesystem::path& path, const ImageGeometry* image,
-                         const Context& context) noexcept {
+                         bool islands, const Context& context) noexcept {
     return guarded(context, [&]() -> Status {
         const PacedStop stop(context.stop);
-        TableFile table = TableFile::begin({}, path, image);
+        TableFile table = TableFile::begin({}, path, image, islands);
         std::string meshes;  // beside NAME.csv as NAME.meshes.csv, where something is known of a mesh
         for (const TablePart& part : parts) {
             if (part.facts != nullptr) {
@@ -238,9 +231,9 @@ LayerTableStream& LayerTableStream::operator=(LayerTableStream&&) noexcept = def
 LayerTableStream::~LayerTableStream() = default;
 
 Result<LayerTableStream> LayerTableStream::begin(const std::string& name, const std::filesystem::path& path,
-                                                 const ImageGeometry* image) noexcept {
+                                                 const ImageGeometry* image, bool islands) noexcept {
     return guarded([&]() -> Result<LayerTableStream> {
-        return LayerTableStream(std::make_unique<State>(State{TableFile::begin(name, path, image)}));
+        return LayerTableStream(std::make_unique<State>(State{TableFile::begin(name, path, image, islands)}));
     });
 }
 

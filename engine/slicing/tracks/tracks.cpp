@@ -19,6 +19,7 @@
 #include "base/parallel.hpp"
 #include "base/sort.hpp"
 #include "base/vector.hpp"
+#include "slicing/measures/moments.hpp"
 #include "slicing/slicer.hpp"
 #include "slicing/tracks/layer_links.hpp"
 #include "slicing/tracks/pockets.hpp"
@@ -31,30 +32,6 @@ Int128 magnitude_of(const Contour& contour) noexcept {
     const Int128 area = to_int128(contour.twice_area);
     return area < 0 ? -area : area;
 }
-
-/// Exact: coordinates are below 2^31, so a term of the moments is below 2^93, and there are fewer than 2^32.
-struct Moments {
-    Integer128 twice_area;
-    Integer128 six_x;  ///< six times the integral of x
-    Integer128 six_y;
-
-    void add(std::span<const Point> ring) noexcept {
-        Int128 area = to_int128(twice_area);
-        Int128 x = to_int128(six_x);
-        Int128 y = to_int128(six_y);
-        Point a = ring.back();
-        for (const Point b : ring) {
-            const std::int64_t product = std::int64_t{a.x} * b.y - std::int64_t{a.y} * b.x;
-            area += product;
-            x += Int128{product} * (std::int64_t{a.x} + b.x);
-            y += Int128{product} * (std::int64_t{a.y} + b.y);
-            a = b;
-        }
-        twice_area = to_integer128(area);
-        six_x = to_integer128(x);
-        six_y = to_integer128(y);
-    }
-};
 
 /// One call.
 class TrackFinding {
@@ -198,19 +175,20 @@ void TrackFinding::measure(std::size_t n, Tracks& tracks) {
                                                             " has a point beyond the grid, which ends at " +
                                                             std::to_string(grid_limit) + " units"}};
         }
-        moments[ring.island - own.first_island].add(ring.points);
+        moments[ring.island - own.first_island].add<false>(ring.points, stack_.contours[first + r].twice_area, {});
         worker.spend(ring.points.size());
     }
     const double grid_mm = stack_.info.grid_mm;
     for (std::uint32_t i = 0; i < own.islands; ++i) {
         Track& track = tracks.islands[own.first_island + i];
         const Point start = rings_[track.contour].points.front();
-        const double twice_area = std::max(moments[i].twice_area.to_double(), 0.0);
+        const auto number = [](Word128 sum) { return static_cast<double>(static_cast<Int128>(sum)); };
+        const double twice_area = std::max(number(moments[i].twice_area), 0.0);
         track.area_mm2 = twice_area / 2 * grid_mm * grid_mm;
         track.centroid_mm = {start.x * grid_mm, start.y * grid_mm};
         if (twice_area > 0) {
-            track.centroid_mm = {moments[i].six_x.to_double() / (3 * twice_area) * grid_mm,
-                                 moments[i].six_y.to_double() / (3 * twice_area) * grid_mm};
+            track.centroid_mm = {number(moments[i].six_x) / (3 * twice_area) * grid_mm,
+                                 number(moments[i].six_y) / (3 * twice_area) * grid_mm};
         }
     }
     sort_briefly(by_size.begin(), by_size.end(), [&](std::uint32_t a, std::uint32_t b) {

@@ -40,20 +40,20 @@ struct TablePart {
     const MeshFacts* facts = nullptr;  ///< where they are known
 };
 
-/// Writes a row a layer: by the end of the name .csv or .jsonl. Area, perimeter and centroid of a layer with open contours
-/// are not known: empty, or null. Where there are facts, .jsonl begins with a line a mesh, and beside NAME.csv stands
-/// NAME.meshes.csv. `image`: at whose slices the parts were cut, in its slicing_frame(); heights and places are then the
-/// patient's, in columns named _lps_mm (ImageGeometry::height_lps_mm(), to_lps()). Errors: invalid_argument,
-/// unwritable_file, cancelled, out_of_memory.
+/// Writes a row a layer, or with `islands` a row an island: by the end of the name .csv or .jsonl. Columns are those of
+/// SectionMeasures. What is not known is empty, or null. Moments and angles are in the frame of the section. Where there are
+/// facts, .jsonl begins with a line a mesh, and beside NAME.csv stands NAME.meshes.csv. `image`: at whose slices the parts
+/// were cut, in its slicing_frame(); heights and places are then the patient's, in columns named _lps_mm
+/// (ImageGeometry::height_lps_mm(), to_lps()). Errors: invalid_argument, unwritable_file, cancelled, out_of_memory.
 Status write_layer_table(std::span<const TablePart> parts, const std::filesystem::path& path,
-                         const ImageGeometry* image = nullptr, const Context& context = {}) noexcept;
+                         const ImageGeometry* image = nullptr, bool islands = false, const Context& context = {}) noexcept;
 
 /// The same file for one mesh without facts, layer by layer, of a result that is never held: add() each layer in ascending
 /// order, then finish(). Errors are kept, and finish() returns the first; a stream that ends without it leaves no file.
 class LayerTableStream {
 public:
     static Result<LayerTableStream> begin(const std::string& name, const std::filesystem::path& path,
-                                          const ImageGeometry* image = nullptr) noexcept;
+                                          const ImageGeometry* image = nullptr, bool islands = false) noexcept;
     LayerTableStream(LayerTableStream&& other) noexcept;
     LayerTableStream& operator=(LayerTableStream&& other) noexcept;
     ~LayerTableStream();

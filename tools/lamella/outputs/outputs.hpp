@@ -25,6 +25,7 @@ struct OutputArguments {
     std::string to;                    ///< formats
     std::string besides{};             ///< what the command writes, too, for messages
     bool coverage = false;
+    bool islands = false;  ///< tables have a row an island
     bool strict = false;
     std::optional<HoleForm> holes{};  ///< of structure sets
     bool without_ct = false;

@@ -67,6 +67,7 @@ void declare_outputs(CLI::App& command, OutputArguments& arguments) {
     add_text(command, "--to", arguments.to, "FORMAT,...",
              "Write these formats, each as --output with the end of its name exchanged: " + all_formats(&NamedFormat::name));
     command.add_flag("--coverage", arguments.coverage, "Masks hold the share of each voxel's area that is inside");
+    command.add_flag("--islands", arguments.islands, "Tables have a row an island, not a row a layer");
     add_count(command, "--picture-layer", "PNG shows this layer, counted from 0, not a contact sheet",
               [&arguments](std::uint64_t layer) { arguments.picture_layer = layer; });
     add_choice(command, "--holes", holes,
@@ -181,6 +182,7 @@ void require_together(const std::vector<PlannedOutput>& outputs, const OutputArg
               "--coverage and --subslices: one mesh a mask, not several");
     refuse_if(image.subslices > 1 && !image.given(), bad_usage, "--subslices: needs --like IMAGE or --spacing X,Y,Z");
     refuse_if(arguments.coverage && !mask, bad_usage, "--coverage: no output is a mask");
+    refuse_if(arguments.islands && !has_format(outputs, OutputFormat::table), bad_usage, "--islands: no output is a table");
 }
 
 std::vector<PlannedOutput> plan_outputs(const OutputArguments& arguments, std::size_t meshes, const ImageArguments& image,

@@ -132,7 +132,7 @@ void write_one(const OutputJob& job, const PlannedOutput& output, const Context&
                          [](const SlicedPart& part) {
                              return TablePart{&part.result, part.name, part.facts ? &*part.facts : nullptr};
                          }),
-                path_of(output.path), image, context));
+                path_of(output.path), image, job.arguments.islands, context));
         case OutputFormat::png: {
             const auto parts = parts_of(job, [](const SlicedPart& part) { return PicturePart{&part.result, part.name}; });
             const std::optional<std::uint64_t> layer = job.arguments.picture_layer;
@@ -162,6 +162,7 @@ Record record_of(const OutputJob& job, const PlannedOutput& output) {
         const std::string& name = option.name;
         const bool of_sets = name == "--holes" || name == "--without-ct";
         if ((of_sets && output.format != OutputFormat::structure_set) || (name == "--coverage" && !output.is_mask()) ||
+            (name == "--islands" && output.format != OutputFormat::table) ||
             (name == "--picture-layer" && output.format != OutputFormat::png)) {
             continue;  // it says nothing of this output
         }

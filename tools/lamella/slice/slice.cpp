@@ -125,8 +125,9 @@ public:
     void begin(const OutputJob& job, const std::string& mesh_name, const SliceInfo& info) {
         const ImageGeometry* const image = job.image ? &*job.image : nullptr;
         for (const PlannedOutput& output : job.outputs) {
-            output.format == OutputFormat::svg ? add(SvgStream::begin(info, output_path(output.path)))
-                                               : add(LayerTableStream::begin(mesh_name, path_of(output.path), image));
+            output.format == OutputFormat::svg
+                ? add(SvgStream::begin(info, output_path(output.path)))
+                : add(LayerTableStream::begin(mesh_name, path_of(output.path), image, job.arguments.islands));
         }
     }
 

@@ -91,6 +91,34 @@ TEST_CASE("mask: more than 255 meshes take two bytes", "[medical]") {
     CHECK(bytes_of(folder / "many.nii").substr(nifti_header_bytes) == "\x2c\1\x2c\1\x2c\1\x2c\1\x2c\1\x2c\1");  // 300
 }
 
+TEST_CASE("mask: drawn in memory it has the voxels and the summary of the file", "[medical]") {
+    const ImageGeometry image = image_of({30, 20, 25}, {0.5, 0.75, 0.5}, {-7, -7, -6});
+    const SliceResult one = cut(octasphere({0, 0, 0}, 5, 3), image);
+    const SliceResult two = cut(octasphere({4, 2, 0}, 4, 3), image);
+    const TempFolder folder;
+    const auto check_same = [&](const std::vector<MaskPart>& parts, const MaskOptions& options, int threads) {
+        std::vector<unsigned char> voxels(30 * 20 * 25 * (parts.size() > 255 ? 2U : 1U), 7);
+        const MaskSummary drawn = value_of(draw_mask(parts, image, voxels, options, {.threads = threads}));
+        const MaskSummary written = value_of(write_mask(parts, image, folder / "a.nii", options));
+        CHECK(bytes_of(folder / "a.nii").substr(nifti_header_bytes) == std::string(voxels.begin(), voxels.end()));
+        CHECK(drawn.voxels == written.voxels);
+        CHECK(drawn.overlapped_voxels == written.overlapped_voxels);
+        CHECK(drawn.cut_off_share[0] == written.cut_off_share[0]);
+    };
+    for (const int threads : {1, 3}) {
+        check_same({{&one, "a"}, {&two, "b"}}, {}, threads);
+        check_same({{&one, "a"}}, {.coverage = true}, threads);
+        check_same(std::vector<MaskPart>(300, MaskPart{&two, "b"}), {}, threads);
+    }
+    const MaskPart part{&one, "a"};
+    std::vector<unsigned char> short_of_one(30 * 20 * 25 - 1);
+    CHECK(error_of(draw_mask({&part, 1}, image, short_of_one)).message == "the voxels do not have the size of the image");
+    CHECK(code_of(draw_mask({}, image, short_of_one)) == ErrorCode::invalid_argument);
+    ImageGeometry uneven = image;
+    uneven.uneven_slices_mm = {0, 1, 3};
+    CHECK(code_of(draw_mask({&part, 1}, uneven, short_of_one)) == ErrorCode::invalid_argument);
+}
+
 TEST_CASE("mask: what cannot be written is refused, and leaves nothing", "[medical]") {
     const ImageGeometry image = image_of({4, 4, 6}, {1, 1, 1}, {0, 0, 0});
     const Soup body = box({0, 0, -1}, {3, 3, 4.5});

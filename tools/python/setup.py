@@ -24,8 +24,11 @@ class CMakeBuild(build_ext):
         configure = ["cmake", "-S", FOLDER, "-B", build, "-DCMAKE_BUILD_TYPE=Release", f"-DLAMELLA_PYTHON={sys.executable}"]
         subprocess.run([*configure, *os.environ.get("CMAKE_ARGS", "").split()], check=True)
         subprocess.run(["cmake", "--build", build, "--target", "lamella_python_package", "--parallel", str(os.cpu_count() or 1)], check=True)
-        for name in (target.name, "_option_table.py"):
-            self.copy_file(str(build / "python" / "lamella" / name), str(target.parent / name))
+        made = build / "python" / "lamella"
+        for path in (made / target.name, made / "_option_table.py", *made.glob("bin/*")):
+            to = target.parent / path.relative_to(made)
+            to.parent.mkdir(exist_ok=True)
+            self.copy_file(str(path), str(to))
 
 
 setup(

@@ -1,5 +1,6 @@
 # HDF5, for archives: the target lamella::hdf5 where there is such a library. Of Debian's static library nothing is linked that
-# needs libcurl; the shared one loads it, and a dozen libraries behind it, for files in the cloud.
+# needs libcurl; the shared one loads it, and a dozen libraries behind it, for files in the cloud. But the static one is not made
+# for shared libraries and modules, which take the shared one.
 if(TARGET lamella::hdf5)
   return()
 endif()
@@ -29,7 +30,12 @@ function(lamella_use_hdf5 name)
   if(LAMELLA_HDF5_LINKS_${name})
     add_library(lamella::hdf5 INTERFACE IMPORTED GLOBAL)
     target_include_directories(lamella::hdf5 SYSTEM INTERFACE ${LAMELLA_HDF5_INCLUDE})
-    target_link_libraries(lamella::hdf5 INTERFACE ${ARGN})
+    set(in_programs $<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>)
+    if(LAMELLA_HDF5_SHARED)
+      target_link_libraries(lamella::hdf5 INTERFACE "$<IF:${in_programs},${ARGN},${LAMELLA_HDF5_SHARED}>")
+    else()
+      target_link_libraries(lamella::hdf5 INTERFACE ${ARGN})
+    endif()
   endif()
 endfunction()
 

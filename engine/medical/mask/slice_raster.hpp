@@ -176,6 +176,11 @@ struct MaskLayout {
     std::size_t voxel_bytes = 1;
 };
 
+constexpr std::size_t most_mask_labels = 65535;
+constexpr std::size_t mask_voxel_bytes(std::size_t labels) noexcept {
+    return labels > 255 ? 2 : 1;
+}
+
 /// By the end of the name. Throws Refused.
 MaskLayout layout_of(const std::filesystem::path& path, std::span<const MaskPart> parts, bool shares);
 
@@ -365,5 +370,11 @@ private:
     std::vector<Centres> columns_;  ///< of each part, whose grids may differ
     std::vector<Centres> rows_;
 };
+
+/// What is known once all is drawn.
+MaskSummary summary_of(const MaskCounts& counts, std::span<const MaskPart> parts, const Context& context);
+
+/// Throws Refused unless every part has a layer for each plane of the image.
+void require_cut_for(std::span<const MaskPart> parts, const ImageGeometry& image, const MaskOptions& options);
 
 }  // namespace lamella

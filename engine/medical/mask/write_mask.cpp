@@ -257,24 +257,6 @@ MaskCounts write_slices(const SliceRaster& raster, std::span<const MaskPart> par
     return total;
 }
 
-MaskSummary summary_of(const MaskCounts& counts, std::span<const MaskPart> parts, const Context& context) {
-    constexpr AuditOptions only_open{.volume = false, .ledger = false, .crossings = false};
-    constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-    MaskSummary summary;
-    summary.overlapped_voxels = counts.overlapped;
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-        const auto& [voxels, area, inside, length] = counts.parts[i];
-        const OpenLayers open = *require(audit(*parts[i].result, MeshView{}, only_open, context)).open;
-        const bool all_open = open.layers > 0 && open.layers == open.crossed;
-        const bool is_cut_off = area - inside > 1e-9 * area;  // less is rounding
-        summary.voxels.push_back(voxels);
-        summary.open.push_back(open);
-        summary.cut_off_share.push_back(all_open ? unknown : is_cut_off ? (area - inside) / area : 0);
-        summary.mean_wall_mm.push_back(length > 0 ? area / length : unknown);
-    }
-    return summary;
-}
-
 /// NAME.labels.csv beside NAME.nii.gz: label, name, voxels.
 Status write_label_table(std::span<const MaskPart> parts, const MaskSummary& summary, std::string_view name) {
     std::string rows = "label,name,voxels\n";
@@ -298,14 +280,13 @@ MaskLayout layout_of(const std::filesystem::path& path, std::span<const MaskPart
     if (found == layouts.end()) {
         refuse_output(path, "a mask's name ends in .nii, .nii.gz, .nrrd or .seg.nrrd");
     }
-    constexpr std::size_t most_labels = 65535;
-    if (parts.empty() || parts.size() > (shares ? 1 : most_labels)) {
+    if (parts.empty() || parts.size() > (shares ? 1 : most_mask_labels)) {
         refuse_output(path, std::to_string(parts.size()) + " meshes in a mask that holds 1 to " +
-                                std::to_string(shares ? 1 : most_labels));
+                                std::to_string(shares ? 1 : most_mask_labels));
     }
     MaskLayout layout = *found;
     layout.shares = shares;
-    layout.voxel_bytes = parts.size() > 255 ? 2 : 1;
+    layout.voxel_bytes = mask_voxel_bytes(parts.size());
     return layout;
 }
 
@@ -315,12 +296,7 @@ Result<MaskSummary> write_mask(std::span<const MaskPart> parts, const ImageGeome
     return guarded(context, [&]() -> Result<MaskSummary> {
         const MaskLayout layout = layout_of(path, parts, options.coverage || options.subslices > 1);
         require_mask_fits(path, layout, image);
-        if (options.subslices < 1) {
-            refuse_output(path, "a slice has at least one plane");
-        }
-        for (const MaskPart& part : parts) {
-            require_cut(part.result, part.name, image.size[2] * static_cast<std::uint64_t>(options.subslices));
-        }
+        require_cut_for(parts, image, options);
         const SliceRaster raster(parts, image, options, layout);
         const Parallel parallel(context);
         OutputFile file = require(OutputFile::create(path));

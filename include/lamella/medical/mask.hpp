@@ -56,4 +56,10 @@ Result<MaskSummary> write_mask(std::span<const MaskPart> parts, const ImageGeome
                                const std::filesystem::path& path, const MaskOptions& options = {},
                                const Context& context = {}) noexcept;
 
+/// The same mask in memory: `voxels` has room for all of the image, i fastest, a byte each or with more than 255 parts two;
+/// of shares 255 stand for 1. O(v + q); memory of some slices for each thread. Errors: invalid_argument, cancelled,
+/// out_of_memory.
+Result<MaskSummary> draw_mask(std::span<const MaskPart> parts, const ImageGeometry& image, std::span<unsigned char> voxels,
+                              const MaskOptions& options = {}, const Context& context = {}) noexcept;
+
 }  // namespace lamella

@@ -232,11 +232,12 @@ py::dict info_of(const MeshCheck& check) {
                     "shells"_a = check.shell_count, "closed"_a = check.closed, "grid"_a = check.grid_mm);
 }
 
-py::dict check_mesh(const View& view, const Asked& asked, double tolerance_mm, double sliver_ratio,
-                    std::size_t most_places) {
+py::dict check_mesh(const View& view, const Asked& asked, double tolerance_mm, double sliver_ratio, std::size_t most_places,
+                    bool counts_only) {
     const MeshCheck found = run(asked, [&](const Context& context) {
         return check(view.mesh(),
                      {.frame = asked.options.frame,
+                      .counts_only = counts_only,
                       .tolerance_mm = tolerance_mm,
                       .sliver_ratio = sliver_ratio,
                       .most_places = most_places},
@@ -397,4 +398,6 @@ PYBIND11_MODULE(_native, module) {
     python::define_slicing(module);
     python::define_overlay(module);
     python::define_tracks(module);
+    python::define_measures(module);
+    python::define_medical(module);
 }

@@ -27,4 +27,7 @@ corners = np.array([[0, 0, 0], [30, 0, 0], [0, 30, 0], [0, 0, 40]], dtype=float)
 faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
 assert abs(lamella.slice(corners, faces, layer_height=1).certificate.mesh_volume - 6000) < 1e-3
 PROGRAM
+# The tool came along, on the path of the environment and as a module.
+version=$("$folder/bin/lamella" --version)
+[[ "$version" == "$("$folder/bin/python" -m lamella --version)" && -n "$version" ]]
 echo "installed and used"

@@ -220,3 +220,115 @@ def test_a_small_result_does_not_keep_the_memory_of_a_large_one(torus, cube):
         del large
         small.append(lamella.slice(*cube, layer_height=1, threads=1))
     assert resident_bytes() - before < 60_000_000
+
+
+def test_measures_are_those_of_an_exact_annulus(box_with_cavity):
+    layers = lamella.slice(*box_with_cavity, heights=[2, 5, 11])
+    assert layers.measures["area"].round(5).tolist() == [100, 84, 0]
+    assert layers.measures["outer_area"].round(5).tolist() == [100, 100, 0]
+    assert abs(layers.measures["ix"][1] - (10**4 - 4**4) / 12) < 1e-3
+    assert layers.measures["known"].all() and np.isnan(layers.measures["centroid_x"][2])
+    assert layers.island_measures["holes"].tolist() == [0, 1]
+    assert np.allclose(layers[1].centroid, 5, atol=1e-5) and np.allclose(layers[1].bounds, [[0, 0], [10, 10]], atol=1e-5)
+    frame = layers.layers_frame(islands=True)
+    assert list(frame["layer"]) == [0, 1] and "contour" in frame
+
+
+def test_measures_agree_with_scikit_image(torus):
+    measure = pytest.importorskip("skimage.measure")
+    mask = lamella.mask(torus, spacing=0.25, frame="lps")
+    layers = lamella.slice(*torus, heights=[1.0])
+    slice_at = int(np.argmin(np.abs(mask.affine[2, 3] + mask.affine[2, 2] * np.arange(mask.array.shape[2]) - 1.0)))
+    pixels = measure.regionprops(mask.array[:, :, slice_at].T.astype(int))[0]
+    own = layers.measures[0]
+    assert abs(own["area"] - pixels.area * 0.25**2) < 0.01 * own["area"]
+    assert abs(own["imax"] - pixels.inertia_tensor_eigvals[0] * pixels.area * 0.25**4) < 0.02 * own["imax"]
+
+
+def test_points_lie_in_the_frame_of_the_mesh(cube):
+    layers = lamella.slice(*cube, normal=[1, 1, 1], layer_height=2)
+    points = layers.points_in_mesh()
+    assert (points > -1e-5).all() and (points < 10 + 1e-5).all()
+    assert np.allclose((np.isclose(points, 0, atol=1e-5) | np.isclose(points, 10, atol=1e-5)).any(axis=1), True)
+    assert np.array_equal(layers[1].points_in_mesh(), points[len(layers[0].points) :][: len(layers[1].points)])
+
+
+def test_contours_are_polylines_of_vtk(box_with_cavity):
+    pytest.importorskip("vtkmodules")
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    layers = lamella.slice(*box_with_cavity, layer_height=1)
+    data = layers.to_vtk()
+    assert data.GetNumberOfLines() == len(layers.contours) and data.GetNumberOfPoints() == len(layers.points)
+    offsets = vtk_to_numpy(data.GetLines().GetOffsetsArray())
+    ids = vtk_to_numpy(data.GetLines().GetConnectivityArray())
+    for n, contour in enumerate(layers.contours):
+        line = ids[offsets[n] : offsets[n + 1]]
+        first, count = int(contour["first_point"]), int(contour["point_count"])
+        assert line.tolist() == [*range(first, first + count), first]
+    assert vtk_to_numpy(data.GetCellData().GetArray("role")).tolist() == layers.contours["role"].tolist()
+
+
+def test_a_poly_data_of_vtk_is_a_mesh(torus):
+    pytest.importorskip("vtkmodules")
+    from vtkmodules.vtkFiltersSources import vtkCubeSource, vtkSphereSource
+
+    sphere = vtkSphereSource()
+    sphere.SetRadius(10)
+    sphere.Update()
+    layers = lamella.slice(sphere.GetOutput(), layer_height=1)
+    assert layers.certificate.holds and 3000 < layers.volume < 4189
+    cube = vtkCubeSource()
+    cube.Update()
+    with pytest.raises(lamella.InvalidArgumentError, match="vtkTriangleFilter"):
+        lamella.slice(cube.GetOutput(), layer_height=1)
+
+
+def test_stand_ins_of_packages_get_lines_and_polygons(box_with_cavity, monkeypatch):
+    """trimesh, pyvista and geopandas are not in Debian's archive of this version: what they are handed is looked at."""
+    import sys
+    import types
+
+    handed = {}
+
+    def stand_in(name, **members):
+        module = types.ModuleType(name)
+        module.__dict__.update(members)
+        monkeypatch.setitem(sys.modules, name, module)
+
+    for name in ("trimesh", "trimesh.path", "trimesh.path.exchange"):
+        stand_in(name)
+    stand_in("trimesh.path.exchange.misc", lines_to_path=lambda lines: {"lines": lines})
+    stand_in("trimesh.path.path", Path3D=lambda **made: made)
+    stand_in("geopandas", GeoDataFrame=lambda frame, geometry: handed.update(frame=frame, geometry=geometry) or handed)
+    layers = lamella.slice(*box_with_cavity, layer_height=1)
+    segments = layers.to_trimesh()["lines"]
+    assert segments.shape == (len(layers.points), 2, 3)
+    pytest.importorskip("shapely")
+    frame = layers.to_geopandas()
+    assert np.allclose([polygon.area for polygon in frame["geometry"]], frame["frame"]["area"])
+    pytest.importorskip("vtkmodules")
+    stand_in("pyvista", wrap=lambda data: data)
+    assert layers.to_pyvista().GetNumberOfLines() == len(layers.contours)
+
+
+def test_a_stack_is_drawn(box_with_cavity, matplotlib):
+    layers = lamella.slice(*box_with_cavity, layer_height=0.1)
+    axes = layers.plot_stack(most=10)
+    assert len(axes.collections[0]._segments3d) in range(10, 21)
+    assert axes.get_zlim()[1] <= 10
+
+
+def test_meshes_tell_their_measures(cube, tmp_path):
+    from support import write_stl
+
+    vertices, faces = cube
+    write_stl(tmp_path / "cube.stl", vertices[faces])
+    mesh = lamella.read(tmp_path / "cube.stl", indexed=True)
+    assert mesh.vertices.shape == (8, 3) and mesh.faces.shape == (12, 3)
+    assert mesh.path == str(tmp_path / "cube.stl") and mesh.info["format"]
+    assert mesh.bounds.tolist() == [[0, 0, 0], [10, 10, 10]]
+    assert (mesh.volume, mesh.area) == (1000, 600)
+    assert lamella.slice(mesh, layer_height=1).hash == lamella.slice(*cube, layer_height=1).hash
+    unknown = lamella.read(tmp_path / "cube.stl", unit="cm")
+    assert unknown.bounds.max() == 100

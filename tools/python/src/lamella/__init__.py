@@ -38,6 +38,12 @@ tracks
     Islands from layer to layer: where they begin, merge, split and end, and what they enclose.
 assemble, region_of
     Contours from segments, or regions from contours, of another program.
+mask, save_mask, save_structure_set
+    Voxels of an image that lie inside of meshes; contours as radiotherapy reads them.
+save_table, save_picture, save_archive, open
+    Measures of layers, a contact sheet, whole results as HDF5 and back.
+image
+    Where an image's voxels lie.
 lamella.dask.slice_many
     Many files on the workers of a Dask scheduler; a module to import by itself.
 
@@ -59,8 +65,10 @@ from ._errors import (  # fmt: skip
     CancelledError, CoordinateError, EmptyMeshError, Error, InvalidArgumentError, MalformedMeshError, MeshTypeError,
     MeshWarning, OutOfMemoryError, PlanesError, ResultTooLargeError, UnreadableFileError, UnwritableFileError,
 )
+from ._image import Image, image
 from ._layer import NO_TRIANGLE, SEVERAL_PARTS, ContourFlag, Layer, Polygon, Role
 from ._layer_set import LayerSet
+from ._medical import Mask, mask, open, save_archive, save_mask, save_picture, save_structure_set, save_table
 from ._mesh import Check, Finding, Mesh, check, read, weld
 from ._native import version as __version__
 from ._result import Certificate, Result
@@ -70,9 +78,11 @@ from ._slice import (  # fmt: skip
 from ._tracks import Tracks, tracks
 
 __all__ = [
-    "NO_TRIANGLE", "SEVERAL_PARTS", "CancelledError", "Certificate", "Check", "ContourFlag", "CoordinateError",
-    "EmptyMeshError", "Error", "Finding", "InvalidArgumentError", "Layer", "LayerSet", "MalformedMeshError", "Mesh", "MeshTypeError",
-    "MeshWarning", "OutOfMemoryError", "PlanesError", "Polygon", "Prepared", "Result", "ResultTooLargeError", "Role", "Tracks",
-    "UnreadableFileError", "UnwritableFileError", "__version__", "adaptive_layers", "assemble", "check", "clip", "combine", "offset",
-    "prepare", "read", "region_of", "section", "section_multiplane", "slice", "slice_parts", "stream", "tracks", "weld",
+    "CancelledError", "Certificate", "Check", "ContourFlag", "CoordinateError", "EmptyMeshError", "Error", "Finding",
+    "Image", "InvalidArgumentError", "Layer", "LayerSet", "MalformedMeshError", "Mask", "Mesh", "MeshTypeError",
+    "MeshWarning", "NO_TRIANGLE", "OutOfMemoryError", "PlanesError", "Polygon", "Prepared", "Result", "ResultTooLargeError",
+    "Role", "SEVERAL_PARTS", "Tracks", "UnreadableFileError", "UnwritableFileError", "__version__", "adaptive_layers",
+    "assemble", "check", "clip", "combine", "image", "mask", "offset", "open", "prepare", "read", "region_of",
+    "save_archive", "save_mask", "save_picture", "save_structure_set", "save_table", "section", "section_multiplane",
+    "slice", "slice_parts", "stream", "tracks", "weld",
 ]  # fmt: skip

@@ -104,6 +104,24 @@ class Layer(SetMethods):
         return float(self.result.perimeters[self.index])
 
     @property
+    def measures(self) -> np.void:
+        """The row of `Result.measures`."""
+        row: np.void = self.result.measures[self.index]
+        return row
+
+    @property
+    def centroid(self) -> npt.NDArray[np.float64]:
+        """Of the solid area, (2,), mm. NaN where there is none, or it is not known."""
+        row = self.measures
+        return np.array([row["centroid_x"], row["centroid_y"]])
+
+    @property
+    def bounds(self) -> npt.NDArray[np.float64]:
+        """Least and largest corner of the box around all points (2, 2), mm. NaN where there are none."""
+        points = self.points
+        return np.array([points.min(axis=0), points.max(axis=0)]) if len(points) > 0 else np.full((2, 2), np.nan)
+
+    @property
     def contours(self) -> npt.NDArray[np.void]:
         """Rows of `Result.contours`: each outer followed by its holes. ``first_point`` and ``parent`` count within the result."""
         first, count = self._contour_range()
@@ -129,6 +147,12 @@ class Layer(SetMethods):
         lift = np.eye(4)
         lift[2, 3] = self.z
         return np.linalg.inv(self.result.frame) @ lift
+
+    def points_in_mesh(self) -> npt.NDArray[np.float64]:
+        """Points (n, 3) of all contours, mm, in the frame of the mesh."""
+        to_3d = self.to_3d
+        placed: npt.NDArray[np.float64] = self.points @ to_3d[:3, :2].T + to_3d[:3, 3]
+        return placed
 
     def polygons(self) -> List[Polygon]:
         """The solid area, as outers with their holes.

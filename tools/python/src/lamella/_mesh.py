@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from . import _native
 from ._errors import CoordinateError, Error, InvalidArgumentError, MeshTypeError, MeshWarning, warn
-from ._options import FrameKeywords, ProgressLike, affine, array_of, mm_per_unit, number, refuse, slice_options, whole_number
+from ._options import FrameKeywords, ProgressLike, affine, array_of, mm_per_unit, number, refuse, slice_options, truth, whole_number
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -124,6 +124,28 @@ class Mesh:
         """Rows of `vertices` (m, 3)."""
         return np.arange(3 * len(self), dtype=np.int64).reshape(-1, 3) if self._faces is None else self._faces
 
+    @property
+    def bounds(self) -> npt.NDArray[np.float64]:
+        """Least and largest corner of the box (2, 3), mm."""
+        corners = self._vertices.reshape(-1, 3) if self._faces is None else self._vertices[np.unique(self._faces)]
+        return np.array([corners.min(axis=0), corners.max(axis=0)], dtype=np.float64) * self.unit
+
+    @property
+    def volume(self) -> float:
+        """Volume by the facets, mm³: negative where they look inwards. NaN, not known, of an open mesh."""
+        info = self._counts
+        return float(info["volume"]) if info["closed"] else float("nan")
+
+    @property
+    def area(self) -> float:
+        """Area of the triangles, mm²."""
+        return float(self._counts["area"])
+
+    @property
+    def _counts(self) -> Dict[str, Any]:
+        found: Dict[str, Any] = as_view(self, None, unit=None).run(_native.check, slice_options({}), 0.0, 100.0, 0, True)
+        return dict(found["info"])
+
     def orient_shells(self, *, threads: int = 0, progress: ProgressLike = None) -> Mesh:
         """The same mesh, each closed shell turned outwards, or inwards where it bounds a cavity: within an odd number of others.
 
@@ -144,7 +166,9 @@ class Mesh:
         return (Mesh, (self._vertices, self._faces, self.unit, self.path, self.info))
 
 
-def read(path: Union[str, bytes, os.PathLike[Any]], *, unit: Union[str, float] = "mm", threads: int = 0, progress: ProgressLike = None) -> Mesh:
+def read(
+    path: Union[str, bytes, os.PathLike[Any]], *, unit: Union[str, float] = "mm", indexed: bool = False, threads: int = 0, progress: ProgressLike = None
+) -> Mesh:
     """Read a mesh file: STL, OBJ, OFF, PLY, VTK, VTP or 3MF, or gzip of any. The content decides, not the name.
 
     Parameters
@@ -152,6 +176,8 @@ def read(path: Union[str, bytes, os.PathLike[Any]], *, unit: Union[str, float] =
     path : path
     unit : {"mm", "um", "cm", "m", "in", "ft"} or float
         Unit of a file that states none.
+    indexed : bool
+        Equal vertices of an STL file become one, so that `Mesh.faces` tells which triangles meet.
     threads, progress
         As for `slice`.
 
@@ -172,7 +198,11 @@ def read(path: Union[str, bytes, os.PathLike[Any]], *, unit: Union[str, float] =
         raise
     for text in file["warnings"]:
         warn(text, MeshWarning)
-    return _mesh_of(file, name)
+    mesh = _mesh_of(file, name)
+    if not truth("indexed", indexed) or mesh._faces is not None:
+        return mesh
+    welded = weld(mesh, tolerance=0, threads=threads)
+    return Mesh(welded._vertices, welded._faces, welded.unit, name, mesh.info)
 
 
 def _mesh_of(made: Dict[str, Any], path: Optional[str] = None) -> Mesh:
@@ -279,6 +309,8 @@ def _parts_of(mesh: MeshLike) -> Tuple[Any, ...]:
         return mesh
     if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
         return mesh.vertices, mesh.faces
+    if hasattr(mesh, "GetPolys") and not hasattr(mesh, "faces"):
+        return _parts_of_vtk(mesh)
     if hasattr(mesh, "points") and hasattr(mesh, "cells"):
         led = isinstance(mesh.cells, np.ndarray)
         return mesh.points, _faces_of_vtk(mesh.cells) if led else _faces_of_cells(mesh.cells)
@@ -290,6 +322,16 @@ def _parts_of(mesh: MeshLike) -> Tuple[Any, ...]:
         f"{type(mesh).__name__} is no mesh: pass vertices and faces, triangles, a path, or an object that has .vertices "
         "and .faces, or .points and .cells"
     )
+
+
+def _parts_of_vtk(mesh: Any) -> Tuple[Any, ...]:
+    """Of a vtkPolyData: its own arrays."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    polys = mesh.GetPolys()
+    if mesh.GetNumberOfStrips() > 0 or polys.GetNumberOfConnectivityIds() != 3 * polys.GetNumberOfCells() or polys.GetMaxCellSize() > 3:
+        refuse("a vtkPolyData must consist of triangles: vtkTriangleFilter makes them of polygons and strips")
+    return vtk_to_numpy(mesh.GetPoints().GetData()), vtk_to_numpy(polys.GetConnectivityArray()).reshape(-1, 3)
 
 
 def _faces_of_cells(cells: Any) -> npt.NDArray[Any]:
@@ -447,6 +489,6 @@ def check(
     """
     view = as_view(mesh, faces, unit=options.pop("unit", None))
     limits = number("tolerance", tolerance), number("sliver_ratio", sliver_ratio), whole_number("most_places", most_places)
-    found: Dict[str, Any] = view.run(_native.check, slice_options(options, FrameKeywords), *limits)
+    found: Dict[str, Any] = view.run(_native.check, slice_options(options, FrameKeywords), *limits, False)
     found["findings"] = {kind: _finding(*fault) for kind, fault in found["findings"].items()}
     return Check(**found)

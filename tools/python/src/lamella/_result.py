@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Tuple, Un
 import numpy as np
 import numpy.typing as npt
 
-from . import _native
+from . import _conversions, _native
 from ._errors import Error, InvalidArgumentError, MeshWarning, warn
 from ._layer import Layer, Role
 from ._layer_set import SetMethods
@@ -167,6 +167,37 @@ class Result(SetMethods):
         """Length of each contour, mm."""
         return self._native.contour_lengths()
 
+    @functools.cached_property
+    def measures(self) -> npt.NDArray[np.void]:
+        """One row per layer: a structured array of what papers print, mm, mm², mm⁴ and radians. Computed when first asked for.
+
+        ``z``, ``known``, ``islands``, ``holes``, ``open``, ``area``, ``outer_area`` (with holes filled), ``perimeter``,
+        ``outer_perimeter``, ``centroid_x``, ``centroid_y``; about the centroid ``ix``, ``iy``, ``ixy``, ``imin``, ``imax``,
+        ``polar`` and ``angle`` of the long axis; ``box_min_x`` to ``box_max_y``, ``feret_max``, ``feret_min``, ``feret_angle``,
+        ``equivalent_diameter`` and ``circularity``. Not known is NaN, empty is 0. Sums are exact until the last step.
+        """
+        return _native.measures(self._native, False)
+
+    @functools.cached_property
+    def island_measures(self) -> npt.NDArray[np.void]:
+        """The same, one row per island: an outer with its own holes. ``layer`` and ``contour`` say which."""
+        return _native.measures(self._native, True)
+
+    def layers_frame(self, *, islands: bool = False) -> pandas.DataFrame:
+        """`measures` as a pandas DataFrame, or `island_measures`."""
+        import pandas
+
+        measures = self.island_measures if islands else self.measures
+        columns = [name for name in measures.dtype.names or () if islands or name != "contour"]
+        return pandas.DataFrame({name: measures[name] for name in columns})
+
+    def points_in_mesh(self) -> npt.NDArray[np.float64]:
+        """Points (n, 3) of all contours, mm, in the frame of the mesh."""
+        inverse = np.linalg.inv(self.frame)
+        z = np.repeat(self.layers["z"][self._layer_of_contours], self.contours["point_count"])
+        placed: npt.NDArray[np.float64] = np.column_stack((self.points, z)) @ inverse[:3, :3].T + inverse[:3, 3]
+        return placed
+
     @property
     def volume(self) -> float:
         """Volume of the layers, mm³: the sum of area times thickness. NaN, not known, where a layer has open contours.
@@ -229,6 +260,28 @@ class Result(SetMethods):
         }
         as_it_is = ("first_point", "point_count", "parent", "part", "flags", "segments")
         return pandas.DataFrame({**measured, **{name: contours[name] for name in as_it_is}})
+
+    def to_vtk(self) -> Any:
+        """Contours as a vtkPolyData of polylines in the mesh's frame, with cell arrays ``layer``, ``role``, ``part``. Needs vtk."""
+        return _conversions.to_vtk(self)
+
+    def to_pyvista(self) -> Any:
+        """The same as a pyvista.PolyData. Needs pyvista."""
+        import pyvista
+
+        return pyvista.wrap(self.to_vtk())
+
+    def to_trimesh(self) -> Any:
+        """Contours as a trimesh.path.Path3D in the mesh's frame. Needs trimesh."""
+        return _conversions.to_trimesh(self)
+
+    def to_geopandas(self) -> Any:
+        """Islands as a geopandas.GeoDataFrame: a polygon with its holes each, ``layer``, ``z`` and its measures. Needs geopandas."""
+        return _conversions.to_geopandas(self)
+
+    def plot_stack(self, ax: Any = None, *, most: int = 40, **style: Any) -> Any:
+        """Draw the contours of at most `most` layers in three dimensions with matplotlib, in the mesh's frame."""
+        return _conversions.plot_stack(self, ax, most, style)
 
     def save(self, path: Union[str, bytes, os.PathLike[Any]]) -> None:
         """Write the result to a file, which appears whole or not at all.

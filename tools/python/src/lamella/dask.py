@@ -23,6 +23,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Union
 
 from ._errors import Error, InvalidArgumentError
+from ._tool import find_tool
 
 if TYPE_CHECKING:
     import distributed
@@ -141,7 +142,7 @@ def slice_many(
     threads : int
         For each mesh.
     tool : str
-        The program on the workers.
+        The program on the workers: where it is not on their path, the one that came with their package.
     folder : path, optional
         What relative paths are relative to, on every worker; the client's own current folder without it.
     **options
@@ -269,7 +270,7 @@ class _Batch:
         return os.path.join(self.folder, self.results, "results.jsonl")
 
     def run(self, words: List[str]) -> None:
-        program = shutil.which(self.tool)
+        program = shutil.which(self.tool) or (find_tool() if self.tool == "lamella" else None)
         if program is None:
             raise LostItemError(f"the worker has no program {self.tool!r}")
         # The batch ends with its worker: if that is killed, the memory that it takes counts for others at once.

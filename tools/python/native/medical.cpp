@@ -1,0 +1,168 @@
+// What the lab needs beside slices: geometries of images, masks, structure sets, tables, archives, pictures.
+#include <pybind11/stl.h>
+
+#include <filesystem>
+
+#include "lamella/medical.hpp"
+#include "native.hpp"
+
+namespace lamella::python {
+
+namespace {
+
+using Path = std::filesystem::path;
+
+/// Results and their names: a list of (Result, name, ...).
+template <class Row, class Make>
+std::vector<Row> rows_of(const py::list& parts, const Make& make) {
+    std::vector<Row> rows;
+    for (const py::handle part : parts) {
+        const auto pair = part.cast<py::tuple>();
+        rows.push_back(make(pair[0].cast<const HeldResult&>().result, pair[1].cast<std::string>(), pair));
+    }
+    return rows;
+}
+
+template <class Numbers>
+py::array_t<double> numbers_of(const Numbers& numbers) {
+    return py::array_t<double>(static_cast<py::ssize_t>(numbers.size()), numbers.data());
+}
+
+ImageGeometry make_geometry(const std::array<std::uint64_t, 3>& size, const std::array<double, 3>& spacing_mm,
+                            const std::array<double, 3>& origin_mm, const std::array<std::array<double, 3>, 3>& axes) {
+    ImageGeometry image;
+    image.size = size;
+    image.spacing_mm = spacing_mm;
+    image.origin_mm = origin_mm;
+    image.axes = axes;
+    return image;
+}
+
+py::array_t<double> frame_of(const ImageGeometry& image, bool is_ras) {
+    return py::array_t<double>({3, 4}, image.slicing_frame(is_ras ? PatientFrame::ras : PatientFrame::lps).m.data());
+}
+
+py::dict dict_of(const MaskSummary& summary, const std::vector<MaskPart>& parts) {
+    py::list open;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        open.append(summary.open[i].layers == 0 ? py::object(py::none())
+                                                : py::object(text_of(describe(summary.open[i], "stitch="))));
+    }
+    return py::dict("voxels"_a = summary.voxels, "overlaps"_a = summary.overlapped_voxels, "open"_a = open,
+                    "cut_off"_a = summary.cut_off_share);
+}
+
+std::vector<MaskPart> mask_parts(const py::list& parts) {
+    return rows_of<MaskPart>(parts, [](const SliceResult& result, std::string name, const py::tuple&) {
+        return MaskPart{&result, std::move(name)};
+    });
+}
+
+/// `voxels`: bytes of the whole image, written in place.
+py::dict draw(const py::list& parts, const ImageGeometry& image, py::array voxels, bool coverage, int subslices,
+              const Asked& asked) {
+    const std::vector<MaskPart> rows = mask_parts(parts);
+    const std::span<unsigned char> bytes(static_cast<unsigned char*>(voxels.mutable_data()),
+                                         static_cast<std::size_t>(voxels.nbytes()));
+    return dict_of(run(asked,
+                       [&](const Context& context) {
+                           return draw_mask(rows, image, bytes, {.coverage = coverage, .subslices = subslices}, context);
+                       }),
+                   rows);
+}
+
+py::dict write(const py::list& parts, const ImageGeometry& image, const std::string& path, bool coverage, int subslices,
+               const Asked& asked) {
+    const std::vector<MaskPart> rows = mask_parts(parts);
+    return dict_of(run(asked,
+                       [&](const Context& context) {
+                           return write_mask(rows, image, Path(path), {.coverage = coverage, .subslices = subslices},
+                                             context);
+                       }),
+                   rows);
+}
+
+py::list write_set(const py::list& parts, const ImageGeometry& image, const std::string& path, int holes, bool without_ct,
+                   std::optional<std::int64_t> seconds, const Asked& asked) {
+    const std::vector<Roi> rois = rows_of<Roi>(parts, [](const SliceResult& result, std::string name, const py::tuple& row) {
+        return Roi{&result, std::move(name), row[2].cast<std::array<std::uint8_t, 3>>()};
+    });
+    const StructureSetSummary summary = run(asked, [&](const Context& context) {
+        return write_structure_set(
+            rois, image, Path(path),
+            {.holes = static_cast<HoleForm>(holes), .without_ct = without_ct, .seconds_since_1970 = seconds}, context);
+    });
+    py::list names;
+    for (const std::string& name : summary.roi_names) {
+        names.append(text_of(name));
+    }
+    return names;
+}
+
+/// Images may be null.
+void write_table(const py::list& parts, const std::string& path, const ImageGeometry* image, bool islands,
+                 const Asked& asked) {
+    const auto rows = rows_of<TablePart>(parts, [](const SliceResult& result, std::string name, const py::tuple&) {
+        return TablePart{.result = &result, .name = std::move(name)};
+    });
+    run(asked, [&](const Context& context) { return write_layer_table(rows, Path(path), image, islands, context); });
+}
+
+void write_sheet(const py::list& parts, const std::string& path, const ImageGeometry* image, const Asked& asked) {
+    const auto rows = rows_of<PicturePart>(parts, [](const SliceResult& result, std::string name, const py::tuple&) {
+        return PicturePart{&result, std::move(name)};
+    });
+    run(asked, [&](const Context& context) { return write_contact_sheet(rows, Path(path), {.image = image}, context); });
+}
+
+void write_hdf5(const HeldResult& held, const std::string& name, const std::string& path, const ImageGeometry* image,
+                int subslices, int frame, const Asked& asked) {
+    ArchiveInfo info{.name = name, .frame = static_cast<PatientFrame>(frame), .subslices = subslices};
+    if (image != nullptr) {
+        info.geometry = *image;
+    }
+    run(asked, [&](const Context& context) { return write_archive(held.result, info, Path(path), context); });
+}
+
+py::tuple read_hdf5(const std::string& path, const Asked& asked) {
+    Archive archive = run(asked, [&](const Context& context) { return read_archive(Path(path), context); });
+    const ArchiveInfo& info = archive.info;
+    const py::object image = info.geometry ? py::cast(*info.geometry) : py::object(py::none());
+    return py::make_tuple(py::cast(HeldResult(std::move(archive.result))), text_of(info.name), image);
+}
+
+}  // namespace
+
+void define_medical(py::module_& module) {
+    py::class_<ImageGeometry>(module, "Geometry")
+        .def(py::init(&make_geometry))
+        .def_readonly("size", &ImageGeometry::size)
+        .def_readonly("spacing", &ImageGeometry::spacing_mm)
+        .def_readonly("origin", &ImageGeometry::origin_mm)
+        .def_readonly("axes", &ImageGeometry::axes)
+        .def_readonly("warnings", &ImageGeometry::warnings)
+        .def_property_readonly("uneven", [](const ImageGeometry& image) { return numbers_of(image.uneven_slices_mm); })
+        .def_property_readonly("series",
+                               [](const ImageGeometry& image) {
+                                   return image.series ? py::object(text_of(image.series->series_uid)) : py::none();
+                               })
+        .def("slicing_frame", &frame_of)
+        .def("slice_heights",
+             [](const ImageGeometry& image, int subslices) { return numbers_of(image.slice_heights_mm(subslices)); });
+    module.def("read_geometry", [](const std::string& path) {
+        return run([&](const Context& /*lent*/) { return read_image_geometry(Path(path)); });
+    });
+    module.def("geometry_around", [](const std::array<double, 3>& low, const std::array<double, 3>& high,
+                                     const std::array<double, 3>& spacing_mm) {
+        return run([&](const Context& /*lent*/) { return geometry_around(Box{low, high}, spacing_mm); });
+    });
+    module.def("draw_mask", &draw);
+    module.def("write_mask", &write);
+    module.def("write_structure_set", &write_set);
+    module.def("write_table", &write_table);
+    module.def("write_contact_sheet", &write_sheet);
+    module.def("write_archive", &write_hdf5);
+    module.def("read_archive", &read_hdf5);
+}
+
+}  // namespace lamella::python

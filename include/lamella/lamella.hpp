@@ -12,6 +12,7 @@
 //
 //     slice.hpp     cut a mesh, parts or a file, to a result, a sink or the host's arrays
 //     source.hpp    prepare() a mesh that is sliced again and again
+//     sections.hpp  cut a mesh by planes of any direction
 //     heights.hpp   layers as high as the surface allows
 //     layers.hpp    regions and contours that come from elsewhere than a mesh
 //     overlay.hpp   combine layers: unions, differences, regions by label
@@ -37,6 +38,7 @@
 #include "lamella/options.hpp"
 #include "lamella/overlay.hpp"
 #include "lamella/result.hpp"
+#include "lamella/sections.hpp"
 #include "lamella/slice.hpp"
 #include "lamella/source.hpp"
 #include "lamella/tracks.hpp"

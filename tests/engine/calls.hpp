@@ -143,6 +143,7 @@ public:
                  SliceResult pieces;
                  return code_of(Overlay().clip(pieces, result_, above_[1], {}, c));
              }},
+            {"slice_sections", [this](const Context& c) { return code_of(slice_sections(mesh_, frames_, options_, c)); }},
             {"measure", [this](const Context& c) { return code_of(measure(result_, {.islands = true, .feret = true}, c)); }},
             {"find_tracks", [this](const Context& c) { return code_of(find_tracks(closed_, {.pockets = true}, c)); }},
         };
@@ -176,6 +177,8 @@ private:
     lamella::SliceResult closed_;
     lamella::PreparedMesh prepared_;
     std::vector<std::array<double, 3>> places_{{0, 0, 0}, {1, 2, 0.5}};
+    std::vector<lamella::Transform> frames_ =
+        std::vector<lamella::Transform>(40, lamella::Transform{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -5}});
     std::vector<lamella::Part> parts_;
     std::vector<lamella::Part> roles_;
     std::vector<lamella::LayerSet> above_;

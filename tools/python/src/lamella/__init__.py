@@ -22,8 +22,10 @@ slice_parts
     Several meshes at the same planes.
 adaptive_layers
     Bottoms and tops of layers as high as the surface allows.
-section, section_multiplane
-    Planes of any direction, by origin and normal.
+section, section_multiplane, sections
+    Planes of any direction, by origin and normal: one, parallel ones, many.
+sections_along, length_axis
+    Planes square to a curve or an axis, at fractions of its length.
 check, weld
     What is wrong with a mesh and where; cracks joined.
 read
@@ -72,17 +74,18 @@ from ._medical import Mask, mask, open, save_archive, save_mask, save_picture, s
 from ._mesh import Check, Finding, Mesh, check, read, weld
 from ._native import version as __version__
 from ._result import Certificate, Result
+from ._sections import Axis, Sections, length_axis, sections, sections_along
 from ._slice import (  # fmt: skip
     Prepared, adaptive_layers, assemble, prepare, region_of, section, section_multiplane, slice, slice_parts, stream,
 )
 from ._tracks import Tracks, tracks
 
 __all__ = [
-    "CancelledError", "Certificate", "Check", "ContourFlag", "CoordinateError", "EmptyMeshError", "Error", "Finding",
+    "Axis", "CancelledError", "Certificate", "Check", "ContourFlag", "CoordinateError", "EmptyMeshError", "Error", "Finding",
     "Image", "InvalidArgumentError", "Layer", "LayerSet", "MalformedMeshError", "Mask", "Mesh", "MeshTypeError",
     "MeshWarning", "NO_TRIANGLE", "OutOfMemoryError", "PlanesError", "Polygon", "Prepared", "Result", "ResultTooLargeError",
-    "Role", "SEVERAL_PARTS", "Tracks", "UnreadableFileError", "UnwritableFileError", "__version__", "adaptive_layers",
-    "assemble", "check", "clip", "combine", "image", "mask", "offset", "open", "prepare", "read", "region_of",
-    "save_archive", "save_mask", "save_picture", "save_structure_set", "save_table", "section", "section_multiplane",
-    "slice", "slice_parts", "stream", "tracks", "weld",
+    "Role", "SEVERAL_PARTS", "Sections", "Tracks", "UnreadableFileError", "UnwritableFileError", "__version__",
+    "adaptive_layers", "assemble", "check", "clip", "combine", "image", "length_axis", "mask", "offset", "open", "prepare",
+    "read", "region_of", "save_archive", "save_mask", "save_picture", "save_structure_set", "save_table", "section",
+    "section_multiplane", "sections", "sections_along", "slice", "slice_parts", "stream", "tracks", "weld",
 ]  # fmt: skip

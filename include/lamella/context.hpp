@@ -16,7 +16,7 @@
 //     read_mesh(), weld(), orient_shells()       yes                 yes    yes        mesh and scratch
 //     Overlay, adaptive_layers()                 yes                 yes    yes        result and scratch
 //     slice_sections()                           yes                 yes    yes        result and scratch
-//     find_tracks(), measure()                   yes                 yes    yes        result and scratch
+//     find_tracks(), measure(), compare()        yes                 yes    yes        result and scratch
 //     check(), audit()                           yes                 yes    yes        -
 //     writers                                    calling thread      yes    yes        -
 //

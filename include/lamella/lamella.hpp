@@ -17,6 +17,7 @@
 //     layers.hpp    regions and contours that come from elsewhere than a mesh
 //     overlay.hpp   combine layers: unions, differences, regions by label
 //     tracks.hpp    follow islands from layer to layer: births, merges, splits, cavities
+//     compare.hpp   how alike two stacks of layers are: Dice, distances of contours
 //     measures.hpp  areas, moments and diameters of layers and islands
 //     check.hpp     is the mesh closed, and what is wrong with it?
 //     weld.hpp      mend it: join vertices, turn shells
@@ -26,6 +27,7 @@
 #include "lamella/array.hpp"
 #include "lamella/audit.hpp"
 #include "lamella/check.hpp"
+#include "lamella/compare.hpp"
 #include "lamella/context.hpp"
 #include "lamella/destination.hpp"
 #include "lamella/error.hpp"

@@ -40,7 +40,7 @@ SLICING = [
     ["measures"],
     ["overlay", "heights", "tracks"],
     ["parts"],
-    ["sections"],
+    ["sections", "compare"],
     ["slicer.cpp"],
 ]
 
@@ -51,7 +51,7 @@ PEERS = [("slicing/sweep/band_sweep", "slicing/sweep/wide_plane")]
 PUBLIC = {
     "array": "base", "context": "base", "error": "base", "integer128": "base", "version": "base",
     "grid": "options", "mesh": "options", "options": "options",
-    "destination": "slicing", "heights": "slicing", "layers": "slicing", "measures": "slicing", "overlay": "slicing", "result": "slicing", "sections": "slicing", "slice": "slicing", "source": "slicing", "tracks": "slicing",
+    "compare": "slicing", "destination": "slicing", "heights": "slicing", "layers": "slicing", "measures": "slicing", "overlay": "slicing", "result": "slicing", "sections": "slicing", "slice": "slicing", "source": "slicing", "tracks": "slicing",
     "check": "mesh", "weld": "mesh", "audit": "audit",
     "lamella": "audit", "lamella.h": "c", "overlay.h": "c", "heights.h": "c", "tracks.h": "c", "measures.h": "c", "io": "io", "medical": "medical",
 }  # fmt: skip

@@ -162,3 +162,20 @@ def test_sections_are_those_of_single_planes(torus):
     for i, (origin, normal) in enumerate(zip(origins, normals)):
         alone = lamella.section(torus, origin, normal)
         assert np.isclose(cuts.areas[i], alone.area, rtol=1e-6) and np.isclose(cuts.perimeters[i], alone.perimeter, rtol=1e-6)
+
+
+def test_two_results_are_compared_layer_by_layer(cube):
+    vertices, faces = cube
+    z = [1, 5, 9, 12]
+    own = lamella.slice(vertices, faces, heights=z)
+    found = lamella.compare(own, lamella.slice(vertices + [2, 0, 0], faces, heights=z))
+    assert np.allclose(found.layers["dice"][:3], 0.8, atol=1e-6) and np.isnan(found.layers["dice"][3])
+    assert np.allclose(found.layers["hausdorff"][:3], 2, atol=1e-5) and abs(found.dice - 0.8) < 1e-6
+    assert found.hausdorff == found.layers["hausdorff"][:3].max()
+    assert lamella.compare(own, own).dice == 1
+    assert np.isnan(lamella.compare(own, own, distances=False).hausdorff)
+    with pytest.raises(lamella.InvalidArgumentError, match="different frames"):
+        lamella.compare(own, lamella.slice(vertices, faces, normal=[0, 1, 0], heights=z))
+    with pytest.raises(lamella.InvalidArgumentError, match="layer 0 of the two") as caught:
+        lamella.compare(own, lamella.slice(vertices, faces, heights=[2, 5, 9, 12]))
+    assert caught.value.layer == 0

@@ -38,6 +38,8 @@ clip
     Polylines, as infill, cut to what lies inside layers or outside.
 tracks
     Islands from layer to layer: where they begin, merge, split and end, and what they enclose.
+compare
+    How alike two results are: Dice, Jaccard, distances of contours.
 assemble, region_of
     Contours from segments, or regions from contours, of another program.
 mask, save_mask, save_structure_set
@@ -63,6 +65,7 @@ Coordinates are in mm unless `unit` says otherwise. Faces run counter-clockwise 
 """
 
 from ._combine import clip, combine, offset
+from ._compare import Comparison, compare
 from ._errors import (  # fmt: skip
     CancelledError, CoordinateError, EmptyMeshError, Error, InvalidArgumentError, MalformedMeshError, MeshTypeError,
     MeshWarning, OutOfMemoryError, PlanesError, ResultTooLargeError, UnreadableFileError, UnwritableFileError,
@@ -81,11 +84,12 @@ from ._slice import (  # fmt: skip
 from ._tracks import Tracks, tracks
 
 __all__ = [
-    "Axis", "CancelledError", "Certificate", "Check", "ContourFlag", "CoordinateError", "EmptyMeshError", "Error", "Finding",
-    "Image", "InvalidArgumentError", "Layer", "LayerSet", "MalformedMeshError", "Mask", "Mesh", "MeshTypeError",
-    "MeshWarning", "NO_TRIANGLE", "OutOfMemoryError", "PlanesError", "Polygon", "Prepared", "Result", "ResultTooLargeError",
-    "Role", "SEVERAL_PARTS", "Sections", "Tracks", "UnreadableFileError", "UnwritableFileError", "__version__",
-    "adaptive_layers", "assemble", "check", "clip", "combine", "image", "length_axis", "mask", "offset", "open", "prepare",
-    "read", "region_of", "save_archive", "save_mask", "save_picture", "save_structure_set", "save_table", "section",
-    "section_multiplane", "sections", "sections_along", "slice", "slice_parts", "stream", "tracks", "weld",
+    "Axis", "CancelledError", "Certificate", "Check", "Comparison", "ContourFlag", "CoordinateError", "EmptyMeshError",
+    "Error", "Finding", "Image", "InvalidArgumentError", "Layer", "LayerSet", "MalformedMeshError", "Mask", "Mesh",
+    "MeshTypeError", "MeshWarning", "NO_TRIANGLE", "OutOfMemoryError", "PlanesError", "Polygon", "Prepared", "Result",
+    "ResultTooLargeError", "Role", "SEVERAL_PARTS", "Sections", "Tracks", "UnreadableFileError", "UnwritableFileError",
+    "__version__", "adaptive_layers", "assemble", "check", "clip", "combine", "compare", "image", "length_axis", "mask",
+    "offset", "open", "prepare", "read", "region_of", "save_archive", "save_mask", "save_picture", "save_structure_set",
+    "save_table", "section", "section_multiplane", "sections", "sections_along", "slice", "slice_parts", "stream", "tracks",
+    "weld",
 ]  # fmt: skip

@@ -134,7 +134,7 @@ def length_axis(mesh: MeshLike, faces: Optional[npt.ArrayLike] = None, *, toward
 
 def sections(
     mesh: MeshLike,
-    origins: npt.ArrayLike,
+    points: npt.ArrayLike,
     normals: npt.ArrayLike,
     *,
     up: Optional[npt.ArrayLike] = None,
@@ -147,7 +147,7 @@ def sections(
     ----------
     mesh : mesh
         As for `slice`; vertices and faces as a pair.
-    origins, normals : array_like, shape (n, 3)
+    points, normals : array_like, shape (n, 3)
         A point of each plane in mm, which becomes its (0, 0), and what it is perpendicular to. One normal serves all.
     up : array_like, shape (3,), optional
         Direction that the x axes follow as far as they can. Without it the axis of space that is most square to the normal.
@@ -158,16 +158,17 @@ def sections(
 
     Examples
     --------
-    >>> cuts = lamella.sections((corners, faces), origins=[[0, 0, 10], [0, 0, 20]], normals=[0, 0, 1])
+    >>> cuts = lamella.sections((corners, faces), points=[[0, 0, 10], [0, 0, 20]], normals=[0, 0, 1])
     >>> cuts.areas.round(3)
     array([253.125, 112.5  ])
     """
-    points = rows_of("origins", 3, np.atleast_2d(whole_array(origins, "origins")))
-    ways = np.broadcast_to(np.atleast_2d(whole_array(normals, "normals")), points.shape)
-    normal = np.array([direction(f"normals[{i}]", way) for i, way in enumerate(ways)]).reshape(points.shape)
+    origins = rows_of("points", 3, np.atleast_2d(whole_array(points, "points")))
+    ways = np.broadcast_to(np.atleast_2d(whole_array(normals, "normals")), origins.shape)
+    normal = np.array([direction(f"normals[{i}]", way) for i, way in enumerate(ways)]).reshape(origins.shape)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    across = np.array([_square_to(way, up) for way in normal]).reshape(points.shape)
-    return _cut(mesh, points, across, normal, np.full(len(points), np.nan), np.full(len(points), np.nan), keep, options)
+    across = np.array([_square_to(way, up) for way in normal]).reshape(origins.shape)
+    nowhere = np.full(len(origins), np.nan)
+    return _cut(mesh, origins, across, normal, nowhere, nowhere, keep, options)
 
 
 def sections_along(

@@ -399,6 +399,7 @@ PYBIND11_MODULE(_native, module) {
     python::define_overlay(module);
     python::define_tracks(module);
     python::define_measures(module);
+    python::define_stream(module);
     python::define_compare(module);
     python::define_sections(module);
     python::define_medical(module);

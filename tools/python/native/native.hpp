@@ -207,6 +207,7 @@ py::dtype type_of(std::initializer_list<Field> fields) {
 
 void define_tracks(py::module_& module);
 void define_measures(py::module_& module);
+void define_stream(py::module_& module);
 void define_compare(py::module_& module);
 void define_sections(py::module_& module);
 void define_medical(py::module_& module);

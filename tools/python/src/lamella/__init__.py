@@ -17,7 +17,7 @@ slice
 prepare
     The same mesh many times: at other heights, by other rules.
 stream
-    More layers than fit in memory: chunks of them, one after the other.
+    More layers, or a larger file, than fit in memory: chunks of layers, one after the other.
 slice_parts
     Several meshes at the same planes.
 adaptive_layers
@@ -79,15 +79,16 @@ from ._native import version as __version__
 from ._result import Certificate, Result
 from ._sections import Axis, Sections, length_axis, sections, sections_along
 from ._slice import (  # fmt: skip
-    Prepared, adaptive_layers, assemble, prepare, region_of, section, section_multiplane, slice, slice_parts, stream,
+    Prepared, adaptive_layers, assemble, prepare, region_of, section, section_multiplane, slice, slice_parts,
 )
+from ._stream import Stream, stream
 from ._tracks import Tracks, tracks
 
 __all__ = [
     "Axis", "CancelledError", "Certificate", "Check", "Comparison", "ContourFlag", "CoordinateError", "EmptyMeshError",
     "Error", "Finding", "Image", "InvalidArgumentError", "Layer", "LayerSet", "MalformedMeshError", "Mask", "Mesh",
     "MeshTypeError", "MeshWarning", "NO_TRIANGLE", "OutOfMemoryError", "PlanesError", "Polygon", "Prepared", "Result",
-    "ResultTooLargeError", "Role", "SEVERAL_PARTS", "Sections", "Tracks", "UnreadableFileError", "UnwritableFileError",
+    "ResultTooLargeError", "Role", "SEVERAL_PARTS", "Sections", "Stream", "Tracks", "UnreadableFileError", "UnwritableFileError",
     "__version__", "adaptive_layers", "assemble", "check", "clip", "combine", "compare", "image", "length_axis", "mask",
     "offset", "open", "prepare", "read", "region_of", "save_archive", "save_mask", "save_picture", "save_structure_set",
     "save_table", "section", "section_multiplane", "sections", "sections_along", "slice", "slice_parts", "stream", "tracks",

@@ -1,8 +1,8 @@
-"""slice() and the other calls that give layers: prepared meshes, parts, sections, streams, segments, regions."""
+"""slice() and the other calls that give layers: prepared meshes, parts, sections, segments, regions."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, NoReturn, Optional, Sequence
+from typing import TYPE_CHECKING, Any, NoReturn, Optional, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -13,9 +13,9 @@ from ._layer import Layer
 from ._mesh import MeshLike, View, as_view, as_views, oriented
 from ._option_table import UniformOptions
 from ._options import (  # fmt: skip
-    OF_PREPARED, FrameKeywords, PreparedKeywords, RegionKeywords, documented, number, plane_frame, progress_report, refuse, rows_of, slice_options, truth, whole_array, whole_number,
+    FrameKeywords, PreparedKeywords, RegionKeywords, documented, number, plane_frame, refuse, rows_of, slice_options, truth, whole_array,
 )
-from ._result import Result, finish, warn_of_open
+from ._result import Result, finish
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -316,65 +316,6 @@ def section_multiplane(
         if name in ("normal", "transform", *UniformOptions.__annotations__):
             refuse(f"{name} is given by origin, normal and heights")
     return slice(mesh, transform=plane_frame(origin, normal), heights=heights, **options)
-
-
-def stream(
-    mesh: MeshLike, faces: Optional[npt.ArrayLike] = None, *, chunk: int = 256, **options: Unpack[SliceKeywords]
-) -> Iterator[Result]:
-    """Cut a mesh chunk by chunk, from below. Memory does not grow with the number of layers.
-
-    Parameters
-    ----------
-    mesh, faces
-        As for `slice`.
-    chunk : int
-        Layers in a chunk. The last one may have fewer.
-    **options
-        As for `slice`.
-
-    Yields
-    ------
-    Result
-        The next layers. `Result.first_layer` counts those before it.
-
-    Examples
-    --------
-    >>> for layers in lamella.stream(corners, faces, layer_height=1, chunk=16):
-    ...     print(layers.first_layer, len(layers), layers.areas.sum().round(1))
-    0 16 4703.6
-    16 16 1247.6
-    32 8 47.8
-    """
-    keywords: Dict[str, Any] = dict(options)
-    view = as_view(mesh, faces, unit=keywords.pop("unit", None))
-    if whole_number("chunk", chunk) == 0:
-        refuse("a chunk must have at least one layer")
-    report = progress_report(keywords.pop("progress", None))
-    slice_options(keywords)  # what is wrong is refused here, not in the loop
-    return _chunks(view.kept(), chunk, keywords, report)
-
-
-def _chunks(view: View, chunk: int, keywords: Dict[str, Any], report: Optional[Callable[[float], Any]]) -> Iterator[Result]:
-    """Slices a prepared mesh, of which each chunk reads little more than it cuts."""
-    grid, first, count = view.run(_native.outline, slice_options(keywords))
-    frame = {name: keywords.pop(name, None) for name in OF_PREPARED}
-    # The grid with room for what offset and closing reach, which preparing does not know.
-    prepared = view.run(_native.prepare, slice_options({**frame, "grid": grid, "threads": keywords.get("threads")}))
-    found = _native.OpenLayers()
-    for begin in range(first, first + count, chunk):
-        end = min(begin + chunk, first + count)
-
-        def told(fraction: float, done: int = begin - first, size: int = end - begin) -> None:
-            assert report is not None
-            report((done + fraction * size) / count)
-
-        options = slice_options({**keywords, "layers": (begin, end), "progress": None if report is None else told}, PreparedKeywords)
-        layers = view.run(_native.slice_prepared, options, prepared)
-        found.add(layers.open_layers())
-        yield Result(layers, None)
-    if report is not None and count == 0:
-        report(1.0)
-    warn_of_open(found)
 
 
 def assemble(segments: npt.ArrayLike, keys: Optional[npt.ArrayLike] = None, *, grid: float = 2.0**-20) -> Layer:

@@ -332,3 +332,18 @@ def test_meshes_tell_their_measures(cube, tmp_path):
     assert lamella.slice(mesh, layer_height=1).hash == lamella.slice(*cube, layer_height=1).hash
     unknown = lamella.read(tmp_path / "cube.stl", unit="cm")
     assert unknown.bounds.max() == 100
+
+
+def test_scalars_are_carried_to_contour_points(torus):
+    vertices, faces = torus
+    layers = lamella.slice(vertices, faces, layer_height=1, normal=[1, 2, 0], origins=True)
+    values = np.column_stack((vertices[:, 0], 2 * vertices[:, 1] - vertices[:, 2]))  # linear: exact everywhere on the surface
+    points = layers.points_in_mesh()
+    carried = layers.scalars(values)
+    assert np.allclose(carried, np.column_stack((points[:, 0], 2 * points[:, 1] - points[:, 2])), atol=1e-4)
+    cuts = lamella.sections(lamella.slice(vertices, faces, heights=[0])._view._meshes[0], [[20, 0, 0]], [0, 0, 1], origins=True)
+    assert np.allclose(cuts.scalars(vertices[:, 0]), cuts.points_in_mesh()[:, 0], atol=1e-4)
+    with pytest.raises(lamella.InvalidArgumentError, match="origins=True"):
+        lamella.slice(vertices, faces, layer_height=1).scalars(values)
+    with pytest.raises(lamella.InvalidArgumentError, match="a row for each"):
+        layers.scalars(values[1:])

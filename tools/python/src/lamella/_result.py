@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from . import _conversions, _native
 from ._errors import Error, InvalidArgumentError, MeshWarning, warn
-from ._layer import Layer, Role
+from ._layer import NO_TRIANGLE, Layer, Role
 from ._layer_set import SetMethods
 
 if TYPE_CHECKING:
@@ -197,6 +197,40 @@ class Result(SetMethods):
         z = np.repeat(self.layers["z"][self._layer_of_contours], self.contours["point_count"])
         placed: npt.NDArray[np.float64] = np.column_stack((self.points, z)) @ inverse[:3, :3].T + inverse[:3, 3]
         return placed
+
+    def scalars(self, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
+        """Values at the mesh's vertices carried to contour points: linear within each triangle. Needs ``origins=True``.
+
+        Parameters
+        ----------
+        values : array_like, shape (vertices,) or (vertices, k)
+            A row for each of `Mesh.vertices`: curvature, thickness, colour.
+
+        Returns
+        -------
+        ndarray
+            A row for each of `points`. NaN where a point comes from no triangle, as of joined gaps.
+        """
+        mesh = self._whole_mesh("scalars")._meshes[0]
+        given = np.asarray(values, dtype=np.float64)
+        if given.ndim not in (1, 2) or len(given) != len(mesh.vertices):
+            raise InvalidArgumentError(f"values must have a row for each of {len(mesh.vertices):,} vertices, and have shape {given.shape}")
+        if len(self.origins) != len(self.points_grid):
+            raise InvalidArgumentError("scalars need origins: slice with origins=True")
+        triangle = self.origins["triangle"]
+        known = np.flatnonzero(triangle != NO_TRIANGLE)
+        corners = mesh.faces[triangle[known]]
+        a, b, c = np.moveaxis(mesh.vertices[corners].astype(np.float64) * mesh.unit, 1, 0)
+        ab, ac, ap = b - a, c - a, self.points_in_mesh()[known] - a
+        ab2, ac2, both = (np.einsum("ni,ni->n", u, v) for u, v in ((ab, ab), (ac, ac), (ab, ac)))
+        on_ab, on_ac = (np.einsum("ni,ni->n", ap, u) for u in (ab, ac))
+        size = np.maximum(ab2 * ac2 - both * both, np.finfo(float).tiny)
+        second, third = (ac2 * on_ab - both * on_ac) / size, (ab2 * on_ac - both * on_ab) / size
+        weights = np.clip(np.stack((1 - second - third, second, third), axis=1), 0, 1)
+        weights /= weights.sum(axis=1, keepdims=True)
+        carried = np.full((len(triangle), *given.shape[1:]), np.nan)
+        carried[known] = np.einsum("nw,nw...->n...", weights, given[corners])
+        return carried
 
     @property
     def volume(self) -> float:

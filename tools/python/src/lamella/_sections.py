@@ -332,7 +332,7 @@ def _cut(mesh: MeshLike, origins: Array, across: Array, normal: Array, along: Ar
     turned = np.swapaxes(frames[:, :3, :3], 1, 2)
     inverse = np.concatenate((turned, -turned @ origins[:, :, None]), axis=2)
     native = view.run(_native.sections, slice_options(options, SectionKeywords), np.ascontiguousarray(inverse), nearest)
-    found = Sections(native, None, frames, along, fraction)
+    found = Sections(native, view, frames, along, fraction)
     unknown = len(np.unique(found._layer_of_contours[found.contours["role"] == Role.OPEN]))
     if unknown > 0:
         warn(f"{unknown:,} of {len(found):,} sections have open contours: their area is not known; stitch= joins their ends", MeshWarning)

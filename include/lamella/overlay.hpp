@@ -29,7 +29,7 @@
 //     }
 //
 // A set is a stack of layers; or one layer or contours of the host's, which then stand at every height. All stacks have the
-// same planes, and all sets the same grid:
+// same planes, or were asked for at the same heights, and all sets the same grid:
 //
 //     layer n of the answer      by the rule, of layers n + from to n + to of each set; beyond a stack's ends there are none
 //     without any stack          one layer at height 0

@@ -143,3 +143,13 @@ TEST_CASE("layers that are not known make the stack unknown, and other planes ar
     CHECK(error.plane == 0);
     CHECK(code_of(compare(whole, sliced(cube, uniform(1, 1e-3)))) == ErrorCode::invalid_argument);
 }
+
+TEST_CASE("a mirrored mesh of floats is compared with itself at heights that no float holds", "[compare]") {
+    const std::vector<float> ball = shapes::floats(shapes::octasphere({0, 0, 105}, 5, 4));
+    SliceOptions options{.heights_mm = std::vector<double>{101.1, 102.3, 104.7}};
+    const SliceResult own = value_of(slice(MeshView::soup(ball), options));
+    options.frame.transform.m[0] = -1;
+    const SliceResult mirrored = value_of(slice(MeshView::soup(ball), options));
+    CHECK(own.layers[1].plane != mirrored.layers[1].plane);
+    CHECK(value_of(compare(own, mirrored)).stack.hausdorff_mm < 1e-5);
+}

@@ -32,7 +32,10 @@ bool has_open(const LayerView& layer) noexcept {
 void require_same_planes(const SliceResult& first, const SliceResult& second) {
     const std::size_t common = std::min(first.size(), second.size());
     std::size_t i = 0;
-    while (i < common && first.layers[i].plane == second.layers[i].plane) {
+    const auto is_same = [&] {  // as Overlay has it
+        return first.layers[i].plane == second.layers[i].plane || first.layers[i].plane_mm == second.layers[i].plane_mm;
+    };
+    while (i < common && is_same()) {
         ++i;
     }
     if (i < std::max(first.size(), second.size())) {

@@ -88,12 +88,15 @@ double LayerSets::check_set(const LayerSet& set) {
     return farthest + moved_mm(grown);
 }
 
+/// Planes are the same where they were asked for at one height: in a mesh of floats they are cut at the nearest float.
 void LayerSets::check_planes(const SliceResult& own) const {
     if (own.size() != stack_->size()) {
         throw bad_set("it has " + std::to_string(own.size()) + " layers, and another set " + std::to_string(stack_->size()));
     }
     for (std::size_t n = 0; n < own.size(); ++n) {
-        if (own.layers[n].plane != stack_->layers[n].plane) {
+        const Layer& layer = own.layers[n];
+        const Layer& other = stack_->layers[n];
+        if (layer.plane != other.plane && layer.plane_mm != other.plane_mm) {
             throw bad_set("its layer " + std::to_string(n) + " lies at " + exact_text(own[n].cut_mm()) +
                           " mm, and another set's at " + exact_text((*stack_)[n].cut_mm()) + " mm");
         }

@@ -9,13 +9,14 @@ import re
 import subprocess
 import sys
 
+import numpy as np
 import pytest
-from support import write_off, write_stl
+from support import needs_tool, write_off, write_stl
 
 import lamella
 
 MODULES = ["lamella", *(f"lamella.{module.name}" for module in pkgutil.iter_modules(lamella.__path__) if module.name != "_native")]
-NOTEBOOK = pathlib.Path(__file__).resolve().parents[1] / "examples/first_steps.ipynb"
+NOTEBOOKS = pathlib.Path(__file__).resolve().parents[1] / "examples"
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 
 
@@ -79,15 +80,38 @@ def test_the_gallery_draws_its_pictures(torus, tmp_path, matplotlib):
         assert (tmp_path / name).stat().st_size > 1000
 
 
-def test_the_notebook_runs(capsys, matplotlib):
-    cells = [cell for cell in json.loads(NOTEBOOK.read_text())["cells"] if cell["cell_type"] == "code"]
-    names = run("\n".join("".join(cell["source"]) for cell in cells), NOTEBOOK)
+def run_notebook(name):
+    """The names of its cells."""
+    path = NOTEBOOKS / name
+    cells = [cell for cell in json.loads(path.read_text())["cells"] if cell["cell_type"] == "code"]
+    assert not any(cell.get("outputs") or cell.get("execution_count") for cell in cells)  # none are committed
+    return run("\n".join("".join(cell["source"]) for cell in cells), path)
+
+
+def test_the_notebook_of_first_steps_runs(capsys, matplotlib):
+    names = run_notebook("first_steps.ipynb")
     told = capsys.readouterr().out
     assert "certificate holds" in told
     assert "3 boundary edges" in told
     assert names["volume"] == pytest.approx(names["s"].volume, rel=1e-3)
     assert (names["difference"] > 0).all()
-    assert not any(cell.get("outputs") or cell.get("execution_count") for cell in cells)  # none are committed
+
+
+@needs_tool
+def test_the_notebook_of_bones_leads_to_figure_mask_and_structure_set(tmp_path, monkeypatch, capsys, matplotlib):
+    pydicom = pytest.importorskip("pydicom")
+    pytest.importorskip("pandas")
+    monkeypatch.chdir(tmp_path)
+    names = run_notebook("bones.ipynb")
+    assert "Dice 0.9" in capsys.readouterr().out
+    assert (tmp_path / "bones.png").stat().st_size > 1000 and (tmp_path / "bones.seg.nrrd").exists()
+    for t in names["tables"].values():
+        assert (t.imax >= t.imin).all() and (t.outer_area >= t.area).all() and t.known.all()
+    solid = sum(bone.volume for bone in names["bones"].values()) - np.count_nonzero(names["mask"].array) - names["mask"].overlaps
+    assert abs(solid) < 0.02 * sum(bone.volume for bone in names["bones"].values())
+    slices = {pydicom.dcmread(path, stop_before_pixels=True).SOPInstanceUID for path in (tmp_path / "ct").iterdir()}
+    for roi in names["read"].ROIContourSequence:
+        assert all(contour.ContourImageSequence[0].ReferencedSOPInstanceUID in slices for contour in roi.ContourSequence)
 
 
 @pytest.mark.parametrize("name", MODULES)

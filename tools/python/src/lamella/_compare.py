@@ -35,7 +35,7 @@ def compare(first: Result, second: Result, *, distances: bool = True, **options:
     Parameters
     ----------
     first, second : Result
-        Cut at the same planes, on the same grid, in the same frame.
+        Cut at the same planes, on the same grid. A mirrored or moved mesh is cut with its ``transform``.
     distances : bool
         Else only areas are compared.
     **options
@@ -51,7 +51,5 @@ def compare(first: Result, second: Result, *, distances: bool = True, **options:
     for result in (first, second):
         if not isinstance(result, Result):
             refuse(f"two results are compared, and one is {result!r}")
-    if not np.allclose(first.frame, second.frame, atol=1e-9):
-        refuse("the two results lie in different frames: cut both with the same normal or transform")
     native = slice_options(options, TrackKeywords)
     return Comparison(*_native.compare(first._native, second._native, truth("distances", distances), native))

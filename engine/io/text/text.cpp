@@ -15,6 +15,32 @@ bool begins_in_any_case(std::string_view text, std::string_view start) {
            std::equal(start.begin(), start.end(), text.begin(), [](char wanted, char c) { return lower_case(c) == wanted; });
 }
 
+std::string without_escapes(std::string_view text) {
+    std::string plain;
+    for (std::size_t at = 0; at < text.size(); ++at) {
+        unsigned char byte = 0;
+        const char* const end = text.data() + std::min(at + 3, text.size());
+        const bool escaped =
+            text[at] == '%' && std::from_chars(text.data() + at + 1, end, byte, 16).ptr == text.data() + at + 3;
+        plain += escaped ? static_cast<char>(byte) : text[at];
+        at += escaped ? 2 : 0;
+    }
+    return plain;
+}
+
+std::optional<std::string> path_within(std::string_view path) {
+    path.remove_prefix(path.starts_with('/') ? 1 : 0);
+    for (std::size_t begin = 0; begin <= path.size();) {
+        const std::size_t end = std::min(path.find('/', begin), path.size());
+        const std::string_view segment = path.substr(begin, end - begin);
+        if (segment.empty() || segment == "." || segment == ".." || segment.find_first_of("\\:") != std::string_view::npos) {
+            return std::nullopt;
+        }
+        begin = end + 1;
+    }
+    return std::string(path);
+}
+
 std::string word_at(const char* p, const char* end) {
     if (p == end) {
         return "the end of the file";

@@ -68,6 +68,12 @@ std::string lower_case(std::string_view text);
 /// True if `text` begins with `start`, given in lower case, in any case.
 bool begins_in_any_case(std::string_view text, std::string_view start);
 
+/// Percent escapes, "%20", resolved.
+std::string without_escapes(std::string_view text);
+
+/// `path`, which a file gives to another one, without a leading slash; nothing if it may lead out of their folder.
+std::optional<std::string> path_within(std::string_view path);
+
 // Characters are read eight at a time: words and lines are short, and processors predict their ends wrongly.
 inline std::uint64_t load_eight(const char* p) {
     std::uint64_t eight = 0;

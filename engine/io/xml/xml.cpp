@@ -81,7 +81,7 @@ void XmlReader::ParserDeleter::operator()(XML_ParserStruct* parser) const noexce
     XML_ParserFree(parser);
 }
 
-XmlReader::XmlReader() : parser_(XML_ParserCreate(nullptr)) {
+XmlReader::XmlReader(bool may_name_type) : parser_(XML_ParserCreate(nullptr)), may_name_type_(may_name_type) {
     if (parser_ == nullptr) {
         throw std::bad_alloc();
     }
@@ -95,9 +95,14 @@ XmlReader::XmlReader() : parser_(XML_ParserCreate(nullptr)) {
     XML_SetCharacterDataHandler(parser_.get(), [](void* user, const XML_Char* piece, int length) {
         self(user).deliver([&] { self(user).text({piece, static_cast<std::size_t>(length)}); });
     });
-    XML_SetStartDoctypeDeclHandler(parser_.get(), [](void* user, const XML_Char*, const XML_Char*, const XML_Char*, int) {
-        self(user).deliver([&] { self(user).fail("a document type declaration, which is refused"); });
-    });
+    XML_SetStartDoctypeDeclHandler(parser_.get(),
+                                   [](void* user, const XML_Char*, const XML_Char*, const XML_Char*, int declares) {
+                                       self(user).deliver([&] {
+                                           if (declares != 0 || !self(user).may_name_type_) {
+                                               self(user).fail("a document type declaration, which is refused");
+                                           }
+                                       });
+                                   });
 }
 
 XmlReader::~XmlReader() = default;

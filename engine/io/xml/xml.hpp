@@ -1,5 +1,6 @@
 // XML as a stream of elements and text. Nothing of the document is kept, so that its size does not matter. A document type
-// declaration is refused: with it go entities, internal and external, and every way to make a short file long.
+// declaration is refused, or skipped where it declares nothing itself: with it go entities, internal and external, and every
+// way to make a short file long.
 #pragma once
 
 #include <cstddef>
@@ -57,8 +58,8 @@ struct XmlFault {
 /// two from its begin again.
 class XmlReader {
 public:
-    /// Throws std::bad_alloc.
-    XmlReader();
+    /// A document type that only names a file, which is never read, may be allowed. Throws std::bad_alloc.
+    explicit XmlReader(bool may_name_type = false);
     virtual ~XmlReader();
     XmlReader(const XmlReader&) = delete;
     XmlReader& operator=(const XmlReader&) = delete;
@@ -139,6 +140,7 @@ private:
     std::optional<XmlFault> unbound_name_;
     std::uint64_t skipped_bytes_ = 0;
     std::uint64_t skipped_lines_ = 0;
+    bool may_name_type_;
     bool stopped_ = false;
     std::optional<XmlFault> failure_;
     std::exception_ptr thrown_;  // by an event: exceptions must not pass through expat, which is C

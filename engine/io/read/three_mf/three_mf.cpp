@@ -28,7 +28,7 @@ private:
             return;
         }
         const std::optional<std::string_view> target = attributes.find("Target");
-        const std::optional<std::string> part = target ? part_name(*target) : std::nullopt;
+        const std::optional<std::string> part = target ? path_within(*target) : std::nullopt;
         if (!part || attributes.find("TargetMode") == "External") {
             fail("the model is no part of the package");
         } else if (!root_.empty()) {
@@ -57,19 +57,6 @@ std::string find_root(ZipArchive& package, Model& model) {
 }
 
 }  // namespace
-
-std::optional<std::string> part_name(std::string_view path) {
-    path.remove_prefix(path.starts_with('/') ? 1 : 0);
-    for (std::size_t begin = 0; begin <= path.size();) {
-        const std::size_t end = std::min(path.find('/', begin), path.size());
-        const std::string_view segment = path.substr(begin, end - begin);
-        if (segment.empty() || segment == "." || segment == ".." || segment.find_first_of("\\:") != std::string_view::npos) {
-            return std::nullopt;
-        }
-        begin = end + 1;
-    }
-    return std::string(path);
-}
 
 /// A damaged part can fail as XML before its checksum is known, and damage is the better message.
 void PackageReader::read(ZipArchive& package) {

@@ -152,10 +152,8 @@ void put_vertices(std::span<const Vertex> vertices, const Transform& transform, 
         std::memcpy(to, vertices.data(), vertices.size_bytes());
         return;
     }
-    const std::array<double, 12>& m = transform.m;
     for (const Vertex& v : vertices) {
-        const Vertex placed{m[0] * v.x + m[1] * v.y + m[2] * v.z + m[3], m[4] * v.x + m[5] * v.y + m[6] * v.z + m[7],
-                            m[8] * v.x + m[9] * v.y + m[10] * v.z + m[11]};
+        const std::array<double, 3> placed = moved(transform, {v.x, v.y, v.z});
         std::memcpy(to, &placed, sizeof placed);
         to += sizeof placed;
     }

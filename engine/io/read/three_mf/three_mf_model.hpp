@@ -8,6 +8,7 @@
 
 #include "io/read/chunk_list.hpp"
 #include "io/read/three_mf/zip_archive.hpp"
+#include "io/read/transforms.hpp"
 #include "io/xml/xml.hpp"
 #include "lamella/mesh.hpp"
 
@@ -108,9 +109,6 @@ inline bool integer_in(std::string_view text, std::uint32_t& value) {
     const std::from_chars_result got = std::from_chars(skip_space(text.data(), end), end, value);
     return got.ec == std::errc() && skip_space(got.ptr, end) == end;
 }
-
-/// The name of a part by how another part refers to it, without the leading slash; nothing if it leaves the package.
-std::optional<std::string> part_name(std::string_view path);
 
 /// Labels objects and components by what PrusaSlicer (Metadata/Slic3r_PE_model.config: ranges of an object's triangles, each
 /// of which becomes an object) or BambuStudio and OrcaSlicer (Metadata/model_settings.config: components) keep beside the

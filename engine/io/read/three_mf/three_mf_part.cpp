@@ -31,10 +31,6 @@ constexpr std::array units = {Unit{"micron", 0.001}, Unit{"millimeter", 1}, Unit
 
 constexpr std::array<std::string_view, 5> type_names = {"model", "solidsupport", "support", "surface", "other"};
 
-double determinant(const std::array<double, 12>& m) {
-    return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]);
-}
-
 // --- Lists in their usual form
 
 /// An element without content whose three attributes come in this order: what stands before each of their values.
@@ -345,7 +341,7 @@ private:
     }
 
     void set_part(std::string_view path, Reference& reference) {
-        const std::optional<std::string> name = part_name(path);
+        const std::optional<std::string> name = path_within(path);
         if (part_ != 0) {
             fail("refers to another part, which only the root part may");
         } else if (!name) {

@@ -65,7 +65,7 @@ public:
     std::uint64_t bytes_before() const noexcept { return bytes_before_; }
     std::uint64_t bytes_after() const noexcept { return bytes_after_; }
 
-    bool contains(std::string_view part) const { return entries_.contains(key_of(part)); }
+    bool contains(std::string_view part) const { return entries_.contains(lower_case(without_escapes(part))); }
 
     /// The first part in the archive's order whose name passes, or an empty string.
     std::string first_part(FunctionRef<bool(std::string_view name)> passes) const {
@@ -139,20 +139,6 @@ private:
         return count > most;
     }
 
-    /// Percent escapes resolved, in lower case.
-    static std::string key_of(std::string_view name) {
-        std::string key;
-        for (std::size_t at = 0; at < name.size(); ++at) {
-            unsigned char byte = 0;
-            const char* const end = name.data() + std::min(at + 3, name.size());
-            const bool escaped =
-                name[at] == '%' && std::from_chars(name.data() + at + 1, end, byte, 16).ptr == name.data() + at + 3;
-            key += lower_case(escaped ? static_cast<char>(byte) : name[at]);
-            at += escaped ? 2 : 0;
-        }
-        return key;
-    }
-
     /// In libzip's words. Throws std::bad_alloc where that is it.
     static std::string reason(zip_error_t* error) {
         if (zip_error_code_zip(error) == ZIP_ER_MEMORY) {
@@ -174,7 +160,7 @@ private:
         }
         for (std::uint64_t index = 0; index < count; ++index) {
             const char* const name = zip_get_name(zip_.get(), index, ZIP_FL_ENC_RAW);
-            const auto [entry, is_new] = entries_.emplace(key_of(name != nullptr ? name : ""), index);
+            const auto [entry, is_new] = entries_.emplace(lower_case(without_escapes(name != nullptr ? name : "")), index);
             if (!is_new) {
                 refuse(entry->first, "is there twice");
             }
@@ -182,7 +168,7 @@ private:
     }
 
     OpenPart open_part(std::string_view part, zip_stat_t& info) const {
-        const auto entry = entries_.find(key_of(part));
+        const auto entry = entries_.find(lower_case(without_escapes(part)));
         if (entry == entries_.end()) {
             refuse(part, "is missing");
         }

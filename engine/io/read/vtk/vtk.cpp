@@ -1,8 +1,8 @@
 // Legacy VTK files (.vtk) of polygonal data, as text and binary, versions 1.0 to 5.x. Data at points and cells are
 // skipped; reading ends where they begin, as they are last.
 
+#include "io/read/arrays/array_file.hpp"
 #include "io/read/stated.hpp"
-#include "io/read/vtk/vtk_file.hpp"
 
 namespace lamella {
 
@@ -12,7 +12,7 @@ namespace {
 /// binary one there are none to count.
 class VtkScanner {
 public:
-    explicit VtkScanner(VtkFile& file)
+    explicit VtkScanner(ArrayFile& file)
         : file_(file), p_(without_byte_order_mark(file.text).data()), end_(file.text.data() + file.text.size()) {}
 
     /// From here on all is binary, or else text.
@@ -188,7 +188,7 @@ private:
         }
     }
 
-    VtkFile& file_;
+    ArrayFile& file_;
     const char* p_;
     const char* end_;
     bool binary_ = false;
@@ -201,7 +201,7 @@ constexpr std::string_view polygons = "POLYGONS";
 constexpr std::string_view strips = "TRIANGLE_STRIPS";
 
 /// The array from its second number on.
-NumberArray without_first(const VtkFile& file, NumberArray numbers) {
+NumberArray without_first(const ArrayFile& file, NumberArray numbers) {
     const std::size_t bytes = size_of(numbers.type);
     numbers.at = numbers.form == NumberArray::Form::text ? find_word(numbers.at, file.text.data() + file.text.size(), 1)
                                                          : numbers.at + bytes;
@@ -212,7 +212,7 @@ NumberArray without_first(const VtkFile& file, NumberArray numbers) {
 
 class LegacyVtk {
 public:
-    explicit LegacyVtk(VtkFile& file) : file_(file), scanner_(file) {}
+    explicit LegacyVtk(ArrayFile& file) : file_(file), scanner_(file) {}
 
     /// Reads all up to the attributes.
     void parse() {
@@ -371,7 +371,7 @@ private:
         }
     }
 
-    VtkFile& file_;
+    ArrayFile& file_;
     VtkScanner scanner_;
     int version_ = 0;
     StatedFrame patient_frame_;  ///< of the title and a FIELD
@@ -382,7 +382,7 @@ private:
 }  // namespace
 
 void parse_vtk(FileContents& contents, MeshFile& mesh) {
-    VtkFile file(contents);
+    ArrayFile file(contents);
     LegacyVtk vtk(file);
     vtk.parse();
     vtk.patient_frame().give(file.source, mesh);

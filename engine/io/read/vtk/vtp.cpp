@@ -2,9 +2,9 @@
 #include <deque>
 #include <limits>
 
+#include "io/read/arrays/array_xml.hpp"
 #include "io/read/stated.hpp"
 #include "io/read/vtk/vtp_data.hpp"
-#include "io/xml/xml.hpp"
 
 namespace lamella {
 
@@ -28,74 +28,36 @@ struct VtpPiece {
 struct VtpDocument {
     VtpForm form;
     std::deque<VtpPiece> pieces;
-    std::optional<XmlFault> unbound_name;
     std::optional<VtpArray> space;  ///< the string of that name among the field data, as 3D Slicer writes it
 };
 
 constexpr std::string_view piece_path = "/VTKFile/PolyData/Piece";
 
 /// Reads the document up to the appended data, which are no XML. Throws errors.
-class VtpParser : public XmlReader {
+class VtpParser : public ArrayXml {
 public:
-    explicit VtpParser(VtkFile& file) : file_(file) {}
+    explicit VtpParser(ArrayFile& file) : ArrayXml(file, "VTKFile", "<DataArray") {}
 
     VtpDocument read() {
-        feed_all();
-        if (failure()) {
-            throw TextError{file_.text.data() + failure()->offset, failure()->what};
-        }
-        document_.unbound_name = unbound_name();
+        parse_document();
         return std::move(document_);
     }
 
 private:
-    void begin_element(const XmlName& name, const XmlAttributes& attributes) override {
-        end_content();
-        tag_end_ = event_end();
-        path_.append(1, '/').append(name.space.empty() ? name.local : "other");
-        if (path_ == "/VTKFile") {
+    void begin_path(const XmlAttributes& attributes) override {
+        if (path() == "/VTKFile") {
             begin_file(attributes);
-        } else if (path_.rfind('/') == 0) {
-            refuse("expected the element VTKFile, found " + in_quotes(name.local));
-        } else if (path_ == piece_path) {
+        } else if (path() == piece_path) {
             begin_piece(attributes);
-        } else if (path_ == "/VTKFile/AppendedData") {
+        } else if (path() == "/VTKFile/AppendedData") {
             begin_appended(attributes);
-        } else if (path_ == "/VTKFile/PolyData/FieldData/Array") {
+        } else if (path() == "/VTKFile/PolyData/FieldData/Array") {
             if (attributes.find("Name") == "SPACE") {
                 begin_array(document_.space, "SPACE", attributes);
             }
-        } else if (path_.starts_with(piece_path)) {
-            begin_in_piece(std::string_view(path_).substr(piece_path.size()), attributes);
+        } else if (path().starts_with(piece_path)) {
+            begin_in_piece(path().substr(piece_path.size()), attributes);
         }
-    }
-
-    void end_element(const XmlName& /*name*/) override {
-        end_content();
-        path_.resize(path_.rfind('/'));
-    }
-
-    void text(std::string_view /*piece*/) override {}  // that of arrays is found by its place
-
-    /// Feeds everything but the numbers of arrays: expat would take longer to pass over them than they take to be read.
-    void feed_all() {
-        constexpr std::size_t window = std::size_t{64} << 10;  // appended data, which end parsing, are not searched for tags
-        std::string_view rest = file_.text;
-        while (!rest.empty()) {
-            file_.source.parallel().stop_if_asked();
-            const std::string_view ahead = rest.substr(0, window);
-            const std::size_t tag_end = ahead.find('>', ahead.find("<DataArray"));
-            const std::string_view head = ahead.substr(0, tag_end == std::string_view::npos ? tag_end : tag_end + 1);
-            if (!feed(head)) {
-                return;
-            }
-            rest.remove_prefix(head.size());
-            const bool has_begun = file_.offset_of(rest.data()) == tag_end_;
-            const std::string_view numbers = rest.substr(0, has_begun ? rest.find('<') : 0);
-            skip(numbers);
-            rest.remove_prefix(numbers.size());
-        }
-        finish();
     }
 
     void begin_file(const XmlAttributes& attributes) {
@@ -121,17 +83,17 @@ private:
         }
     }
 
-    void begin_in_piece(std::string_view path, const XmlAttributes& attributes) {
+    void begin_in_piece(std::string_view place, const XmlAttributes& attributes) {
         VtpPiece& piece = document_.pieces.back();
         const std::string_view name = attributes.find("Name").value_or("");
-        if (path == "/Points/DataArray") {
+        if (place == "/Points/DataArray") {
             begin_array(piece.points, "Points", attributes);
             if (attributes.find("NumberOfComponents").value_or("3") != "3") {
                 refuse("expected Points of 3 components");
             }
         }
         for (VtpCells& cells : piece.cells) {
-            if (path == "/" + std::string(cells.name) + "/DataArray" && (name == "connectivity" || name == "offsets")) {
+            if (place == "/" + std::string(cells.name) + "/DataArray" && (name == "connectivity" || name == "offsets")) {
                 begin_array(name == "offsets" ? cells.offsets : cells.connectivity,
                             std::string(name) + " of " + std::string(cells.name), attributes);
             }
@@ -146,13 +108,13 @@ private:
         array.name = name;
         array.element = event();
         const std::string_view type = attributes.find("type").value_or("");
-        const auto* const found = std::find(vtk_type_names.begin(), vtk_type_names.end(), type);
+        const auto* const found = std::find(number_type_names.begin(), number_type_names.end(), type);
         if (type == "String" && name == "SPACE") {
             array.type = NumberType::uint8;  // characters, and a 0 after each string
-        } else if (found == vtk_type_names.end()) {
+        } else if (found == number_type_names.end()) {
             refuse("expected a DataArray of a type from Int8 to Float64, found " + in_quotes(type));
         } else {
-            array.type = static_cast<NumberType>(found - vtk_type_names.begin());
+            array.type = static_cast<NumberType>(found - number_type_names.begin());
         }
         if (!is_integer(array.type) && name != "Points") {
             refuse("expected integers, found numbers of type " + in_quotes(type));
@@ -163,9 +125,7 @@ private:
         } else if (is_second(attributes, "format", "ascii", "binary")) {
             array.format = VtpArray::Format::binary;
         }
-        array_ = &array;
-        content_ = event_end();
-        array.content = file_.text.substr(content_, 0);
+        begin_content(array.content);
     }
 
     /// Appended data are not XML, so parsing ends here.
@@ -185,47 +145,11 @@ private:
         stop();
     }
 
-    std::uint64_t count(const XmlAttributes& attributes, std::string_view name) const {
-        const std::string_view digits = attributes.find(name).value_or("0");
-        std::uint64_t count = 0;
-        if (!read_integer(digits, count)) {
-            refuse("expected a number as " + std::string(name) + ", found " + in_quotes(digits));
-        }
-        return count;
-    }
-
-    /// The content of an array ends with its element or where another one begins in it.
-    void end_content() {
-        if (VtpArray* const array = std::exchange(array_, nullptr); array != nullptr && event_offset() > content_) {
-            array->content = file_.text.substr(content_, event_offset() - content_);
-        }
-    }
-
-    /// True if an attribute is the second of two values, one of which it must be; it is the first if it is absent.
-    bool is_second(const XmlAttributes& attributes, std::string_view name, std::string_view first,
-                   std::string_view second) const {
-        const std::string_view value = attributes.find(name).value_or(first);
-        if (value != first && value != second) {
-            refuse("expected " + std::string(name) + " " + std::string(first) + " or " + std::string(second) + ", found " +
-                   in_quotes(value));
-        }
-        return value == second;
-    }
-
-    /// Throws an error at the tag at hand.
-    [[noreturn]] void refuse(const std::string& what) const { throw TextError{event(), what}; }
-    const char* event() const { return file_.text.data() + event_offset(); }
-
-    VtkFile& file_;
     VtpDocument document_;
-    std::string path_;           ///< of the open element
-    std::uint64_t tag_end_ = 0;  ///< of the last element that began
-    VtpArray* array_ = nullptr;  ///< whose content has not ended
-    std::uint64_t content_ = 0;  ///< where it began
 };
 
 /// The points of all pieces that have some.
-std::vector<NumberArray> load_points(VtkFile& file, const VtpDocument& document) {
+std::vector<NumberArray> load_points(ArrayFile& file, const VtpDocument& document) {
     std::vector<NumberArray> points;
     std::uint64_t count = 0;
     for (const VtpPiece& piece : document.pieces) {
@@ -246,7 +170,7 @@ std::vector<NumberArray> load_points(VtkFile& file, const VtpDocument& document)
     return points;
 }
 
-std::vector<CellArray> load_cells(VtkFile& file, const VtpDocument& document) {
+std::vector<CellArray> load_cells(ArrayFile& file, const VtpDocument& document) {
     std::vector<CellArray> arrays;
     std::uint32_t first_point = 0;
     for (const VtpPiece& piece : document.pieces) {
@@ -271,7 +195,7 @@ std::vector<CellArray> load_cells(VtkFile& file, const VtpDocument& document) {
 }
 
 /// The frame that the string SPACE states. Strings of other lengths are no known frame.
-StatedFrame patient_frame(VtkFile& file, const VtpDocument& document) {
+StatedFrame patient_frame(ArrayFile& file, const VtpDocument& document) {
     constexpr std::uint64_t most_characters = 4;  // three letters, and a 0, which ends the string
     StatedFrame frame;
     std::string space;
@@ -295,12 +219,10 @@ StatedFrame patient_frame(VtkFile& file, const VtpDocument& document) {
 }  // namespace
 
 void parse_vtp(FileContents& contents, MeshFile& mesh) {
-    VtkFile file(contents);
-    const VtpDocument document = VtpParser(file).read();
-    if (const std::optional<XmlFault>& unbound = document.unbound_name) {
-        mesh.warnings.push_back(file.source.name() + ": line " + std::to_string(line_of(file.text, unbound->offset)) + ": " +
-                                unbound->what);
-    }
+    ArrayFile file(contents);
+    VtpParser parser(file);
+    const VtpDocument document = parser.read();
+    warn_unbound(file, parser, mesh);
     patient_frame(file, document).give(file.source, mesh);
     std::vector<NumberArray> points = load_points(file, document);
     give_points(file, points, mesh);
@@ -308,10 +230,7 @@ void parse_vtp(FileContents& contents, MeshFile& mesh) {
 }
 
 bool looks_like_vtp(const FileSource& source) {
-    const std::string_view sample = without_byte_order_mark(source.sample());
-    const char* const end = sample.data() + sample.size();
-    const char* const first = skip_space(sample.data(), end);
-    return first != end && *first == '<' && sample.find("<VTKFile") != std::string_view::npos;
+    return begins_as_xml(source, "<VTKFile");
 }
 
 }  // namespace lamella

@@ -2,7 +2,7 @@
 // the document.
 #pragma once
 
-#include "io/read/vtk/vtk_file.hpp"
+#include "io/read/arrays/array_file.hpp"
 
 namespace lamella {
 
@@ -27,6 +27,6 @@ struct VtpForm {
 };
 
 /// The numbers of `array`, which must be `count`. Decimals are read as `as`: see read_words(). Throws errors.
-NumberArray load_array(VtkFile& file, const VtpForm& form, const VtpArray& array, std::uint64_t count, NumberType as);
+NumberArray load_array(ArrayFile& file, const VtpForm& form, const VtpArray& array, std::uint64_t count, NumberType as);
 
 }  // namespace lamella

@@ -1,4 +1,4 @@
-#include "io/read/vtk/vtk_file.hpp"
+#include "io/read/arrays/array_file.hpp"
 
 #include <concepts>
 
@@ -21,7 +21,7 @@ struct WordRun {
 };
 
 /// The next `count` words of [p, end). O(the text that they take). Precondition: `p` is not within a word.
-WordRun find_words(const VtkFile& file, const char* p, const char* end, std::uint64_t count, std::string_view name) {
+WordRun find_words(const ArrayFile& file, const char* p, const char* end, std::uint64_t count, std::string_view name) {
     WordRun run;
     run.end = p;
     std::uint64_t found = 0;
@@ -110,7 +110,7 @@ void convert_coordinates(const NumberArray& numbers, Number type, std::byte* out
 
 }  // namespace
 
-TextError VtkFile::error_at(const NumberArray& numbers, std::uint64_t index, const std::string& what) const {
+TextError ArrayFile::error_at(const NumberArray& numbers, std::uint64_t index, const std::string& what) const {
     switch (numbers.form) {
         case NumberArray::Form::text:
             return {find_word(numbers.at, text.data() + text.size(), index), what};
@@ -124,7 +124,7 @@ TextError VtkFile::error_at(const NumberArray& numbers, std::uint64_t index, con
 
 // --- text
 
-NumberArray read_words(VtkFile& file, const char*& p, const char* end, std::uint64_t count, NumberType type,
+NumberArray read_words(ArrayFile& file, const char*& p, const char* end, std::uint64_t count, NumberType type,
                        std::string_view name) {
     const WordRun run = find_words(file, p, end, count, name);
     file.budget.take(count, size_of(type));
@@ -140,7 +140,20 @@ NumberArray read_words(VtkFile& file, const char*& p, const char* end, std::uint
     return numbers;
 }
 
-void skip_words(const VtkFile& file, const char*& p, const char* end, std::uint64_t count, std::string_view name) {
+NumberArray read_all_words(ArrayFile& file, std::string_view text, std::uint64_t count, NumberType type,
+                           std::string_view name) {
+    const char* p = text.data();
+    const char* const end = p + text.size();
+    NumberArray numbers = read_words(file, p, end, count, type, name);
+    p = skip_space(p, end);
+    if (p != end) {
+        throw TextError{p, "expected the end of the " + std::to_string(count) + " numbers of " + std::string(name) +
+                               ", found " + word_at(p, end)};
+    }
+    return numbers;
+}
+
+void skip_words(const ArrayFile& file, const char*& p, const char* end, std::uint64_t count, std::string_view name) {
     p = find_words(file, p, end, count, name).end;
 }
 
@@ -154,7 +167,7 @@ const char* find_word(const char* p, const char* end, std::uint64_t index) {
 
 // --- memory
 
-void give_points(VtkFile& file, std::span<NumberArray> arrays, MeshFile& mesh) {
+void give_points(ArrayFile& file, std::span<NumberArray> arrays, MeshFile& mesh) {
     bool floats = true;
     std::uint64_t numbers = 0;
     for (const NumberArray& array : arrays) {

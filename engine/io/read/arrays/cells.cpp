@@ -1,7 +1,7 @@
 #include <atomic>
 
+#include "io/read/arrays/array_file.hpp"
 #include "io/read/faces.hpp"
-#include "io/read/vtk/vtk_file.hpp"
 
 namespace lamella {
 
@@ -35,7 +35,7 @@ bool copy_corners(const Numbers& number, std::uint64_t count, const CellArray& a
 }
 
 bool copy_cells(const CellArray& array, std::uint64_t first, std::uint64_t count, std::uint32_t* out) {
-    const bool good = array.counted || use_numbers(array.ends, first, [&](auto end) {
+    const bool good = array.counted || array.ends.count == 0 || use_numbers(array.ends, first, [&](auto end) {
                           std::uint64_t differences = 0;
                           for (std::uint64_t i = 0; i < count; ++i) {
                               differences |= to_integer(end(i)) ^ 3 * (first + i + 1);
@@ -50,7 +50,7 @@ bool copy_cells(const CellArray& array, std::uint64_t first, std::uint64_t count
 
 /// Gives `mesh` the triangles of all `arrays`, if their cells are triangles of existing points. False: they are not, or do
 /// not fit into memory; the budget is then as before.
-bool copy_triangles(VtkFile& file, std::span<const CellArray> arrays, MeshFile& mesh) {
+bool copy_triangles(ArrayFile& file, std::span<const CellArray> arrays, MeshFile& mesh) {
     std::uint64_t triangles = 0;
     for (const CellArray& array : arrays) {
         const std::uint64_t step = triangle_numbers(array);
@@ -96,7 +96,7 @@ struct Block {
 /// Reads cells of an array one after the other, as each begins where the one before ends.
 class CellReader {
 public:
-    CellReader(VtkFile& file, const CellArray& array)
+    CellReader(ArrayFile& file, const CellArray& array)
         : file_(file), array_(array), name_(array.name), pace_(pace_of(file.source.parallel())) {}
 
     /// Looks where all cells begin, and appends the blocks in which their faces can be read. Throws errors.
@@ -143,7 +143,7 @@ private:
             ++at_;
             return count;
         }
-        const std::uint64_t end = integer_at(array_.ends, cell);
+        const std::uint64_t end = array_.ends.count == 0 ? at_ + 3 : integer_at(array_.ends, cell);
         if (end < at_ || end > all) {
             refuse_cell(cell, array_.ends, cell,
                         "ends at " + std::to_string(static_cast<std::int64_t>(end)) + ", which is not from " +
@@ -202,7 +202,7 @@ private:
                                  std::to_string(array_.point_count));
     }
 
-    VtkFile& file_;
+    ArrayFile& file_;
     const CellArray& array_;
     std::string name_;
     StopPace pace_;
@@ -212,7 +212,7 @@ private:
 
 }  // namespace
 
-void cut_cells(VtkFile& file, std::span<const CellArray> arrays, MeshFile& mesh) {
+void cut_cells(ArrayFile& file, std::span<const CellArray> arrays, MeshFile& mesh) {
     if (copy_triangles(file, arrays, mesh)) {
         return;
     }

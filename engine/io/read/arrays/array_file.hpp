@@ -1,4 +1,4 @@
-// Shared by both formats of VTK: a file, and its arrays of numbers as text and bytes.
+// Shared by formats whose meshes are arrays of numbers: a file, and its arrays as text and bytes.
 #pragma once
 
 #include "io/read/number_type.hpp"
@@ -7,8 +7,8 @@
 namespace lamella {
 
 /// Names of types in the order of NumberType.
-inline constexpr std::array<std::string_view, 10> vtk_type_names = {"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
-                                                                    "UInt32", "Int64", "UInt64", "Float32", "Float64"};
+inline constexpr std::array<std::string_view, 10> number_type_names = {"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
+                                                                       "UInt32", "Int64", "UInt64", "Float32", "Float64"};
 
 struct NumberArray {
     /// How the numbers stand in the file.
@@ -27,9 +27,12 @@ struct NumberArray {
     Array<std::byte> storage{};  ///< of numbers that do not lie in the file as they are
 };
 
+/// zlib compresses by a factor of 1032 at most.
+inline constexpr std::uint64_t most_expansion = 1032;
+
 /// The file that is being read.
-struct VtkFile {
-    explicit VtkFile(FileContents& file) : source(file.source), bytes(file.bytes), text(file.whole), budget(file.source) {}
+struct ArrayFile {
+    explicit ArrayFile(FileContents& file) : source(file.source), bytes(file.bytes), text(file.whole), budget(file.source) {}
 
     std::uint64_t offset_of(const char* p) const noexcept { return static_cast<std::uint64_t>(p - text.data()); }
 
@@ -46,10 +49,13 @@ struct VtkFile {
 
 /// Reads `count` numbers from the words of [p, end), and moves `p` past them. `name` is theirs in messages. `type` is what
 /// they are read as: a float or a double, or uint32 or uint64 for integers, which must not be negative.
-NumberArray read_words(VtkFile& file, const char*& p, const char* end, std::uint64_t count, NumberType type,
+NumberArray read_words(ArrayFile& file, const char*& p, const char* end, std::uint64_t count, NumberType type,
                        std::string_view name);
+/// The same of `text`, which must hold no more.
+NumberArray read_all_words(ArrayFile& file, std::string_view text, std::uint64_t count, NumberType type,
+                           std::string_view name);
 /// Moves `p` past `count` words.
-void skip_words(const VtkFile& file, const char*& p, const char* end, std::uint64_t count, std::string_view name);
+void skip_words(const ArrayFile& file, const char*& p, const char* end, std::uint64_t count, std::string_view name);
 /// The word of that index in [p, end), or `end`.
 const char* find_word(const char* p, const char* end, std::uint64_t index);
 
@@ -77,7 +83,7 @@ inline std::uint64_t integer_at(const NumberArray& numbers, std::uint64_t index)
 }
 
 /// Gives `mesh` the vertices of all `arrays`, in their order; those of one may stay where they are in the file.
-void give_points(VtkFile& file, std::span<NumberArray> arrays, MeshFile& mesh);
+void give_points(ArrayFile& file, std::span<NumberArray> arrays, MeshFile& mesh);
 
 // --- Triangles of cells, which are polygons and triangle strips
 
@@ -86,7 +92,7 @@ enum class CellKind : std::uint8_t { polygons, strips };
 /// Cells of one kind, in one of two layouts:
 ///
 ///     counted:  corners 3 a b c 4 d e f g         each cell's corners after their number, in 32 bits
-///     else:     corners a b c d e f g, ends 3 7   all corners, and where each cell's end among them
+///     else:     corners a b c d e f g, ends 3 7   all corners, and where each cell's end among them; no ends: triangles
 struct CellArray {
     std::string_view name;  ///< for messages
     CellKind kind = CellKind::polygons;
@@ -100,6 +106,6 @@ struct CellArray {
 
 /// Gives `mesh`, which has its vertices, the triangles of all `arrays`, in their order. Warns of cells without an area.
 /// Throws errors. Memory: the indices, and little else unless there are polygons of millions of corners.
-void cut_cells(VtkFile& file, std::span<const CellArray> arrays, MeshFile& mesh);
+void cut_cells(ArrayFile& file, std::span<const CellArray> arrays, MeshFile& mesh);
 
 }  // namespace lamella

@@ -317,8 +317,6 @@ std::string Vtk::operator()(const PolygonMesh& mesh) const {
 
 // --- VTP
 
-namespace {
-
 std::string base64(const std::string& bytes) {
     constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     std::string text;
@@ -333,8 +331,6 @@ std::string base64(const std::string& bytes) {
     }
     return text;
 }
-
-}  // namespace
 
 std::string Vtp::header(const std::vector<std::uint64_t>& numbers) const {
     std::string bytes;
@@ -408,6 +404,61 @@ std::string Vtp::operator()(const std::vector<PolygonMesh>& pieces) {
         file += "<AppendedData encoding=\"" + format + "\">\n _" + appended + "\n</AppendedData>\n";
     }
     return file + "</VTKFile>\n";
+}
+
+// --- GIfTI, FreeSurfer, glTF
+
+template <class Row>
+std::string Gifti::array(const std::string& intent, const std::string& type, const std::vector<Row>& rows) const {
+    std::vector<std::vector<typename Row::value_type>> lines(by_columns ? 3 : rows.size());
+    for (std::size_t i = 0; i < 3 * rows.size(); ++i) {
+        lines[by_columns ? i % 3 : i / 3].push_back(rows[i / 3][i % 3]);
+    }
+    const Coding coding = encoding == "ASCII" ? Coding::text : big_endian ? Coding::big_endian : Coding::little_endian;
+    const std::string bytes = encoded_rows(type, lines, coding);
+    std::string name = type;
+    std::transform(name.begin(), name.end(), name.begin(), ::toupper);
+    return "<DataArray Intent=\"NIFTI_INTENT_" + intent + "\" DataType=\"NIFTI_TYPE_" + name + "\" ArrayIndexingOrder=\"" +
+           (by_columns ? "Column" : "Row") + "MajorOrder\" Dimensionality=\"2\" Dim0=\"" + std::to_string(rows.size()) +
+           "\" Dim1=\"3\" Encoding=\"" + encoding + "\" Endian=\"" + (big_endian ? "Big" : "Little") + "Endian\">\n<Data>" +
+           (encoding == "ASCII"          ? bytes
+            : encoding == "Base64Binary" ? base64(bytes)
+                                         : base64(deflated(bytes, MAX_WBITS))) +
+           "</Data></DataArray>\n";
+}
+
+std::string Gifti::operator()(const PolygonMesh& mesh) const {
+    return "<?xml version=\"1.0\"?>\n<!DOCTYPE GIFTI SYSTEM \"gifti.dtd\">\n<GIFTI>\n" +
+           array("TRIANGLE", integers, mesh.faces) + array("POINTSET", points, points_of(mesh)) + "</GIFTI>\n";
+}
+
+std::string freesurfer(const PolygonMesh& mesh, const std::string& text) {
+    return "\xFF\xFF\xFE" + text +
+           encoded_rows("int", Rows{{std::int64_t(mesh.points()), std::int64_t(mesh.faces.size())}}, Coding::big_endian) +
+           encoded_rows("float", points_of(mesh), Coding::big_endian) + encoded_rows("int", mesh.faces, Coding::big_endian);
+}
+
+std::string glb(std::string json, std::string bytes) {
+    json.append(-json.size() % 4, ' ');
+    bytes.append(-bytes.size() % 4, '\0');
+    return "glTF" + little(2) + little(static_cast<std::uint32_t>(28 + json.size() + bytes.size())) +
+           little(static_cast<std::uint32_t>(json.size())) + "JSON" + json +
+           little(static_cast<std::uint32_t>(bytes.size())) + std::string("BIN\0", 4) + bytes;
+}
+
+std::string glb(const PolygonMesh& mesh) {
+    const std::string points = encoded_rows("float", points_of(mesh), Coding::little_endian);
+    const std::string bytes = points + encoded_rows("uint", mesh.faces, Coding::little_endian);
+    const std::string begin = std::to_string(points.size());
+    return glb(R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}],"meshes":[{"primitives":[)"
+               R"({"attributes":{"POSITION":0},"indices":1}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":)" +
+                   std::to_string(mesh.points()) +
+                   R"(,"type":"VEC3"},{"bufferView":1,"componentType":5125,"type":"SCALAR","count":)" +
+                   std::to_string(3 * mesh.faces.size()) + R"(}],"bufferViews":[{"buffer":0,"byteLength":)" + begin +
+                   R"(},{"buffer":0,"byteOffset":)" + begin + R"(,"byteLength":)" +
+                   std::to_string(bytes.size() - points.size()) + R"(}],"buffers":[{"byteLength":)" +
+                   std::to_string(bytes.size()) + "}]}",
+               bytes);
 }
 
 // --- 3MF

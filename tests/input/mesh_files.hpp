@@ -101,6 +101,30 @@ private:
     std::string piece(const PolygonMesh& mesh);
 };
 
+std::string base64(const std::string& bytes);
+
+/// How a mesh of triangles is written as GIfTI.
+struct Gifti {
+    std::string encoding = "ASCII";  ///< or "Base64Binary" or "GZipBase64Binary"
+    bool by_columns = false;
+    bool big_endian = false;
+    std::string points = "Float32";
+    std::string integers = "Int32";
+
+    std::string operator()(const PolygonMesh& mesh) const;
+
+private:
+    template <class Row>
+    std::string array(const std::string& intent, const std::string& type, const std::vector<Row>& rows) const;
+};
+
+/// A mesh of triangles as a surface of FreeSurfer, with what is between its mark and its numbers.
+std::string freesurfer(const PolygonMesh& mesh, const std::string& text = "made by a test\n\n");
+
+/// JSON and bytes as binary glTF, and a mesh of triangles as such a file.
+std::string glb(std::string json, std::string bytes);
+std::string glb(const PolygonMesh& mesh);
+
 /// A part of an archive, and what its headers say of it where that is not the truth.
 struct ZipPart {
     std::string name;

@@ -56,6 +56,13 @@ inline const std::vector<SheetFile> sheet_files = {
     {"quads.ply", [](auto&, auto& q, auto) { return Ply{.encoding = "binary_little_endian"}(q); }},
     {"text.vtk", [](auto&, auto& q, auto) { return Vtk{}(q); }},
     {"text.vtp", [](auto&, auto& q, auto) { return Vtp{}({q}); }},
+    {"base64.gii", [](auto& t, auto&, auto) { return Gifti{"Base64Binary"}(t); }},
+    {"zlib.gii",
+     [](auto& t, auto&, auto) {
+         return Gifti{"GZipBase64Binary", true, true}(t);
+     }},
+    {"a.pial", [](auto& t, auto&, auto) { return freesurfer(t); }},
+    {"a.glb", [](auto& t, auto&, auto) { return glb(t); }},
     {"one.3mf", [](auto& t, auto&, auto) { return three_mf_sheets(t, 1); }},
     {"quads.obj.gz", [](auto&, auto& q, auto) { return gzipped(obj(q)); }},
     {"many.3mf", [](auto& t, auto&, auto) { return three_mf_sheets(t, 20); }, false},

@@ -100,6 +100,20 @@ TEST_CASE("VTP and its appended data cut off anywhere are refused", "[input][vtp
     }
 }
 
+TEST_CASE("GIfTI, FreeSurfer and glTF cut off anywhere are refused", "[input][gifti][freesurfer][gltf]") {
+    const PolygonMesh mesh = triangulated(cube());
+    for (const char* const encoding : {"ASCII", "Base64Binary", "GZipBase64Binary"}) {
+        const std::string whole = Gifti{encoding}(mesh);
+        refuses_cuts("a.gii", whole, whole.find("<GIFTI") + 6, whole.size() - 1);
+    }
+    const std::string surface = freesurfer(mesh);
+    refuses_cuts("lh.pial", surface, 3, surface.size());
+    const std::string scene = glb(mesh);
+    refuses_cuts("a.glb", scene, 4, scene.size());
+    const std::size_t json = scene.find("BIN") - 4;
+    refuses_cuts("a.gltf", scene.substr(20, json - 20), 20, scene.find_last_of('}', json) - 19);
+}
+
 TEST_CASE("what takes more memory than allowed is refused before it is allocated", "[input]") {
     PolygonMesh strips = sheet(100, 5000);
     strips.strips.emplace_back();
@@ -119,6 +133,14 @@ TEST_CASE("what takes more memory than allowed is refused before it is allocated
     for (int id = 2; id < 20000; ++id) {
         objects += object(id, components({R"(objectid="1")"}));
     }
+    std::string nodes = "[{\"mesh\":0}";
+    std::string places = "[0";
+    for (int i = 1; i < 4000; ++i) {
+        nodes += ",{\"mesh\":0}";
+        places += "," + std::to_string(i);
+    }
+    const std::string instances =
+        replaced(replaced(glb(triangulated(cube())), "[{\"mesh\":0}", nodes), "[0]}]", places + "]}]");
     const std::string expands = "expands to more than the ";
     const std::string expands_to = "expands to ... more than the 20000 bytes that reading";
     struct Case {
@@ -139,6 +161,13 @@ TEST_CASE("what takes more memory than allowed is refused before it is allocated
              Case{"binary.vtk", Vtk{false}(strips), 200'000, expands},
              Case{"a.vtp", packed({alike}), 500'000, expands},
              Case{"many.vtp", replaced(Vtp{}({cube()}), "<PolyData>", "<PolyData>" + pieces), 500'000, "expands"},
+             Case{"zlib.gii", Gifti{"GZipBase64Binary"}(triangulated(alike)), 500'000, expands},
+             Case{"columns.gii", Gifti{"Base64Binary", true}(triangulated(alike)), 800'000, expands},
+             Case{"nodes.gltf",
+                  replaced(instances.substr(20, instances.find("BIN") - 24), "[{\"byteLength\":",
+                           "[{\"uri\":\"data:;base64," + base64(instances.substr(instances.find("BIN") + 4)) +
+                               "\",\"byteLength\":"),
+                  4'000'000, expands},
              Case{"spaces.3mf", package(model_text(mesh + std::string(std::size_t{24} << 20, ' '), item(1))), 8 << 20,
                   "part '3D/3dmodel.model' " + expands},
              Case{"vertices.3mf", package(model_text(replaced(mesh, "</vertices>", vertices + "</vertices>"), item(1))),

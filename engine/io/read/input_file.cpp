@@ -37,6 +37,7 @@ Error InputFile::error(ErrorCode code, const std::string& what, std::int64_t byt
 
 Result<InputFile> InputFile::open(const std::filesystem::path& path, std::string_view name) {
     InputFile opened(printable(name.empty() ? path_text(path) : name));
+    opened.folder_ = path.parent_path();
     int failure = opened.file_.open_to_read(path);
     failure = failure == 0 ? opened.file_.status(opened.opened_) : failure;
     if (failure != 0) {

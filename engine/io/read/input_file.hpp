@@ -31,6 +31,7 @@ public:
 
     const std::string& name() const noexcept { return name_; }    ///< printable, for messages
     std::uint64_t size() const noexcept { return opened_.size; }  ///< when it was opened
+    const std::filesystem::path& folder() const noexcept { return folder_; }
 
     /// Fills `into` from byte 0 on. Precondition: into.size() <= size().
     Status read(std::span<std::byte> into, const Parallel& parallel) const;
@@ -52,6 +53,7 @@ private:
 
     File file_;
     std::string name_;
+    std::filesystem::path folder_;
     FileStatus opened_;
 };
 

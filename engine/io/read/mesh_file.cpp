@@ -17,15 +17,18 @@ namespace lamella {
 namespace {
 
 /// The reader of the file's own name is asked first, then all in this order. OBJ takes any text that begins with one of its
-/// statements, so that a format which might too stands before it.
+/// statements, so that a format which might too stands before it; STL most binary files, whatever they begin with.
 constexpr std::array all_readers = {
-    Reader{MeshFormat::stl, "STL", ".stl", looks_like_stl, parse_stl, false, nullptr, check_stl},
-    Reader{MeshFormat::obj, "OBJ", ".obj", looks_like_obj, parse_obj, true, may_be_obj},
-    Reader{MeshFormat::off, "OFF", ".off", looks_like_off, parse_off, true, looks_like_headless_off},
-    Reader{MeshFormat::ply, "PLY", ".ply", looks_like_ply, parse_ply},
-    Reader{MeshFormat::vtk, "VTK", ".vtk", looks_like_vtk, parse_vtk},
-    Reader{MeshFormat::vtp, "VTP", ".vtp", looks_like_vtp, parse_vtp},
-    Reader{MeshFormat::three_mf, "3MF", ".3mf", looks_like_3mf, parse_3mf},
+    Reader{MeshFormat::freesurfer, "FreeSurfer", {".pial", ".white"}, looks_like_freesurfer, parse_freesurfer},
+    Reader{MeshFormat::gltf, "glTF", {".glb", ".gltf"}, looks_like_gltf, parse_gltf},
+    Reader{MeshFormat::stl, "STL", {".stl"}, looks_like_stl, parse_stl, false, nullptr, check_stl},
+    Reader{MeshFormat::obj, "OBJ", {".obj"}, looks_like_obj, parse_obj, true, may_be_obj},
+    Reader{MeshFormat::off, "OFF", {".off"}, looks_like_off, parse_off, true, looks_like_headless_off},
+    Reader{MeshFormat::ply, "PLY", {".ply"}, looks_like_ply, parse_ply},
+    Reader{MeshFormat::vtk, "VTK", {".vtk"}, looks_like_vtk, parse_vtk},
+    Reader{MeshFormat::vtp, "VTP", {".vtp"}, looks_like_vtp, parse_vtp},
+    Reader{MeshFormat::gifti, "GIfTI", {".gii"}, looks_like_gifti, parse_gifti},
+    Reader{MeshFormat::three_mf, "3MF", {".3mf"}, looks_like_3mf, parse_3mf},
 };
 
 /// How much of the file its format is recognised by.
@@ -48,7 +51,11 @@ const Reader* first_reader(Passes passes) {
 /// By the name, ".gz" left out.
 const Reader* reader_for_name(PathView path) noexcept {
     path.remove_suffix(has_extension(path, gz) ? gz.size() : 0);
-    return first_reader([path](const Reader& reader) { return has_extension(path, reader.extension); });
+    return first_reader([path](const Reader& reader) {
+        return std::any_of(reader.extensions.begin(), reader.extensions.end(), [path](std::string_view extension) {
+            return !extension.empty() && has_extension(path, extension);
+        });
+    });
 }
 
 const Reader* reader_for_content(const FileSource& source) {
@@ -57,8 +64,8 @@ const Reader* reader_for_content(const FileSource& source) {
 
 std::string known_formats() {
     std::string names;
-    for (const Reader& reader : all_readers) {
-        names += (names.empty() ? "" : (&reader == &all_readers.back() ? " or " : ", ")) + std::string(reader.name);
+    for (const std::string_view& name : format_names()) {
+        names += (names.empty() ? "" : (&name == &format_names().back() ? " or " : ", ")) + std::string(name);
     }
     return names;
 }
@@ -153,7 +160,7 @@ MeshFile read_source(FileSource& source, const std::filesystem::path& path, cons
     }
     MeshFile mesh = parse(source, *reader);
     mesh.format = reader->format;
-    mesh.mm_per_unit = mesh.states_unit ? mesh.mm_per_unit : options.mm_per_unit;
+    mesh.mm_per_unit = mesh.states_unit ? mesh.mm_per_unit : options.mm_per_unit != 0 ? options.mm_per_unit : 1;
     mesh.warnings.insert(mesh.warnings.begin(), warnings.begin(), warnings.end());
     return mesh;
 }
@@ -250,13 +257,15 @@ std::string_view format_of(const FileSource& source) {
 }
 
 std::string_view name_of(MeshFormat format) noexcept {
-    return first_reader([=](const Reader& reader) { return reader.format == format; })->name;  // each has a row
+    return format_names()[static_cast<std::size_t>(format)];
 }
 
 std::span<const std::string_view> format_names() noexcept {
     static constexpr auto names = [] {
         std::array<std::string_view, all_readers.size()> each{};
-        std::transform(all_readers.begin(), all_readers.end(), each.begin(), [](const Reader& r) { return r.name; });
+        for (const Reader& reader : all_readers) {
+            each[static_cast<std::size_t>(reader.format)] = reader.name;
+        }
         return each;
     }();
     return names;
@@ -309,6 +318,29 @@ Array<std::byte> FileSource::take() {
         require(file_.read(bytes.span(), parallel_));
     }
     require(file_.unchanged());
+    return bytes;
+}
+
+Array<std::byte> FileSource::read_beside(std::string_view name) const {
+    const std::string plain = without_escapes(name);
+    const std::optional<std::string> path = path_within(plain);
+    if (!path || plain.starts_with('/') || plain.find('\0') != std::string::npos) {
+        refuse(ErrorCode::malformed_mesh, "needs " + in_quotes(name) + ", which is no file beside it");
+    }
+    if (!options_.name.empty()) {
+        refuse(ErrorCode::unreadable_file, "needs " + in_quotes(name) + ", a file beside it, and has no folder");
+    }
+    Array<std::byte> bytes(memory());
+    const Result<InputFile> file = InputFile::open(file_.folder() / path_of(*path), *path);
+    Status status = file ? Status() : Status(file.error());
+    if (file) {
+        bytes.resize_discarding(file->size());
+        status = file->read(bytes.span(), parallel_);
+        status = status ? file->unchanged() : status;
+    }
+    if (!status) {
+        refuse(status.error().code, "needs " + status.error().message);
+    }
     return bytes;
 }
 

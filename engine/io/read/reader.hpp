@@ -2,6 +2,8 @@
 // lists the readers.
 #pragma once
 
+#include <array>
+
 #include "base/guard.hpp"
 #include "io/read/input_file.hpp"
 #include "io/text/text.hpp"
@@ -31,12 +33,17 @@ public:
     const Memory* memory() const noexcept { return parallel_.memory(); }
     std::uint64_t memory_limit() const noexcept { return memory_limit_; }
     bool all_roles() const noexcept { return options_.all_roles; }
+    /// The caller says what the unit is of a file that states none.
+    bool unit_is_given() const noexcept { return options_.mm_per_unit != 0; }
 
     /// The first 64 KiB, or all.
     std::string_view sample() const noexcept { return sample_; }
 
     /// The bytes, checked not to have changed while they were read. May be called once.
     Array<std::byte> take();
+    /// All of the file of that name in the same folder. The name comes from a file: it is a path, with percent escapes, that
+    /// must not lead elsewhere. Throws Refused.
+    Array<std::byte> read_beside(std::string_view name) const;
     [[noreturn]] void refuse(ErrorCode code, const std::string& what, std::int64_t byte_offset = -1) const {
         throw Refused{error(code, what, byte_offset)};
     }
@@ -71,7 +78,7 @@ struct FileContents {
 struct Reader {
     MeshFormat format;
     std::string_view name;
-    std::string_view extension;                    ///< ".abc"
+    std::array<std::string_view, 2> extensions;    ///< ".abc"; the second may be empty, for none
     bool (*recognises)(const FileSource& source);  ///< by its size and how it begins
     /// Fills in bytes, indices, counts, stride, vertex_type, text, warnings and, where the file states them, the unit and
     /// the patient frame; read_mesh() does the rest. What can expand to more than the file is counted before it is
@@ -82,6 +89,7 @@ struct Reader {
     bool (*recognises_by_name)(const FileSource& source) = nullptr;
     /// Refuses what can be told by the file's size and how it begins, before all of it is read. Null: nothing.
     void (*check)(const FileSource& source) = nullptr;
+    double mm_per_unit = 1;  ///< by the format, of files that state none
 };
 
 // The readers, each in its file.
@@ -104,6 +112,12 @@ bool looks_like_vtk(const FileSource& source);
 void parse_vtk(FileContents& file, MeshFile& mesh);
 bool looks_like_vtp(const FileSource& source);
 void parse_vtp(FileContents& file, MeshFile& mesh);
+bool looks_like_gifti(const FileSource& source);
+void parse_gifti(FileContents& file, MeshFile& mesh);
+bool looks_like_freesurfer(const FileSource& source);
+void parse_freesurfer(FileContents& file, MeshFile& mesh);
+bool looks_like_gltf(const FileSource& source);
+void parse_gltf(FileContents& file, MeshFile& mesh);
 bool looks_like_3mf(const FileSource& source);
 void parse_3mf(FileContents& file, MeshFile& mesh);
 

@@ -55,7 +55,7 @@ std::unique_ptr<TriangleFile> open_stl(InputFile& file, const FileSource& source
     if (!gzip && !is_binary_stl(source) && format_of(source).empty() && is_named_as_mesh(path)) {
         (void)describe_binary_stl(source);  // refuses what is truncated, or too short to have a header
     }
-    if (gzip || !is_binary_stl(source)) {
+    if (gzip || !is_binary_stl(source) || format_of(source) != name_of(MeshFormat::stl)) {
         refuse_format(source);
     }
     MeshFile facts = describe_binary_stl(source);
@@ -254,7 +254,7 @@ std::unique_ptr<TriangleFile> TriangleFile::open(const std::filesystem::path& pa
     const bool is_ply = looks_like_ply(source) && !is_binary_stl(source);
     std::unique_ptr<TriangleFile> file =
         is_ply ? open_ply_faces(opened, source.sample(), parallel) : open_stl(opened, source, path);
-    file->facts_.mm_per_unit = options.mm_per_unit;
+    file->facts_.mm_per_unit = options.mm_per_unit != 0 ? options.mm_per_unit : 1;
     file->facts_.file_bytes = file->file_.size();
     file->facts_.read_ms = milliseconds_since(start);
     return file;

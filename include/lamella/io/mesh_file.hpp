@@ -28,7 +28,7 @@
 
 namespace lamella {
 
-enum class MeshFormat : std::uint8_t { stl, obj, off, ply, vtk, vtp, three_mf };
+enum class MeshFormat : std::uint8_t { stl, obj, off, ply, vtk, vtp, three_mf, gltf, gifti, freesurfer };
 
 /// "STL", ...
 std::string_view name_of(MeshFormat format) noexcept;
@@ -54,7 +54,7 @@ std::string_view name_of(PatientFrame frame) noexcept;
 std::string_view name_of(PartRole role) noexcept;
 
 /// Part of a file: a 3MF object, or a volume that a slicer's settings make of its triangles; an OBJ object, or a group where
-/// the file has at most one object; a solid of text STL.
+/// the file has at most one object; a solid of text STL; a node of glTF.
 struct MeshPart {
     std::string name;  ///< the file's bytes, else "object 7" or "part 2"; names may repeat
     PartRole role = PartRole::solid;
@@ -83,7 +83,7 @@ struct MeshFile {
     bool text = false;         ///< numbers were written out in decimals
     bool compressed = false;   ///< by gzip, as a whole
     double mm_per_unit = 1;    ///< of the coordinates: what the file states, else what the caller asked for
-    bool states_unit = false;  ///< the file does
+    bool states_unit = false;  ///< the file does, or its format, and the caller did not ask for another
     PatientFrame patient_frame = PatientFrame::unstated;
     std::vector<std::string> warnings;  ///< one line each, naming the file
     std::uint64_t file_bytes = 0;
@@ -112,7 +112,7 @@ struct ReadOptions {
     /// Map the file instead of reading it, which saves the copy. A file that shrinks while it is mapped ends the process:
     /// this is for programs that own their input.
     bool map_file = false;
-    double mm_per_unit = 1;  ///< for files that state no unit
+    double mm_per_unit = 0;  ///< for files that state no unit, and glTF, whose unit is the metre; 0: mm, and metres of glTF
     /// What messages call a file whose path says nothing, as "/dev/fd/5" of a pipe's copy: its content alone then decides
     /// the format. Empty: its path.
     std::string_view name{};

@@ -232,7 +232,7 @@ MeshFile read_mesh_of(const MeshArguments& arguments, Stages& stages) {
     }
     const bool standard = is_standard(arguments.mesh);
     const ReadOptions options{.map_file = arguments.map_file,
-                              .mm_per_unit = arguments.unit_mm.value_or(1),
+                              .mm_per_unit = arguments.unit_mm.value_or(0),
                               .name = standard ? std::string_view(name) : "",
                               .all_roles = arguments.all_roles};
     const Stopwatch spooling;

@@ -174,7 +174,7 @@ private:
         if (arguments_.in_ranges()) {
             const StreamOptions options{.memory_bytes = arguments_.memory_bytes,
                                         .temporary_folder = folder_beside(arguments_),
-                                        .read = {.mm_per_unit = arguments_.unit_mm.value_or(1)}};
+                                        .read = {.mm_per_unit = arguments_.unit_mm.value_or(0)}};
             mesh.stream = done_or_thrown(open_mesh(path_of(path), options));
         } else {
             mesh.file = read_mesh_of(arguments_, stages_);

@@ -1,15 +1,12 @@
 // read_mesh(): finds the reader for a file, decompresses it where needed, and completes what the reader returns.
 #include "lamella/io/mesh_file.hpp"
 
-#include <zlib.h>
-
 #include <array>
-#include <memory>
-#include <new>
 
 #include "base/clock.hpp"
 #include "base/words.hpp"
 #include "io/read/chunk_list.hpp"
+#include "io/read/inflater.hpp"
 #include "io/read/reader.hpp"
 
 namespace lamella {
@@ -173,36 +170,25 @@ constexpr int gzip_window = 16 + MAX_WBITS;  // 16: the format is gzip, not zlib
 /// also of what expands beyond the source's memory limit, and std::bad_alloc.
 Array<std::byte> unzip(const FileSource& source, std::span<const std::byte> bytes, std::uint64_t& ignored_bytes) {
     const Parallel& parallel = source.parallel();
-    z_stream stream{};
-    if (inflateInit2(&stream, gzip_window) != Z_OK) {
-        throw std::bad_alloc();
-    }
-    const std::unique_ptr<z_stream, int (*)(z_streamp)> ended(&stream, &inflateEnd);
+    Inflater inflater(gzip_window);
     ChunkList<std::byte, chunk_bytes, chunk_bytes> chunks(source.memory());  // the size is known only at the end
     for (;;) {
         parallel.stop_if_asked();
-        const std::span<std::byte> room = chunks.room();
-        const std::size_t offered = std::min<std::size_t>(bytes.size(), chunk_bytes);
-        stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(bytes.data()));  // zlib does not write there
-        stream.avail_in = static_cast<uInt>(offered);
-        stream.next_out = reinterpret_cast<Bytef*>(room.data());
-        stream.avail_out = static_cast<uInt>(room.size());
-        const int answer = inflate(&stream, Z_NO_FLUSH);
-        bytes = bytes.subspan(offered - stream.avail_in);
-        chunks.add(room.size() - stream.avail_out);
+        std::span<std::byte> room = chunks.room();
+        const std::size_t before = room.size();
+        const int answer = inflater.step(bytes, room);
+        chunks.add(before - room.size());
         MemoryBudget(source).take(chunks.size(), 1);
-        if (answer == Z_STREAM_END && (!as_text(bytes).starts_with(gzip_magic) || inflateReset(&stream) != Z_OK)) {
+        if (answer == Z_STREAM_END && (!as_text(bytes).starts_with(gzip_magic) || inflateReset(&inflater.stream) != Z_OK)) {
             break;  // the last member
-        }
-        if (answer == Z_MEM_ERROR) {
-            throw std::bad_alloc();
         }
         if (answer == Z_BUF_ERROR && bytes.empty()) {
             source.refuse(ErrorCode::malformed_mesh, "is truncated: its gzip data end too early");
         }
         if (answer != Z_OK && answer != Z_STREAM_END && answer != Z_BUF_ERROR) {
             source.refuse(ErrorCode::malformed_mesh,
-                          "is damaged: no valid gzip data" + (stream.msg != nullptr ? std::string(": ") + stream.msg : ""));
+                          "is damaged: no valid gzip data" +
+                              (inflater.stream.msg != nullptr ? std::string(": ") + inflater.stream.msg : ""));
         }
     }
     ignored_bytes = bytes.size();

@@ -208,7 +208,7 @@ void declare_reading(CLI::App& command, MeshArguments& arguments) {
                    ? ""
                    : "'" + text + "' is neither mm, um, cm, m, in, ft nor a positive number of mm";
     };
-    add_parsed(command, "--unit", "mm|um|cm|m|in|ft|MM", "Unit of meshes that do not state one (default mm)", take)
+    add_parsed(command, "--unit", "mm|um|cm|m|in|ft|MM", "Unit of meshes that do not state one (default mm; glTF: m)", take)
         ->transform(in_lower_case);
     declare_options(command, arguments.options, "--grid");
     declare_running(command, arguments);

@@ -1,11 +1,8 @@
 // GIfTI surfaces: an XML document with an array of points and one of triangles. Arrays of numbers at points are skipped.
-#include <zlib.h>
-
 #include <limits>
-#include <memory>
-#include <new>
 
 #include "io/read/arrays/array_xml.hpp"
+#include "io/read/inflater.hpp"
 #include "io/text/base64.hpp"
 
 namespace lamella {
@@ -130,27 +127,11 @@ private:
 
 /// Expands all of `packed`, data of zlib, to all of `out`. False: they are no such data.
 bool expand(std::span<const std::byte> packed, std::span<std::byte> out, const Parallel& parallel) {
-    constexpr std::size_t step = std::size_t{1} << 20;
-    z_stream stream{};
-    if (inflateInit(&stream) != Z_OK) {
-        throw std::bad_alloc();
-    }
-    const std::unique_ptr<z_stream, int (*)(z_streamp)> ended(&stream, &inflateEnd);
+    Inflater inflater(MAX_WBITS);
     int answer = Z_OK;
     while (answer == Z_OK) {
         parallel.stop_if_asked();
-        const std::size_t offered = std::min(packed.size(), step);
-        const std::size_t room = std::min(out.size(), step);
-        stream.next_in = const_cast<Bytef*>(reinterpret_cast<const Bytef*>(packed.data()));
-        stream.avail_in = static_cast<uInt>(offered);
-        stream.next_out = reinterpret_cast<Bytef*>(out.data());
-        stream.avail_out = static_cast<uInt>(room);
-        answer = ::inflate(&stream, Z_NO_FLUSH);
-        packed = packed.subspan(offered - stream.avail_in);
-        out = out.subspan(room - stream.avail_out);
-    }
-    if (answer == Z_MEM_ERROR) {
-        throw std::bad_alloc();
+        answer = inflater.step(packed, out);
     }
     return answer == Z_STREAM_END && packed.empty() && out.empty();
 }

@@ -29,7 +29,7 @@ sections_along, length_axis
 check, weld
     What is wrong with a mesh and where; cracks joined.
 read
-    A mesh file as a `Mesh`: STL, OBJ, OFF, PLY, VTK, VTP, 3MF, gzip of any.
+    A mesh file as a `Mesh`: STL, OBJ, OFF, PLY, VTK, VTP, 3MF, glTF, GIfTI, FreeSurfer, gzip of any.
 combine
     Layers with layers: unions, differences, intersections of whole stacks, and regions by label.
 offset

@@ -167,15 +167,15 @@ class Mesh:
 
 
 def read(
-    path: Union[str, bytes, os.PathLike[Any]], *, unit: Union[str, float] = "mm", indexed: bool = False, threads: int = 0, progress: ProgressLike = None
+    path: Union[str, bytes, os.PathLike[Any]], *, unit: Union[None, str, float] = None, indexed: bool = False, threads: int = 0, progress: ProgressLike = None
 ) -> Mesh:
-    """Read a mesh file: STL, OBJ, OFF, PLY, VTK, VTP or 3MF, or gzip of any. The content decides, not the name.
+    """Read a mesh file: STL, OBJ, OFF, PLY, VTK, VTP, 3MF, glTF, GIfTI or FreeSurfer, or gzip of any. The content decides, not the name.
 
     Parameters
     ----------
     path : path
-    unit : {"mm", "um", "cm", "m", "in", "ft"} or float
-        Unit of a file that states none.
+    unit : {"mm", "um", "cm", "m", "in", "ft"} or float, optional
+        Unit of a file that states none, and of glTF, which is in metres without it; else mm.
     indexed : bool
         Equal vertices of an STL file become one, so that `Mesh.faces` tells which triangles meet.
     threads, progress
@@ -192,7 +192,7 @@ def read(
     """
     name = os.fsdecode(path)
     try:
-        file = _native.read(os.fsencode(name), mm_per_unit(unit), slice_options({"threads": threads, "progress": progress}))
+        file = _native.read(os.fsencode(name), 0.0 if unit is None else mm_per_unit(unit), slice_options({"threads": threads, "progress": progress}))
     except Error as error:
         error.path = name
         raise
@@ -295,7 +295,7 @@ def _mesh_from(mesh: MeshLike, faces: Optional[npt.ArrayLike], unit: Union[None,
     if isinstance(mesh, (str, bytes, os.PathLike)):
         if faces is not None:
             refuse("faces are for arrays of vertices, not for files")
-        mesh = read(mesh, unit=mm)
+        mesh = read(mesh, unit=unit)
     if isinstance(mesh, Mesh) and faces is None:
         keeps_unit = unit is None or mesh.info.get("states_unit", False)
         return _checked(mesh._vertices, mesh._faces, mesh.unit if keeps_unit else mm, mesh.path)

@@ -37,7 +37,7 @@ def slice(  # noqa: A001: the word of the field
     faces : array_like of int, shape (m, 3), optional
         Three rows of the vertices for each triangle, counter-clockwise as seen from outside.
     unit : {"mm", "um", "cm", "m", "in", "ft"} or float, optional
-        Unit of the mesh's coordinates, or how many mm it has; mm without it. A file that states its unit keeps that.
+        Unit of the mesh's coordinates, or how many mm it has; mm without it, and metres of glTF. A file that states its unit keeps that.
     normal : array_like of float, shape (3,), optional
         Cut perpendicular to this direction instead of z. Heights count along it.
     **options

@@ -78,13 +78,13 @@ public:
     void list() {
         const std::vector<JsonNode>& scenes = file_.root()["scenes"].items;
         const std::vector<JsonNode>& nodes = file_.root()["nodes"].items;
-        std::unordered_set<const JsonNode*> inner;
-        for (const JsonNode& node : nodes) {
-            for (const JsonNode& index : node["children"].items) {
-                inner.insert(&file_.item("nodes", index));
-            }
-        }
         if (scenes.empty()) {
+            std::unordered_set<const JsonNode*> inner;
+            for (const JsonNode& node : nodes) {
+                for (const JsonNode& index : node["children"].items) {
+                    inner.insert(&file_.item("nodes", index));
+                }
+            }
             for (const JsonNode& node : nodes) {
                 if (!inner.contains(&node)) {
                     place_from(node, node);
@@ -141,13 +141,10 @@ private:
 
     void place_mesh(const JsonNode& node, const Transform& transform) {
         const JsonNode& mesh = file_.item("meshes", node["mesh"]);
-        const std::vector<JsonNode>& weights = (node["weights"] ? node : mesh)["weights"].items;
         if (!std::isfinite(determinant(transform.m))) {
             file_.fail(node, "the transform of this node is no finite one");
         }
-        if (node["skin"] || std::any_of(weights.begin(), weights.end(), [](const JsonNode& w) { return w.number != 0; })) {
-            file_.fail(node, "a skin or morph targets move the points of this node's mesh, which is not read");
-        }
+        refuse_moved(node);
         const std::string_view name = (node["name"].text.empty() ? mesh : node)["name"].text;
         add_mark(parts, triangles, false, name.data(), name.data() + name.size());
         const GltfPrimitive* last = nullptr;
@@ -163,9 +160,17 @@ private:
         }
     }
 
+    void refuse_moved(const JsonNode& by) const {
+        const std::vector<JsonNode>& weights = by["weights"].items;
+        if (by["skin"] || std::any_of(weights.begin(), weights.end(), [](const JsonNode& w) { return w.number != 0; })) {
+            file_.fail(by, "a skin or morph targets move the points here, which is not read");
+        }
+    }
+
     const std::vector<GltfPrimitive>& primitives_of(const JsonNode& mesh) {
         const auto [place, is_new] = meshes_.try_emplace(&mesh);
         if (is_new) {
+            refuse_moved(mesh);
             for (const JsonNode& own : mesh["primitives"].items) {
                 file_.budget.take(1, 2 * sizeof(GltfPrimitive));
                 place->second.push_back(primitive_of(own));

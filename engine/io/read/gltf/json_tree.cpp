@@ -64,7 +64,11 @@ public:
     bool binary(nlohmann::json::binary_t& /*value*/) override { return false; }
     bool start_object(std::size_t /*count*/) override { return open(JsonNode::Kind::object); }
     bool start_array(std::size_t /*count*/) override { return open(JsonNode::Kind::list); }
-    bool end_object() override { return end_array(); }
+    bool end_object() override {
+        std::vector<JsonNode>& members = open_.back()->items;
+        std::stable_sort(members.begin(), members.end(), [](auto& a, auto& b) { return a.key < b.key; });
+        return end_array();
+    }
     bool end_array() override {
         open_.pop_back();
         return true;
@@ -122,8 +126,9 @@ private:
 
 const JsonNode& JsonNode::operator[](std::string_view name) const noexcept {
     static const JsonNode absent;
-    const auto found = std::find_if(items.begin(), items.end(), [&](const JsonNode& item) { return item.key == name; });
-    return kind == Kind::object && found != items.end() ? *found : absent;
+    const auto found =
+        std::lower_bound(items.begin(), items.end(), name, [](auto& item, auto& key) { return item.key < key; });
+    return kind == Kind::object && found != items.end() && found->key == name ? *found : absent;
 }
 
 JsonTree::JsonTree(std::string_view text, MemoryBudget& budget, const Parallel& parallel) {

@@ -14,7 +14,7 @@ struct JsonNode {
     enum class Kind : std::uint8_t { absent, other, number, text, list, object };
 
     explicit operator bool() const noexcept { return kind != Kind::absent; }
-    /// The member of that name; one that is absent has nothing in it, and neither number nor text. O(members).
+    /// The member of that name; one that is absent has nothing in it, and neither number nor text. O(log).
     const JsonNode& operator[](std::string_view name) const noexcept;
 
     Kind kind = Kind::absent;
@@ -22,7 +22,7 @@ struct JsonNode {
     std::string_view key{};    ///< of a member
     std::string_view text{};
     double number = 0;
-    std::vector<JsonNode> items{};  ///< of a list, or members
+    std::vector<JsonNode> items{};  ///< of a list, or members by ascending keys
 };
 
 class JsonTree {

@@ -1,6 +1,8 @@
 // How alike two stacks of layers are: overlap of areas, and distances of contours, layer by layer.
 //
-//     const auto compared = lamella::compare(result, mended);
+//     const auto larger = lamella::slice(mesh, {.layer_height_mm = 0.2, .region = {.fill_rule = lamella::FillRule::non_zero,
+//                                                                                 .offset_mm = 0.1}});
+//     const auto compared = lamella::compare(result, *larger);
 //     if (compared) {
 //         for (const lamella::LayerComparison& layer : compared->layers) {
 //             std::printf("%g mm: Dice %g, at most %g mm apart\n", layer.z_mm, layer.dice, layer.hausdorff_mm);

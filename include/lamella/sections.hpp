@@ -1,9 +1,8 @@
 // Sections: one mesh cut by many planes of any direction, in one call.
 //
 //     std::vector<lamella::Transform> frames;  // each turns and moves its plane to z = 0
-//     for (int degrees = 0; degrees < 180; degrees += 10) {
-//         const double angle = degrees * 3.14159265358979 / 180;
-//         frames.push_back(lamella::Transform::from_normal(std::cos(angle), std::sin(angle), 0));
+//     for (int i = 0; i < 9; ++i) {
+//         frames.push_back(lamella::Transform::from_normal(1, 0.1 * i, 0));
 //     }
 //     const auto sections = lamella::slice_sections(mesh, frames);
 //     if (sections) {

@@ -71,7 +71,7 @@ def test_the_page_from_layers_to_walls_draws_its_pictures(names_of, capsys, tmp_
 
 def test_the_gallery_draws_its_pictures(torus, tmp_path, matplotlib):
     path = ROOT / "tools/python/examples/gallery.py"
-    write_off(tmp_path / "torus.off", *torus)
+    write_off(tmp_path / "torus.off", torus[0] * [1, 1, 1.5], torus[1])  # with a long axis
     drawn = run(path.read_text(), path)["main"](tmp_path / "torus.off", tmp_path)
     shown = re.findall(r"\(../pictures/(python_\w+.png)\)", (ROOT / "tools/docs/gallery.md").read_text())
     assert drawn == shown

@@ -1,5 +1,9 @@
+#include <cstring>
+#include <map>
 #include <utility>
 
+#include "base/words.hpp"
+#include "input/files.hpp"
 #include "medical/support.hpp"
 
 using namespace medical;
@@ -22,6 +26,65 @@ std::string image_file(const ImageGeometry& image, const std::string& name) {
     const TempFolder folder;
     REQUIRE(write_mask({&part, 1}, image, folder / name).ok());
     return bytes_of(folder / name);
+}
+
+/// NIfTI-2 (bytes from nifti2.h) of the NIfTI-1 header of a file, in either byte order.
+std::string as_nifti_2(const std::string& one, bool big) {
+    const auto number = [&](std::size_t at, auto value) {
+        std::memcpy(&value, one.data() + at, sizeof value);
+        return value;
+    };
+    const auto real = [&](std::size_t at) { return input_test::bytes_of(static_cast<double>(number(at, 0.0F)), big); };
+    std::string two = input_test::bytes_of(std::int32_t{540}, big) + std::string("n+2\0\r\n\x1a\n", 8);
+    two.resize(544, '\0');
+    for (std::size_t i = 0; i < 8; ++i) {
+        two.replace(16 + 8 * i, 8, input_test::bytes_of(std::int64_t{number(40 + 2 * i, std::int16_t{0})}, big));
+        two.replace(104 + 8 * i, 8, real(76 + 4 * i));
+    }
+    for (std::size_t i = 0; i < 18; ++i) {  // quatern, qoffset, srow
+        two.replace(352 + 8 * i, 8, real(256 + 4 * i));
+    }
+    two.replace(344, 4, input_test::bytes_of(std::int32_t{1}, big));
+    two.replace(348, 4, input_test::bytes_of(std::int32_t{1}, big));
+    return two.replace(500, 4, input_test::bytes_of(std::int32_t{2}, big));
+}
+
+std::string numbers_text(const std::array<double, 3>& numbers) {
+    std::string text;
+    for (const double number : numbers) {
+        text += exact_text(number) + " ";
+    }
+    return text;
+}
+
+/// A header of MetaImage, of which lines may be exchanged: by the begin of each.
+std::string meta_image(const ImageGeometry& image, const std::map<std::string, std::string>& other = {}) {
+    const auto& [i, j, k] = image.axes;
+    const std::array<double, 3> size = {static_cast<double>(image.size[0]), static_cast<double>(image.size[1]),
+                                        static_cast<double>(image.size[2])};
+    std::string text;
+    for (const std::string& line :
+         {std::string("ObjectType = Image"), std::string("NDims = 3"), std::string("BinaryDataByteOrderMSB = False"),
+          "TransformMatrix = " + numbers_text(i) + numbers_text(j) + numbers_text(k),
+          "Offset = " + numbers_text(image.origin_mm), std::string("AnatomicalOrientation = RPI"),
+          "ElementSpacing = " + numbers_text(image.spacing_mm), "DimSize = " + numbers_text(size),
+          std::string("ElementType = MET_SHORT"), std::string("ElementDataFile = LOCAL")}) {
+        const auto found = other.find(line.substr(0, line.find(' ')));
+        text += (found == other.end() ? line : found->second) + "\n";
+    }
+    return text + std::string("\0\x1\xff", 3);
+}
+
+void check_same(const ImageGeometry& read, const ImageGeometry& image) {
+    CHECK(read.warnings.empty());
+    CHECK(read.size == image.size);
+    for (std::size_t i = 0; i < 3; ++i) {
+        CHECK(read.spacing_mm[i] == Approx(image.spacing_mm[i]).epsilon(1e-6));
+        CHECK(read.origin_mm[i] == Approx(image.origin_mm[i]).epsilon(1e-6));
+        for (std::size_t j = 0; j < 3; ++j) {
+            CHECK(read.axes[i][j] == Approx(image.axes[i][j]).margin(1e-6));
+        }
+    }
 }
 
 std::array<double, 3> moved_by(const Transform& by, const std::array<double, 3>& from) {
@@ -129,21 +192,69 @@ TEST_CASE("geometry: what is written is read back, and no damaged header crashes
         for (const bool left_handed : {false, true}) {
             const ImageGeometry image = oblique(left_handed);
             const ImageGeometry read = value_of(read_image_geometry(folder.write(name, image_file(image, name))));
-            CHECK(read.warnings.empty());
-            CHECK(read.size == image.size);
-            for (std::size_t i = 0; i < 3; ++i) {
-                CHECK(read.spacing_mm[i] == Approx(image.spacing_mm[i]).epsilon(1e-6));
-                CHECK(read.origin_mm[i] == Approx(image.origin_mm[i]).epsilon(1e-6));
-                for (std::size_t j = 0; j < 3; ++j) {
-                    CHECK(read.axes[i][j] == Approx(image.axes[i][j]).margin(1e-6));
-                }
-            }
+            check_same(read, image);
         }
     }
     for (const char* name : {"a.nii", "a.nrrd"}) {
         const auto read = [&](const std::string& bytes) { return read_image_geometry(folder.write("b", bytes)); };
         CHECK(refused_of_damaged(image_file(oblique(false), name), 352, 3, read) > 50);
     }
+}
+
+TEST_CASE("geometry: NIfTI-2 and MetaImage say the same in every form, and no damaged one crashes the reader", "[medical]") {
+    const TempFolder folder;
+    const auto read = [&](const std::string& bytes) { return read_image_geometry(folder.write("b", bytes)); };
+    for (const bool left_handed : {false, true}) {
+        const ImageGeometry image = oblique(left_handed);
+        const std::string nifti = image_file(image, "a.nii");
+        check_same(value_of(read(as_nifti_2(nifti, false))), image);
+        check_same(value_of(read(as_nifti_2(nifti, true))), image);
+        std::string pair = as_nifti_2(nifti, false);
+        pair.replace(4, 3, "ni2");
+        pair.resize(540);
+        check_same(value_of(read(pair)), image);
+        const std::string matrix = numbers_text(image.axes[0]) + numbers_text(image.axes[1]) + numbers_text(image.axes[2]);
+        for (const std::map<std::string, std::string>& form : std::vector<std::map<std::string, std::string>>{
+                 {},
+                 {{"BinaryDataByteOrderMSB", "ElementByteOrderMSB = True\nCompressedData = True\nHeaderSize = -1"}},
+                 {{"TransformMatrix", "Rotation = " + matrix}, {"Offset", "Origin=" + numbers_text(image.origin_mm)}},
+                 {{"TransformMatrix", "Orientation =" + matrix + "\r"},
+                  {"Offset", "\nPosition = " + numbers_text(image.origin_mm)}},
+                 {{"ElementDataFile", "ElementDataFile = LIST\na.raw"},
+                  {"ObjectType", "Comment = " + std::string(9000, 'x')}},
+                 {{"NDims", "NDims = 4"},
+                  {"TransformMatrix", "TransformMatrix = " + numbers_text(image.axes[0]) + "0 " +
+                                          numbers_text(image.axes[1]) + "0 " + numbers_text(image.axes[2]) + "0 0 0 0 1"},
+                  {"Offset", "Offset = " + numbers_text(image.origin_mm) + "0"},
+                  {"ElementSpacing", "ElementSpacing = " + numbers_text(image.spacing_mm) + "1"},
+                  {"DimSize", "DimSize = 5 6 7 1"}}}) {
+            check_same(value_of(read(meta_image(image, form))), image);
+        }
+    }
+    const ImageGeometry image = oblique(false);
+    ImageGeometry straight = image;
+    straight.axes = ImageGeometry{}.axes;
+    check_same(value_of(read(meta_image(straight, {{"TransformMatrix", "Comment = none"}}))), straight);
+    for (const auto& [key, line, complaint] : std::vector<std::array<std::string, 3>>{
+             {"NDims", "NDims = 2", "of 2 dimensions"},
+             {"NDims", "NDims = 1e99", "dimensions, not of 3"},
+             {"NDims", "Comment = ", "of 0 dimensions"},
+             {"TransformMatrix", "TransformMatrix = 1 0 0 0 1 0 0.3 0 0.95", "sheared"},
+             {"TransformMatrix", "TransformMatrix = 1 0 0 0 1 0 0 0", "TransformMatrix is not 9 numbers"},
+             {"TransformMatrix", "TransformMatrix = 0 0 0 0 0 0 0 0 0", "no finite length"},
+             {"Offset", "Comment = ", "do not say"},
+             {"Offset", "Offset = 1 2 nan", "Offset is not 3 numbers"},
+             {"ElementSpacing", "Comment = ", "do not say"},
+             {"DimSize", "DimSize = 5 6 -7", "0 voxels along k"},
+             {"DimSize", "DimSize = 5 6 1e300", "voxels along k"},
+             {"DimSize", "DimSize 5 6 7", "line 8 of the MetaImage header"},
+             {"ElementDataFile", "", "line 11 of the MetaImage header"}}) {
+        CHECK_THAT(error_of(read(meta_image(image, {{key, line}}))).message, Contains(complaint));
+    }
+    const std::string whole = meta_image(image);
+    CHECK_THAT(error_of(read(whole.substr(0, whole.find("ElementDataFile")))).message, Contains("does not end with"));
+    CHECK(refused_of_damaged(whole, 500, 1, read) > 200);
+    CHECK(refused_of_damaged(as_nifti_2(image_file(image, "a.nii"), true), 544, 3, read) > 50);
 }
 
 TEST_CASE("geometry: images that say too little or too much are refused by name", "[medical]") {

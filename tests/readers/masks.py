@@ -49,6 +49,17 @@ def test(run):
         image = nibabel.load(folder / f"t.{end}")
         assert numpy.allclose(image.get_qform(), turn, atol=1e-4) and numpy.allclose(image.get_sform(), turn, atol=1e-4)
         check_near(folder / f"t.{end}")
+    likes = ["two.nii"]
+    nibabel.save(nibabel.Nifti2Image(numpy.zeros((30, 20, 40), numpy.uint8), turn), folder / likes[0])
+    if shutil.which("plastimatch"):
+        likes += ["like.mha", "like.mhd"]
+    for like in likes[1:]:
+        subprocess.run(["plastimatch", "convert", "--input", "like.nii.gz", "--output-img", like], cwd=folder, check=True,
+                       capture_output=True)
+    for like in likes:
+        run("slice", "box.stl", "--like", like, "--frame", "ras", "-o", "same.nii")
+        assert numpy.allclose(nibabel.load(folder / "same.nii").affine, turn, atol=1e-4), like
+        assert (folder / "same.nii").read_bytes()[352:] == (folder / "t.nii").read_bytes()[352:], like
     run("slice", "box.stl", "--like", "like.nii.gz", "--frame", "ras", "--subslices", "4", "-o", "share.nii.gz")
     volume = nibabel.load(folder / "share.nii.gz").get_fdata().sum() * 3
     assert abs(volume - 4 * 6 * 8) < 4 * 6 * 8 * 0.01, volume

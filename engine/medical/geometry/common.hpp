@@ -75,6 +75,9 @@ inline std::string csv_text(const std::string& bytes) {
 /// The geometry of the one series of DICOM images in a folder. n files: O(n log n). Throws Refused and std::bad_alloc.
 ImageGeometry read_dicom_folder(const std::filesystem::path& folder);
 
+/// The geometry that the header of a NIfTI, NRRD or MetaImage file states. Throws Refused and std::bad_alloc.
+ImageGeometry read_image_file(const std::filesystem::path& path);
+
 /// The geometry of voxels that lie `steps` apart from `origin`, in LPS and mm. Throws Refused where the steps are no finite
 /// lengths, or not perpendicular.
 ImageGeometry upright(const std::string& name, const std::array<std::uint64_t, 3>& size,

@@ -80,12 +80,12 @@ struct ImageGeometry {
     double height_lps_mm(double height_mm) const noexcept;
 };
 
-/// Reads where the voxels of `path` lie: NIfTI-1 (.nii, .nii.gz, .hdr), NRRD (.nrrd, .nhdr), or a folder with one series of
-/// DICOM files. The content decides the format. Voxels are not read. Units that a header states become mm. Of NIfTI the
-/// sform holds before the qform; RAS+ becomes LPS. Slices of a series are sorted along their normal, row direction x column
-/// direction; files of the folder that are no DICOM images are passed over. Errors: unreadable_file, malformed_mesh (not an
-/// image, or one that is refused: sheared or with a tilted gantry, in an unknown unit, several series, several frames in a
-/// file, two slices at one place), out_of_memory.
+/// Reads where the voxels of `path` lie: NIfTI-1 and NIfTI-2 (.nii, .nii.gz, .hdr), NRRD (.nrrd, .nhdr), MetaImage (.mha,
+/// .mhd), or a folder with one series of DICOM files. The content decides the format. Voxels are not read. Units that a
+/// header states become mm. Of NIfTI the sform holds before the qform; RAS+ becomes LPS. Slices of a series are sorted along
+/// their normal, row direction x column direction; files of the folder that are no DICOM images are passed over. Errors:
+/// unreadable_file, malformed_mesh (not an image, or one that is refused: sheared or with a tilted gantry, in an unknown
+/// unit, several series, several frames in a file, two slices at one place), out_of_memory.
 Result<ImageGeometry> read_image_geometry(const std::filesystem::path& path) noexcept;
 
 /// Voxels of `spacing_mm` along L, P and S around a box in LPS: along each axis as many as the extent over the spacing,

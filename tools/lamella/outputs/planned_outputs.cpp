@@ -80,7 +80,7 @@ void declare_outputs(CLI::App& command, OutputArguments& arguments) {
 void declare_image(CLI::App& command, ImageArguments& arguments) {
     static constexpr std::array<std::string_view, 2> frames = {"lps", "ras"};
     add_text(command, "--like", arguments.like, "IMAGE",
-             "Cut at the slices of this image: NIfTI-1, NRRD, or a folder with a DICOM series");
+             "Cut at the slices of this image: NIfTI, NRRD, MetaImage, or a folder with a DICOM series");
     const auto take_spacing = [&arguments](const std::array<double, 3>& mm) {
         arguments.spacing = mm;
         const Result<ImageGeometry> voxels = geometry_around(Box{}, mm);

@@ -146,6 +146,35 @@ TEST_CASE("dicom: slices are sorted along their normal in every transfer syntax"
     }
 }
 
+TEST_CASE("dicom: the series of a folder are listed, and one is chosen by its UID", "[medical]") {
+    const TempFolder folder;
+    write_series(folder);
+    CtSlice scout = at_height(0, 7);
+    scout[dicom::series_instance_uid] = "1.2.4";
+    scout[dicom::series_description] = "Scout";
+    scout[dicom::image_position_patient].clear();
+    folder.write("scout", scout.bytes());
+    const std::vector<DicomSeriesInfo> list = value_of(list_series(folder.path()));
+    REQUIRE(list.size() == 2);
+    CHECK(std::tie(list[0].uid, list[0].modality, list[0].description, list[0].refusal) ==
+          std::tuple("1.2.3", "CT", "Thorax", ""));
+    CHECK(list[0].files == 3);
+    CHECK(list[1].uid == "1.2.4");
+    CHECK_THAT(list[1].refusal, Contains("ImagePositionPatient"));
+    CHECK(value_of(read_image_geometry(folder.path(), {.series_uid = "1.2.3"})).size[2] == 3);
+    CHECK_THAT(refusal(folder), Contains("2 DICOM series"));
+    CHECK_THAT(error_of(read_image_geometry(folder.path(), {.series_uid = "1.2"})).message,
+               Contains("no images of the series 1.2; there is 1.2.3 'Thorax' (3 slices); 1.2.4 'Scout' (1 slice)"));
+    CHECK(error_of(read_image_geometry(folder / "scout", {.series_uid = "1.2.4"})).code == ErrorCode::invalid_argument);
+    CHECK(error_of(seal_file(folder.path())).code == ErrorCode::malformed_mesh);
+    CHECK(value_of(seal_file(folder.path(), {}, {.series_uid = "1.2.3"})).bytes ==
+          3 * std::filesystem::file_size(folder / "0.dcm"));
+    const Context stopped{.stop = always};
+    CHECK(error_of(list_series(folder.path(), stopped)).code == ErrorCode::cancelled);
+    CHECK(error_of(read_image_geometry(folder.path(), {}, stopped)).code == ErrorCode::cancelled);
+    CHECK(error_of(list_series(folder / "none")).code == ErrorCode::unreadable_file);
+}
+
 TEST_CASE("dicom: headers of deflated and compressed files are read", "[medical]") {
     const TempFolder folder;
     folder.write("deflated", meta("1.2.840.10008.1.2.1.99") + input_test::deflated(at_height(0, 0).data()));
@@ -191,7 +220,7 @@ TEST_CASE("dicom: folders that are no one image are refused by name", "[medical]
     for (const auto& [tag, value, complaint] : std::vector<std::tuple<dicom::Tag, const char*, const char*>>{
              // of the second of two slices, and a part of the message
              {dicom::series_instance_uid, "1.2.4",
-              "2 DICOM series in the folder, and one is taken: 1.2.3 'Thorax' (1 slice); 1.2.4 'Thorax' (1 slice)"},
+              "2 DICOM series, of which --series UID takes one: 1.2.3 'Thorax' (1 slice); 1.2.4 'Thorax' (1 slice)"},
              {dicom::number_of_frames, "12", "b.dcm: a DICOM file of several frames (12)"},
              {dicom::image_position_patient, "-10\\-20\\0", "b.dcm: lies at the same place as"},
              {dicom::image_position_patient, "-10\\-19\\3", "b.dcm: sheared, as by a tilted gantry"},

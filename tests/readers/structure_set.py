@@ -178,6 +178,9 @@ def refusals(run):
     for words, status, says in (
         (mesh + "--like two -o r.dcm", 3,
          "498.1 'series 1' (9 slices); 1.2.826.0.1.3680043.8.498.2 'series 2' (4 slices)"),
+        (mesh + "--like two --series 1.2.3 -o r.dcm", 3, "no images of the series 1.2.3; there is 1.2.826"),
+        (mesh + "--like two --series 1.2.826.0.1.3680043.8.498.2 -o s.csv", 0, ""),
+        ("verify --inputs s.csv", 0, ""),
         (mesh + "--like uneven --subslices 2 -o r.dcm", 2, "on the slices themselves"),
         # A structure set may lie in the folder of the CT, and replaces none of its slices.
         (mesh + "--like axial -o body.h5", 0, ""),

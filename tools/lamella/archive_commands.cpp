@@ -169,7 +169,7 @@ private:
 
     /// --like: an image that says more than its geometry, which archives hold.
     void use_image() {
-        ImageGeometry image = done_or_thrown(read_image_geometry(path_of(arguments_.image.like)));
+        ImageGeometry image = done_or_thrown(read_image_geometry(path_of(arguments_.image.like), arguments_.image.of_like));
         for (const std::string& warning : image.warnings) {
             stages_.warn(warning);
         }
@@ -178,7 +178,7 @@ private:
         add_series(image, file_plan_);
         job_.image = std::move(image);
         job_.inputs.push_back(stages_.done("reading " + printable(arguments_.image.like), [&](const Context& context) {
-            return seal_file(path_of(arguments_.image.like), context);
+            return seal_file(path_of(arguments_.image.like), context, arguments_.image.of_like);
         }));
     }
 
@@ -274,8 +274,8 @@ void add_convert_command(CLI::App& app, Interrupt& interrupt) {
     declare_outputs(*command, arguments->outputs);
     arguments->outputs.besides = ", and of a mesh .stl and .ply";
     command->get_option("--output")->required();
-    add_text(*command, "--like", arguments->image.like, "IMAGE",
-             "The image at whose slices the archives were cut, for outputs that need more of it");
+    declare_like(*command, arguments->image,
+                 "The image at whose slices the archives were cut, for outputs that need more of it");
     declare_running(*command, *arguments);
     declare_worker(*command);
     command->callback([command, arguments, &interrupt] {

@@ -349,9 +349,11 @@ private:
             return found;
         }
         const std::vector<fs::path> inputs = inputs_of(record, record_path);
+        const auto named = std::find(record.options.begin(), record.options.end(), "--series");
+        const ImageOptions series{record.options.end() - named > 1 ? named[1] : std::string()};
         const std::size_t before = found.size();
         for (std::size_t i = 0; i < inputs.size(); ++i) {
-            const std::string what = difference(record.inputs[i], done_or_thrown(seal_file(inputs[i], context_)));
+            const std::string what = difference(record.inputs[i], done_or_thrown(seal_file(inputs[i], context_, series)));
             if (!what.empty()) {
                 found.push_back("the input '" + inputs[i].string() + "': " + what);
             }

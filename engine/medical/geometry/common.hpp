@@ -72,8 +72,9 @@ inline std::string csv_text(const std::string& bytes) {
     return all + "\"";
 }
 
-/// The geometry of the one series of DICOM images in a folder. n files: O(n log n). Throws Refused and std::bad_alloc.
-ImageGeometry read_dicom_folder(const std::filesystem::path& folder);
+/// The geometry of the series of DICOM images with this UID in a folder; of the one there where it is empty. n files:
+/// O(n log n). Throws Refused, Stopped and std::bad_alloc.
+ImageGeometry read_dicom_folder(const std::filesystem::path& folder, const std::string& series_uid, const StopCheck& stop);
 
 /// The geometry that the header of a NIfTI, NRRD or MetaImage file states. Throws Refused and std::bad_alloc.
 ImageGeometry read_image_file(const std::filesystem::path& path);

@@ -140,11 +140,15 @@ ImageGeometry upright(const std::string& name, const std::array<std::uint64_t, 3
     return image;
 }
 
-Result<ImageGeometry> read_image_geometry(const std::filesystem::path& path) noexcept {
-    return guarded([&]() -> Result<ImageGeometry> {
+Result<ImageGeometry> read_image_geometry(const std::filesystem::path& path, const ImageOptions& options,
+                                          const Context& context) noexcept {
+    return guarded(context, [&]() -> Result<ImageGeometry> {
         std::error_code unknown;
         if (std::filesystem::is_directory(path, unknown)) {
-            return read_dicom_folder(path);
+            return read_dicom_folder(path, options.series_uid, context.stop);
+        }
+        if (!options.series_uid.empty()) {
+            return Error{ErrorCode::invalid_argument, path_text(path) + ": no folder, whose DICOM series --series names"};
         }
         return read_image_file(path);
     });

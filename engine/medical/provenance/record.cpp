@@ -83,7 +83,7 @@ std::uint64_t add_file(const std::filesystem::path& path, Sha256& hash, const Co
 
 }  // namespace
 
-Result<FileSeal> seal_file(const std::filesystem::path& path, const Context& context) noexcept {
+Result<FileSeal> seal_file(const std::filesystem::path& path, const Context& context, const ImageOptions& image) noexcept {
     return guarded(context, [&]() -> Result<FileSeal> {
         FileSeal seal{path_text(path), 0, {}};
         Sha256 hash;
@@ -93,8 +93,8 @@ Result<FileSeal> seal_file(const std::filesystem::path& path, const Context& con
             seal.sha256 = digest_text(hash.digest());
             return seal;
         }
-        const ImageGeometry image = read_dicom_folder(path);
-        for (const DicomSeries::Instance& slice : image.series->slices) {
+        const ImageGeometry slices = read_dicom_folder(path, image.series_uid, context.stop);
+        for (const DicomSeries::Instance& slice : slices.series->slices) {
             Sha256 own;
             seal.bytes += add_file(path_of(slice.file), own, context);
             const Sha256::Digest digest = own.digest();

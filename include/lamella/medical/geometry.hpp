@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "lamella/context.hpp"
 #include "lamella/error.hpp"
 #include "lamella/io/mesh_file.hpp"
 #include "lamella/mesh.hpp"
@@ -80,13 +81,32 @@ struct ImageGeometry {
     double height_lps_mm(double height_mm) const noexcept;
 };
 
+struct ImageOptions {
+    std::string series_uid{};  ///< of a folder with several DICOM series: SeriesInstanceUID of the one that is read
+};
+
 /// Reads where the voxels of `path` lie: NIfTI-1 and NIfTI-2 (.nii, .nii.gz, .hdr), NRRD (.nrrd, .nhdr), MetaImage (.mha,
-/// .mhd), or a folder with one series of DICOM files. The content decides the format. Voxels are not read. Units that a
+/// .mhd), or a folder with a series of DICOM files. The content decides the format. Voxels are not read. Units that a
 /// header states become mm. Of NIfTI the sform holds before the qform; RAS+ becomes LPS. Slices of a series are sorted along
 /// their normal, row direction x column direction; files of the folder that are no DICOM images are passed over. Errors:
 /// unreadable_file, malformed_mesh (not an image, or one that is refused: sheared or with a tilted gantry, in an unknown
-/// unit, several series, several frames in a file, two slices at one place), out_of_memory.
-Result<ImageGeometry> read_image_geometry(const std::filesystem::path& path) noexcept;
+/// unit, several series of which none was named, several frames in a file, two slices at one place), invalid_argument (a
+/// series_uid for what is no folder), cancelled, out_of_memory.
+Result<ImageGeometry> read_image_geometry(const std::filesystem::path& path, const ImageOptions& options = {},
+                                          const Context& context = {}) noexcept;
+
+/// A series of DICOM images in a folder. Texts are as in its first file.
+struct DicomSeriesInfo {
+    std::string uid;  ///< for ImageOptions::series_uid
+    std::string modality;
+    std::string description;
+    std::uint64_t files = 0;
+    std::string refusal;  ///< why read_image_geometry() refuses it, in one line; empty where it serves
+};
+
+/// All series of images in a folder, by their UIDs in ascending order, those that no image can be read of too. Errors:
+/// unreadable_file, malformed_mesh (no DICOM image in it, a damaged file), cancelled, out_of_memory.
+Result<std::vector<DicomSeriesInfo>> list_series(const std::filesystem::path& folder, const Context& context = {}) noexcept;
 
 /// Voxels of `spacing_mm` along L, P and S around a box in LPS: along each axis as many as the extent over the spacing,
 /// rounded up, and at least one. The image is centred on the box, so that 44 mm at 1 mm are 44 voxels whose outer sides are

@@ -15,6 +15,7 @@
 
 #include "lamella/context.hpp"
 #include "lamella/error.hpp"
+#include "lamella/medical/geometry.hpp"
 
 namespace lamella {
 
@@ -43,10 +44,11 @@ struct Record {
     friend bool operator==(const Record&, const Record&) = default;
 };
 
-/// Of a folder, its one DICOM series: the bytes of all slices, and SHA-256 over the digests of their files, 32 bytes each,
-/// in the order of slices. O(bytes). Errors: unreadable_file, malformed_mesh (a folder that read_image_geometry() refuses),
-/// cancelled, out_of_memory.
-Result<FileSeal> seal_file(const std::filesystem::path& path, const Context& context = {}) noexcept;
+/// Of a folder, its DICOM series, the one with this UID or else the only one: the bytes of all slices, and SHA-256 over the
+/// digests of their files, 32 bytes each, in the order of slices. O(bytes). Errors: unreadable_file, malformed_mesh (a
+/// folder that read_image_geometry() refuses), cancelled, out_of_memory.
+Result<FileSeal> seal_file(const std::filesystem::path& path, const Context& context = {},
+                           const ImageOptions& image = {}) noexcept;
 
 /// Errors: unwritable_file, out_of_memory.
 Status write_record(const Record& record, const std::filesystem::path& path) noexcept;

@@ -126,8 +126,8 @@ void slice_meshes(const CLI::App& command, BatchArguments& arguments, Interrupt&
     arguments.jobs = arguments.jobs > 0 ? arguments.jobs : usable_threads();
     arguments.memory_bytes = arguments.memory_bytes > 0 ? arguments.memory_bytes : usable_memory();
     const ResultsName name = results_name_of(arguments);
-    if (const std::string& like = arguments.slice.image.like; !like.empty()) {  // with a bad one every mesh would fail
-        (void)done_or_thrown(read_image_geometry(path_of(like)));
+    if (const ImageArguments& image = arguments.slice.image; !image.like.empty()) {  // with a bad one every mesh would fail
+        (void)done_or_thrown(read_image_geometry(path_of(image.like), image.of_like));
     }
     std::vector<Item> items = plan_items(command, arguments.slice.meshes, {name.path(), name.path_of_whole()});
     std::size_t count = 0;

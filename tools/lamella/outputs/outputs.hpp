@@ -35,6 +35,7 @@ struct OutputArguments {
 /// The image that sets the planes.
 struct ImageArguments {
     std::string like{};
+    ImageOptions of_like{};
     std::optional<std::array<double, 3>> spacing{};  ///< mm
     PatientFrame frame = PatientFrame::unstated;
     int subslices = 1;
@@ -48,6 +49,8 @@ struct ImageArguments {
 /// The flags of results that medicine reads, which slice and convert share.
 void declare_outputs(CLI::App& command, OutputArguments& arguments);
 void declare_image(CLI::App& command, ImageArguments& arguments);
+/// --like, and --series of it.
+void declare_like(CLI::App& command, ImageArguments& arguments, const std::string& help);
 
 /// The end of a mask's or a table's name says which one it is.
 enum class OutputFormat : std::uint8_t { svg, mask, structure_set, table, png, hdf5 };

@@ -77,10 +77,17 @@ void declare_outputs(CLI::App& command, OutputArguments& arguments) {
     command.add_flag("--strict", arguments.strict, "Fail where a slice has open contours, of which no area is known");
 }
 
+void declare_like(CLI::App& command, ImageArguments& arguments, const std::string& help) {
+    add_text(command, "--like", arguments.like, "IMAGE", help);
+    add_text(command, "--series", arguments.of_like.series_uid, "UID",
+             "Of the DICOM series in the folder of --like take this one, by its SeriesInstanceUID")
+        ->needs("--like");
+}
+
 void declare_image(CLI::App& command, ImageArguments& arguments) {
     static constexpr std::array<std::string_view, 2> frames = {"lps", "ras"};
-    add_text(command, "--like", arguments.like, "IMAGE",
-             "Cut at the slices of this image: NIfTI, NRRD, MetaImage, or a folder with a DICOM series");
+    declare_like(command, arguments,
+                 "Cut at the slices of this image: NIfTI, NRRD, MetaImage, or a folder with a DICOM series");
     const auto take_spacing = [&arguments](const std::array<double, 3>& mm) {
         arguments.spacing = mm;
         const Result<ImageGeometry> voxels = geometry_around(Box{}, mm);

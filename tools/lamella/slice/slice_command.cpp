@@ -126,7 +126,7 @@ private:
             return meshes;
         }
         if (!arguments_.image.like.empty()) {
-            job_.image = done_or_thrown(read_image_geometry(path_of(arguments_.image.like)));
+            job_.image = done_or_thrown(read_image_geometry(path_of(arguments_.image.like), arguments_.image.of_like));
         } else {
             for (const std::string& mesh : arguments_.meshes) {
                 meshes.push_back(read(mesh));
@@ -402,7 +402,8 @@ private:
 
     /// Returns its SHA-256.
     std::string add_input(const std::string& path, std::uint64_t bytes) {
-        job_.inputs.push_back(is_standard(path) ? FileSeal{path, bytes, ""} : done_or_thrown(seal_file(path_of(path))));
+        job_.inputs.push_back(is_standard(path) ? FileSeal{path, bytes, ""}
+                                                : done_or_thrown(seal_file(path_of(path), {}, arguments_.image.of_like)));
         return job_.inputs.back().sha256;
     }
 

@@ -1,0 +1,179 @@
+// Headers are read as far as the place of the image: up to PixelSpacing.
+//
+// Not by DCMTK, which overflows the stack on sequences nested deeply enough, logs by a logger of the whole process, and
+// needs a dictionary that an environment variable finds. A header takes a file's first 64 KiB as a rule, and no recursion.
+#include "medical/dicom/header.hpp"
+
+#include <memory>
+
+#include <zlib.h>
+
+#include "base/guard.hpp"
+#include "io/read/input_file.hpp"
+
+namespace lamella {
+
+namespace {
+
+constexpr std::size_t preamble_bytes = 132;
+constexpr std::size_t first_window_bytes = std::size_t{1} << 16;
+constexpr std::size_t largest_window_bytes = std::size_t{1} << 26;
+
+/// Inflates `data`, which may be cut off. Throws Refused.
+std::string inflated(const DicomHeader& header, std::string_view data) {
+    z_stream stream{};
+    constexpr int raw_window = -15;
+    if (::inflateInit2(&stream, raw_window) != Z_OK) {
+        throw std::bad_alloc();
+    }
+    const std::unique_ptr<z_stream, int (*)(z_streamp)> ended(&stream, &::inflateEnd);
+    // zlib's type is not const, but it does not write there.
+    stream.next_in =
+        reinterpret_cast<Bytef*>(const_cast<char*>(data.data()));  // NOLINT(cppcoreguidelines-pro-type-const-cast)
+    stream.avail_in = static_cast<uInt>(data.size());
+    std::string text;
+    int answer = Z_OK;
+    while (answer == Z_OK && text.size() < largest_window_bytes) {
+        const std::size_t before = text.size();
+        text.resize(before + first_window_bytes);
+        stream.next_out = reinterpret_cast<Bytef*>(text.data() + before);
+        stream.avail_out = static_cast<uInt>(first_window_bytes);
+        answer = ::inflate(&stream, Z_SYNC_FLUSH);
+        text.resize(text.size() - stream.avail_out);
+    }
+    if (answer != Z_OK && answer != Z_STREAM_END && answer != Z_BUF_ERROR) {
+        header.refuse("damaged deflated data within its header");
+    }
+    return text;
+}
+
+struct Encoding {
+    bool is_explicit = false;  ///< each element names the type of its value
+    bool is_big_endian = false;
+};
+
+std::uint32_t number_at(std::string_view bytes, std::size_t at, std::size_t count, bool big_endian) noexcept {
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        value = value << 8 | static_cast<unsigned char>(bytes[big_endian ? at + i : at + count - 1 - i]);
+    }
+    return value;
+}
+
+dicom::Tag tag_at(std::string_view bytes, std::size_t at, bool big_endian) noexcept {
+    return number_at(bytes, at, 2, big_endian) << 16 | number_at(bytes, at + 2, 2, big_endian);
+}
+
+/// An element of a data set up to its value: its tag, in explicit syntaxes two letters for its type, the length of its value
+/// (PS3.5, chapter 7).
+struct Element {
+    dicom::Tag tag = 0;
+    std::uint32_t length = 0;
+    std::size_t value = 0;    ///< where it begins
+    bool is_unknown = false;  ///< of type UN: within, all is implicit and little-endian
+};
+
+/// Nothing where the bytes end before its value. Throws Refused where there is no element. `file_offset`: of the first byte.
+std::optional<Element> element_at(std::string_view bytes, std::size_t at, Encoding encoding, std::size_t file_offset,
+                                  const DicomHeader& header) {
+    // Types whose length takes four bytes, after two that mean nothing.
+    static constexpr std::string_view long_types = "OB OD OF OL OV OW SQ SV UC UN UR UT UV";
+    const bool big = encoding.is_big_endian;
+    if (bytes.size() - at < 8) {
+        return std::nullopt;
+    }
+    const dicom::Tag tag = tag_at(bytes, at, big);
+    if (!encoding.is_explicit || tag >> 16 == 0xfffe) {
+        return Element{tag, number_at(bytes, at + 4, 4, big), at + 8};
+    }
+    const std::string_view type = bytes.substr(at + 4, 2);
+    if (!std::all_of(type.begin(), type.end(), [](char c) { return c >= 'A' && c <= 'Z'; })) {
+        header.refuse("no DICOM element at byte " + std::to_string(file_offset + at));
+    }
+    if (long_types.find(type) == std::string_view::npos) {
+        return Element{tag, number_at(bytes, at + 6, 2, big), at + 8};
+    }
+    return bytes.size() - at < 12 ? std::nullopt
+                                  : std::optional(Element{tag, number_at(bytes, at + 8, 4, big), at + 12, type == "UN"});
+}
+
+/// Puts the elements of a data set that are wanted, up to `last`, into `header`. Returns where one follows that lies beyond;
+/// nothing where the bytes end before. Throws Refused. A sequence of undefined length ends with an element of its own, and
+/// so do its items. Without recursion: sequences may be nested as deeply as a file is long.
+std::optional<std::size_t> collect(std::string_view bytes, Encoding encoding, std::size_t file_offset, dicom::Tag last,
+                                   DicomHeader& header) {
+    constexpr std::uint32_t undefined_length = 0xffffffff;
+    constexpr std::uint32_t longest_value = 4096;  // longer ones are no texts or numbers that are used
+    std::size_t open = 0;                          // sequences and items without an end so far
+    std::size_t implicit_from = 0;                 // how many were open where what is unknown began
+    for (std::size_t at = 0; bytes.size() - at >= 4;) {
+        if (open == 0 && tag_at(bytes, at, encoding.is_big_endian) > last) {
+            return at;
+        }
+        const std::optional<Element> element =
+            element_at(bytes, at, implicit_from != 0 ? Encoding{} : encoding, file_offset, header);
+        if (!element) {
+            break;
+        }
+        const auto [tag, length, value, is_unknown] = *element;
+        at = value;
+        if (open > 0 && (tag == dicom::item_end || tag == dicom::sequence_end)) {
+            --open;
+            implicit_from = open < implicit_from ? 0 : implicit_from;
+        } else if (length == undefined_length) {
+            ++open;
+            implicit_from = implicit_from == 0 && is_unknown ? open : implicit_from;
+        } else if (length > bytes.size() - at) {
+            break;
+        } else {
+            const bool is_number = tag == dicom::rows || tag == dicom::columns;
+            if (open == 0 && is_number && (length == 2 || length == 4)) {
+                header.values[tag] = std::to_string(number_at(bytes, value, length, encoding.is_big_endian));
+            } else if (open == 0 && !is_number && length <= longest_value) {
+                header.values[tag] = bytes.substr(value, length);
+            }
+            at += length;
+        }
+    }
+    return std::nullopt;
+}
+
+/// Returns whether `bytes` reach beyond the header. Throws Refused.
+bool parse(std::string_view bytes, DicomHeader& header) {
+    const std::optional<std::size_t> meta_bytes =
+        collect(bytes.substr(preamble_bytes), {.is_explicit = true}, preamble_bytes, dicom::last_of_file_meta, header);
+    if (!meta_bytes) {
+        return false;
+    }
+    const std::string syntax = header.text(dicom::transfer_syntax_uid);
+    const std::size_t begin = preamble_bytes + *meta_bytes;
+    const bool is_deflated = syntax == "1.2.840.10008.1.2.1.99";
+    const std::string text = is_deflated ? inflated(header, bytes.substr(begin)) : std::string();
+    const Encoding encoding{.is_explicit = !syntax.empty() && syntax != dicom::implicit_little_endian,
+                            .is_big_endian = syntax == "1.2.840.10008.1.2.2"};
+    return collect(is_deflated ? text : bytes.substr(begin), encoding, begin, dicom::pixel_spacing, header) ||
+           header.text(dicom::sop_class_uid) == dicom::media_storage_directory;
+}
+
+}  // namespace
+
+std::optional<DicomHeader> read_dicom_header(const std::filesystem::path& path) {
+    const InputFile file = require(InputFile::open(path));
+    for (const std::size_t size : {first_window_bytes, largest_window_bytes}) {
+        std::string bytes(std::min<std::uint64_t>(size, file.size()), '\0');
+        require(file.read_at(0, std::as_writable_bytes(std::span(bytes))));
+        if (bytes.size() < preamble_bytes || bytes.compare(preamble_bytes - 4, 4, "DICM") != 0) {
+            return std::nullopt;
+        }
+        DicomHeader header{path_text(path)};
+        if (parse(bytes, header)) {
+            return header;
+        }
+        if (bytes.size() < size) {
+            header.refuse("cut off within its DICOM header");
+        }
+    }
+    refuse_image(path_text(path), "its DICOM header is longer than 64 MiB");
+}
+
+}  // namespace lamella

@@ -98,6 +98,66 @@ struct CtSlice {
     }
 };
 
+/// A sequence of items: of defined lengths, or of undefined ones.
+std::string sequence_of(Syntax syntax, std::uint32_t at, const std::vector<std::string>& items, bool defined) {
+    const bool big = syntax == Syntax::explicit_big;
+    std::string inner;
+    for (const std::string& item : items) {
+        const auto length = static_cast<std::uint32_t>(item.size());
+        inner += tag(0xfffee000, big) + number(defined ? length : 0xffffffff, 4, big) + item;
+        inner += defined ? "" : tag(0xfffee00d, big) + number(0, 4, big);
+    }
+    inner += defined ? "" : tag(0xfffee0dd, big) + number(0, 4, big);
+    const auto length = static_cast<std::uint32_t>(inner.size());
+    return tag(at, big) + (syntax == Syntax::implicit_little ? "" : std::string("SQ\0\0", 4)) +
+           number(defined ? length : 0xffffffff, 4, big) + inner;
+}
+
+/// An enhanced CT, whose frames lie at these heights.
+struct EnhancedCt {
+    Syntax syntax = Syntax::explicit_little;
+    bool defined = true;          ///< lengths
+    bool shared_measures = true;  ///< else a frame each
+    std::vector<double> heights = {36, 30, 39, 33};
+    std::vector<std::string> stacks = std::vector<std::string>(4, "1");
+    std::string frames = "4";
+
+    std::string bytes() const {
+        CtSlice top;
+        top.syntax = syntax;
+        top[dicom::sop_class_uid] = "1.2.840.10008.5.1.4.1.1.2.1";
+        for (const dicom::Tag at : {dicom::slice_thickness, dicom::image_position_patient, dicom::image_orientation_patient,
+                                    dicom::pixel_spacing}) {
+            top[at].clear();
+        }
+        top[dicom::number_of_frames] = frames;
+        const auto group = [&](dicom::Tag at, const std::string& inner) {
+            return sequence_of(syntax, at, {inner}, defined);
+        };
+        const std::string measures = group(dicom::pixel_measures, element(syntax, dicom::slice_thickness, "DS", "3") +
+                                                                      element(syntax, dicom::pixel_spacing, "DS", "2\\0.5"));
+        const std::string upright =
+            group(dicom::plane_orientation, element(syntax, dicom::image_orientation_patient, "DS", "1\\0\\0\\0\\1\\0"));
+        // A place in another group is not that of the frame.
+        const std::string elsewhere = group(0x00089124, element(syntax, dicom::image_position_patient, "DS", "9\\9\\9"));
+        std::vector<std::string> items;
+        for (std::size_t i = 0; i < heights.size(); ++i) {
+            items.push_back(elsewhere +
+                            group(dicom::frame_content, element(syntax, dicom::stack_id, "SH", stacks[i]) +
+                                                            element(syntax, dicom::temporal_position_index, "UL",
+                                                                    number(7, 4, syntax == Syntax::explicit_big))) +
+                            group(dicom::plane_position, element(syntax, dicom::image_position_patient, "DS",
+                                                                 "-10\\-20\\" + std::to_string(heights[i]))) +
+                            (shared_measures ? "" : measures));
+        }
+        std::string all = top.bytes();
+        const std::string pixels = element(syntax, 0x7fe00010, "OW", top[0x7fe00010]);
+        all.resize(all.size() - pixels.size());
+        return all + sequence_of(syntax, dicom::shared_groups, {upright + (shared_measures ? measures : "")}, defined) +
+               sequence_of(syntax, dicom::per_frame_groups, items, defined) + pixels;
+    }
+};
+
 CtSlice at_height(double z, int index) {
     CtSlice slice;
     slice[dicom::image_position_patient] = "-10\\-20\\" + std::to_string(z);
@@ -144,6 +204,49 @@ TEST_CASE("dicom: slices are sorted along their normal in every transfer syntax"
         CHECK(read.series->patient_name == "Doe^Jane");
         CHECK(read.series->frame_of_reference_uid == "1.2.3.9");
     }
+}
+
+TEST_CASE("dicom: frames of an enhanced CT are what as many files would be, in any order", "[medical]") {
+    for (const Syntax syntax : {Syntax::implicit_little, Syntax::explicit_little, Syntax::explicit_big}) {
+        for (const bool defined : {false, true}) {
+            const TempFolder folder;
+            const std::filesystem::path file =
+                folder.write("a.dcm", EnhancedCt{.syntax = syntax, .defined = defined, .shared_measures = defined}.bytes());
+            for (const std::filesystem::path& path : {file, folder.path()}) {
+                const ImageGeometry read = value_of(read_image_geometry(path));
+                CHECK(read.size == std::array<std::uint64_t, 3>{6, 4, 4});
+                CHECK(read.spacing_mm == std::array<double, 3>{0.5, 2, 3});
+                CHECK(read.origin_mm == std::array<double, 3>{-10, -20, 30});
+                CHECK(read.axes == ImageGeometry{}.axes);
+                std::vector<std::uint64_t> frames;
+                for (const DicomSeries::Instance& slice : read.series->slices) {
+                    CHECK(slice.sop_instance_uid == "1.2.3.1");
+                    frames.push_back(slice.frame);
+                }
+                CHECK(frames == std::vector<std::uint64_t>{2, 4, 1, 3});
+            }
+            CHECK(value_of(seal_file(folder.path())).bytes == std::filesystem::file_size(file));
+            EnhancedCt many{.syntax = syntax, .defined = defined, .heights = {}, .frames = "2000"};
+            for (int i = 0; i < 2000; ++i) {
+                many.heights.push_back(i * 7 % 2000);
+            }
+            many.stacks.assign(2000, "1");
+            CHECK(value_of(read_image_geometry(folder.write("a.dcm", many.bytes()))).size[2] == 2000);
+            const auto read = [&](const std::string& bytes) { return read_image_geometry(folder.write("a.dcm", bytes)); };
+            const std::string bytes = EnhancedCt{.syntax = syntax, .defined = defined}.bytes();
+            CHECK(refused_of_damaged(bytes, bytes.size(), 2, read) > 300);
+        }
+    }
+    const TempFolder folder;
+    const auto check_refusal = [&](const EnhancedCt& ct, const char* complaint) {
+        folder.write("a.dcm", ct.bytes());
+        CHECK_THAT(refusal(folder), Contains(complaint));
+    };
+    check_refusal({.heights = {30, 33, 33, 30}, .stacks = {"a", "b", "c", "d"}},
+                  "a.dcm, StackID a, TemporalPositionIndex 7; frame 4 of ");
+    check_refusal({.heights = {30, 33, 36}}, "groups are of 3 frames, its NumberOfFrames is 4");
+    check_refusal({.heights = {}}, "its frames (4) have no functional groups");
+    check_refusal({.heights = {0, 3, 6, 1e300}}, "a.dcm: frame 4: ImagePositionPatient lies farther than");
 }
 
 TEST_CASE("dicom: the series of a folder are listed, and one is chosen by its UID", "[medical]") {
@@ -221,7 +324,8 @@ TEST_CASE("dicom: folders that are no one image are refused by name", "[medical]
              // of the second of two slices, and a part of the message
              {dicom::series_instance_uid, "1.2.4",
               "2 DICOM series, of which --series UID takes one: 1.2.3 'Thorax' (1 slice); 1.2.4 'Thorax' (1 slice)"},
-             {dicom::number_of_frames, "12", "b.dcm: a DICOM file of several frames (12)"},
+             {dicom::number_of_frames, "12",
+              "b.dcm: its frames (12) have no functional groups, which would say where each lies, as a file of the class"},
              {dicom::image_position_patient, "-10\\-20\\0", "b.dcm: lies at the same place as"},
              {dicom::image_position_patient, "-10\\-19\\3", "b.dcm: sheared, as by a tilted gantry"},
              {dicom::image_position_patient, "", "b.dcm: its header states no ImagePositionPatient (0020,0032)"},

@@ -64,6 +64,45 @@ def write_ct(folder, along_i, along_j, origin, heights, series="1.2.826.0.1.3680
         data.save_as(folder / f"{name}.dcm", write_like_original=False)
 
 
+def item(**values):
+    """A sequence of one item."""
+    data = pydicom.Dataset()
+    for keyword, value in values.items():
+        setattr(data, keyword, value)
+    return pydicom.Sequence([data])
+
+
+def make_enhanced(folder):
+    """Makes one file of a CT, with its slices as frames."""
+    slices = [pydicom.dcmread(path) for path in folder.iterdir()]
+    data = slices[0]
+    measures = item(PixelSpacing=data.PixelSpacing, SliceThickness=data.SliceThickness)
+    upright = item(ImageOrientationPatient=data.ImageOrientationPatient)
+    data.SharedFunctionalGroupsSequence = item(PixelMeasuresSequence=measures, PlaneOrientationSequence=upright)
+    data.PerFrameFunctionalGroupsSequence = pydicom.Sequence(
+        item(PlanePositionSequence=item(ImagePositionPatient=one.ImagePositionPatient))[0] for one in slices)  # fmt: skip
+    for keyword in ("PixelSpacing", "SliceThickness", "ImageOrientationPatient", "ImagePositionPatient"):
+        delattr(data, keyword)
+    data.SOPClassUID = data.file_meta.MediaStorageSOPClassUID = "1.2.840.10008.5.1.4.1.1.2.1"
+    data.NumberOfFrames, data.PixelData = len(slices), len(slices) * data.PixelData
+    for path in folder.iterdir():
+        path.unlink()
+    data.save_as(folder / "all.dcm")
+
+
+def places_of_slices(folder):
+    """Of each by its SOP instance and its frame, if it is one."""
+    places = {}
+    for path in folder.iterdir():
+        data = pydicom.dcmread(path, stop_before_pixels=True)
+        for frame, groups in enumerate(data.get("PerFrameFunctionalGroupsSequence", []), 1):
+            place = groups.PlanePositionSequence[0].ImagePositionPatient
+            places[data.SOPInstanceUID, frame] = numpy.array(place, float)
+        if "ImagePositionPatient" in data:
+            places[data.SOPInstanceUID, None] = numpy.array(data.ImagePositionPatient, float)
+    return places
+
+
 def contours_of(path):
     """Of each ROI by name: its contours as (points, type, SOP instance), and the data set."""
     data = pydicom.dcmread(path)
@@ -72,7 +111,8 @@ def contours_of(path):
     for roi in data.ROIContourSequence:
         contours = found[names[roi.ReferencedROINumber]] = []
         for contour in roi.ContourSequence:
-            image = contour.ContourImageSequence[0].ReferencedSOPInstanceUID if "ContourImageSequence" in contour else None
+            image = contour.get("ContourImageSequence", [None])[0]
+            image = image and (image.ReferencedSOPInstanceUID, image.get("ReferencedFrameNumber"))
             contours.append((numpy.array(contour.ContourData, float).reshape(-1, 3), contour.ContourGeometricType, image))
             assert contour.NumberOfContourPoints * 3 == len(contour.ContourData)
             assert all(len(str(x.original_string).strip()) <= 16 for x in contour.ContourData)
@@ -110,10 +150,7 @@ def conforms(run, name):
 def slices(run, ct, along_i, along_j):
     """Structure sets on a CT: places, images, areas."""
     normal = numpy.cross(along_i, along_j)
-    instances = {}
-    for path in (run.folder / ct).iterdir():
-        data = pydicom.dcmread(path, stop_before_pixels=True)
-        instances[data.SOPInstanceUID] = numpy.array(data.ImagePositionPatient, float) @ normal
+    instances = places_of_slices(run.folder / ct)
     areas = []
     for holes in ("xor", "keyhole"):
         run("slice", "body.stl", "--like", ct, "--frame", "lps", "--holes", holes, "-o", "a.dcm", "--threads", "1")
@@ -129,20 +166,18 @@ def slices(run, ct, along_i, along_j):
         rings = {}
         for points, kind, instance in contours:
             assert kind == ("CLOSEDPLANAR_XOR" if holes == "xor" else "CLOSED_PLANAR"), kind
-            assert numpy.abs(points @ normal - instances[instance]).max() < 1e-6, "a contour beside its slice"
+            assert numpy.abs((points - instances[instance]) @ normal).max() < 1e-6, "a contour beside its slice"
             rings.setdefault(instance, []).append(points)
         areas.append({i: sum(area(ring, along_i, along_j) for ring in all) for i, all in rings.items()})
         # Every voxel's centre is inside the mesh if and only if it is inside the contours.
-        origin = numpy.array(pydicom.dcmread(next((run.folder / ct).iterdir())).ImagePositionPatient, float)
-        for instance, height in instances.items():
-            base = origin + (height - origin @ normal) * normal
+        for instance, base in instances.items():
             for row in range(0, ROWS, 3):
                 for column in range(0, COLUMNS, 2):
                     at = base + along_i * SPACING[0] * column + along_j * SPACING[1] * row
                     assert even_odd(rings.get(instance, []), at, along_i, along_j) == inside(at), (holes, at)
     assert areas[0].keys() == areas[1].keys()
     assert all(abs(areas[0][i] - areas[1][i]) < 1e-4 for i in areas[0]), "keyholes have another area"
-    return {instances[i]: found for i, found in areas[0].items()}
+    return {instances[i] @ normal: found for i, found in areas[0].items()}
 
 
 def places_of_voxels(path):
@@ -156,7 +191,7 @@ def masks(run, ct):
     run("slice", "body.stl", "--like", ct, "--frame", "lps", "-o", "m.nii.gz")
     mine = places_of_voxels(run.folder / "m.nii.gz")
     assert all(inside(at) for at in mine) and len(mine) > 500
-    if program := shutil.which("plastimatch"):
+    if (program := shutil.which("plastimatch")) and ct != "enhanced":  # which it cannot read
         command = [program, "convert", "--input", "a.dcm", "--referenced-ct", ct]
         command += ["--output-prefix", f"of-{ct}", "--prefix-format", "nii.gz"]
         subprocess.run(command, cwd=run.folder, check=True, stdout=subprocess.DEVNULL)
@@ -209,12 +244,15 @@ def test_all(run):
         ("axial", i, j, (-25.2, -25.3, 9.1), even),
         ("uneven", i, j, (-25.2, -25.3, 9.1), [0, 2.8, 5.8, 7.5, 9, 14.1]),
         ("feet", i, -j, (-25.2, 25.3, 35.1), even),  # the normal leads to the feet
+        ("enhanced", i, j, (-25.2, -25.3, 9.1), even),
         ("sagittal", j, -k, (32.3, -28.4, 40.2), [4.1 * n for n in range(13)]),
         ("oblique", a, b, -25.3 * a - 25.4 * b + 3.3 * numpy.cross(a, b), [2.7 * n for n in range(14)]),
     ):
         write_ct(folder / name, along_i, along_j, origin, heights)
+        if name == "enhanced":
+            make_enhanced(folder / name)
         areas = slices(run, name, along_i, along_j)
-        if name == "axial":
+        if name in ("axial", "enhanced"):
             assert all(abs(found - area_at(height)) < 1e-4 for height, found in areas.items()), areas
         if name != "uneven":
             masks(run, name)

@@ -35,6 +35,17 @@ inline constexpr Tag number_of_frames = 0x00280008;
 inline constexpr Tag rows = 0x00280010;
 inline constexpr Tag columns = 0x00280011;
 inline constexpr Tag pixel_spacing = 0x00280030;
+inline constexpr Tag referenced_frame_number = 0x00081160;
+
+/// Of functional groups.
+inline constexpr Tag stack_id = 0x00209056;
+inline constexpr Tag frame_content = 0x00209111;
+inline constexpr Tag plane_position = 0x00209113;
+inline constexpr Tag plane_orientation = 0x00209116;
+inline constexpr Tag temporal_position_index = 0x00209128;
+inline constexpr Tag pixel_measures = 0x00289110;
+inline constexpr Tag shared_groups = 0x52009229;
+inline constexpr Tag per_frame_groups = 0x52009230;
 
 /// Within sequences, in every transfer syntax (PS3.5, 7.5).
 inline constexpr Tag item = 0xfffee000;

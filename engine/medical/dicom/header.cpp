@@ -1,4 +1,4 @@
-// Headers are read as far as the place of the image: up to PixelSpacing.
+// Headers are read as far as the place of the image: up to PixelSpacing, or the functional groups of several frames.
 //
 // Not by DCMTK, which overflows the stack on sequences nested deeply enough, logs by a logger of the whole process, and
 // needs a dictionary that an environment variable finds. A header takes a file's first 64 KiB as a rule, and no recursion.
@@ -73,11 +73,22 @@ struct Element {
     bool is_unknown = false;  ///< of type UN: within, all is implicit and little-endian
 };
 
-/// Nothing where the bytes end before its value. Throws Refused where there is no element. `file_offset`: of the first byte.
-std::optional<Element> element_at(std::string_view bytes, std::size_t at, Encoding encoding, std::size_t file_offset,
-                                  const DicomHeader& header) {
+/// Elements one after the other: a data set, or what a sequence or an item holds.
+struct Elements {
+    std::string_view bytes;
+    Encoding encoding{};
+    std::size_t file_offset = 0;  ///< of the first byte
+
+    Elements part(std::size_t at, std::size_t length, Encoding of_part) const {
+        return {bytes.substr(at, length), of_part, file_offset + at};
+    }
+};
+
+/// Nothing where the bytes end before its value. Throws Refused where there is no element.
+std::optional<Element> element_at(const Elements& in, std::size_t at, Encoding encoding, const DicomHeader& header) {
     // Types whose length takes four bytes, after two that mean nothing.
     static constexpr std::string_view long_types = "OB OD OF OL OV OW SQ SV UC UN UR UT UV";
+    const std::string_view bytes = in.bytes;
     const bool big = encoding.is_big_endian;
     if (bytes.size() - at < 8) {
         return std::nullopt;
@@ -88,7 +99,7 @@ std::optional<Element> element_at(std::string_view bytes, std::size_t at, Encodi
     }
     const std::string_view type = bytes.substr(at + 4, 2);
     if (!std::all_of(type.begin(), type.end(), [](char c) { return c >= 'A' && c <= 'Z'; })) {
-        header.refuse("no DICOM element at byte " + std::to_string(file_offset + at));
+        header.refuse("no DICOM element at byte " + std::to_string(in.file_offset + at));
     }
     if (long_types.find(type) == std::string_view::npos) {
         return Element{tag, number_at(bytes, at + 6, 2, big), at + 8};
@@ -97,51 +108,118 @@ std::optional<Element> element_at(std::string_view bytes, std::size_t at, Encodi
                                   : std::optional(Element{tag, number_at(bytes, at + 8, 4, big), at + 12, type == "UN"});
 }
 
-/// Puts the elements of a data set that are wanted, up to `last`, into `header`. Returns where one follows that lies beyond;
-/// nothing where the bytes end before. Throws Refused. A sequence of undefined length ends with an element of its own, and
-/// so do its items. Without recursion: sequences may be nested as deeply as a file is long.
-std::optional<std::size_t> collect(std::string_view bytes, Encoding encoding, std::size_t file_offset, dicom::Tag last,
-                                   DicomHeader& header) {
+/// An element with its value: the elements in it, where it is a sequence or an item.
+struct Value {
+    dicom::Tag tag = 0;
+    Elements inside;
+};
+
+/// The element at `at`, which moves after it; nothing where the bytes end before. Throws Refused. A sequence of undefined
+/// length ends with an element of its own, and so do its items. Without recursion: sequences may be nested as deeply as a
+/// file is long.
+std::optional<Value> next_value(const Elements& in, std::size_t& at, const DicomHeader& header) {
     constexpr std::uint32_t undefined_length = 0xffffffff;
-    constexpr std::uint32_t longest_value = 4096;  // longer ones are no texts or numbers that are used
-    std::size_t open = 0;                          // sequences and items without an end so far
-    std::size_t implicit_from = 0;                 // how many were open where what is unknown began
-    for (std::size_t at = 0; bytes.size() - at >= 4;) {
-        if (open == 0 && tag_at(bytes, at, encoding.is_big_endian) > last) {
-            return at;
+    const std::optional<Element> head = element_at(in, at, in.encoding, header);
+    if (!head) {
+        return std::nullopt;
+    }
+    const auto value_until = [&](std::size_t end) {
+        return Value{head->tag, in.part(head->value, end - head->value, head->is_unknown ? Encoding{} : in.encoding)};
+    };
+    at = head->value;
+    if (head->length != undefined_length) {
+        if (head->length > in.bytes.size() - at) {
+            return std::nullopt;
         }
-        const std::optional<Element> element =
-            element_at(bytes, at, implicit_from != 0 ? Encoding{} : encoding, file_offset, header);
+        at += head->length;
+        return value_until(at);
+    }
+    std::size_t open = 1;                                  // sequences and items without an end so far
+    std::size_t implicit_from = head->is_unknown ? 1 : 0;  // how many were open where what is unknown began
+    for (;;) {
+        const std::size_t begin = at;
+        const std::optional<Element> element = element_at(in, at, implicit_from != 0 ? Encoding{} : in.encoding, header);
         if (!element) {
-            break;
+            return std::nullopt;
         }
         const auto [tag, length, value, is_unknown] = *element;
         at = value;
-        if (open > 0 && (tag == dicom::item_end || tag == dicom::sequence_end)) {
-            --open;
+        if (tag == dicom::item_end || tag == dicom::sequence_end) {
+            if (--open == 0) {
+                return value_until(begin);
+            }
             implicit_from = open < implicit_from ? 0 : implicit_from;
         } else if (length == undefined_length) {
             ++open;
             implicit_from = implicit_from == 0 && is_unknown ? open : implicit_from;
-        } else if (length > bytes.size() - at) {
-            break;
+        } else if (length > in.bytes.size() - at) {
+            return std::nullopt;
         } else {
-            const bool is_number = tag == dicom::rows || tag == dicom::columns;
-            if (open == 0 && is_number && (length == 2 || length == 4)) {
-                header.values[tag] = std::to_string(number_at(bytes, value, length, encoding.is_big_endian));
-            } else if (open == 0 && !is_number && length <= longest_value) {
-                header.values[tag] = bytes.substr(value, length);
-            }
             at += length;
         }
+    }
+}
+
+/// Calls take(value) for each element up to `last`. Returns where one follows that lies beyond; nothing where the bytes end
+/// before. Throws Refused.
+template <class Take>
+std::optional<std::size_t> for_each_value(const Elements& in, dicom::Tag last, const DicomHeader& header, Take take) {
+    for (std::size_t at = 0; in.bytes.size() - at >= 4;) {
+        if (tag_at(in.bytes, at, in.encoding.is_big_endian) > last) {
+            return at;
+        }
+        const std::optional<Value> value = next_value(in, at, header);
+        if (!value) {
+            break;
+        }
+        take(*value);
     }
     return std::nullopt;
 }
 
+/// Where it is a text or a number that may be used.
+void keep(const Value& value, DicomHeader::Values& values) {
+    constexpr std::size_t longest_value = 4096;
+    const std::string_view bytes = value.inside.bytes;
+    const dicom::Tag tag = value.tag;
+    if (tag != dicom::rows && tag != dicom::columns && tag != dicom::temporal_position_index) {
+        if (bytes.size() <= longest_value) {
+            values[tag] = bytes;
+        }
+    } else if (bytes.size() == 2 || bytes.size() == 4) {
+        values[tag] = std::to_string(number_at(bytes, 0, bytes.size(), value.inside.encoding.is_big_endian));
+    }
+}
+
+/// What the functional groups (PS3.3, C.7.6.16) in an item say of the place of a frame, or of all.
+void keep_groups(const Elements& groups, const DicomHeader& header, DicomHeader::Values& values) {
+    constexpr dicom::Tag all = 0xffffffff;
+    static constexpr std::array<dicom::Tag, 10> wanted = {
+        dicom::plane_position,         dicom::plane_orientation,      dicom::pixel_measures,
+        dicom::frame_content,          dicom::image_position_patient, dicom::image_orientation_patient,
+        dicom::pixel_spacing,          dicom::slice_thickness,        dicom::stack_id,
+        dicom::temporal_position_index};
+    const auto is_wanted = [](const Value& value) {
+        return std::find(wanted.begin(), wanted.end(), value.tag) != wanted.end();
+    };
+    for_each_value(groups, all, header, [&](const Value& group) {
+        const Elements items = is_wanted(group) ? group.inside : Elements{};
+        for_each_value(items, all, header, [&](const Value& item) {
+            for_each_value(item.inside, all, header, [&](const Value& value) {
+                if (is_wanted(value)) {
+                    keep(value, values);
+                }
+            });
+        });
+    });
+}
+
 /// Returns whether `bytes` reach beyond the header. Throws Refused.
 bool parse(std::string_view bytes, DicomHeader& header) {
+    const auto keep_in_header = [&](const Value& value) { keep(value, header.values); };
     const std::optional<std::size_t> meta_bytes =
-        collect(bytes.substr(preamble_bytes), {.is_explicit = true}, preamble_bytes, dicom::last_of_file_meta, header);
+        for_each_value({bytes.substr(preamble_bytes), {.is_explicit = true}, preamble_bytes}, dicom::last_of_file_meta,
+                       header, keep_in_header);
     if (!meta_bytes) {
         return false;
     }
@@ -151,15 +229,31 @@ bool parse(std::string_view bytes, DicomHeader& header) {
     const std::string text = is_deflated ? inflated(header, bytes.substr(begin)) : std::string();
     const Encoding encoding{.is_explicit = !syntax.empty() && syntax != dicom::implicit_little_endian,
                             .is_big_endian = syntax == "1.2.840.10008.1.2.2"};
-    return collect(is_deflated ? text : bytes.substr(begin), encoding, begin, dicom::pixel_spacing, header) ||
-           header.text(dicom::sop_class_uid) == dicom::media_storage_directory;
+    const Elements all{is_deflated ? text : bytes.substr(begin), encoding, begin};
+    const std::optional<std::size_t> end = for_each_value(all, dicom::pixel_spacing, header, keep_in_header);
+    if (end && header.has_several_frames()) {
+        constexpr std::size_t most_frames = 65535;
+        const auto keep_frames = [&](const Value& value) {
+            const bool shared = value.tag == dicom::shared_groups;
+            const Elements items = shared || value.tag == dicom::per_frame_groups ? value.inside : Elements{};
+            for_each_value(items, dicom::item, header, [&](const Value& item) {
+                if (header.frames.size() == most_frames) {
+                    header.refuse("more than " + std::to_string(most_frames) + " frames");
+                }
+                keep_groups(item.inside, header, shared ? header.shared : header.frames.emplace_back());
+            });
+        };
+        return for_each_value(all.part(*end, all.bytes.size(), encoding), dicom::per_frame_groups, header, keep_frames)
+            .has_value();
+    }
+    return end || header.text(dicom::sop_class_uid) == dicom::media_storage_directory;
 }
 
 }  // namespace
 
 std::optional<DicomHeader> read_dicom_header(const std::filesystem::path& path) {
     const InputFile file = require(InputFile::open(path));
-    for (const std::size_t size : {first_window_bytes, largest_window_bytes}) {
+    for (std::size_t size = first_window_bytes; size <= largest_window_bytes; size *= 32) {
         std::string bytes(std::min<std::uint64_t>(size, file.size()), '\0');
         require(file.read_at(0, std::as_writable_bytes(std::span(bytes))));
         if (bytes.size() < preamble_bytes || bytes.compare(preamble_bytes - 4, 4, "DICM") != 0) {

@@ -1,6 +1,7 @@
 // A folder with series of DICOM images: which there are, and the geometry of one.
 #include <cerrno>
 #include <map>
+#include <numeric>
 #include <system_error>
 
 #include "base/guard.hpp"
@@ -36,6 +37,8 @@ std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder)
     return files;
 }
 
+constexpr std::size_t most_listed = 20;  ///< in a message
+
 /// The images of each series, by their UIDs.
 using SeriesImages = std::map<std::string, std::vector<DicomHeader>>;
 
@@ -59,9 +62,14 @@ SeriesImages series_in(const std::filesystem::path& folder, const StopCheck& hos
     return series;
 }
 
+std::size_t slices_of(const std::vector<DicomHeader>& images) {
+    return std::accumulate(images.begin(), images.end(), std::size_t{0}, [](std::size_t sum, const DicomHeader& image) {
+        return sum + std::max<std::size_t>(image.frames.size(), 1);
+    });
+}
+
 /// "1.2.3 'Thorax' (40 slices); ...", for messages.
 std::string list_text(const SeriesImages& series) {
-    constexpr std::size_t most_listed = 20;
     std::string list;
     std::size_t listed = 0;
     for (const auto& [uid, images] : series) {
@@ -70,7 +78,7 @@ std::string list_text(const SeriesImages& series) {
         }
         const std::string description = one_line(images.front().text(dicom::series_description));
         list += (listed == 1 ? " " : "; ") + one_line(uid) + (description.empty() ? "" : " '" + description + "'") + " (" +
-                counted(images.size(), "slice") + ")";
+                counted(slices_of(images), "slice") + ")";
     }
     return list;
 }
@@ -93,43 +101,67 @@ std::vector<DicomHeader> images_in(const std::filesystem::path& folder, const st
     return std::move(series.begin()->second);
 }
 
-/// The plane of a slice.
+/// The plane of a slice: an image, or a frame of one.
 struct Slice {
     const DicomHeader* header = nullptr;
+    std::size_t frame = 0;                ///< from 1 on; 0: the file is one image
     std::array<std::uint64_t, 2> size{};  ///< voxels along i, j
     std::array<double, 2> spacing_mm{};
     Direction along_i{};  ///< unit vectors
     Direction along_j{};
     Direction position{};
     double height = 0;  ///< along the normal
+
+    [[noreturn]] void refuse(const std::string& what) const { header->refuse(what, frame); }
+    std::string name() const { return (frame == 0 ? "" : "frame " + std::to_string(frame) + " of ") + header->file; }
 };
 
-Slice slice_of(const DicomHeader& header) {
+/// Throws Refused unless the functional groups say where each frame of a file lies.
+void require_groups(const DicomHeader& header) {
+    static constexpr std::array<std::pair<std::string_view, const char*>, 4> classes = {
+        {{"1.2.840.10008.5.1.4.1.1.3.1", "Ultrasound Multi-frame Image"},
+         {"1.2.840.10008.5.1.4.1.1.12.1", "X-Ray Angiographic Image"},
+         {"1.2.840.10008.5.1.4.1.1.20", "Nuclear Medicine Image"},
+         {"1.2.840.10008.5.1.4.1.1.481.2", "RT Dose"}}};
     const std::string frames = header.text(dicom::number_of_frames);
-    if (!frames.empty() && frames != "1") {
-        header.refuse("a DICOM file of several frames (" + one_line(frames) +
-                      "), which is not read; convert it to a file a slice, or to NIfTI");
+    if (header.frames.empty()) {
+        const std::string uid = header.text(dicom::sop_class_uid);
+        const auto* const found =
+            std::find_if(classes.begin(), classes.end(), [&](const auto& known) { return known.first == uid; });
+        header.refuse("its frames (" + one_line(frames) +
+                      ") have no functional groups, which would say where each lies, as a file of " +
+                      (found == classes.end() ? "the class " + one_line(uid) : found->second) +
+                      "; convert it to a file a slice, or to NIfTI");
     }
+    if (frames != std::to_string(header.frames.size())) {
+        header.refuse("its functional groups are of " + counted(header.frames.size(), "frame") + ", its NumberOfFrames is " +
+                      one_line(frames));
+    }
+}
+
+Slice slice_of(const DicomHeader& header, std::size_t frame) {
     Slice slice;
     slice.header = &header;
+    slice.frame = frame;
     slice.size = {header.side(dicom::columns, "Columns"), header.side(dicom::rows, "Rows")};
-    slice.position = header.numbers<3>(dicom::image_position_patient, "ImagePositionPatient");
+    slice.position = header.numbers<3>(dicom::image_position_patient, "ImagePositionPatient", frame);
     if (!(length(slice.position) <= largest_coordinate_mm)) {
-        header.refuse("ImagePositionPatient lies farther than " + exact_text(largest_coordinate_mm) + " mm away");
+        slice.refuse("ImagePositionPatient lies farther than " + exact_text(largest_coordinate_mm) + " mm away");
     }
-    const std::array<double, 6> along = header.numbers<6>(dicom::image_orientation_patient, "ImageOrientationPatient");
+    const std::array<double, 6> along =
+        header.numbers<6>(dicom::image_orientation_patient, "ImageOrientationPatient", frame);
     slice.along_i = {along[0], along[1], along[2]};
     slice.along_j = {along[3], along[4], along[5]};
     for (Direction* const axis : {&slice.along_i, &slice.along_j}) {
         if (std::abs(length(*axis) - 1) > 1e-3) {
-            header.refuse("ImageOrientationPatient holds no unit vectors");
+            slice.refuse("ImageOrientationPatient holds no unit vectors");
         }
         *axis = scaled(*axis, 1 / length(*axis));
     }
-    const auto [of_rows, of_columns] = header.numbers<2>(dicom::pixel_spacing, "PixelSpacing");
+    const auto [of_rows, of_columns] = header.numbers<2>(dicom::pixel_spacing, "PixelSpacing", frame);
     slice.spacing_mm = {of_columns, of_rows};
     if (!(of_rows > 0 && of_columns > 0)) {
-        header.refuse("PixelSpacing is not above 0");
+        slice.refuse("PixelSpacing is not above 0");
     }
     return slice;
 }
@@ -147,26 +179,53 @@ void require_alike(const Slice& slice, const Slice& first) {
                               : frame(slice) != frame(first) ? "FrameOfReferenceUID"
                                                              : nullptr;
     if (other != nullptr) {
-        slice.header->refuse(std::string("other ") + other + " than " + first.header->file +
-                             ", which is of the same series");
+        slice.refuse(std::string("other ") + other + " than " + first.name() + ", which is of the same series");
     }
 }
 
 /// All slices, sorted along the normal.
 std::vector<Slice> sorted_slices(const std::vector<DicomHeader>& images) {
     std::vector<Slice> slices;
-    slices.reserve(images.size());
     for (const DicomHeader& image : images) {
-        Slice& slice = slices.emplace_back(slice_of(image));
-        require_alike(slice, slices.front());
-        slice.height = dot(cross(slices.front().along_i, slices.front().along_j), slice.position);
+        if (image.has_several_frames()) {
+            require_groups(image);
+        }
+        const std::size_t last = image.frames.size();
+        for (std::size_t frame = std::min<std::size_t>(last, 1); frame <= last; ++frame) {
+            Slice& slice = slices.emplace_back(slice_of(image, frame));
+            require_alike(slice, slices.front());
+            slice.height = dot(cross(slices.front().along_i, slices.front().along_j), slice.position);
+        }
     }
     std::stable_sort(slices.begin(), slices.end(), [](const Slice& a, const Slice& b) { return a.height < b.height; });
     return slices;
 }
 
+constexpr double same_place_mm = 1e-4;
+
+/// Of two slices at one place, or of all frames there.
+[[noreturn]] void refuse_same_place(const std::vector<Slice>& slices, std::size_t second) {
+    const Slice& first = slices[second - 1];
+    if (first.frame == 0) {
+        slices[second].refuse("lies at the same place as " + first.name());
+    }
+    std::string list;
+    for (std::size_t i = second - 1; i < slices.size() && slices[i].height - first.height < same_place_mm; ++i) {
+        if (i > second + most_listed) {
+            list += "; ...";
+            break;
+        }
+        list += (list.empty() ? "" : "; ") + slices[i].name();
+        for (const auto& [name, tag] :
+             {std::pair{", StackID ", dicom::stack_id}, {", TemporalPositionIndex ", dicom::temporal_position_index}}) {
+            const std::string text = slices[i].header->text(tag, slices[i].frame);
+            list += text.empty() ? "" : name + one_line(text);
+        }
+    }
+    first.header->refuse("several frames at one place, where an image has one: " + list);
+}
+
 void require_stacked(const std::vector<Slice>& slices) {
-    constexpr double same_place_mm = 1e-4;
     // Headers state places with few decimals.
     constexpr double shift_mm = 0.02;      // a slice may lie so far aside of the others, and
     constexpr double shift_per_mm = 1e-4;  // so much farther for each mm above the first
@@ -174,7 +233,7 @@ void require_stacked(const std::vector<Slice>& slices) {
     for (std::size_t i = 1; i < slices.size(); ++i) {
         const Slice& slice = slices[i];
         if (slice.height - slices[i - 1].height < same_place_mm) {
-            slice.header->refuse("lies at the same place as " + slices[i - 1].header->file);
+            refuse_same_place(slices, i);
         }
         Direction step{};
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -182,8 +241,8 @@ void require_stacked(const std::vector<Slice>& slices) {
         }
         const double aside = std::max(std::abs(dot(step, first.along_i)), std::abs(dot(step, first.along_j)));
         if (aside > shift_mm + shift_per_mm * (slice.height - first.height)) {
-            slice.header->refuse("sheared, as by a tilted gantry: the slice lies " +
-                                 exact_text(std::round(1000 * aside) / 1000) + " mm aside of " + first.header->file);
+            slice.refuse("sheared, as by a tilted gantry: the slice lies " + exact_text(std::round(1000 * aside) / 1000) +
+                         " mm aside of " + first.name());
         }
     }
 }
@@ -196,7 +255,7 @@ ImageGeometry geometry_of(const std::vector<DicomHeader>& images) {
     const Slice& first = slices.front();
     const double distance = slices.size() > 1
                                 ? (slices.back().height - first.height) / static_cast<double>(slices.size() - 1)
-                                : first.header->numbers<1>(dicom::slice_thickness, "SliceThickness")[0];
+                                : first.header->numbers<1>(dicom::slice_thickness, "SliceThickness", first.frame)[0];
     const Direction normal = cross(first.along_i, first.along_j);
     ImageGeometry image = upright(first.header->file, {first.size[0], first.size[1], slices.size()},
                                   {scaled(first.along_i, first.spacing_mm[0]), scaled(first.along_j, first.spacing_mm[1]),
@@ -208,8 +267,8 @@ ImageGeometry geometry_of(const std::vector<DicomHeader>& images) {
         const double place = static_cast<double>(series.slices.size()) * distance;
         image.uneven_slices_mm.push_back(slice.height - first.height);
         even = even && std::abs(image.uneven_slices_mm.back() - place) <= even_share * distance;
-        series.slices.push_back(
-            {slice.header->file, slice.header->text(dicom::sop_class_uid), slice.header->text(dicom::sop_instance_uid)});
+        series.slices.push_back({slice.header->file, slice.header->text(dicom::sop_class_uid),
+                                 slice.header->text(dicom::sop_instance_uid), slice.frame});
     }
     if (even) {
         image.uneven_slices_mm.clear();
@@ -224,6 +283,15 @@ ImageGeometry geometry_of(const std::vector<DicomHeader>& images) {
 
 ImageGeometry read_dicom_folder(const std::filesystem::path& folder, const std::string& series_uid, const StopCheck& stop) {
     return geometry_of(images_in(folder, series_uid, stop));
+}
+
+ImageGeometry read_dicom_file(const std::filesystem::path& path) {
+    std::vector<DicomHeader> images;
+    if (std::optional<DicomHeader> header = read_dicom_header(path); header && header->has_several_frames()) {
+        images.push_back(*std::move(header));
+        return geometry_of(images);
+    }
+    refuse_image(path_text(path), "one DICOM file; name the folder that holds its series");
 }
 
 Result<std::vector<DicomSeriesInfo>> list_series(const std::filesystem::path& folder, const Context& context) noexcept {

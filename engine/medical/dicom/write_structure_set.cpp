@@ -55,7 +55,7 @@ Sha256::Digest content_of(std::span<const Roi> rois, const ImageGeometry& image,
             add(*image.series.*text.text);
         }
         for (const DicomSeries::Instance& slice : image.series->slices) {
-            add(slice.sop_class_uid, slice.sop_instance_uid);
+            add(slice.sop_class_uid, slice.sop_instance_uid, slice.frame);
         }
     }
     const PacedStop stop(context.stop);
@@ -185,6 +185,9 @@ void put_reference(DataSet& out, std::string_view class_uid, std::string_view in
 void put_images(DataSet& out, std::span<const DicomSeries::Instance> slices) {
     out.put_items(0x30060016, slices.size(), [&](std::size_t i) {  // ContourImageSequence
         put_reference(out, slices[i].sop_class_uid, slices[i].sop_instance_uid);
+        if (slices[i].frame != 0) {
+            out.put_number(dicom::referenced_frame_number, slices[i].frame);
+        }
     });
 }
 

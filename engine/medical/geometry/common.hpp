@@ -76,6 +76,9 @@ inline std::string csv_text(const std::string& bytes) {
 /// O(n log n). Throws Refused, Stopped and std::bad_alloc.
 ImageGeometry read_dicom_folder(const std::filesystem::path& folder, const std::string& series_uid, const StopCheck& stop);
 
+/// The same of one DICOM file, which holds all slices as its frames. Throws Refused and std::bad_alloc.
+ImageGeometry read_dicom_file(const std::filesystem::path& path);
+
 /// The geometry that the header of a NIfTI, NRRD or MetaImage file states. Throws Refused and std::bad_alloc.
 ImageGeometry read_image_file(const std::filesystem::path& path);
 

@@ -415,7 +415,7 @@ ImageGeometry read_meta_image(const ImageHeader& header) {
 ImageGeometry read_image_file(const std::filesystem::path& path) {
     const ImageHeader header = read_image_header(path);
     if (header.bytes.size() > 132 && header.bytes.compare(128, 4, "DICM") == 0) {
-        header.refuse("one DICOM file; name the folder that holds its series");
+        return read_dicom_file(path);
     }
     return header.bytes.starts_with("NRRD") ? read_nrrd(header)
            : is_meta_image(header.bytes)    ? read_meta_image(header)

@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <set>
 #include <system_error>
 
 #include <nlohmann/json.hpp>
@@ -94,7 +95,11 @@ Result<FileSeal> seal_file(const std::filesystem::path& path, const Context& con
             return seal;
         }
         const ImageGeometry slices = read_dicom_folder(path, image.series_uid, context.stop);
+        std::set<std::string> files;  // of which each may hold several slices
         for (const DicomSeries::Instance& slice : slices.series->slices) {
+            if (!files.insert(slice.file).second) {
+                continue;
+            }
             Sha256 own;
             seal.bytes += add_file(path_of(slice.file), own, context);
             const Sha256::Digest digest = own.digest();

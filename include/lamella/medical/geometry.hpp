@@ -29,6 +29,7 @@ struct DicomSeries {
         std::string file;
         std::string sop_class_uid;
         std::string sop_instance_uid;
+        std::uint64_t frame = 0;  ///< from 1 on, of a file of several; 0: the file is the slice
     };
     std::vector<Instance> slices;  ///< in the order of k
     std::string study_uid;
@@ -86,12 +87,13 @@ struct ImageOptions {
 };
 
 /// Reads where the voxels of `path` lie: NIfTI-1 and NIfTI-2 (.nii, .nii.gz, .hdr), NRRD (.nrrd, .nhdr), MetaImage (.mha,
-/// .mhd), or a folder with a series of DICOM files. The content decides the format. Voxels are not read. Units that a
-/// header states become mm. Of NIfTI the sform holds before the qform; RAS+ becomes LPS. Slices of a series are sorted along
-/// their normal, row direction x column direction; files of the folder that are no DICOM images are passed over. Errors:
-/// unreadable_file, malformed_mesh (not an image, or one that is refused: sheared or with a tilted gantry, in an unknown
-/// unit, several series of which none was named, several frames in a file, two slices at one place), invalid_argument (a
-/// series_uid for what is no folder), cancelled, out_of_memory.
+/// .mhd), a folder with a series of DICOM files, or such a file that holds all slices as its frames. The content decides the
+/// format. Voxels are not read. Units that a header states become mm. Of NIfTI the sform holds before the qform; RAS+
+/// becomes LPS. Slices of a series are sorted along their normal, row direction x column direction, and so are the frames of
+/// enhanced CT and MR; files of the folder that are no DICOM images are passed over. Errors: unreadable_file, malformed_mesh
+/// (not an image, or one that is refused: sheared or with a tilted gantry, in an unknown unit,
+/// several series of which none was named, frames without functional groups, two slices or frames at one place),
+/// invalid_argument (a series_uid for what is no folder), cancelled, out_of_memory.
 Result<ImageGeometry> read_image_geometry(const std::filesystem::path& path, const ImageOptions& options = {},
                                           const Context& context = {}) noexcept;
 

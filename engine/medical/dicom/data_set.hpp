@@ -60,7 +60,7 @@ struct SeriesText {
     Tag tag;
     std::string DicomSeries::*text;
 };
-inline constexpr std::array<SeriesText, 15> series_texts = {{
+inline constexpr std::array<SeriesText, 16> series_texts = {{
     {study_instance_uid, &DicomSeries::study_uid},
     {series_instance_uid, &DicomSeries::series_uid},
     {frame_of_reference_uid, &DicomSeries::frame_of_reference_uid},
@@ -72,6 +72,7 @@ inline constexpr std::array<SeriesText, 15> series_texts = {{
     {0x00080020, &DicomSeries::study_date},
     {0x00080030, &DicomSeries::study_time},
     {0x00200010, &DicomSeries::study_id},
+    {0x00200011, &DicomSeries::series_number},
     {study_description, &DicomSeries::study_description},
     {0x00080050, &DicomSeries::accession_number},
     {0x00080090, &DicomSeries::referring_physician_name},

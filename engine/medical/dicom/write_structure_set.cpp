@@ -149,7 +149,6 @@ struct Identity {
         values[0x00081070] = "";         // OperatorsName
         values[0x00081090] = "lamella";  // ManufacturerModelName
         values[0x00181020] = version;    // SoftwareVersions
-        values[0x00200011] = "";         // SeriesNumber
         if (options.seconds_since_1970) {
             date_and_time = lamella::date_and_time(*options.seconds_since_1970);
         }
@@ -276,7 +275,7 @@ struct ContourItems {
     void put_item(std::uint64_t slice, double height_mm, std::span<const RingPoint> ring, DataSet& out) {
         constexpr std::size_t most_bytes = 0xfffffff0;
         constexpr std::size_t most_bytes_a_point = 3 * 17;
-        if (ring.size() > most_bytes / most_bytes_a_point) {
+        if (ring.size() >= most_bytes / most_bytes_a_point) {
             throw Refused{{ErrorCode::invalid_argument, "'" + roi.name + "': a contour of " + std::to_string(ring.size()) +
                                                             " points is too long for DICOM; --simplify MM leaves fewer"}};
         }
@@ -285,24 +284,27 @@ struct ContourItems {
         const int decimals = std::clamp(static_cast<int>(std::ceil(-std::log10(grid_mm / 4))), 0, 14);
         const Direction normal = cross(image.axes[0], image.axes[1]);
         data.clear();
-        for (const RingPoint& point : ring) {
+        const auto add = [&](const RingPoint& point) {
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 const double in_slice = grid_mm * (image.axes[0][axis] * point.x + image.axes[1][axis] * point.y);
                 put_decimal(data, image.origin_mm[axis] + in_slice + normal[axis] * height_mm, decimals);
                 data += '\\';
             }
-        }
+        };
+        std::for_each(ring.begin(), ring.end(), add);
+        // In the middle of the closing edge: plastimatch passes over the last point of contours that are not axial.
+        add({(ring.front().x + ring.back().x) / 2, (ring.front().y + ring.back().y) / 2});
         data.pop_back();
         out.put_item([&] {
             if (image.series) {
                 put_images(out, std::span(image.series->slices).subspan(slice, 1));
             }
-            out.put(0x30060042, type);                // ContourGeometricType
-            out.put_number(0x30060046, ring.size());  // NumberOfContourPoints
-            out.put(0x30060050, data);                // ContourData
+            out.put(0x30060042, type);                    // ContourGeometricType
+            out.put_number(0x30060046, ring.size() + 1);  // NumberOfContourPoints
+            out.put(0x30060050, data);                    // ContourData
         });
         ++counts.contours;
-        counts.points += ring.size();
+        counts.points += ring.size() + 1;
     }
 };
 

@@ -34,6 +34,7 @@ struct DicomSeries {
     std::vector<Instance> slices;  ///< in the order of k
     std::string study_uid;
     std::string series_uid;
+    std::string series_number;
     std::string frame_of_reference_uid;
     std::string position_reference_indicator;
     std::string specific_character_set;

@@ -128,6 +128,7 @@ TEST_CASE("an archive reads back as it was written, and parts joined in any orde
     const SliceResult result = sliced(specimen(), options);
     ImageGeometry image = image_of({3, 4, 5}, {1, 2, 3}, {-1.5, 2, 7});
     image.uneven_slices_mm = {0, 1, 3, 4, 9};
+    image.shear_mm = {0.5, -2};
     const ArchiveInfo info{.name = "left \xc3\xa4 lung\xff",
                            .mesh_sha256 = std::string(64, 'a'),
                            .frame = PatientFrame::ras,
@@ -143,6 +144,7 @@ TEST_CASE("an archive reads back as it was written, and parts joined in any orde
     CHECK(again.info.weld.value().joined == 7);
     CHECK(again.info.geometry.value().axes == image.axes);
     CHECK(again.info.geometry->uneven_slices_mm == image.uneven_slices_mm);
+    CHECK(again.info.geometry->shear_mm == image.shear_mm);
     CHECK(again.info.subslices == 3);
 
     std::vector<fs::path> parts = write_parts(folder, options, {1, 2, 25, 60, 1000}, info);

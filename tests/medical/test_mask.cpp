@@ -80,6 +80,52 @@ TEST_CASE("mask: shares count once what several contours enclose", "[medical]") 
     CHECK(masks.size() == 1);
 }
 
+TEST_CASE("mask: of a sheared image each slice has its own voxels", "[medical]") {
+    const ImageGeometry straight = image_of({20, 24, 9}, {1, 0.75, 2}, {-8, -9, -7});
+    for (const bool left_handed : {false, true}) {
+        ImageGeometry image = straight;
+        image.axes[2][2] = left_handed ? -1 : 1;
+        ImageGeometry sheared = image;
+        sheared.shear_mm = {0.37, -0.61};
+        const Soup body = joined(
+            {octasphere({1.013, 0.987, left_handed ? -14.1 : 0.1}, 7, 3), box({-30, 0.013, -40}, {2.103, 1.307, 40})});
+        Soup moved = body;  // as the image would be if it was not sheared
+        for (std::size_t i = 0; i < moved.size(); i += 3) {
+            const double slices = (moved[i + 2] + 7) / (left_handed ? -2 : 2);
+            moved[i] -= 0.37 * slices;
+            moved[i + 1] += 0.61 * slices;
+        }
+        const SliceResult in_sheared = cut(body, sheared);
+        const SliceResult in_straight = cut(moved, image);
+        const MaskPart part{&in_sheared, "a"};
+        const MaskPart expected{&in_straight, "a"};
+        const TempFolder folder;
+        for (const bool coverage : {false, true}) {
+            const MaskOptions options{.coverage = coverage};
+            const MaskSummary found = value_of(write_mask({&part, 1}, sheared, folder / "a.nii", options));
+            const MaskSummary wanted = value_of(write_mask({&expected, 1}, image, folder / "b.nii", options));
+            const std::string a = bytes_of(folder / "a.nii");
+            const std::string b = bytes_of(folder / "b.nii");
+            int most = 0;
+            for (std::size_t at = nifti_header_bytes; at < a.size(); ++at) {
+                most = std::max(most, std::abs(static_cast<unsigned char>(a[at]) - static_cast<unsigned char>(b[at])));
+            }
+            CHECK(most <= (coverage ? 1 : 0));
+            CHECK(found.voxels[0] > 900);
+            CHECK(found.cut_off_share[0] == Approx(wanted.cut_off_share[0]));
+        }
+        value_of(write_mask({&part, 1}, sheared, folder / "a.nrrd"));
+        for (const char* name : {"a.nii", "a.nrrd"}) {
+            const ImageGeometry read = value_of(read_image_geometry(folder / name));
+            for (std::size_t i = 0; i < 9; ++i) {
+                CHECK(read.steps_mm()[i / 3][i % 3] == Approx(sheared.steps_mm()[i / 3][i % 3]).margin(1e-6));
+            }
+            CHECK(read.spacing_mm[2] == Approx(2));
+        }
+        CHECK(bytes_of(folder / "a.nii").substr(252, 2) == std::string(2, '\0'));  // no qform
+    }
+}
+
 TEST_CASE("mask: more than 255 meshes take two bytes", "[medical]") {
     const ImageGeometry image = image_of({3, 2, 1}, {1, 1, 1}, {0, 0, 0});
     const SliceResult nothing = cut(box({50, 50, -1}, {51, 51, 1}), image);

@@ -32,8 +32,9 @@ def area_at(z):
     return total
 
 
-def write_ct(folder, along_i, along_j, origin, heights, series="1.2.826.0.1.3680043.8.498.1"):
-    """A CT: slices at `heights` along the normal from `origin`, their files in the order of a shuffle."""
+def write_ct(folder, along_i, along_j, origin, heights, series="1.2.826.0.1.3680043.8.498.1", tilt=0):
+    """A CT: slices at `heights` along the normal from `origin`, their files in the order of a shuffle. `tilt`: mm along j
+    for each mm along the normal."""
     folder.mkdir(exist_ok=True)
     normal = numpy.cross(along_i, along_j)
     order = numpy.random.default_rng(3).permutation(len(heights))
@@ -53,7 +54,7 @@ def write_ct(folder, along_i, along_j, origin, heights, series="1.2.826.0.1.3680
         data.StudyInstanceUID, data.SeriesInstanceUID = "1.2.826.0.1.3680043.8.498.7", series
         data.StudyID, data.SeriesNumber, data.AcquisitionNumber, data.InstanceNumber = "1", "301", "1", str(k + 1)
         data.ImageOrientationPatient = [f"{x:.10g}" for x in (*along_i, *along_j)]
-        place = numpy.array(origin) + heights[k] * normal
+        place = numpy.array(origin) + heights[k] * (normal + tilt * numpy.array(along_j))
         data.ImagePositionPatient = [f"{x:.10g}" for x in place]
         data.FrameOfReferenceUID, data.PositionReferenceIndicator = "1.2.826.0.1.3680043.8.498.9", ""
         data.SamplesPerPixel, data.PhotometricInterpretation = 1, "MONOCHROME2"
@@ -191,7 +192,7 @@ def masks(run, ct):
     run("slice", "body.stl", "--like", ct, "--frame", "lps", "-o", "m.nii.gz")
     mine = places_of_voxels(run.folder / "m.nii.gz")
     assert all(inside(at) for at in mine) and len(mine) > 500
-    if (program := shutil.which("plastimatch")) and ct != "enhanced":  # which it cannot read
+    if (program := shutil.which("plastimatch")) and ct not in ("tilted", "enhanced"):  # which it cannot read
         command = [program, "convert", "--input", "a.dcm", "--referenced-ct", ct]
         command += ["--output-prefix", f"of-{ct}", "--prefix-format", "nii.gz"]
         subprocess.run(command, cwd=run.folder, check=True, stdout=subprocess.DEVNULL)
@@ -216,6 +217,7 @@ def refusals(run):
         (mesh + "--like two --series 1.2.3 -o r.dcm", 3, "no images of the series 1.2.3; there is 1.2.826"),
         (mesh + "--like two --series 1.2.826.0.1.3680043.8.498.2 -o s.csv", 0, ""),
         ("verify --inputs s.csv", 0, ""),
+        (mesh + "--like uneven -o r.nii", 3, "not evenly spaced (5 mm from uneven/"),
         (mesh + "--like uneven --subslices 2 -o r.dcm", 2, "on the slices themselves"),
         # A structure set may lie in the folder of the CT, and replaces none of its slices.
         (mesh + "--like axial -o body.h5", 0, ""),
@@ -240,20 +242,21 @@ def test_all(run):
     turn = numpy.linalg.qr(numpy.array([[1.0, 0.2, 0.1], [-0.1, 1, 0.3], [0.2, -0.4, 1]]))[0]
     turn *= numpy.sign(numpy.diag(turn))
     a, b = turn[:, 0], turn[:, 1]
-    for name, along_i, along_j, origin, heights in (
+    for name, along_i, along_j, origin, heights, *tilt in (
         ("axial", i, j, (-25.2, -25.3, 9.1), even),
         ("uneven", i, j, (-25.2, -25.3, 9.1), [0, 2.8, 5.8, 7.5, 9, 14.1]),
         ("feet", i, -j, (-25.2, 25.3, 35.1), even),  # the normal leads to the feet
+        ("tilted", i, j, (-25.2, -29.3, 9.1), even, 0.27),
         ("enhanced", i, j, (-25.2, -25.3, 9.1), even),
         ("coronal", i, -k, (-26.3, -19.2, 40.4), [3.9 * n for n in range(11)]),
         ("sagittal", j, -k, (32.3, -28.4, 40.2), [4.1 * n for n in range(13)]),
         ("oblique", a, b, -25.3 * a - 25.4 * b + 3.3 * numpy.cross(a, b), [2.7 * n for n in range(14)]),
     ):
-        write_ct(folder / name, along_i, along_j, origin, heights)
+        write_ct(folder / name, along_i, along_j, origin, heights, tilt=sum(tilt))
         if name == "enhanced":
             make_enhanced(folder / name)
         areas = slices(run, name, along_i, along_j)
-        if name in ("axial", "enhanced"):
+        if name in ("axial", "tilted", "enhanced"):
             assert all(abs(found - area_at(height)) < 1e-4 for height, found in areas.items()), areas
         if name != "uneven":
             masks(run, name)

@@ -74,7 +74,7 @@ struct ConvertArguments : MeshArguments {
 
 bool same_voxels(const ImageGeometry& a, const ImageGeometry& b) {
     return a.size == b.size && a.spacing_mm == b.spacing_mm && a.origin_mm == b.origin_mm && a.axes == b.axes &&
-           a.uneven_slices_mm == b.uneven_slices_mm;
+           a.shear_mm == b.shear_mm && a.uneven_slices_mm == b.uneven_slices_mm;
 }
 
 class ConvertCommand {

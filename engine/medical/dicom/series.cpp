@@ -225,33 +225,52 @@ constexpr double same_place_mm = 1e-4;
     first.header->refuse("several frames at one place, where an image has one: " + list);
 }
 
-void require_stacked(const std::vector<Slice>& slices) {
+/// How far slices lie aside along one of their axes for each mm along the normal: 0 where they lie upright. Throws Refused
+/// where they lie on no line, which a few that are off do not turn.
+double slope_along(const Direction& axis, const std::vector<Slice>& slices) {
     // Headers state places with few decimals.
     constexpr double shift_mm = 0.02;      // a slice may lie so far aside of the others, and
-    constexpr double shift_per_mm = 1e-4;  // so much farther for each mm above the first
-    const Slice& first = slices.front();
-    for (std::size_t i = 1; i < slices.size(); ++i) {
-        const Slice& slice = slices[i];
-        if (slice.height - slices[i - 1].height < same_place_mm) {
-            refuse_same_place(slices, i);
+    constexpr double shift_per_mm = 1e-4;  // so much farther for each mm from the middle
+    const double middle_height = slices[slices.size() / 2].height;
+    std::vector<double> places(slices.size());
+    std::vector<double> rests(slices.size());
+    std::transform(slices.begin(), slices.end(), places.begin(),
+                   [&](const Slice& slice) { return dot(axis, slice.position); });
+    double slope = 0;
+    for (const bool is_last : {false, true}) {
+        std::transform(slices.begin(), slices.end(), places.begin(), rests.begin(),
+                       [slope](const Slice& slice, double place) { return place - slope * slice.height; });
+        const double middle = median(rests);
+        std::size_t i = 0;
+        while (i < slices.size() &&
+               std::abs(rests[i] - middle) <= shift_mm + shift_per_mm * std::abs(slices[i].height - middle_height)) {
+            ++i;
         }
-        Direction step{};
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            step[axis] = slice.position[axis] - first.position[axis];
+        if (i == slices.size()) {
+            break;
         }
-        const double aside = std::max(std::abs(dot(step, first.along_i)), std::abs(dot(step, first.along_j)));
-        if (aside > shift_mm + shift_per_mm * (slice.height - first.height)) {
-            slice.refuse("sheared, as by a tilted gantry: the slice lies " + exact_text(std::round(1000 * aside) / 1000) +
-                         " mm aside of " + first.name());
+        if (is_last) {
+            slices[i].refuse("lies " + rounded_mm(std::abs(rests[i] - middle)) + " aside of the line of the other slices");
         }
+        const std::size_t apart = slices.size() / 2;
+        std::vector<double> slopes;
+        for (std::size_t end = apart; end < slices.size(); ++end) {
+            slopes.push_back((places[end] - places[end - apart]) / (slices[end].height - slices[end - apart].height));
+        }
+        slope = median(std::move(slopes));
     }
+    return slope;
 }
 
 /// Of a series.
 ImageGeometry geometry_of(const std::vector<DicomHeader>& images) {
     constexpr double even_share = 0.01;  // of the mean distance: so far slices may lie from even places
     const std::vector<Slice> slices = sorted_slices(images);
-    require_stacked(slices);
+    for (std::size_t i = 1; i < slices.size(); ++i) {
+        if (slices[i].height - slices[i - 1].height < same_place_mm) {
+            refuse_same_place(slices, i);
+        }
+    }
     const Slice& first = slices.front();
     const double distance = slices.size() > 1
                                 ? (slices.back().height - first.height) / static_cast<double>(slices.size() - 1)
@@ -261,6 +280,10 @@ ImageGeometry geometry_of(const std::vector<DicomHeader>& images) {
                                   {scaled(first.along_i, first.spacing_mm[0]), scaled(first.along_j, first.spacing_mm[1]),
                                    scaled(normal, distance / length(normal))},
                                   first.position);
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+        image.shear_mm[axis] = distance * slope_along(image.axes[axis], slices);
+    }
+    warn_of_shear(image, first.header->file);
     DicomSeries& series = image.series.emplace();
     bool even = true;
     for (const Slice& slice : slices) {

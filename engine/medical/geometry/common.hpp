@@ -9,7 +9,9 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "base/words.hpp"
 #include "lamella/io/name_text.hpp"
 #include "lamella/medical/geometry.hpp"
 #include "lamella/result.hpp"
@@ -35,6 +37,18 @@ inline double length(const Direction& a) noexcept {
 
 inline Direction scaled(const Direction& a, double factor) noexcept {
     return {a[0] * factor, a[1] * factor, a[2] * factor};
+}
+
+/// Precondition: there are some.
+inline double median(std::vector<double> of) {
+    const auto middle = of.begin() + static_cast<std::ptrdiff_t>(of.size() / 2);
+    std::nth_element(of.begin(), middle, of.end());
+    return *middle;
+}
+
+/// For messages.
+inline std::string rounded_mm(double length) {
+    return exact_text(std::round(1000 * length) / 1000) + " mm";
 }
 
 /// The axis of the patient that a direction is nearest to, and whether it runs against it.
@@ -82,8 +96,11 @@ ImageGeometry read_dicom_file(const std::filesystem::path& path);
 /// The geometry that the header of a NIfTI, NRRD or MetaImage file states. Throws Refused and std::bad_alloc.
 ImageGeometry read_image_file(const std::filesystem::path& path);
 
+/// Adds a warning where it is.
+void warn_of_shear(ImageGeometry& image, const std::string& name);
+
 /// The geometry of voxels that lie `steps` apart from `origin`, in LPS and mm. Throws Refused where the steps are no finite
-/// lengths, or not perpendicular.
+/// lengths, or those of i and j not perpendicular.
 ImageGeometry upright(const std::string& name, const std::array<std::uint64_t, 3>& size,
                       const std::array<Direction, 3>& steps, const Direction& origin);
 

@@ -19,6 +19,37 @@ Transform ImageGeometry::slicing_frame(PatientFrame frame) const noexcept {
     return to;
 }
 
+std::array<std::array<double, 3>, 3> ImageGeometry::steps_mm() const noexcept {
+    std::array<std::array<double, 3>, 3> steps{};
+    for (std::size_t i = 0; i < 9; ++i) {
+        steps[i / 3][i % 3] = axes[i / 3][i % 3] * spacing_mm[i / 3];
+    }
+    for (std::size_t i = 0; is_sheared() && i < 3; ++i) {
+        steps[2][i] += axes[0][i] * shear_mm[0] + axes[1][i] * shear_mm[1];
+    }
+    return steps;
+}
+
+std::string ImageGeometry::uneven_words() const {
+    std::vector<double> steps;
+    for (std::size_t slice = 1; slice < uneven_slices_mm.size(); ++slice) {
+        steps.push_back(uneven_slices_mm[slice] - uneven_slices_mm[slice - 1]);
+    }
+    if (steps.empty()) {
+        return {};
+    }
+    const double usual = median(steps);
+    const auto most = std::max_element(steps.begin(), steps.end(),
+                                       [&](double a, double b) { return std::abs(a - usual) < std::abs(b - usual); });
+    const auto slice = static_cast<std::size_t>(most - steps.begin());
+    const auto name = [&](std::size_t k) {
+        const std::uint64_t frame = series ? series->slices[k].frame : 0;
+        return !series ? "slice " + std::to_string(k)
+                       : (frame == 0 ? "" : "frame " + std::to_string(frame) + " of ") + series->slices[k].file;
+    };
+    return rounded_mm(*most) + " from " + name(slice) + " to " + name(slice + 1) + ", else " + rounded_mm(usual);
+}
+
 std::vector<double> ImageGeometry::slice_heights_mm(int subslices) const {
     const double hand = dot(axes[2], cross(axes[0], axes[1])) < 0 ? -1 : 1;
     const auto centre = [&](std::uint64_t slice) {
@@ -108,6 +139,14 @@ void require_cut(const SliceResult* result, const std::string& name, std::uint64
     }
 }
 
+void warn_of_shear(ImageGeometry& image, const std::string& name) {
+    if (image.is_sheared()) {
+        image.warnings.push_back(name + ": the image is sheared, as by a tilted gantry: each slice lies " +
+                                 rounded_mm(length({image.shear_mm[0], image.shear_mm[1], 0})) +
+                                 " aside of the one before; masks keep to the slices' own voxels");
+    }
+}
+
 ImageGeometry upright(const std::string& name, const std::array<std::uint64_t, 3>& size,
                       const std::array<Direction, 3>& steps, const Direction& origin) {
     ImageGeometry image;
@@ -125,18 +164,24 @@ ImageGeometry upright(const std::string& name, const std::array<std::uint64_t, 3
         image.spacing_mm[axis] = step;
         image.axes[axis] = scaled(steps[axis], 1 / step);
     }
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const std::size_t next = (axis + 1) % 3;
-        if (std::abs(dot(image.axes[axis], image.axes[next])) > largest_cosine) {
-            refuse_image(name, "sheared: the axes " + std::string(axis_names[axis]) + " and " + axis_names[next] +
-                                   " are not perpendicular");
-        }
+    const auto cosine = [&](std::size_t a, std::size_t b) { return std::abs(dot(image.axes[a], image.axes[b])); };
+    if (cosine(0, 1) > largest_cosine) {
+        refuse_image(name, "sheared: the axes i and j are not perpendicular");
     }
+    const bool sheared = std::max(cosine(0, 2), cosine(1, 2)) > largest_cosine;
     // Axes are made exactly perpendicular: the header rounds them.
     const Direction normal = cross(image.axes[0], image.axes[1]);
     const Direction upright_k = scaled(normal, (dot(normal, image.axes[2]) < 0 ? -1 : 1) / length(normal));
     image.axes[1] = scaled(cross(normal, image.axes[0]), 1 / length(normal));
     image.axes[2] = upright_k;
+    if (sheared) {
+        image.shear_mm = {dot(steps[2], image.axes[0]), dot(steps[2], image.axes[1])};
+        image.spacing_mm[2] = dot(steps[2], upright_k);
+        if (image.spacing_mm[2] < largest_cosine * length(steps[2])) {
+            refuse_image(name, "sheared: the axis k lies in the slices");
+        }
+    }
+    warn_of_shear(image, name);
     return image;
 }
 

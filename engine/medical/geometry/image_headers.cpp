@@ -407,7 +407,11 @@ ImageGeometry read_meta_image(const ImageHeader& header) {
         }
         steps[axis] = scaled(steps[axis], (*spacing)[axis]);
     }
-    return upright(header.name, size, steps, {(*origin)[0], (*origin)[1], (*origin)[2]});
+    ImageGeometry image = upright(header.name, size, steps, {(*origin)[0], (*origin)[1], (*origin)[2]});
+    if (image.is_sheared()) {
+        header.refuse("sheared: its axis k is not perpendicular to i and j, which some readers of MetaImage pass over");
+    }
+    return image;
 }
 
 }  // namespace

@@ -191,6 +191,11 @@ void visit_image(AttributeVisitor& visitor, ArchiveInfo& info) {
     visitor.values("spacing_mm", image.spacing_mm);
     visitor.require(*std::min_element(image.spacing_mm.begin(), image.spacing_mm.end()) > 0, "spacing_mm");
     visitor.whole("subslices", info.subslices, 1, 1000);
+    std::optional shear = image.is_sheared() ? std::optional(image.shear_mm) : std::nullopt;
+    if (visitor.optional("shear_mm", shear)) {
+        visitor.values("shear_mm", *shear);
+        image.shear_mm = *shear;
+    }
     std::uint64_t uneven = image.uneven_slices_mm.size();
     visitor.whole("uneven_slices", uneven, 0, most_uneven_slices);
     if (uneven > 0) {

@@ -39,14 +39,15 @@ Result<MaskSummary> draw_mask(std::span<const MaskPart> parts, const ImageGeomet
         MaskLayout layout;
         layout.shares = options.coverage || options.subslices > 1;
         layout.voxel_bytes = mask_voxel_bytes(parts.size());
-        const auto refuse_if = [](bool wrong, const char* what) {
+        const auto refuse_if = [](bool wrong, const std::string& what) {
             if (wrong) {
                 throw Refused{{ErrorCode::invalid_argument, what}};
             }
         };
         refuse_if(parts.empty() || parts.size() > (layout.shares ? 1 : most_mask_labels),
                   "a mask is of 1 to 65,535 meshes, and one of shares of one");
-        refuse_if(!image.uneven_slices_mm.empty(), "the slices of the image are not evenly spaced, and a mask's are");
+        refuse_if(!image.uneven_slices_mm.empty(),
+                  "the slices of the image are not evenly spaced (" + image.uneven_words() + "), and a mask's are");
         require_cut_for(parts, image, options);
         const SliceRaster raster(parts, image, options, layout);
         refuse_if(raster.slice_bytes() == 0 || voxels.size() % raster.slice_bytes() != 0 ||

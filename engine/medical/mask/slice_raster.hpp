@@ -8,6 +8,7 @@
 #include <cstring>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -20,17 +21,20 @@
 
 namespace lamella {
 
-/// The centres of voxels 0, 1, ... along one axis in grid units, each rounded: they ascend, and where voxels are smaller
-/// than a unit several share a place. What lies beyond the grid stands just beyond it, where no contour reaches.
+/// The centres of voxels 0, 1, ... along one axis in grid units, from that at `first_mm` on, each rounded: they ascend, and
+/// where voxels are smaller than a unit several share a place. What lies beyond the grid stands just beyond it, where no
+/// contour reaches.
 class Centres {
 public:
     /// Preconditions: the lengths are finite and above 0. Throws std::bad_alloc.
-    Centres(std::size_t count, double spacing_mm, double grid_mm)
-        : places_(count + 2), voxels_per_unit_(grid_mm / spacing_mm) {
+    Centres(std::size_t count, double spacing_mm, double grid_mm, double first_mm = 0)
+        : places_(count + 2), voxels_per_unit_(grid_mm / spacing_mm), entry_of_zero_(1 - first_mm / spacing_mm) {
         constexpr std::int64_t beyond = std::int64_t{grid_limit} + 1;
         for (std::size_t voxel = 0; voxel < count; ++voxel) {
-            const double place = std::round(static_cast<double>(voxel) * spacing_mm / grid_mm);
-            places_[voxel + 1] = place < static_cast<double>(beyond) ? static_cast<std::int64_t>(place) : beyond;
+            const double place = std::round((first_mm + static_cast<double>(voxel) * spacing_mm) / grid_mm);
+            places_[voxel + 1] = std::abs(place) < static_cast<double>(beyond) ? static_cast<std::int64_t>(place)
+                                 : place < 0                                   ? -beyond
+                                                                               : beyond;
         }
         places_.front() = std::numeric_limits<std::int64_t>::min();
         places_.back() = std::numeric_limits<std::int64_t>::max();
@@ -42,7 +46,7 @@ public:
     /// The first voxel whose centre lies at `place` or after it; size() where none does. O(1), or O(log n) where voxels are
     /// about as small as a unit.
     std::size_t first_from(std::int64_t place) const noexcept {
-        const double guess = static_cast<double>(place) * voxels_per_unit_ + 1;  // the entry in places_
+        const double guess = static_cast<double>(place) * voxels_per_unit_ + entry_of_zero_;  // the entry in places_
         const auto last = static_cast<double>(places_.size() - 1);
         auto entry = static_cast<std::size_t>(guess < 1 ? 1 : guess > last ? last : guess);
         entry += static_cast<std::size_t>(places_[entry] < place);
@@ -62,6 +66,7 @@ private:
 
     std::vector<std::int64_t> places_;  ///< between two that no coordinate reaches
     double voxels_per_unit_;
+    double entry_of_zero_;  ///< in places_, of a centre at place 0
 };
 
 /// Where contours cross the rows of an image. An edge crosses the rows whose centres lie at its lower end or above, and
@@ -214,9 +219,9 @@ public:
     SliceRaster(std::span<const MaskPart> parts, const ImageGeometry& image, const MaskOptions& options,
                 const MaskLayout& layout)
         : parts_(parts), image_(image), options_(options), layout_(layout) {
-        for (const MaskPart& part : parts) {
-            columns_.emplace_back(image.size[0], image.spacing_mm[0], part.result->info.grid_mm);
-            rows_.emplace_back(image.size[1], image.spacing_mm[1], part.result->info.grid_mm);
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            columns_.push_back(centres(i, 0, 0));
+            rows_.push_back(centres(i, 1, 0));
         }
     }
 
@@ -230,6 +235,8 @@ public:
         SolidContours solid;
         std::vector<std::uint8_t> overlapped;  ///< of the voxels of a slice: counted as lying in several parts
         std::vector<std::uint16_t> wide;       ///< labels of a slice, before they become bytes
+        std::optional<Centres> columns;        ///< of a slice of a sheared image
+        std::optional<Centres> rows;
     };
 
     /// All slice_bytes() of a slice. Throws std::bad_alloc.
@@ -237,7 +244,7 @@ public:
         std::memset(to, 0, slice_bytes());
         for (std::size_t i = 0; i < parts_.size(); ++i) {
             for (int subslice = 0; subslice < options_.subslices; ++subslice) {
-                measure(i, (*parts_[i].result)[layer(slice, subslice, i)], scratch.sheet, counts.parts[i]);
+                measure(i, slice, (*parts_[i].result)[layer(slice, subslice, i)], scratch.sheet, counts.parts[i]);
             }
         }
         if (layout_.shares) {
@@ -258,14 +265,28 @@ private:
         return parts_[part].result->info.layer_of[height];
     }
 
+    Centres centres(std::size_t part, std::size_t axis, double from_mm) const {
+        return {image_.size[axis], image_.spacing_mm[axis], parts_[part].result->info.grid_mm, from_mm};
+    }
+
+    /// Along i or j, where the first voxel of a slice lies.
+    double first_mm(std::uint64_t slice, std::size_t axis) const noexcept {
+        return static_cast<double>(slice) * image_.shear_mm[axis];
+    }
+
     /// Where points lie, in voxels from the lower left corner of the first: a voxel reaches half its side around its centre.
-    auto placing(const SliceResult& result) const noexcept {
+    auto placing(const SliceResult& result, std::uint64_t slice) const noexcept {
         const PointMm scale{result.info.grid_mm / image_.spacing_mm[0], result.info.grid_mm / image_.spacing_mm[1]};
-        return [scale](const Point& point) { return PointMm{point.x * scale.x + 0.5, point.y * scale.y + 0.5}; };
+        const PointMm corner{0.5 - first_mm(slice, 0) / image_.spacing_mm[0],
+                             0.5 - first_mm(slice, 1) / image_.spacing_mm[1]};
+        return [scale, corner](const Point& point) {
+            return PointMm{point.x * scale.x + corner.x, point.y * scale.y + corner.y};
+        };
     }
 
     /// Adds the areas of a layer where they are known.
-    void measure(std::size_t part, const LayerView& layer, CoverageSheet& sheet, MaskCounts::Part& counts) const {
+    void measure(std::size_t part, std::uint64_t slice, const LayerView& layer, CoverageSheet& sheet,
+                 MaskCounts::Part& counts) const {
         const double net = layer.area_mm2();
         if (std::isnan(net)) {
             return;
@@ -277,7 +298,8 @@ private:
                 const double area = layer.area_mm2(contour);
                 counts.area += area;
                 perimeter += perimeter_of(points) * layer.grid_mm;
-                counts.inside += reaches_beyond(part, points) ? area_inside(part, points, area < 0 ? -1 : 1, sheet) : area;
+                counts.inside +=
+                    reaches_beyond(part, slice, points) ? area_inside(part, slice, points, area < 0 ? -1 : 1, sheet) : area;
             }
         }
         if (net > 0) {
@@ -290,10 +312,10 @@ private:
     }
 
     /// Beyond the outer sides of the outermost voxels.
-    bool reaches_beyond(std::size_t part, std::span<const Point> points) const noexcept {
+    bool reaches_beyond(std::size_t part, std::uint64_t slice, std::span<const Point> points) const noexcept {
         constexpr double rounding = 1e-3;  // as of an image around the mesh
         const auto [min, max] = FlatBox::around(points);
-        const auto place = placing(*parts_[part].result);
+        const auto place = placing(*parts_[part].result, slice);
         const PointMm low = place(min);
         const PointMm high = place(max);
         return std::min(low.x, low.y) < -rounding || high.x > static_cast<double>(image_.size[0]) + rounding ||
@@ -302,9 +324,10 @@ private:
 
     /// The area of the part of a contour that lies within the image, mm2: what it covers of one voxel as large as the image.
     /// `sign`: that of the area.
-    double area_inside(std::size_t part, std::span<const Point> points, double sign, CoverageSheet& sheet) const {
+    double area_inside(std::size_t part, std::uint64_t slice, std::span<const Point> points, double sign,
+                       CoverageSheet& sheet) const {
         const PointMm size{static_cast<double>(image_.size[0]), static_cast<double>(image_.size[1])};
-        const auto place = placing(*parts_[part].result);
+        const auto place = placing(*parts_[part].result, slice);
         double share = 0;
         sheet.restart(1, 0, 1);
         sheet.add(
@@ -324,9 +347,15 @@ private:
         for (std::size_t i = 0; i < parts_.size(); ++i) {
             const SliceResult& result = *parts_[i].result;
             scratch.crossings.restart(image_.size[1]);
+            if (image_.is_sheared()) {
+                scratch.columns.emplace(centres(i, 0, first_mm(slice, 0)));
+                scratch.rows.emplace(centres(i, 1, first_mm(slice, 1)));
+            }
+            const Centres& columns = image_.is_sheared() ? *scratch.columns : columns_[i];
+            const Centres& rows = image_.is_sheared() ? *scratch.rows : rows_[i];
             for (const Contour& contour : result.contours_of(result.layers[layer(slice, 0, i)])) {
                 if (contour.role != Role::open) {
-                    scratch.crossings.add(result.points_of(contour), columns_[i], rows_[i]);
+                    scratch.crossings.add(result.points_of(contour), columns, rows);
                 }
             }
             scratch.crossings.for_each_span(width, [&](std::size_t row, std::size_t first, std::size_t last) {
@@ -349,7 +378,7 @@ private:
         for (int subslice = 0; subslice < options_.subslices; ++subslice) {
             scratch.sheet.restart(width, 0, image_.size[1]);
             for (const std::span<const Point> contour : scratch.solid.of(result, layer(slice, subslice, 0))) {
-                scratch.sheet.add(contour, placing(result));
+                scratch.sheet.add(contour, placing(result, slice));
             }
             for (std::size_t row = 0; row < image_.size[1]; ++row) {
                 scratch.sheet.take_row(row, std::span(scratch.shares).subspan(row * width, width));

@@ -63,21 +63,22 @@ std::string nifti_header(const MaskLayout& layout, std::size_t labels, const Ima
     }
     put<std::int16_t>(header, 70, layout.voxel_bytes == 1 ? 2 : 512);  // uint8, uint16
     put<std::int16_t>(header, 72, static_cast<std::int16_t>(8 * layout.voxel_bytes));
-    std::array<Direction, 3> axes = image.axes;  // in RAS
-    for (Direction& axis : axes) {
-        axis = {-axis[0], -axis[1], axis[2]};
+    std::array<Direction, 3> axes = image.axes;  // in RAS, as what follows
+    std::array<Direction, 3> steps = image.steps_mm();
+    for (Direction* const direction : {&axes[0], &axes[1], &axes[2], &steps[0], &steps[1], &steps[2]}) {
+        *direction = {-(*direction)[0], -(*direction)[1], (*direction)[2]};
     }
     const bool left_handed = dot(cross(axes[0], axes[1]), axes[2]) < 0;
     put(header, 76, left_handed ? -1.0F : 1.0F);
     for (std::size_t i = 0; i < 3; ++i) {
-        put(header, 80 + 4 * i, static_cast<float>(image.spacing_mm[i]));
+        put(header, 80 + 4 * i, static_cast<float>(i == 2 && image.is_sheared() ? length(steps[i]) : image.spacing_mm[i]));
     }
     put(header, 108, 352.0F);
     put(header, 112, layout.shares ? 1.0F / 255.0F : 1.0F);
     header[123] = 2;  // mm
     put(header, 124, layout.shares ? 1.0F : static_cast<float>(labels));
     std::memcpy(header.data() + 148, "lamella", 7);
-    put<std::int16_t>(header, 252, 1);
+    put<std::int16_t>(header, 252, image.is_sheared() ? 0 : 1);  // a qform cannot say it
     put<std::int16_t>(header, 254, 1);
     const std::array<double, 3> origin = {-image.origin_mm[0], -image.origin_mm[1], image.origin_mm[2]};
     const std::array<double, 3> turn = quaternion({axes[0], axes[1], left_handed ? scaled(axes[2], -1) : axes[2]});
@@ -85,7 +86,7 @@ std::string nifti_header(const MaskLayout& layout, std::size_t labels, const Ima
         put(header, 256 + 4 * i, static_cast<float>(turn[i]));
         put(header, 268 + 4 * i, static_cast<float>(origin[i]));
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            put(header, 280 + 16 * i + 4 * axis, static_cast<float>(axes[axis][i] * image.spacing_mm[axis]));
+            put(header, 280 + 16 * i + 4 * axis, static_cast<float>(steps[axis][i]));
         }
         put(header, 292 + 16 * i, static_cast<float>(origin[i]));
     }
@@ -128,7 +129,7 @@ std::string nrrd_header(const MaskLayout& layout, std::span<const MaskPart> part
     std::string directions;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         sizes += " " + std::to_string(image.size[axis]);
-        directions += " " + vector_text(scaled(image.axes[axis], image.spacing_mm[axis]));
+        directions += " " + vector_text(image.steps_mm()[axis]);
     }
     std::string text =
         "NRRD0004\n# Written by lamella.\ntype: " +
@@ -145,7 +146,8 @@ std::string nrrd_header(const MaskLayout& layout, std::span<const MaskPart> part
 /// Throws Refused where the format, or any, does not hold a mask of that size.
 void require_mask_fits(const std::filesystem::path& path, const MaskLayout& layout, const ImageGeometry& image) {
     if (!image.uneven_slices_mm.empty()) {
-        refuse_output(path, "the slices of the image are not evenly spaced, and a mask holds even ones only");
+        refuse_output(path, "the slices of the image are not evenly spaced (" + image.uneven_words() +
+                                "), and a mask holds even ones only");
     }
     std::uint64_t bytes = layout.voxel_bytes;
     for (const std::uint64_t side : image.size) {

@@ -50,18 +50,29 @@ struct DicomSeries {
     std::string referring_physician_name;
 };
 
-/// An upright grid of voxels. Directions and places are in the patient's frame LPS, in mm.
+/// A grid of voxels, upright or sheared along its slices. Directions and places are in the patient's frame LPS, in mm.
 struct ImageGeometry {
     std::array<std::uint64_t, 3> size{};  ///< voxels along i, j, k
     std::array<double, 3> spacing_mm{1, 1, 1};
     std::array<double, 3> origin_mm{};  ///< centre of voxel (0, 0, 0)
-    /// Unit directions of i, j, k: perpendicular, of either hand.
+    /// Unit directions of i, j and of the normal of the slices towards k: perpendicular, of either hand.
     std::array<std::array<double, 3>, 3> axes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     /// Of slices that are not evenly spaced, DICOM's: how far each lies from slice 0 along k, ascending. Else empty; where
     /// there are some, spacing_mm[2] is their mean. Masks refuse them.
     std::vector<double> uneven_slices_mm;
+    /// Of a sheared image, as by a tilted gantry: how far each slice lies along i and j from the one before it. Planes,
+    /// contours, structure sets and tables do not depend on it. Each slice of a mask is drawn on the slice's own voxels, and
+    /// stands for a slab square to the slices; headers of masks state the sheared step.
+    std::array<double, 2> shear_mm{};
     std::optional<DicomSeries> series;  ///< where a folder with DICOM files was read
     std::vector<std::string> warnings;  ///< one line each, naming the file
+
+    bool is_sheared() const noexcept { return shear_mm[0] != 0 || shear_mm[1] != 0; }
+    /// From each voxel to the next along i, j and k.
+    std::array<std::array<double, 3>, 3> steps_mm() const noexcept;
+    /// Which slices lie farthest from even places, for messages: "6 mm from a/6.dcm to a/8.dcm, else 3 mm". Empty where
+    /// there are no uneven_slices_mm.
+    std::string uneven_words() const;
 
     /// From a mesh in `frame`, in mm, to the frame of slicing: x along i, y along j, z along i x j, zero at the centre of
     /// voxel (0, 0, 0). It is right-handed whatever the image is, so that facets keep their orientation. Precondition:
@@ -92,7 +103,7 @@ struct ImageOptions {
 /// format. Voxels are not read. Units that a header states become mm. Of NIfTI the sform holds before the qform; RAS+
 /// becomes LPS. Slices of a series are sorted along their normal, row direction x column direction, and so are the frames of
 /// enhanced CT and MR; files of the folder that are no DICOM images are passed over. Errors: unreadable_file, malformed_mesh
-/// (not an image, or one that is refused: sheared or with a tilted gantry, in an unknown unit,
+/// (not an image, or one that is refused: sheared in its slices, with slices that lie on no line, in an unknown unit,
 /// several series of which none was named, frames without functional groups, two slices or frames at one place),
 /// invalid_argument (a series_uid for what is no folder), cancelled, out_of_memory.
 Result<ImageGeometry> read_image_geometry(const std::filesystem::path& path, const ImageOptions& options = {},

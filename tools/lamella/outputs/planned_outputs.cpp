@@ -225,7 +225,8 @@ void require_image_serves(const ImageGeometry& image, const std::vector<PlannedO
                           const OutputArguments& arguments) {
     for (const PlannedOutput& output : outputs) {
         refuse_if(output.is_mask() && !image.uneven_slices_mm.empty(), bad_input,
-                  "'" + output.path + "': the slices of the image are not evenly spaced, and a mask holds even ones only");
+                  "'" + output.path + "': the slices of the image are not evenly spaced (" + image.uneven_words() +
+                      "), and a mask holds even ones only");
         refuse_if(output.format == OutputFormat::structure_set && !image.series && !arguments.without_ct, bad_input,
                   "'" + output.path +
                       "': a structure set is drawn on the slices of a CT: --like FOLDER "
@@ -246,8 +247,10 @@ void require_overlap(const ImageGeometry& image, const std::string& name, const 
     const auto [lowest, highest] = std::minmax_element(heights.begin(), heights.end());
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const double side = image.spacing_mm[axis];
-        const double low = (axis == 2 ? *lowest : 0) - side / 2;
-        const double high = (axis == 2 ? *highest : static_cast<double>(image.size[axis] - 1) * side) + side / 2;
+        const double shear = axis == 2 ? 0 : image.shear_mm[axis] * static_cast<double>(image.size[2] - 1);
+        const double low = (axis == 2 ? *lowest : std::min(shear, 0.0)) - side / 2;
+        const double high =
+            (axis == 2 ? *highest : static_cast<double>(image.size[axis] - 1) * side + std::max(shear, 0.0)) + side / 2;
         refuse_if(mesh.max_mm[axis] < low || mesh.min_mm[axis] > high, bad_input,
                   name + ": lies outside of the image: along " + names[axis] + " the mesh reaches from " +
                       range_text(mesh.min_mm[axis], mesh.max_mm[axis]) + ", the image from " + range_text(low, high) +

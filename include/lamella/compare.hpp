@@ -1,7 +1,9 @@
 // How alike two stacks of layers are: overlap of areas, and distances of contours, layer by layer.
 //
-//     const auto larger = lamella::slice(mesh, {.layer_height_mm = 0.2, .region = {.fill_rule = lamella::FillRule::non_zero,
-//                                                                                 .offset_mm = 0.1}});
+//     lamella::SliceOptions grown = result.info.options;
+//     grown.region.fill_rule = lamella::FillRule::non_zero;
+//     grown.region.offset_mm = 0.1;
+//     const auto larger = lamella::slice(mesh, grown);
 //     const auto compared = lamella::compare(result, *larger);
 //     if (compared) {
 //         for (const lamella::LayerComparison& layer : compared->layers) {

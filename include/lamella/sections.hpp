@@ -3,6 +3,7 @@
 //     std::vector<lamella::Transform> frames;  // each turns and moves its plane to z = 0
 //     for (int i = 0; i < 9; ++i) {
 //         frames.push_back(lamella::Transform::from_normal(1, 0.1 * i, 0));
+//         frames.back().m[11] = -1;  // 1 mm beyond the origin
 //     }
 //     const auto sections = lamella::slice_sections(mesh, frames);
 //     if (sections) {

@@ -147,9 +147,7 @@ void SectionCut::cut_one(std::size_t i, const NearPlane& mesh, Cutter& cutter) {
     // Vertex and plane are rounded to the grid; sums to doubles, or with as_mesh_numbers to floats.
     plane.room = 8 * options.frame.grid_mm + 0x1p-19 * largest;
     mesh.find(plane, cutter.near);
-    if (options.origins) {  // of equal triangles the one with the smallest index stands for all
-        sort_briefly(cutter.near.begin(), cutter.near.end());
-    }
+    sort_briefly(cutter.near.begin(), cutter.near.end());  // of equal ones the smallest index stands for all
     SliceResult& section = sections_[i];
     const Context one{.threads = 1,
                       .stop = parallel_.stop(),
@@ -206,10 +204,12 @@ SliceResult SectionCut::join() {
         info.box.min_mm[axis] = bounds_.min_mm[axis];
         info.box.max_mm[axis] = bounds_.max_mm[axis];
     }
+    std::size_t origins = 0;
     for (std::size_t i = 0; i < sections_.size(); ++i) {
         info.layer_of.push_back(i);
         const SliceInfo& own = sections_[i].info;
         info.segments += own.segments;
+        origins += sections_[i].origins.size();
 #define END_COUNTER(name) info.name += own.name;
 #include "options/counters.inc"
     }
@@ -218,7 +218,7 @@ SliceResult SectionCut::join() {
     all.layers.resize_discarding(sections_.size());
     all.contours.resize_discarding(info.contours);
     all.points.resize_discarding(info.points);
-    all.origins.resize_discarding(options_.origins ? info.points : 0);
+    all.origins.resize_discarding(origins);
     all.stitches.resize_discarding(info.stitches);
     Contour* contour = all.contours.data();
     Point* point = all.points.data();

@@ -29,12 +29,14 @@ py::array_t<double> numbers_of(const Numbers& numbers) {
 }
 
 ImageGeometry make_geometry(const std::array<std::uint64_t, 3>& size, const std::array<double, 3>& spacing_mm,
-                            const std::array<double, 3>& origin_mm, const std::array<std::array<double, 3>, 3>& axes) {
+                            const std::array<double, 3>& origin_mm, const std::array<std::array<double, 3>, 3>& axes,
+                            const std::array<double, 2>& shear_mm) {
     ImageGeometry image;
     image.size = size;
     image.spacing_mm = spacing_mm;
     image.origin_mm = origin_mm;
     image.axes = axes;
+    image.shear_mm = shear_mm;
     return image;
 }
 
@@ -139,7 +141,8 @@ void define_medical(py::module_& module) {
         .def_readonly("size", &ImageGeometry::size)
         .def_readonly("spacing", &ImageGeometry::spacing_mm)
         .def_readonly("origin", &ImageGeometry::origin_mm)
-        .def_readonly("axes", &ImageGeometry::axes)
+        .def_property_readonly("steps", &ImageGeometry::steps_mm)
+        .def_property_readonly("sheared", &ImageGeometry::is_sheared)
         .def_readonly("warnings", &ImageGeometry::warnings)
         .def_property_readonly("uneven", [](const ImageGeometry& image) { return numbers_of(image.uneven_slices_mm); })
         .def_property_readonly("series",
@@ -149,8 +152,17 @@ void define_medical(py::module_& module) {
         .def("slicing_frame", &frame_of)
         .def("slice_heights",
              [](const ImageGeometry& image, int subslices) { return numbers_of(image.slice_heights_mm(subslices)); });
-    module.def("read_geometry", [](const std::string& path) {
-        return run([&](const Context& /*lent*/) { return read_image_geometry(Path(path)); });
+    module.def("read_geometry", [](const std::string& path, const std::string& series) {
+        return run([&](const Context& /*lent*/) { return read_image_geometry(Path(path), {.series_uid = series}); });
+    });
+    module.def("list_series", [](const std::string& folder, const Asked& asked) {
+        py::list rows;
+        const auto found = run(asked, [&](const Context& context) { return list_series(Path(folder), context); });
+        for (const DicomSeriesInfo& series : found) {
+            rows.append(py::make_tuple(text_of(series.uid), text_of(series.modality), text_of(series.description),
+                                       series.files, text_of(series.refusal)));
+        }
+        return rows;
     });
     module.def("geometry_around", [](const std::array<double, 3>& low, const std::array<double, 3>& high,
                                      const std::array<double, 3>& spacing_mm) {

@@ -110,6 +110,11 @@ def test_the_notebook_of_bones_leads_to_figure_mask_and_structure_set(tmp_path, 
     solid = sum(bone.volume for bone in names["bones"].values()) - np.count_nonzero(names["mask"].array) - names["mask"].overlaps
     assert abs(solid) < 0.02 * sum(bone.volume for bone in names["bones"].values())
     slices = {pydicom.dcmread(path, stop_before_pixels=True).SOPInstanceUID for path in (tmp_path / "ct").iterdir()}
+    (series,) = lamella.list_series("ct")
+    assert (series.modality, series.files, series.refusal) == ("CT", len(slices), "")
+    assert lamella.image("ct", series=series.uid).affine("lps").tolist() == names["lps"].tolist()
+    with pytest.raises(lamella.MalformedMeshError, match="no series|series"):
+        lamella.image("ct", series="1.2.3")
     for roi in names["read"].ROIContourSequence:
         assert all(contour.ContourImageSequence[0].ReferencedSOPInstanceUID in slices for contour in roi.ContourSequence)
 

@@ -46,8 +46,8 @@ mask, save_mask, save_structure_set
     Voxels of an image that lie inside of meshes; contours as radiotherapy reads them.
 save_table, save_picture, save_archive, open
     Measures of layers, a contact sheet, whole results as HDF5 and back.
-image
-    Where an image's voxels lie.
+image, list_series
+    Where an image's voxels lie; the series of a DICOM folder.
 lamella.dask.slice_many
     Many files on the workers of a Dask scheduler; a module to import by itself.
 
@@ -70,7 +70,7 @@ from ._errors import (  # fmt: skip
     CancelledError, CoordinateError, EmptyMeshError, Error, InvalidArgumentError, MalformedMeshError, MeshTypeError,
     MeshWarning, OutOfMemoryError, PlanesError, ResultTooLargeError, UnreadableFileError, UnwritableFileError,
 )
-from ._image import Image, image
+from ._image import Image, Series, image, list_series
 from ._layer import NO_TRIANGLE, SEVERAL_PARTS, ContourFlag, Layer, Polygon, Role
 from ._layer_set import LayerSet
 from ._medical import Mask, mask, open, save_archive, save_mask, save_picture, save_structure_set, save_table
@@ -88,9 +88,9 @@ __all__ = [
     "Axis", "CancelledError", "Certificate", "Check", "Comparison", "ContourFlag", "CoordinateError", "EmptyMeshError",
     "Error", "Finding", "Image", "InvalidArgumentError", "Layer", "LayerSet", "MalformedMeshError", "Mask", "Mesh",
     "MeshTypeError", "MeshWarning", "NO_TRIANGLE", "OutOfMemoryError", "PlanesError", "Polygon", "Prepared", "Result",
-    "ResultTooLargeError", "Role", "SEVERAL_PARTS", "Sections", "Stream", "Tracks", "UnreadableFileError", "UnwritableFileError",
-    "__version__", "adaptive_layers", "assemble", "check", "clip", "combine", "compare", "image", "length_axis", "mask",
-    "offset", "open", "prepare", "read", "region_of", "save_archive", "save_mask", "save_picture", "save_structure_set",
-    "save_table", "section", "section_multiplane", "sections", "sections_along", "slice", "slice_parts", "stream", "tracks",
-    "weld",
+    "ResultTooLargeError", "Role", "SEVERAL_PARTS", "Sections", "Series", "Stream", "Tracks", "UnreadableFileError",
+    "UnwritableFileError", "__version__", "adaptive_layers", "assemble", "check", "clip", "combine", "compare", "image",
+    "length_axis", "list_series", "mask", "offset", "open", "prepare", "read", "region_of", "save_archive", "save_mask",
+    "save_picture", "save_structure_set", "save_table", "section", "section_multiplane", "sections", "sections_along",
+    "slice", "slice_parts", "stream", "tracks", "weld",
 ]  # fmt: skip

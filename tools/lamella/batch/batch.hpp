@@ -26,7 +26,7 @@ using Json = nlohmann::ordered_json;
 
 /// One mesh of a batch: what is sliced, how, and into which files.
 struct Item {
-    std::string mesh;
+    std::string mesh{};
     std::vector<std::string> words{};   ///< options that decide what comes out: "--layer-height=0.5"
     std::vector<std::string> plain{};   ///< options that do not: "--map"
     std::vector<std::string> writes{};  ///< options that name what is written: "--output=out/liver.svg"

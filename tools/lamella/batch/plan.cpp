@@ -362,9 +362,10 @@ std::string expand_pattern(const std::string& pattern, const MeshSource& mesh, c
     return path_of(text + pattern.substr(at)).lexically_normal().string();
 }
 
-Item item_of(const MeshSource& source, const ItemOptions& options) {
-    const SliceArguments& arguments = options.arguments;
-    Item item{.mesh = source.path, .threads = arguments.threads, .place = source.place};
+/// What items with the same options share.
+Item item_with(const ItemOptions& options) {
+    Item item;
+    item.threads = options.arguments.threads;
     for (const RecordedOption& option : recorded_options(options.app)) {
         item.words.push_back(option.name + (option.value ? "=" + *option.value : ""));
         if (option.names_file()) {
@@ -376,6 +377,13 @@ Item item_of(const MeshSource& source, const ItemOptions& options) {
             item.plain.push_back(name + when(!is_flag(option), "=" + option.results().front()));
         }
     }
+    return item;
+}
+
+/// `item`: item_with() the options.
+Item item_of(const MeshSource& source, const SliceArguments& arguments, Item item) {
+    item.mesh = source.path;
+    item.place = source.place;
     OutputArguments outputs{.outputs = {}, .to = arguments.outputs.to};
     for (const std::string& pattern : arguments.outputs.outputs) {
         outputs.outputs.push_back(expand_pattern(pattern, source, "--output"));
@@ -414,6 +422,7 @@ std::vector<Item> plan_items(const CLI::App& command, const std::vector<std::str
     std::vector<Item> items;
     items.reserve(sources.size());
     std::unique_ptr<ItemOptions> common;  // of items without own values, which are parsed once
+    Item alike;
     for (const MeshSource& source : sources) {
         try {
             std::unique_ptr<ItemOptions> own;
@@ -423,8 +432,10 @@ std::vector<Item> plan_items(const CLI::App& command, const std::vector<std::str
                 values.insert(typed.begin(), typed.end());
                 options = std::make_unique<ItemOptions>();
                 options->parse(values);
+                alike = common ? item_with(*common) : alike;
             }
-            const Item& item = items.emplace_back(item_of(source, *options));
+            items.push_back(item_of(source, options->arguments, own ? item_with(*own) : alike));
+            const Item& item = items.back();
             files.reads(item.mesh, "a mesh of the batch");
             for (const std::string& file : item.option_files) {
                 files.reads(file, "the file of an option");

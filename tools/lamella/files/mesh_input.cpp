@@ -106,21 +106,6 @@ std::optional<std::string> doubt_of_unit(const MeasuredMesh& mesh) {
     return std::nullopt;
 }
 
-/// Where a file lies or would lie, whatever links and spellings its path has; and if it is there, what all its names share.
-std::vector<std::string> keys_of(const std::string& path) {
-    if (is_standard(path)) {
-        return {path};
-    }
-    std::error_code unknown;
-    const std::filesystem::path whole = std::filesystem::absolute(path_of(path), unknown);
-    const std::filesystem::path place = std::filesystem::weakly_canonical(whole, unknown);
-    std::vector<std::string> keys = {(unknown ? path_of(path).lexically_normal() : place).string()};
-    if (FileStatus file; status_of(path_of(path), file) == 0) {
-        keys.push_back(std::to_string(file.volume) + ":" + std::to_string(file.number));
-    }
-    return keys;
-}
-
 }  // namespace
 
 void write_text(const std::string& path, const std::string& text) {
@@ -171,8 +156,35 @@ void require_extension(const std::string& path, const std::string& option, const
     }
 }
 
-void FilePlan::require_free(const File& file) const {
-    const std::vector<std::string> keys = keys_of(file.path);
+/// Folders are resolved once: a batch has thousands of files in each.
+std::vector<std::string> FilePlan::keys_of(const std::string& path) const {
+    if (is_standard(path)) {
+        return {path};
+    }
+    std::error_code unknown;
+    const std::filesystem::path given = path_of(path);
+    const std::filesystem::path name = given.filename();
+    std::filesystem::path place;
+    if (name.empty() || name == "." || name == ".." || std::filesystem::is_symlink(given, unknown)) {
+        place = std::filesystem::weakly_canonical(std::filesystem::absolute(given, unknown), unknown);
+        place = unknown ? given.lexically_normal() : place;
+    } else {
+        const auto [folder, is_new] = folders_.try_emplace(given.parent_path().string());
+        if (is_new) {
+            const std::filesystem::path whole = std::filesystem::absolute(given.parent_path() / ".", unknown);
+            const std::filesystem::path found = std::filesystem::weakly_canonical(whole, unknown);
+            folder->second = (unknown ? given.parent_path().lexically_normal() : found).string();
+        }
+        place = path_of(folder->second) / name;
+    }
+    std::vector<std::string> keys = {place.string()};
+    if (FileStatus file; status_of(given, file) == 0) {
+        keys.push_back(std::to_string(file.volume) + ":" + std::to_string(file.number));
+    }
+    return keys;
+}
+
+void FilePlan::require_free(const File& file, const std::vector<std::string>& keys) const {
     for (const std::string& key : keys) {
         const auto at = files_.find(key);
         // Two inputs may be one, and two outputs be links to one file, of which each then gets its own.
@@ -189,8 +201,9 @@ void FilePlan::require_free(const File& file) const {
 
 void FilePlan::add(const File& file) {
     if (!file.path.empty() && !(is_standard(file.path) && file.option.empty())) {
-        require_free(file);
-        for (const std::string& key : keys_of(file.path)) {
+        const std::vector<std::string> keys = keys_of(file.path);
+        require_free(file, keys);
+        for (const std::string& key : keys) {
             files_.emplace(key, file);
         }
     }

@@ -66,7 +66,9 @@ public:
     /// The same of a file that `option` names; `what`: "another output".
     void writes(const std::string& path, const std::string& option, const std::string& what) { add({path, option, what}); }
     /// Throws Failure (bad_usage) where `path` could not be added.
-    void require_free(const std::string& path, const std::string& option) const { require_free(File{path, option, ""}); }
+    void require_free(const std::string& path, const std::string& option) const {
+        require_free(File{path, option, ""}, keys_of(path));
+    }
 
 private:
     struct File {
@@ -74,9 +76,13 @@ private:
         std::string option;  ///< empty: an input
         std::string what;
     };
-    void require_free(const File& file) const;
+    /// Where a file lies or would lie, whatever links and spellings its path has; and if it is there, what all its names
+    /// share.
+    std::vector<std::string> keys_of(const std::string& path) const;
+    void require_free(const File& file, const std::vector<std::string>& keys) const;
     void add(const File& file);
 
+    mutable std::unordered_map<std::string, std::string> folders_;  ///< without links, by their paths as given
     std::unordered_map<std::string, File> files_;  ///< by where they lie, and by their numbers in their file systems
 };
 

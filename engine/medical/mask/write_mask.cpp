@@ -5,143 +5,23 @@
 
 #include <zlib.h>
 
-#include "base/little_endian.hpp"
 #include "base/parallel.hpp"
 #include "base/system/file.hpp"
-#include "base/words.hpp"
 #include "io/text/text.hpp"
 #include "io/write/output_file.hpp"
 #include "lamella/io/text_file.hpp"
 #include "medical/geometry/common.hpp"
+#include "medical/mask/mask_headers.hpp"
 #include "medical/mask/slice_raster.hpp"
 
 namespace lamella {
 
 namespace {
 
-// --- the header: everything before the voxels
+// --- the size
 
 constexpr std::uint64_t largest_nifti_side = 32767;
 constexpr std::uint64_t largest_mask_bytes = std::uint64_t{1} << 38;
-
-std::string vector_text(const Direction& at) {
-    return "(" + exact_text(at[0]) + "," + exact_text(at[1]) + "," + exact_text(at[2]) + ")";
-}
-
-/// NIfTI's numbers, and gzip's, are written little-endian.
-template <class T>
-void put(std::string& header, std::size_t at, T value) {
-    std::memcpy(header.data() + at, &value, sizeof value);
-}
-
-/// The quaternion (b, c, d) of the rotation whose columns are `axes`, right-handed.
-std::array<double, 3> quaternion(const std::array<Direction, 3>& axes) {
-    const auto& [x, y, z] = axes;
-    // Four times the products of its components a, b, c and d.
-    const std::array<std::array<double, 4>, 4> products = {{
-        {1 + x[0] + y[1] + z[2], y[2] - z[1], z[0] - x[2], x[1] - y[0]},
-        {y[2] - z[1], 1 + x[0] - y[1] - z[2], y[0] + x[1], z[0] + x[2]},
-        {z[0] - x[2], y[0] + x[1], 1 + y[1] - x[0] - z[2], z[1] + y[2]},
-        {x[1] - y[0], z[0] + x[2], z[1] + y[2], 1 + z[2] - x[0] - y[1]},
-    }};
-    std::size_t most = 0;
-    for (std::size_t i = 1; i < 4; ++i) {
-        most = products[i][i] > products[most][most] ? i : most;
-    }
-    const std::array<double, 4>& row = products[most];
-    const double scale = (row[0] < 0 ? -0.5 : 0.5) / std::sqrt(row[most]);
-    return {scale * row[1], scale * row[2], scale * row[3]};
-}
-
-std::string nifti_header(const MaskLayout& layout, std::size_t labels, const ImageGeometry& image) {
-    std::string header(352, '\0');
-    put<std::int32_t>(header, 0, 348);
-    header[38] = 'r';
-    put<std::int16_t>(header, 40, 3);  // dimensions, then the size of each of seven
-    for (std::size_t i = 0; i < 7; ++i) {
-        put(header, 42 + 2 * i, static_cast<std::int16_t>(i < 3 ? image.size[i] : 1));
-    }
-    put<std::int16_t>(header, 70, layout.voxel_bytes == 1 ? 2 : 512);  // uint8, uint16
-    put<std::int16_t>(header, 72, static_cast<std::int16_t>(8 * layout.voxel_bytes));
-    std::array<Direction, 3> axes = image.axes;  // in RAS, as what follows
-    std::array<Direction, 3> steps = image.steps_mm();
-    for (Direction* const direction : {&axes[0], &axes[1], &axes[2], &steps[0], &steps[1], &steps[2]}) {
-        *direction = {-(*direction)[0], -(*direction)[1], (*direction)[2]};
-    }
-    const bool left_handed = dot(cross(axes[0], axes[1]), axes[2]) < 0;
-    put(header, 76, left_handed ? -1.0F : 1.0F);
-    for (std::size_t i = 0; i < 3; ++i) {
-        put(header, 80 + 4 * i, static_cast<float>(i == 2 && image.is_sheared() ? length(steps[i]) : image.spacing_mm[i]));
-    }
-    put(header, 108, 352.0F);
-    put(header, 112, layout.shares ? 1.0F / 255.0F : 1.0F);
-    header[123] = 2;  // mm
-    put(header, 124, layout.shares ? 1.0F : static_cast<float>(labels));
-    std::memcpy(header.data() + 148, "lamella", 7);
-    put<std::int16_t>(header, 252, image.is_sheared() ? 0 : 1);  // a qform cannot say it
-    put<std::int16_t>(header, 254, 1);
-    const std::array<double, 3> origin = {-image.origin_mm[0], -image.origin_mm[1], image.origin_mm[2]};
-    const std::array<double, 3> turn = quaternion({axes[0], axes[1], left_handed ? scaled(axes[2], -1) : axes[2]});
-    for (std::size_t i = 0; i < 3; ++i) {
-        put(header, 256 + 4 * i, static_cast<float>(turn[i]));
-        put(header, 268 + 4 * i, static_cast<float>(origin[i]));
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            put(header, 280 + 16 * i + 4 * axis, static_cast<float>(steps[axis][i]));
-        }
-        put(header, 292 + 16 * i, static_cast<float>(origin[i]));
-    }
-    std::memcpy(header.data() + 344, "n+1", 3);
-    return header;
-}
-
-std::string segments_of(std::span<const MaskPart> parts, const ImageGeometry& image) {
-    static constexpr std::array<const char*, 6> colours = {"0.9 0.3 0.2", "0 0.45 0.7",    "0 0.62 0.45",
-                                                           "0.9 0.62 0",  "0.8 0.47 0.65", "0.34 0.7 0.91"};
-    std::string text =
-        "Segmentation_ContainedRepresentationNames:=Binary labelmap|\n"
-        "Segmentation_MasterRepresentation:=Binary labelmap\nSegmentation_ReferenceImageExtentOffset:=0 0 0\n";
-    std::string extent;
-    for (const std::uint64_t side : image.size) {
-        extent += (extent.empty() ? "0 " : " 0 ") + std::to_string(side - 1);
-    }
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-        const std::string segment = "Segment" + std::to_string(i) + "_";
-        const std::string label = std::to_string(i + 1);
-        std::string name = text_of_name(parts[i].name);
-        std::replace_if(
-            name.begin(), name.end(), [](unsigned char c) { return c < ' '; }, ' ');  // what would end a line
-        for (const auto& [key, value] : {std::pair<const char*, std::string>{"ID", "Segment_" + label},
-                                         {"Name", name},
-                                         {"NameAutoGenerated", "0"},
-                                         {"LabelValue", label},
-                                         {"Layer", "0"},
-                                         {"Color", colours[i % colours.size()]},
-                                         {"ColorAutoGenerated", "1"},
-                                         {"Extent", extent}}) {
-            text.append(segment).append(key).append(":=").append(value).append("\n");
-        }
-    }
-    return text;
-}
-
-std::string nrrd_header(const MaskLayout& layout, std::span<const MaskPart> parts, const ImageGeometry& image) {
-    std::string sizes;
-    std::string directions;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        sizes += " " + std::to_string(image.size[axis]);
-        directions += " " + vector_text(image.steps_mm()[axis]);
-    }
-    std::string text =
-        "NRRD0004\n# Written by lamella.\ntype: " +
-        std::string(layout.voxel_bytes == 1 ? "unsigned char" : "unsigned short") +
-        "\ndimension: 3\nspace: left-posterior-superior\nsizes:" + sizes + "\nspace directions:" + directions +
-        "\nkinds: domain domain domain\n" + (layout.voxel_bytes == 1 ? "" : "endian: little\n") +
-        "encoding: " + (layout.compressed ? "gzip" : "raw") + "\nspace origin: " + vector_text(image.origin_mm) + "\n";
-    if (layout.shares) {
-        text += "lamella_share:=255 stands for 1\n";
-    }
-    return text + (layout.form == MaskForm::segmentation ? segments_of(parts, image) : "") + "\n";
-}
 
 /// Throws Refused where the format, or any, does not hold a mask of that size.
 void require_mask_fits(const std::filesystem::path& path, const MaskLayout& layout, const ImageGeometry& image) {
@@ -252,8 +132,8 @@ MaskCounts write_slices(const SliceRaster& raster, std::span<const MaskPart> par
     }
     std::string gzip_end(layout.compressed ? 8 : 0, '\0');
     if (layout.compressed) {
-        put(gzip_end, 0, static_cast<std::uint32_t>(crc));
-        put(gzip_end, 4, static_cast<std::uint32_t>(length));
+        put_at(gzip_end, 0, static_cast<std::uint32_t>(crc));
+        put_at(gzip_end, 4, static_cast<std::uint32_t>(length));
     }
     file.append(gzip_end);
     return total;

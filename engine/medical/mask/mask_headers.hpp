@@ -1,0 +1,24 @@
+// The header of a mask's file: everything before the voxels.
+#pragma once
+
+#include <cstddef>
+#include <cstring>
+#include <span>
+#include <string>
+
+#include "base/little_endian.hpp"
+#include "lamella/medical/mask.hpp"
+#include "medical/mask/slice_raster.hpp"
+
+namespace lamella {
+
+/// NIfTI's numbers, and gzip's, are written little-endian.
+template <class T>
+void put_at(std::string& header, std::size_t at, T value) {
+    std::memcpy(header.data() + at, &value, sizeof value);
+}
+
+std::string nifti_header(const MaskLayout& layout, std::size_t labels, const ImageGeometry& image);
+std::string nrrd_header(const MaskLayout& layout, std::span<const MaskPart> parts, const ImageGeometry& image);
+
+}  // namespace lamella

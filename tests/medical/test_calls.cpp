@@ -41,6 +41,7 @@ TEST_CASE("medical calls give the same bytes on any number of threads, end when 
         {"a.nii.gz", mask},
         {"a.nrrd", mask},
         {"a.seg.nrrd", mask},
+        {"a.mha", mask},
         {"a.csv", rows},
         {"a.jsonl", rows},
         {"a.dcm", ends([&](const Path& to, const Context& c) {

@@ -26,11 +26,28 @@ def check_near(path):
 
 def check_plastimatch(run):
     """Images that plastimatch makes of masks have the marker at its place."""
-    for end in ("nii.gz", "nrrd", "seg.nrrd"):
+    for end in ("nii.gz", "nrrd", "seg.nrrd", "mha"):
         run("slice", "box.stl", "--like", "like.nii.gz", "--frame", "ras", "-o", f"p.{end}")
         subprocess.run(["plastimatch", "convert", "--input", f"p.{end}", "--output-img", "of.nii"], cwd=run.folder, check=True,
                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         check_near(run.folder / "of.nii")
+
+
+def check_vtk(run):
+    """MetaImage: VTK reads the voxels of the NIfTI mask. It takes no directions from the file."""
+    try:
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+        from vtkmodules.vtkIOImage import vtkMetaImageReader
+    except ImportError as error:
+        print("not tested:", error)
+        return
+    run("slice", "box.stl", "--like", "like.nii.gz", "--frame", "ras", "-o", "t.mha")
+    reader = vtkMetaImageReader()
+    reader.SetFileName(str(run.folder / "t.mha"))
+    reader.Update()
+    mine = numpy.asarray(nibabel.load(run.folder / "t.nii").dataobj).ravel(order="F")
+    assert numpy.array_equal(vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars()), mine)
+    assert reader.GetOutput().GetSpacing() == (1.5, 2.0, 1.0) and reader.GetOutput().GetOrigin() == (-30.0, -5.0, 60.0)
 
 
 def test(run):
@@ -69,6 +86,7 @@ def test(run):
         voxels = (folder / "raw.nrrd").read_bytes()[-30 * 20 * 40 :]
         same = numpy.asarray(nibabel.load(folder / "t.nii").dataobj).ravel(order="F").tobytes()
         assert voxels == same, "Teem reads other voxels than nibabel"
+    check_vtk(run)
     if shutil.which("plastimatch"):
         check_plastimatch(run)
 

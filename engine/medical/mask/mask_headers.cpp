@@ -126,4 +126,31 @@ std::string nrrd_header(const MaskLayout& layout, std::span<const MaskPart> part
     return text + (layout.form == MaskForm::segmentation ? segments_of(parts, image) : "") + "\n";
 }
 
+std::string meta_header(const MaskLayout& layout, const ImageGeometry& image, std::uint64_t compressed_bytes) {
+    std::string matrix;
+    std::string letters;  // from which side of the patient each axis comes
+    std::string spacing;
+    std::string size;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const bool aslant = axis == 2 && image.is_sheared();
+        const Direction step = image.steps_mm()[axis];
+        const double side = aslant ? length(step) : image.spacing_mm[axis];
+        for (const double coordinate : aslant ? scaled(step, 1 / side) : image.axes[axis]) {
+            matrix += " " + exact_text(coordinate);
+        }
+        const auto [nearest, negative] = nearest_axis(image.axes[axis]);
+        letters += (negative ? "LPS" : "RAI")[nearest];
+        spacing += " " + exact_text(side);
+        size += " " + std::to_string(image.size[axis]);
+    }
+    const auto& [x, y, z] = image.origin_mm;
+    return "ObjectType = Image\nNDims = 3\nComment = Written by lamella" +
+           std::string(layout.shares ? "; 255 stands for 1" : "") +
+           "\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = True\nCompressedDataSize = " +
+           std::to_string(compressed_bytes) + "\nTransformMatrix =" + matrix + "\nOffset = " + exact_text(x) + " " +
+           exact_text(y) + " " + exact_text(z) + "\nCenterOfRotation = 0 0 0\nAnatomicalOrientation = " + letters +
+           "\nElementSpacing =" + spacing + "\nDimSize =" + size +
+           "\nElementType = " + (layout.voxel_bytes == 1 ? "MET_UCHAR" : "MET_USHORT") + "\nElementDataFile = LOCAL\n";
+}
+
 }  // namespace lamella

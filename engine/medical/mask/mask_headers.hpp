@@ -20,5 +20,7 @@ void put_at(std::string& header, std::size_t at, T value) {
 
 std::string nifti_header(const MaskLayout& layout, std::size_t labels, const ImageGeometry& image);
 std::string nrrd_header(const MaskLayout& layout, std::span<const MaskPart> parts, const ImageGeometry& image);
+/// MetaImage states how many bytes the compressed voxels have: its readers refuse a file that does not.
+std::string meta_header(const MaskLayout& layout, const ImageGeometry& image, std::uint64_t compressed_bytes);
 
 }  // namespace lamella

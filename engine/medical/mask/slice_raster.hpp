@@ -171,7 +171,7 @@ private:
     std::vector<std::uint32_t> sorted_;
 };
 
-enum class MaskForm : std::uint8_t { nifti, nrrd, segmentation };
+enum class MaskForm : std::uint8_t { nifti, nrrd, segmentation, meta };
 
 struct MaskLayout {
     std::string_view name_end;  ///< of the file's name

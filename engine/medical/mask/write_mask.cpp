@@ -45,8 +45,8 @@ void require_mask_fits(const std::filesystem::path& path, const MaskLayout& layo
 
 // --- the voxels
 
-/// Compresses `data` to a piece of a gzip member; `last`: which it ends. Throws std::bad_alloc.
-std::vector<unsigned char> gzip_piece(std::span<const unsigned char> data, bool last) {
+/// Compresses `data` to a piece of deflated data; `last`: which it ends. Throws std::bad_alloc.
+std::vector<unsigned char> deflated_piece(std::span<const unsigned char> data, bool last) {
     z_stream stream{};
     constexpr int raw_window = -15;
     // Runs are what a mask consists of: matches at a distance cost ten times as much for a few per cent.
@@ -74,7 +74,7 @@ std::vector<unsigned char> gzip_piece(std::span<const unsigned char> data, bool 
     return piece;
 }
 
-/// A block of slices has about so much: enough for a piece of gzip.
+/// A block of slices has about so much: enough for a piece of deflated data.
 constexpr std::size_t block_bytes = std::size_t{1} << 20;
 constexpr std::size_t blocks_a_thread = 2;
 
@@ -83,28 +83,75 @@ constexpr std::size_t blocks_a_thread = 2;
 struct Block {
     std::vector<unsigned char> raw;
     std::vector<unsigned char> compressed;
-    unsigned long crc = 0;  ///< of `raw`
+    unsigned long checksum = 0;  ///< of `raw`
     MaskCounts counts{0};
+};
+
+/// Bytes that are written, or only counted.
+struct ByteSink {
+    OutputFile* file = nullptr;
+    std::uint64_t bytes = 0;
+
+    void append(std::string_view text) {
+        bytes += text.size();
+        if (file != nullptr) {
+            file->append(text);
+        }
+    }
+};
+
+/// What frames deflated voxels: gzip, or zlib in MetaImage.
+class Wrapping {
+public:
+    explicit Wrapping(const MaskLayout& layout)
+        : is_gzip_(layout.compressed && layout.form != MaskForm::meta), is_zlib_(layout.form == MaskForm::meta) {}
+
+    /// Without a time.
+    std::string_view begin() const noexcept {
+        return is_gzip_ ? std::string_view("\x1f\x8b\x08\0\0\0\0\0\0\xff", 10) : is_zlib_ ? "\x78\x01" : "";
+    }
+    unsigned long checksum_of(std::span<const unsigned char> raw) const noexcept {
+        return is_zlib_ ? ::adler32_z(1, raw.data(), raw.size()) : ::crc32_z(0, raw.data(), raw.size());
+    }
+    void add(unsigned long checksum, std::size_t bytes) noexcept {
+        const auto length = static_cast<z_off_t>(bytes);
+        checksum_ = is_zlib_ ? ::adler32_combine(length_ == 0 ? 1 : checksum_, checksum, length)
+                             : ::crc32_combine(checksum_, checksum, length);
+        length_ += bytes;
+    }
+    std::string end() const {
+        std::string text(is_gzip_ ? 8 : is_zlib_ ? 4 : 0, '\0');
+        if (is_gzip_) {
+            put_at(text, 0, static_cast<std::uint32_t>(checksum_));
+            put_at(text, 4, static_cast<std::uint32_t>(length_));
+        }
+        for (std::size_t i = 0; is_zlib_ && i < 4; ++i) {  // big-endian
+            text[i] = static_cast<char>(checksum_ >> (24 - 8 * i) & 0xff);
+        }
+        return text;
+    }
+
+private:
+    bool is_gzip_;
+    bool is_zlib_;
+    unsigned long checksum_ = 0;
+    std::uint64_t length_ = 0;
 };
 
 /// Writes blocks of slices, in their order, each made on any thread.
 MaskCounts write_slices(const SliceRaster& raster, std::span<const MaskPart> parts, const ImageGeometry& image,
-                        const MaskLayout& layout, OutputFile& file, const Parallel& parallel) {
-    const std::string header =
-        layout.form == MaskForm::nifti ? nifti_header(layout, parts.size(), image) : nrrd_header(layout, parts, image);
-    // The header of compressed NIfTI is within the gzip member, that of NRRD before it.
+                        const MaskLayout& layout, const std::string& header, ByteSink& out, const Parallel& parallel) {
+    // The header of compressed NIfTI is within the gzip member, that of others before it.
     const bool is_within = layout.compressed && layout.form == MaskForm::nifti;
-    file.append(is_within ? std::string_view() : header);
-    // Begin and end of a gzip member, without a time.
-    file.append(layout.compressed ? std::string_view("\x1f\x8b\x08\0\0\0\0\0\0\xff", 10) : std::string_view());
+    Wrapping wrapping(layout);
+    out.append(is_within ? std::string_view() : header);
+    out.append(wrapping.begin());
     const std::uint64_t slices_a_block = std::max<std::uint64_t>(1, block_bytes / raster.slice_bytes());
     const std::uint64_t blocks = (image.size[2] + slices_a_block - 1) / slices_a_block;
     std::vector<SliceRaster::Scratch> scratch(static_cast<std::size_t>(parallel.threads()));
     std::vector<Block> made(blocks_a_thread * scratch.size());
     MaskCounts total(parts.size());
-    unsigned long crc = 0;
-    std::uint64_t length = 0;
-    for (std::uint64_t first = 0; first < blocks && !file.failed(); first += made.size()) {
+    for (std::uint64_t first = 0; first < blocks && (out.file == nullptr || !out.file->failed()); first += made.size()) {
         const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(made.size(), blocks - first));
         parallel.run(count, [&](std::size_t i, int worker) {
             const std::uint64_t begin = (first + i) * slices_a_block;
@@ -118,25 +165,32 @@ MaskCounts write_slices(const SliceRaster& raster, std::span<const MaskPart> par
                 raster.draw(slice, to, scratch[static_cast<std::size_t>(worker)], block.counts);
             }
             if (layout.compressed) {
-                block.compressed = gzip_piece(block.raw, end == image.size[2]);
-                block.crc = ::crc32_z(0, block.raw.data(), block.raw.size());
+                block.compressed = deflated_piece(block.raw, end == image.size[2]);
+                block.checksum = wrapping.checksum_of(block.raw);
             }
         });
         for (const Block& block : std::span(made).first(count)) {
             const std::vector<unsigned char>& bytes = layout.compressed ? block.compressed : block.raw;
-            file.append({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-            crc = ::crc32_combine(crc, block.crc, static_cast<z_off_t>(block.raw.size()));
-            length += block.raw.size();
+            out.append({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+            wrapping.add(block.checksum, block.raw.size());
             total.add(block.counts);
         }
     }
-    std::string gzip_end(layout.compressed ? 8 : 0, '\0');
-    if (layout.compressed) {
-        put_at(gzip_end, 0, static_cast<std::uint32_t>(crc));
-        put_at(gzip_end, 4, static_cast<std::uint32_t>(length));
-    }
-    file.append(gzip_end);
+    out.append(wrapping.end());
     return total;
+}
+
+MaskCounts write_slices_to(OutputFile& file, const SliceRaster& raster, std::span<const MaskPart> parts,
+                           const ImageGeometry& image, const MaskLayout& layout, const Parallel& parallel) {
+    ByteSink counter;
+    if (layout.form == MaskForm::meta) {
+        (void)write_slices(raster, parts, image, layout, "", counter, parallel);
+    }
+    const std::string header = layout.form == MaskForm::nifti  ? nifti_header(layout, parts.size(), image)
+                               : layout.form == MaskForm::meta ? meta_header(layout, image, counter.bytes)
+                                                               : nrrd_header(layout, parts, image);
+    ByteSink out{&file};
+    return write_slices(raster, parts, image, layout, header, out, parallel);
 }
 
 /// NAME.labels.csv beside NAME.nii.gz: label, name, voxels.
@@ -152,15 +206,16 @@ Status write_label_table(std::span<const MaskPart> parts, const MaskSummary& sum
 }  // namespace
 
 MaskLayout layout_of(const std::filesystem::path& path, std::span<const MaskPart> parts, bool shares) {
-    static constexpr std::array<MaskLayout, 4> layouts = {{{".seg.nrrd", MaskForm::segmentation, true},
+    static constexpr std::array<MaskLayout, 5> layouts = {{{".seg.nrrd", MaskForm::segmentation, true},
                                                            {".nrrd", MaskForm::nrrd, true},
+                                                           {".mha", MaskForm::meta, true},
                                                            {".nii.gz", MaskForm::nifti, true},
                                                            {".nii", MaskForm::nifti, false}}};
     const std::string name = lower_case(path.filename().string());
     const auto* const found = std::find_if(layouts.begin(), layouts.end(),
                                            [&](const MaskLayout& layout) { return name.ends_with(layout.name_end); });
     if (found == layouts.end()) {
-        refuse_output(path, "a mask's name ends in .nii, .nii.gz, .nrrd or .seg.nrrd");
+        refuse_output(path, "a mask's name ends in .nii, .nii.gz, .nrrd, .seg.nrrd or .mha");
     }
     if (parts.empty() || parts.size() > (shares ? 1 : most_mask_labels)) {
         refuse_output(path, std::to_string(parts.size()) + " meshes in a mask that holds 1 to " +
@@ -182,7 +237,7 @@ Result<MaskSummary> write_mask(std::span<const MaskPart> parts, const ImageGeome
         const SliceRaster raster(parts, image, options, layout);
         const Parallel parallel(context);
         OutputFile file = require(OutputFile::create(path));
-        const MaskCounts counts = write_slices(raster, parts, image, layout, file, parallel);
+        const MaskCounts counts = write_slices_to(file, raster, parts, image, layout, parallel);
         const MaskSummary summary = summary_of(counts, parts, parallel.within(context));
         require(file.commit());
         if (parts.size() > 1) {

@@ -47,8 +47,8 @@ struct MaskSummary {
 
 /// Writes a mask of the size of `image`. A voxel is in where the winding number around its centre is not 0; centres on a
 /// left or bottom edge are inside. Centres are rounded to the grid of the result, so that the answer is exact. The end of
-/// the name decides the format: .nii, .nii.gz, .nrrd or .seg.nrrd (with 3D Slicer's keys). Labels are bytes up to 255 parts,
-/// else two bytes; shares are bytes of which 255 stand for 1. Beside a mask of several parts stands NAME.labels.csv.
+/// the name decides the format: .nii, .nii.gz, .nrrd, .seg.nrrd (with 3D Slicer's keys) or .mha. Labels are bytes up to 255
+/// parts, else two bytes; shares are bytes of which 255 stand for 1. Beside a mask of several parts stands NAME.labels.csv.
 ///
 /// v voxels, q points: O(v + q) and memory for some slices. The bytes do not depend on threads. Errors: invalid_argument
 /// (not cut at the image's slices; a side over 32,767 for NIfTI; too large), unwritable_file, cancelled, out_of_memory.

@@ -21,12 +21,13 @@ struct NamedFormat {
 };
 
 /// Longer ends before those that they end in.
-constexpr std::array<NamedFormat, 10> formats = {{
+constexpr std::array<NamedFormat, 11> formats = {{
     {"svg", ".svg", OutputFormat::svg},
     {"nii.gz", ".nii.gz", OutputFormat::mask},
     {"nii", ".nii", OutputFormat::mask},
     {"seg.nrrd", ".seg.nrrd", OutputFormat::mask},
     {"nrrd", ".nrrd", OutputFormat::mask},
+    {"mha", ".mha", OutputFormat::mask},
     {"rtstruct", ".dcm", OutputFormat::structure_set},
     {"csv", ".csv", OutputFormat::table},
     {"jsonl", ".jsonl", OutputFormat::table},

@@ -11,8 +11,10 @@
 
 #include "lamella/medical/archive.hpp"
 #include "lamella/medical/geometry.hpp"
+#include "lamella/medical/labels.hpp"
 #include "lamella/medical/mask.hpp"
 #include "lamella/medical/picture.hpp"
 #include "lamella/medical/record.hpp"
+#include "lamella/medical/segmentation.hpp"
 #include "lamella/medical/structure_set.hpp"
 #include "lamella/medical/table.hpp"

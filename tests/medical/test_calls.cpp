@@ -42,6 +42,9 @@ TEST_CASE("medical calls give the same bytes on any number of threads, end when 
         {"a.nrrd", mask},
         {"a.seg.nrrd", mask},
         {"a.mha", mask},
+        {"a.seg.dcm", ends([&](const Path& to, const Context& c) {
+             return write_segmentation(organs, image, to, {.without_ct = true}, c);
+         })},
         {"a.csv", rows},
         {"a.jsonl", rows},
         {"a.dcm", ends([&](const Path& to, const Context& c) {

@@ -201,6 +201,49 @@ def masks(run, ct):
         assert len(theirs) == len(mine), (ct, len(theirs), len(mine))
 
 
+def segmentation(run, ct):
+    """Frames lie on the slices of the CT, and hold the voxels of the masks of each mesh alone, as pydicom and dcmtk read them."""
+    for flags in ("", "--coverage"):
+        words = ["body.stl", "other.stl", "--like", ct, "--frame", "lps", *flags.split(), "--label-table", "labels.csv"]
+        for threads in ("1", "2"):
+            run("slice", *words, "-o", f"s{threads}.seg.dcm", "--threads", threads)
+        assert (run.folder / "s1.seg.dcm").read_bytes() == (run.folder / "s2.seg.dcm").read_bytes(), "bytes depend on threads"
+        conforms(run, "s1.seg.dcm")
+        data = pydicom.dcmread(run.folder / "s1.seg.dcm")
+        shared = data.SharedFunctionalGroupsSequence[0]
+        along = numpy.array(shared.PlaneOrientationSequence[0].ImageOrientationPatient, float).reshape(2, 3)
+        rows, columns = shared.PixelMeasuresSequence[0].PixelSpacing
+        assert [s.SegmentLabel for s in data.SegmentSequence] == ["Körper", "other"]
+        frames = data.pixel_array.reshape(-1, ROWS, COLUMNS)
+        instances = places_of_slices(run.folder / ct)
+        found = [{}, {}]
+        for frame, groups in zip(frames, data.PerFrameFunctionalGroupsSequence):
+            place = numpy.array(groups.PlanePositionSequence[0].ImagePositionPatient, float)
+            source = groups.DerivationImageSequence[0].SourceImageSequence[0]
+            source = instances[source.ReferencedSOPInstanceUID, source.get("ReferencedFrameNumber")]
+            assert numpy.abs(place - source).max() < 1e-5, (place, source)
+            segment = groups.SegmentIdentificationSequence[0].ReferencedSegmentNumber - 1
+            for row, column in numpy.argwhere(frame):
+                at = place + along[0] * float(columns) * column + along[1] * float(rows) * row
+                found[segment][tuple(numpy.round(at, 3) + 0.0)] = frame[row, column]
+        for segment, mesh in enumerate(("body", "other")):
+            if ct == "uneven":
+                continue  # which no mask is drawn on
+            run("slice", f"{mesh}.stl", "--like", ct, "--frame", "lps", *flags.split(), "-o", "m.nii")
+            image = nibabel.load(run.folder / "m.nii")
+            voxels = numpy.asarray(image.dataobj.get_unscaled())
+            theirs = numpy.array(sorted(found[segment]))
+            index = nibabel.affines.apply_affine(numpy.linalg.inv(image.affine), theirs * [-1, -1, 1])
+            again = numpy.zeros_like(voxels)
+            again[tuple(numpy.round(index).astype(int).T)] = [found[segment][tuple(at)] for at in theirs]
+            assert numpy.abs(index - numpy.round(index)).max() < 0.01 and numpy.array_equal(again, voxels), (ct, mesh, flags)
+        if program := shutil.which("dcm2pnm"):
+            for i in (0, len(frames) // 2, len(frames) - 1):
+                subprocess.run([program, "+F", str(i + 1), "+op", "s1.seg.dcm", "f.pgm"], cwd=run.folder, check=True)
+                theirs = numpy.frombuffer((run.folder / "f.pgm").read_bytes()[-ROWS * COLUMNS :], numpy.uint8)
+                assert numpy.array_equal(theirs.reshape(ROWS, COLUMNS) > 127, frames[i] > (127 if flags else 0)), "dcm2pnm"
+
+
 def refusals(run):
     """Those that need a CT; others: tests/medical/test_dicom.cpp, tests/cli/transcripts/refusals.txt."""
     straight = (numpy.array([1.0, 0, 0]), numpy.array([0, 1.0, 0]), (-25, -25, 9))
@@ -237,6 +280,8 @@ def refusals(run):
 def test_all(run):
     folder = run.folder
     (folder / "body.stl").write_bytes(stl(HOLLOW))
+    (folder / "other.stl").write_bytes(stl(box((-12.3, -9, 15), (9, 13, 21.7))))
+    (folder / "labels.csv").write_text("label,name,color,type\n1,Körper,#80ff00,SCT^91723000^Anatomical structure\n")
     i, j, k = numpy.eye(3)
     even = [2.87 * n for n in range(10)]
     turn = numpy.linalg.qr(numpy.array([[1.0, 0.2, 0.1], [-0.1, 1, 0.3], [0.2, -0.4, 1]]))[0]
@@ -260,6 +305,7 @@ def test_all(run):
             assert all(abs(found - area_at(height)) < 1e-4 for height, found in areas.items()), areas
         if name != "uneven":
             masks(run, name)
+        segmentation(run, name)
     refusals(run)
     run("slice", "body.stl", "--frame", "lps", "--spacing", "1,1,2", "--without-ct", "-o", "w.dcm")
     conforms(run, "w.dcm")

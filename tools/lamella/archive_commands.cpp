@@ -87,6 +87,7 @@ public:
 
     void run() {
         file_plan_.reads(arguments_.image.like, "the file of --like");
+        file_plan_.reads(arguments_.outputs.label_table, "the file of --label-table");
         for (const std::string& archive : arguments_.archives) {
             file_plan_.reads(archive, "the archive");
         }
@@ -99,6 +100,9 @@ public:
         }
         if (arguments_.combination) {
             combine();
+        }
+        if (!arguments_.outputs.label_table.empty()) {
+            add_input(arguments_.outputs.label_table);
         }
         if (!arguments_.image.like.empty()) {
             use_image();
@@ -146,8 +150,14 @@ private:
         job_.image = std::move(archive.info.geometry);
         job_.subslices = archive.info.subslices;
         job_.parts.push_back(std::move(part));
-        job_.inputs.push_back(stages_.done("reading " + printable(path),
-                                           [&](const Context& context) { return seal_file(path_of(path), context); }));
+        add_input(path);
+    }
+
+    /// For the records.
+    void add_input(const std::string& path) {
+        job_.inputs.push_back(stages_.done("reading " + printable(path), [&](const Context& context) {
+            return seal_file(path_of(path), context, arguments_.image.of_like);
+        }));
     }
 
     /// The parts become one, with the name of the first.
@@ -177,15 +187,12 @@ private:
                   arguments_.archives.front() + ": not cut at the slices of " + arguments_.image.like);
         add_series(image, file_plan_);
         job_.image = std::move(image);
-        job_.inputs.push_back(stages_.done("reading " + printable(arguments_.image.like), [&](const Context& context) {
-            return seal_file(path_of(arguments_.image.like), context, arguments_.image.of_like);
-        }));
+        add_input(arguments_.image.like);
     }
 
     void require_image_outputs_possible() const {
-        const auto first = std::find_if(job_.outputs.begin(), job_.outputs.end(), [](const PlannedOutput& output) {
-            return output.is_mask() || output.format == OutputFormat::structure_set;
-        });
+        const auto first = std::find_if(job_.outputs.begin(), job_.outputs.end(),
+                                        [](const PlannedOutput& output) { return output.is_mask() || output.is_dicom(); });
         if (first == job_.outputs.end()) {
             return;
         }

@@ -103,6 +103,19 @@ public:
 
     void put_uid(dicom::Tag tag, std::string_view uid) { put(tag, padded_uid(uid)); }
     void put_number(dicom::Tag tag, std::uint64_t number) { put(tag, std::to_string(number)); }
+    /// Binary: of two or four bytes each.
+    template <class Integer, std::size_t count>
+    void put_integers(dicom::Tag tag, const std::array<Integer, count>& values) {
+        put_head(tag, static_cast<std::uint32_t>(sizeof values));
+        bytes_.append(reinterpret_cast<const char*>(values.data()), sizeof values);
+    }
+    void put_short(dicom::Tag tag, std::size_t value) { put_integers(tag, std::array{static_cast<std::uint16_t>(value)}); }
+    /// A tag as a value.
+    void put_tag(dicom::Tag tag, dicom::Tag value) {
+        put_integers(tag, std::array{static_cast<std::uint16_t>(value >> 16), static_cast<std::uint16_t>(value & 0xffff)});
+    }
+    /// The head of an element whose `length` bytes the caller writes, an even number.
+    void begin_value(dicom::Tag tag, std::uint32_t length) { put_head(tag, length); }
 
     /// `put_items` puts the items, `put_elements` what is in one.
     template <class PutItems>
@@ -127,8 +140,12 @@ public:
         });
     }
 
-    /// The bytes so far; they may be taken away between two elements.
-    std::string& bytes() noexcept { return bytes_; }
+    /// Gives the bytes so far away, between two elements. They stay where they are until the next element.
+    std::string_view take() noexcept {
+        taken_.swap(bytes_);
+        bytes_.clear();
+        return taken_;
+    }
 
     /// The begin of a file: preamble and file meta information, explicit.
     static std::string file_meta(std::string_view class_uid, std::string_view instance_uid) {
@@ -171,6 +188,7 @@ private:
     }
 
     std::string bytes_;
+    std::string taken_;
 };
 
 /// A number as DICOM writes decimals, at most 16 characters: with `decimals` of them, or fewer where it must, and without

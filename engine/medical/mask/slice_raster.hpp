@@ -196,6 +196,13 @@ struct MaskCounts {
         double area = 0;    ///< mm2
         double inside = 0;  ///< of it, what lies within the image
         double length = 0;  ///< mm: area over width, summed over slices
+
+        void add(const Part& other) {
+            voxels += other.voxels;
+            area += other.area;
+            inside += other.inside;
+            length += other.length;
+        }
     };
     std::vector<Part> parts;
     std::uint64_t overlapped = 0;
@@ -204,10 +211,7 @@ struct MaskCounts {
     void add(const MaskCounts& other) {
         overlapped += other.overlapped;
         for (std::size_t i = 0; i < parts.size(); ++i) {
-            parts[i].voxels += other.parts[i].voxels;
-            parts[i].area += other.parts[i].area;
-            parts[i].inside += other.parts[i].inside;
-            parts[i].length += other.parts[i].length;
+            parts[i].add(other.parts[i]);
         }
     }
 };

@@ -18,6 +18,7 @@
 #include "lamella/context.hpp"
 #include "lamella/error.hpp"
 #include "lamella/medical/geometry.hpp"
+#include "lamella/medical/labels.hpp"
 #include "lamella/result.hpp"
 
 namespace lamella {
@@ -26,6 +27,7 @@ namespace lamella {
 struct MaskPart {
     const SliceResult* result = nullptr;  ///< cut at ImageGeometry::slice_heights_mm(), in ImageGeometry::slicing_frame()
     std::string name;
+    SegmentTerms terms{};  ///< for DICOM segmentations
 };
 
 struct MaskOptions {

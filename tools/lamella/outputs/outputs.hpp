@@ -29,6 +29,7 @@ struct OutputArguments {
     bool strict = false;
     std::optional<HoleForm> holes{};  ///< of structure sets
     bool without_ct = false;
+    std::string label_table{};                     ///< path
     std::optional<std::uint64_t> picture_layer{};  ///< instead of a contact sheet
 };
 
@@ -53,14 +54,16 @@ void declare_image(CLI::App& command, ImageArguments& arguments);
 void declare_like(CLI::App& command, ImageArguments& arguments, const std::string& help);
 
 /// The end of a mask's or a table's name says which one it is.
-enum class OutputFormat : std::uint8_t { svg, mask, structure_set, table, png, hdf5 };
+enum class OutputFormat : std::uint8_t { svg, mask, segmentation, structure_set, table, png, hdf5 };
 
 struct PlannedOutput {
     std::string path;  ///< or - for standard output
     OutputFormat format = OutputFormat::svg;
 
     /// Voxels in the patient: it needs the geometry of an image, and the patient frame of the mesh.
-    bool is_mask() const noexcept { return format == OutputFormat::mask; }
+    bool is_mask() const noexcept { return format == OutputFormat::mask || format == OutputFormat::segmentation; }
+    /// Of DICOM: it names the slices of a CT.
+    bool is_dicom() const noexcept { return format == OutputFormat::structure_set || format == OutputFormat::segmentation; }
     /// True if it takes one mesh only.
     bool one_mesh() const noexcept { return format == OutputFormat::svg || format == OutputFormat::hdf5; }
     /// True if a record is written beside it: beside all but SVG.
@@ -91,6 +94,9 @@ std::vector<std::string> files_of(const std::vector<PlannedOutput>& outputs, boo
 
 /// The environment's SOURCE_DATE_EPOCH, seconds since 1970, if it is there. Throws Failure (bad_usage).
 std::optional<std::int64_t> source_date();
+
+/// The rows of --label-table, if it is given. Throws Failure, also where a row is of no mesh.
+std::vector<LabelRow> label_rows(const OutputArguments& arguments, std::size_t meshes);
 
 /// The slices of the image's series are read. Throws Failure (bad_usage) where an output would replace one.
 void add_series(const ImageGeometry& image, FilePlan& files);
@@ -131,7 +137,9 @@ void write_record_beside(const PlannedOutput& output, Record record, const Conte
 
 /// A mesh that was sliced.
 struct SlicedPart {
-    std::string name;  ///< of its label, ROI or row
+    std::string name;        ///< of its row; of its label or ROI where that has none of its own
+    std::string label_name;  ///< of --label-table
+    SegmentTerms terms;
     SliceResult result;
     OpenLayers open;  ///< of the result
     std::optional<MeshFacts> facts;
@@ -140,6 +148,7 @@ struct SlicedPart {
     std::string mesh_sha256;            ///< of the mesh's file, where it is known
     std::optional<std::uint64_t> hash;  ///< SliceResult::hash(), where it is known
 
+    const std::string& labelled() const noexcept { return label_name.empty() ? name : label_name; }
     /// Counts and places of open contours, and the flag that would join them: a line for people.
     std::string open_words() const { return describe(open, "--stitch "); }
     double reach_mm() const noexcept { return result.info.options.stitch_mm; }  ///< of stitches

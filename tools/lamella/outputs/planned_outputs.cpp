@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <iterator>
+#include <limits>
 #include <set>
 
 #include "files/flags.hpp"
@@ -21,13 +22,14 @@ struct NamedFormat {
 };
 
 /// Longer ends before those that they end in.
-constexpr std::array<NamedFormat, 11> formats = {{
+constexpr std::array<NamedFormat, 12> formats = {{
     {"svg", ".svg", OutputFormat::svg},
     {"nii.gz", ".nii.gz", OutputFormat::mask},
     {"nii", ".nii", OutputFormat::mask},
     {"seg.nrrd", ".seg.nrrd", OutputFormat::mask},
     {"nrrd", ".nrrd", OutputFormat::mask},
     {"mha", ".mha", OutputFormat::mask},
+    {"seg.dcm", ".seg.dcm", OutputFormat::segmentation},
     {"rtstruct", ".dcm", OutputFormat::structure_set},
     {"csv", ".csv", OutputFormat::table},
     {"jsonl", ".jsonl", OutputFormat::table},
@@ -74,7 +76,9 @@ void declare_outputs(CLI::App& command, OutputArguments& arguments) {
     add_choice(command, "--holes", holes,
                "Holes in a structure set: joined to their contour, or contours that exclude one another (keyhole)",
                [&arguments](std::size_t i) { arguments.holes = static_cast<HoleForm>(i); });
-    command.add_flag("--without-ct", arguments.without_ct, "Write a structure set that refers to no CT");
+    command.add_flag("--without-ct", arguments.without_ct, "Write a structure set or a segmentation that refers to no CT");
+    add_text(command, "--label-table", arguments.label_table, "FILE",
+             "Names, colours and codes of the meshes' labels: CSV with label, name, color, category, type, region");
     command.add_flag("--strict", arguments.strict, "Fail where a slice has open contours, of which no area is known");
 }
 
@@ -108,7 +112,7 @@ std::vector<std::string> PlannedOutput::files(bool several_meshes) const {
     if (lower_case(path).ends_with(".csv")) {
         all.push_back(without_format_end(path) + ".meshes.csv");
     }
-    if (is_mask() && several_meshes) {
+    if (format == OutputFormat::mask && several_meshes) {
         all.push_back(without_format_end(path) + labels_end);
     }
     if (has_record()) {
@@ -165,15 +169,18 @@ std::optional<std::int64_t> source_date() {
 void require_together(const std::vector<PlannedOutput>& outputs, const OutputArguments& arguments, std::size_t meshes,
                       const ImageArguments& image) {
     bool mask = false;
+    bool dicom = false;
     for (const PlannedOutput& output : outputs) {
         const auto refuse = [&](bool wrong, const std::string& what) {
             refuse_if(wrong, bad_usage, "--output: '" + output.path + "'" + what);
         };
         const bool set = output.format == OutputFormat::structure_set;
         mask = mask || output.is_mask();
+        dicom = dicom || output.is_dicom();
         refuse(output.format == OutputFormat::png && !can_write_pictures(), ": this build is without PNG (libpng-dev)");
         refuse(output.format == OutputFormat::hdf5 && !has_archives(), ": this build has no HDF5");
-        refuse(set && !image.given(), " needs --like FOLDER, the CT" + when(arguments.without_ct, ", or --spacing X,Y,Z"));
+        refuse(output.is_dicom() && !image.given(),
+               " needs --like FOLDER, the CT" + when(arguments.without_ct, ", or --spacing X,Y,Z"));
         refuse(set && image.subslices > 1, ": its contours lie on the slices themselves, not with --subslices");
         refuse(output.one_mesh() && meshes > 1, " takes one mesh, not several");
         refuse(output.is_mask() && !image.given(), " needs --like IMAGE or --spacing X,Y,Z");
@@ -181,13 +188,13 @@ void require_together(const std::vector<PlannedOutput>& outputs, const OutputArg
     refuse_if(arguments.picture_layer && !has_format(outputs, OutputFormat::png), bad_usage,
               "--picture-layer: no output is a PNG");
     const bool any_set = has_format(outputs, OutputFormat::structure_set);
-    refuse_if(!any_set && (arguments.without_ct || arguments.holes), bad_usage,
+    refuse_if((!dicom && arguments.without_ct) || (!any_set && arguments.holes), bad_usage,
               "--holes and --without-ct: no output is a structure set");
-    if (any_set) {
+    if (dicom) {
         (void)source_date();
     }
-    refuse_if((arguments.coverage || image.subslices > 1) && mask && meshes > 1, bad_usage,
-              "--coverage and --subslices: one mesh a mask, not several");
+    refuse_if((arguments.coverage || image.subslices > 1) && has_format(outputs, OutputFormat::mask) && meshes > 1,
+              bad_usage, "--coverage and --subslices: one mesh a mask, not several");
     refuse_if(image.subslices > 1 && !image.given(), bad_usage, "--subslices: needs --like IMAGE or --spacing X,Y,Z");
     refuse_if(arguments.coverage && !mask, bad_usage, "--coverage: no output is a mask");
     refuse_if(arguments.islands && !has_format(outputs, OutputFormat::table), bad_usage, "--islands: no output is a table");
@@ -201,7 +208,8 @@ std::vector<PlannedOutput> plan_outputs(const OutputArguments& arguments, std::s
     }
     std::vector<PlannedOutput> outputs = planned_outputs(arguments);
     require_together(outputs, arguments, meshes, image);
-    std::set<std::string> tables;  // of labels: masks of one name share one
+    (void)label_rows(arguments, std::numeric_limits<std::size_t>::max());  // parts of a mesh are counted later
+    std::set<std::string> tables;                                          // of labels: masks of one name share one
     for (const PlannedOutput& output : outputs) {
         require_writable(output.path);
         for (const std::string& file : output.files(meshes > 1)) {
@@ -222,15 +230,28 @@ std::vector<std::string> files_of(const std::vector<PlannedOutput>& outputs, boo
     return all;
 }
 
+std::vector<LabelRow> label_rows(const OutputArguments& arguments, std::size_t meshes) {
+    if (arguments.label_table.empty()) {
+        return {};
+    }
+    std::vector<LabelRow> rows = done_or_thrown(read_label_table(path_of(arguments.label_table)));
+    for (const LabelRow& row : rows) {
+        refuse_if(row.label > meshes, bad_input,
+                  arguments.label_table + ": has a row for label " + std::to_string(row.label) + " of " +
+                      counted(meshes, "mesh", "meshes"));
+    }
+    return rows;
+}
+
 void require_image_serves(const ImageGeometry& image, const std::vector<PlannedOutput>& outputs,
                           const OutputArguments& arguments) {
     for (const PlannedOutput& output : outputs) {
-        refuse_if(output.is_mask() && !image.uneven_slices_mm.empty(), bad_input,
+        refuse_if(output.format == OutputFormat::mask && !image.uneven_slices_mm.empty(), bad_input,
                   "'" + output.path + "': the slices of the image are not evenly spaced (" + image.uneven_words() +
                       "), and a mask holds even ones only");
-        refuse_if(output.format == OutputFormat::structure_set && !image.series && !arguments.without_ct, bad_input,
-                  "'" + output.path +
-                      "': a structure set is drawn on the slices of a CT: --like FOLDER "
+        refuse_if(output.is_dicom() && !image.series && !arguments.without_ct, bad_input,
+                  "'" + output.path + "': " + (output.is_mask() ? "a segmentation" : "a structure set") +
+                      " is drawn on the slices of a CT: --like FOLDER "
                       "with a DICOM series, or --without-ct");
     }
 }

@@ -55,10 +55,12 @@ void note_thin_walls(const OutputJob& job, const SlicedPart& part, double wall_m
     }
 }
 
-void write_mask_of(const OutputJob& job, const PlannedOutput& output, const Context& context, const Note& note) {
-    const auto parts = parts_of(job, [](const SlicedPart& part) { return MaskPart{&part.result, part.name}; });
-    const MaskSummary summary = done_or_thrown(write_mask(
-        parts, *job.image, path_of(output.path), {.coverage = job.arguments.coverage, .subslices = job.subslices}, context));
+std::vector<MaskPart> mask_parts_of(const OutputJob& job) {
+    return parts_of(job, [](const SlicedPart& part) { return MaskPart{&part.result, part.labelled(), part.terms}; });
+}
+
+/// What cannot be seen in a mask.
+void note_mask(const OutputJob& job, const PlannedOutput& output, const MaskSummary& summary, const Note& note) {
     if (summary.overlapped_voxels > 0) {
         note(output.path + ": " + counted(summary.overlapped_voxels, "voxel") +
              (summary.overlapped_voxels == 1 ? " lies" : " lie") + " in several meshes; the later label holds");
@@ -78,33 +80,53 @@ void write_mask_of(const OutputJob& job, const PlannedOutput& output, const Cont
     }
 }
 
+void note_renamed(const OutputJob& job, const PlannedOutput& output, const std::vector<std::string>& written,
+                  const char* whose, const Note& note) {
+    for (std::size_t i = 0; i < written.size(); ++i) {
+        if (const std::string& name = job.parts[i].labelled(); written[i] != name) {
+            note(output.path + ": the name '" + name + "' is written as '" + written[i] + "': a " + whose +
+                 " has at most 64 characters, of the CT's character set, and none repeats");
+        }
+    }
+}
+
+/// Of a call whose options were seen before: what it refuses is the input.
+template <class T>
+T done_or_bad_input(Result<T> result) {
+    if (!result) {
+        const Failure failure = failure_of(result.error());
+        throw Failure(failure.status() == bad_usage ? bad_input : failure.status(), failure.what());
+    }
+    return std::move(result).value();
+}
+
+void write_segmentation_of(const OutputJob& job, const PlannedOutput& output, const Context& context, const Note& note) {
+    const SegmentationOptions options{.coverage = job.arguments.coverage,
+                                      .subslices = job.subslices,
+                                      .without_ct = job.arguments.without_ct,
+                                      .seconds_since_1970 = source_date()};
+    const SegmentationSummary written =
+        done_or_bad_input(write_segmentation(mask_parts_of(job), *job.image, path_of(output.path), options, context));
+    note_renamed(job, output, written.segment_names, "segment's", note);
+    note_mask(job, output, written.mask, note);
+}
+
 void write_structure_set_of(const OutputJob& job, const PlannedOutput& output, const Context& context, const Note& note) {
-    static constexpr std::array<std::array<std::uint8_t, 3>, 6> colours = {
-        {{230, 77, 51}, {0, 115, 178}, {0, 158, 115}, {230, 158, 0}, {204, 120, 166}, {87, 181, 232}}};
     if (!job.image) {  // an archive that was sliced without one
         throw Failure(bad_input, "'" + output.path + "': no image says where the slices lie in the patient");
     }
     std::size_t next = 0;
     const auto rois = parts_of(job, [&](const SlicedPart& part) {
-        return Roi{&part.result, part.name, colours[next++ % colours.size()]};
+        return Roi{&part.result, part.labelled(), part.terms.colour_of(next++)};
     });
     const StructureSetOptions options{.holes = job.arguments.holes.value_or(HoleForm::keyhole),
                                       .without_ct = job.arguments.without_ct,
                                       .seconds_since_1970 = source_date()};
-    const Result<StructureSetSummary> written =
-        write_structure_set(rois, *job.image, path_of(output.path), options, context);
-    if (!written) {  // what options can be wrong in was seen before
-        const Failure failure = failure_of(written.error());
-        throw Failure(failure.status() == bad_usage ? bad_input : failure.status(), failure.what());
-    }
-    for (std::size_t i = 0; i < rois.size(); ++i) {
-        if (written->roi_names[i] != rois[i].name) {
-            note(output.path + ": the name '" + rois[i].name + "' is written as '" + written->roi_names[i] +
-                 "': a ROI's has at most 64 characters, of the CT's character set, and none repeats");
-        }
-    }
-    if (written->nested_contours > 0) {
-        note(output.path + ": " + counted(written->nested_contours, "contour") +
+    const StructureSetSummary written =
+        done_or_bad_input(write_structure_set(rois, *job.image, path_of(output.path), options, context));
+    note_renamed(job, output, written.roi_names, "ROI's", note);
+    if (written.nested_contours > 0) {
+        note(output.path + ": " + counted(written.nested_contours, "contour") +
              " in the solid part of others, which readers may take for holes; --fill-rule non-zero unites them");
     }
 }
@@ -119,7 +141,13 @@ void write_one(const OutputJob& job, const PlannedOutput& output, const Context&
             return;
         }
         case OutputFormat::mask:
-            return write_mask_of(job, output, context, note);
+            return note_mask(
+                job, output,
+                done_or_thrown(write_mask(mask_parts_of(job), *job.image, path_of(output.path),
+                                          {.coverage = job.arguments.coverage, .subslices = job.subslices}, context)),
+                note);
+        case OutputFormat::segmentation:
+            return write_segmentation_of(job, output, context, note);
         case OutputFormat::structure_set:
             write_structure_set_of(job, output, context, note);
             for (const SlicedPart& part : job.parts) {
@@ -160,8 +188,8 @@ Record record_of(const OutputJob& job, const PlannedOutput& output) {
     record.inputs = job.inputs;
     for (const RecordedOption& option : job.options) {
         const std::string& name = option.name;
-        const bool of_sets = name == "--holes" || name == "--without-ct";
-        if ((of_sets && output.format != OutputFormat::structure_set) || (name == "--coverage" && !output.is_mask()) ||
+        if ((name == "--holes" && output.format != OutputFormat::structure_set) ||
+            (name == "--without-ct" && !output.is_dicom()) || (name == "--coverage" && !output.is_mask()) ||
             (name == "--islands" && output.format != OutputFormat::table) ||
             (name == "--picture-layer" && output.format != OutputFormat::png)) {
             continue;  // it says nothing of this output
@@ -199,7 +227,7 @@ bool is_flag(const CLI::Option& option) {
 }
 
 bool RecordedOption::names_file() const {
-    return name == "--like" || name == "--negative" || is_file_of(name, value.value_or(""));
+    return name == "--like" || name == "--negative" || name == "--label-table" || is_file_of(name, value.value_or(""));
 }
 
 std::vector<RecordedOption> recorded_options(const CLI::App& slice_command) {
@@ -241,6 +269,10 @@ OpenLayers open_layers_of(const SliceResult& result, const Context& context) {
 }
 
 void write_outputs(OutputJob& job, const Context& context, const Note& note) {
+    for (const LabelRow& row : label_rows(job.arguments, job.parts.size())) {
+        job.parts[row.label - 1].label_name = row.name;
+        job.parts[row.label - 1].terms = row.terms;
+    }
     const std::vector<std::string> distinct =
         distinct_names(parts_of(job, [](const SlicedPart& part) { return part.name; }));
     for (std::size_t i = 0; i < distinct.size(); ++i) {

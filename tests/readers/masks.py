@@ -50,6 +50,30 @@ def check_vtk(run):
     assert reader.GetOutput().GetSpacing() == (1.5, 2.0, 1.0) and reader.GetOutput().GetOrigin() == (-30.0, -5.0, 60.0)
 
 
+def check_layers(run, unu):
+    """Meshes that overlap lie in as few layers as hold them, each in voxels of its own, by Teem."""
+    places = [((0, 0, 0), (6, 6, 4)), ((3, 3, 1), (9, 9, 5)), ((8, 8, 2), (12, 11, 6)), ((7, 1, 0), (11, 2.5, 6)), ((1, 1, 1), (11, 11, 5))]
+    for i, place in enumerate(places):
+        (run.folder / f"l{i}.stl").write_bytes(box_stl(*place))
+    meshes = [f"l{i}.stl" for i in range(len(places))]
+    (run.folder / "l.csv").write_text("label,color,type,name\n2,#336699,SCT^71341001^Femur,\"femur, left\"\n")
+    run("slice", *meshes, "--like", "like.nii", "--frame", "ras", "--label-table", "l.csv", "-o", "l.seg.nrrd")
+    assert not (run.folder / "l.labels.csv").exists()
+    subprocess.run([unu, "save", "-f", "nrrd", "-e", "raw", "-i", "l.seg.nrrd", "-o", "raw.nrrd"], cwd=run.folder, check=True)
+    header, voxels = (run.folder / "raw.nrrd").read_bytes().split(b"\n\n", 1)
+    lines = header.decode().split("\n")
+    assert "sizes: 3 14 13 8" in lines and "kinds: list domain domain domain" in lines and "Segment1_Name:=femur, left" in lines
+    assert any(line.startswith("Segment1_Tags:=") and "~SCT^71341001^Femur~" in line for line in lines)
+    assert "Segment1_Color:=0.2 0.4 0.6" in lines
+    array = numpy.frombuffer(voxels, numpy.uint8).reshape((3, 14, 13, 8), order="F")
+    keys = dict(line.split(":=", 1) for line in lines if ":=" in line)
+    assert [keys[f"Segment{i}_Layer"] for i in range(5)] == ["0", "1", "0", "0", "2"], keys
+    for i, mesh in enumerate(meshes):
+        run("slice", mesh, "--like", "like.nii", "--frame", "ras", "-o", "one.nii")
+        mine = array[int(keys[f"Segment{i}_Layer"])] == int(keys[f"Segment{i}_LabelValue"])
+        assert numpy.array_equal(mine, numpy.asarray(nibabel.load(run.folder / "one.nii").dataobj) == 1) and mine.any()
+
+
 def test(run):
     folder = run.folder
     (folder / "box.stl").write_bytes(box_stl((10, 20, 30), (14, 26, 38)))
@@ -86,6 +110,8 @@ def test(run):
         voxels = (folder / "raw.nrrd").read_bytes()[-30 * 20 * 40 :]
         same = numpy.asarray(nibabel.load(folder / "t.nii").dataobj).ravel(order="F").tobytes()
         assert voxels == same, "Teem reads other voxels than nibabel"
+        nibabel.save(nibabel.Nifti1Image(numpy.zeros((14, 13, 8), numpy.uint8), numpy.eye(4)), folder / "like.nii")
+        check_layers(run, unu)
     check_vtk(run)
     if shutil.which("plastimatch"):
         check_plastimatch(run)

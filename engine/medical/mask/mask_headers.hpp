@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <span>
 #include <string>
@@ -19,7 +20,9 @@ void put_at(std::string& header, std::size_t at, T value) {
 }
 
 std::string nifti_header(const MaskLayout& layout, std::size_t labels, const ImageGeometry& image);
-std::string nrrd_header(const MaskLayout& layout, std::span<const MaskPart> parts, const ImageGeometry& image);
+/// `layers`: of each part.
+std::string nrrd_header(const MaskLayout& layout, std::span<const MaskPart> parts, std::span<const std::size_t> layers,
+                        const ImageGeometry& image);
 /// MetaImage states how many bytes the compressed voxels have: its readers refuse a file that does not.
 std::string meta_header(const MaskLayout& layout, const ImageGeometry& image, std::uint64_t compressed_bytes);
 

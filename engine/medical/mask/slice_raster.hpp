@@ -179,6 +179,7 @@ struct MaskLayout {
     bool compressed = false;
     bool shares = false;  ///< bytes of which 255 stand for 1, not labels
     std::size_t voxel_bytes = 1;
+    std::size_t layers = 1;  ///< of which each voxel has a label
 };
 
 constexpr std::size_t most_mask_labels = 65535;
@@ -260,6 +261,25 @@ public:
             draw_spans(slice, scratch.wide.data(), scratch, counts);
             std::memcpy(to, scratch.wide.data(), slice_bytes());
         }
+    }
+
+    /// Calls span(row, begin, end) for the voxels of a part, in a slice of one plane.
+    template <class Span>
+    void for_each_span(std::uint64_t slice, std::size_t part, Scratch& scratch, Span&& span) const {
+        const SliceResult& result = *parts_[part].result;
+        scratch.crossings.restart(image_.size[1]);
+        if (image_.is_sheared()) {
+            scratch.columns.emplace(centres(part, 0, first_mm(slice, 0)));
+            scratch.rows.emplace(centres(part, 1, first_mm(slice, 1)));
+        }
+        const Centres& columns = image_.is_sheared() ? *scratch.columns : columns_[part];
+        const Centres& rows = image_.is_sheared() ? *scratch.rows : rows_[part];
+        for (const Contour& contour : result.contours_of(result.layers[layer(slice, 0, part)])) {
+            if (contour.role != Role::open) {
+                scratch.crossings.add(result.points_of(contour), columns, rows);
+            }
+        }
+        scratch.crossings.for_each_span(image_.size[0], span);
     }
 
 private:
@@ -349,20 +369,7 @@ private:
         const std::size_t width = image_.size[0];
         scratch.overlapped.assign(parts_.size() > 1 ? width * image_.size[1] : 0, 0);
         for (std::size_t i = 0; i < parts_.size(); ++i) {
-            const SliceResult& result = *parts_[i].result;
-            scratch.crossings.restart(image_.size[1]);
-            if (image_.is_sheared()) {
-                scratch.columns.emplace(centres(i, 0, first_mm(slice, 0)));
-                scratch.rows.emplace(centres(i, 1, first_mm(slice, 1)));
-            }
-            const Centres& columns = image_.is_sheared() ? *scratch.columns : columns_[i];
-            const Centres& rows = image_.is_sheared() ? *scratch.rows : rows_[i];
-            for (const Contour& contour : result.contours_of(result.layers[layer(slice, 0, i)])) {
-                if (contour.role != Role::open) {
-                    scratch.crossings.add(result.points_of(contour), columns, rows);
-                }
-            }
-            scratch.crossings.for_each_span(width, [&](std::size_t row, std::size_t first, std::size_t last) {
+            for_each_span(slice, i, scratch, [&](std::size_t row, std::size_t first, std::size_t last) {
                 for (std::size_t at = row * width + first; i > 0 && at < row * width + last; ++at) {
                     if (to[at] != 0) {
                         --counts.parts[to[at] - 1U].voxels;

@@ -12,6 +12,7 @@
 #include "lamella/io/text_file.hpp"
 #include "medical/geometry/common.hpp"
 #include "medical/mask/mask_headers.hpp"
+#include "medical/mask/mask_layers.hpp"
 #include "medical/mask/slice_raster.hpp"
 
 namespace lamella {
@@ -29,7 +30,7 @@ void require_mask_fits(const std::filesystem::path& path, const MaskLayout& layo
         refuse_output(path, "the slices of the image are not evenly spaced (" + image.uneven_words() +
                                 "), and a mask holds even ones only");
     }
-    std::uint64_t bytes = layout.voxel_bytes;
+    std::uint64_t bytes = layout.voxel_bytes * layout.layers;
     for (const std::uint64_t side : image.size) {
         if (layout.form == MaskForm::nifti && side > largest_nifti_side) {
             refuse_output(path,
@@ -45,12 +46,15 @@ void require_mask_fits(const std::filesystem::path& path, const MaskLayout& layo
 
 // --- the voxels
 
-/// Compresses `data` to a piece of deflated data; `last`: which it ends. Throws std::bad_alloc.
-std::vector<unsigned char> deflated_piece(std::span<const unsigned char> data, bool last) {
+/// Compresses `data`, of voxels of so many layers, to a piece of deflated data; `last`: which it ends. Throws
+/// std::bad_alloc.
+std::vector<unsigned char> deflated_piece(std::span<const unsigned char> data, std::size_t layers, bool last) {
     z_stream stream{};
     constexpr int raw_window = -15;
-    // Runs are what a mask consists of: matches at a distance cost ten times as much for a few per cent.
-    if (::deflateInit2(&stream, 6, Z_DEFLATED, raw_window, 8, Z_RLE) != Z_OK) {
+    // Runs are what a mask consists of: matches at a distance cost ten times as much for a few per cent. Where layers lie
+    // side by side, what repeats is as far away as they are many.
+    const bool runs = layers == 1;
+    if (::deflateInit2(&stream, runs ? 6 : 1, Z_DEFLATED, raw_window, 8, runs ? Z_RLE : Z_DEFAULT_STRATEGY) != Z_OK) {
         throw std::bad_alloc();
     }
     const std::unique_ptr<z_stream, int (*)(z_streamp)> ended(&stream, &::deflateEnd);
@@ -139,7 +143,7 @@ private:
 };
 
 /// Writes blocks of slices, in their order, each made on any thread.
-MaskCounts write_slices(const SliceRaster& raster, std::span<const MaskPart> parts, const ImageGeometry& image,
+MaskCounts write_slices(const LayeredRaster& raster, std::span<const MaskPart> parts, const ImageGeometry& image,
                         const MaskLayout& layout, const std::string& header, ByteSink& out, const Parallel& parallel) {
     // The header of compressed NIfTI is within the gzip member, that of others before it.
     const bool is_within = layout.compressed && layout.form == MaskForm::nifti;
@@ -148,7 +152,7 @@ MaskCounts write_slices(const SliceRaster& raster, std::span<const MaskPart> par
     out.append(wrapping.begin());
     const std::uint64_t slices_a_block = std::max<std::uint64_t>(1, block_bytes / raster.slice_bytes());
     const std::uint64_t blocks = (image.size[2] + slices_a_block - 1) / slices_a_block;
-    std::vector<SliceRaster::Scratch> scratch(static_cast<std::size_t>(parallel.threads()));
+    std::vector<LayeredRaster::Scratch> scratch(static_cast<std::size_t>(parallel.threads()));
     std::vector<Block> made(blocks_a_thread * scratch.size());
     MaskCounts total(parts.size());
     for (std::uint64_t first = 0; first < blocks && (out.file == nullptr || !out.file->failed()); first += made.size()) {
@@ -165,7 +169,7 @@ MaskCounts write_slices(const SliceRaster& raster, std::span<const MaskPart> par
                 raster.draw(slice, to, scratch[static_cast<std::size_t>(worker)], block.counts);
             }
             if (layout.compressed) {
-                block.compressed = deflated_piece(block.raw, end == image.size[2]);
+                block.compressed = deflated_piece(block.raw, layout.layers, end == image.size[2]);
                 block.checksum = wrapping.checksum_of(block.raw);
             }
         });
@@ -180,15 +184,17 @@ MaskCounts write_slices(const SliceRaster& raster, std::span<const MaskPart> par
     return total;
 }
 
-MaskCounts write_slices_to(OutputFile& file, const SliceRaster& raster, std::span<const MaskPart> parts,
-                           const ImageGeometry& image, const MaskLayout& layout, const Parallel& parallel) {
+MaskCounts write_slices_to(OutputFile& file, std::span<const MaskPart> parts, std::span<const std::size_t> layers,
+                           const ImageGeometry& image, const MaskOptions& options, const MaskLayout& layout,
+                           const Parallel& parallel) {
+    const LayeredRaster raster(parts, layers, image, options, layout);
     ByteSink counter;
     if (layout.form == MaskForm::meta) {
         (void)write_slices(raster, parts, image, layout, "", counter, parallel);
     }
     const std::string header = layout.form == MaskForm::nifti  ? nifti_header(layout, parts.size(), image)
                                : layout.form == MaskForm::meta ? meta_header(layout, image, counter.bytes)
-                                                               : nrrd_header(layout, parts, image);
+                                                               : nrrd_header(layout, parts, layers, image);
     ByteSink out{&file};
     return write_slices(raster, parts, image, layout, header, out, parallel);
 }
@@ -231,16 +237,21 @@ Result<MaskSummary> write_mask(std::span<const MaskPart> parts, const ImageGeome
                                const std::filesystem::path& path, const MaskOptions& options,
                                const Context& context) noexcept {
     return guarded(context, [&]() -> Result<MaskSummary> {
-        const MaskLayout layout = layout_of(path, parts, options.coverage || options.subslices > 1);
+        MaskLayout layout = layout_of(path, parts, options.coverage || options.subslices > 1);
         require_mask_fits(path, layout, image);
         require_cut_for(parts, image, options);
-        const SliceRaster raster(parts, image, options, layout);
         const Parallel parallel(context);
+        std::vector<std::size_t> layers(parts.size(), 0);
+        if (layout.form == MaskForm::segmentation && parts.size() > 1) {
+            layers = layers_of(parts, SliceRaster(parts, image, options, layout), image.size[2], parallel);
+            layout.layers = 1 + *std::max_element(layers.begin(), layers.end());
+            require_mask_fits(path, layout, image);
+        }
         OutputFile file = require(OutputFile::create(path));
-        const MaskCounts counts = write_slices_to(file, raster, parts, image, layout, parallel);
+        const MaskCounts counts = write_slices_to(file, parts, layers, image, options, layout, parallel);
         const MaskSummary summary = summary_of(counts, parts, parallel.within(context));
         require(file.commit());
-        if (parts.size() > 1) {
+        if (parts.size() > 1 && layout.form != MaskForm::segmentation) {
             const std::string name = path_text(path);
             require(write_label_table(parts, summary, name.substr(0, name.size() - layout.name_end.size())));
         }

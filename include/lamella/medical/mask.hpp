@@ -27,7 +27,7 @@ namespace lamella {
 struct MaskPart {
     const SliceResult* result = nullptr;  ///< cut at ImageGeometry::slice_heights_mm(), in ImageGeometry::slicing_frame()
     std::string name;
-    SegmentTerms terms{};  ///< for DICOM segmentations
+    SegmentTerms terms{};  ///< for .seg.nrrd and DICOM segmentations
 };
 
 struct MaskOptions {
@@ -37,7 +37,7 @@ struct MaskOptions {
 
 struct MaskSummary {
     std::vector<std::uint64_t> voxels;    ///< of each label; by coverage, those that are not 0
-    std::uint64_t overlapped_voxels = 0;  ///< voxels in several parts: they have the later label
+    std::uint64_t overlapped_voxels = 0;  ///< voxels in several parts of a layer: they have the later label
     std::vector<OpenLayers> open;         ///< of each part: slices with open polylines, which enclose nothing
     /// Of each part: the share of its area in the slices that lies beside the image, of slices without open polylines. NaN
     /// where there are none.
@@ -50,7 +50,8 @@ struct MaskSummary {
 /// Writes a mask of the size of `image`. A voxel is in where the winding number around its centre is not 0; centres on a
 /// left or bottom edge are inside. Centres are rounded to the grid of the result, so that the answer is exact. The end of
 /// the name decides the format: .nii, .nii.gz, .nrrd, .seg.nrrd (with 3D Slicer's keys) or .mha. Labels are bytes up to 255
-/// parts, else two bytes; shares are bytes of which 255 stand for 1. Beside a mask of several parts stands NAME.labels.csv.
+/// parts, else two bytes; shares are bytes of which 255 stand for 1. Beside a mask of several parts stands NAME.labels.csv,
+/// but for .seg.nrrd, which holds names: there parts that overlap lie in several layers, and none loses a voxel.
 ///
 /// v voxels, q points: O(v + q) and memory for some slices. The bytes do not depend on threads. Errors: invalid_argument
 /// (not cut at the image's slices; a side over 32,767 for NIfTI; too large), unwritable_file, cancelled, out_of_memory.

@@ -112,7 +112,7 @@ std::vector<std::string> PlannedOutput::files(bool several_meshes) const {
     if (lower_case(path).ends_with(".csv")) {
         all.push_back(without_format_end(path) + ".meshes.csv");
     }
-    if (format == OutputFormat::mask && several_meshes) {
+    if (format == OutputFormat::mask && several_meshes && !lower_case(path).ends_with(".seg.nrrd")) {
         all.push_back(without_format_end(path) + labels_end);
     }
     if (has_record()) {

@@ -55,9 +55,30 @@ py::dict dict_of(const MaskSummary& summary, const std::vector<MaskPart>& parts)
 }
 
 std::vector<MaskPart> mask_parts(const py::list& parts) {
-    return rows_of<MaskPart>(parts, [](const SliceResult& result, std::string name, const py::tuple&) {
-        return MaskPart{&result, std::move(name)};
+    return rows_of<MaskPart>(parts, [](const SliceResult& result, std::string name, const py::tuple& row) {
+        return MaskPart{&result, std::move(name), row[2].cast<SegmentTerms>()};
     });
+}
+
+py::dict write_segments(const py::list& parts, const ImageGeometry& image, const std::string& path, bool coverage,
+                        int subslices, bool without_ct, std::optional<std::int64_t> seconds, const Asked& asked) {
+    const std::vector<MaskPart> rows = mask_parts(parts);
+    const SegmentationSummary written = run(asked, [&](const Context& context) {
+        return write_segmentation(
+            rows, image, Path(path),
+            {.coverage = coverage, .subslices = subslices, .without_ct = without_ct, .seconds_since_1970 = seconds},
+            context);
+    });
+    return dict_of(written.mask, rows);
+}
+
+py::list read_labels(const std::string& path) {
+    const std::vector<LabelRow> rows = run([&](const Context& /*lent*/) { return read_label_table(Path(path)); });
+    py::list listed;
+    for (const LabelRow& row : rows) {
+        listed.append(py::make_tuple(row.label, text_of(row.name), row.terms));
+    }
+    return listed;
 }
 
 /// `voxels`: bytes of the whole image, written in place.
@@ -87,7 +108,7 @@ py::dict write(const py::list& parts, const ImageGeometry& image, const std::str
 py::list write_set(const py::list& parts, const ImageGeometry& image, const std::string& path, int holes, bool without_ct,
                    std::optional<std::int64_t> seconds, const Asked& asked) {
     const std::vector<Roi> rois = rows_of<Roi>(parts, [](const SliceResult& result, std::string name, const py::tuple& row) {
-        return Roi{&result, std::move(name), row[2].cast<std::array<std::uint8_t, 3>>()};
+        return Roi{&result, std::move(name), row[2].cast<SegmentTerms>().colour_of(row[3].cast<std::size_t>())};
     });
     const StructureSetSummary summary = run(asked, [&](const Context& context) {
         return write_structure_set(
@@ -168,6 +189,9 @@ void define_medical(py::module_& module) {
                                      const std::array<double, 3>& spacing_mm) {
         return run([&](const Context& /*lent*/) { return geometry_around(Box{low, high}, spacing_mm); });
     });
+    py::class_<SegmentTerms>(module, "Terms").def(py::init<>()).def("color", &SegmentTerms::colour_of);
+    module.def("read_labels", &read_labels);
+    module.def("write_segmentation", &write_segments);
     module.def("draw_mask", &draw);
     module.def("write_mask", &write);
     module.def("write_structure_set", &write_set);

@@ -154,6 +154,30 @@ def test_structure_sets_are_read_by_pydicom(cube, image, tmp_path):
     assert not (tmp_path / "no.dcm").exists()
 
 
+def test_segmentations_are_read_by_pydicom_with_their_labels(cube, image, tmp_path):
+    pydicom = pytest.importorskip("pydicom")
+    (tmp_path / "labels.csv").write_text("label,name,color,type\n2,right,#102030,SCT^71341001^Femur\n")
+    meshes = {"left": cube, "other": (cube[0] + [3, 0, 0], cube[1])}
+    mask = lamella.mask(meshes, like=image, frame="lps", labels=tmp_path / "labels.csv")
+    assert mask.labels == {1: "left", 2: "right"}
+    lamella.save_mask(tmp_path / "seg.dcm", meshes, like=image, frame="lps", labels=tmp_path / "labels.csv", without_ct=True)
+    read = pydicom.dcmread(tmp_path / "seg.dcm")
+    assert [segment.SegmentLabel for segment in read.SegmentSequence] == ["left", "right"]
+    assert read.SegmentSequence[1].SegmentedPropertyTypeCodeSequence[0].CodeMeaning == "Femur"
+    bits = np.unpackbits(np.frombuffer(read.PixelData, np.uint8), bitorder="little")[: read.NumberOfFrames * read.Rows * read.Columns]
+    alone = [np.count_nonzero(lamella.mask(mesh, like=image, frame="lps").array) for mesh in meshes.values()]
+    assert bits.sum() == sum(alone) > np.count_nonzero(mask.array)  # overlapping voxels are in both
+    lamella.save_mask(tmp_path / "a.mha", meshes, like=image, frame="lps")
+    assert np.allclose(lamella.image(tmp_path / "a.mha").affine(), image[1], atol=1e-6)
+    (tmp_path / "labels.csv").write_text("label,name\n7,none\n")
+    with pytest.raises(lamella.InvalidArgumentError, match="no mesh 7, only 2"):
+        lamella.mask(meshes, like=image, frame="lps", labels=tmp_path / "labels.csv")
+    (tmp_path / "labels.csv").write_text("label,name\nx,none\n")
+    with pytest.raises(lamella.MalformedMeshError) as caught:
+        lamella.mask(meshes, like=image, frame="lps", labels=tmp_path / "labels.csv")
+    assert caught.value.path == str(tmp_path / "labels.csv")
+
+
 def test_tables_hold_the_measures(box_with_cavity, tmp_path):
     layers = lamella.slice(*box_with_cavity, layer_height=0.5)
     lamella.save_table(tmp_path / "a.csv", {"box": layers})

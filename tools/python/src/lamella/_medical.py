@@ -24,8 +24,6 @@ PathLike = Union[str, bytes, os.PathLike[Any]]
 Meshes = Union[MeshLike, Result, Sequence[Union[MeshLike, Result]], Mapping[str, Union[MeshLike, Result]]]
 """A mesh or a result, several of them, or several by their names."""
 
-COLOURS = ((230, 77, 51), (0, 115, 178), (0, 158, 115), (230, 158, 0), (204, 120, 166), (87, 179, 232))
-
 
 class Mask(NamedTuple):
     """Voxels and where they lie: ``nibabel.Nifti1Image(mask.array, mask.affine)``, ``mask.array.T`` for scikit-image."""
@@ -52,6 +50,7 @@ def mask(
     frame: Optional[str] = None,
     coverage: bool = False,
     subslices: int = 1,
+    labels: Optional[PathLike] = None,
     affine_frame: str = "ras",
     dtype: Optional[npt.DTypeLike] = None,
     out: Optional[npt.NDArray[Any]] = None,
@@ -77,6 +76,9 @@ def mask(
         The share of each voxel's area that is inside, instead of a label. Of one mesh.
     subslices : int
         More than 1: the mean share over so many planes a slice.
+    labels : path, optional
+        A CSV table of ``label`` (1 is the first mesh), ``name``, ``color`` (#rrggbb), ``category``, ``type`` and ``region``
+        (scheme^value^meaning).
     affine_frame : {"ras", "lps"}
         Of `Mask.affine`.
     dtype : dtype, optional
@@ -97,7 +99,7 @@ def mask(
     >>> round(float(shares.array.sum()))
     6000
     """
-    job = _Cut.of(meshes, like, spacing, frame, subslices, options)
+    job = _Cut.of(meshes, like, spacing, frame, subslices, labels, options)
     shares = job.shares(coverage, subslices)
     native_type = np.dtype(np.uint8 if shares or len(job.parts) <= 255 else np.uint16)
     wanted = np.dtype(dtype) if dtype is not None else native_type if out is None else out.dtype
@@ -115,8 +117,8 @@ def mask(
         if shares and wanted.kind == "f":
             made /= 255
         voxels = made
-    labels = {i + 1: name for i, (_, name) in enumerate(job.parts)}
-    return Mask(voxels, job.image.affine(affine_frame), affine_frame, labels, summary["voxels"], summary["overlaps"])
+    names = {i + 1: name for i, (_, name, _) in enumerate(job.parts)}
+    return Mask(voxels, job.image.affine(affine_frame), affine_frame, names, summary["voxels"], summary["overlaps"])
 
 
 def save_mask(
@@ -128,18 +130,26 @@ def save_mask(
     frame: Optional[str] = None,
     coverage: bool = False,
     subslices: int = 1,
+    labels: Optional[PathLike] = None,
     strict: bool = False,
+    without_ct: bool = False,
     **options: Unpack[RuleKeywords],
 ) -> None:
-    """Write a mask as NIfTI (.nii, .nii.gz) or NRRD (.nrrd, .seg.nrrd for 3D Slicer), by the end of the name.
+    """Write a mask, by the end of its name: NIfTI (.nii, .nii.gz), NRRD (.nrrd, .seg.nrrd for 3D Slicer), MetaImage (.mha) or a
+    DICOM segmentation (.dcm).
 
-    Parameters are those of `mask`. Voxels go slice by slice to the file, which appears whole or not at all.
+    Parameters are those of `mask`. Voxels go slice by slice to the file, which appears whole or not at all. In .seg.nrrd and
+    .dcm meshes may overlap. A .dcm refers to the series of `like`, or ``without_ct=True`` to none.
     """
-    job = _Cut.of(meshes, like, spacing, frame, subslices, options)
-    job.shares(coverage, subslices)
+    is_dicom = os.fsdecode(path).lower().endswith(".dcm")
+    job = _Cut.of(meshes, like, spacing, frame, subslices, labels, options)
     if strict:
         job.require_closed()
-    summary = job.saved(path, _native.write_mask, truth("coverage", coverage), subslices)
+    if is_dicom:
+        summary = job.saved(path, _native.write_segmentation, truth("coverage", coverage), subslices, truth("without_ct", without_ct), _now())
+    else:
+        job.shares(coverage, subslices)
+        summary = job.saved(path, _native.write_mask, truth("coverage", coverage), subslices)
     job.tell_of(summary, strict)
 
 
@@ -150,8 +160,8 @@ def save_structure_set(
     like: ImageLike,
     frame: Optional[str] = None,
     holes: str = "keyhole",
+    labels: Optional[PathLike] = None,
     without_ct: bool = False,
-    colors: Optional[Sequence[Tuple[int, int, int]]] = None,
     **options: Unpack[RuleKeywords],
 ) -> List[str]:
     """Write a DICOM RT Structure Set with one region of interest a mesh.
@@ -159,7 +169,7 @@ def save_structure_set(
     Parameters
     ----------
     path : path
-    meshes, frame, **options
+    meshes, frame, labels, **options
         As for `mask`.
     like : path of a folder
         The DICOM series that it refers to.
@@ -167,21 +177,24 @@ def save_structure_set(
         Holes are joined to their contour, or contours exclude one another.
     without_ct : bool
         Write one that refers to no CT.
-    colors : sequence of (int, int, int), optional
 
     Returns
     -------
     list of str
         The names as written: cut to 64 characters, and told apart.
     """
-    job = _Cut.of(meshes, like, None, frame, 1, options)
-    chosen = [tuple(map(int, color)) for color in (colors or COLOURS)]
-    job.parts = [(result, name, list(chosen[i % len(chosen)])) for i, (result, name) in enumerate(job.parts)]
-    epoch = os.environ.get("SOURCE_DATE_EPOCH")
-    seconds = int(epoch) if epoch else int(time.time())
-    names: List[str] = job.saved(path, _native.write_structure_set, one_of("holes", holes, ("keyhole", "xor")), truth("without_ct", without_ct), seconds)
+    job = _Cut.of(meshes, like, None, frame, 1, labels, options)
+    job.parts = [(*part, i) for i, part in enumerate(job.parts)]
+    form = one_of("holes", holes, ("keyhole", "xor"))
+    names: List[str] = job.saved(path, _native.write_structure_set, form, truth("without_ct", without_ct), _now())
     job.tell_of_open()
     return names
+
+
+def _now() -> int:
+    """What files say of their time: by SOURCE_DATE_EPOCH where it is set."""
+    epoch = os.environ.get("SOURCE_DATE_EPOCH")
+    return int(epoch) if epoch else int(time.time())
 
 
 def save_table(path: PathLike, results: Meshes, *, islands: bool = False) -> None:
@@ -220,7 +233,7 @@ class _Cut:
         self._call = call
 
     @classmethod
-    def of(cls, meshes: Meshes, like: Any, spacing: Any, frame: Optional[str], subslices: int, options: Any) -> _Cut:
+    def of(cls, meshes: Meshes, like: Any, spacing: Any, frame: Optional[str], subslices: int, labels: Any, options: Any) -> _Cut:
         if (like is None) == (spacing is None):
             refuse("one of like and spacing says whose voxels")
         if frame is not None:
@@ -233,15 +246,20 @@ class _Cut:
             warn(warning, MeshWarning)
         heights = image._native.slice_heights(subslices)
         call: Any = {name: options[name] for name in CallKeywords.__annotations__ if name in options}
+        table = {label: (name, terms) for label, name, terms in _called(labels, lambda where, _: _native.read_labels(where))} if labels is not None else {}
         parts: List[Tuple[Any, ...]] = []
-        for mesh, name in given:
+        for i, (mesh, own_name) in enumerate(given):
+            stated, terms = table.pop(i + 1, ("", _native.Terms()))
+            name = stated or own_name
             if isinstance(mesh, Result):
                 _require_cut_for(mesh, name, image, heights)
-                parts.append((mesh, name))
+                parts.append((mesh, name, terms))
             else:
                 read, own = _with_frame(mesh, name, frame)
                 transform = image._native.slicing_frame(own == "ras")
-                parts.append((_quietly(read, {**options, "transform": transform, "heights": heights}), name))
+                parts.append((_quietly(read, {**options, "transform": transform, "heights": heights}), name, terms))
+        if table:
+            refuse(f"labels: there is no mesh {min(table)}, only {len(given)}")
         return cls(image, parts, call)
 
     def shares(self, coverage: bool, subslices: int) -> bool:

@@ -96,6 +96,21 @@ def geometry_around(low: List[float], high: List[float], spacing: List[float]) -
 def draw_mask(
     parts: List[Tuple[Any, ...]], image: Geometry, voxels: npt.NDArray[Any], coverage: bool, subslices: int, options: Options
 ) -> Dict[str, Any]: ...
+class Terms:
+    def __init__(self) -> None: ...
+    def color(self, index: int) -> List[int]: ...
+
+def read_labels(path: bytes) -> List[Tuple[int, str, Terms]]: ...
+def write_segmentation(
+    parts: List[Tuple[Any, ...]],
+    image: Geometry,
+    path: bytes,
+    coverage: bool,
+    subslices: int,
+    without_ct: bool,
+    seconds: Optional[int],
+    options: Options,
+) -> Dict[str, Any]: ...
 def write_mask(
     parts: List[Tuple[Any, ...]], image: Geometry, path: bytes, coverage: bool, subslices: int, options: Options
 ) -> Dict[str, Any]: ...

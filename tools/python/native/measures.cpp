@@ -46,9 +46,9 @@ py::dtype measures_type() {
 }
 
 /// Rows of layers, or of islands.
-py::array measures_of(const HeldResult& held, bool islands) {
+py::array measures_of(const HeldResult& held, bool islands, bool feret) {
     const Measures found =
-        run([&](const Context& context) { return measure(held.result, {.islands = islands, .feret = true}, context); });
+        run([&](const Context& context) { return measure(held.result, {.islands = islands, .feret = feret}, context); });
     return read_only(copy_of(islands ? found.islands : found.layers, measures_type()));
 }
 

@@ -176,12 +176,12 @@ class Result(SetMethods):
         ``polar`` and ``angle`` of the long axis; ``box_min_x`` to ``box_max_y``, ``feret_max``, ``feret_min``, ``feret_angle``,
         ``equivalent_diameter`` and ``circularity``. Not known is NaN, empty is 0. Sums are exact until the last step.
         """
-        return _native.measures(self._native, False)
+        return _native.measures(self._native, False, True)
 
     @functools.cached_property
     def island_measures(self) -> npt.NDArray[np.void]:
         """The same, one row per island: an outer with its own holes. ``layer`` and ``contour`` say which."""
-        return _native.measures(self._native, True)
+        return _native.measures(self._native, True, True)
 
     def layers_frame(self, *, islands: bool = False) -> pandas.DataFrame:
         """`measures` as a pandas DataFrame, or `island_measures`."""

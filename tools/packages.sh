@@ -15,7 +15,7 @@ python_packages=(
     python3-pytest python3-pandas python3-shapely python3-matplotlib python3-tqdm mypy
 )
 # tests/readers: programs that read what lamella::medical writes. A test whose program is missing is skipped.
-reader_packages=(dcmtk dicom3tools python3-nibabel python3-pydicom python3-h5py python3-pandas python3-pil python3-vtk9 plastimatch teem-apps)
+reader_packages=(dcmtk dicom3tools python3-nibabel python3-pydicom python3-h5py python3-pandas python3-pil python3-vtk9 python3-skimage plastimatch teem-apps)
 # tests/cluster: the engines that tools/cluster and the Python package hand meshes to.
 cluster_packages=(slurm-wlm munge snakemake python3-distributed python3-pandas)
 check_packages=(clang clang-format clang-tidy libclang-rt-14-dev doxygen abigail-tools)

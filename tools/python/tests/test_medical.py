@@ -133,6 +133,29 @@ def test_masks_and_tables_are_those_of_the_tool(cube, tmp_path):
     assert version == subprocess.run([TOOL, "--version"], check=True, capture_output=True, text=True).stdout
 
 
+def test_a_mask_is_an_image_of_vtk_and_becomes_a_mesh_again(cube, image):
+    pytest.importorskip("vtkmodules")
+    measure = pytest.importorskip("skimage.measure")
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+    from vtkmodules.vtkCommonDataModel import vtkImageData
+
+    m = lamella.mask(cube, like=image, frame="lps", affine_frame="lps")
+    grid, spacing = vtkImageData(), np.linalg.norm(m.affine[:3, :3], axis=0)
+    grid.SetDimensions(m.array.shape)
+    grid.SetSpacing(spacing)
+    grid.SetOrigin(m.affine[:3, 3])
+    grid.SetDirectionMatrix((m.affine[:3, :3] / spacing).ravel())
+    grid.GetPointData().SetScalars(numpy_to_vtk(m.array.ravel(order="F")))
+    for voxel in ([0, 0, 0], [25, 22, 8], [3, 40, 11]):
+        place = np.zeros(3)
+        grid.TransformIndexToPhysicalPoint(voxel, place)
+        assert np.allclose(place, (m.affine @ [*voxel, 1])[:3])
+        assert grid.GetScalarComponentAsDouble(*voxel, 0) == m.array[tuple(voxel)]
+    vertices, faces, _, _ = measure.marching_cubes(np.pad(m.array, 1).astype(float), 0.5, allow_degenerate=False)
+    again = lamella.slice(vertices, faces, layer_height=0.5)
+    assert abs(abs(again.volume) - m.voxels[0]) < 0.1 * m.voxels[0]
+
+
 def test_a_mask_of_a_tilted_gantry_lies_on_shifted_slices(cube, image):
     tilted = image[1].copy()
     tilted[:3, 2] += 0.25 * image[1][:3, 1]  # a quarter of a voxel each slice

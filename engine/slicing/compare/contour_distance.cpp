@@ -86,8 +86,7 @@ Distances NearestEdges::distances_to(const NearestEdges& others) const {
     double most = 0;  // squared
     Vector<Stretch> left(worker_.memory());
     Nearest last;
-    for (std::size_t i = 0; i < edges_.size(); ++i) {
-        const auto& [from, to] = edges_[i];
+    for (const auto& [from, to] : edges_) {
         const Place begin{static_cast<double>(from.x), static_cast<double>(from.y)};
         const Place end{static_cast<double>(to.x), static_cast<double>(to.y)};
         const Nearest first = others.nearest(begin, last.edge);

@@ -162,7 +162,7 @@ void SectionMeasuring::begin(const LayerView& layer) {
     }
     middle_ = {box.low.x + static_cast<std::int32_t>(width_of(box) / 2),
                box.low.y + static_cast<std::int32_t>(height_of(box) / 2)};
-    reach_ = static_cast<double>(std::max(width_of(box), height_of(box)) / 2 + 1);
+    reach_ = static_cast<double>(std::max(width_of(box), height_of(box))) / 2 + 1;
 }
 
 void SectionMeasuring::add_contour(const LayerView& layer, const Contour& contour, SectionSums& sums) {

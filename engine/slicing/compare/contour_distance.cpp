@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slicing/grid/distance.hpp"
+
 namespace lamella {
 
 void NearestEdges::assign(const LayerView& layer) {
@@ -22,16 +24,7 @@ void NearestEdges::assign(const LayerView& layer) {
 }
 
 double NearestEdges::squared_distance(const Place& place, std::size_t edge) const noexcept {
-    const auto& [from, to] = edges_[edge];
-    const double dx = static_cast<double>(to.x) - from.x;
-    const double dy = static_cast<double>(to.y) - from.y;
-    const double px = place.x - from.x;
-    const double py = place.y - from.y;
-    const double square = dx * dx + dy * dy;
-    const double along = square > 0 ? std::clamp((px * dx + py * dy) / square, 0.0, 1.0) : 0;
-    const double x = px - along * dx;
-    const double y = py - along * dy;
-    return x * x + y * y;
+    return lamella::squared_distance(place.x, place.y, edges_[edge].from, edges_[edge].to);
 }
 
 NearestEdges::Nearest NearestEdges::nearest(const Place& place, std::size_t hint) const {

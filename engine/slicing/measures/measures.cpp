@@ -155,11 +155,7 @@ void SectionMeasuring::begin(const LayerView& layer) {
     if (exceeds(box.low, box.high)) {
         return;  // there are none
     }
-    if (exceeds({-grid_limit, -grid_limit}, box.low) || exceeds(box.high, {grid_limit, grid_limit})) {
-        throw Refused{{ErrorCode::invalid_argument, "layer " + std::to_string(layer.index) +
-                                                        " has a point beyond the grid, which ends at " +
-                                                        std::to_string(grid_limit) + " units"}};
-    }
+    require_on_grid(box, layer.index);
     middle_ = {box.low.x + static_cast<std::int32_t>(width_of(box) / 2),
                box.low.y + static_cast<std::int32_t>(height_of(box) / 2)};
     reach_ = static_cast<double>(std::max(width_of(box), height_of(box))) / 2 + 1;

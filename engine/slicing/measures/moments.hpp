@@ -13,12 +13,24 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <utility>
 
+#include "base/guard.hpp"
 #include "base/numbers.hpp"
 #include "lamella/grid.hpp"
+#include "slicing/grid/exact.hpp"
 
 namespace lamella {
+
+/// Throws Refused where a layer's points are not on the grid, within which sums are right.
+inline void require_on_grid(const FlatBox& box, std::uint64_t layer) {
+    if (exceeds({-grid_limit, -grid_limit}, box.low) || exceeds(box.high, {grid_limit, grid_limit})) {
+        throw Refused{{ErrorCode::invalid_argument, "layer " + std::to_string(layer) +
+                                                        " has a point beyond the grid, which ends at " +
+                                                        std::to_string(grid_limit) + " units"}};
+    }
+}
 
 /// A product of two 64-bit numbers, for sums that may wrap.
 inline Word128 wide_product(std::int64_t a, std::int64_t b) noexcept {

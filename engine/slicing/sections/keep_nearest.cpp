@@ -1,60 +1,42 @@
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <optional>
 
 #include "base/guard.hpp"
 #include "base/vector.hpp"
 #include "lamella/sections.hpp"
-#include "slicing/grid/exact.hpp"
+#include "slicing/grid/distance.hpp"
+#include "slicing/nesting/inside.hpp"
 
 namespace lamella {
 
 namespace {
 
-constexpr Point middle{0, 0};
-
-/// How often a contour runs counter-clockwise around (0, 0); what lies on it counts as outside. Exact.
-int winding_around_middle(std::span<const Point> ring) noexcept {
-    int winding = 0;
-    Point a = ring.back();
-    for (const Point b : ring) {
-        if ((a.y <= 0) != (b.y <= 0) && side_of(a, b, middle) == (a.y <= 0 ? 1 : -1)) {
-            winding += a.y <= 0 ? 1 : -1;
-        }
-        a = b;
-    }
-    return winding;
+/// Exact; the boundary does not count as inside.
+bool holds_middle(std::span<const Point> ring, nesting::AddEdges add_edges) noexcept {
+    return nesting::strictly_inside(add_edges, ring.data(), static_cast<std::uint32_t>(ring.size()), Point{0, 0});
 }
 
-double distance_from_middle(std::span<const Point> ring) noexcept {
+double squared_distance_from_middle(std::span<const Point> ring) noexcept {
     double least = std::numeric_limits<double>::infinity();
-    Point a = ring.back();
-    for (const Point b : ring) {
-        const auto ax = static_cast<double>(a.x);
-        const auto ay = static_cast<double>(a.y);
-        const double dx = b.x - ax;
-        const double dy = b.y - ay;
-        const double square = dx * dx + dy * dy;
-        const double along = square > 0 ? std::clamp(-(ax * dx + ay * dy) / square, 0.0, 1.0) : 0;
-        const double x = ax + along * dx;
-        const double y = ay + along * dy;
-        least = std::min(least, x * x + y * y);
-        a = b;
+    Point from = ring.back();
+    for (const Point to : ring) {
+        least = std::min(least, squared_distance(0, 0, from, to));
+        from = to;
     }
     return least;
 }
 
 /// Nothing where there is no island.
-std::optional<Island> nearest_island(const LayerView& layer) noexcept {
+std::optional<Island> nearest_island(const LayerView& layer, nesting::AddEdges add_edges) noexcept {
     std::optional<Island> nearest;
     double least = std::numeric_limits<double>::infinity();
     for (const Island island : layer.islands()) {
-        int winding = winding_around_middle(layer.points_of(*island.outer));
-        for (const Contour& hole : island.holes) {
-            winding += winding_around_middle(layer.points_of(hole));
-        }
-        const double distance = winding > 0 ? -1 : distance_from_middle(layer.points_of(*island.outer));
+        const bool in_solid = holds_middle(layer.points_of(*island.outer), add_edges) &&
+                              std::none_of(island.holes.begin(), island.holes.end(), [&](const Contour& hole) {
+                                  return holds_middle(layer.points_of(hole), add_edges);
+                              });
+        const double distance = in_solid ? -1 : squared_distance_from_middle(layer.points_of(*island.outer));
         if (distance < least) {
             least = distance;
             nearest = island;
@@ -67,6 +49,7 @@ std::optional<Island> nearest_island(const LayerView& layer) noexcept {
 
 Result<SliceResult> keep_nearest_islands(const SliceResult& sections, const Context& context) noexcept {
     return guarded(context, [&]() -> Result<SliceResult> {
+        const nesting::AddEdges add_edges = best_of(nesting::add_edges_forms(), instruction_set());
         Vector<Contour> contours(context.memory);
         Vector<Point> points(context.memory);
         SliceResult kept(context.memory);
@@ -82,7 +65,7 @@ Result<SliceResult> keep_nearest_islands(const SliceResult& sections, const Cont
         for (std::size_t i = 0; i < sections.size(); ++i) {
             const LayerView layer = sections[i];
             const std::size_t first = contours.size();
-            if (const std::optional<Island> island = nearest_island(layer)) {
+            if (const std::optional<Island> island = nearest_island(layer, add_edges)) {
                 keep(layer, *island->outer, -1);
                 for (const Contour& hole : island->holes) {
                     keep(layer, hole, static_cast<std::int64_t>(first));

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 namespace lamella {
@@ -31,23 +30,11 @@ bool NearPlane::CentredBox::meets(const PlaneReach& plane) const noexcept {
     return std::abs(height_of(plane, middle)) <= reach + plane.room;
 }
 
-NearPlane::Extent NearPlane::Extent::nothing() noexcept {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    return {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-}
-
-void NearPlane::Extent::include(const std::array<double, 3>& low_corner, const std::array<double, 3>& high_corner) noexcept {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        low[axis] = std::min(low[axis], low_corner[axis]);
-        high[axis] = std::max(high[axis], high_corner[axis]);
-    }
-}
-
-NearPlane::CentredBox NearPlane::Extent::box() const noexcept {
+NearPlane::CentredBox NearPlane::CentredBox::around(const Bounds& bounds) noexcept {
     CentredBox box;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        box.middle[axis] = low[axis] / 2 + high[axis] / 2;
-        box.half[axis] = high[axis] - box.middle[axis];
+        box.middle[axis] = bounds.min_mm[axis] / 2 + bounds.max_mm[axis] / 2;
+        box.half[axis] = bounds.max_mm[axis] - box.middle[axis];
         box.half[axis] += box.half[axis] * 0x1p-50;  // for its rounding
     }
     return box;
@@ -62,22 +49,22 @@ NearPlane::NearPlane(const MeshView& mesh, const Bounds& bounds, const Parallel&
       larger_(runs_in(boxes_.size()), CentredBox(), parallel.memory()) {
     sort_along_curve(bounds, parallel);
     parallel.run(larger_.size(), [&](std::size_t l, int) {
-        Extent of_all = Extent::nothing();
+        Bounds of_all = Bounds::empty();
         for (std::size_t b = run * l; b < std::min(run * (l + 1), boxes_.size()); ++b) {
-            Extent own = Extent::nothing();
+            Bounds own = Bounds::empty();
             for (std::size_t i = run * b; i < std::min(run * (b + 1), order_.size()); ++i) {
                 for (std::size_t corner = 0; corner < 3; ++corner) {
                     const std::array<double, 3> at = reader_.corner(order_[i], corner);
-                    own.include(at, at);
                     for (std::size_t axis = 0; axis < 3; ++axis) {
+                        own.add(static_cast<int>(axis), at[axis], at[axis]);
                         runs_[b].corners[corner][axis][i - run * b] = static_cast<float>(at[axis]);
                     }
                 }
             }
-            boxes_[b] = own.box();
-            of_all.include(own.low, own.high);
+            boxes_[b] = CentredBox::around(own);
+            of_all.add(own);
         }
-        larger_[l] = of_all.box();
+        larger_[l] = CentredBox::around(of_all);
     });
 }
 

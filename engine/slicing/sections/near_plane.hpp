@@ -41,6 +41,7 @@ private:
         std::array<double, 3> middle{};
         std::array<double, 3> half{};
 
+        static CentredBox around(const Bounds& bounds) noexcept;
         bool meets(const PlaneReach& plane) const noexcept;
     };
     static constexpr std::size_t run = 32;  ///< triangles in a box, and boxes in a larger one
@@ -49,14 +50,6 @@ private:
     struct Run {
         std::array<std::array<std::array<float, run>, 3>, 3> corners{};
     };
-    struct Extent {
-        std::array<double, 3> low;
-        std::array<double, 3> high;
-        static Extent nothing() noexcept;
-        void include(const std::array<double, 3>& low_corner, const std::array<double, 3>& high_corner) noexcept;
-        CentredBox box() const noexcept;
-    };
-
     const MeshView mesh_;
     const PlacedReader reader_;
     Vector<std::size_t> order_;  ///< triangles along the curve

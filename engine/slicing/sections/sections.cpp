@@ -19,6 +19,7 @@
 #include "base/sort.hpp"
 #include "base/vector.hpp"
 #include "slicing/grid/bounds.hpp"
+#include "slicing/repair/polylines.hpp"
 #include "slicing/sections/near_plane.hpp"
 #include "slicing/slicer.hpp"
 
@@ -103,13 +104,7 @@ void SectionCut::choose_options() {
     options_.slabs.clear();
     options_.planes = {.side = options_.planes.side};
     options_.allow_empty = true;
-    if (options_.stitch_mm == stitch_by_mesh) {
-        double squares = 0;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            squares += (bounds_.max_mm[axis] - bounds_.min_mm[axis]) * (bounds_.max_mm[axis] - bounds_.min_mm[axis]);
-        }
-        options_.stitch_mm = std::sqrt(squares) / 100;
-    }
+    options_.stitch_mm = gap_length_mm(options_.stitch_mm, bounds_);
     if (!frames_.empty()) {
         options_.frame.grid_mm = require(choose_unit(reach, options_.frame.grid_mm, options_.frame.coarser_if_needed)).mm;
         options_.frame.coarser_if_needed = false;

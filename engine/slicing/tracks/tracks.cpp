@@ -170,11 +170,7 @@ void TrackFinding::measure(std::size_t n, Tracks& tracks) {
     for (const std::uint32_t r : by_size) {
         TrackRing& ring = rings_[first + r];
         ring.box = FlatBox::around(ring.points);
-        if (exceeds({-grid_limit, -grid_limit}, ring.box.low) || exceeds(ring.box.high, {grid_limit, grid_limit})) {
-            throw Refused{{ErrorCode::invalid_argument, "layer " + std::to_string(n) +
-                                                            " has a point beyond the grid, which ends at " +
-                                                            std::to_string(grid_limit) + " units"}};
-        }
+        require_on_grid(ring.box, n);
         moments[ring.island - own.first_island].add<false>(ring.points, stack_.contours[first + r].twice_area, {});
         worker.spend(ring.points.size());
     }

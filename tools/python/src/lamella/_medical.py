@@ -281,10 +281,11 @@ class _Cut:
                 raise InvalidArgumentError(f"{name}: {found.describe('stitch=')}")
 
     def tell_of(self, summary: Any, strict: bool) -> None:
-        if strict:
-            self.require_closed()
-        self.tell_of_open()
-        for (_, name, *_), share in zip(self.parts, summary["cut_off"]):
+        for (_, name, *_), words, share in zip(self.parts, summary["open"], summary["cut_off"]):
+            if words is not None and strict:
+                raise InvalidArgumentError(f"{name}: {words}")
+            if words is not None:
+                warn(f"{name}: {words}", MeshWarning)
             if share > 0:
                 warn(f"{name}: {100 * share:.3g} % of its area in the slices lies beside the image", MeshWarning)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Optional, Sequence, Tuple, Union
@@ -141,7 +142,7 @@ class Mesh:
         """Area of the triangles, mm²."""
         return float(self._counts["area"])
 
-    @property
+    @functools.cached_property
     def _counts(self) -> Dict[str, Any]:
         found: Dict[str, Any] = as_view(self, None, unit=None).run(_native.check, slice_options({}), 0.0, 100.0, 0, True)
         return dict(found["info"])

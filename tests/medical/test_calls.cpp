@@ -35,7 +35,8 @@ TEST_CASE("medical calls give the same bytes on any number of threads, end when 
     const std::vector<TablePart> table = {{.result = &one, .name = "a"}};
     const std::vector<PicturePart> parts = {{&one, "a"}, {&two, "b"}};
     const auto mask = ends([&](const Path& to, const Context& c) { return write_mask(organs, image, to, {}, c); });
-    const auto rows = ends([&](const Path& to, const Context& c) { return write_layer_table(table, to, nullptr, false, c); });
+    const auto rows =
+        ends([&](const Path& to, const Context& c) { return write_layer_table(table, to, nullptr, false, c); });
     std::vector<Call> calls = {
         {"a.nii", mask},
         {"a.nii.gz", mask},

@@ -35,15 +35,9 @@ class Sweeps {
 public:
     Sweeps(const SliceCall& call, const SliceInfo& info)
         : form_(call.tuning.form), kept_(call.kept), parallel_(*kept_.parallel) {
-        const SliceOptions& options = call.options;
-        const double stitch_mm = info.options.stitch_mm;
-        rules_ = {.region = &options.region,
-                  .grid_mm = info.grid_mm,
-                  .stitch = stitch_mm / info.grid_mm,
-                  .crossing_stitch = crossing_gap_mm(options.stitch_mm, stitch_mm) / info.grid_mm,
-                  .direction = options.stitch_direction,
-                  .first_layer = kept_.planes.first_kept()};
-        kept_.last_made_regions = !options.region.leaves_contours();
+        rules_ = rules_for(call.options, info);
+        rules_.first_layer = kept_.planes.first_kept();
+        kept_.last_made_regions = !call.options.region.leaves_contours();
         kept_.sweeps_made_regions = kept_.sweeps_made_regions || kept_.last_made_regions;
         kept_.sweeps.resize(std::max(kept_.sweeps.size(), static_cast<std::size_t>(parallel_.threads())));
     }

@@ -15,6 +15,7 @@
 #include "slicing/buckets/triangle_source.hpp"
 #include "slicing/grid/bounds.hpp"
 #include "slicing/grid/quantise.hpp"
+#include "slicing/layer/layer_builder.hpp"
 #include "slicing/regions/rules.hpp"
 #include "slicing/repair/polylines.hpp"
 #include "slicing/result/layer_target.hpp"
@@ -115,6 +116,16 @@ inline void begin_info(const SliceOptions& options, const Bounds& box, const Cho
     info.grid_mm = unit.mm;
     info.grid_doublings = unit.doublings;
     info.box = box_of(box);
+}
+
+/// For layers from number 0 on. Precondition: begin_info() was called; the options must stay.
+inline LayerRules rules_for(const SliceOptions& options, const SliceInfo& info) noexcept {
+    const double stitch_mm = info.options.stitch_mm;
+    return {.region = &options.region,
+            .grid_mm = info.grid_mm,
+            .stitch = stitch_mm / info.grid_mm,
+            .crossing_stitch = crossing_gap_mm(options.stitch_mm, stitch_mm) / info.grid_mm,
+            .direction = options.stitch_direction};
 }
 
 }  // namespace lamella

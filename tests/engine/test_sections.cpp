@@ -80,6 +80,39 @@ TEST_CASE("sections by planes of any direction are those of slices, one by one",
     check_each(indexed.view(), frames, {.origins = true});
 }
 
+TEST_CASE("joints of sections by the mesh's length cross no wall in a wide gap, as those of slices", "[sections]") {
+    // A tube of a metre with a gap of 10 mm, in which a thin wall may stand. The length is a hundredth of the diagonal.
+    const shapes::Soup tube = shapes::joined({shapes::wall({0, 0}, {495, 0}), shapes::wall({505, 0}, {1000, 0}),
+                                              shapes::wall({1000, 0}, {1000, 1000}), shapes::wall({1000, 1000}, {0, 1000}),
+                                              shapes::wall({0, 1000}, {0, 0})});
+    const shapes::Soup walled = shapes::joined({tube, shapes::wall({500, -5}, {500, 5}), shapes::wall({500, 5}, {500, -5})});
+    std::vector<Transform> frames(3);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+        frames[i].m[11] = -1 - 3.0 * static_cast<double>(i);
+    }
+    const SliceOptions options{.stitch_mm = stitch_by_mesh, .frame = {.grid_mm = 1e-3}};
+    check_each(tube, frames, options);
+    check_each(walled, frames, options);
+    CHECK(value_of(slice_sections(MeshView::soup(tube), frames, options)).info.open_contours == 0);
+    CHECK(value_of(slice_sections(MeshView::soup(walled), frames, options)).info.open_contours > 0);
+}
+
+TEST_CASE("sections together are held to the limit on memory, on any number of threads", "[sections]") {
+    const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 4);
+    const std::vector<Transform> frames(50);
+    const SliceResult all = value_of(slice_sections(MeshView::soup(soup), frames));
+    const std::uint64_t points = all.points.size() * sizeof(Point);
+    for (const int threads : {1, 2, 5}) {
+        const auto sections = [&](std::uint64_t limit) {
+            return slice_sections(MeshView::soup(soup), frames, {}, {.threads = threads, .memory_limit_bytes = limit});
+        };
+        CHECK(value_of(sections(2 * points)).hash() == all.hash());
+        CHECK(error_of(sections(points)).message ==
+              "the sections need more than the memory limit of " + std::to_string(points) + " bytes");
+        CHECK(error_of(sections(100)).code == ErrorCode::result_too_large);
+    }
+}
+
 TEST_CASE("sections have the same bytes on any number of threads, and none are a result too", "[sections]") {
     const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 4);
     const MeshView ball = MeshView::soup(soup);
@@ -100,7 +133,7 @@ TEST_CASE("what is wrong with sections names the one", "[sections]") {
     frames[1] = Transform::scale(0);
     CHECK(error_of(slice_sections(ball, frames)).code == ErrorCode::invalid_argument);
     frames[1] = {};
-    CHECK(error_of(slice_sections(ball, frames, {.region = {.miter_limit = -1}})).message.starts_with("section "));
+    CHECK(error_of(slice_sections(ball, frames, {.region = {.miter_limit = -1}})).code == ErrorCode::invalid_argument);
     CHECK(error_of(slice_sections(ball, frames, {.content = LayerContent::upward_faces})).code ==
           ErrorCode::invalid_argument);
     CHECK(error_of(slice_sections(MeshView{}, frames)).code == ErrorCode::empty_mesh);

@@ -2,26 +2,28 @@
 //
 //     check        indices and coordinates, as slice() does; the box, and the grid that serves all frames
 //     NearPlane    boxes around runs of triangles
-//     cut          each plane by one thread: the triangles near it, sliced by themselves
-//     join         one result
+//     cut          each plane by one thread, as a band of one layer: the triangles near it, and their contours
+//     finish       layers to their place
 
 #include "lamella/sections.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
-#include <cstring>
 #include <memory>
+#include <numeric>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
-#include "base/sort.hpp"
 #include "base/vector.hpp"
-#include "slicing/grid/bounds.hpp"
-#include "slicing/repair/polylines.hpp"
+#include "slicing/buckets/thread_shares.hpp"
+#include "slicing/grid/quantise.hpp"
 #include "slicing/sections/near_plane.hpp"
-#include "slicing/slicer.hpp"
+#include "slicing/slice_layers.hpp"
+#include "slicing/sweep/band_sweep.hpp"
 
 namespace lamella {
 
@@ -36,58 +38,84 @@ public:
     SliceResult cut();
 
 private:
+    /// What a thread cuts with.
     struct Cutter {
-        explicit Cutter(const Memory* memory) : near(memory), soup(memory) {}
-        Slicer slicer;
+        explicit Cutter(const Memory* memory) : near(memory), buckets(memory), sweep(memory, instruction_set()) {}
         Vector<std::size_t> near;
-        Vector<std::byte> soup;
+        Buckets buckets;  ///< of one plane
+        BandSweep sweep;
     };
 
-    void choose_options();
+    void check();
+    Bounds reach_of_frames() const;
     double farthest_in(const Transform& frame) const noexcept;
-    void cut_one(std::size_t i, const NearPlane& mesh, Cutter& cutter);
-    MeshView soup_of(Cutter& cutter) const;
-    SliceResult join();
+    void begin(SliceInfo& info);
+    void cut_all(const NearPlane& mesh, SliceResult& sections);
+    void cut_one(std::size_t i, const NearPlane& mesh, Cutter& cutter, BandOutput& output);
+    void find_crossed(const Frame& frame, Cutter& cutter) const;
+    void count_bytes(const BandOutput& output);
 
     const MeshView mesh_;
     const std::span<const Transform> frames_;
-    SliceOptions options_;
+    SliceOptions options_;  ///< with the plane z = 0
     const Context& context_;
     const Parallel parallel_;
     Bounds bounds_ = Bounds::empty();
-    std::vector<SliceResult> sections_;
+    double unit_mm_ = default_grid_mm;
+    PlaneSet plane_{parallel_.memory()};  ///< z = 0
+    LayerRules rules_{};
+    Array<std::uint64_t> segments_{parallel_.memory()};
+    std::atomic<std::uint64_t> bytes_ = 0;  ///< that sections take
 };
 
 SliceResult SectionCut::cut() {
+    check();
+    SliceResult sections(context_.memory);
+    begin(sections.info);
+    parallel_.begin_stage(0.1);
+    const NearPlane mesh(mesh_, bounds_, parallel_);
+    parallel_.begin_stage(0.95);
+    cut_all(mesh, sections);
+    parallel_.finish();
+    return sections;
+}
+
+void SectionCut::check() {
     if (options_.content != LayerContent::section) {
         throw Refused{{ErrorCode::invalid_argument, "sections show what a plane cuts, not what faces project"}};
     }
+    options_.heights_mm = {0};
+    options_.slabs.clear();
+    options_.planes = {.side = options_.planes.side};
+    check_options(options_, {});
     require(check_mesh(mesh_));
     BlockTable table(parallel_.memory());
     bounds_ = require(measure_bounds(mesh_, placing_of(mesh_, {}), options_.frame.grid_mm, parallel_, table));
-    choose_options();
-    parallel_.begin_stage(0.1);
-    const NearPlane mesh(mesh_, bounds_, parallel_);
-    for (std::size_t i = 0; i < frames_.size(); ++i) {
-        sections_.emplace_back(parallel_.memory());
-    }
-    std::vector<std::unique_ptr<Cutter>> cutters(parallel_.workers_for(frames_.size()));
-    parallel_.begin_stage(0.95);
-    parallel_.run(frames_.size(), [&](std::size_t i, int worker) {
-        std::unique_ptr<Cutter>& own = cutters[static_cast<std::size_t>(worker)];
-        if (own == nullptr) {
-            own = std::make_unique<Cutter>(parallel_.memory());
-        }
-        cut_one(i, mesh, *own);
-    });
-    SliceResult joined = join();
-    parallel_.finish();
-    return joined;
 }
 
 /// One grid for all frames, and lengths that do not depend on what a plane meets.
-void SectionCut::choose_options() {
-    Bounds reach = Bounds::empty();
+void SectionCut::begin(SliceInfo& info) {
+    Frame& frame = options_.frame;
+    SharedFrame shared{reach_of_frames(), {frame.grid_mm > 0 ? frame.grid_mm : default_grid_mm, 0}, Number::f64};
+    if (!frames_.empty()) {
+        shared.unit = require(choose_unit_for(shared.bounds, frame.grid_mm, frame.coarser_if_needed, options_.region));
+    }
+    unit_mm_ = shared.unit.mm;
+    begin_info(options_, bounds_, shared.unit, info);
+    const std::uint64_t limit = detail::memory_limit(context_.memory_limit_bytes);
+    plane_.build(options_, {}, shared, limit);
+    rules_ = rules_for(options_, info);
+    info.options.heights_mm->assign(frames_.size(), 0);
+    for (std::size_t i = 0; i < frames_.size(); ++i) {
+        info.layer_of.push_back(i);
+    }
+    info.layers = info.planned_layers = frames_.size();
+    info.triangles = mesh_.triangle_count;
+    info.threads = parallel_.threads();
+}
+
+Bounds SectionCut::reach_of_frames() const {
+    Bounds reach = frames_.empty() ? Bounds{} : Bounds::empty();
     for (std::size_t i = 0; i < frames_.size(); ++i) {
         const Transform& frame = frames_[i];
         if (!std::all_of(frame.m.begin(), frame.m.end(), [](double number) { return std::isfinite(number); })) {
@@ -100,15 +128,7 @@ void SectionCut::choose_options() {
             reach.add(axis, -farthest, farthest);
         }
     }
-    options_.heights_mm = {0};
-    options_.slabs.clear();
-    options_.planes = {.side = options_.planes.side};
-    options_.allow_empty = true;
-    options_.stitch_mm = gap_length_mm(options_.stitch_mm, bounds_);
-    if (!frames_.empty()) {
-        options_.frame.grid_mm = require(choose_unit(reach, options_.frame.grid_mm, options_.frame.coarser_if_needed)).mm;
-        options_.frame.coarser_if_needed = false;
-    }
+    return reach;
 }
 
 /// The largest coordinate of the corners of the mesh's box.
@@ -129,115 +149,98 @@ double SectionCut::farthest_in(const Transform& frame) const noexcept {
     return farthest;
 }
 
-void SectionCut::cut_one(std::size_t i, const NearPlane& mesh, Cutter& cutter) {
-    SliceOptions options = options_;
-    options.frame.transform = frames_[i] * options_.frame.transform;
+void SectionCut::cut_all(const NearPlane& mesh, SliceResult& sections) {
+    std::vector<Band> bands;
+    for (PlaneIndex i = 0; i < frames_.size(); ++i) {
+        bands.push_back({i, i + 1, 0});
+    }
+    segments_.resize_discarding(frames_.size());
+    OutputScratch scratch(parallel_.memory());
+    const auto layer_at = [this](PlaneIndex i) { return describe_layer(plane_, 0, segments_[i]); };
+    const OutputPlan plan{.layers = static_cast<PlaneIndex>(bands.size()),
+                          .layer_at = layer_at,
+                          .segments = 0,  // not known
+                          .cutting = 0,
+                          .bands = bands,
+                          .parallel = parallel_,
+                          .scratch = scratch,
+                          .origins = options_.origins,
+                          .info = sections.info};
+    ResultTarget target(sections);
+    target.admit(plan, detail::memory_limit(context_.memory_limit_bytes));
+    target.begin(plan);
+    std::vector<std::unique_ptr<Cutter>> cutters(parallel_.workers_for(bands.size()));
+    fill_bands(target, parallel_, 0, bands.size(), [&](std::size_t i, int worker, BandOutput& output) {
+        std::unique_ptr<Cutter>& own = cutters[static_cast<std::size_t>(worker)];
+        if (own == nullptr) {
+            own = std::make_unique<Cutter>(parallel_.memory());
+            own->sweep.set_rules(rules_);
+        }
+        try {
+            cut_one(i, mesh, *own, output);
+        } catch (Refused& refused) {
+            refused.error.message = "section " + std::to_string(i) + ": " + refused.error.message;
+            throw;
+        }
+        count_bytes(output);
+    });
+    cutters.clear();
+    sections.info.segments = std::accumulate(segments_.begin(), segments_.end(), std::uint64_t{0});
+    target.finish();
+}
+
+void SectionCut::cut_one(std::size_t i, const NearPlane& mesh, Cutter& cutter, BandOutput& output) {
+    Frame frame = options_.frame;
+    frame.transform = frames_[i] * options_.frame.transform;
     PlaneReach plane;
     double largest = 0;  // of what is added up
     for (std::size_t axis = 0; axis < 4; ++axis) {
-        plane.row[axis] = options.frame.transform.m[8 + axis];
+        plane.row[axis] = frame.transform.m[8 + axis];
         const double at = axis == 3 ? 1 : std::max(std::abs(bounds_.min_mm[axis]), std::abs(bounds_.max_mm[axis]));
         largest += std::abs(plane.row[axis]) * at;
     }
     // Vertex and plane are rounded to the grid; sums to doubles, or with as_mesh_numbers to floats.
-    plane.room = 8 * options.frame.grid_mm + 0x1p-19 * largest;
+    plane.room = 8 * unit_mm_ + 0x1p-19 * largest;
     mesh.find(plane, cutter.near);
-    sort_briefly(cutter.near.begin(), cutter.near.end());  // of equal ones the smallest index stands for all
-    SliceResult& section = sections_[i];
-    const Context one{.threads = 1,
-                      .stop = parallel_.stop(),
-                      .memory = context_.memory,
-                      .memory_limit_bytes = context_.memory_limit_bytes};
-    Result<SliceInfo> info = cutter.slicer.slice_to(Destination(section), soup_of(cutter), options, one);
-    if (!info) {
-        Error error = info.error();
-        error.message = "section " + std::to_string(i) + ": " + error.message;
-        throw Refused{std::move(error)};
-    }
-    for (PointOrigin& origin : section.origins) {
-        if (origin.triangle != no_triangle) {
-            origin.triangle = static_cast<std::uint32_t>(cutter.near[origin.triangle]);
-        }
-    }
+    find_crossed(frame, cutter);
+    segments_[i] = cutter.buckets.segment_count;
+    cutter.sweep.run({0, 1, segments_[i]}, {}, cutter.buckets, plane_, ContourForm::swept, parallel_.stop(), output);
 }
 
-/// The triangles near the plane, in the mesh's own numbers.
-MeshView SectionCut::soup_of(Cutter& cutter) const {
-    const std::size_t vertex_bytes = 3 * size_of(mesh_.vertex_type);
-    cutter.soup.resize(3 * vertex_bytes * cutter.near.size());
-    std::byte* to = cutter.soup.data();
-    const auto copy_each = [&](auto bytes) {
+/// The list of the one plane, of the triangles near it.
+void SectionCut::find_crossed(const Frame& frame, Cutter& cutter) const {
+    Buckets& buckets = cutter.buckets;
+    buckets.records.resize_discarding(cutter.near.size());
+    buckets.lowest_corners.resize_discarding(options_.origins ? cutter.near.size() : 0);
+    std::uint32_t count = 0;
+    with_reader(mesh_, placing_of(mesh_, frame), unit_mm_, [&](const auto& read) {
         for (const std::size_t t : cutter.near) {
-            for (std::size_t corner = 0; corner < 3; ++corner, to += bytes) {
-                std::memcpy(to,
-                            mesh_.indices != nullptr ? mesh_.vertex_at(mesh_.vertex_of(t, corner))
-                                                     : mesh_.vertex_at(t) + corner * bytes,
-                            bytes);
+            const RoundedTriangle triangle{read(t), t, plane_};
+            if (triangle.planes().size() == 0 || triangle.is_degenerate()) {
+                continue;
             }
+            const std::uint8_t lowest = triangle.write(buckets.records[count], 1);
+            if (options_.origins) {
+                buckets.lowest_corners[count] = lowest;
+            }
+            ++count;
         }
-    };
-    if (vertex_bytes == 12) {
-        copy_each(std::integral_constant<std::size_t, 12>());
-    } else {
-        copy_each(std::integral_constant<std::size_t, 24>());
-    }
-    return {.vertices = cutter.soup.data(),
-            .triangle_count = cutter.near.size(),
-            .vertex_type = mesh_.vertex_type,
-            .mm_per_unit = mesh_.mm_per_unit};
+    });
+    buckets.list_begin.resize_discarding(2);
+    buckets.list_begin[0] = 0;
+    buckets.list_begin[1] = count;
+    buckets.segments.resize_discarding(1);
+    buckets.segments[0] = count;
+    buckets.segment_count = count;
 }
 
-/// Layers, contours, points and the rest, one section after the other; counts added up.
-SliceResult SectionCut::join() {
-    SliceResult all(context_.memory);
-    SliceInfo& info = all.info;
-    info.options = options_;
-    info.options.heights_mm->assign(frames_.size(), 0);
-    info.grid_mm = options_.frame.grid_mm != 0 ? options_.frame.grid_mm : default_grid_mm;
-    info.threads = parallel_.threads();
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        info.box.min_mm[axis] = bounds_.min_mm[axis];
-        info.box.max_mm[axis] = bounds_.max_mm[axis];
+/// Whether all sections together exceed the limit does not depend on their order.
+void SectionCut::count_bytes(const BandOutput& output) {
+    const std::uint64_t limit = detail::memory_limit(context_.memory_limit_bytes);
+    if (bytes_ += output.bytes_used(); bytes_ > limit) {
+        throw Refused{{ErrorCode::result_too_large,
+                       "the sections need more than the memory limit of " + std::to_string(limit) + " bytes"}};
     }
-    std::size_t origins = 0;
-    for (std::size_t i = 0; i < sections_.size(); ++i) {
-        info.layer_of.push_back(i);
-        const SliceInfo& own = sections_[i].info;
-        info.segments += own.segments;
-        origins += sections_[i].origins.size();
-#define END_COUNTER(name) info.name += own.name;
-#include "options/counters.inc"
-    }
-    info.triangles = mesh_.triangle_count;
-    info.layers = info.planned_layers = sections_.size();
-    all.layers.resize_discarding(sections_.size());
-    all.contours.resize_discarding(info.contours);
-    all.points.resize_discarding(info.points);
-    all.origins.resize_discarding(origins);
-    all.stitches.resize_discarding(info.stitches);
-    Contour* contour = all.contours.data();
-    Point* point = all.points.data();
-    PointOrigin* origin = all.origins.data();
-    Stitch* stitch = all.stitches.data();
-    for (std::size_t i = 0; i < sections_.size(); ++i) {
-        const SliceResult& own = sections_[i];
-        const auto first_contour = static_cast<std::uint64_t>(contour - all.contours.data());
-        const auto first_point = static_cast<std::uint64_t>(point - all.points.data());
-        all.layers[i] = own.layers[0];
-        all.layers[i].first_contour = first_contour;
-        for (Contour moved : own.contours) {
-            moved.first_point += first_point;
-            moved.parent += moved.parent < 0 ? 0 : static_cast<std::int64_t>(first_contour);
-            *contour++ = moved;
-        }
-        point = std::copy(own.points.begin(), own.points.end(), point);
-        origin = std::copy(own.origins.begin(), own.origins.end(), origin);
-        for (Stitch joint : own.stitches) {
-            joint.layer = i;
-            *stitch++ = joint;
-        }
-    }
-    return all;
 }
 
 }  // namespace

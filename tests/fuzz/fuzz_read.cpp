@@ -89,6 +89,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
                                          {reinterpret_cast<const char*>(bytes.rest().data()), bytes.rest().size()});
     ReadOptions options;
     options.memory_limit_bytes = memory_limit_bytes;
+    options.scalars = true;
     const Result<MeshFile> mesh = read_mesh(path, options, {.threads = 1});
     if (choice / 8 % 4 == 3) {  // only sometimes: writing takes as long as another file
         options.map_file = choice / 32 % 2 != 0;

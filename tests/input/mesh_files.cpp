@@ -1,7 +1,5 @@
 #include "input/mesh_files.hpp"
 
-#include <utility>
-
 #include "input/encoded.hpp"
 
 namespace lamella::input_test {
@@ -345,11 +343,11 @@ std::string Vtp::piece(const PolygonMesh& mesh) {
     std::string xml = "<Piece NumberOfPoints=\"" + std::to_string(mesh.points()) +
                       "\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"" + std::to_string(mesh.strips.size()) +
                       "\" NumberOfPolys=\"" + std::to_string(mesh.faces.size()) + "\">\n";
-    xml += decoys ? "<PointData>" + array("Name=\"Points\"", "Float32", Rows{{1, 2, 3, 4}}) + "</PointData>\n" : "";
-    xml += "<Points>\n" + array("NumberOfComponents=\"3\"", points, points_of(mesh)) + "</Points>\n";
+    const std::string three = "NumberOfComponents=\"3\"";
+    xml += decoys ? "<PointData>" + array("Name=\"Points\" " + three, points, points_of(mesh)) + "</PointData>\n" : "";
+    xml += "<Points>\n" + array(three, points, points_of(mesh)) + "</Points>\n";
     xml += decoys ? "<Verts>" + array("Name=\"connectivity\"", "Int64", Rows{}) + "</Verts>\n" : "";
-    xml += mesh.strips.empty() ? "" : cells("Strips", mesh.strips);
-    return xml + cells("Polys", mesh.faces) + "</Piece>\n";
+    return xml + (mesh.strips.empty() ? "" : cells("Strips", mesh.strips)) + cells("Polys", mesh.faces) + "</Piece>\n";
 }
 
 std::string Vtp::operator()(const std::vector<PolygonMesh>& pieces) {
@@ -390,7 +388,8 @@ std::string Gifti::array(const std::string& intent, const std::string& type, con
 
 std::string Gifti::operator()(const PolygonMesh& mesh) const {
     return "<?xml version=\"1.0\"?>\n<!DOCTYPE GIFTI SYSTEM \"gifti.dtd\">\n<GIFTI>\n" +
-           array("TRIANGLE", integers, mesh.faces) + array("POINTSET", points, points_of(mesh)) + "</GIFTI>\n";
+           array("TRIANGLE", integers, mesh.faces) + array("POINTSET", points, points_of(mesh)) +
+           array("VECTOR", points, points_of(mesh)) + "</GIFTI>\n";
 }
 
 std::string freesurfer(const PolygonMesh& mesh, const std::string& text) {

@@ -94,6 +94,21 @@ inline Triangles read_triangles(const std::filesystem::path& path) {
     return read(path).triangles;
 }
 
+/// A file whose values at vertices are their coordinates again.
+inline void check_scalars(const std::filesystem::path& path, const std::string& name) {
+    const MeshFile mesh = value_of(read_mesh(path, {.scalars = true}));
+    CHECK(mesh.warnings.empty());
+    REQUIRE(mesh.scalars.size() == 1);
+    CHECK(mesh.scalars[0].name == name);
+    REQUIRE(mesh.scalars[0].components == 3);
+    const std::span<const double> values = mesh.scalars[0].values.span();
+    REQUIRE(values.size() == 3 * mesh.vertex_count);
+    const Triangles triangles = triangles_of(mesh);
+    for (std::size_t i = 0; i < 9 * triangles.size(); ++i) {
+        REQUIRE(values[3 * mesh.view().vertex_of(i / 9, i % 9 / 3) + i % 3] == triangles[i / 9][i % 9]);
+    }
+}
+
 inline Texts warnings_of(const std::filesystem::path& path) {
     return read(path).warnings;
 }

@@ -38,6 +38,13 @@ TEST_CASE("PLY of every encoding, type of number and order, with unknown propert
         CHECK(contents.triangles == cube().triangles());
         CHECK(contents.mesh.text == (form.encoding == "ascii"));
         REQUIRE(contents.warnings.size() == (quads ? 1 : 0));
+        const MeshFile again = value_of(read_mesh(dir / "a.ply", {.scalars = true}));
+        CHECK((triangles_of(again) == contents.triangles && again.warnings == contents.mesh.warnings));
+        REQUIRE(again.scalars.size() == (form.extra_numbers ? 8U : 0U));  // beside x, y and z
+        for (std::size_t i = 0; i < again.scalars.size(); ++i) {
+            CHECK(again.scalars[i].integers == (i % 2 == 1));
+            CHECK(std::ranges::count(again.scalars[i].values.span(), i % 2 == 1 ? 200 : -0.5) == 8);
+        }
         CHECK((!quads || contents.warnings[0].starts_with("left out 3 faces of fewer than three corners")));
     }
 }

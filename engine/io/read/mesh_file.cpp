@@ -159,6 +159,12 @@ MeshFile read_source(FileSource& source, const std::filesystem::path& path, cons
     mesh.format = reader->format;
     mesh.mm_per_unit = mesh.states_unit ? mesh.mm_per_unit : options.mm_per_unit != 0 ? options.mm_per_unit : 1;
     mesh.warnings.insert(mesh.warnings.begin(), warnings.begin(), warnings.end());
+    std::vector<std::string> names(mesh.scalars.size());
+    std::ranges::transform(mesh.scalars, names.begin(), &VertexScalars::name);
+    names = distinct_names(names);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        mesh.scalars[i].name = std::move(names[i]);
+    }
     return mesh;
 }
 

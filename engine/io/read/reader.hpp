@@ -33,6 +33,7 @@ public:
     const Memory* memory() const noexcept { return parallel_.memory(); }
     std::uint64_t memory_limit() const noexcept { return memory_limit_; }
     bool all_roles() const noexcept { return options_.all_roles; }
+    bool scalars() const noexcept { return options_.scalars; }
     /// The caller says what the unit is of a file that states none.
     bool unit_is_given() const noexcept { return options_.mm_per_unit != 0; }
 

@@ -67,6 +67,14 @@ struct MeshPart {
 /// UTF-8. O(bytes) expected. Throws std::bad_alloc.
 std::vector<std::string> distinct_names(std::span<const std::string> names, std::size_t most_characters = SIZE_MAX);
 
+/// Numbers that a file has at each vertex of a mesh: curvature, thickness, labels.
+struct VertexScalars {
+    std::string name;            ///< the file's bytes; none repeats
+    std::size_t components = 1;  ///< numbers a vertex
+    bool integers = false;       ///< the file has integers: labels, between which there is no mean
+    Array<double> values{};      ///< of vertex 0, 1, ...; not finite where the file says so
+};
+
 /// A mesh read from a file, with its memory: triangle soup as it lies in the file, or vertices and indices.
 struct MeshFile {
     Array<std::byte> bytes;        ///< what holds the coordinates; a binary STL file is kept as it is (no parse, no copy)
@@ -77,7 +85,8 @@ struct MeshFile {
     Array<std::uint32_t> indices;      ///< three a triangle; empty for soup
     std::uint64_t first_triangle = 0;  ///< of those that view() shows: with `triangle_count`, a part's for the part alone
     std::uint64_t triangle_count = 0;
-    std::vector<MeshPart> parts;  ///< the solid ones come first and are the whole mesh; empty where none are stated
+    std::vector<MeshPart> parts;         ///< the solid ones come first and are the whole mesh; empty where none are stated
+    std::vector<VertexScalars> scalars;  ///< by ReadOptions::scalars, in the file's order
 
     MeshFormat format = MeshFormat::stl;
     bool text = false;         ///< numbers were written out in decimals
@@ -118,6 +127,9 @@ struct ReadOptions {
     std::string_view name{};
     /// Triangles of negative volumes and modifiers of a 3MF file are kept too, after those of the mesh: see parts_of().
     bool all_roles = false;
+    /// MeshFile::scalars are read: arrays of numbers at points of VTP and GIfTI, and properties of PLY vertices but lists.
+    /// An array that has not a row for each vertex is left out, and a warning says where.
+    bool scalars = false;
     /// What reading may take beside the file's own bytes; more is an error before it is allocated. 0: three times the file
     /// and 256 MiB, which only files that expand enormously exceed.
     std::uint64_t memory_limit_bytes = 0;

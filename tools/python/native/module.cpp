@@ -169,17 +169,33 @@ py::dict info_of(const MeshFile& file) {
                     "bytes"_a = file.file_bytes, "parts"_a = parts);
 }
 
-py::dict read(const std::string& path, double mm_per_unit, const Asked& asked) {
+/// Values by their names, a row each vertex, and whether they are integers.
+py::list scalars_of(const MeshFile& file) {
+    py::list made;
+    for (const VertexScalars& scalars : file.scalars) {
+        const auto rows = static_cast<py::ssize_t>(file.vertex_count);
+        const py::array values =
+            scalars.components == 1
+                ? py::array_t<double>(rows, scalars.values.data())
+                : py::array_t<double>({rows, static_cast<py::ssize_t>(scalars.components)}, scalars.values.data());
+        made.append(py::make_tuple(text_of(scalars.name), values, scalars.integers));
+    }
+    return made;
+}
+
+py::dict read(const std::string& path, double mm_per_unit, bool scalars, const Asked& asked) {
     MeshFile file = run(asked, [&](const Context& context) {
-        return read_mesh(std::filesystem::path(path), {.mm_per_unit = mm_per_unit}, context);
+        return read_mesh(std::filesystem::path(path), {.mm_per_unit = mm_per_unit, .scalars = scalars}, context);
     });
     py::list warnings;
     for (const std::string& warning : file.warnings) {
         warnings.append(text_of(warning));
     }
     const py::dict info = info_of(file);
+    const py::list values = scalars_of(file);
     py::dict mesh = arrays_of(std::move(file), info);
     mesh["warnings"] = warnings;
+    mesh["scalars"] = values;
     return mesh;
 }
 

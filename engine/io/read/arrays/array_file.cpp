@@ -54,14 +54,17 @@ WordRun find_words(const ArrayFile& file, const char* p, const char* end, std::u
     return run;
 }
 
-void read_word(const char*& p, const char* end, std::floating_point auto& value) {
-    if (const NumberText got = read_number(p, end, value); got != NumberText::read) {
+void read_word(const char*& p, const char* end, std::floating_point auto& value, bool takes_nan) {
+    const NumberText got = read_number(p, end, value);
+    if (got == NumberText::not_finite && takes_nan) {
+        p = skip_word(p, end);
+    } else if (got != NumberText::read) {
         throw TextError{p, coordinate_problem(got, "number", word_at(p, end))};
     }
 }
 
 template <std::unsigned_integral Value>
-void read_word(const char*& p, const char* end, Value& value) {
+void read_word(const char*& p, const char* end, Value& value, bool /*takes_nan*/) {
     constexpr std::ptrdiff_t surely_exact = 9;  // digits, of any type
     std::uint64_t number = 0;
     const char* const word_end = read_digits(p, end, number);
@@ -76,14 +79,14 @@ void read_word(const char*& p, const char* end, Value& value) {
 
 /// Words are read up to `end`, across cuts.
 template <class Value>
-void read_run(const WordRun& run, const char* end, std::byte* storage, const Parallel& parallel) {
+void read_run(const WordRun& run, const char* end, std::byte* storage, const ArrayFile& file) {
     auto* const out = reinterpret_cast<Value*>(storage);
-    parse_pieces(run.pieces.size(), parallel, [&](std::size_t i, int) {
+    parse_pieces(run.pieces.size(), file.source.parallel(), [&](std::size_t i, int) {
         const TextPiece& piece = run.pieces[i];
         const char* p = piece.begin();
         for (std::size_t word = piece.first; word < piece.end_item(); ++word) {
             p = skip_space(p, end);
-            read_word(p, end, out[word]);
+            read_word(p, end, out[word], file.takes_nan);
         }
     });
 }
@@ -135,7 +138,7 @@ NumberArray read_words(ArrayFile& file, const char*& p, const char* end, std::ui
                       : type == NumberType::float64 ? read_run<double>
                       : type == NumberType::uint32  ? read_run<std::uint32_t>
                                                     : read_run<std::uint64_t>;
-    read(run, end, numbers.storage.data(), file.source.parallel());
+    read(run, end, numbers.storage.data(), file);
     p = run.end;
     return numbers;
 }
@@ -191,6 +194,28 @@ void give_points(ArrayFile& file, std::span<NumberArray> arrays, MeshFile& mesh)
     for (const NumberArray& array : arrays) {
         convert_coordinates(array, mesh.vertex_type, out, file.source.parallel());
         out += array.count * size_of(mesh.vertex_type);
+    }
+}
+
+void give_scalars(ArrayFile& file, VertexScalars scalars, FunctionRef<std::vector<NumberArray>()> load, MeshFile& mesh) {
+    file.takes_nan = true;  // coordinates have been read
+    try {
+        const std::vector<NumberArray> arrays = load();
+        std::size_t count = 0;
+        std::for_each(arrays.begin(), arrays.end(), [&](const NumberArray& array) { count += array.count; });
+        file.budget.take(count, sizeof(double));
+        scalars.values = Array<double>(file.source.memory());
+        scalars.values.resize_discarding(count);
+        auto* out = reinterpret_cast<std::byte*>(scalars.values.data());
+        for (const NumberArray& array : arrays) {
+            convert_coordinates(array, Number::f64, out, file.source.parallel());
+            out += array.count * sizeof(double);
+            file.budget.give_back(array.storage.size());  // which go with the arrays
+        }
+        mesh.scalars.push_back(std::move(scalars));
+    } catch (const TextError& error) {
+        mesh.warnings.push_back(file.source.error_in_text(file.text, error).message + "; the values " +
+                                in_quotes(scalars.name) + " at points are left out");
     }
 }
 

@@ -1,6 +1,7 @@
 // Shared by formats whose meshes are arrays of numbers: a file, and its arrays as text and bytes.
 #pragma once
 
+#include "base/function_ref.hpp"
 #include "io/read/number_type.hpp"
 #include "io/read/reader.hpp"
 
@@ -43,6 +44,7 @@ struct ArrayFile {
     Array<std::byte>& bytes;  ///< from which the mesh may take points that stay where they are
     std::string_view text;    ///< all of the file
     MemoryBudget budget;
+    bool takes_nan = false;  ///< text may say "nan" and "inf", as at vertices that have no value
 };
 
 // Arrays as text, which are parsed in parallel. The words are counted first, so that memory is taken for what is there.
@@ -84,6 +86,10 @@ inline std::uint64_t integer_at(const NumberArray& numbers, std::uint64_t index)
 
 /// Gives `mesh` the vertices of all `arrays`, in their order; those of one may stay where they are in the file.
 void give_points(ArrayFile& file, std::span<NumberArray> arrays, MeshFile& mesh);
+
+/// Gives `mesh` the numbers at its vertices that load() returns, in arrays one after the other. Where it
+/// throws a TextError, they are left out with a warning.
+void give_scalars(ArrayFile& file, VertexScalars scalars, FunctionRef<std::vector<NumberArray>()> load, MeshFile& mesh);
 
 // --- Triangles of cells, which are polygons and triangle strips
 

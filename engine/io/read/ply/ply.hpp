@@ -10,7 +10,7 @@ namespace lamella {
 enum class PlyEncoding : std::uint8_t { ascii, little_endian, big_endian };
 
 /// The part of the mesh that a property becomes.
-enum class PlyUse : std::uint8_t { x, y, z, indices, nothing };
+enum class PlyUse : std::uint8_t { x, y, z, indices, scalar, nothing };
 
 struct PlyProperty {
     std::string_view name;

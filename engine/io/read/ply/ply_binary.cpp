@@ -49,8 +49,9 @@ bool has_packed_coordinates(const PlyElement& vertices) {
     const std::size_t x = vertices.row_bytes(PlyUse::x);
     return vertices.row_bytes(PlyUse::y) == x + size_of(type) && vertices.row_bytes(PlyUse::z) == x + 2 * size_of(type) &&
            !vertices.has_lists() &&
-           std::all_of(vertices.properties.begin(), vertices.properties.end(),
-                       [type](const PlyProperty& p) { return p.use == PlyUse::nothing || p.type == type; });
+           std::all_of(vertices.properties.begin(), vertices.properties.end(), [type](const PlyProperty& p) {
+               return p.use == PlyUse::nothing || (p.use != PlyUse::scalar && p.type == type);
+           });
 }
 
 std::size_t triangle_row_bytes(const PlyElement& faces) {

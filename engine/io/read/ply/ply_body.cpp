@@ -188,6 +188,14 @@ private:
         }
         if (mesh_.stride == 0) {
             allocate_vertices(vertices_.count, number_for(vertices_), budget_, source_.memory(), mesh_);
+            for (const PlyProperty& property : vertices_.properties) {
+                if (property.use == PlyUse::scalar) {
+                    budget_.take(vertices_.count, sizeof(double));
+                    mesh_.scalars.push_back(
+                        {std::string(property.name), 1, is_integer(property.type), Array<double>(source_.memory())});
+                    mesh_.scalars.back().values.resize_discarding(vertices_.count);
+                }
+            }
         }
         parse_pieces(blocks_.size(), source_.parallel(), [&](std::size_t i, int) {
             FaceList none(budget_, {}, source_.memory());
@@ -219,7 +227,7 @@ private:
         const char* const place = numbers.at();
         PlyRows<Numbers> rows(numbers, element, row);
         if (element.role == PlyRole::vertices) {
-            rows.vertex(mesh_.vertex_type, mesh_.bytes.data() + row * mesh_.stride);
+            rows.vertex(mesh_.vertex_type, mesh_.bytes.data() + row * mesh_.stride, mesh_.scalars);
         } else if (element.role == PlyRole::nothing) {
             rows.skip();
         } else {

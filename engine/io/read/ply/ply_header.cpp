@@ -217,7 +217,7 @@ void find_property(PlyElement& element, std::initializer_list<std::string_view> 
     throw TextError{element.at, "element " + in_quotes(element.name) + " has no property " + in_quotes(*names.begin())};
 }
 
-void find_roles(PlyHeader& header) {
+void find_roles(PlyHeader& header, bool scalars) {
     constexpr std::array<std::string_view, 3> names = {"vertex", "face", "tristrips"};  // in the order of PlyRole
     for (PlyElement& element : header.elements) {
         const auto* const found = std::find(names.begin(), names.end(), element.name);
@@ -233,6 +233,10 @@ void find_roles(PlyHeader& header) {
             find_property(element, {"x"}, PlyUse::x);
             find_property(element, {"y"}, PlyUse::y);
             find_property(element, {"z"}, PlyUse::z);
+            for (PlyProperty& property : element.properties) {
+                const bool is_free = property.use == PlyUse::nothing && !property.is_list;
+                property.use = scalars && is_free ? PlyUse::scalar : property.use;
+            }
         } else {
             find_property(element, {"vertex_indices", "vertex_index"}, PlyUse::indices);
         }
@@ -303,7 +307,7 @@ PlyHeader parse_ply_header(const FileSource& file, std::string_view text) {
         throw *lost;
     }
     try {
-        find_roles(header);
+        find_roles(header, file.scalars());
     } catch (const TextError& error) {
         throw lost.value_or(error);
     }
@@ -318,7 +322,7 @@ PlyHeader parse_ply_header(const FileSource& file, std::string_view text) {
 
 Number number_for(const PlyElement& vertices) noexcept {
     const bool wide = std::any_of(vertices.properties.begin(), vertices.properties.end(), [](const PlyProperty& p) {
-        return p.use != PlyUse::nothing &&
+        return p.use <= PlyUse::z &&
                (p.type == NumberType::float64 || p.type == NumberType::int32 || p.type == NumberType::uint32);
     });
     return wide ? Number::f64 : Number::f32;

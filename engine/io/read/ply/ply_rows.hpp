@@ -54,7 +54,7 @@ public:
     }
 
     template <class Value>
-    bool number(NumberType type, Value& value) {
+    bool number(NumberType type, Value& value, bool /*takes_nan*/ = true) {
         const bool is_there = most_left(type) > 0;
         if (is_there) {
             value = static_cast<Value>(next(type));
@@ -131,8 +131,11 @@ public:
     }
 
     template <class Value>
-    bool number(NumberType, Value& value) {
-        return !at_end() && read_number(p_, end_, value) == NumberText::read;
+    bool number(NumberType, Value& value, bool takes_nan = false) {
+        const NumberText got = at_end() ? NumberText::malformed : read_number(p_, end_, value);
+        const bool is_nan = takes_nan && got == NumberText::not_finite;
+        p_ = is_nan ? skip_word(p_, end_) : p_;
+        return is_nan || got == NumberText::read;
     }
 
     bool skip(NumberType type, std::uint64_t count) {
@@ -171,8 +174,10 @@ public:
         ++row_;
     }
 
-    /// Writes the coordinates of the row's vertex to `out`, as numbers of the type.
-    void vertex(Number type, std::byte* out) { type == Number::f64 ? vertex_as<double>(out) : vertex_as<float>(out); }
+    /// Writes the coordinates of the row's vertex to `out`, as numbers of the type, and its scalars to theirs.
+    void vertex(Number type, std::byte* out, std::span<VertexScalars> scalars = {}) {
+        type == Number::f64 ? vertex_as<double>(out, scalars) : vertex_as<float>(out, scalars);
+    }
 
     /// The row's list of indices, each of one of `vertex_count` vertices or, in strips, strip_end.
     void indices(std::uint64_t vertex_count, std::vector<std::uint32_t>& list) {
@@ -186,11 +191,16 @@ public:
 
 private:
     template <class Value>
-    void vertex_as(std::byte* out) {
+    void vertex_as(std::byte* out, std::span<VertexScalars> scalars) {
         Value xyz[3];
+        std::size_t next_scalar = 0;
         for (const PlyProperty& property : element_.properties) {
             const auto axis = static_cast<std::size_t>(property.use);
-            if (axis >= 3) {
+            if (property.use == PlyUse::scalar) {
+                if (!numbers_.number(property.type, scalars[next_scalar++].values[row_], true)) {
+                    fail(property, "expected a number, found " + numbers_.found(property.type));
+                }
+            } else if (axis >= 3) {
                 skip_property(property);
             } else if (!numbers_.number(property.type, xyz[axis])) {
                 fail(property, "expected a finite number, found " + numbers_.found(property.type));

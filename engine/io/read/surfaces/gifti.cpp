@@ -1,4 +1,6 @@
-// GIfTI surfaces: an XML document with an array of points and one of triangles. Arrays of numbers at points are skipped.
+// GIfTI surfaces: an XML document with an array of points and one of triangles. Arrays of numbers at points are
+// skipped unless they are asked for.
+#include <deque>
 #include <limits>
 
 #include "io/read/arrays/array_xml.hpp"
@@ -17,11 +19,18 @@ struct GiftiArray {
     std::string_view name;          ///< for messages
     const char* element = nullptr;  ///< null: there is none
     NumberType type = NumberType::float32;
-    std::uint64_t rows = 0;  ///< of three numbers
+    std::uint64_t rows = 0;
+    std::uint64_t columns = 3;
     bool by_columns = false;
     bool big_endian = false;
     std::string_view encoding{};
     std::string_view content{};
+};
+
+/// An array of numbers at points.
+struct GiftiScalars {
+    std::string name;
+    GiftiArray array{.name = "values"};
 };
 
 class GiftiParser : public ArrayXml {
@@ -32,6 +41,7 @@ public:
 
     GiftiArray points{.name = "points"};
     GiftiArray triangles{.name = "triangles"};
+    std::deque<GiftiScalars> scalars{};
     bool in_known_space = false;  ///< the points are, all of which are RAS
     std::string moves{};          ///< what says that they belong elsewhere, or empty
 
@@ -43,10 +53,29 @@ private:
             array_ = intent == "NIFTI_INTENT_POINTSET" ? &points : intent == "NIFTI_INTENT_TRIANGLE" ? &triangles : nullptr;
             if (array_ != nullptr) {
                 begin_array(attributes, *array_);
+            } else if (file_.source.scalars() && type_of(attributes) != number_type_names.end()) {
+                begin_scalars(attributes, intent);
             }
         } else if (path() == "/GIFTI/DataArray/Data" && array_ != nullptr) {
             begin_content(array_->content);
         }
+    }
+
+    /// Named by the file, or else by its intent: "shape".
+    void begin_scalars(const XmlAttributes& attributes, std::string_view intent) {
+        file_.budget.take(1, sizeof(GiftiScalars) + most_words);
+        constexpr std::string_view prefix = "nifti_intent_";
+        const std::string lower = lower_case(intent.substr(0, most_words));
+        GiftiScalars& made = scalars.emplace_back(GiftiScalars{lower.substr(lower.starts_with(prefix) ? prefix.size() : 0)});
+        array_ = &made.array;
+        begin_array(attributes, made.array);
+    }
+
+    /// Among number_type_names; others, as colours, are none of numbers.
+    static const std::string_view* type_of(const XmlAttributes& attributes) {
+        const std::string type = lower_case(attributes.find("DataType").value_or("").substr(0, 32));
+        return std::find_if(number_type_names.begin(), number_type_names.end(),
+                            [&](auto name) { return type == "nifti_type_" + lower_case(name); });
     }
 
     void begin_array(const XmlAttributes& attributes, GiftiArray& array) {
@@ -57,17 +86,18 @@ private:
         if (std::exchange(array.element, event()) != nullptr) {
             expected("one DataArray", "Intent");
         }
-        const std::string type = lower_case(attributes.find("DataType").value_or("").substr(0, 32));
-        const auto* const found = std::find_if(number_type_names.begin(), number_type_names.end(),
-                                               [&](auto name) { return type == "nifti_type_" + lower_case(name); });
+        const auto* const found = type_of(attributes);
         array.type = static_cast<NumberType>(found - number_type_names.begin());
         if (found == number_type_names.end() || (&array == &triangles && !is_integer(array.type))) {
             expected("another DataType", "DataType");
         }
         array.rows = count(attributes, "Dim0");
-        if (attributes.find("Dimensionality") != "2" || attributes.find("Dim1") != "3" ||
-            array.rows > std::numeric_limits<std::uint32_t>::max()) {
-            expected("fewer than 2^32 rows of Dim1 3", "Dim1");
+        const std::string_view dimensions = attributes.find("Dimensionality").value_or("");
+        array.columns = dimensions == "1" ? 1 : dimensions == "2" ? count(attributes, "Dim1") : 0;
+        const auto [least, most] =
+            &array == &points || &array == &triangles ? std::pair(3U, 3U) : std::pair(1U, most_columns);
+        if (array.columns < least || array.columns > most || array.rows > std::numeric_limits<std::uint32_t>::max()) {
+            expected("fewer than 2^32 rows of Dim1 " + std::to_string(most), "Dim1");
         }
         array.encoding =
             *std::find(gifti_encodings.begin(), gifti_encodings.end() - 1, attributes.find("Encoding").value_or(""));
@@ -79,7 +109,8 @@ private:
                 expected("the attribute " + std::string(name), name);
             }
         }
-        array.by_columns = is_second(attributes, "ArrayIndexingOrder", "RowMajorOrder", "ColumnMajorOrder");
+        array.by_columns =
+            is_second(attributes, "ArrayIndexingOrder", "RowMajorOrder", "ColumnMajorOrder") && array.columns > 1;
         array.big_endian = is_second(attributes, "Endian", "LittleEndian", "BigEndian");
         if (array.by_columns && array.encoding == gifti_encodings[0]) {
             expected("no text in ColumnMajorOrder, which programs read in two ways,", "ArrayIndexingOrder");
@@ -87,14 +118,16 @@ private:
     }
 
     void text(std::string_view piece) override {
-        constexpr std::size_t most = 4096;  // of a matrix
-        words_ += piece.substr(0, most - std::min(most, words_.size()));
+        words_ += piece.substr(0, most_words - std::min(most_words, words_.size()));
     }
 
     void end_path() override {
         const std::string_view words = trimmed(words_, " \t\r\n");
         if (path().ends_with("/MD/Name")) {
             name_ = words;
+        } else if (path() == "/GIFTI/DataArray/MetaData/MD/Value" && name_ == "Name" && !scalars.empty() &&
+                   array_ == &scalars.back().array && !words.empty()) {
+            scalars.back().name = words;
         } else if (path().ends_with("/MD/Value") && name_.starts_with("VolGeomC_") && parse_number(words) != 0) {
             moves = "its volume is centred elsewhere";
         } else if (array_ == &points && path().ends_with("/DataSpace")) {
@@ -118,6 +151,9 @@ private:
         }
         return true;
     }
+
+    static constexpr std::size_t most_words = 4096;  // of a matrix, or a name
+    static constexpr unsigned most_columns = 1024;
 
     GiftiArray* array_ = nullptr;  ///< that began last; null: of no interest
     std::string words_;            ///< of the element at hand
@@ -147,7 +183,7 @@ Array<std::byte> unpack_gifti(ArrayFile& file, const GiftiArray& array) {
         made.resize_discarding(bytes);
         return made;
     };
-    const std::uint64_t total = 3 * array.rows * size_of(array.type);
+    const std::uint64_t total = array.columns * array.rows * size_of(array.type);
     const std::uint64_t held = base64_bytes(array.content, file.source.parallel());
     const bool packed = array.encoding == gifti_encodings[2];
     if (packed ? total / most_expansion > held : total != held) {
@@ -169,14 +205,15 @@ Array<std::byte> unpack_gifti(ArrayFile& file, const GiftiArray& array) {
 }
 
 /// Numbers that stand by columns, by rows.
-Array<std::byte> by_rows(const NumberArray& numbers, const Parallel& parallel) {
+Array<std::byte> by_rows(const NumberArray& numbers, std::size_t columns, const Parallel& parallel) {
     constexpr std::size_t grain = std::size_t{1} << 16;
     Array<std::byte> rows(parallel.memory());
     const std::size_t size = size_of(numbers.type);
     rows.resize_discarding(numbers.count * size);
     parallel.run_ranges(numbers.count, grain, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i < end; ++i) {
-            std::memcpy(rows.data() + i * size, numbers.data + (i % 3 * (numbers.count / 3) + i / 3) * size, size);
+            const std::size_t from = i % columns * (numbers.count / columns) + i / columns;
+            std::memcpy(rows.data() + i * size, numbers.data + from * size, size);
         }
     });
     return rows;
@@ -184,7 +221,7 @@ Array<std::byte> by_rows(const NumberArray& numbers, const Parallel& parallel) {
 
 /// Decimals are read as `as`.
 NumberArray load_gifti(ArrayFile& file, const GiftiArray& array, NumberType as) {
-    const std::uint64_t count = 3 * array.rows;
+    const std::uint64_t count = array.columns * array.rows;
     NumberArray numbers{nullptr, count, array.type, array.big_endian, NumberArray::Form::encoded, array.element};
     if (array.encoding == gifti_encodings[0]) {
         numbers = read_all_words(file, array.content, count, as, array.name);
@@ -194,11 +231,22 @@ NumberArray load_gifti(ArrayFile& file, const GiftiArray& array, NumberType as) 
     if (array.by_columns) {
         file.budget.take(count, size_of(numbers.type));
         numbers.data = numbers.storage.data();
-        numbers.storage = by_rows(numbers, file.source.parallel());
+        numbers.storage = by_rows(numbers, array.columns, file.source.parallel());
         file.budget.give_back(count * size_of(numbers.type));
     }
     numbers.data = numbers.storage.data();
     return numbers;
+}
+
+/// Of a row each point. Throws errors.
+std::vector<NumberArray> load_scalars(ArrayFile& file, const GiftiScalars& scalars, std::uint64_t points) {
+    if (scalars.array.rows != points) {
+        throw TextError{scalars.array.element, "expected " + std::to_string(points) + " rows, one a point, found " +
+                                                   std::to_string(scalars.array.rows)};
+    }
+    std::vector<NumberArray> loaded;
+    loaded.push_back(load_gifti(file, scalars.array, NumberType::float64));
+    return loaded;
 }
 
 }  // namespace
@@ -227,6 +275,11 @@ void parse_gifti(FileContents& contents, MeshFile& mesh) {
     give_points(file, {&points, 1}, mesh);
     mesh.text = document.points.encoding == gifti_encodings[0];
     cut_cells(file, {&triangles, 1}, mesh);
+    for (const GiftiScalars& scalars : document.scalars) {
+        give_scalars(
+            file, {scalars.name, scalars.array.columns, is_integer(scalars.array.type)},
+            [&] { return load_scalars(file, scalars, mesh.vertex_count); }, mesh);
+    }
     if (!document.moves.empty()) {
         mesh.warnings.push_back(file.source.name() + ": points are as stored, in a space of their own: " + document.moves);
     } else if (document.in_known_space) {

@@ -1,4 +1,5 @@
-// VTP, the XML files of VTK for polygonal data: all pieces are joined. Data at points and cells are skipped.
+// VTP, the XML files of VTK for polygonal data: all pieces are joined. Data at cells are skipped, and those at points unless
+// they are asked for.
 #include <deque>
 #include <limits>
 
@@ -18,11 +19,19 @@ struct VtpCells {
     std::optional<VtpArray> offsets{};
 };
 
+/// An array of numbers at points.
+struct VtpScalars {
+    std::string name;
+    std::uint64_t components = 1;
+    std::optional<VtpArray> array{};
+};
+
 struct VtpPiece {
     const char* element = nullptr;  ///< where in the file it begins
     std::uint64_t point_count = 0;
     std::optional<VtpArray> points{};
     std::array<VtpCells, 2> cells{VtpCells{CellKind::polygons, "Polys"}, VtpCells{CellKind::strips, "Strips"}};
+    std::deque<VtpScalars> scalars{};
 };
 
 struct VtpDocument {
@@ -53,7 +62,7 @@ private:
             begin_appended(attributes);
         } else if (path() == "/VTKFile/PolyData/FieldData/Array") {
             if (attributes.find("Name") == "SPACE") {
-                begin_array(document_.space, "SPACE", attributes);
+                begin_array(document_.space, "SPACE", attributes, false);
             }
         } else if (path().starts_with(piece_path)) {
             begin_in_piece(path().substr(piece_path.size()), attributes);
@@ -87,20 +96,39 @@ private:
         VtpPiece& piece = document_.pieces.back();
         const std::string_view name = attributes.find("Name").value_or("");
         if (place == "/Points/DataArray") {
-            begin_array(piece.points, "Points", attributes);
+            begin_array(piece.points, "Points", attributes, true);
             if (attributes.find("NumberOfComponents").value_or("3") != "3") {
                 refuse("expected Points of 3 components");
             }
         }
+        if (place == "/PointData/DataArray" && file_.source.scalars()) {
+            begin_scalars(piece, name, attributes);
+        }
         for (VtpCells& cells : piece.cells) {
             if (place == "/" + std::string(cells.name) + "/DataArray" && (name == "connectivity" || name == "offsets")) {
                 begin_array(name == "offsets" ? cells.offsets : cells.connectivity,
-                            std::string(name) + " of " + std::string(cells.name), attributes);
+                            std::string(name) + " of " + std::string(cells.name), attributes, false);
             }
         }
     }
 
-    void begin_array(std::optional<VtpArray>& place, const std::string& name, const XmlAttributes& attributes) {
+    /// Others than numbers are passed over.
+    void begin_scalars(VtpPiece& piece, std::string_view name, const XmlAttributes& attributes) {
+        if (std::ranges::count(number_type_names, attributes.find("type").value_or("")) == 0) {
+            return;
+        }
+        constexpr std::uint64_t most_components = 1024;
+        file_.budget.take(1, sizeof(VtpScalars) + 2 * name.size());
+        VtpScalars& scalars = piece.scalars.emplace_back(VtpScalars{std::string(name)});
+        scalars.components = attributes.find("NumberOfComponents") ? count(attributes, "NumberOfComponents") : 1;
+        if (scalars.components == 0 || scalars.components > most_components) {
+            refuse("expected 1 to 1024 components");
+        }
+        begin_array(scalars.array, "values " + in_quotes(name), attributes, true);
+    }
+
+    void begin_array(std::optional<VtpArray>& place, const std::string& name, const XmlAttributes& attributes,
+                     bool may_be_floats) {
         if (place) {
             refuse("expected one such DataArray, found a second");
         }
@@ -116,7 +144,7 @@ private:
         } else {
             array.type = static_cast<NumberType>(found - number_type_names.begin());
         }
-        if (!is_integer(array.type) && name != "Points") {
+        if (!is_integer(array.type) && !may_be_floats) {
             refuse("expected integers, found numbers of type " + in_quotes(type));
         }
         if (attributes.find("format") == "appended") {
@@ -194,6 +222,33 @@ std::vector<CellArray> load_cells(ArrayFile& file, const VtpDocument& document) 
     return arrays;
 }
 
+/// Gives `mesh` each array that all pieces with points have, in the same order.
+void give_all_scalars(ArrayFile& file, const VtpDocument& document, MeshFile& mesh) {
+    const auto first = std::find_if(document.pieces.begin(), document.pieces.end(),
+                                    [](const VtpPiece& piece) { return piece.point_count > 0; });
+    for (std::size_t i = 0; first != document.pieces.end() && i < first->scalars.size(); ++i) {
+        const VtpScalars& wanted = first->scalars[i];
+        const auto load = [&] {
+            std::vector<NumberArray> arrays;
+            for (const VtpPiece& piece : document.pieces) {
+                if (piece.point_count == 0) {
+                    continue;
+                }
+                const VtpScalars* const own = i < piece.scalars.size() ? &piece.scalars[i] : nullptr;
+                if (own == nullptr || own->name != wanted.name || own->components != wanted.components) {
+                    throw TextError{piece.element, "this Piece lacks an array that others have, in their order"};
+                }
+                const bool floats = own->array->type == NumberType::float32;
+                arrays.push_back(load_array(file, document.form, *own->array, own->components * piece.point_count,
+                                            floats ? NumberType::float32 : NumberType::float64));
+            }
+            return arrays;
+        };
+        const bool integers = is_integer(wanted.array->type);
+        give_scalars(file, {wanted.name, static_cast<std::size_t>(wanted.components), integers}, load, mesh);
+    }
+}
+
 /// The frame that the string SPACE states. Strings of other lengths are no known frame.
 StatedFrame patient_frame(ArrayFile& file, const VtpDocument& document) {
     constexpr std::uint64_t most_characters = 4;  // three letters, and a 0, which ends the string
@@ -225,6 +280,7 @@ void parse_vtp(FileContents& contents, MeshFile& mesh) {
     warn_unbound(file, parser, mesh);
     patient_frame(file, document).give(file.source, mesh);
     std::vector<NumberArray> points = load_points(file, document);
+    give_all_scalars(file, document, mesh);  // before points are swapped where they lie, which an array may share
     give_points(file, points, mesh);
     cut_cells(file, load_cells(file, document), mesh);
 }

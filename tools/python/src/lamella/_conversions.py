@@ -38,13 +38,17 @@ def to_vtk(result: Result) -> Any:
     lines.SetData(numpy_to_vtkIdTypeArray(offsets, deep=True), numpy_to_vtkIdTypeArray(ids, deep=True))
     data.SetPoints(points)
     data.SetLines(lines)
-    columns: Dict[str, npt.NDArray[Any]] = {
+    cells: Dict[str, npt.NDArray[Any]] = {
         "layer": result._layer_of_contours + result.first_layer, "role": contours["role"].astype(np.int32), "part": contours["part"].astype(np.int64),
     }  # fmt: skip
-    for name, values in columns.items():
-        array = numpy_to_vtk(values, deep=True)
-        array.SetName(name)
-        data.GetCellData().AddArray(array)
+    view = result._view
+    known = view is not None and not view.of_parts and len(result.origins) == len(result.points_grid)
+    carried = {name: result.scalars(name) for name in view._meshes[0].scalars} if view is not None and known else {}
+    for attributes, columns in ((data.GetCellData(), cells), (data.GetPointData(), carried)):
+        for name, values in columns.items():
+            array = numpy_to_vtk(values, deep=True)
+            array.SetName(name)
+            attributes.AddArray(array)
     return data
 
 

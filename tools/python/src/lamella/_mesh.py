@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import functools
 import os
 from dataclasses import dataclass
@@ -24,29 +25,22 @@ MeshLike = Any
 class View:
     """One or more meshes under the engine's eyes. It keeps their arrays alive."""
 
-    __slots__ = ("_meshes", "native")
+    __slots__ = ("_meshes", "native", "of_parts")
 
     def __init__(self, meshes: List[Mesh], parts: Optional[Sequence[Tuple[Any, int, int, Any, Any]]] = None) -> None:
         """With placement, role, object, prepared mesh and places of each they are parts."""
         self._meshes = meshes
+        self.of_parts = parts is not None
         alone = [(None, 0, 0, None, None)]
         rows = [(mesh._vertices, mesh._faces, mesh.unit, *part) for mesh, part in zip(meshes, parts or alone)]
         self.native: _native.View = _native.View(rows, parts is not None)
 
-    @property
-    def mesh_count(self) -> int:
-        return len(self._meshes)
-
-    @property
-    def triangle_count(self) -> int:
-        return sum(map(len, self._meshes))
-
     def kept(self) -> View:
         """The same mesh, whatever is written to the arrays that were given."""
         given = self._meshes[0]
-        faces = None if given._faces is None else _kept(given._faces)
-        mesh = Mesh(_kept(given._vertices), faces, given.unit, given.path, given.info)
+        mesh = copy.copy(given)
         mesh._given_faces = given._given_faces
+        mesh._vertices, mesh._faces = _kept(given._vertices), None if given._faces is None else _kept(given._faces)
         return View([mesh])
 
     def run(self, call: Callable[..., Any], *arguments: Any) -> Any:
@@ -99,6 +93,8 @@ class Mesh:
         ``bytes``, and ``parts``: for each 3MF object, OBJ object or group, or solid of text STL a dictionary with ``name``,
         ``role`` ("solid", "negative volume", "modifier", "support blocker", "support enforcer", "support"),
         ``first_triangle`` and ``triangles``. Only solid parts are in the mesh. Of a welded mesh: ``joined`` vertices, ``largest_move`` and ``tolerance`` in mm.
+    scalars : Dict[str, ndarray]
+        By ``read(path, scalars=True)``: what the file has at vertices, a row for each of `vertices`, as float64 or int64.
     """
 
     def __init__(self, vertices: npt.NDArray[Any], faces: Optional[npt.NDArray[Any]], unit: float, path: Optional[str], info: Dict[str, Any]) -> None:
@@ -108,6 +104,7 @@ class Mesh:
         self.unit = unit
         self.path = path
         self.info = info
+        self.scalars: Dict[str, npt.NDArray[Any]] = {}
 
     @property
     def triangles(self) -> npt.NDArray[Any]:
@@ -164,12 +161,13 @@ class Mesh:
         return f"<lamella.Mesh: {len(self):,} triangles{where}{unit}>"
 
     def __reduce__(self) -> Tuple[Any, ...]:
-        return (Mesh, (self._vertices, self._faces, self.unit, self.path, self.info))
+        return (Mesh, (self._vertices, self._faces, self.unit, self.path, self.info), {"scalars": self.scalars})
 
 
 def read(
-    path: Union[str, bytes, os.PathLike[Any]], *, unit: Union[None, str, float] = None, indexed: bool = False, threads: int = 0, progress: ProgressLike = None
-) -> Mesh:
+    path: Union[str, bytes, os.PathLike[Any]], *, unit: Union[None, str, float] = None, indexed: bool = False, scalars: bool = False,
+    threads: int = 0, progress: ProgressLike = None,
+) -> Mesh:  # fmt: skip
     """Read a mesh file: STL, OBJ, OFF, PLY, VTK, VTP, 3MF, glTF, GIfTI or FreeSurfer, or gzip of any. The content decides, not the name.
 
     Parameters
@@ -179,6 +177,8 @@ def read(
         Unit of a file that states none, and of glTF, which is in metres without it; else mm.
     indexed : bool
         Equal vertices of an STL file become one, so that `Mesh.faces` tells which triangles meet.
+    scalars : bool
+        Numbers at vertices of VTP, PLY and GIfTI are read too, for `Result.scalars`. What does not fit is left out with a warning.
     threads, progress
         As for `slice`.
 
@@ -193,13 +193,15 @@ def read(
     """
     name = os.fsdecode(path)
     try:
-        file = _native.read(os.fsencode(name), 0.0 if unit is None else mm_per_unit(unit), slice_options({"threads": threads, "progress": progress}))
+        call = slice_options({"threads": threads, "progress": progress})
+        file = _native.read(os.fsencode(name), 0.0 if unit is None else mm_per_unit(unit), truth("scalars", scalars), call)
     except Error as error:
         error.path = name
         raise
     for text in file["warnings"]:
         warn(text, MeshWarning)
     mesh = _mesh_of(file, name)
+    mesh.scalars = {key: values.astype(np.int64) if whole else values for key, values, whole in file["scalars"]}
     if not truth("indexed", indexed) or mesh._faces is not None:
         return mesh
     welded = weld(mesh, tolerance=0, threads=threads)
@@ -299,7 +301,9 @@ def _mesh_from(mesh: MeshLike, faces: Optional[npt.ArrayLike], unit: Union[None,
         mesh = read(mesh, unit=unit)
     if isinstance(mesh, Mesh) and faces is None:
         keeps_unit = unit is None or mesh.info.get("states_unit", False)
-        return _checked(mesh._vertices, mesh._faces, mesh.unit if keeps_unit else mm, mesh.path)
+        made = _checked(mesh._vertices, mesh._faces, mesh.unit if keeps_unit else mm, mesh.path)
+        made.info, made.scalars = mesh.info, mesh.scalars
+        return made
     vertices, its_faces = (mesh, faces) if faces is not None else _parts_of(mesh)
     return _checked(vertices, its_faces, mm)
 

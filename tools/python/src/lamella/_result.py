@@ -198,21 +198,30 @@ class Result(SetMethods):
         placed: npt.NDArray[np.float64] = np.column_stack((self.points, z)) @ inverse[:3, :3].T + inverse[:3, 3]
         return placed
 
-    def scalars(self, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    def scalars(self, values: Union[str, npt.ArrayLike]) -> npt.NDArray[np.float64]:
         """Values at the mesh's vertices carried to contour points: linear within each triangle. Needs ``origins=True``.
 
         Parameters
         ----------
-        values : array_like, shape (vertices,) or (vertices, k)
-            A row for each of `Mesh.vertices`: curvature, thickness, colour.
+        values : str, or array_like of shape (vertices,) or (vertices, k)
+            A name of `Mesh.scalars`, or a row for each of `Mesh.vertices`: curvature, thickness, colour. Integers are labels: a
+            point takes that of the nearest corner of its triangle, never a mean.
 
         Returns
         -------
         ndarray
             A row for each of `points`. NaN where a point comes from no triangle, as of joined gaps.
         """
-        mesh = self._whole_mesh("scalars")._meshes[0]
-        given = np.asarray(values, dtype=np.float64)
+        view = self._whole_mesh("scalars")
+        if view.of_parts:
+            raise InvalidArgumentError("scalars are those of one mesh, and this is a result of parts")
+        mesh = view._meshes[0]
+        if isinstance(values, str) and values not in mesh.scalars:
+            names = ", ".join(map(repr, mesh.scalars)) or "none: lamella.read(path, scalars=True) reads a file's"
+            raise InvalidArgumentError(f"the mesh has no values {values!r}, but {names}")
+        given = np.asarray(mesh.scalars[values] if isinstance(values, str) else values)
+        are_labels = given.dtype.kind in "iub"
+        given = given.astype(np.float64)
         if given.ndim not in (1, 2) or len(given) != len(mesh.vertices):
             raise InvalidArgumentError(f"values must have a row for each of {len(mesh.vertices):,} vertices, and have shape {given.shape}")
         if len(self.origins) != len(self.points_grid):
@@ -229,6 +238,8 @@ class Result(SetMethods):
         weights = np.clip(np.stack((1 - second - third, second, third), axis=1), 0, 1)
         weights /= weights.sum(axis=1, keepdims=True)
         carried = np.full((len(triangle), *given.shape[1:]), np.nan)
+        if are_labels:
+            weights = np.eye(3)[weights.argmax(axis=1)]
         carried[known] = np.einsum("nw,nw...->n...", weights, given[corners])
         return carried
 
@@ -271,8 +282,8 @@ class Result(SetMethods):
         Needs the mesh, which must be as it was when it was sliced.
         """
         view = self._whole_mesh("certificate")
-        if view.mesh_count != 1:
-            raise InvalidArgumentError(f"the certificate is for one mesh, and there are {view.mesh_count}")
+        if len(view._meshes) != 1:
+            raise InvalidArgumentError(f"the certificate is for one mesh, and there are {len(view._meshes)}")
         return Certificate(**view.run(lambda native: _native.certify(self._native, native)))
 
     @property
@@ -296,7 +307,10 @@ class Result(SetMethods):
         return pandas.DataFrame({**measured, **{name: contours[name] for name in as_it_is}})
 
     def to_vtk(self) -> Any:
-        """Contours as a vtkPolyData of polylines in the mesh's frame, with cell arrays ``layer``, ``role``, ``part``. Needs vtk."""
+        """Contours as a vtkPolyData of polylines in the mesh's frame, with cell arrays ``layer``, ``role``, ``part``. Needs vtk.
+
+        With ``origins=True`` the values of `Mesh.scalars` are its point data, for vtkXMLPolyDataWriter to write as VTP.
+        """
         return _conversions.to_vtk(self)
 
     def to_pyvista(self) -> Any:

@@ -182,7 +182,7 @@ class Prepared:
         raise TypeError("a prepared mesh is not pickled: pickle the mesh, and prepare it where it is sliced")
 
     def __repr__(self) -> str:
-        return f"<lamella.Prepared: {self._view.triangle_count:,} triangles, {self.nbytes:,} bytes>"
+        return f"<lamella.Prepared: {sum(map(len, self._view._meshes)):,} triangles, {self.nbytes:,} bytes>"
 
 
 def prepare(mesh: MeshLike, faces: Optional[npt.ArrayLike] = None, **options: Unpack[FrameKeywords]) -> Prepared:

@@ -134,7 +134,8 @@ TEST_CASE("an archive reads back as it was written, and parts joined in any orde
                            .frame = PatientFrame::ras,
                            .weld = ArchiveWeld{0.01, 7},
                            .geometry = image,
-                           .subslices = 3};
+                           .subslices = 3,
+                           .measures = true};
     const fs::path whole = written(folder, "whole.h5", result, info);
     const Archive again = read_back(folder, whole, result);
     CHECK(std::ranges::equal(again.result.contours, result.contours, {}, &Contour::twice_area, &Contour::twice_area));
@@ -146,6 +147,7 @@ TEST_CASE("an archive reads back as it was written, and parts joined in any orde
     CHECK(again.info.geometry->uneven_slices_mm == image.uneven_slices_mm);
     CHECK(again.info.geometry->shear_mm == image.shear_mm);
     CHECK(again.info.subslices == 3);
+    CHECK(again.info.measures);
 
     std::vector<fs::path> parts = write_parts(folder, options, {1, 2, 25, 60, 1000}, info);
     for (int round = 0; round < 3; ++round) {
@@ -254,6 +256,7 @@ TEST_CASE("parts that do not make a whole are refused by their names") {
     check_difference("/options/origins", specimen(), {.layer_height_mm = 0.5, .origins = true});
     check_difference("/grid_mm", specimen(), uniform(0.5, default_grid_mm * 2));
     check_difference("/mesh/min_mm", moved(specimen(), {1, 0, 0}), uniform(0.5));
+    check_difference("/measures", specimen(), uniform(0.5), {.measures = true});
     check_difference("/mesh/sha256", specimen(), uniform(0.5), {.mesh_sha256 = "1"});
     SliceOptions listed = uniform(0.5);
     std::vector<fs::path> with_heights;

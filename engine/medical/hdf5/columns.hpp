@@ -17,6 +17,7 @@
 #include <hdf5.h>
 
 #include "base/little_endian.hpp"
+#include "lamella/measures.hpp"
 #include "lamella/result.hpp"
 
 namespace lamella {
@@ -45,11 +46,12 @@ enum ColumnKind : std::uint8_t {
     stitch_rows,
     height_rows,
     slab_rows,
-    fill_change_rows
+    fill_change_rows,
+    measure_rows
 };
 
 /// How many rows the columns of each kind have.
-using KindRows = std::array<std::uint64_t, fill_change_rows + 1>;
+using KindRows = std::array<std::uint64_t, measure_rows + 1>;
 
 struct Column {
     const char* path;
@@ -66,6 +68,8 @@ struct Column {
     std::uint64_t (*set)(SliceResult& result, std::uint64_t first, std::span<const std::byte> from) = nullptr;
     std::optional<ColumnKind> names = std::nullopt;  ///< its numbers are indices of such rows
     bool has_end = false;                            ///< a last row tells where the last layer or contour ends
+    /// Of a column of measures, which stand in the file for other programs: a value of a row.
+    double (*measured)(const SectionMeasures& of) = nullptr;
 
     /// Left out where there are no rows.
     bool is_optional() const noexcept { return kind > point_rows; }
@@ -162,6 +166,15 @@ constexpr const char* grid_unit = "grid unit";
     member<Row>(                                            \
         path, kind##_rows, unit, meaning, [](auto& r, Index i) -> auto& { return r.place; }, good)
 
+/// A column of measures, where results have none.
+constexpr Column measure(const char* path, const char* unit, double (*get)(const SectionMeasures& of)) {
+    Column made{path, measure_rows, &hdf5_type<double>, 1, sizeof(double), unit, "as in tables; NaN: not known", nullptr};
+    made.measured = get;
+    return made;
+}
+#define MEASURE(name, unit, place) \
+    measure("/measures/" name, unit, [](const SectionMeasures& of) -> double { return static_cast<double>(of.place); })
+
 /// Those of one kind stand side by side.
 constexpr std::array all = {
     MEMBER("/layers/bottom_mm", layer, double, "mm", "where the slab of material begins", layers[i].bottom_mm, finite),
@@ -228,8 +241,30 @@ constexpr std::array all = {
     MEMBER("/options/fill_from_rule", fill_change, std::uint8_t, "",
            "0 contours, 1 even-odd, 2 non-zero, 3 positive, 4 outermost", info.options.region.fill_from[i].rule,
            at_most<static_cast<int>(FillRule::outermost)>),
+    MEASURE("area_mm2", "mm^2", area_mm2),
+    MEASURE("perimeter_mm", "mm", perimeter_mm),
+    MEASURE("islands", "", islands),
+    MEASURE("holes", "", holes),
+    MEASURE("open", "", open),
+    MEASURE("centroid_x_mm", "mm", centroid_mm[0]),
+    MEASURE("centroid_y_mm", "mm", centroid_mm[1]),
+    MEASURE("outer_area_mm2", "mm^2", outer_area_mm2),
+    MEASURE("outer_perimeter_mm", "mm", outer_perimeter_mm),
+    MEASURE("ix_mm4", "mm^4", ix_mm4),
+    MEASURE("iy_mm4", "mm^4", iy_mm4),
+    MEASURE("ixy_mm4", "mm^4", ixy_mm4),
+    MEASURE("imin_mm4", "mm^4", imin_mm4),
+    MEASURE("imax_mm4", "mm^4", imax_mm4),
+    MEASURE("angle_rad", "rad", angle_rad),
+    MEASURE("polar_mm4", "mm^4", polar_mm4),
+    MEASURE("feret_max_mm", "mm", feret_max_mm),
+    MEASURE("feret_min_mm", "mm", feret_min_mm),
+    MEASURE("feret_angle_rad", "rad", feret_angle_rad),
+    MEASURE("equivalent_diameter_mm", "mm", equivalent_diameter_mm),
+    MEASURE("circularity", "", circularity),
 };
 #undef MEMBER
+#undef MEASURE
 
 }  // namespace columns
 
@@ -249,9 +284,9 @@ inline std::vector<RowRange> ranges_of(std::uint64_t rows, const Column& column)
 
 inline KindRows rows_of(const SliceResult& result) noexcept {
     const SliceOptions& options = result.info.options;
-    return {result.layers.size(),  result.contours.size(),         result.points.size(),
-            result.origins.size(), result.stitches.size(),         options.heights_mm ? options.heights_mm->size() : 0,
-            options.slabs.size(),  options.region.fill_from.size()};
+    return {result.layers.size(),  result.contours.size(),          result.points.size(),
+            result.origins.size(), result.stitches.size(),          options.heights_mm ? options.heights_mm->size() : 0,
+            options.slabs.size(),  options.region.fill_from.size(), 0};
 }
 
 /// What the columns of options hold.

@@ -216,6 +216,11 @@ void visit(AttributeVisitor& visitor, SliceInfo& slice, ArchiveInfo& info, std::
 #include "options/options.inc"
     visit_image(visitor, info);
     visitor.begin("/");
+    std::optional measures = info.measures ? std::optional<std::uint64_t>(1) : std::nullopt;
+    info.measures = visitor.optional("measures", measures);
+    if (info.measures) {
+        visitor.whole("measures", *measures, 1, 1);
+    }
     visitor.whole("planned_layers", slice.planned_layers, 0, most);  // last: where options differ, that is what is said
     std::size_t format = 0;
     std::uint64_t version = archive_version;
@@ -300,6 +305,8 @@ void find_columns(const InputFile& file, hid_t root, ReadTree& tree) {
         tree.rows[column.kind] = placed.rows - ends;
         before = column.kind;
     }
+    require_place(file, tree.rows[measure_rows] == (tree.info.measures ? tree.rows[layer_rows] : 0), "/measures",
+                  "not as many as there are layers");
     require_place(file, bytes <= file.size(), "/", "columns lie over one another");  // memory is taken for all of them
 }
 
@@ -320,7 +327,9 @@ void make_room(const InputFile& file, ReadTree& tree) {
                   info.first_layer <= info.planned_layers && tree.rows[layer_rows] <= info.planned_layers - info.first_layer,
                   "/planned_layers", "fewer layers than the file has");
     resize(tree.result, tree.rows);
-    require_place(file, rows_of(tree.result) == tree.rows, "/options", "has columns that its attributes do not ask for");
+    KindRows rows = rows_of(tree.result);
+    rows[measure_rows] = tree.rows[measure_rows];
+    require_place(file, rows == tree.rows, "/options", "has columns that its attributes do not ask for");
 }
 
 void load_rows(const InputFile& file, ReadTree& tree, const Parallel& parallel) {

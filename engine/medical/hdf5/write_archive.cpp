@@ -334,12 +334,25 @@ Status write_archive(const SliceResult& result, const ArchiveInfo& info, const s
     return guarded(context, [&]() -> Status {
         const Parallel parallel(context);
         require_possible(result, info, path);
-        const KindRows rows = rows_of(result);
+        KindRows rows = rows_of(result);
+        Measures measures(context.memory);
+        if (info.measures) {
+            measures = require(measure(result, {.feret = true}, parallel.within(context)));
+            rows[measure_rows] = measures.layers.size();
+        }
         const auto give_rows = [&](const Column& column, const RowSink& take) {
             std::vector<std::byte> piece;
             for (const RowRange& range : ranges_of(column.rows_among(rows), column)) {
                 piece.resize(range.count * column.row_bytes);
-                column.get(result, range.first, piece);
+                if (column.measured != nullptr) {
+                    for (std::size_t i = 0; i < range.count; ++i) {
+                        double value = column.measured(measures.layers[range.first + i]);
+                        value = std::isnan(value) ? SectionMeasures::unknown : value;  // of one form on all processors
+                        std::memcpy(piece.data() + i * sizeof value, &value, sizeof value);
+                    }
+                } else {
+                    column.get(result, range.first, piece);
+                }
                 take(piece);
             }
         };

@@ -48,6 +48,7 @@ struct ArchiveInfo {
     std::optional<ArchiveWeld> weld{};            ///< where the mesh was welded before
     std::optional<ImageGeometry> geometry{};      ///< of the image that set the planes, without its series and warnings
     int subslices = 1;                            ///< planes a slice of that image
+    bool measures = false;                        ///< /measures has the measures of each layer, as tables name them
 };
 
 struct Archive {

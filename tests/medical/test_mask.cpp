@@ -157,8 +157,18 @@ TEST_CASE("mask: drawn in memory it has the voxels and the summary of the file",
         check_same(std::vector<MaskPart>(300, MaskPart{&two, "b"}), {}, threads);
     }
     const MaskPart part{&one, "a"};
+    std::vector<unsigned char> whole(30 * 20 * 25);
+    (void)value_of(draw_mask({&part, 1}, image, whole));
+    std::vector<unsigned char> by_turns(whole.size(), 7);
+    for (const auto& [first, count] : {std::pair<std::size_t, std::size_t>{3, 22}, {0, 3}}) {
+        const auto slices = std::span(by_turns).subspan(600 * first, 600 * count);
+        (void)value_of(draw_mask({&part, 1}, image, slices, {.first_slice = first}));
+        CHECK(code_of(draw_mask({&part, 1}, image, slices, {.first_slice = 26 - count})) == ErrorCode::invalid_argument);
+    }
+    CHECK(by_turns == whole);
     std::vector<unsigned char> short_of_one(30 * 20 * 25 - 1);
-    CHECK(error_of(draw_mask({&part, 1}, image, short_of_one)).message == "the voxels do not have the size of the image");
+    CHECK(error_of(draw_mask({&part, 1}, image, short_of_one)).message ==
+          "the voxels do not have the size of slices of the image");
     CHECK(code_of(draw_mask({}, image, short_of_one)) == ErrorCode::invalid_argument);
     ImageGeometry uneven = image;
     uneven.uneven_slices_mm = {0, 1, 3};

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -70,8 +71,10 @@ inline NearestAxis nearest_axis(const Direction& a) noexcept {
 
 /// Throws Refused: invalid_argument, "'PATH': WHAT".
 [[noreturn]] void refuse_output(const std::filesystem::path& path, const std::string& what);
-/// Throws Refused (invalid_argument) unless `result` has a layer for each of so many heights of an image.
-void require_cut(const SliceResult* result, const std::string& name, std::uint64_t heights);
+/// Throws Refused (invalid_argument) unless `result` is cut at so many heights of an image, and has a layer for each of
+/// `count` from the first on.
+void require_cut(const SliceResult* result, const std::string& name, std::uint64_t heights, std::size_t first = 0,
+                 std::size_t count = std::dynamic_extent);
 
 /// A cell of a CSV file: in UTF-8, and quoted where it has to be.
 inline std::string csv_text(const std::string& bytes) {

@@ -131,10 +131,11 @@ void refuse_output(const std::filesystem::path& path, const std::string& what) {
     throw Refused{{ErrorCode::invalid_argument, "'" + path_text(path) + "': " + what}};
 }
 
-void require_cut(const SliceResult* result, const std::string& name, std::uint64_t heights) {
-    const auto is_there = [&](std::uint64_t layer) { return layer < result->layers.size(); };
+void require_cut(const SliceResult* result, const std::string& name, std::uint64_t heights, std::size_t first,
+                 std::size_t count) {
+    const auto is_there = [&](std::uint64_t layer) { return layer - result->info.first_layer < result->layers.size(); };
     if (result == nullptr || result->info.layer_of.size() != heights ||
-        !std::all_of(result->info.layer_of.begin(), result->info.layer_of.end(), is_there)) {
+        !std::ranges::all_of(std::span(result->info.layer_of).subspan(first, count), is_there)) {
         throw Refused{{ErrorCode::invalid_argument, "'" + name + "' was not cut at the slices of the image"}};
     }
 }

@@ -23,13 +23,16 @@ MaskSummary summary_of(const MaskCounts& counts, std::span<const MaskPart> parts
     return summary;
 }
 
-void require_cut_for(std::span<const MaskPart> parts, const ImageGeometry& image, const MaskOptions& options) {
+void require_cut_for(std::span<const MaskPart> parts, const ImageGeometry& image, const MaskOptions& options,
+                     std::optional<std::uint64_t> slices) {
     if (options.subslices < 1) {
         throw Refused{
             {ErrorCode::invalid_argument, "a slice has at least one plane, not " + std::to_string(options.subslices)}};
     }
     for (const MaskPart& part : parts) {
-        require_cut(part.result, part.name, image.size[2] * static_cast<std::uint64_t>(options.subslices));
+        const auto planes = static_cast<std::uint64_t>(options.subslices);
+        require_cut(part.result, part.name, image.size[2] * planes, options.first_slice * planes,
+                    slices.value_or(image.size[2]) * planes);
     }
 }
 
@@ -48,18 +51,19 @@ Result<MaskSummary> draw_mask(std::span<const MaskPart> parts, const ImageGeomet
                   "a mask is of 1 to 65,535 meshes, and one of shares of one");
         refuse_if(!image.uneven_slices_mm.empty(),
                   "the slices of the image are not evenly spaced (" + image.uneven_words() + "), and a mask's are");
-        require_cut_for(parts, image, options);
         const SliceRaster raster(parts, image, options, layout);
-        refuse_if(raster.slice_bytes() == 0 || voxels.size() % raster.slice_bytes() != 0 ||
-                      voxels.size() / raster.slice_bytes() != image.size[2],
-                  "the voxels do not have the size of the image");
+        const std::uint64_t slices = voxels.size() / std::max<std::size_t>(raster.slice_bytes(), 1);
+        refuse_if(slices == 0 || voxels.size() % raster.slice_bytes() != 0 || options.first_slice > image.size[2] ||
+                      slices > image.size[2] - options.first_slice,
+                  "the voxels do not have the size of slices of the image");
+        require_cut_for(parts, image, options, slices);
         const Parallel parallel(context);
         std::vector<SliceRaster::Scratch> scratch(static_cast<std::size_t>(parallel.threads()));
-        std::vector<MaskCounts> counts(image.size[2], MaskCounts(parts.size()));  // added in order, as sums are rounded
+        std::vector<MaskCounts> counts(slices, MaskCounts(parts.size()));  // added in order, as sums are rounded
         parallel.begin_stage(1);
-        parallel.run(counts.size(), [&](std::size_t slice, int worker) {
-            raster.draw(slice, voxels.data() + slice * raster.slice_bytes(), scratch[static_cast<std::size_t>(worker)],
-                        counts[slice]);
+        parallel.run(slices, [&](std::size_t i, int worker) {
+            raster.draw(options.first_slice + i, voxels.data() + i * raster.slice_bytes(),
+                        scratch[static_cast<std::size_t>(worker)], counts[i]);
         });
         parallel.finish();
         for (std::size_t slice = 1; slice < counts.size(); ++slice) {

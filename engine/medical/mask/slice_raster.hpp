@@ -286,7 +286,8 @@ private:
     std::uint64_t layer(std::uint64_t slice, int subslice, std::size_t part) const {
         const std::uint64_t height =
             slice * static_cast<std::uint64_t>(options_.subslices) + static_cast<std::uint64_t>(subslice);
-        return parts_[part].result->info.layer_of[height];
+        const SliceInfo& info = parts_[part].result->info;
+        return info.layer_of[height] - info.first_layer;
     }
 
     Centres centres(std::size_t part, std::size_t axis, double from_mm) const {
@@ -414,7 +415,8 @@ private:
 /// What is known once all is drawn.
 MaskSummary summary_of(const MaskCounts& counts, std::span<const MaskPart> parts, const Context& context);
 
-/// Throws Refused unless every part has a layer for each plane of the image.
-void require_cut_for(std::span<const MaskPart> parts, const ImageGeometry& image, const MaskOptions& options);
+/// Throws Refused unless every part has a layer for each plane of the image, or of so many slices of it.
+void require_cut_for(std::span<const MaskPart> parts, const ImageGeometry& image, const MaskOptions& options,
+                     std::optional<std::uint64_t> slices = std::nullopt);
 
 }  // namespace lamella

@@ -33,6 +33,8 @@ struct MaskPart {
 struct MaskOptions {
     bool coverage = false;  ///< the share of each voxel's area that lies inside, instead of a label
     int subslices = 1;      ///< more than 1: the mean share over so many planes a slice
+    /// Of draw_mask(): from this slice on as many are drawn as there are voxels for. Results need have their layers only.
+    std::uint64_t first_slice = 0;
 };
 
 struct MaskSummary {
@@ -59,9 +61,9 @@ Result<MaskSummary> write_mask(std::span<const MaskPart> parts, const ImageGeome
                                const std::filesystem::path& path, const MaskOptions& options = {},
                                const Context& context = {}) noexcept;
 
-/// The same mask in memory: `voxels` has room for all of the image, i fastest, a byte each or with more than 255 parts two;
-/// of shares 255 stand for 1. O(v + q); memory of some slices for each thread. Errors: invalid_argument, cancelled,
-/// out_of_memory.
+/// The same mask in memory: `voxels` has room for whole slices of the image, i fastest, a byte each or with more than 255
+/// parts two; of shares 255 stand for 1. O(v + q); memory of some slices for each thread. Errors: invalid_argument,
+/// cancelled, out_of_memory.
 Result<MaskSummary> draw_mask(std::span<const MaskPart> parts, const ImageGeometry& image, std::span<unsigned char> voxels,
                               const MaskOptions& options = {}, const Context& context = {}) noexcept;
 

@@ -44,11 +44,10 @@ py::array_t<double> frame_of(const ImageGeometry& image, bool is_ras) {
     return py::array_t<double>({3, 4}, image.slicing_frame(is_ras ? PatientFrame::ras : PatientFrame::lps).m.data());
 }
 
-py::dict dict_of(const MaskSummary& summary, const std::vector<MaskPart>& parts) {
+py::dict dict_of(const MaskSummary& summary) {
     py::list open;
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-        open.append(summary.open[i].layers == 0 ? py::object(py::none())
-                                                : py::object(text_of(describe(summary.open[i], "stitch="))));
+    for (const OpenLayers& each : summary.open) {
+        open.append(each.layers == 0 ? py::object(py::none()) : py::object(text_of(describe(each, "stitch="))));
     }
     return py::dict("voxels"_a = summary.voxels, "overlaps"_a = summary.overlapped_voxels, "open"_a = open,
                     "cut_off"_a = summary.cut_off_share);
@@ -69,7 +68,7 @@ py::dict write_segments(const py::list& parts, const ImageGeometry& image, const
             {.coverage = coverage, .subslices = subslices, .without_ct = without_ct, .seconds_since_1970 = seconds},
             context);
     });
-    return dict_of(written.mask, rows);
+    return dict_of(written.mask);
 }
 
 py::list read_labels(const std::string& path) {
@@ -81,28 +80,23 @@ py::list read_labels(const std::string& path) {
     return listed;
 }
 
-/// `voxels`: bytes of the whole image, written in place.
+/// `voxels`: bytes of the image from `first_slice` on, written in place.
 py::dict draw(const py::list& parts, const ImageGeometry& image, py::array voxels, bool coverage, int subslices,
-              const Asked& asked) {
+              std::uint64_t first_slice, const Asked& asked) {
     const std::vector<MaskPart> rows = mask_parts(parts);
     const std::span<unsigned char> bytes(static_cast<unsigned char*>(voxels.mutable_data()),
                                          static_cast<std::size_t>(voxels.nbytes()));
-    return dict_of(run(asked,
-                       [&](const Context& context) {
-                           return draw_mask(rows, image, bytes, {.coverage = coverage, .subslices = subslices}, context);
-                       }),
-                   rows);
+    return dict_of(run(asked, [&](const Context& context) {
+        return draw_mask(rows, image, bytes, {coverage, subslices, first_slice}, context);
+    }));
 }
 
 py::dict write(const py::list& parts, const ImageGeometry& image, const std::string& path, bool coverage, int subslices,
                const Asked& asked) {
     const std::vector<MaskPart> rows = mask_parts(parts);
-    return dict_of(run(asked,
-                       [&](const Context& context) {
-                           return write_mask(rows, image, Path(path), {.coverage = coverage, .subslices = subslices},
-                                             context);
-                       }),
-                   rows);
+    return dict_of(run(asked, [&](const Context& context) {
+        return write_mask(rows, image, Path(path), {coverage, subslices}, context);
+    }));
 }
 
 py::list write_set(const py::list& parts, const ImageGeometry& image, const std::string& path, int holes, bool without_ct,
@@ -122,36 +116,28 @@ py::list write_set(const py::list& parts, const ImageGeometry& image, const std:
     return names;
 }
 
-/// Images may be null.
-void write_table(const py::list& parts, const std::string& path, const ImageGeometry* image, bool islands,
-                 const Asked& asked) {
+void write_table(const py::list& parts, const std::string& path, bool islands, const Asked& asked) {
     const auto rows = rows_of<TablePart>(parts, [](const SliceResult& result, std::string name, const py::tuple&) {
         return TablePart{.result = &result, .name = std::move(name)};
     });
-    run(asked, [&](const Context& context) { return write_layer_table(rows, Path(path), image, islands, context); });
+    run(asked, [&](const Context& context) { return write_layer_table(rows, Path(path), nullptr, islands, context); });
 }
 
-void write_sheet(const py::list& parts, const std::string& path, const ImageGeometry* image, const Asked& asked) {
+void write_sheet(const py::list& parts, const std::string& path, const Asked& asked) {
     const auto rows = rows_of<PicturePart>(parts, [](const SliceResult& result, std::string name, const py::tuple&) {
         return PicturePart{&result, std::move(name)};
     });
-    run(asked, [&](const Context& context) { return write_contact_sheet(rows, Path(path), {.image = image}, context); });
+    run(asked, [&](const Context& context) { return write_contact_sheet(rows, Path(path), {}, context); });
 }
 
-void write_hdf5(const HeldResult& held, const std::string& name, const std::string& path, const ImageGeometry* image,
-                int subslices, int frame, const Asked& asked) {
-    ArchiveInfo info{.name = name, .frame = static_cast<PatientFrame>(frame), .subslices = subslices};
-    if (image != nullptr) {
-        info.geometry = *image;
-    }
+void write_hdf5(const HeldResult& held, const std::string& name, const std::string& path, bool measures,
+                const Asked& asked) {
+    const ArchiveInfo info{.name = name, .measures = measures};
     run(asked, [&](const Context& context) { return write_archive(held.result, info, Path(path), context); });
 }
 
-py::tuple read_hdf5(const std::string& path, const Asked& asked) {
-    Archive archive = run(asked, [&](const Context& context) { return read_archive(Path(path), context); });
-    const ArchiveInfo& info = archive.info;
-    const py::object image = info.geometry ? py::cast(*info.geometry) : py::object(py::none());
-    return py::make_tuple(py::cast(HeldResult(std::move(archive.result))), text_of(info.name), image);
+HeldResult read_hdf5(const std::string& path, const Asked& asked) {
+    return HeldResult(run(asked, [&](const Context& context) { return read_archive(Path(path), context); }).result);
 }
 
 }  // namespace

@@ -120,10 +120,16 @@ Result<SliceInfo> slice_to_sink(const MeshStream& file, const SliceOptions& opti
     return slicer.slice_to(LayerSink{.take = takes, .begin = begins}, file.view(), options, context);
 }
 
-/// Calls put(result) with one chunk after the other, each of at most so many layers and about so many bytes, until it
-/// returns False. Returns False where the file cannot be read in pieces.
+/// The patient frame that a file states, in lower case, or None where it cannot be read in pieces.
+py::object stated_frame(const std::string& path) {
+    const std::optional<MeshStream> file = opened(path, 0, 0);
+    return file ? py::object(text_of(std::string(name_of(file->about().patient_frame)))) : py::none();
+}
+
+/// Calls put(result) with one chunk after the other, each of at most so many layers and about so many bytes, in multiples of
+/// `step` layers, until it returns False. Returns False where the file cannot be read in pieces.
 bool stream_file(const std::string& path, double mm_per_unit, std::uint64_t memory_bytes, std::size_t most_layers,
-                 std::size_t most_bytes, const Asked& asked, const py::function& put) {
+                 std::size_t step, std::size_t most_bytes, const Asked& asked, const py::function& put) {
     const std::optional<MeshStream> file = opened(path, memory_bytes, mm_per_unit);
     if (!file) {
         return false;
@@ -149,7 +155,8 @@ bool stream_file(const std::string& path, double mm_per_unit, std::uint64_t memo
         };
         const auto take = [&](const LayerView& layer) {
             chunk.add(layer);
-            return (chunk.size() < most_layers && chunk.bytes() < most_bytes) || hand_over();
+            const bool is_full = chunk.size() >= most_layers || chunk.bytes() >= most_bytes;
+            return !is_full || chunk.size() % step != 0 || hand_over();
         };
         Result<SliceInfo> info = slice_to_sink(*file, asked.options, context, begin, take);
         if (info && !chunk.empty()) {
@@ -190,6 +197,7 @@ bool stream_table(const std::string& path, double mm_per_unit, std::uint64_t mem
 void define_stream(py::module_& module) {
     module.def("stream_file", &stream_file);
     module.def("stream_table", &stream_table);
+    module.def("stated_frame", &stated_frame);
 }
 
 }  // namespace lamella::python

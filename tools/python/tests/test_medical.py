@@ -225,6 +225,25 @@ def test_an_archive_is_opened_again(cube, tmp_path):
         lamella.open(tmp_path / "none.h5")
 
 
+def test_an_archive_has_the_measures_of_tables_on_request(torus, tmp_path):
+    h5py = pytest.importorskip("h5py")
+    with pytest.warns(lamella.MeshWarning, match="open contours"):
+        layers = lamella.slice(torus[0], torus[1][:-40], layer_height=0.5, stitch=0)
+    lamella.save_archive(tmp_path / "a.h5", layers, measures=True)
+    lamella.save_table(tmp_path / "a.csv", layers)
+    with h5py.File(tmp_path / "a.h5") as archive, open(tmp_path / "a.csv", newline="") as table:
+        columns, rows = {name: column[...] for name, column in archive["measures"].items()}, list(csv.DictReader(table))
+        assert archive["measures/imax_mm4"].attrs["unit"] == b"mm^4"
+    assert np.isnan(columns["area_mm2"]).any() and np.nanmax(columns["feret_max_mm"]) > 40
+    places = {name for name in rows[0] if name.startswith(("min_", "max_", "height", "cut", "bottom", "top"))}
+    assert set(columns) == set(rows[0]) - places - {"mesh", "layer", "contours", "flat"}
+    for name, column in columns.items():
+        assert np.array_equal(column, [float(row[name] or "nan") for row in rows], equal_nan=True)
+    assert lamella.open(tmp_path / "a.h5").hash == layers.hash
+    lamella.save_archive(tmp_path / "a.h5", layers)
+    assert "measures" not in h5py.File(tmp_path / "a.h5")
+
+
 def test_a_picture_shows_the_layers(cube, tmp_path, matplotlib):
     lamella.save_picture(tmp_path / "a.png", lamella.slice(*cube, layer_height=1))
     import matplotlib.image

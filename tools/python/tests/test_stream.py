@@ -80,6 +80,36 @@ def test_a_table_of_a_stream_is_that_of_the_whole(file, torus, tmp_path):
         lamella.stream(*torus).save_table(tmp_path / "c.csv")
 
 
+@pytest.mark.parametrize(("coverage", "subslices"), [(False, 1), (True, 1), (True, 3)])
+@pytest.mark.parametrize("step", [1.25, -0.03])
+@pytest.mark.parametrize("given", [str, lamella.read])
+def test_a_mask_of_a_stream_is_that_of_the_whole(file, given, coverage, subslices, step):
+    affine = np.array([[0.8, 0, 0.1, -25], [0, 1, 0, -7], [0.6, 0, step, -2], [0, 0, 0, 1]])  # oblique, sheared, of either hand
+    how = dict(like=((60, 14, 40), affine), frame="ras", coverage=coverage, subslices=subslices)
+    mesh, out = given(file), np.full((60, 14, 40), 7, np.uint8, order="F")
+    with pytest.warns(lamella.MeshWarning, match="beside the image") as told:
+        whole = lamella.mask(mesh, stitch=0, **how)
+        drawn = lamella.stream(mesh, memory="2M", stitch=0, chunk=7).mask(out=out, **how)
+    assert len(told) == 2 and str(told[0].message) == str(told[1].message)
+    assert drawn.array is out and np.array_equal(out, whole.array) and 0 < np.count_nonzero(out) < out.size
+    assert drawn.voxels == whole.voxels and drawn.labels == {1: "torus"} and np.array_equal(drawn.affine, whole.affine)
+
+
+def test_what_a_mask_of_a_stream_cannot_be_is_refused(file, torus, tmp_path):
+    image = (50, 50, 50), np.eye(4)
+    with pytest.raises(lamella.InvalidArgumentError, match="layer_height is an option of slice"):
+        lamella.stream(file, layer_height=1).mask(like=image, frame="ras")
+    with pytest.raises(lamella.InvalidArgumentError, match="torus: states no patient frame"):
+        lamella.stream(file).mask(like=image)
+    with pytest.raises(lamella.InvalidArgumentError, match="by mask.., alone"):
+        lamella.save_mask(tmp_path / "a.nii", lamella.stream(file), like=image, frame="ras")
+    with pytest.raises(lamella.OutOfMemoryError):
+        lamella.stream(file, memory=1000).mask(like=image, frame="ras")
+    write_stl(tmp_path / "holed.stl", torus[0][torus[1]][:-40])
+    with pytest.raises(lamella.InvalidArgumentError, match="holed: .*stitch="):
+        lamella.stream(tmp_path / "holed.stl", stitch=0).mask(like=image, frame="ras", strict=True)
+
+
 def test_open_layers_of_a_stream_are_told_once(torus, tmp_path):
     vertices, faces = torus
     write_stl(tmp_path / "holed.stl", vertices[faces][:-40])
@@ -90,18 +120,19 @@ def test_open_layers_of_a_stream_are_told_once(torus, tmp_path):
 
 @needs_tool
 @pytest.mark.skipif(sys.platform != "linux", reason="the peak is read from /proc")
-def test_the_peak_of_a_stream_is_its_budget(tmp_path):
+@pytest.mark.parametrize("call", ["(layer_height=0.05); found = sum(map(len, s))", "(); found = s.mask(like=((400, 400, 100), numpy.eye(4)), frame='ras').voxels[0]"])
+def test_the_peak_of_a_stream_is_its_budget(tmp_path, call):
     """Of a file of 50 MB within 20 MB: what the process holds beyond the interpreter and its packages."""
     mesh = tmp_path / "bone.stl"
     subprocess.run([TOOL, "make", "bone", "--triangles", "1000000", "-o", str(mesh)], check=True)
-    program = """
-import sys, lamella
+    program = f"""
+import functools, sys, lamella, numpy
 def peak():
     return next(int(line.split()[1]) for line in open("/proc/self/status") if line.startswith("VmHWM")) / 1000
 before = peak()
-layers = sum(map(len, lamella.stream(sys.argv[1], memory="20M", layer_height=0.05)))
-print(layers, peak() - before)
+s = functools.partial(lamella.stream, sys.argv[1], memory="20M"){call}
+print(found, peak() - before)
 """
     told = subprocess.run([sys.executable, "-c", program, str(mesh)], check=True, capture_output=True, text=True).stdout
-    layers, megabytes = told.split()
-    assert int(layers) > 300 and float(megabytes) < 1.1 * 20 + 60
+    found, megabytes = told.split()
+    assert int(found) > 300 and float(megabytes) < 1.1 * 20 + 60 + 16 * ("mask" in call)

@@ -72,7 +72,7 @@ class Series(NamedTuple):
 
 def list_series(folder: Union[str, bytes, os.PathLike[Any]]) -> List[Series]:
     """The DICOM series of a folder."""
-    return [Series(*row) for row in _of_file(folder, lambda name: _native.list_series(name, slice_options({}, CallKeywords)))]
+    return [Series(*row) for row in of_file(folder, lambda name: _native.list_series(name, slice_options({}, CallKeywords)))]
 
 
 def image(path: Union[str, bytes, os.PathLike[Any]], *, series: Optional[str] = None) -> Image:
@@ -89,10 +89,10 @@ def image(path: Union[str, bytes, os.PathLike[Any]], *, series: Optional[str] = 
     >>> lamella.image("ct.nii.gz").shape  # doctest: +SKIP
     (512, 512, 120)
     """
-    return Image(_of_file(path, lambda name: _native.read_geometry(name, series or "")), os.fsdecode(path))
+    return Image(of_file(path, lambda name: _native.read_geometry(name, series or "")), os.fsdecode(path))
 
 
-def _of_file(path: Union[str, bytes, os.PathLike[Any]], call: Callable[[bytes], Any]) -> Any:
+def of_file(path: Union[str, bytes, os.PathLike[Any]], call: Callable[[bytes], Any]) -> Any:
     name = os.fsdecode(path)
     try:
         return call(os.fsencode(name))

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _native
-from ._errors import Error, InvalidArgumentError, MeshWarning, warn
-from ._image import FRAMES, Image, ImageLike, around, image_of
+from ._errors import InvalidArgumentError, MeshWarning, warn
+from ._image import FRAMES, Image, ImageLike, around, image_of, of_file
 from ._mesh import Mesh, MeshLike, as_view
 from ._options import CallKeywords, RuleKeywords, number, one_of, refuse, slice_options, truth, whole_number
 from ._result import Result
@@ -63,7 +63,7 @@ def mask(
 
     Parameters
     ----------
-    meshes : mesh, Result, or several, or a mapping of names to them
+    meshes : mesh, Result, or several, or a mapping of names to them; or one Stream
         Label n + 1 is that of mesh n. Results must be cut at the image's slices, as by ``slice(mesh, **image options)`` of
         another mask.
     like : path, Image, image of nibabel or (shape, affine) in RAS
@@ -109,7 +109,7 @@ def mask(
         refuse(f"out must be a writable array of shape {job.image.shape} and dtype {wanted} in Fortran order")
     in_place = wanted == native_type
     voxels = out if out is not None and in_place else np.empty(job.image.shape, native_type, order="F")
-    summary = job.run(_native.draw_mask, voxels, truth("coverage", coverage), subslices)
+    summary = job.draw(voxels, truth("coverage", coverage), subslices)
     job.tell_of(summary, truth("strict", strict))
     if not in_place:
         made = np.empty(job.image.shape, wanted, order="F") if out is None else out
@@ -144,7 +144,7 @@ def save_mask(
     is_dicom = os.fsdecode(path).lower().endswith(".dcm")
     job = _Cut.of(meshes, like, spacing, frame, subslices, labels, options)
     if strict:
-        job.require_closed()
+        job.tell_of_open(True)
     if is_dicom:
         summary = job.saved(path, _native.write_segmentation, truth("coverage", coverage), subslices, truth("without_ct", without_ct), _now())
     else:
@@ -202,26 +202,28 @@ def save_table(path: PathLike, results: Meshes, *, islands: bool = False) -> Non
 
     Columns are those of `Result.measures` with their units. What is not known is an empty cell.
     """
-    _saved(path, _native.write_table, _named(_results(results)), None, truth("islands", islands))
+    _saved(path, _native.write_table, _named(_results(results)), truth("islands", islands))
 
 
-def save_archive(path: PathLike, result: Result, *, name: str = "") -> None:
-    """Write a whole result as HDF5, which `lamella.open`, h5py, MATLAB and Julia read."""
+def save_archive(path: PathLike, result: Result, *, name: str = "", measures: bool = False) -> None:
+    """Write a whole result as HDF5, which `lamella.open`, h5py, MATLAB and Julia read.
+
+    With ``measures=True`` the group ``/measures`` has columns of a table: ``area_mm2``, ``imax_mm4``, ``feret_max_mm`` and so on.
+    """
     if not isinstance(result, Result):
         refuse(f"an archive holds one Result, not {result!r}")
-    call: Callable[..., Any] = lambda where, options: _native.write_archive(result._native, name, where, None, 1, 0, options)  # noqa: E731
-    _called(path, call)
+    own = truth("measures", measures)
+    _called(path, lambda where, options: _native.write_archive(result._native, name, where, own, options))
 
 
 def save_picture(path: PathLike, results: Meshes) -> None:
     """Write a contact sheet as PNG: evenly spaced layers side by side."""
-    _saved(path, _native.write_contact_sheet, _named(_results(results)), None)
+    _saved(path, _native.write_contact_sheet, _named(_results(results)))
 
 
 def open(path: PathLike) -> Result:  # noqa: A001: the word of the field
     """Read an archive: a `Result` without its mesh."""
-    native, _, _ = _called(path, lambda where, options: _native.read_archive(where, options))
-    return Result(native, None)
+    return Result(_called(path, _native.read_archive), None)
 
 
 class _Cut:
@@ -257,7 +259,8 @@ class _Cut:
             else:
                 read, own = _with_frame(mesh, name, frame)
                 transform = image._native.slicing_frame(own == "ras")
-                parts.append((_quietly(read, {**options, "transform": transform, "heights": heights}), name, terms))
+                place = {**options, "transform": transform, "heights": heights}
+                parts.append((mesh.at_slices(place, subslices) if _is_stream(mesh) else _quietly(read, place), name, terms))
         if table:
             refuse(f"labels: there is no mesh {min(table)}, only {len(given)}")
         return cls(image, parts, call)
@@ -267,33 +270,49 @@ class _Cut:
             refuse("coverage and subslices: one mesh a mask, not several")
         return coverage or subslices > 1
 
+    def draw(self, voxels: npt.NDArray[Any], coverage: bool, subslices: int) -> Any:
+        """What ``_native.draw_mask`` tells; of a stream summed over its chunks, which have whole slices."""
+        chunks, *named = self.parts[0]
+        if isinstance(chunks, Result) or len(self.parts) > 1:
+            return self.run(_native.draw_mask, voxels, coverage, subslices, 0)
+        found, count, area, beside = _native.OpenLayers(), 0, 0.0, 0.0
+        for chunk in chunks:
+            planes = chunk.layer_of.reshape(-1, subslices) - chunk.first_layer
+            slices = np.flatnonzero(((planes >= 0) & (planes < len(chunk))).any(axis=1))
+            slab, own = voxels[:, :, slices[0] : slices[-1] + 1], _Cut(self.image, [(chunk, *named)], self._call)
+            drawn = own.run(_native.draw_mask, slab, coverage, subslices, int(slices[0]))
+            found.add(chunk._native.open_layers())
+            count, known = count + drawn["voxels"][0], float(np.nansum(chunk.areas))
+            area, beside = area + known, beside + known * float(np.nan_to_num(drawn["cut_off"][0]))
+        words = found.describe("stitch=") if found.layers > 0 else None
+        return {"voxels": [count], "overlaps": 0, "open": [words], "cut_off": [beside / area if area > 0 else 0.0]}
+
     def run(self, call: Callable[..., Any], *arguments: Any) -> Any:
+        if any(_is_stream(result) for result, *_ in self.parts):
+            refuse("a stream is drawn by mask(), alone")
         rows = [(result._native, os.fsencode(name), *rest) for result, name, *rest in self.parts]
         return call(rows, self.image._native, *arguments, slice_options(self._call, CallKeywords))
 
     def saved(self, path: PathLike, call: Callable[..., Any], *arguments: Any) -> Any:
         return _called(path, lambda where, _: self.run(call, where, *arguments))
 
-    def require_closed(self) -> None:
-        for result, name, *_ in self.parts:
-            found = result._native.open_layers()
-            if found.layers > 0:
-                raise InvalidArgumentError(f"{name}: {found.describe('stitch=')}")
-
     def tell_of(self, summary: Any, strict: bool) -> None:
-        for (_, name, *_), words, share in zip(self.parts, summary["open"], summary["cut_off"]):
+        self.tell_of_open(strict, summary["open"])
+        for (_, name, *_), share in zip(self.parts, summary["cut_off"]):
+            if share > 0:
+                warn(f"{name}: {100 * share:.3g} % of its area in the slices lies beside the image", MeshWarning)
+
+    def tell_of_open(self, strict: bool = False, told: Sequence[Optional[str]] = ()) -> None:
+        opened = [result._native.open_layers() for result, *_ in self.parts] if not told else []
+        for (_, name, *_), words in zip(self.parts, told or [found.describe("stitch=") if found.layers > 0 else None for found in opened]):
             if words is not None and strict:
                 raise InvalidArgumentError(f"{name}: {words}")
             if words is not None:
                 warn(f"{name}: {words}", MeshWarning)
-            if share > 0:
-                warn(f"{name}: {100 * share:.3g} % of its area in the slices lies beside the image", MeshWarning)
 
-    def tell_of_open(self) -> None:
-        for result, name, *_ in self.parts:
-            found = result._native.open_layers()
-            if found.layers > 0:
-                warn(f"{name}: {found.describe('stitch=')}", MeshWarning)
+
+def _is_stream(mesh: Any) -> bool:
+    return hasattr(mesh, "at_slices")
 
 
 def _quietly(mesh: Any, options: Any) -> Result:
@@ -312,8 +331,9 @@ def _named(meshes: Any) -> List[Tuple[Any, str]]:
 
 
 def _name_of(mesh: Any, i: int) -> str:
+    mesh = mesh._given[0] if _is_stream(mesh) else mesh
     path = mesh if isinstance(mesh, (str, bytes, os.PathLike)) else getattr(mesh, "path", None)
-    if isinstance(mesh, Result) and mesh._view is not None and mesh._view.mesh_count == 1:
+    if isinstance(mesh, Result) and mesh._view is not None and len(mesh._view._meshes) == 1:
         path = mesh._view._meshes[0].path
     if path is None:
         return f"mesh {i + 1}"
@@ -330,8 +350,8 @@ def _results(results: Any) -> Any:
 
 def _with_frame(mesh: Any, name: str, frame: Optional[str]) -> Tuple[Mesh, str]:
     """The mesh, and the patient frame that it states or that the caller says."""
-    read = as_view(mesh, None, unit=None)._meshes[0]
-    stated = str(read.info.get("patient_frame", "")).lower()
+    read: Any = mesh if _is_stream(mesh) else as_view(mesh, None, unit=None)._meshes[0]
+    stated = str(read.patient_frame if _is_stream(mesh) else read.info.get("patient_frame", "")).lower()
     if stated not in FRAMES and frame is None:
         refuse(f"{name}: states no patient frame; frame='lps' or frame='ras' says it")
     return read, stated if stated in FRAMES else str(frame)
@@ -342,6 +362,8 @@ def _image_around(meshes: List[Any], frame: Optional[str], spacing: Any) -> Imag
     for i, mesh in enumerate(meshes):
         if isinstance(mesh, Result):
             refuse("spacing: results have been cut already; like= says at which image's slices")
+        if _is_stream(mesh):
+            refuse("spacing: a stream has no box yet; like= says whose voxels")
         read, own = _with_frame(mesh, _name_of(mesh, i), frame)
         box = read.bounds * ([1, 1, 1] if own == "lps" else [-1, -1, 1])
         boxes += [box.min(axis=0), box.max(axis=0)]
@@ -357,12 +379,7 @@ def _require_cut_for(result: Result, name: str, image: Image, heights: npt.NDArr
 
 
 def _called(path: PathLike, call: Callable[..., Any]) -> Any:
-    name = os.fsdecode(path)
-    try:
-        return call(os.fsencode(name), slice_options({}, CallKeywords))
-    except Error as error:
-        error.path = name
-        raise
+    return of_file(path, lambda name: call(name, slice_options({}, CallKeywords)))
 
 
 def _saved(path: PathLike, call: Callable[..., Any], parts: List[Tuple[Any, str]], *arguments: Any) -> None:

@@ -12,8 +12,10 @@ import numpy.typing as npt
 
 from . import _native
 from ._errors import Error
+from ._image import ImageLike
+from ._medical import Mask, mask
 from ._mesh import MeshLike, View, as_view
-from ._options import OF_PREPARED, PreparedKeywords, mm_per_unit, progress_report, refuse, slice_options, truth, whole_number
+from ._options import OF_PREPARED, PreparedKeywords, RuleKeywords, mm_per_unit, progress_report, refuse, slice_options, truth, whole_number
 from ._result import Result, warn_of_open
 
 if TYPE_CHECKING:
@@ -30,7 +32,9 @@ class Stream:
     Made by `stream`. Of files in binary STL or PLY only what the budget holds is in memory.
     """
 
-    def __init__(self, mesh: Any, faces: Any, chunk: int, memory: Union[None, str, int], keywords: Dict[str, Any]) -> None:
+    def __init__(self, mesh: Any, faces: Any, chunk: int, memory: Union[None, str, int], keywords: Dict[str, Any], planes: int = 0) -> None:
+        self._given = mesh, faces
+        self._planes = planes  # of a slice of an image; chunks have whole ones
         self._report = progress_report(keywords.pop("progress", None))
         self._unit = keywords.pop("unit", None)
         self._chunk = whole_number("chunk", chunk)
@@ -72,6 +76,25 @@ class Stream:
         if not _native.stream_table(os.fsencode(self._path), self._mm, self._budget, to, os.fsencode(name), truth("islands", islands), options):
             refuse(f"{self._path}: only binary STL and PLY of triangles are read in pieces; lamella.save_table(path, lamella.slice(mesh)) takes others")
 
+    def mask(self, *, like: ImageLike, **options: Any) -> Mask:
+        """Draw the mask that `lamella.mask` draws, voxel for voxel, while layers come: in memory of the mask and the stream.
+
+        Parameters are those of `lamella.mask`. The image says where planes lie, and the stream is made without any.
+        """
+        return mask(self, like=like, **options)
+
+    def at_slices(self, place: Dict[str, Any], planes: int) -> Stream:
+        """The same stream, at so many planes for each slice of an image. Open layers are told by who draws them."""
+        slice_options(self._keywords, RuleKeywords)
+        keywords = {**self._keywords, **place, "unit": self._unit, "progress": place.get("progress", self._report)}
+        return Stream(*self._given, max(1, self._chunk // planes) * planes, self._budget or None, keywords, planes)
+
+    @property
+    def patient_frame(self) -> str:
+        """What the file states: "LPS", "RAS" or ""."""
+        stated = None if self._path is None else _native.stated_frame(os.fsencode(self._path))
+        return str(as_view(*self._given, unit=None)._meshes[0].info.get("patient_frame", "")) if stated is None else stated
+
     @property
     def _mm(self) -> float:
         return mm_per_unit("mm" if self._unit is None else self._unit)
@@ -95,7 +118,7 @@ class Stream:
                 most_bytes = max(self._budget // 32, 1 << 16) if self._budget else 1 << 24
                 budget = max(self._budget - 3 * most_bytes, self._budget // 2)  # being made, waiting, and in use
                 options = slice_options({**self._keywords, "progress": self._report})
-                led = _native.stream_file(os.fsencode(path), self._mm, budget, self._chunk, most_bytes, options, put)
+                led = _native.stream_file(os.fsencode(path), self._mm, budget, self._chunk, max(1, self._planes), most_bytes, options, put)
                 put(None if led else path)
             except BaseException as error:  # for whoever waits
                 put(error)
@@ -117,7 +140,8 @@ class Stream:
             if isinstance(item, Error):
                 item.path = path
             raise item
-        warn_of_open(found)
+        if self._planes == 0:
+            warn_of_open(found)
 
     def _of_view(self, view: View) -> Iterator[Result]:
         """Of a prepared mesh, of which each chunk reads little more than it cuts."""
@@ -136,7 +160,8 @@ class Stream:
             yield Result(layers, None)
         if self._report is not None and count == 0:
             self._report(1.0)
-        warn_of_open(found)
+        if self._planes == 0:
+            warn_of_open(found)
 
 
 def _share_of(report: Callable[[float], Any], done: float, share: float) -> Callable[[float], Any]:

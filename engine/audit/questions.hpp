@@ -74,10 +74,6 @@ inline PathSize size_of(std::span<const Point> points) noexcept {
     return size;
 }
 
-inline bool has_area(const Contour& contour) noexcept {
-    return contour.role == Role::outer || contour.role == Role::hole;
-}
-
 /// True if no rule has made, cut or dropped contours of the layer.
 inline bool keeps_contours(const SliceResult& result, std::size_t layer) noexcept {
     const SliceOptions& options = result.info.options;

@@ -51,7 +51,7 @@ void check_area(const Contour& contour, std::span<const Point> points, const Res
 
 void check_orientation(const Contour& contour, const ResultPlace& at) {
     const bool overruled = (contour.flags & orientation_overruled) != 0;
-    if (!has_area(contour)) {
+    if (!contour.encloses_area()) {
         at.require(contour.orientation == 0 && contour.parent == -1 && !overruled,
                    "flat or open, yet with an orientation, a parent or an overruled orientation");
         return;
@@ -96,7 +96,7 @@ struct Start {
 std::vector<Start> enclosed_starts(const SliceResult& result, std::span<const Contour> contours) {
     std::vector<Start> starts;
     for (std::size_t c = 0; c < contours.size(); ++c) {
-        if (has_area(contours[c])) {
+        if (contours[c].encloses_area()) {
             starts.push_back({c, result.points[contours[c].first_point]});
         }
     }
@@ -115,7 +115,7 @@ std::vector<Start> enclosed_starts(const SliceResult& result, std::span<const Co
         }
     };
     for (std::size_t c = 0; c < contours.size(); ++c) {
-        if (!has_area(contours[c])) {
+        if (!contours[c].encloses_area()) {
             continue;
         }
         const std::span<const Point> points = result.points_of(contours[c]);
@@ -197,7 +197,7 @@ private:
         sort_briefly(by_start.begin(), by_start.end(), [&](std::size_t a, std::size_t b) { return start(a) < start(b); });
         std::vector<Standing> standing(contours_.size());
         for (const std::size_t c : by_start) {
-            if (!has_area(contours_[c])) {
+            if (!contours_[c].encloses_area()) {
                 continue;
             }
             if (parent(c) != none) {
@@ -220,7 +220,7 @@ private:
     /// For a region that a fill rule leaves: outers lie in nothing or in holes, holes in outers.
     void check_roles_of_region() const {
         for (std::size_t c = 0; c < contours_.size(); ++c) {
-            if (has_area(contours_[c])) {
+            if (contours_[c].encloses_area()) {
                 const bool hole = contours_[c].role == Role::hole;
                 const bool stands =
                     parent(c) == none ? !hole : contours_[parent(c)].role == (hole ? Role::outer : Role::hole);

@@ -74,6 +74,8 @@ struct Contour {
     std::int8_t orientation = 0;  ///< by the facets or the fill rule: 1 counter-clockwise, -1 clockwise, 0 flat, open
     std::uint16_t flags = 0;      ///< ContourFlag bits
     std::uint32_t part = 0;       ///< index of the mesh that it comes from, among the parts, or several_parts
+
+    bool encloses_area() const noexcept { return role == Role::outer || role == Role::hole; }
 };
 
 inline constexpr std::uint32_t no_triangle = 0xffffffff;
@@ -238,10 +240,7 @@ public:
 
     explicit Islands(std::span<const Contour> contours) noexcept : contours_(contours) {}
     Iterator begin() const noexcept { return {contours_.data(), contours_.data() + contours_.size()}; }
-    Iterator end() const noexcept {
-        const Contour* const past = contours_.data() + contours_.size();
-        return {past, past};
-    }
+    Iterator end() const noexcept { return {contours_.data() + contours_.size(), contours_.data() + contours_.size()}; }
 
 private:
     std::span<const Contour> contours_;

@@ -318,7 +318,7 @@ private:
         }
         double perimeter = 0;
         for (const Contour& contour : layer.contours) {
-            if (contour.role == Role::outer || contour.role == Role::hole) {
+            if (contour.encloses_area()) {
                 const std::span<const Point> points = layer.points_of(contour);
                 const double area = layer.area_mm2(contour);
                 counts.area += area;

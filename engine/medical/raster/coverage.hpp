@@ -178,7 +178,7 @@ public:
         layer_ = &result.layers[layer];
         contours_.clear();
         for (const Contour& contour : result.contours_of(*layer_)) {
-            if (contour.role == Role::outer || contour.role == Role::hole) {
+            if (contour.encloses_area()) {
                 contours_.push_back(result.points_of(contour));
             }
         }

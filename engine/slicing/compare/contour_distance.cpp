@@ -10,7 +10,7 @@ namespace lamella {
 void NearestEdges::assign(const LayerView& layer) {
     edges_.clear();
     for (const Contour& contour : layer.contours) {
-        if (contour.role == Role::outer || contour.role == Role::hole) {
+        if (contour.encloses_area()) {
             const std::span<const Point> ring = layer.points_of(contour);
             Point from = ring.back();
             for (const Point to : ring) {

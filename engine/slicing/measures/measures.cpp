@@ -26,10 +26,6 @@ namespace lamella {
 
 namespace {
 
-bool encloses_area(const Contour& contour) noexcept {
-    return contour.role == Role::outer || contour.role == Role::hole;
-}
-
 /// What contours of a layer or an island sum up to, about the layer's middle.
 struct SectionSums {
     Moments all;
@@ -149,7 +145,7 @@ void SectionMeasuring::begin(const LayerView& layer) {
     FlatBox box = FlatBox::nothing();
     for (const Contour& contour : layer.contours) {
         open_ += contour.role == Role::open ? 1 : 0;
-        boxes_.push_back(encloses_area(contour) ? FlatBox::around(layer.points_of(contour)) : FlatBox::nothing());
+        boxes_.push_back(contour.encloses_area() ? FlatBox::around(layer.points_of(contour)) : FlatBox::nothing());
         box.include(boxes_.back());
     }
     if (exceeds(box.low, box.high)) {
@@ -187,7 +183,7 @@ void SectionMeasuring::require_fits(const LayerView& layer, const SectionSums& s
     std::array<double, 3> found{};
     for (const Contour& contour : layer.contours) {
         std::array<double, 3> own{};
-        if (const std::span<const Point> points = layer.points_of(contour); encloses_area(contour)) {
+        if (const std::span<const Point> points = layer.points_of(contour); contour.encloses_area()) {
             Point a = points.back();
             for (const Point b : points) {
                 const double ax = static_cast<double>(a.x) - middle_.x;
@@ -269,7 +265,7 @@ SectionMeasures SectionMeasuring::measure(const LayerView& layer, SectionMeasure
         const std::size_t first_ring = rings_.size();
         SectionSums island;  // an outer with the holes after it
         do {
-            if (encloses_area(contours[i])) {
+            if (contours[i].encloses_area()) {
                 add_contour(layer, contours[i], island);
             }
             ++i;

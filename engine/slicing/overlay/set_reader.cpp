@@ -37,7 +37,7 @@ std::span<const Path> SetReader::list_contours(const LayerSet& set, std::uint64_
     }
     // Flat contours and open ones bound nothing.
     for_each_contour(set, n, [&](const LayerView& layer, const Contour& contour) {
-        if (contour.role != Role::open && contour.role != Role::flat) {
+        if (contour.encloses_area()) {
             Path& path = listed_.emplace_back();
             path.item = closed_item(layer.points_of(contour));
             path.item.flags = static_cast<std::uint16_t>(contour.flags & (stitched | orientation_mixed));

@@ -28,15 +28,9 @@ LayerComparison compared(const Rings& first, const Rings& second) {
 double distance_to(const SliceResult& layer, double x, double y) {
     double least = std::numeric_limits<double>::infinity();
     for (const Contour& contour : layer.contours) {
-        const std::span<const Point> ring = layer.points_of(contour);
-        for (std::size_t i = 0; i < ring.size(); ++i) {
-            const Point a = ring[i];
-            const Point b = ring[(i + 1) % ring.size()];
-            const double dx = double(b.x) - a.x;
-            const double dy = double(b.y) - a.y;
-            const double t = std::clamp(((x - a.x) * dx + (y - a.y) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
-            least = std::min(least, std::hypot(x - a.x - t * dx, y - a.y - t * dy));
-        }
+        rings::each_edge(layer.points_of(contour), [&](Point a, Point b) {
+            least = std::min(least, rings::distance(a, b, {x, y}));
+        });
     }
     return least;
 }
@@ -49,10 +43,7 @@ struct Sampled {
 
     Sampled(const SliceResult& from, const SliceResult& to, int places) {
         for (const Contour& contour : from.contours) {
-            const std::span<const Point> ring = from.points_of(contour);
-            for (std::size_t i = 0; i < ring.size(); ++i) {
-                const Point a = ring[i];
-                const Point b = ring[(i + 1) % ring.size()];
+            rings::each_edge(from.points_of(contour), [&](Point a, Point b) {
                 const double own = std::hypot(double(b.x) - a.x, double(b.y) - a.y);
                 for (int p = 0; p < places; ++p) {
                     const double t = (p + 0.5) / places;
@@ -61,7 +52,7 @@ struct Sampled {
                     sum += own * found / places;
                 }
                 length += own;
-            }
+            });
         }
     }
 };

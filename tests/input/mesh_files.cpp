@@ -398,27 +398,22 @@ std::string freesurfer(const PolygonMesh& mesh, const std::string& text) {
            encoded_rows("float", points_of(mesh), Coding::big_endian) + encoded_rows("int", mesh.faces, Coding::big_endian);
 }
 
-std::string glb(std::string json, std::string bytes) {
-    json.append(-json.size() % 4, ' ');
-    bytes.append(-bytes.size() % 4, '\0');
-    return "glTF" + little(2) + little(static_cast<std::uint32_t>(28 + json.size() + bytes.size())) +
-           little(static_cast<std::uint32_t>(json.size())) + "JSON" + json +
-           little(static_cast<std::uint32_t>(bytes.size())) + std::string("BIN\0", 4) + bytes;
-}
-
 std::string glb(const PolygonMesh& mesh) {
     const std::string points = encoded_rows("float", points_of(mesh), Coding::little_endian);
-    const std::string bytes = points + encoded_rows("uint", mesh.faces, Coding::little_endian);
-    const std::string begin = std::to_string(points.size());
-    return glb(R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}],"meshes":[{"primitives":[)"
-               R"({"attributes":{"POSITION":0},"indices":1}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":)" +
-                   std::to_string(mesh.points()) +
-                   R"(,"type":"VEC3"},{"bufferView":1,"componentType":5125,"type":"SCALAR","count":)" +
-                   std::to_string(3 * mesh.faces.size()) + R"(}],"bufferViews":[{"buffer":0,"byteLength":)" + begin +
-                   R"(},{"buffer":0,"byteOffset":)" + begin + R"(,"byteLength":)" +
-                   std::to_string(bytes.size() - points.size()) + R"(}],"buffers":[{"byteLength":)" +
-                   std::to_string(bytes.size()) + "}]}",
-               bytes);
+    const std::string faces = encoded_rows("uint", mesh.faces, Coding::little_endian);
+    const auto bytes = [](std::size_t count) { return "\"byteLength\":" + std::to_string(count); };
+    std::string json =
+        R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}],"meshes":[{"primitives":[)"
+        R"({"attributes":{"POSITION":0},"indices":1}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":)" +
+        std::to_string(mesh.points()) + R"(,"type":"VEC3"},{"bufferView":1,"componentType":5125,"type":"SCALAR","count":)" +
+        std::to_string(3 * mesh.faces.size()) + R"(}],"bufferViews":[{"buffer":0,)" + bytes(points.size()) +
+        R"(},{"buffer":0,"byteOffset":)" + std::to_string(points.size()) + "," + bytes(faces.size()) + "}],\"buffers\":[{" +
+        bytes(points.size() + faces.size()) + "}]}";
+    json.append(-json.size() % 4, ' ');
+    const std::string chunks = little(static_cast<std::uint32_t>(json.size())) + "JSON" + json +
+                               little(static_cast<std::uint32_t>(points.size() + faces.size())) + std::string("BIN\0", 4) +
+                               points + faces;
+    return "glTF" + little(2) + little(static_cast<std::uint32_t>(12 + chunks.size())) + chunks;
 }
 
 // --- 3MF

@@ -121,8 +121,7 @@ private:
 /// A mesh of triangles as a surface of FreeSurfer, with what is between its mark and its numbers.
 std::string freesurfer(const PolygonMesh& mesh, const std::string& text = "made by a test\n\n");
 
-/// JSON and bytes as binary glTF, and a mesh of triangles as such a file.
-std::string glb(std::string json, std::string bytes);
+/// A mesh of triangles as binary glTF.
 std::string glb(const PolygonMesh& mesh);
 
 /// A part of an archive, and what its headers say of it where that is not the truth.

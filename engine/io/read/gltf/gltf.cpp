@@ -30,7 +30,7 @@ struct GltfPrimitive {
 
 /// A primitive where a node places it.
 struct GltfPlaced {
-    const GltfPrimitive* primitive;
+    GltfPrimitive primitive;
     Transform transform;
     std::uint64_t first_point;
     std::uint64_t first_triangle;
@@ -74,32 +74,16 @@ class GltfScene {
 public:
     explicit GltfScene(GltfFile& file) : file_(file) {}
 
-    /// Goes through the nodes of the default scene, else the first, else through all that are in no other.
+    /// Goes through the nodes of the default scene, else the first.
     void list() {
-        const std::vector<JsonNode>& scenes = file_.root()["scenes"].items;
-        const std::vector<JsonNode>& nodes = file_.root()["nodes"].items;
-        if (scenes.empty()) {
-            std::unordered_set<const JsonNode*> inner;
-            for (const JsonNode& node : nodes) {
-                for (const JsonNode& index : node["children"].items) {
-                    inner.insert(&file_.item("nodes", index));
-                }
-            }
-            for (const JsonNode& node : nodes) {
-                if (!inner.contains(&node)) {
-                    place_from(node, node);
-                }
-            }
-        } else {
-            const JsonNode& chosen = file_.root()["scene"];
-            for (const JsonNode& index : (chosen ? file_.item("scenes", chosen) : scenes.front())["nodes"].items) {
+        const JsonNode& root = file_.root();
+        if (!root["scenes"].items.empty()) {
+            const JsonNode& scene = root["scene"] ? file_.item("scenes", root["scene"]) : root["scenes"].items.front();
+            for (const JsonNode& index : scene["nodes"].items) {
                 place_from(file_.item("nodes", index), index);
             }
         }
-        for (const JsonNode& node : nodes) {
-            if (scenes.empty() && !met_.contains(&node)) {
-                file_.fail(node, "this node is within itself");
-            }
+        for (const JsonNode& node : root["nodes"].items) {
             hidden += node["mesh"] && !met_.contains(&node) ? 1 : 0;
         }
     }
@@ -145,18 +129,20 @@ private:
             file_.fail(node, "the transform of this node is no finite one");
         }
         refuse_moved(node);
+        refuse_moved(mesh);
         const std::string_view name = (node["name"].text.empty() ? mesh : node)["name"].text;
         add_mark(parts, triangles, false, name.data(), name.data() + name.size());
-        const GltfPrimitive* last = nullptr;
-        for (const GltfPrimitive& primitive : primitives_of(mesh)) {
+        const std::size_t before = placed.size();
+        for (const JsonNode& own : mesh["primitives"].items) {
             pace_.spend(step_work);
             file_.budget.take(1, 2 * sizeof(GltfPlaced));
-            const bool shares = last != nullptr && last->points.accessor == primitive.points.accessor;
-            placed.push_back({&primitive, transform, shares ? placed.back().first_point : points, triangles});
+            const GltfPrimitive primitive = primitive_of(own);
+            const bool shares =
+                placed.size() > before && placed.back().primitive.points.accessor == primitive.points.accessor;
+            placed.push_back({primitive, transform, shares ? placed.back().first_point : points, triangles});
             points = std::max(points, placed.back().first_point + primitive.points.count);
             triangles += primitive.triangles;
             others += primitive.triangles == 0 ? 1 : 0;
-            last = &primitive;
         }
     }
 
@@ -165,18 +151,6 @@ private:
         if (by["skin"] || std::any_of(weights.begin(), weights.end(), [](const JsonNode& w) { return w.number != 0; })) {
             file_.fail(by, "a skin or morph targets move the points here, which is not read");
         }
-    }
-
-    const std::vector<GltfPrimitive>& primitives_of(const JsonNode& mesh) {
-        const auto [place, is_new] = meshes_.try_emplace(&mesh);
-        if (is_new) {
-            refuse_moved(mesh);
-            for (const JsonNode& own : mesh["primitives"].items) {
-                file_.budget.take(1, 2 * sizeof(GltfPrimitive));
-                place->second.push_back(primitive_of(own));
-            }
-        }
-        return place->second;
     }
 
     GltfPrimitive primitive_of(const JsonNode& own) {
@@ -209,12 +183,11 @@ private:
     StopPace pace_ = pace_of(file_.source.parallel());
     std::vector<Open> open_;
     std::unordered_set<const JsonNode*> met_;
-    std::map<const JsonNode*, std::vector<GltfPrimitive>> meshes_;
 };
 
 /// Writes the points [begin, end) where they are placed.
 void put_gltf_points(const GltfPlaced& placed, std::uint64_t begin, std::uint64_t end, MeshFile& mesh) {
-    const GltfNumbers& points = placed.primitive->points;
+    const GltfNumbers& points = placed.primitive.points;
     std::byte* out = mesh.bytes.data() + (placed.first_point + begin) * mesh.stride;
     for (std::uint64_t i = begin; i < end; ++i, out += mesh.stride) {
         const std::byte* const at = points.first + i * points.stride;
@@ -228,7 +201,7 @@ void put_gltf_points(const GltfPlaced& placed, std::uint64_t begin, std::uint64_
 /// Writes the triangles [begin, end), turned where the transform mirrors them. Throws TextErrors.
 void put_gltf_triangles(const GltfFile& file, const GltfPlaced& placed, std::uint64_t begin, std::uint64_t end,
                         MeshFile& mesh) {
-    const GltfPrimitive& primitive = *placed.primitive;
+    const GltfPrimitive& primitive = placed.primitive;
     const bool mirrored = determinant(placed.transform.m) < 0;
     std::uint32_t* out = mesh.indices.data() + 3 * (placed.first_triangle + begin);
     for (std::uint64_t i = begin; i < end; ++i, out += 3) {
@@ -249,8 +222,8 @@ void put_gltf_triangles(const GltfFile& file, const GltfPlaced& placed, std::uin
 void put_gltf(const GltfFile& file, const std::vector<GltfPlaced>& all, MeshFile& mesh) {
     constexpr std::uint64_t grain = std::uint64_t{1} << 14;
     for (const GltfPlaced& placed : all) {
-        const std::uint64_t points = placed.primitive->points.count;
-        const std::uint64_t triangles = placed.primitive->triangles;
+        const std::uint64_t points = placed.primitive.points.count;
+        const std::uint64_t triangles = placed.primitive.triangles;
         parse_pieces((std::max(points, triangles) + grain - 1) / grain, file.source.parallel(), [&](std::size_t i, int) {
             const auto bound = [&](std::uint64_t count, std::size_t piece) { return std::min(count, piece * grain); };
             put_gltf_points(placed, bound(points, i), bound(points, i + 1), mesh);

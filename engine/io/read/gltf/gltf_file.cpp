@@ -96,13 +96,6 @@ const JsonNode& GltfFile::item(std::string_view list, const JsonNode& index) con
 
 // --- Numbers
 
-Array<std::byte>& GltfFile::room(std::uint64_t bytes) {
-    budget.take(bytes, 1);
-    Array<std::byte>& made = loaded_.emplace_back(source.memory());
-    made.resize_discarding(bytes);
-    return made;
-}
-
 std::string_view GltfFile::buffer(const JsonNode& index) {
     const JsonNode& own = item("buffers", index);
     const auto [place, is_new] = buffers_.try_emplace(&own);
@@ -126,7 +119,10 @@ std::string_view GltfFile::load_buffer(const JsonNode& own, std::uint64_t bytes)
     if (uri.starts_with("data:")) {
         const std::size_t comma = std::min(uri.find(','), uri.size() - 1);
         const std::string_view text = uri.substr(comma + 1);
-        Array<std::byte>& decoded = room(std::min(bytes, base64_bytes(text, source.parallel())));
+        const std::uint64_t size = std::min(bytes, base64_bytes(text, source.parallel()));
+        budget.take(size, 1);
+        Array<std::byte>& decoded = loaded_.emplace_back(source.memory());
+        decoded.resize_discarding(size);
         if (!uri.substr(0, comma).ends_with(";base64") || !decode_base64(text, decoded.span(), source.parallel())) {
             fail(own["uri"], "malformed base64");
         }
@@ -140,80 +136,40 @@ std::string_view GltfFile::load_buffer(const JsonNode& own, std::uint64_t bytes)
     return as_text(loaded_.back().span());
 }
 
-void GltfFile::find(const JsonNode& of, std::uint64_t element_bytes, GltfNumbers& numbers) {
-    const JsonNode& view = item("bufferViews", of["bufferView"]);
+GltfNumbers GltfFile::numbers(const JsonNode& index, bool points) {
+    constexpr std::array types = {NumberType::int8,  NumberType::uint8,  NumberType::int16,  NumberType::uint16,
+                                  NumberType::int32, NumberType::uint32, NumberType::float32};
+    constexpr std::uint64_t widest = 252;
+    const JsonNode& own = item("accessors", index);
+    const std::uint64_t type = integer(own["componentType"]) - 5120;
+    const bool is_known = points ? type == 6 : type == 1 || type == 3 || type == 5;
+    GltfNumbers numbers{.accessor = &own, .count = integer(own["count"])};
+    if (own["type"].text != (points ? "VEC3" : "SCALAR") || !is_known || numbers.count == 0) {
+        fail(own, points ? "expected at least one VEC3 of floats" : "expected at least one SCALAR of unsigned integers");
+    }
+    if (own["sparse"]) {
+        fail(own, "a sparse accessor, which is not read");
+    }
+    const JsonNode& view = item("bufferViews", own["bufferView"]);
     const std::string_view all = buffer(view["buffer"]);
     const std::uint64_t begin = integer(view["byteOffset"]);
     const std::uint64_t bytes = integer(view["byteLength"]);
     const std::uint64_t stride = integer(view["byteStride"]);
-    const std::uint64_t offset = integer(of["byteOffset"]);
+    const std::uint64_t offset = integer(own["byteOffset"]);
     if (begin > all.size() || bytes > all.size() - begin) {
         fail(view, "this view ends beyond the " + counted(all.size(), "byte") + " of its buffer");
     }
+    numbers.type = types[type];
+    const std::uint64_t element_bytes = size_of(numbers.type) * (points ? 3 : 1);
     numbers.stride = stride == 0 ? element_bytes : stride;  // files with 0 mean none
-    constexpr std::uint64_t widest = 252;
     if (numbers.stride < element_bytes || numbers.stride > widest || offset > bytes || element_bytes > bytes - offset ||
         numbers.count - 1 > (bytes - offset - element_bytes) / numbers.stride) {
-        fail(of, counted(numbers.count, "element") + " of " + counted(element_bytes, "byte") + ", " +
-                     std::to_string(numbers.stride) + " apart, are not in the " + counted(bytes, "byte") + " of their view");
+        fail(own, counted(numbers.count, "element") + " of " + counted(element_bytes, "byte") + ", " +
+                      std::to_string(numbers.stride) + " apart, are not in the " + counted(bytes, "byte") +
+                      " of their view");
     }
     numbers.first = reinterpret_cast<const std::byte*>(all.data() + begin + offset);
-}
-
-GltfNumbers GltfFile::numbers(const JsonNode& index, bool points) {
-    constexpr std::array types = {NumberType::int8,  NumberType::uint8,  NumberType::int16,  NumberType::uint16,
-                                  NumberType::int32, NumberType::uint32, NumberType::float32};
-    const JsonNode& own = item("accessors", index);
-    const std::uint64_t type = integer(own["componentType"]) - 5120;
-    const bool is_known = points ? type == 6 : type == 1 || type == 3 || type == 5;
-    if (own["type"].text != (points ? "VEC3" : "SCALAR") || !is_known || integer(own["count"]) == 0) {
-        fail(own, points ? "expected at least one VEC3 of floats" : "expected at least one SCALAR of unsigned integers");
-    }
-    GltfNumbers numbers{.accessor = &own, .count = integer(own["count"]), .type = types[type]};
-    const std::uint64_t element_bytes = size_of(numbers.type) * (points ? 3 : 1);
-    if (own["bufferView"]) {
-        find(own, element_bytes, numbers);
-    } else if (numbers.count > source.size()) {
-        fail(own, "counts " + counted(numbers.count, "element") + " of zeros, more than the file has bytes");
-    }
-    if (own["sparse"] || !own["bufferView"]) {
-        apply_sparse(own["sparse"], element_bytes, numbers);
-    }
     return numbers;
-}
-
-/// Makes a copy, in which elements differ that lie elsewhere.
-void GltfFile::apply_sparse(const JsonNode& sparse, std::uint64_t element_bytes, GltfNumbers& numbers) {
-    Array<std::byte>& dense = room(numbers.count * element_bytes);
-    std::fill(dense.begin(), dense.end(), std::byte{});
-    StopPace pace = pace_of(source.parallel());
-    const auto put = [&](std::uint64_t to, const GltfNumbers& from, std::uint64_t i) {
-        pace.spend(step_work);
-        std::memcpy(dense.data() + to * element_bytes, from.first + i * from.stride, element_bytes);
-    };
-    for (std::uint64_t i = 0; numbers.first != nullptr && i < numbers.count; ++i) {
-        put(i, numbers, i);
-    }
-    if (sparse) {
-        const JsonNode& places = sparse["indices"];
-        const std::uint64_t type = integer(places["componentType"]);
-        GltfNumbers indices{.count = integer(sparse["count"]),
-                            .type = type == 5121   ? NumberType::uint8
-                                    : type == 5123 ? NumberType::uint16
-                                                   : NumberType::uint32};
-        GltfNumbers values{.count = indices.count};
-        find(places, size_of(indices.type), indices);
-        find(sparse["values"], element_bytes, values);
-        for (std::uint64_t i = 0; i < indices.count; ++i) {
-            if (indices.integer(i) >= numbers.count) {
-                fail(sparse, "sparse index " + std::to_string(i) + " is " + std::to_string(indices.integer(i)) + ", of " +
-                                 counted(numbers.count, "element"));
-            }
-            put(indices.integer(i), values, i);
-        }
-    }
-    numbers.first = dense.data();
-    numbers.stride = element_bytes;
 }
 
 }  // namespace lamella

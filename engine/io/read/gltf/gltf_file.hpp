@@ -43,10 +43,6 @@ private:
     std::string_view chunk(std::size_t at, std::string_view kind) const;
     std::string_view buffer(const JsonNode& index);
     std::string_view load_buffer(const JsonNode& own, std::uint64_t bytes);
-    Array<std::byte>& room(std::uint64_t bytes);
-    /// Sets where so many elements lie, the first of them at `of`'s byteOffset in its view.
-    void find(const JsonNode& of, std::uint64_t element_bytes, GltfNumbers& numbers);
-    void apply_sparse(const JsonNode& sparse, std::uint64_t element_bytes, GltfNumbers& numbers);
 
     std::string_view whole_;
     bool is_binary_ = false;

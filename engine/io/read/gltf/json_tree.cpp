@@ -6,29 +6,12 @@ namespace lamella {
 
 namespace {
 
-/// Where the parser is. It would copy long data twice, character by character: of a text "data:..." it gets no more than
-/// that.
+/// Where the parser is.
 struct JsonCursor {
     const char* begin;
     const char* end;
     StopPace pace;
     const char* p = begin;
-    std::string_view data{};  ///< the last of these texts
-
-    void step() {
-        constexpr std::string_view opening = "\"data:";
-        pace.spend(1);
-        ++p;
-        const std::string_view before(begin, static_cast<std::size_t>(p - begin));
-        if (p[-1] == ':' && before.ends_with(opening) && !before.ends_with("\\\"data:")) {
-            const std::string_view ahead(p, static_cast<std::size_t>(end - p));
-            const std::string_view rest = ahead.substr(0, ahead.find('"'));
-            if (rest.size() < ahead.size() && rest.find('\\') == std::string_view::npos) {
-                p += rest.size();
-                data = {rest.data() - opening.size() + 1, rest.size() + opening.size() - 1};
-            }
-        }
-    }
 };
 
 struct JsonBytes {
@@ -41,7 +24,8 @@ struct JsonBytes {
     JsonCursor* cursor;  ///< null: the end of any
     const char& operator*() const noexcept { return *cursor->p; }
     JsonBytes& operator++() {
-        cursor->step();
+        cursor->pace.spend(1);
+        ++cursor->p;
         return *this;
     }
     bool operator==(const JsonBytes&) const noexcept { return cursor->p == cursor->end; }
@@ -103,9 +87,6 @@ private:
 
     /// The text that has just been read, where it stands in the file if it stands there as it is.
     std::string_view kept(std::string& text) {
-        if (text == "data:" && cursor_.data.data() + cursor_.data.size() + 1 == cursor_.p) {
-            return cursor_.data;
-        }
         const char* const end = cursor_.p - 1;  // before the quote
         if (std::string_view(cursor_.begin, static_cast<std::size_t>(end - cursor_.begin)).ends_with(text)) {
             return {end - text.size(), text.size()};
@@ -133,8 +114,10 @@ const JsonNode& JsonNode::operator[](std::string_view name) const noexcept {
 
 JsonTree::JsonTree(std::string_view text, MemoryBudget& budget, const Parallel& parallel) {
     JsonCursor cursor{text.data(), text.data() + text.size(), pace_of(parallel)};
+    budget.take(text.size(), 3);  // the parser copies a text twice, in memory that grows
     JsonBuilder builder(cursor, budget, root_, unescaped_);
     nlohmann::json::sax_parse(JsonBytes{&cursor}, JsonBytes{nullptr}, &builder);
+    budget.give_back(3 * text.size());
 }
 
 }  // namespace lamella

@@ -290,7 +290,7 @@ TEST_CASE("labels: a table is read, and what is wrong with one is said with file
                                     {"label,type\n1,SCT^1\n", "l.csv:2: the type"},
                                     {"label,type\n1,SCT^1^a^b\n", "l.csv:2: the type"},
                                     {"label,region\n1,SCT^1^a~b\n", "l.csv:2: the region"},
-                                    {"label,name\n1,\"a\nb\n", "l.csv:2: a quote without its end"},
+                                    {"label,name\n1,\"a\nb\n", "l.csv:2: a quote is not closed"},
                                     {"label,name\n1,\xff\n", "not in UTF-8"}}) {
         const Error error = error_of(table(text));
         CHECK(error.code == ErrorCode::malformed_mesh);

@@ -7,6 +7,7 @@
 #include "base/guard.hpp"
 #include "base/system/file.hpp"
 #include "io/read/input_file.hpp"
+#include "io/text/csv.hpp"
 #include "io/text/text.hpp"
 #include "lamella/medical/labels.hpp"
 #include "medical/geometry/common.hpp"
@@ -19,121 +20,84 @@ namespace {
 constexpr std::uint64_t most_label_table_bytes = std::uint64_t{16} << 20;
 constexpr std::array<std::string_view, 7> label_columns = {"label", "name", "color", "category", "type", "region", "voxels"};
 
-/// The rows of a CSV file, one after another.
-class CsvRows {
-public:
-    CsvRows(std::string name, std::string_view text) : name_(std::move(name)), text_(text) {
-        at_ = text_.starts_with("\xef\xbb\xbf") ? 3 : 0;  // what some programs begin UTF-8 with
-    }
-
-    /// False at the end of the file. Between quotes stand commas, line ends, and quotes, each twice. Empty lines are passed
-    /// over.
-    bool next(std::vector<std::string>& cells) {
-        for (cells.clear(); cells.empty() && at_ < text_.size(); ++at_) {
-            row_ = at_;
-            cells.emplace_back();
-            bool quoted = false;
-            for (; at_ < text_.size() && (quoted || text_[at_] != '\n'); ++at_) {
-                const char c = text_[at_];
-                if (c == '"' && !(quoted && text_.substr(at_ + 1, 1) == "\"")) {
-                    quoted = !quoted;
-                } else if (c == ',' && !quoted) {
-                    cells.emplace_back();
-                } else {
-                    cells.back() += c;
-                    at_ += c == '"' ? 1 : 0;
-                }
-            }
-            if (quoted) {
-                refuse("a quote without its end");
-            }
-            std::for_each(cells.begin(), cells.end(), [](std::string& cell) { cell = std::string(trimmed(cell)); });
-            if (cells.size() == 1 && cells[0].empty()) {
-                cells.clear();
-            }
-        }
-        return !cells.empty();
-    }
+/// A row of a table, for messages.
+struct TableRow {
+    const std::string& name;  ///< of the file
+    std::size_t line;
 
     /// Throws Refused, "FILE:LINE: WHAT".
-    [[noreturn]] void refuse(const std::string& what) const {
-        refuse_image(name_ + ":" + std::to_string(line_of(text_, row_)), what);
-    }
-
-private:
-    std::string name_;
-    std::string_view text_;
-    std::size_t at_ = 0;
-    std::size_t row_ = 0;  ///< where the row begins
+    [[noreturn]] void refuse(const std::string& what) const { refuse_image(name + ":" + std::to_string(line), what); }
 };
 
-std::array<std::uint8_t, 3> colour_in(const CsvRows& rows, const std::string& text) {
+std::array<std::uint8_t, 3> colour_in(const TableRow& row, std::string_view text) {
     std::uint32_t number = 0;
     const char* const end = text.data() + text.size();
     if (text.size() != 7 || text[0] != '#' || std::from_chars(text.data() + 1, end, number, 16).ptr != end) {
-        rows.refuse("the color " + in_quotes(text) + " is not written as #rrggbb");
+        row.refuse("the color " + in_quotes(text) + " is not written as #rrggbb");
     }
     return {static_cast<std::uint8_t>(number >> 16), static_cast<std::uint8_t>(number >> 8 & 0xff),
             static_cast<std::uint8_t>(number & 0xff)};
 }
 
 /// What separates codes in DICOM and in 3D Slicer's files is in none.
-Code code_in(const CsvRows& rows, std::string_view column, const std::string& text) {
-    const std::size_t first = text.find('^');
-    const std::size_t second = first == text.npos ? text.npos : text.find('^', first + 1);
-    const auto part = [&](std::size_t begin, std::size_t end) {
-        return second == text.npos ? std::string() : text.substr(begin, end - begin);
-    };
-    Code code{part(0, first), part(first + 1, second), part(second + 1, text.npos)};
-    const auto fits = [](const std::string& of, std::size_t most) { return !of.empty() && of.size() <= most; };
-    const bool clean =
-        std::none_of(text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == '\\' || c == '~' || c == '|'; });
-    if (!clean || !fits(code.scheme, 16) || !fits(code.value, 16) || !fits(code.meaning, 64) ||
-        code.meaning.find('^') != text.npos) {
-        rows.refuse("the " + std::string(column) + " " + in_quotes(text) +
-                    " is not scheme^value^meaning, of at most 16, 16 and 64 bytes");
+Code code_in(const TableRow& row, std::string_view column, std::string_view text) {
+    std::array<std::string, 3> parts;  // scheme, value, meaning
+    std::size_t count = 0;
+    bool fits = true;
+    for (const char c : text) {
+        count += c == '^' ? 1 : 0;
+        fits = fits && count < 3 && static_cast<unsigned char>(c) >= ' ' && c != '\\' && c != '~' && c != '|';
+        if (c != '^' && fits) {
+            parts[count] += c;
+        }
     }
-    return code;
+    for (const std::string& part : parts) {
+        fits = fits && !part.empty() && part.size() <= (&part == &parts.back() ? 64U : 16U);
+    }
+    if (!fits) {
+        row.refuse("the " + std::string(column) + " " + in_quotes(text) +
+                   " is not scheme^value^meaning, of at most 16, 16 and 64 bytes");
+    }
+    return {parts[0], parts[1], parts[2]};
 }
 
 /// The column of each cell, as an index into label_columns.
-std::vector<std::size_t> columns_in(const CsvRows& rows, const std::vector<std::string>& cells) {
+std::vector<std::size_t> columns_in(const TableRow& row, const std::vector<std::string>& cells) {
     std::vector<std::size_t> columns;
     for (const std::string& cell : cells) {
-        const auto* const found = std::find(label_columns.begin(), label_columns.end(), lower_case(cell));
+        const auto* const found = std::find(label_columns.begin(), label_columns.end(), lower_case(trimmed(cell)));
         columns.push_back(static_cast<std::size_t>(found - label_columns.begin()));
         if (found == label_columns.end() || std::count(columns.begin(), columns.end(), columns.back()) > 1) {
-            rows.refuse("the column " + in_quotes(cell) + " is not known, or stands there twice; there is " +
-                        "label, name, color, category, type, region");
+            row.refuse("the column " + in_quotes(cell) + " is not known, or stands there twice; there is " +
+                       "label, name, color, category, type, region");
         }
     }
     if (std::find(columns.begin(), columns.end(), 0U) == columns.end()) {
-        rows.refuse("no column is called label");
+        row.refuse("no column is called label");
     }
     return columns;
 }
 
-LabelRow label_row_of(const CsvRows& rows, const std::vector<std::size_t>& columns, const std::vector<std::string>& cells) {
+LabelRow label_row_of(const TableRow& at, const std::vector<std::size_t>& columns, const std::vector<std::string>& cells) {
     LabelRow row;
     if (cells.size() != columns.size()) {
-        rows.refuse(std::to_string(cells.size()) + " cells, where the first line has " + std::to_string(columns.size()));
+        at.refuse(std::to_string(cells.size()) + " cells, where the first line has " + std::to_string(columns.size()));
     }
     for (std::size_t i = 0; i < cells.size(); ++i) {
         const std::string_view column = label_columns[columns[i]];
-        if (column == "label" &&
-            (!read_integer(std::string_view(cells[i]), row.label) || row.label == 0 || row.label > most_mask_labels)) {
-            rows.refuse("the label " + in_quotes(cells[i]) + " is not a number from 1 to 65,535");
-        }
+        const std::string_view cell = trimmed(cells[i]);
         Code* const code = column == "category" ? &row.terms.category
                            : column == "type"   ? &row.terms.type
                            : column == "region" ? &row.terms.region
                                                 : nullptr;
-        if (column == "name") {
-            row.name = cells[i];
-        } else if (column == "color" && !cells[i].empty()) {
-            row.terms.colour = colour_in(rows, cells[i]);
-        } else if (code != nullptr && !cells[i].empty()) {
-            *code = code_in(rows, column, cells[i]);
+        if (column == "label" && (!read_integer(cell, row.label) || row.label == 0 || row.label > most_mask_labels)) {
+            at.refuse("the label " + in_quotes(cell) + " is not a number from 1 to 65,535");
+        } else if (column == "name") {
+            row.name = cell;
+        } else if (column == "color" && !cell.empty()) {
+            row.terms.colour = colour_in(at, cell);
+        } else if (code != nullptr && !cell.empty()) {
+            *code = code_in(at, column, cell);
         }
     }
     return row;
@@ -159,18 +123,21 @@ Result<std::vector<LabelRow>> read_label_table(const std::filesystem::path& path
         if (utf8_text(text) != text) {
             refuse_image(name, "not in UTF-8");
         }
-        CsvRows rows(name, text);
-        std::vector<std::string> cells;
-        if (!rows.next(cells)) {
+        const std::string_view table = std::string_view(text).substr(text.starts_with("\xef\xbb\xbf") ? 3 : 0);
+        const std::vector<CsvRow> rows = read_csv(table, ',', [&](std::size_t line, const char* what) {
+            TableRow{name, line}.refuse(what);
+        });
+        if (rows.empty()) {
             refuse_image(name, "an empty table of labels");
         }
-        const std::vector<std::size_t> columns = columns_in(rows, cells);
+        const std::vector<std::size_t> columns = columns_in({name, rows[0].line}, rows[0].cells);
         std::vector<LabelRow> found;
         std::set<std::size_t> labels;
-        while (rows.next(cells)) {
-            found.push_back(label_row_of(rows, columns, cells));
+        for (const CsvRow& row : std::span(rows).subspan(1)) {
+            const TableRow at{name, row.line};
+            found.push_back(label_row_of(at, columns, row.cells));
             if (!labels.insert(found.back().label).second) {
-                rows.refuse("the label " + std::to_string(found.back().label) + " has a row already");
+                at.refuse("the label " + std::to_string(found.back().label) + " has a row already");
             }
         }
         return found;

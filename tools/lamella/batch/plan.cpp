@@ -10,6 +10,7 @@
 
 #include "batch/batch.hpp"
 #include "files/mesh_input.hpp"
+#include "io/text/csv.hpp"
 #include "outputs/outputs.hpp"
 #include "system/terminal.hpp"
 #include "terminal/console.hpp"
@@ -83,18 +84,6 @@ struct MeshSource {
 
 // --- manifests
 
-/// Cells by CSV as RFC 4180 has it, or with another separator in place of commas.
-struct CsvRow {
-    std::vector<std::string> cells{""};
-    std::size_t line = 1;  ///< where the row begins
-
-    /// True if nothing stands in the cells from `begin` on, as in columns at the end that a spreadsheet left empty.
-    bool is_empty(std::size_t begin = 0) const {
-        return std::all_of(cells.begin() + static_cast<std::ptrdiff_t>(std::min(begin, cells.size())), cells.end(),
-                           [](const std::string& cell) { return cell.empty(); });
-    }
-};
-
 /// For messages.
 std::string name_of_separator(char separator) {
     return separator == '\t' ? "tabs" : std::string(1, separator);
@@ -113,7 +102,7 @@ public:
     Manifest(const std::string& path, const ItemOptions& options) : path_(path), options_(options), text_(read_text(path)) {}
 
     std::vector<MeshSource> rows() {
-        path_.ends_with(".csv") ? read_csv() : read_json_lines();
+        path_.ends_with(".csv") ? read_table() : read_json_lines();
         refuse_if(rows_.empty(), bad_input, path_ + ": no meshes");
         return std::move(rows_);
     }
@@ -178,45 +167,6 @@ private:
         return found == 0 ? ',' : found;
     }
 
-    /// The rows but those without a word. Quoted cells may hold separators, quotes ("") and line ends.
-    std::vector<CsvRow> table(char separator) const {
-        std::vector<CsvRow> rows;
-        CsvRow row;
-        std::size_t line = 1;
-        std::size_t quoted_from = 0;  // the line of a quote that is open; else 0
-        bool closed = false;          // the quote of the cell
-        const auto end_row = [&] {
-            if (!row.is_empty()) {
-                rows.push_back(std::move(row));
-            }
-            row = {{""}, ++line};
-        };
-        for (std::size_t at = 0; at < text_.size(); ++at) {
-            const char c = text_[at];
-            const char next = at + 1 < text_.size() ? text_[at + 1] : '\0';
-            if (quoted_from > 0 && (c != '"' || next == '"')) {
-                row.cells.back() += c;
-                at += c == '"' ? 1 : 0;
-                line += c == '\n' ? 1 : 0;
-            } else if (quoted_from > 0) {
-                quoted_from = 0;
-                closed = true;
-            } else if (c == separator || c == '\r' || c == '\n') {
-                closed = false;
-                at += c == '\r' && next == '\n' ? 1 : 0;
-                c == separator ? void(row.cells.emplace_back()) : end_row();
-            } else {
-                refuse_at(line, closed, "text follows a closing quote");
-                const bool opens = c == '"' && row.cells.back().empty();
-                quoted_from = opens ? line : 0;
-                row.cells.back() += opens ? "" : std::string(1, c);
-            }
-        }
-        refuse_at(quoted_from, quoted_from > 0, "a quote is not closed");
-        end_row();
-        return rows;
-    }
-
     /// A decimal comma as a point, where no list can be meant.
     std::string number_in(const std::string& name, const std::string& value, char separator, std::size_t line) const {
         if (name.empty() || !is_decimal_comma(value)) {
@@ -229,9 +179,10 @@ private:
         return one_number ? with_point(value) : value;
     }
 
-    void read_csv() {
+    void read_table() {
         const char separator = this->separator();
-        std::vector<CsvRow> rows = table(separator);
+        const auto refuse = [this](std::size_t line, const char* what) { refuse_at(line, true, what); };
+        const std::vector<CsvRow> rows = read_csv(text_, separator, refuse);
         if (rows.empty()) {
             return;
         }

@@ -140,7 +140,7 @@ std::string nrrd_header(const MaskLayout& layout, std::span<const MaskPart> part
     return text + (layout.form == MaskForm::segmentation ? segments_of(parts, layers, image) : "") + "\n";
 }
 
-std::string meta_header(const MaskLayout& layout, const ImageGeometry& image, std::uint64_t compressed_bytes) {
+std::string meta_header(const MaskLayout& layout, const ImageGeometry& image) {
     std::string matrix;
     std::string letters;  // from which side of the patient each axis comes
     std::string spacing;
@@ -160,11 +160,11 @@ std::string meta_header(const MaskLayout& layout, const ImageGeometry& image, st
     const auto& [x, y, z] = image.origin_mm;
     return "ObjectType = Image\nNDims = 3\nComment = Written by lamella" +
            std::string(layout.shares ? "; 255 stands for 1" : "") +
-           "\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = True\nCompressedDataSize = " +
-           std::to_string(compressed_bytes) + "\nTransformMatrix =" + matrix + "\nOffset = " + exact_text(x) + " " +
-           exact_text(y) + " " + exact_text(z) + "\nCenterOfRotation = 0 0 0\nAnatomicalOrientation = " + letters +
-           "\nElementSpacing =" + spacing + "\nDimSize =" + size +
-           "\nElementType = " + (layout.voxel_bytes == 1 ? "MET_UCHAR" : "MET_USHORT") + "\nElementDataFile = LOCAL\n";
+           "\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = False\nTransformMatrix =" + matrix +
+           "\nOffset = " + exact_text(x) + " " + exact_text(y) + " " + exact_text(z) +
+           "\nCenterOfRotation = 0 0 0\nAnatomicalOrientation = " + letters + "\nElementSpacing =" + spacing +
+           "\nDimSize =" + size + "\nElementType = " + (layout.voxel_bytes == 1 ? "MET_UCHAR" : "MET_USHORT") +
+           "\nElementDataFile = LOCAL\n";
 }
 
 }  // namespace lamella

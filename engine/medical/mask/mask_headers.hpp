@@ -23,7 +23,7 @@ std::string nifti_header(const MaskLayout& layout, std::size_t labels, const Ima
 /// `layers`: of each part.
 std::string nrrd_header(const MaskLayout& layout, std::span<const MaskPart> parts, std::span<const std::size_t> layers,
                         const ImageGeometry& image);
-/// MetaImage states how many bytes the compressed voxels have: its readers refuse a file that does not.
-std::string meta_header(const MaskLayout& layout, const ImageGeometry& image, std::uint64_t compressed_bytes);
+/// Of voxels that are not compressed: MetaImage would state how many bytes they have then.
+std::string meta_header(const MaskLayout& layout, const ImageGeometry& image);
 
 }  // namespace lamella

@@ -46,9 +46,9 @@ void require_mask_fits(const std::filesystem::path& path, const MaskLayout& layo
 
 // --- the voxels
 
-/// Compresses `data`, of voxels of so many layers, to a piece of deflated data; `last`: which it ends. Throws
+/// Compresses `data`, of voxels of so many layers, to a piece of a gzip member; `last`: which it ends. Throws
 /// std::bad_alloc.
-std::vector<unsigned char> deflated_piece(std::span<const unsigned char> data, std::size_t layers, bool last) {
+std::vector<unsigned char> gzip_piece(std::span<const unsigned char> data, std::size_t layers, bool last) {
     z_stream stream{};
     constexpr int raw_window = -15;
     // Runs are what a mask consists of: matches at a distance cost ten times as much for a few per cent. Where layers lie
@@ -78,7 +78,7 @@ std::vector<unsigned char> deflated_piece(std::span<const unsigned char> data, s
     return piece;
 }
 
-/// A block of slices has about so much: enough for a piece of deflated data.
+/// A block of slices has about so much: enough for a piece of gzip.
 constexpr std::size_t block_bytes = std::size_t{1} << 20;
 constexpr std::size_t blocks_a_thread = 2;
 
@@ -87,75 +87,26 @@ constexpr std::size_t blocks_a_thread = 2;
 struct Block {
     std::vector<unsigned char> raw;
     std::vector<unsigned char> compressed;
-    unsigned long checksum = 0;  ///< of `raw`
+    unsigned long crc = 0;  ///< of `raw`
     MaskCounts counts{0};
-};
-
-/// Bytes that are written, or only counted.
-struct ByteSink {
-    OutputFile* file = nullptr;
-    std::uint64_t bytes = 0;
-
-    void append(std::string_view text) {
-        bytes += text.size();
-        if (file != nullptr) {
-            file->append(text);
-        }
-    }
-};
-
-/// What frames deflated voxels: gzip, or zlib in MetaImage.
-class Wrapping {
-public:
-    explicit Wrapping(const MaskLayout& layout)
-        : is_gzip_(layout.compressed && layout.form != MaskForm::meta), is_zlib_(layout.form == MaskForm::meta) {}
-
-    /// Without a time.
-    std::string_view begin() const noexcept {
-        return is_gzip_ ? std::string_view("\x1f\x8b\x08\0\0\0\0\0\0\xff", 10) : is_zlib_ ? "\x78\x01" : "";
-    }
-    unsigned long checksum_of(std::span<const unsigned char> raw) const noexcept {
-        return is_zlib_ ? ::adler32_z(1, raw.data(), raw.size()) : ::crc32_z(0, raw.data(), raw.size());
-    }
-    void add(unsigned long checksum, std::size_t bytes) noexcept {
-        const auto length = static_cast<z_off_t>(bytes);
-        checksum_ = is_zlib_ ? ::adler32_combine(length_ == 0 ? 1 : checksum_, checksum, length)
-                             : ::crc32_combine(checksum_, checksum, length);
-        length_ += bytes;
-    }
-    std::string end() const {
-        std::string text(is_gzip_ ? 8 : is_zlib_ ? 4 : 0, '\0');
-        if (is_gzip_) {
-            put_at(text, 0, static_cast<std::uint32_t>(checksum_));
-            put_at(text, 4, static_cast<std::uint32_t>(length_));
-        }
-        for (std::size_t i = 0; is_zlib_ && i < 4; ++i) {  // big-endian
-            text[i] = static_cast<char>(checksum_ >> (24 - 8 * i) & 0xff);
-        }
-        return text;
-    }
-
-private:
-    bool is_gzip_;
-    bool is_zlib_;
-    unsigned long checksum_ = 0;
-    std::uint64_t length_ = 0;
 };
 
 /// Writes blocks of slices, in their order, each made on any thread.
 MaskCounts write_slices(const LayeredRaster& raster, std::span<const MaskPart> parts, const ImageGeometry& image,
-                        const MaskLayout& layout, const std::string& header, ByteSink& out, const Parallel& parallel) {
-    // The header of compressed NIfTI is within the gzip member, that of others before it.
+                        const MaskLayout& layout, const std::string& header, OutputFile& file, const Parallel& parallel) {
+    // The header of compressed NIfTI is within the gzip member, that of NRRD before it.
     const bool is_within = layout.compressed && layout.form == MaskForm::nifti;
-    Wrapping wrapping(layout);
-    out.append(is_within ? std::string_view() : header);
-    out.append(wrapping.begin());
+    file.append(is_within ? std::string_view() : header);
+    // Begin and end of a gzip member, without a time.
+    file.append(layout.compressed ? std::string_view("\x1f\x8b\x08\0\0\0\0\0\0\xff", 10) : std::string_view());
     const std::uint64_t slices_a_block = std::max<std::uint64_t>(1, block_bytes / raster.slice_bytes());
     const std::uint64_t blocks = (image.size[2] + slices_a_block - 1) / slices_a_block;
     std::vector<LayeredRaster::Scratch> scratch(static_cast<std::size_t>(parallel.threads()));
     std::vector<Block> made(blocks_a_thread * scratch.size());
     MaskCounts total(parts.size());
-    for (std::uint64_t first = 0; first < blocks && (out.file == nullptr || !out.file->failed()); first += made.size()) {
+    unsigned long crc = 0;
+    std::uint64_t length = 0;
+    for (std::uint64_t first = 0; first < blocks && !file.failed(); first += made.size()) {
         const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(made.size(), blocks - first));
         parallel.run(count, [&](std::size_t i, int worker) {
             const std::uint64_t begin = (first + i) * slices_a_block;
@@ -169,34 +120,25 @@ MaskCounts write_slices(const LayeredRaster& raster, std::span<const MaskPart> p
                 raster.draw(slice, to, scratch[static_cast<std::size_t>(worker)], block.counts);
             }
             if (layout.compressed) {
-                block.compressed = deflated_piece(block.raw, layout.layers, end == image.size[2]);
-                block.checksum = wrapping.checksum_of(block.raw);
+                block.compressed = gzip_piece(block.raw, layout.layers, end == image.size[2]);
+                block.crc = ::crc32_z(0, block.raw.data(), block.raw.size());
             }
         });
         for (const Block& block : std::span(made).first(count)) {
             const std::vector<unsigned char>& bytes = layout.compressed ? block.compressed : block.raw;
-            out.append({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-            wrapping.add(block.checksum, block.raw.size());
+            file.append({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+            crc = ::crc32_combine(crc, block.crc, static_cast<z_off_t>(block.raw.size()));
+            length += block.raw.size();
             total.add(block.counts);
         }
     }
-    out.append(wrapping.end());
-    return total;
-}
-
-MaskCounts write_slices_to(OutputFile& file, std::span<const MaskPart> parts, std::span<const std::size_t> layers,
-                           const ImageGeometry& image, const MaskOptions& options, const MaskLayout& layout,
-                           const Parallel& parallel) {
-    const LayeredRaster raster(parts, layers, image, options, layout);
-    ByteSink counter;
-    if (layout.form == MaskForm::meta) {
-        (void)write_slices(raster, parts, image, layout, "", counter, parallel);
+    std::string gzip_end(layout.compressed ? 8 : 0, '\0');
+    if (layout.compressed) {
+        put_at(gzip_end, 0, static_cast<std::uint32_t>(crc));
+        put_at(gzip_end, 4, static_cast<std::uint32_t>(length));
     }
-    const std::string header = layout.form == MaskForm::nifti  ? nifti_header(layout, parts.size(), image)
-                               : layout.form == MaskForm::meta ? meta_header(layout, image, counter.bytes)
-                                                               : nrrd_header(layout, parts, layers, image);
-    ByteSink out{&file};
-    return write_slices(raster, parts, image, layout, header, out, parallel);
+    file.append(gzip_end);
+    return total;
 }
 
 /// NAME.labels.csv beside NAME.nii.gz: label, name, voxels.
@@ -214,7 +156,7 @@ Status write_label_table(std::span<const MaskPart> parts, const MaskSummary& sum
 MaskLayout layout_of(const std::filesystem::path& path, std::span<const MaskPart> parts, bool shares) {
     static constexpr std::array<MaskLayout, 5> layouts = {{{".seg.nrrd", MaskForm::segmentation, true},
                                                            {".nrrd", MaskForm::nrrd, true},
-                                                           {".mha", MaskForm::meta, true},
+                                                           {".mha", MaskForm::meta, false},
                                                            {".nii.gz", MaskForm::nifti, true},
                                                            {".nii", MaskForm::nifti, false}}};
     const std::string name = lower_case(path.filename().string());
@@ -248,7 +190,11 @@ Result<MaskSummary> write_mask(std::span<const MaskPart> parts, const ImageGeome
             require_mask_fits(path, layout, image);
         }
         OutputFile file = require(OutputFile::create(path));
-        const MaskCounts counts = write_slices_to(file, parts, layers, image, options, layout, parallel);
+        const std::string header = layout.form == MaskForm::nifti  ? nifti_header(layout, parts.size(), image)
+                                   : layout.form == MaskForm::meta ? meta_header(layout, image)
+                                                                   : nrrd_header(layout, parts, layers, image);
+        const LayeredRaster raster(parts, layers, image, options, layout);
+        const MaskCounts counts = write_slices(raster, parts, image, layout, header, file, parallel);
         const MaskSummary summary = summary_of(counts, parts, parallel.within(context));
         require(file.commit());
         if (parts.size() > 1 && layout.form != MaskForm::segmentation) {

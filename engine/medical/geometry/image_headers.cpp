@@ -158,39 +158,35 @@ double disagreement(const Affine& a, const Affine& b, const std::array<std::uint
     return most / least_step;
 }
 
-// --- NRRD: https://teem.sourceforge.net/nrrd/format.html, lines of "field: value" up to an empty one
+// --- NRRD: https://teem.sourceforge.net/nrrd/format.html, lines of "field: value" up to an empty one. MetaImage:
+// https://docs.itk.org/en/latest/learn/metaio.html, lines of "Key = Value" up to ElementDataFile
 
 using TextFields = std::map<std::string, std::string, std::less<>>;
 
-/// Calls take(line, its number from 1 on) for each line, trimmed, until it returns false. Returns whether it did.
-template <class Take>
-bool until_line(std::string_view text, Take take) {
-    for (std::size_t number = 1; !text.empty(); ++number) {
-        const std::size_t end = std::min(text.find('\n'), text.size());
-        if (!take(trimmed(text.substr(0, end)), number)) {
-            return true;
-        }
-        text.remove_prefix(std::min(end + 1, text.size()));
-    }
-    return false;
-}
-
-/// The fields by name. Throws Refused where a line is neither a field, nor a key, nor a comment.
+/// The values by their fields or keys; the first of several. Throws Refused where a line is none.
 TextFields fields_of(const ImageHeader& header) {
+    const bool is_nrrd = header.bytes.starts_with("NRRD");
+    const std::string_view separator = is_nrrd ? ": " : "=";
+    std::string_view left = header.bytes;
     TextFields fields;
-    until_line(header.bytes, [&](std::string_view line, std::size_t number) {
-        const std::size_t colon = line.find(": ");
-        if (number == 1 || line.starts_with('#') || line.find(":=") != std::string_view::npos) {
-            return true;
+    bool ended = false;
+    for (std::size_t number = 1; !left.empty() && !ended; ++number) {
+        const std::size_t end = std::min(left.find('\n'), left.size());
+        const std::string_view line = trimmed(left.substr(0, end));
+        left.remove_prefix(std::min(end + 1, left.size()));
+        const std::size_t at = line.find(separator);
+        const bool other = is_nrrd && (number == 1 || line.starts_with('#') || line.find(":=") != std::string_view::npos);
+        if (!line.empty() && !other) {
+            if (at == std::string_view::npos) {
+                header.refuse("line " + std::to_string(number) + " of its header is no field with a value");
+            }
+            fields.emplace(trimmed(line.substr(0, at)), trimmed(line.substr(at + separator.size())));
         }
-        if (colon == std::string_view::npos && !line.empty()) {
-            header.refuse("line " + std::to_string(number) + " of the NRRD header is no field");
-        }
-        if (!line.empty()) {
-            fields.emplace(trimmed(line.substr(0, colon)), trimmed(line.substr(colon + 2)));
-        }
-        return !line.empty();
-    });
+        ended = is_nrrd ? line.empty() : fields.contains("ElementDataFile");
+    }
+    if (!ended && !is_nrrd) {
+        header.refuse("its MetaImage header does not end with ElementDataFile");
+    }
     return fields;
 }
 
@@ -336,28 +332,6 @@ ImageGeometry read_nrrd(const ImageHeader& header) {
     return upright(header.name, size, steps, in_lps(*origin));
 }
 
-// --- MetaImage: https://docs.itk.org/en/latest/learn/metaio.html, lines of "Key = Value" up to ElementDataFile
-
-/// The values by their keys.
-TextFields keys_of(const ImageHeader& header) {
-    TextFields keys;
-    const bool ended = until_line(header.bytes, [&](std::string_view line, std::size_t number) {
-        const std::size_t equals = line.find('=');
-        const std::string_view key = trimmed(line.substr(0, std::min(equals, line.size())));
-        if (equals == std::string_view::npos && !line.empty()) {
-            header.refuse("line " + std::to_string(number) + " of the MetaImage header is no key with a value");
-        }
-        if (!line.empty()) {
-            keys.emplace(key, trimmed(line.substr(equals + 1)));
-        }
-        return key != "ElementDataFile";
-    });
-    if (!ended) {
-        header.refuse("its MetaImage header does not end with ElementDataFile");
-    }
-    return keys;
-}
-
 /// The numbers of the first of these keys that is there; nothing where none is. Throws Refused unless they are `count`.
 std::optional<std::vector<double>> key_numbers(const TextFields& keys, std::initializer_list<std::string_view> names,
                                                std::size_t count, const ImageHeader& header) {
@@ -381,7 +355,7 @@ std::optional<std::vector<double>> key_numbers(const TextFields& keys, std::init
 
 /// Directions and places are in LPS, whatever AnatomicalOrientation says.
 ImageGeometry read_meta_image(const ImageHeader& header) {
-    const TextFields keys = keys_of(header);
+    const TextFields keys = fields_of(header);
     const double dimensions = key_numbers(keys, {"NDims"}, 1, header).value_or(std::vector{0.0})[0];
     if (dimensions != 3 && dimensions != 4) {
         header.refuse("an image of " + exact_text(dimensions) + " dimensions, not of 3");

@@ -38,14 +38,20 @@ std::string element(Syntax syntax, std::uint32_t at, std::string_view type, std:
            (is_long ? std::string(2, '\0') + number(length, 4, big) : number(length, 2, big)) + value;
 }
 
-/// A sequence of undefined length with one item of undefined length around `inner`.
-std::string sequence(Syntax syntax, std::uint32_t at, const std::string& inner, std::string_view type = "SQ") {
+/// A sequence of items: of defined lengths, or of undefined ones.
+std::string sequence(Syntax syntax, std::uint32_t at, const std::vector<std::string>& items, bool defined = false,
+                     const std::string& type = "SQ") {
     const bool big = syntax == Syntax::explicit_big;
-    const std::string endless = number(0xffffffff, 4, big);
-    const std::string head =
-        syntax == Syntax::implicit_little ? tag(at, big) : tag(at, big) + std::string(type) + std::string(2, '\0');
-    return head + endless + tag(0xfffee000, big) + endless + inner + tag(0xfffee00d, big) + number(0, 4, big) +
-           tag(0xfffee0dd, big) + number(0, 4, big);
+    std::string inner;
+    for (const std::string& item : items) {
+        const auto length = static_cast<std::uint32_t>(item.size());
+        inner += tag(0xfffee000, big) + number(defined ? length : 0xffffffff, 4, big) + item;
+        inner += defined ? "" : tag(0xfffee00d, big) + number(0, 4, big);
+    }
+    inner += defined ? "" : tag(0xfffee0dd, big) + number(0, 4, big);
+    const auto length = static_cast<std::uint32_t>(inner.size());
+    return tag(at, big) + (syntax == Syntax::implicit_little ? "" : type + std::string(2, '\0')) +
+           number(defined ? length : 0xffffffff, 4, big) + inner;
 }
 
 /// The begin of a file: up to its data set.
@@ -98,28 +104,12 @@ struct CtSlice {
     }
 };
 
-/// A sequence of items: of defined lengths, or of undefined ones.
-std::string sequence_of(Syntax syntax, std::uint32_t at, const std::vector<std::string>& items, bool defined) {
-    const bool big = syntax == Syntax::explicit_big;
-    std::string inner;
-    for (const std::string& item : items) {
-        const auto length = static_cast<std::uint32_t>(item.size());
-        inner += tag(0xfffee000, big) + number(defined ? length : 0xffffffff, 4, big) + item;
-        inner += defined ? "" : tag(0xfffee00d, big) + number(0, 4, big);
-    }
-    inner += defined ? "" : tag(0xfffee0dd, big) + number(0, 4, big);
-    const auto length = static_cast<std::uint32_t>(inner.size());
-    return tag(at, big) + (syntax == Syntax::implicit_little ? "" : std::string("SQ\0\0", 4)) +
-           number(defined ? length : 0xffffffff, 4, big) + inner;
-}
-
 /// An enhanced CT, whose frames lie at these heights.
 struct EnhancedCt {
     Syntax syntax = Syntax::explicit_little;
     bool defined = true;          ///< lengths
     bool shared_measures = true;  ///< else a frame each
     std::vector<double> heights = {36, 30, 39, 33};
-    std::vector<std::string> stacks = std::vector<std::string>(4, "1");
     std::string frames = "4";
 
     std::string bytes() const {
@@ -131,9 +121,7 @@ struct EnhancedCt {
             top[at].clear();
         }
         top[dicom::number_of_frames] = frames;
-        const auto group = [&](dicom::Tag at, const std::string& inner) {
-            return sequence_of(syntax, at, {inner}, defined);
-        };
+        const auto group = [&](dicom::Tag at, const std::string& inner) { return sequence(syntax, at, {inner}, defined); };
         const std::string measures = group(dicom::pixel_measures, element(syntax, dicom::slice_thickness, "DS", "3") +
                                                                       element(syntax, dicom::pixel_spacing, "DS", "2\\0.5"));
         const std::string upright =
@@ -143,9 +131,6 @@ struct EnhancedCt {
         std::vector<std::string> items;
         for (std::size_t i = 0; i < heights.size(); ++i) {
             items.push_back(elsewhere +
-                            group(dicom::frame_content, element(syntax, dicom::stack_id, "SH", stacks[i]) +
-                                                            element(syntax, dicom::temporal_position_index, "UL",
-                                                                    number(7, 4, syntax == Syntax::explicit_big))) +
                             group(dicom::plane_position, element(syntax, dicom::image_position_patient, "DS",
                                                                  "-10\\-20\\" + std::to_string(heights[i]))) +
                             (shared_measures ? "" : measures));
@@ -153,8 +138,8 @@ struct EnhancedCt {
         std::string all = top.bytes();
         const std::string pixels = element(syntax, 0x7fe00010, "OW", top[0x7fe00010]);
         all.resize(all.size() - pixels.size());
-        return all + sequence_of(syntax, dicom::shared_groups, {upright + (shared_measures ? measures : "")}, defined) +
-               sequence_of(syntax, dicom::per_frame_groups, items, defined) + pixels;
+        return all + sequence(syntax, dicom::shared_groups, {upright + (shared_measures ? measures : "")}, defined) +
+               sequence(syntax, dicom::per_frame_groups, items, defined) + pixels;
     }
 };
 
@@ -230,7 +215,6 @@ TEST_CASE("dicom: frames of an enhanced CT are what as many files would be, in a
             for (int i = 0; i < 2000; ++i) {
                 many.heights.push_back(i * 7 % 2000);
             }
-            many.stacks.assign(2000, "1");
             CHECK(value_of(read_image_geometry(folder.write("a.dcm", many.bytes()))).size[2] == 2000);
             const auto read = [&](const std::string& bytes) { return read_image_geometry(folder.write("a.dcm", bytes)); };
             const std::string bytes = EnhancedCt{.syntax = syntax, .defined = defined}.bytes();
@@ -242,8 +226,7 @@ TEST_CASE("dicom: frames of an enhanced CT are what as many files would be, in a
         folder.write("a.dcm", ct.bytes());
         CHECK_THAT(refusal(folder), Contains(complaint));
     };
-    check_refusal({.heights = {30, 33, 33, 30}, .stacks = {"a", "b", "c", "d"}},
-                  "a.dcm, StackID a, TemporalPositionIndex 7; frame 4 of ");
+    check_refusal({.heights = {30, 33, 33, 30}}, "a.dcm: frame 4: lies at the same place as frame 1 of ");
     check_refusal({.heights = {30, 33, 36}}, "groups are of 3 frames, its NumberOfFrames is 4");
     check_refusal({.heights = {}}, "its frames (4) have no functional groups");
     check_refusal({.heights = {0, 3, 6, 1e300}}, "a.dcm: frame 4: ImagePositionPatient lies farther than");
@@ -325,9 +308,10 @@ TEST_CASE("dicom: sequences are passed over, however they are nested", "[medical
         slice.syntax = syntax;
         // A place within a sequence is not that of the slice.
         const std::string inner = element(syntax, 0x00200032, "DS", "9\\9\\9");
-        slice.extra = sequence(syntax, 0x00101002, sequence(syntax, 0x00101002, inner) + inner);
+        slice.extra = sequence(syntax, 0x00101002, {sequence(syntax, 0x00101002, {inner}) + inner});
         if (syntax == Syntax::explicit_little) {
-            slice.extra += sequence(syntax, 0x00110010, element(Syntax::implicit_little, 0x00200032, "DS", "8\\8\\8"), "UN");
+            slice.extra +=
+                sequence(syntax, 0x00110010, {element(Syntax::implicit_little, 0x00200032, "DS", "8\\8\\8")}, false, "UN");
         }
         folder.write("a.dcm", slice.bytes());
         const ImageGeometry read = value_of(read_image_geometry(folder.path()));
@@ -393,7 +377,7 @@ TEST_CASE("dicom: no damaged header crashes the reader", "[medical]") {
         write_series(folder, syntax);
         CtSlice slice = at_height(39, 9);
         slice.syntax = syntax;
-        slice.extra = sequence(syntax, 0x00101002, element(syntax, 0x00200032, "DS", "9\\9\\9"));
+        slice.extra = sequence(syntax, 0x00101002, {element(syntax, 0x00200032, "DS", "9\\9\\9")});
         const auto read = [&](const std::string& bytes) {
             folder.write("9.dcm", bytes);
             return read_image_geometry(folder.path());

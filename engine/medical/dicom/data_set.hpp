@@ -38,11 +38,9 @@ inline constexpr Tag pixel_spacing = 0x00280030;
 inline constexpr Tag referenced_frame_number = 0x00081160;
 
 /// Of functional groups.
-inline constexpr Tag stack_id = 0x00209056;
 inline constexpr Tag frame_content = 0x00209111;
 inline constexpr Tag plane_position = 0x00209113;
 inline constexpr Tag plane_orientation = 0x00209116;
-inline constexpr Tag temporal_position_index = 0x00209128;
 inline constexpr Tag pixel_measures = 0x00289110;
 inline constexpr Tag shared_groups = 0x52009229;
 inline constexpr Tag per_frame_groups = 0x52009230;

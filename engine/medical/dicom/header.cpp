@@ -4,11 +4,10 @@
 // needs a dictionary that an environment variable finds. A header takes a file's first 64 KiB as a rule, and no recursion.
 #include "medical/dicom/header.hpp"
 
-#include <memory>
-
-#include <zlib.h>
+#include <span>
 
 #include "base/guard.hpp"
+#include "io/read/inflater.hpp"
 #include "io/read/input_file.hpp"
 
 namespace lamella {
@@ -21,25 +20,17 @@ constexpr std::size_t largest_window_bytes = std::size_t{1} << 26;
 
 /// Inflates `data`, which may be cut off. Throws Refused.
 std::string inflated(const DicomHeader& header, std::string_view data) {
-    z_stream stream{};
     constexpr int raw_window = -15;
-    if (::inflateInit2(&stream, raw_window) != Z_OK) {
-        throw std::bad_alloc();
-    }
-    const std::unique_ptr<z_stream, int (*)(z_streamp)> ended(&stream, &::inflateEnd);
-    // zlib's type is not const, but it does not write there.
-    stream.next_in =
-        reinterpret_cast<Bytef*>(const_cast<char*>(data.data()));  // NOLINT(cppcoreguidelines-pro-type-const-cast)
-    stream.avail_in = static_cast<uInt>(data.size());
+    Inflater inflater(raw_window);
+    std::span<const std::byte> packed = std::as_bytes(std::span(data));
     std::string text;
     int answer = Z_OK;
     while (answer == Z_OK && text.size() < largest_window_bytes) {
         const std::size_t before = text.size();
         text.resize(before + first_window_bytes);
-        stream.next_out = reinterpret_cast<Bytef*>(text.data() + before);
-        stream.avail_out = static_cast<uInt>(first_window_bytes);
-        answer = ::inflate(&stream, Z_SYNC_FLUSH);
-        text.resize(text.size() - stream.avail_out);
+        std::span<std::byte> room = std::as_writable_bytes(std::span(text)).subspan(before);
+        answer = inflater.step(packed, room);
+        text.resize(text.size() - room.size());
     }
     if (answer != Z_OK && answer != Z_STREAM_END && answer != Z_BUF_ERROR) {
         header.refuse("damaged deflated data within its header");
@@ -181,24 +172,21 @@ std::optional<std::size_t> for_each_value(const Elements& in, dicom::Tag last, c
 void keep(const Value& value, DicomHeader::Values& values) {
     constexpr std::size_t longest_value = 4096;
     const std::string_view bytes = value.inside.bytes;
-    const dicom::Tag tag = value.tag;
-    if (tag != dicom::rows && tag != dicom::columns && tag != dicom::temporal_position_index) {
+    if (value.tag != dicom::rows && value.tag != dicom::columns) {
         if (bytes.size() <= longest_value) {
-            values[tag] = bytes;
+            values[value.tag] = bytes;
         }
-    } else if (bytes.size() == 2 || bytes.size() == 4) {
-        values[tag] = std::to_string(number_at(bytes, 0, bytes.size(), value.inside.encoding.is_big_endian));
+    } else if (bytes.size() == 2) {
+        values[value.tag] = std::to_string(number_at(bytes, 0, 2, value.inside.encoding.is_big_endian));
     }
 }
 
 /// What the functional groups (PS3.3, C.7.6.16) in an item say of the place of a frame, or of all.
 void keep_groups(const Elements& groups, const DicomHeader& header, DicomHeader::Values& values) {
     constexpr dicom::Tag all = 0xffffffff;
-    static constexpr std::array<dicom::Tag, 10> wanted = {
-        dicom::plane_position,         dicom::plane_orientation,      dicom::pixel_measures,
-        dicom::frame_content,          dicom::image_position_patient, dicom::image_orientation_patient,
-        dicom::pixel_spacing,          dicom::slice_thickness,        dicom::stack_id,
-        dicom::temporal_position_index};
+    static constexpr std::array<dicom::Tag, 7> wanted = {
+        dicom::plane_position, dicom::image_position_patient, dicom::plane_orientation, dicom::image_orientation_patient,
+        dicom::pixel_measures, dicom::pixel_spacing,          dicom::slice_thickness};
     const auto is_wanted = [](const Value& value) {
         return std::find(wanted.begin(), wanted.end(), value.tag) != wanted.end();
     };

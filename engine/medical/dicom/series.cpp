@@ -37,8 +37,6 @@ std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder)
     return files;
 }
 
-constexpr std::size_t most_listed = 20;  ///< in a message
-
 /// The images of each series, by their UIDs.
 using SeriesImages = std::map<std::string, std::vector<DicomHeader>>;
 
@@ -70,6 +68,7 @@ std::size_t slices_of(const std::vector<DicomHeader>& images) {
 
 /// "1.2.3 'Thorax' (40 slices); ...", for messages.
 std::string list_text(const SeriesImages& series) {
+    constexpr std::size_t most_listed = 20;
     std::string list;
     std::size_t listed = 0;
     for (const auto& [uid, images] : series) {
@@ -118,20 +117,11 @@ struct Slice {
 
 /// Throws Refused unless the functional groups say where each frame of a file lies.
 void require_groups(const DicomHeader& header) {
-    static constexpr std::array<std::pair<std::string_view, const char*>, 4> classes = {
-        {{"1.2.840.10008.5.1.4.1.1.3.1", "Ultrasound Multi-frame Image"},
-         {"1.2.840.10008.5.1.4.1.1.12.1", "X-Ray Angiographic Image"},
-         {"1.2.840.10008.5.1.4.1.1.20", "Nuclear Medicine Image"},
-         {"1.2.840.10008.5.1.4.1.1.481.2", "RT Dose"}}};
     const std::string frames = header.text(dicom::number_of_frames);
     if (header.frames.empty()) {
-        const std::string uid = header.text(dicom::sop_class_uid);
-        const auto* const found =
-            std::find_if(classes.begin(), classes.end(), [&](const auto& known) { return known.first == uid; });
         header.refuse("its frames (" + one_line(frames) +
-                      ") have no functional groups, which would say where each lies, as a file of " +
-                      (found == classes.end() ? "the class " + one_line(uid) : found->second) +
-                      "; convert it to a file a slice, or to NIfTI");
+                      ") have no functional groups, which would say where each lies, as " + "a file of the class " +
+                      one_line(header.text(dicom::sop_class_uid)) + "; convert it to a file a slice, or to NIfTI");
     }
     if (frames != std::to_string(header.frames.size())) {
         header.refuse("its functional groups are of " + counted(header.frames.size(), "frame") + ", its NumberOfFrames is " +
@@ -201,30 +191,6 @@ std::vector<Slice> sorted_slices(const std::vector<DicomHeader>& images) {
     return slices;
 }
 
-constexpr double same_place_mm = 1e-4;
-
-/// Of two slices at one place, or of all frames there.
-[[noreturn]] void refuse_same_place(const std::vector<Slice>& slices, std::size_t second) {
-    const Slice& first = slices[second - 1];
-    if (first.frame == 0) {
-        slices[second].refuse("lies at the same place as " + first.name());
-    }
-    std::string list;
-    for (std::size_t i = second - 1; i < slices.size() && slices[i].height - first.height < same_place_mm; ++i) {
-        if (i > second + most_listed) {
-            list += "; ...";
-            break;
-        }
-        list += (list.empty() ? "" : "; ") + slices[i].name();
-        for (const auto& [name, tag] :
-             {std::pair{", StackID ", dicom::stack_id}, {", TemporalPositionIndex ", dicom::temporal_position_index}}) {
-            const std::string text = slices[i].header->text(tag, slices[i].frame);
-            list += text.empty() ? "" : name + one_line(text);
-        }
-    }
-    first.header->refuse("several frames at one place, where an image has one: " + list);
-}
-
 /// How far slices lie aside along one of their axes for each mm along the normal: 0 where they lie upright. Throws Refused
 /// where they lie on no line, which a few that are off do not turn.
 double slope_along(const Direction& axis, const std::vector<Slice>& slices) {
@@ -264,11 +230,13 @@ double slope_along(const Direction& axis, const std::vector<Slice>& slices) {
 
 /// Of a series.
 ImageGeometry geometry_of(const std::vector<DicomHeader>& images) {
+    constexpr double same_place_mm = 1e-4;
     constexpr double even_share = 0.01;  // of the mean distance: so far slices may lie from even places
     const std::vector<Slice> slices = sorted_slices(images);
     for (std::size_t i = 1; i < slices.size(); ++i) {
         if (slices[i].height - slices[i - 1].height < same_place_mm) {
-            refuse_same_place(slices, i);
+            slices[i].refuse("lies at the same place as " + slices[i - 1].name() +
+                             (slices[i].frame == 0 ? "" : ", as of several times or stacks, where an image has one"));
         }
     }
     const Slice& first = slices.front();

@@ -39,22 +39,15 @@ public:
     bool shares() const noexcept { return layout_.shares; }
     std::uint64_t frame_bits() const noexcept { return rasters_[0].slice_bytes() * (shares() ? 8 : 1); }
 
-    /// The slices of each part that hold some of it, or one of a part that is nowhere. Adds to `counts`.
-    std::vector<SegmentFrame> find_frames(MaskCounts& counts) {
+    /// The slices of each part that contours of it lie in, or one of a part that is nowhere.
+    std::vector<SegmentFrame> frames() const {
         std::vector<SegmentFrame> frames;
         for (std::size_t i = 0; i < parts_.size(); ++i) {
-            std::vector<MaskCounts> found(slices_, MaskCounts(1));  // added in order, as sums are rounded
-            parallel_.run(slices_, [&](std::size_t slice, int worker) {
-                if (has_contours(*parts_[i].result, slice)) {
-                    draw({i, slice}, worker, static_cast<std::size_t>(worker), found[slice]);
-                }
-            });
             const std::size_t before = frames.size();
             for (std::size_t slice = 0; slice < slices_; ++slice) {
-                if (found[slice].parts[0].voxels > 0) {
+                if (has_contours(*parts_[i].result, slice)) {
                     frames.push_back({i, slice});
                 }
-                counts.parts[i].add(found[slice].parts[0]);
             }
             if (frames.size() == before) {
                 frames.push_back({i, 0});
@@ -63,17 +56,22 @@ public:
         return frames;
     }
 
-    /// Writes them one after another, the first voxel into the lowest bit, without a gap where one ends within a byte.
-    void write_pixels(std::span<const SegmentFrame> frames, OutputFile& file) {
+    /// Writes them one after another, the first voxel into the lowest bit, without a gap where one ends within a byte. Adds
+    /// to `counts`.
+    void write_pixels(std::span<const SegmentFrame> frames, OutputFile& file, MaskCounts& counts) {
         char begun = 0;  // the byte within which the last frame has ended
         for (std::size_t first = 0; first < frames.size() && !file.failed(); first += drawn_.size()) {
             const std::size_t count = std::min(drawn_.size(), frames.size() - first);
             parallel_.run(count, [&](std::size_t i, int worker) {
-                MaskCounts counted_before(1);
-                draw(frames[first + i], worker, i, counted_before);
+                const auto& [segment, slice] = frames[first + i];
+                const SliceRaster& raster = rasters_[segment];
+                drawn_[i].counts = MaskCounts(1);
+                drawn_[i].voxels.resize(raster.slice_bytes());
+                raster.draw(slice, drawn_[i].voxels.data(), scratch_[static_cast<std::size_t>(worker)], drawn_[i].counts);
                 pack(drawn_[i], (first + i) * frame_bits() % 8);
             });
             for (std::size_t i = 0; i < count; ++i) {
+                counts.parts[frames[first + i].segment].add(drawn_[i].counts.parts[0]);
                 std::string& bits = drawn_[i].bits;
                 bits[0] = static_cast<char>(bits[0] | begun);
                 const bool is_whole = (first + i + 1) * frame_bits() % 8 == 0;
@@ -92,6 +90,7 @@ private:
     struct Drawn {
         std::vector<unsigned char> voxels;
         std::string bits;
+        MaskCounts counts{1};
     };
 
     bool has_contours(const SliceResult& result, std::uint64_t slice) const {
@@ -99,12 +98,6 @@ private:
         const auto layers = std::span(result.info.layer_of).subspan(slice * planes, planes);
         return std::any_of(layers.begin(), layers.end(),
                            [&](std::uint64_t layer) { return result.layers[layer].contour_count > 0; });
-    }
-
-    void draw(const SegmentFrame& frame, int worker, std::size_t to, MaskCounts& counts) {
-        const SliceRaster& raster = rasters_[frame.segment];
-        drawn_[to].voxels.resize(raster.slice_bytes());
-        raster.draw(frame.slice, drawn_[to].voxels.data(), scratch_[static_cast<std::size_t>(worker)], counts);
     }
 
     /// From bit `at` of the first byte on.

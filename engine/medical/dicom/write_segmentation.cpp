@@ -281,9 +281,7 @@ Result<SegmentationSummary> write_segmentation(std::span<const MaskPart> parts, 
         require_cut_for(parts, image, {.coverage = options.coverage, .subslices = options.subslices});
         const Parallel parallel(context);
         SegmentRaster raster(parts, image, options, parallel);
-        parallel.begin_stage(0.5, parts.size());
-        MaskCounts counts(parts.size());
-        const std::vector<SegmentFrame> frames = raster.find_frames(counts);
+        const std::vector<SegmentFrame> frames = raster.frames();
         if (frames.size() > most_pixel_bytes * 8 / raster.frame_bits()) {
             refuse_output(path, std::to_string(frames.size()) + " frames, which are more than the 4 GiB of DICOM's pixels");
         }
@@ -293,7 +291,8 @@ Result<SegmentationSummary> write_segmentation(std::span<const MaskPart> parts, 
         file.append(DataSet::file_meta(segmentation_storage, header.identity().values.at(dicom::sop_instance_uid)));
         header.write(file, raster.shares());
         parallel.begin_stage(1, parts.size());
-        raster.write_pixels(frames, file);
+        MaskCounts counts(parts.size());
+        raster.write_pixels(frames, file, counts);
         SegmentationSummary summary{summary_of(counts, parts, parallel.within(context)), frames.size(),
                                     header.segment_names()};
         require(file.commit());

@@ -193,7 +193,7 @@ struct Field {
 
 /// A structured type of some members of `T`.
 template <class T>
-py::dtype type_of(std::initializer_list<Field> fields) {
+py::dtype type_of(const std::vector<Field>& fields) {
     py::list names;
     py::list formats;
     py::list offsets;

@@ -11,6 +11,7 @@
 #include "outputs/outputs.hpp"
 #include "processes/process.hpp"
 #include "slice/mesh_to_slice.hpp"
+#include "slice/seal_aside.hpp"
 #include "slice/slice.hpp"
 #include "system/process.hpp"
 #include "terminal/console.hpp"
@@ -293,6 +294,7 @@ private:
         if (heights_) {
             tuning.random_heights.reset();
         }
+        SealAside aside(mesh.stream && wants_records() && arguments_.threads != 1 ? arguments_.mesh : "");
         cut_mesh(mesh, options, tuning, part);
         const bool is_cut_out = labelled_ || !mesh.parts.empty();
         if (is_cut_out) {
@@ -303,7 +305,8 @@ private:
         }
         examine(mesh, part);
         if (wants_records()) {
-            part.mesh_sha256 = first ? add_input(arguments_.mesh, mesh.about().file_bytes) : job_.inputs.back().sha256;
+            part.mesh_sha256 =
+                first ? add_input(arguments_.mesh, mesh.about().file_bytes, std::move(aside)) : job_.inputs.back().sha256;
         }
         if (wants_facts() && !is_cut_out) {
             part.facts = stages_.done(
@@ -401,10 +404,9 @@ private:
     bool wants_facts() const { return !arguments_.in_ranges() && has_format(job_.outputs, OutputFormat::table); }
 
     /// Returns its SHA-256.
-    std::string add_input(const std::string& path, std::uint64_t bytes) {
-        job_.inputs.push_back(is_standard(path) ? FileSeal{path, bytes, ""}
-                                                : done_or_thrown(seal_file(path_of(path), {}, arguments_.image.of_like)));
-        return job_.inputs.back().sha256;
+    std::string add_input(const std::string& path, std::uint64_t bytes, SealAside&& aside = SealAside()) {
+        const auto sum = [&](const Context& context) { return aside.seal(path, context, arguments_.image.of_like); };
+        return job_.inputs.emplace_back(is_standard(path) ? FileSeal{path, bytes, ""} : stages_.done("hashing", sum)).sha256;
     }
 
     void write() {

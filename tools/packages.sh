@@ -18,6 +18,8 @@ python_packages=(
 reader_packages=(dcmtk dicom3tools python3-nibabel python3-pydicom python3-h5py python3-pandas python3-pil python3-vtk9 python3-skimage plastimatch teem-apps)
 # tests/cluster: the engines that tools/cluster and the Python package hand meshes to.
 cluster_packages=(slurm-wlm munge snakemake python3-distributed python3-pandas)
+# tools/cluster/image.sh: the third runs, in its test, what the first makes.
+image_packages=(buildah mmdebstrap runc)
 check_packages=(clang clang-format clang-tidy libclang-rt-14-dev doxygen abigail-tools)
 picture_packages=(librsvg2-bin)
 # tools/platforms.sh: compilers for other systems, and what runs their programs. The golden slices need the first alone.

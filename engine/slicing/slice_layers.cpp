@@ -22,7 +22,6 @@
 #include "base/clock.hpp"
 #include "base/parallel.hpp"
 #include "base/system/processor.hpp"
-#include "slicing/buckets/prepared_source.hpp"
 #include "slicing/sweep/band_sweep.hpp"
 #include "slicing/sweep/wide_plane.hpp"
 
@@ -142,22 +141,6 @@ void check_options(const SliceOptions& options, const Tuning& tuning) {
                                                         std::string(name_of(*tuning.instructions)) + " instructions"}};
     }
     require(check_rules(options));
-}
-
-SliceOptions options_for(const detail::PreparedImpl& prepared, const SliceOptions& options) {
-    const Frame& asked = options.frame;
-    if (asked.grid_mm != 0 && asked.grid_mm != prepared.asked_grid_mm && asked.grid_mm != prepared.asked.grid_mm) {
-        throw Refused{{ErrorCode::invalid_argument, "the mesh was prepared on another grid than the one asked for"}};
-    }
-    if (!asked.transform.is_identity() && !(asked.transform == prepared.asked.transform)) {
-        throw Refused{{ErrorCode::invalid_argument, "the mesh was prepared with another transform than the one asked for"}};
-    }
-    if (asked.as_mesh_numbers && !prepared.asked.as_mesh_numbers) {
-        throw Refused{{ErrorCode::invalid_argument, "the mesh was prepared in double, not as its own numbers"}};
-    }
-    SliceOptions own = options;
-    own.frame = prepared.asked;
-    return own;
 }
 
 void count_layers(TriangleSource& source, const SliceCall& call, SliceInfo& info) {

@@ -41,10 +41,6 @@ struct SliceCall {
 /// Refuses what no mesh can be sliced with.
 void check_options(const SliceOptions& options, const Tuning& tuning);
 
-/// The options for a prepared mesh, which has its grid and its frame already: they may leave them out, or repeat them.
-/// Throws Refused.
-SliceOptions options_for(const detail::PreparedImpl& prepared, const SliceOptions& options);
-
 // These throw Refused, Stopped, std::bad_alloc. Precondition: options were checked. `info` gets what is not in layers: where
 // `target` is null, what is known before anything is cut.
 

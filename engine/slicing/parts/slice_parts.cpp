@@ -238,11 +238,11 @@ void PartSlicing::check_prepared(std::size_t p) const {
                                         " mm, and all parts need one of " + exact_text(frame_.unit.mm) +
                                         " mm: prepare it on that one")};
     }
-    SliceOptions options = options_;
-    options.frame.grid_mm = 0;  // just checked
-    options.frame.transform = options.frame.transform * parts_[p].placement;
+    Frame frame = options_.frame;
+    frame.grid_mm = 0;  // just checked
+    frame.transform = frame.transform * parts_[p].placement;
     try {
-        (void)options_for(*prepared, options);
+        (void)prepared->frame_for(frame);
     } catch (Refused& refused) {
         throw Refused{refusal_of(p, refused.error.message)};
     }

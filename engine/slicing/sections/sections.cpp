@@ -60,6 +60,7 @@ private:
     SliceOptions options_;  ///< with the plane z = 0
     const Context& context_;
     const Parallel parallel_;
+    const std::uint64_t limit_ = detail::memory_limit(context_.memory_limit_bytes);
     Bounds bounds_ = Bounds::empty();
     double unit_mm_ = default_grid_mm;
     PlaneSet plane_{parallel_.memory()};  ///< z = 0
@@ -102,13 +103,11 @@ void SectionCut::begin(SliceInfo& info) {
     }
     unit_mm_ = shared.unit.mm;
     begin_info(options_, bounds_, shared.unit, info);
-    const std::uint64_t limit = detail::memory_limit(context_.memory_limit_bytes);
-    plane_.build(options_, {}, shared, limit);
+    plane_.build(options_, {}, shared, limit_);
     rules_ = rules_for(options_, info);
     info.options.heights_mm->assign(frames_.size(), 0);
-    for (std::size_t i = 0; i < frames_.size(); ++i) {
-        info.layer_of.push_back(i);
-    }
+    info.layer_of.resize(frames_.size());
+    std::iota(info.layer_of.begin(), info.layer_of.end(), 0);
     info.layers = info.planned_layers = frames_.size();
     info.triangles = mesh_.triangle_count;
     info.threads = parallel_.threads();
@@ -167,7 +166,7 @@ void SectionCut::cut_all(const NearPlane& mesh, SliceResult& sections) {
                           .origins = options_.origins,
                           .info = sections.info};
     ResultTarget target(sections);
-    target.admit(plan, detail::memory_limit(context_.memory_limit_bytes));
+    target.admit(plan, limit_);
     target.begin(plan);
     std::vector<std::unique_ptr<Cutter>> cutters(parallel_.workers_for(bands.size()));
     fill_bands(target, parallel_, 0, bands.size(), [&](std::size_t i, int worker, BandOutput& output) {
@@ -236,10 +235,9 @@ void SectionCut::find_crossed(const Frame& frame, Cutter& cutter) const {
 
 /// Whether all sections together exceed the limit does not depend on their order.
 void SectionCut::count_bytes(const BandOutput& output) {
-    const std::uint64_t limit = detail::memory_limit(context_.memory_limit_bytes);
-    if (bytes_ += output.bytes_used(); bytes_ > limit) {
+    if (bytes_ += output.bytes_used(); bytes_ > limit_) {
         throw Refused{{ErrorCode::result_too_large,
-                       "the sections need more than the memory limit of " + std::to_string(limit) + " bytes"}};
+                       "the sections need more than the memory limit of " + std::to_string(limit_) + " bytes"}};
     }
 }
 

@@ -50,8 +50,8 @@ struct LabelRow {
 };
 
 /// Reads a CSV file in UTF-8 whose first line names its columns, in any order: `label`; and if it likes `name`, `color`
-/// (`#rrggbb`), `category`, `type` and `region` (each scheme^value^meaning). Empty cells state nothing. A column `voxels`, as
-/// in the tables beside masks, is passed over. O(bytes). Errors, with file and line: unreadable_file, malformed_mesh
+/// (`#rrggbb`), `category`, `type` and `region` (each scheme^value^meaning). Empty cells state nothing. A column `voxels`,
+/// as in the tables beside masks, is passed over. O(bytes). Errors, with file and line: unreadable_file, malformed_mesh
 /// (another column, a label twice, no colour, no code; larger than 16 MiB), out_of_memory.
 Result<std::vector<LabelRow>> read_label_table(const std::filesystem::path& path) noexcept;
 

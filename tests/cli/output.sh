@@ -113,6 +113,40 @@ test_help() {
         fail "--help does not list the ends of names"
 }
 
+# completed WORD...: what bash offers for the last of them.
+completed() {
+    bash -c 'source completion.bash; COMP_WORDS=("$@") COMP_CWORD=$(($# - 1)); _lamella; echo "${COMPREPLY[*]}"' - "$@"
+}
+
+test_manual() {
+    expect_silent --completion
+    cp .stdout completion.bash
+    [[ $(completed lamella sl) == slice ]] || fail "commands are not completed"
+    [[ $(completed lamella slice --layer-h) == --layer-height ]] || fail "options are not completed"
+    [[ $(completed lamella slice --progress "") == "auto always never" ]] || fail "values are not completed"
+    [[ $(completed lamella slice --progress = al) == always ]] || fail "values after = are not completed"
+    [[ -z $(completed lamella slice x) ]] || fail "something is offered in place of files"
+    expect_silent --man
+    local option
+    for option in $(completed lamella slice --); do
+        grep -qF -- "${option//-/\\-}" .stdout || fail "the manual lacks $option"
+    done
+    if command -v groff > /dev/null; then
+        [[ -z $(groff -man -ww -z < .stdout 2>&1) ]] || fail "the manual page has warnings"
+    fi
+}
+
+test_quiet() {
+    sphere ball.stl
+    expect_silent slice --quiet ball.stl
+    [[ ! -s .stdout ]] || fail "--quiet says something"
+    expect_silent slice --quiet ball.stl -o ball.svg --report ball.json
+    [[ ! -s .stdout && -s ball.svg && -s ball.json ]] || fail "--quiet says something, or a file is missing"
+    expect 2 slice --quiet --progress always ball.stl
+    expect 3 slice --quiet none.stl
+    [[ -s .stderr ]] || fail "--quiet hides an error"
+}
+
 test_progress() {
     sphere ball.stl
     expect_line stderr 'slicing \[' slice ball.stl --progress always

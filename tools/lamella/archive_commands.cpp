@@ -61,8 +61,8 @@ void merge_parts(const MergeArguments& arguments, Interrupt& interrupt) {
             write_record_beside(output, std::move(record), context);
         });
     }
-    print_words(counted(parts.size(), "part") + ", " + counted(merged->layers, "layer") + "\n" + wrote({output.path}),
-                false);
+    print_words(counted(parts.size(), "part") + ", " + counted(merged->layers, "layer") + "\n" + wrote({output.path}), false,
+                arguments.quiet);
 }
 
 struct ConvertArguments : MeshArguments {
@@ -118,7 +118,7 @@ public:
             write_outputs(job_, context, [this](const std::string& warning) { stages_.warn(warning); });
         });
         const std::vector<std::string>& outputs = arguments_.outputs.outputs;
-        print_words(wrote(job_.written), std::any_of(outputs.begin(), outputs.end(), is_standard));
+        print_words(wrote(job_.written), std::any_of(outputs.begin(), outputs.end(), is_standard), arguments_.quiet);
         if (job_.failure) {
             throw Failure(*job_.failure);
         }
@@ -242,7 +242,8 @@ void convert_mesh(const std::vector<std::string>& inputs, const std::string& out
         const std::string unit = exact_text(mesh.mm_per_unit);
         warn(output + ": does not state that its unit is " + unit + " mm; slice it with --unit " + unit);
     }
-    print_words(output + ": " + counted(mesh.triangle_count, "triangle") + " of " + description(mesh) + "\n", false);
+    print_words(output + ": " + counted(mesh.triangle_count, "triangle") + " of " + description(mesh) + "\n", false,
+                arguments.quiet);
 }
 
 }  // namespace
@@ -254,6 +255,7 @@ void add_merge_command(CLI::App& app, Interrupt& interrupt) {
         ->required();
     add_text(*command, "-o,--output", arguments->output, "WHOLE.h5", "Archive to write: that of all layers")->required();
     declare_running(*command, *arguments);
+    declare_quiet(*command, *arguments);
     declare_worker(*command);
     command->callback([arguments, &interrupt] { merge_parts(*arguments, interrupt); });
 }
@@ -267,6 +269,7 @@ void add_combine_command(CLI::App& app, Interrupt& interrupt) {
     declare_outputs(*command, arguments->outputs);
     command->get_option("--output")->required();
     declare_running(*command, *arguments);
+    declare_quiet(*command, *arguments);
     declare_worker(*command);
     command->callback([command, arguments, &interrupt] { ConvertCommand(*command, *arguments, interrupt).run(); });
 }
@@ -284,6 +287,7 @@ void add_convert_command(CLI::App& app, Interrupt& interrupt) {
     declare_like(*command, arguments->image,
                  "The image at whose slices the archives were cut, for outputs that need more of it");
     declare_running(*command, *arguments);
+    declare_quiet(*command, *arguments);
     declare_worker(*command);
     command->callback([command, arguments, &interrupt] {
         const OutputArguments& wanted = arguments->outputs;

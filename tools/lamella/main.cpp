@@ -13,6 +13,7 @@
 #include "lamella/version.hpp"
 #include "system/terminal.hpp"
 #include "terminal/console.hpp"
+#include "terminal/manual.hpp"
 
 namespace lamella::cli {
 
@@ -40,6 +41,12 @@ int run(const std::vector<std::string>& words) {
     CLI::App app("Slices triangle meshes into closed, oriented, nested contours", "lamella");
     app.allow_windows_style_options(false);  // "/a" is a path
     app.set_version_flag("--version", lamella::version);
+    // Thrown as --help is, by which a command is not required.
+    const auto print_instead = [](const std::string& text) { throw CLI::CallForVersion(text, 0); };
+    app.add_flag_callback(
+        "--man", [&] { print_instead(manual_of(app)); }, "Print the manual page, for man(1)");
+    app.add_flag_callback(
+        "--completion", [&] { print_instead(bash_completion_of(app)); }, "Print completion for bash");
     app.require_subcommand(1);
     for (const auto add :
          {add_slice_command, add_info_command, add_check_command, add_make_command, add_verify_command, add_batch_command,
@@ -57,7 +64,7 @@ int run(const std::vector<std::string>& words) {
     try {
         app.parse(reversed);
         return done;
-    } catch (const CLI::Success& asked) {  // --help and --version
+    } catch (const CLI::Success& asked) {  // --help, --version and the like
         return app.exit(asked);
     } catch (const CLI::ParseError& error) {
         complain(usage_line(app, error));

@@ -115,22 +115,6 @@ void remove_leftovers(const std::vector<std::string>& targets) {
     }
 }
 
-/// "35 s", "12 min", "3.4 h"
-std::string duration_text(double seconds) {
-    constexpr double minute = 60;
-    constexpr double hour = 60 * minute;
-    if (seconds < 2 * minute) {
-        return rounded(seconds, seconds < 10 ? 1 : 0) + " s";
-    }
-    return seconds < 2 * hour ? rounded(seconds / minute, 0) + " min" : rounded(seconds / hour, 1) + " h";
-}
-
-/// "1.2 M triangles/s"
-std::string rate_text(double triangles, double seconds) {
-    const double thousands = triangles / std::max(seconds, 1e-3) / 1e3;
-    return rounded(thousands < 1e3 ? thousands : thousands / 1e3, 1) + (thousands < 1e3 ? " k" : " M") + " triangles/s";
-}
-
 /// An item that is to be sliced.
 struct Job {
     std::size_t item = 0;
@@ -179,7 +163,7 @@ public:
         clean();
         results_.finish(items_);
         interrupt_.end_deferring();
-        print(summary());
+        print_words(summary(), false, options_.slice.quiet);
         refuse_if(!failed_.empty(), some_failed,
                   grouped(failed_.size()) + " of " + counted(items_.size(), "mesh", "meshes") + " failed");
     }
@@ -368,7 +352,7 @@ private:
         const double seconds = watch_.ms() / 1000;
         std::string status =
             grouped(unchanged_ + done_ + failed_.size()) + " of " + counted(items_.size(), "mesh", "meshes");
-        status += when(triangles_ > 0, ", " + rate_text(triangles_, seconds));
+        status += when(triangles_ > 0, ", " + rate_text(triangles_, "triangles", seconds));
         status += when(cost_ > 0 && all_cost_ > cost_, ", " + duration_text(seconds * (all_cost_ / cost_ - 1)) + " left");
         status += when(!failed_.empty(), ", " + grouped(failed_.size()) + " failed");
         if (bar_.shown()) {
@@ -388,7 +372,7 @@ private:
         std::string text = "meshes    " + grouped(items_.size()) + ": " + grouped(done_) + " done, " + grouped(unchanged_) +
                            " unchanged, " + grouped(failed_.size()) + " failed\n";
         text += when(triangles_ > 0, "sliced    " + grouped(static_cast<std::uint64_t>(triangles_)) + " triangles in " +
-                                         duration_text(seconds) + ", " + rate_text(triangles_, seconds) + "\n");
+                                         duration_text(seconds) + ", " + rate_text(triangles_, "triangles", seconds) + "\n");
         text += when(of_older_version_ > 0, "again     " + counted(of_older_version_, "mesh", "meshes") +
                                                 " that an older version of lamella sliced, whose defaults were others\n");
         text += "results   " + printable(results_.path()) + "\n";

@@ -30,7 +30,7 @@ struct ItemOptions {
     ItemOptions() {
         declare(app, arguments);
         app.set_help_flag();
-        for (const char* const own : {"--progress", "--memory", "--hash"}) {
+        for (const char* const own : {"--quiet", "--progress", "--memory", "--hash"}) {
             app.remove_option(app.get_option(own));
         }
     }

@@ -237,6 +237,14 @@ void declare_running(CLI::App& command, MeshArguments& arguments) {
     add_choice(command, "--progress", when, "Progress bar on stderr (auto: on a terminal)", arguments.progress);
 }
 
+void declare_quiet(CLI::App& command, MeshArguments& arguments) {
+    const auto hush = [&arguments] {
+        arguments.quiet = true;
+        arguments.progress = ProgressBar::When::never;
+    };
+    command.add_flag_callback("--quiet", hush, "Say nothing but warnings and errors")->excludes("--progress");
+}
+
 MeshFile read_mesh_of(const MeshArguments& arguments, Stages& stages) {
     const std::string name = arguments.name();
     if (arguments.map_file) {
@@ -252,7 +260,10 @@ MeshFile read_mesh_of(const MeshArguments& arguments, Stages& stages) {
     const File spooled = standard ? spooled_input() : File();
     const double spool_ms = standard ? spooling.ms() : 0;
     const std::filesystem::path path = standard ? spooled.path() : path_of(arguments.mesh);
-    Result<MeshFile> mesh = stages.run("reading", [&](const Context& context) { return read_mesh(path, options, context); });
+    std::error_code unknown;
+    const std::uintmax_t bytes = std::filesystem::file_size(path, unknown);
+    Result<MeshFile> mesh = stages.run("reading", [&](const Context& context) { return read_mesh(path, options, context); },
+                                       {unknown ? 0 : static_cast<double>(bytes), "bytes"});
     if (!mesh) {
         const Failure failure = failure_of(mesh.error());
         // Where memory ran out there was none left to say in which file.

@@ -96,6 +96,7 @@ struct MeshArguments {
     bool map_file = false;
     bool all_roles = false;  ///< of a file's parts: see ReadOptions
     ProgressBar::When progress = ProgressBar::When::automatic;
+    bool quiet = false;
 
     std::string name() const { return input_name(mesh); }
 };
@@ -106,6 +107,9 @@ void declare_reading(CLI::App& command, MeshArguments& arguments);
 /// --threads and --progress alone; --threads alone.
 void declare_running(CLI::App& command, MeshArguments& arguments);
 void declare_threads(CLI::App& command, int& threads);
+
+/// --quiet, of commands whose words on standard output only tell what they did.
+void declare_quiet(CLI::App& command, MeshArguments& arguments);
 
 /// The help of an argument that is a mesh: "Mesh file, or - for standard input: ...".
 std::string mesh_help(const std::string& what);

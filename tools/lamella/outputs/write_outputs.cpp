@@ -215,10 +215,10 @@ Record record_of(const OutputJob& job, const PlannedOutput& output) {
 }  // namespace
 
 bool is_recorded(const std::string& name) {
-    static constexpr std::array<std::string_view, 13> without_effect = {"",  // hidden options have no name
-                                                                        "mesh",  "archives",  "parts",      "--output",
-                                                                        "--to",  "--threads", "--progress", "--report",
-                                                                        "--map", "--band",    "--form",     "--help"};
+    static constexpr std::array<std::string_view, 14> without_effect = {
+        "",  // hidden options have no name
+        "mesh",     "archives", "parts", "--output", "--to",   "--threads", "--progress",
+        "--report", "--quiet",  "--map", "--band",   "--form", "--help"};
     return std::find(without_effect.begin(), without_effect.end(), name) == without_effect.end();
 }
 

@@ -288,6 +288,7 @@ std::string findings(const ReportParts& parts) {
 void declare(CLI::App& command, SliceArguments& arguments) {
     add_text(command, "mesh", arguments.meshes, "MESH|-", mesh_help("Mesh files, or - for standard input"))->required();
     declare_reading(command, arguments);
+    declare_quiet(command, arguments);
     declare_outputs(command, arguments.outputs);
     declare_image(command, arguments.image);
     declare_options(command, arguments.options);

@@ -45,6 +45,10 @@ struct SliceArguments : MeshArguments {
     bool output_to_stdout() const noexcept {
         return std::any_of(outputs.outputs.begin(), outputs.outputs.end(), is_standard);
     }
+    /// Unless it is to be quiet.
+    void say(const std::string& words, bool stdout_taken = false) const {
+        print_words(words, stdout_taken || output_to_stdout(), quiet);
+    }
 };
 
 /// Declares the flags on `command`, to be stored in `arguments`. Values are checked, and files that flags name are read,

@@ -55,7 +55,7 @@ public:
         }
         if (arguments_.mesh_count() > 1) {
             write();
-            print_words(words + wrote(run_.outputs), arguments_.output_to_stdout());
+            arguments_.say(words + wrote(run_.outputs));
         }
         if (job_.failure) {
             throw Failure(*job_.failure);
@@ -352,18 +352,17 @@ private:
     }
 
     void cut_mesh(const MeshToSlice& mesh, const SliceOptions& options, const Tuning& tuning, SlicedPart& part) {
-        const Status cut = stages_.run("slicing", [&](const Context& context) -> Status {
+        const Amount amount{static_cast<double>(mesh.about().triangle_count), "triangles"};
+        const Status cut = stages_.run("slicing", amount, [&](const Context& context) -> Status {
             if (streams_) {
                 job_.finish_streamed = slice_streamed(job_, part, mesh.source(), options, tuning, arguments_.hash, context);
                 return {};
             }
-            if (labelled_) {
-                const LayerSet own{.layers = *labelled_, .part = label_};
-                const Result<SliceInfo> info = Overlay().combine(part.result, {&own, 1}, unite, {}, context);
-                return info ? Status() : info.error();
-            }
             Slicer slicer;
-            const Result<SliceInfo> info = slice_tuned(slicer, part.result, mesh.source(), options, tuning, context);
+            const LayerSet own{.layers = labelled_ ? *labelled_ : part.result, .part = label_};
+            const Result<SliceInfo> info = labelled_
+                                               ? Overlay().combine(part.result, {&own, 1}, unite, {}, context)
+                                               : slice_tuned(slicer, part.result, mesh.source(), options, tuning, context);
             return info ? Status() : info.error();
         });
         if (mesh.stream) {
@@ -433,12 +432,12 @@ private:
             .mesh_name = arguments_.mesh, .file = &mesh.about(), .welded = part.welded ? &*part.welded : nullptr};
         if (arguments_.report.empty()) {
             end_run();
-            return print_words(summary(part, parts, run_), arguments_.output_to_stdout());
+            return arguments_.say(summary(part, parts, run_));
         }
         const MeshView sliced = part.welded && !mesh.oriented ? part.welded->view() : mesh.view();
         const auto ask = [&](const char* what, const AuditOptions& question) {
-            return stages_.done(
-                what, [&](const Context& context) { return audit(part.result, sliced, question, context); }, &run_.ms[what]);
+            const auto find = [&](const Context& context) { return audit(part.result, sliced, question, context); };
+            return stages_.done(what, find, &run_.ms[what]);
         };
         Audit found = ask("ledger", {.open = false, .volume = false, .crossings = false});
         found.volume = std::move(ask("certificate", {.open = false, .ledger = false, .crossings = false}).volume);
@@ -453,8 +452,7 @@ private:
         run_.ms["report"] = watch.ms();
         end_run();
         const bool to_stdout = is_standard(arguments_.report);
-        print_words(summary(part, parts, run_) + (to_stdout ? "" : "report    " + arguments_.report + "\n"),
-                    to_stdout || arguments_.output_to_stdout());
+        arguments_.say(summary(part, parts, run_) + (to_stdout ? "" : "report    " + arguments_.report + "\n"), to_stdout);
     }
 
     std::string summary_of(const MeshToSlice& mesh, const std::string& name) {

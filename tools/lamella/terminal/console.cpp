@@ -60,6 +60,21 @@ std::string file_size_text(std::uint64_t bytes) {
                         : rounded(size / 1e6, 1) + " MB";
 }
 
+std::string duration_text(double seconds) {
+    constexpr double minute = 60;
+    constexpr double hour = 60 * minute;
+    if (seconds < 2 * minute) {
+        return rounded(seconds, seconds < 10 ? 1 : 0) + " s";
+    }
+    return seconds < 2 * hour ? rounded(seconds / minute, 0) + " min" : rounded(seconds / hour, 1) + " h";
+}
+
+std::string rate_text(double count, std::string_view noun, double seconds) {
+    const double thousands = count / std::max(seconds, 1e-3) / 1e3;
+    return rounded(thousands < 1e3 ? thousands : thousands / 1e3, 1) + (thousands < 1e3 ? " k " : " M ") +
+           std::string(noun) + "/s";
+}
+
 void print(std::string_view words) {
     const std::string text = utf8_text(words);
     if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
@@ -67,7 +82,10 @@ void print(std::string_view words) {
     }
 }
 
-void print_words(std::string_view text, bool stdout_taken) {
+void print_words(std::string_view text, bool stdout_taken, bool quiet) {
+    if (quiet) {
+        return;
+    }
     if (stdout_taken) {
         (void)std::fputs(utf8_text(text).c_str(), stderr);
     } else {
@@ -77,16 +95,21 @@ void print_words(std::string_view text, bool stdout_taken) {
 
 ProgressBar::ProgressBar(When when) : shown_(when == When::always || (when == When::automatic && is_terminal())) {}
 
-void ProgressBar::show(std::string_view what, double fraction) {
+void ProgressBar::show(std::string_view what, double fraction, const Amount& amount) {
     const auto now = Clock::now();
+    begin_ = drawn_ && what == last_what_ ? begin_ : now;
     if (!shown_ || (drawn_ && now < next_ && what == last_what_)) {
         return;
     }
     constexpr int width = 40;
     const double share = std::clamp(fraction, 0.0, 1.0);
     const auto filled = static_cast<std::size_t>(share * width);
-    const std::string line = "\r\x1b[K" + std::string(what) + " [" + std::string(filled, '#') +
-                             std::string(width - filled, '.') + "] " + rounded(100 * share, 0) + " %";
+    std::string line = "\r\x1b[K" + std::string(what) + " [" + std::string(filled, '#') + std::string(width - filled, '.') +
+                       "] " + rounded(100 * share, 0) + " %";
+    if (const double seconds = milliseconds_since(begin_) / 1000; seconds > 1 && share > 0.01) {
+        line += when(amount.count > 0, ", " + rate_text(share * amount.count, amount.noun, seconds)) + ", " +
+                duration_text(seconds * (1 / share - 1)) + " left";
+    }
     (void)std::fputs(line.c_str(), stderr);
     (void)std::fflush(stderr);
     drawn_ = true;

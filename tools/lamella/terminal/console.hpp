@@ -112,13 +112,26 @@ std::string measure_text(double value);
 /// As "12.3 MB", or in smaller units what is smaller.
 std::string file_size_text(std::uint64_t bytes);
 
+/// "9.5 s", "35 s", "12 min", "3.4 h"
+std::string duration_text(double seconds);
+
+/// "1.2 M triangles/s"
+std::string rate_text(double count, std::string_view noun, double seconds);
+
 /// Writes all of `words`, as utf8_text(), to standard output; throws Failure (bad_output) when that cannot be done.
 void print(std::string_view words);
 
-/// Prints what a command did: on standard output, or on stderr where an output has taken that.
-void print_words(std::string_view text, bool stdout_taken);
+/// Prints what a command did, unless it is to be quiet: on standard output, or on stderr where an output has taken that.
+void print_words(std::string_view text, bool stdout_taken, bool quiet = false);
 
-/// A bar on stderr, redrawn at most ten times a second and wiped when done.
+/// What a stage goes through: "triangles", "bytes". Unknown: 0.
+struct Amount {
+    double count = 0;
+    std::string_view noun{};
+};
+
+/// A bar on stderr, redrawn at most ten times a second and wiped when done. After a second it also tells how fast it goes
+/// and how long it will take: "slicing [####......] 43 %, 12.4 M triangles/s, 9.5 s left".
 class ProgressBar {
 public:
     enum class When : std::uint8_t { automatic, always, never };
@@ -129,13 +142,14 @@ public:
     ProgressBar& operator=(const ProgressBar&) = delete;
 
     bool shown() const noexcept { return shown_; }
-    void show(std::string_view what, double fraction);
+    void show(std::string_view what, double fraction, const Amount& amount = {});
     void wipe();
 
 private:
     bool shown_;
     bool drawn_ = false;
     std::string last_what_;
+    Clock::time_point begin_;  ///< of what is shown
     Clock::time_point next_;
 };
 
@@ -190,7 +204,11 @@ public:
     /// Returns what `call` does, which takes a Context. From here on a signal is a stop request.
     template <class Call>
     auto run(std::string_view what, const Call& call) {
-        const auto show = [&](double fraction) noexcept { bar_.show(what, fraction); };
+        return run(what, Amount{}, call);
+    }
+    template <class Call>
+    auto run(std::string_view what, const Amount& amount, const Call& call) {
+        const auto show = [&](double fraction) noexcept { bar_.show(what, fraction, amount); };
         const Wiping wiping{bar_};
         show(0);
         return call(Context{.threads = threads_,

@@ -1,9 +1,9 @@
-// lamella::io: mesh files, layered SVG and reports.
+// lamella::io: mesh files, files of layers and reports.
 //
 //     const lamella::Result<lamella::MeshFile> file = lamella::read_mesh("liver.stl");
 //     if (file) {
 //         const lamella::Result<lamella::SliceResult> sliced = lamella::slice(*file);
-//         if (sliced && lamella::write_svg(*sliced, "liver.svg")) {
+//         if (sliced && lamella::write_layers(*sliced, "liver.svg")) {
 //             std::printf("%zu layers\n", sliced->layers.size());
 //         }
 //     }
@@ -15,5 +15,5 @@
 #include "lamella/io/mesh_writer.hpp"
 #include "lamella/io/name_text.hpp"
 #include "lamella/io/report.hpp"
-#include "lamella/io/svg.hpp"
+#include "lamella/io/layer_file.hpp"
 #include "lamella/io/text_file.hpp"

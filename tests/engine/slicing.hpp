@@ -39,8 +39,12 @@ shapes::Soup generated(lamella::models::Shape shape, std::uint64_t triangles, st
 /// Requires success.
 void require_ok(const lamella::Status& status);
 template <class T>
+lamella::Status done(const lamella::Result<T>& result) {
+    return result ? lamella::Status() : lamella::Status(result.error());
+}
+template <class T>
 T value_of(lamella::Result<T> result) {
-    require_ok(result ? lamella::Status() : lamella::Status(result.error()));
+    require_ok(done(result));
     return std::move(result).value();
 }
 

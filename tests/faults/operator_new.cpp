@@ -249,7 +249,7 @@ TEST_CASE("writing leaves no half-written file if operator new fails", "[faults]
         left_until_failure = left;
         return code_of(status);
     };
-    fail_everywhere([&] { return left_alone(write_svg(result, path)); });
+    fail_everywhere([&] { return left_alone(done(write_layers(result, path))); });
     fail_everywhere([&] { return left_alone(lamella::write_text_file(path, "text")); });
     CHECK(tidy);
     fail_everywhere([&] { return code_of(audits::structure_of(result)); });

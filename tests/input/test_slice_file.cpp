@@ -187,13 +187,13 @@ TEST_CASE("a file written layer by layer is the file of the whole", "[slice_file
                                .frame = {.transform = Transform::from_normal(0, 1, 2)}};
     const StreamOptions stream{.memory_bytes = GENERATE(std::uint64_t{1'500'000}, std::uint64_t{50'000'000}),
                                .read = {.mm_per_unit = 2}};
-    std::optional<SvgStream> svg;
+    std::optional<LayerFile> svg;
     std::vector<SliceInfo> begun;
     std::uint64_t layers = 0;
     const auto streamed = folder / "streamed.svg";
     auto begin = [&](const SliceInfo& info) noexcept {
         begun.push_back(info);
-        svg = SvgStream::begin(info, streamed).value();
+        svg = LayerFile::begin(info, streamed).value();
     };
     auto take = [&](const LayerView& view) noexcept {
         svg->add(view);
@@ -204,7 +204,7 @@ TEST_CASE("a file written layer by layer is the file of the whole", "[slice_file
     REQUIRE(begun.size() == 1);
     CHECK(begun[0].layers == layers);
     CHECK_FALSE(std::filesystem::exists(streamed));
-    require_ok(svg->finish());
+    CHECK(value_of(svg->finish()).layers == layers);
 
     const SliceResult whole = in_ranges(path, stream, options).result;
     REQUIRE(whole.info.open_contours > 0);
@@ -216,7 +216,7 @@ TEST_CASE("a file written layer by layer is the file of the whole", "[slice_file
         CHECK(info.options == whole.info.options);
         CHECK(info.box == whole.info.box);
     }
-    require_ok(write_svg(whole, folder / "whole.svg"));
+    value_of(write_layers(whole, folder / "whole.svg"));
     CHECK(::bytes_of(streamed) == ::bytes_of(folder / "whole.svg"));
 }
 

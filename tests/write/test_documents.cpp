@@ -70,7 +70,7 @@ json report_of(const SliceResult& result, const ReportParts& parts = {}) {
 
 std::string svg_of(const SliceResult& result) {
     const TempFolder folder;
-    require_ok(write_svg(result, folder / "a.svg"));
+    value_of(write_layers(result, folder / "a.svg"));
     REQUIRE(folder.names() == std::vector<std::string>{"a.svg"});
     return bytes_of(folder / "a.svg");
 }

@@ -124,7 +124,7 @@ TEST_CASE("output: what cannot be written is known before the end, with the file
           {"/dev/full", "No space left on device"}}) {
         require_unwritable(write_text_file(path, "x"), path, reason);
     }
-    require_unwritable(write_svg(SliceResult(), "/dev/full"), "/dev/full", "No space left on device");
+    require_unwritable(done(write_layers(SliceResult(), "/dev/full", {.format = "svg"})), "/dev/full", "No space left on device");
     CHECK(std::filesystem::is_character_file("/dev/full"));
     // The folder goes away meanwhile.
     const auto path = folder / "gone" / "a";

@@ -13,7 +13,7 @@ int main(int count, char** words) {
     lamella::SliceOptions options;
     options.layer_height_mm = 0.5;
     const auto result = lamella::slice(*file, options);
-    if (!result || !lamella::write_svg(*result, "layers.svg") || !lamella::make_report_json(*result)) {
+    if (!result || !lamella::write_layers(*result, "layers.svg") || !lamella::make_report_json(*result)) {
         return 1;
     }
     std::filesystem::remove("layers.svg");

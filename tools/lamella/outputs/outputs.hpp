@@ -1,5 +1,5 @@
 // Which files a command writes, as what, and whether that can be: before any mesh is read, and once the image is known at
-// whose slices meshes are cut. Then results become files: masks, tables, SVG, and a record beside each but SVG.
+// whose slices meshes are cut. Then results become files: masks, tables, files of layers, and a record beside each but these.
 #pragma once
 
 #include <array>
@@ -54,20 +54,21 @@ void declare_image(CLI::App& command, ImageArguments& arguments);
 void declare_like(CLI::App& command, ImageArguments& arguments, const std::string& help);
 
 /// The end of a mask's or a table's name says which one it is.
-enum class OutputFormat : std::uint8_t { svg, mask, segmentation, structure_set, table, png, hdf5 };
+enum class OutputFormat : std::uint8_t { layers, mask, segmentation, structure_set, table, png, hdf5 };
 
 struct PlannedOutput {
     std::string path;  ///< or - for standard output
-    OutputFormat format = OutputFormat::svg;
+    OutputFormat format = OutputFormat::layers;
+    std::string_view layer_format = "svg";  ///< LayerFormat::name
 
     /// Voxels in the patient: it needs the geometry of an image, and the patient frame of the mesh.
     bool is_mask() const noexcept { return format == OutputFormat::mask || format == OutputFormat::segmentation; }
     /// Of DICOM: it names the slices of a CT.
     bool is_dicom() const noexcept { return format == OutputFormat::structure_set || format == OutputFormat::segmentation; }
     /// True if it takes one mesh only.
-    bool one_mesh() const noexcept { return format == OutputFormat::svg || format == OutputFormat::hdf5; }
-    /// True if a record is written beside it: beside all but SVG.
-    bool has_record() const noexcept { return format != OutputFormat::svg; }
+    bool one_mesh() const noexcept { return format == OutputFormat::layers || format == OutputFormat::hdf5; }
+    /// True if a record is written beside it: beside all but files of layers.
+    bool has_record() const noexcept { return format != OutputFormat::layers; }
     std::string record_path() const { return path + ".lamella.json"; }
     /// All files that come to lie on disk.
     std::vector<std::string> files(bool several_meshes) const;

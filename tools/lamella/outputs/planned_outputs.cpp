@@ -8,6 +8,7 @@
 
 #include "files/flags.hpp"
 #include "files/mesh_input.hpp"
+#include "lamella/io/layer_file.hpp"
 #include "lamella/medical.hpp"
 #include "terminal/console.hpp"
 
@@ -21,9 +22,8 @@ struct NamedFormat {
     OutputFormat format;
 };
 
-/// Longer ends before those that they end in.
-constexpr std::array<NamedFormat, 12> formats = {{
-    {"svg", ".svg", OutputFormat::svg},
+/// Beside files of layers. Longer ends before those that they end in.
+constexpr std::array<NamedFormat, 11> own_formats = {{
     {"nii.gz", ".nii.gz", OutputFormat::mask},
     {"nii", ".nii", OutputFormat::mask},
     {"seg.nrrd", ".seg.nrrd", OutputFormat::mask},
@@ -37,18 +37,41 @@ constexpr std::array<NamedFormat, 12> formats = {{
     {"h5", ".h5", OutputFormat::hdf5},
 }};
 
+const std::vector<NamedFormat>& formats() {
+    static const std::vector<NamedFormat> all = [] {
+        std::vector<NamedFormat> named;
+        for (const LayerFormat& format : layer_formats()) {
+            named.push_back({format.name, format.ending, OutputFormat::layers});
+        }
+        named.insert(named.end(), own_formats.begin(), own_formats.end());
+        return named;
+    }();
+    return all;
+}
+
 std::string all_formats(std::string_view NamedFormat::*member) {
     std::vector<std::string_view> all;
-    std::transform(formats.begin(), formats.end(), std::back_inserter(all), std::mem_fn(member));
+    for (const NamedFormat& format : formats()) {
+        if (std::find(all.begin(), all.end(), format.*member) == all.end()) {  // two formats may share an end
+            all.push_back(format.*member);
+        }
+    }
     return joined(all);
 }
 
 /// Null where the name ends as none does.
 const NamedFormat* format_by_end(const std::string& path) {
     const std::string name = lower_case(path);
-    const auto* const found =
-        std::find_if(formats.begin(), formats.end(), [&](const NamedFormat& format) { return name.ends_with(format.end); });
-    return found == formats.end() ? nullptr : found;
+    for (const NamedFormat& format : formats()) {
+        if (name.ends_with(format.end)) {
+            return &format;
+        }
+    }
+    return nullptr;
+}
+
+PlannedOutput planned_as(const std::string& path, const NamedFormat& format) {
+    return {path, format.format, format.format == OutputFormat::layers ? format.name : std::string_view()};
 }
 
 /// The name without the end that tells its format.
@@ -130,7 +153,7 @@ std::vector<PlannedOutput> planned_outputs(const OutputArguments& arguments) {
             if (format == nullptr) {
                 require_extension(path, "--output", all_formats(&NamedFormat::end) + arguments.besides);
             }
-            planned.push_back({path, format == nullptr ? OutputFormat::svg : format->format});
+            planned.push_back(format == nullptr ? PlannedOutput{path} : planned_as(path, *format));
         }
         return planned;
     }
@@ -138,15 +161,15 @@ std::vector<PlannedOutput> planned_outputs(const OutputArguments& arguments) {
               "--to: needs one --output, a file, whose name the formats share");
     for (const std::string_view word : split(arguments.to, ',')) {
         const std::string name = lower_case(word);
-        const auto* const format =
-            std::find_if(formats.begin(), formats.end(), [&](const NamedFormat& known) { return known.name == name; });
-        refuse_if(format == formats.end(), bad_usage,
+        const auto format =
+            std::find_if(formats().begin(), formats().end(), [&](const NamedFormat& known) { return known.name == name; });
+        refuse_if(format == formats().end(), bad_usage,
                   "--to: '" + name + "' is not one of " + all_formats(&NamedFormat::name));
         const std::string path = without_format_end(outputs.front()) + std::string(format->end);
         for (const PlannedOutput& other : planned) {
             refuse_if(other.path == path, bad_usage, "--to: '" + name + "' stands there twice");
         }
-        planned.push_back({path, format->format});
+        planned.push_back(planned_as(path, *format));
     }
     return planned;
 }

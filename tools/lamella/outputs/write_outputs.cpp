@@ -8,7 +8,7 @@
 
 #include "files/flags.hpp"
 #include "files/mesh_input.hpp"
-#include "lamella/io/svg.hpp"
+#include "lamella/io/layer_file.hpp"
 #include "lamella/version.hpp"
 #include "terminal/console.hpp"
 
@@ -134,10 +134,11 @@ void write_structure_set_of(const OutputJob& job, const PlannedOutput& output, c
 void write_one(const OutputJob& job, const PlannedOutput& output, const Context& context, const Note& note) {
     const ImageGeometry* const image = job.image ? &*job.image : nullptr;
     switch (output.format) {
-        case OutputFormat::svg: {
+        case OutputFormat::layers: {
             const SlicedPart& part = job.parts.front();
-            done_or_thrown(write_svg(part.result, output_path(output.path),
-                                     {.welded = part.welded ? &*part.welded : nullptr}, context));
+            done_or_thrown(
+                write_layers(part.result, output_path(output.path),
+                             {.format = output.layer_format, .welded = part.welded ? &*part.welded : nullptr}, context));
             return;
         }
         case OutputFormat::mask:

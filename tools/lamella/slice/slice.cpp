@@ -10,7 +10,7 @@
 #include <variant>
 
 #include "files/flags.hpp"
-#include "lamella/io/svg.hpp"
+#include "lamella/io/layer_file.hpp"
 #include "lamella/medical/table.hpp"
 #include "options/asked.hpp"
 
@@ -125,8 +125,8 @@ public:
     void begin(const OutputJob& job, const std::string& mesh_name, const SliceInfo& info) {
         const ImageGeometry* const image = job.image ? &*job.image : nullptr;
         for (const PlannedOutput& output : job.outputs) {
-            output.format == OutputFormat::svg
-                ? add(SvgStream::begin(info, output_path(output.path)))
+            output.format == OutputFormat::layers
+                ? add(LayerFile::begin(info, output_path(output.path), {.format = output.layer_format}))
                 : add(LayerTableStream::begin(mesh_name, path_of(output.path), image, job.arguments.islands));
         }
     }
@@ -145,12 +145,12 @@ public:
         // Streams that failed come first: they ended the slicing, and the others lack layers.
         std::stable_partition(streams_.begin(), streams_.end(), has_failed);
         for (Any& stream : streams_) {
-            done_or_thrown(std::visit([](auto& one) { return one.finish(); }, stream));
+            std::visit([](auto& one) { done_or_thrown(one.finish()); }, stream);
         }
     }
 
 private:
-    using Any = std::variant<SvgStream, LayerTableStream>;
+    using Any = std::variant<LayerFile, LayerTableStream>;
 
     static bool has_failed(const Any& stream) {
         return std::visit([](const auto& one) { return one.failed(); }, stream);

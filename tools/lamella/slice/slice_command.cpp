@@ -103,7 +103,7 @@ private:
         }
         job_.outputs = plan_outputs(arguments_.outputs, arguments_.mesh_count(), arguments_.image, file_plan_);
         const auto takes_layers = [](const PlannedOutput& output) {
-            return output.format == OutputFormat::svg || output.format == OutputFormat::table;
+            return output.format == OutputFormat::layers || output.format == OutputFormat::table;
         };
         streams_ = arguments_.in_ranges() &&
                    (job_.outputs.empty() ||

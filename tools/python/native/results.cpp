@@ -264,8 +264,8 @@ void write_report(const HeldResult& held, const View& view, const std::string& p
     run([&](const Context& /*lent*/) { return write_text_file(std::filesystem::path(path), text); });
 }
 
-void write_picture(const HeldResult& held, const std::string& path) {
-    run([&](const Context& context) { return write_svg(held.result, std::filesystem::path(path), {}, context); });
+void write_layer_file(const HeldResult& held, const std::string& path) {
+    run([&](const Context& context) { return write_layers(held.result, std::filesystem::path(path), {}, context); });
 }
 
 }  // namespace
@@ -333,7 +333,7 @@ void define_results(py::module_& module) {
     module.def("restore", &restore);
     module.def("certify", &certify);
     module.def("write_report", &write_report);
-    module.def("write_svg", &write_picture);
+    module.def("write_layers", &write_layer_file);
 }
 
 HeldResult::~HeldResult() {

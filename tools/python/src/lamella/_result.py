@@ -346,7 +346,7 @@ class Result(SetMethods):
             raise InvalidArgumentError(f"{name}: results are saved as .svg or .json, not '{end}'", path=name)
         try:
             if end == ".svg":
-                _native.write_svg(self._native, os.fsencode(name))
+                _native.write_layers(self._native, os.fsencode(name))
             else:
                 _native.write_report(self._native, self._whole_mesh("report").native, os.fsencode(name))
         except Error as error:

@@ -6,7 +6,6 @@
 // wherever contours do not cross.
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -19,8 +18,8 @@
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
 #include "base/words.hpp"
-#include "io/write/output_file.hpp"
-#include "lamella/io/svg.hpp"
+#include "io/layers/layer_writer.hpp"
+#include "io/text/mm_text.hpp"
 #include "options/asked.hpp"
 
 namespace lamella {
@@ -35,56 +34,8 @@ constexpr std::string_view warning_colour = "#d9302c";
 constexpr double margin = 0.02;           ///< around the mesh, of its larger extent
 constexpr double warning_stroke = 0.002;  ///< of the same
 
-/// Grid coordinates as decimal mm: enough digits to be within half a grid unit, or within 1e-6 mm where the grid is finer.
-class MmFormat {
+class SvgWriter final : public LayerWriter {
 public:
-    static constexpr int most_decimals = 6;
-    static constexpr std::size_t most_chars = 24;
-
-    explicit MmFormat(double unit_mm) noexcept {
-        double step = 1;
-        while (step > unit_mm && decimals_ < most_decimals) {
-            ++decimals_;
-            ten_power_ *= 10;
-            step = 1 / static_cast<double>(ten_power_);
-        }
-        scale_ = unit_mm * static_cast<double>(ten_power_);
-    }
-
-    char* write(char* to, std::int32_t grid_units) const noexcept { return fixed(to, scale_ * grid_units); }
-    char* write_mm(char* to, double mm) const noexcept { return fixed(to, mm * static_cast<double>(ten_power_)); }
-
-private:
-    /// `scaled` / 10^decimals, without trailing zeros.
-    char* fixed(char* to, double scaled) const noexcept {
-        if (scaled < 0) {
-            *to = '-';
-        }
-        const auto magnitude = static_cast<std::uint64_t>(std::llround(std::abs(scaled)));
-        to += static_cast<int>(scaled < 0 && magnitude != 0);
-        char* const limit = to + most_chars;
-        char* end = std::to_chars(to, limit, magnitude / ten_power_).ptr;
-        const std::uint64_t fraction = magnitude % ten_power_;
-        if (fraction != 0) {
-            // A leading one keeps the zeros after the point; the point then takes its place.
-            char* const point = end;
-            end = std::to_chars(point, limit, fraction + ten_power_).ptr;
-            *point = '.';
-            while (end[-1] == '0') {
-                --end;
-            }
-        }
-        return end;
-    }
-
-    std::uint64_t ten_power_ = 1;
-    int decimals_ = 0;
-    double scale_ = 1;
-};
-
-class SvgWriter {
-public:
-    /// Functions that write layers throw Stopped where `stop` asks for it.
     SvgWriter(const SliceInfo& info, const StopCheck& stop, OutputFile& out)
         : layers_(info.layers),
           parts_(info.part_count),
@@ -117,7 +68,7 @@ public:
                     "\" fill=\"white\"/>\n");
     }
 
-    void layer(const LayerView& view) {
+    void add(const LayerView& view) override {
         stop_.stop_if_asked();
         out_.append("<g id=\"layer" + std::to_string(view.index) + "\" slic3r:z=\"" + exact_text(view.plane_mm) +
                     "\" lamella:cut-z=\"" + exact_text(view.cut_mm()) + "\" slic3r:layer-height=\"" +
@@ -130,9 +81,9 @@ public:
         out_.append("</g>\n");
     }
 
-    /// The end of the file. Over all layers, as a warning must not be hidden by those above it: where gaps were closed, and
+    /// Over all layers, as a warning must not be hidden by those above it: where gaps were closed, and
     /// open polylines once more.
-    void tail() {
+    void finish() override {
         if (!stitches_.empty()) {
             out_.append("<g id=\"gaps\" transform=\"scale(1,-1)\" fill=\"none\" " + stroke() + ">\n<desc>" +
                         counted(stitches_.size(), "gap") + " " + stitching_ + " closed</desc>\n");
@@ -154,6 +105,8 @@ public:
         out_.append("</svg>\n");
     }
 
+    double rounding_mm() const noexcept override { return format_.rounding_mm(); }
+
 private:
     static std::string description(const SliceInfo& info, const WeldedMesh* welded) {
         const SliceOptions& options = info.options;
@@ -171,10 +124,7 @@ private:
         return "stroke=\"" + std::string(warning_colour) + "\" stroke-width=\"" + mm(warning_stroke * extent_) + "\"";
     }
 
-    std::string mm(double value) const {
-        std::array<char, MmFormat::most_chars + 1> text;
-        return {text.data(), MmFormat(std::numeric_limits<double>::min()).write_mm(text.data(), value)};
-    }
+    static std::string mm(double value) { return MmFormat().text_of_mm(value); }
 
     /// As "#rrggbb", from the lowest layer's to the highest's.
     std::string colour(std::uint64_t index) const {
@@ -243,56 +193,10 @@ private:
 
 }  // namespace svg
 
-struct SvgStream::State : OutputStream {
-    State(OutputFile file, const SliceInfo& info, const StopCheck& stop)
-        : OutputStream{std::move(file)}, writer(info, stop, out) {}
-
-    svg::SvgWriter writer;
-};
-
-SvgStream::SvgStream(std::unique_ptr<State> state) noexcept : state_(std::move(state)) {}
-SvgStream::SvgStream(SvgStream&&) noexcept = default;
-SvgStream& SvgStream::operator=(SvgStream&&) noexcept = default;
-SvgStream::~SvgStream() = default;
-
-Result<SvgStream> SvgStream::begin(const SliceInfo& info, const std::filesystem::path& path, const SvgOptions& options,
-                                   const Context& context) noexcept {
-    return guarded(context, [&]() -> Result<SvgStream> {
-        auto state = std::make_unique<State>(require(OutputFile::create(path)), info, context.stop);
-        state->writer.head(info, options.welded);
-        return SvgStream(std::move(state));
-    });
-}
-
-void SvgStream::add(const LayerView& layer) noexcept {
-    state_->attempt([&] { state_->writer.layer(layer); });
-}
-
-bool SvgStream::failed() const noexcept {
-    return state_->failed();
-}
-
-Status SvgStream::finish() noexcept {
-    state_->attempt([&] { state_->writer.tail(); });
-    return state_->finish();
-}
-
-Status write_svg(const SliceResult& result, const std::filesystem::path& path, const SvgOptions& options,
-                 const Context& context) noexcept {
-    Result<SvgStream> stream = SvgStream::begin(result.info, path, options, context);
-    if (!stream) {
-        return stream.error();
-    }
-    ProgressMeter progress(context.progress);
-    for (std::size_t index = 0; index < result.size() && !stream->failed(); ++index) {
-        stream->add(result[index]);
-        progress.reach(static_cast<double>(index) / static_cast<double>(result.size()));
-    }
-    Status status = stream->finish();
-    if (status) {
-        progress.finish();
-    }
-    return status;
+std::unique_ptr<LayerWriter> make_svg(const LayerFilePlan& plan, OutputFile& out) {
+    auto writer = std::make_unique<svg::SvgWriter>(plan.info, plan.stop, out);
+    writer->head(plan.info, plan.options.welded);
+    return writer;
 }
 
 }  // namespace lamella

@@ -15,7 +15,8 @@ python_packages=(
     python3-pytest python3-pandas python3-shapely python3-matplotlib python3-tqdm mypy
 )
 # tests/readers: programs that read what lamella::medical writes. A test whose program is missing is skipped.
-reader_packages=(dcmtk dicom3tools python3-nibabel python3-pydicom python3-h5py python3-pandas python3-pil python3-vtk9 python3-skimage plastimatch teem-apps)
+reader_packages=(dcmtk dicom3tools python3-nibabel python3-pydicom python3-h5py python3-pandas python3-pil python3-vtk9 python3-skimage plastimatch teem-apps
+  lib3mf1 python3-ezdxf python3-shapely gdal-bin)
 # tests/cluster: the engines that tools/cluster and the Python package hand meshes to.
 cluster_packages=(slurm-wlm munge snakemake python3-distributed python3-pandas)
 # tools/cluster/image.sh: the third runs, in its test, what the first makes.

@@ -58,7 +58,7 @@ test_standard_output() {
     expect 0 slice ball.stl -o ball.svg
     expect 0 slice ball.stl -o - --report report.json
     cmp .stdout ball.svg || fail "another SVG"
-    grep -q '^wrote  *standard output$' .stderr || fail "no summary on stderr"
+    grep -q '^wrote  *standard output: 100 layers' .stderr || fail "no summary on stderr"
     [[ $(json_value report.json output) == - ]] || fail "the report names another output"
     "$lamella" make sphere --triangles 1000 --height 20 -o - 2> .stderr | "$lamella" slice - -o - 2>> .stderr > through.svg
     [[ ${PIPESTATUS[*]} == "0 0" ]] || fail "the pipe fails"
@@ -109,7 +109,7 @@ test_help() {
     done
     expect_silent --version
     expect 0 slice --help
-    tr -s ' \n' ' ' < .stdout | grep -q "end of its name: .svg, .nii.gz, .nii, .seg.nrrd, .nrrd, .mha, .seg.dcm, .dcm, .csv, .jsonl, .png, .h5;" ||
+    tr -s ' \n' ' ' < .stdout | grep -q "end of its name: .svg, .cli, .3mf, .dxf, .geojson, .vtp, .nii.gz, .nii, .seg.nrrd, .nrrd, .mha, .seg.dcm, .dcm, .csv, .jsonl, .png, .h5;" ||
         fail "--help does not list the ends of names"
 }
 

@@ -67,11 +67,13 @@ void add_written(Hashes& hashes, const std::string& name, const MeshView& mesh, 
     CHECK(without_times(report).size() < report.size());
     add(hashes, name + ", report", hash_of(without_times(report)));
     const TempFolder folder;
-    add(hashes, name + ", SVG", hash_of(bytes_written(folder, done(write_layers(result, folder / "layers.svg")), "layers.svg")));
+    add(hashes, name + ", SVG",
+        hash_of(bytes_written(folder, done(write_layers(result, folder / "layers.svg")), "layers.svg")));
     parts.welded = &welded;
     add(hashes, name + ", report of welding", hash_of(without_times(value_of(make_report_json(result, parts)))));
     add(hashes, name + ", SVG of welding",
-        hash_of(bytes_written(folder, done(write_layers(result, folder / "layers.svg", {.welded = &welded})), "layers.svg")));
+        hash_of(
+            bytes_written(folder, done(write_layers(result, folder / "layers.svg", {.welded = &welded})), "layers.svg")));
 }
 
 /// The counts, the JSON and the PLY of faults.

@@ -12,6 +12,7 @@ inline std::vector<ContextCall> file_calls(const std::filesystem::path& mesh, co
                                            const std::filesystem::path& svg, std::vector<ContextCall> calls = {}) {
     using lamella::Context;
     calls.push_back({"read_mesh", [mesh](const Context& c) { return code_of(read_mesh(mesh, {}, c)); }});
-    calls.push_back({"write_layers", [&result, svg](const Context& c) { return code_of(write_layers(result, svg, {}, c)); }});
+    calls.push_back(
+        {"write_layers", [&result, svg](const Context& c) { return code_of(write_layers(result, svg, {}, c)); }});
     return calls;
 }

@@ -10,8 +10,8 @@
 
 #include "engine/slicing.hpp"
 #include "io/write/json.hpp"
+#include "lamella/io/layer_file.hpp"
 #include "lamella/io/report.hpp"
-#include "lamella/io/svg.hpp"
 #include "temp_folder.hpp"
 
 using namespace lamella;

@@ -7,9 +7,9 @@
 #include "engine/slicing.hpp"
 #include "input/read.hpp"
 #include "io/write/output_file.hpp"
+#include "lamella/io/layer_file.hpp"
 #include "lamella/io/mesh_writer.hpp"
 #include "lamella/io/name_text.hpp"
-#include "lamella/io/svg.hpp"
 #include "lamella/io/text_file.hpp"
 #include "temp_folder.hpp"
 
@@ -124,7 +124,8 @@ TEST_CASE("output: what cannot be written is known before the end, with the file
           {"/dev/full", "No space left on device"}}) {
         require_unwritable(write_text_file(path, "x"), path, reason);
     }
-    require_unwritable(done(write_layers(SliceResult(), "/dev/full", {.format = "svg"})), "/dev/full", "No space left on device");
+    require_unwritable(done(write_layers(SliceResult(), "/dev/full", {.format = "svg"})), "/dev/full",
+                       "No space left on device");
     CHECK(std::filesystem::is_character_file("/dev/full"));
     // The folder goes away meanwhile.
     const auto path = folder / "gone" / "a";

@@ -118,7 +118,8 @@ public:
             write_outputs(job_, context, [this](const std::string& warning) { stages_.warn(warning); });
         });
         const std::vector<std::string>& outputs = arguments_.outputs.outputs;
-        print_words(wrote(job_.written), std::any_of(outputs.begin(), outputs.end(), is_standard), arguments_.quiet);
+        print_words(wrote(job_.written, job_.words), std::any_of(outputs.begin(), outputs.end(), is_standard),
+                    arguments_.quiet);
         if (job_.failure) {
             throw Failure(*job_.failure);
         }

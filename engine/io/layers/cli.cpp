@@ -53,7 +53,10 @@ public:
         }
         std::string head = "$$HEADERSTART\n$$" + std::string(mode) + "\n$$UNITS/1\n$$VERSION/200\n";
         for (std::uint64_t part = 0; part < parts_; ++part) {
-            head += "$$LABEL/" + std::to_string(part + 1) + "," + label_text(plan.part_name(part)) + "\n";
+            const std::string name = plan.part_name(part);
+            const std::string label = label_text(name);
+            names_changed_ += label == name ? 0 : 1;
+            head += "$$LABEL/" + std::to_string(part + 1) + "," + label + "\n";
         }
         head += "$$DIMENSION/" + dimension + "\n$$LAYERS/" +
                 std::to_string(plan.info.layers == 0 ? 0 : plan.info.layers + 1) + "\n$$HEADEREND";
@@ -77,6 +80,8 @@ public:
         }
     }
 
+    std::uint64_t names_changed() const noexcept override { return names_changed_; }
+
 protected:
     virtual void begin_layer(double z_mm) = 0;
     virtual void polyline(std::uint64_t label, CliDirection direction, std::span<const Point> points) = 0;
@@ -90,6 +95,7 @@ protected:
     OutputFile& out_;
 
 private:
+    std::uint64_t names_changed_ = 0;
     bool is_first_ = true;
     StopPace pace_;
     std::vector<Point> closed_;

@@ -5,6 +5,7 @@
 //     finish    the file is put in its place, or what was counted is the error
 #include "lamella/io/layer_file.hpp"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <utility>
@@ -21,12 +22,27 @@ namespace lamella {
 
 namespace {
 
+// clang-format off
+constexpr bool yes = true;
+constexpr bool no = false;
 constexpr std::array makers = {
-    LayerFormatMaker{{"svg", ".svg", "layered SVG in Slic3r's convention", LayerHeight::plane, true, true, true}, make_svg},
-    LayerFormatMaker{{"cli", ".cli", "Common Layer Interface 2.0, binary", LayerHeight::top, true, true, false}, make_cli},
-    LayerFormatMaker{{"cli-text", ".cli", "Common Layer Interface 2.0, text", LayerHeight::top, true, true, false},
-                     make_cli_text},
+    //                                                                                open uneven single parts crossings
+    LayerFormatMaker{{"svg", ".svg", "layered SVG in Slic3r's convention",
+                      LayerHeight::plane,                                             yes, yes,   yes,   yes,  yes}, make_svg},
+    LayerFormatMaker{{"cli", ".cli", "Common Layer Interface 2.0, binary",
+                      LayerHeight::top,                                               yes, yes,   no,    yes,  yes}, make_cli},
+    LayerFormatMaker{{"cli-text", ".cli", "Common Layer Interface 2.0, text",
+                      LayerHeight::top,                                               yes, yes,   no,    yes,  yes}, make_cli_text},
+    LayerFormatMaker{{"3mf-slices", ".3mf", "3MF slice stack; its mesh is a box",
+                      LayerHeight::top,                                               no,  yes,   no,    yes,  no},  make_slice_stack},
+    LayerFormatMaker{{"dxf", ".dxf", "DXF R12 polylines",
+                      LayerHeight::plane,                                             yes, yes,   yes,   yes,  yes}, make_dxf},
+    LayerFormatMaker{{"geojson", ".geojson", "GeoJSON polygons, in mm",
+                      LayerHeight::plane,                                             yes, yes,   yes,   yes,  no},  make_geojson},
+    LayerFormatMaker{{"vtp", ".vtp", "VTK XML polylines, in the mesh's frame",
+                      LayerHeight::plane,                                             yes, yes,   no,    yes,  yes}, make_vtp},
 };
+// clang-format on
 
 constexpr auto all_formats = [] {
     std::array<LayerFormat, makers.size()> formats;
@@ -61,6 +77,10 @@ const LayerFormatMaker& format_of(const std::filesystem::path& path, std::string
                             ? "its name ends as no layer file does: " + list_of(&LayerFormat::ending)
                             : "'" + std::string(asked) + "' is no format of layer files: " + list_of(&LayerFormat::name));
 }
+
+}  // namespace
+
+namespace layers {
 
 /// The name of a layer's file, where a name has "{layer}" or "{layer:05}" in it.
 class NumberedPath {
@@ -109,7 +129,7 @@ struct Counted {
     }
 };
 
-}  // namespace
+}  // namespace layers
 
 struct LayerFile::State {
     State(const SliceInfo& of, std::filesystem::path to, const LayerFileOptions& asked, const Context& context)
@@ -126,7 +146,7 @@ struct LayerFile::State {
     }
 
     void begin() {
-        numbered = NumberedPath::of(path);
+        numbered = layers::NumberedPath::of(path);
         if (!numbered) {
             begin_file(path);
         } else if (!maker.format.single_layers) {
@@ -136,12 +156,13 @@ struct LayerFile::State {
 
     void begin_file(const std::filesystem::path& file) {
         out.emplace(require(OutputFile::create(file)));
-        writer = maker.make({info, options, stop, printable(path_text(file))}, *out);
+        writer = maker.make({info, options, stop, file, printable(path_text(file))}, *out);
     }
 
     void end_file() {
         writer->finish();
         summary.rounding_mm = std::max(summary.rounding_mm, writer->rounding_mm());
+        summary.names_changed = std::max(summary.names_changed, writer->names_changed());
         writer.reset();
         require(out->commit());
         ++summary.files;
@@ -150,6 +171,10 @@ struct LayerFile::State {
     void add(const LayerView& layer) {
         if (stop && stop()) {
             throw Stopped{};
+        }
+        if (!maker.format.crossings && info.options.region.rule_of(info.first_layer + layer.index) == FillRule::contours) {
+            throw refusal(path, "needs a fill rule: without one contours may cross, which " +
+                                    std::string(maker.format.name) + " cannot hold");
         }
         std::uint64_t open = 0;
         for (const Contour& contour : layer.contours) {
@@ -170,7 +195,7 @@ struct LayerFile::State {
         }
         summary.contours += layer.contours.size() - (maker.format.open_contours ? 0 : open);
         if (numbered) {
-            const std::filesystem::path file = numbered->of_layer(layer.index);
+            const std::filesystem::path file = numbered->of_layer(info.first_layer + layer.index);
             begin_file(file);
             writer->add(layer);
             end_file();
@@ -183,7 +208,7 @@ struct LayerFile::State {
     bool is_refused() const noexcept { return (with_open.layers > 0 && !options.leave_out_open) || uneven.layers > 0; }
 
     LayerFileSummary finish() {
-        const auto share = [this](const Counted& some, const std::string& what) {
+        const auto share = [this](const layers::Counted& some, const std::string& what) {
             return refusal(path, std::to_string(some.layers) + " of " + counted(summary.layers, "layer") + what +
                                      ", the first at z = " + exact_text(some.first_mm) + " mm, which " +
                                      std::string(maker.format.name) + " cannot hold");
@@ -206,13 +231,13 @@ struct LayerFile::State {
     const LayerFileOptions options;
     const StopCheck stop;
     const LayerFormatMaker& maker;
-    std::optional<NumberedPath> numbered;
+    std::optional<layers::NumberedPath> numbered;
     std::optional<OutputFile> out;
     std::unique_ptr<LayerWriter> writer;
     std::vector<std::filesystem::path> written;  ///< of a file a layer: removed where the end is not reached
     LayerFileSummary summary;
-    Counted with_open;
-    Counted uneven;
+    layers::Counted with_open;
+    layers::Counted uneven;
     double layer_mm = 0;  ///< height of the first layer
     Status done{};
 };

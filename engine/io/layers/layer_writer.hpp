@@ -16,6 +16,7 @@ struct LayerFilePlan {
     const SliceInfo& info;
     const LayerFileOptions& options;
     const StopCheck& stop;
+    const std::filesystem::path& path;
     std::string name;  ///< of the file, for messages
 
     /// As given, or "part 1" for the first.
@@ -25,8 +26,8 @@ struct LayerFilePlan {
 };
 
 /// Writes a file that is open, layer by layer. Made when its first layer comes. Functions throw Refused, Stopped,
-/// std::bad_alloc; after that no other is called. Layers that come are such as the format can hold, and contours of role
-/// open too.
+/// std::bad_alloc; after that no other is called. Layers that come are such as the format can hold, but contours of role
+/// open come to all.
 class LayerWriter {
 public:
     LayerWriter() = default;
@@ -39,6 +40,7 @@ public:
     virtual void finish() = 0;
     /// See LayerFileSummary.
     virtual double rounding_mm() const noexcept = 0;
+    virtual std::uint64_t names_changed() const noexcept { return 0; }
 };
 
 /// A format, and its writer of an empty file.
@@ -50,5 +52,9 @@ struct LayerFormatMaker {
 std::unique_ptr<LayerWriter> make_svg(const LayerFilePlan& plan, OutputFile& out);
 std::unique_ptr<LayerWriter> make_cli(const LayerFilePlan& plan, OutputFile& out);
 std::unique_ptr<LayerWriter> make_cli_text(const LayerFilePlan& plan, OutputFile& out);
+std::unique_ptr<LayerWriter> make_slice_stack(const LayerFilePlan& plan, OutputFile& out);
+std::unique_ptr<LayerWriter> make_dxf(const LayerFilePlan& plan, OutputFile& out);
+std::unique_ptr<LayerWriter> make_geojson(const LayerFilePlan& plan, OutputFile& out);
+std::unique_ptr<LayerWriter> make_vtp(const LayerFilePlan& plan, OutputFile& out);
 
 }  // namespace lamella

@@ -32,6 +32,10 @@ public:
         char text[most_chars + 1];
         return {text, write_mm(text, mm)};
     }
+    void append_to(std::string& text, std::int32_t grid_units) const {
+        char number[most_chars + 1];
+        text.append(number, write(number, grid_units));
+    }
     /// How far a written number may lie from its own.
     double rounding_mm() const noexcept { return 0.5 / static_cast<double>(ten_power_); }
 

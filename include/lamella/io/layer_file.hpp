@@ -9,9 +9,10 @@
 //
 // The format is the one whose ending the name has, or the one that is asked for. What a format cannot hold, as LayerFormat
 // says, is refused with how often it occurs: open contours (or, on request, left out and counted), layers of different
-// heights.
+// heights. One that cannot hold contours which cross needs a fill rule.
 //
-// A name with {layer}, or {layer:05} for five digits, stands for a file a layer, numbered from 0: "out/{layer:05}.svg".
+// A name with {layer}, or {layer:05} for five digits, stands for a file a layer, numbered as in the plan, from 0:
+// "out/{layer:05}.svg".
 //
 // A file is written aside and renamed when it is complete, so that no half-written one is left; a device or a pipe is
 // written in place, and /dev/stdout is standard output wherever that leads. No file holds a clock: the same result has the
@@ -43,6 +44,8 @@ struct LayerFormat {
     bool open_contours;   ///< can hold them
     bool uneven_heights;  ///< can hold layers of different heights
     bool single_layers;   ///< also serves as a file a layer
+    bool parts;           ///< tells parts apart
+    bool crossings;       ///< can hold contours that cross: else a fill rule has to be asked for
 };
 
 /// All of them.
@@ -63,16 +66,18 @@ struct LayerFileSummary {
     std::uint64_t layers = 0;
     std::uint64_t contours = 0;
     std::uint64_t open_left_out = 0;
-    double rounding_mm = 0;  ///< how far a written coordinate lies from the result's at most
+    std::uint64_t names_changed = 0;  ///< of parts: written with other characters
+    double rounding_mm = 0;           ///< how far a written coordinate lies from the result's at most
 };
 
-/// O(points) time and 1 MiB of memory, on the calling thread. Errors: unwritable_file, invalid_argument (no such format;
-/// what the format cannot hold), cancelled, out_of_memory.
+/// O(points) time and 2 MiB of memory, on the calling thread. 3mf-slices and vtp keep what does not fit in a file without a
+/// name beside the target, or where there is no folder the system's for temporary files. Errors: unwritable_file,
+/// invalid_argument (no such format; what the format cannot hold), cancelled, out_of_memory.
 Result<LayerFileSummary> write_layers(const SliceResult& result, const std::filesystem::path& path,
                                       const LayerFileOptions& options = {}, const Context& context = {}) noexcept;
 
 /// The same file, layer by layer, of a result that is never held: begin() with what is known before the first layer, then
-/// add() each layer in ascending order, then finish(). Memory: 1 MiB, of SVG 8 bytes an open polyline. Errors are kept, and
+/// add() each layer in ascending order, then finish(). Memory: 2 MiB, of SVG 8 bytes an open polyline. Errors are kept, and
 /// finish() returns the first. One that ends without it leaves no file.
 class LayerFile {
 public:

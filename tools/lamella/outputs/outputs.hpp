@@ -1,11 +1,13 @@
 // Which files a command writes, as what, and whether that can be: before any mesh is read, and once the image is known at
-// whose slices meshes are cut. Then results become files: masks, tables, files of layers, and a record beside each but these.
+// whose slices meshes are cut. Then results become files: masks, tables, files of layers, and a record beside each but
+// these.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,6 +16,7 @@
 
 #include "files/mesh_input.hpp"
 #include "lamella/context.hpp"
+#include "lamella/io/layer_file.hpp"
 #include "lamella/io/mesh_file.hpp"
 #include "lamella/medical.hpp"
 #include "lamella/weld.hpp"
@@ -29,6 +32,8 @@ struct OutputArguments {
     bool strict = false;
     std::optional<HoleForm> holes{};  ///< of structure sets
     bool without_ct = false;
+    bool leave_out = false;                        ///< open contours, where a file of layers cannot hold them
+    bool objects = false;                          ///< the meshes are the objects of a file, cut at the same planes
     std::string label_table{};                     ///< path
     std::optional<std::uint64_t> picture_layer{};  ///< instead of a contact sheet
 };
@@ -155,6 +160,9 @@ struct SlicedPart {
     double reach_mm() const noexcept { return result.info.options.stitch_mm; }  ///< of stitches
 };
 
+/// Takes what was written to a file of layers.
+using ToldLayers = std::function<void(const PlannedOutput& output, const LayerFileSummary& summary)>;
+
 /// All that is written at the end of a command.
 struct OutputJob {
     std::vector<PlannedOutput> outputs{};
@@ -165,10 +173,16 @@ struct OutputJob {
     std::string command;  ///< for the records, as what follows
     std::vector<FileSeal> inputs{};
     std::vector<RecordedOption> options{};
-    std::function<void()> finish_streamed{};  ///< puts in place what was written while the mesh was sliced; else empty
-    std::vector<std::string> written{};       ///< paths, in the end
-    std::optional<Failure> failure{};         ///< of the first that could not be written; those of others were complained of
+    std::optional<SliceResult> whole{};     ///< of all objects of a file, which files of layers take as parts
+    std::vector<std::string> part_names{};  ///< of these
+    /// Puts in place what was written while the mesh was sliced, and tells of files of layers; else empty.
+    std::function<void(const ToldLayers& told)> finish_streamed{};
+    std::vector<std::string> written{};          ///< paths, in the end
+    std::map<std::string, std::string> words{};  ///< of files of layers, by path: what wrote() adds
+    std::optional<Failure> failure{};  ///< of the first that could not be written; those of others were complained of
 };
+
+LayerFileOptions layer_options(const OutputJob& job, const PlannedOutput& output);
 
 /// Throws Failure.
 OpenLayers open_layers_of(const SliceResult& result, const Context& context);
@@ -180,7 +194,7 @@ void write_outputs(OutputJob& job, const Context& context, const std::function<v
 /// The name of a mesh's file without folder and ends: "liver" of "a/liver.stl.gz".
 std::string mesh_name_of(const std::string& path);
 
-/// A line for people for each output that was written.
-std::string wrote(const std::vector<std::string>& outputs);
+/// A line for people for each output that was written, and `words` of it by its path.
+std::string wrote(const std::vector<std::string>& outputs, const std::map<std::string, std::string>& words = {});
 
 }  // namespace lamella::cli

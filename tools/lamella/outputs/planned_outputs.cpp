@@ -100,6 +100,8 @@ void declare_outputs(CLI::App& command, OutputArguments& arguments) {
                "Holes in a structure set: joined to their contour, or contours that exclude one another (keyhole)",
                [&arguments](std::size_t i) { arguments.holes = static_cast<HoleForm>(i); });
     command.add_flag("--without-ct", arguments.without_ct, "Write a structure set or a segmentation that refers to no CT");
+    command.add_flag("--leave-out", arguments.leave_out,
+                     "Leave open contours out, with their count, where a file of layers cannot hold them");
     add_text(command, "--label-table", arguments.label_table, "FILE",
              "Names, colours and codes of the meshes' labels: CSV with label, name, color, category, type, region");
     command.add_flag("--strict", arguments.strict, "Fail where a slice has open contours, of which no area is known");
@@ -205,7 +207,8 @@ void require_together(const std::vector<PlannedOutput>& outputs, const OutputArg
         refuse(output.is_dicom() && !image.given(),
                " needs --like FOLDER, the CT" + when(arguments.without_ct, ", or --spacing X,Y,Z"));
         refuse(set && image.subslices > 1, ": its contours lie on the slices themselves, not with --subslices");
-        refuse(output.one_mesh() && meshes > 1, " takes one mesh, not several");
+        refuse(output.one_mesh() && meshes > 1 && !(arguments.objects && output.format == OutputFormat::layers),
+               " takes one mesh, not several");
         refuse(output.is_mask() && !image.given(), " needs --like IMAGE or --spacing X,Y,Z");
     }
     refuse_if(arguments.picture_layer && !has_format(outputs, OutputFormat::png), bad_usage,

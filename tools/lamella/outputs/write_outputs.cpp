@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <string_view>
 #include <system_error>
 
 #include "files/flags.hpp"
 #include "files/mesh_input.hpp"
-#include "lamella/io/layer_file.hpp"
 #include "lamella/version.hpp"
 #include "terminal/console.hpp"
 
@@ -131,15 +131,36 @@ void write_structure_set_of(const OutputJob& job, const PlannedOutput& output, c
     }
 }
 
-void write_one(const OutputJob& job, const PlannedOutput& output, const Context& context, const Note& note) {
+/// What a file of layers cannot show of the slice.
+void note_layers(OutputJob& job, const PlannedOutput& output, const LayerFileSummary& summary, const Note& note) {
+    static constexpr std::array<std::string_view, 3> heights = {"bottom", "plane", "top"};
+    std::array<char, 16> rounding{};
+    (void)std::snprintf(rounding.data(), rounding.size(), "%.1g", summary.rounding_mm);
+    job.words[output.path] = when(summary.files != 1, counted(summary.files, "file") + ", ") +
+                             counted(summary.layers, "layer") +
+                             ", z = " + std::string(heights[static_cast<std::size_t>(summary.format->height)]) +
+                             when(summary.rounding_mm > 0, std::string(", rounded by ") + rounding.data() + " mm");
+    if (summary.names_changed > 0) {
+        note(output.path + ": " + counted(summary.names_changed, "name") +
+             " of parts written with other characters, for readers of the format");
+    }
+    if (summary.open_left_out > 0) {
+        note(output.path + ": " + counted(summary.open_left_out, "open contour") + " left out, which " +
+             std::string(output.layer_format) + " cannot hold");
+    }
+    if (output.layer_format.starts_with("cli") && job.parts.front().result.info.box.min_mm[2] < 0) {
+        note(output.path + ": the mesh reaches below z = 0, where some readers of CLI leave layers out");
+    }
+}
+
+void write_one(OutputJob& job, const PlannedOutput& output, const Context& context, const Note& note) {
     const ImageGeometry* const image = job.image ? &*job.image : nullptr;
     switch (output.format) {
         case OutputFormat::layers: {
-            const SlicedPart& part = job.parts.front();
-            done_or_thrown(
-                write_layers(part.result, output_path(output.path),
-                             {.format = output.layer_format, .welded = part.welded ? &*part.welded : nullptr}, context));
-            return;
+            const SliceResult& result = job.whole ? *job.whole : job.parts.front().result;
+            const LayerFileOptions options = layer_options(job, output);
+            return note_layers(job, output, done_or_thrown(write_layers(result, output_path(output.path), options, context)),
+                               note);
         }
         case OutputFormat::mask:
             return note_mask(
@@ -265,6 +286,14 @@ void write_record_beside(const PlannedOutput& output, Record record, const Conte
     done_or_thrown(write_record(record, path_of(output.record_path())));
 }
 
+LayerFileOptions layer_options(const OutputJob& job, const PlannedOutput& output) {
+    const bool is_welded = !job.parts.empty() && job.parts.front().welded;
+    return {.format = output.layer_format,
+            .leave_out_open = job.arguments.leave_out,
+            .welded = is_welded ? &*job.parts.front().welded : nullptr,
+            .part_names = job.part_names};
+}
+
 OpenLayers open_layers_of(const SliceResult& result, const Context& context) {
     return *done_or_thrown(audit(result, MeshView{}, {.volume = false, .ledger = false, .crossings = false}, context)).open;
 }
@@ -287,7 +316,8 @@ void write_outputs(OutputJob& job, const Context& context, const Note& note) {
         refuse_if(job.arguments.strict && part.open.layers > 0, bad_input, part.name + ": --strict: " + part.open_words());
     }
     if (job.finish_streamed) {
-        job.finish_streamed();
+        job.finish_streamed(
+            [&](const PlannedOutput& output, const LayerFileSummary& summary) { note_layers(job, output, summary, note); });
     }
     for (const PlannedOutput& output : job.outputs) {
         try {
@@ -325,13 +355,14 @@ std::string mesh_name_of(const std::string& path) {
     return name.stem().string();
 }
 
-std::string wrote(const std::vector<std::string>& outputs) {
+std::string wrote(const std::vector<std::string>& outputs, const std::map<std::string, std::string>& words) {
     std::string text;
     for (const std::string& output : outputs) {
         std::error_code unknown;  // of a pipe, and of a device
         const std::uintmax_t bytes = is_standard(output) ? 0 : std::filesystem::file_size(path_of(output), unknown);
-        text +=
-            "wrote     " + output_name(output) + when(!is_standard(output) && !unknown, ", " + file_size_text(bytes)) + "\n";
+        const auto more = words.find(output);
+        text += "wrote     " + output_name(output) + when(!is_standard(output) && !unknown, ", " + file_size_text(bytes)) +
+                (more == words.end() ? "" : ": " + more->second) + "\n";
     }
     return text;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <set>
+#include <utility>
 
 #include "system/process.hpp"
 
@@ -52,6 +53,36 @@ std::vector<Part> parts_to_cut(const MeshFile& file, const std::optional<MeshVie
         parts.push_back({.mesh = *negative, .role = PartRole::negative, .object = object});
     }
     return parts;
+}
+
+void cut_across(SliceOptions& options, const ImageGeometry& image, PatientFrame frame, std::vector<double> heights) {
+    cut_at(options, std::move(heights));
+    options.frame.transform = image.slicing_frame(frame);
+}
+
+ImageGeometry image_around(const std::vector<MeshToSlice>& meshes, const SliceArguments& arguments) {
+    Box all;
+    for (std::size_t i = 0; i < meshes.size(); ++i) {
+        SliceOptions options = arguments.options;
+        const PatientFrame frame = patient_frame_of(meshes[i].about(), arguments.image, arguments.meshes[i]);
+        cut_across(options, {}, frame, {});
+        const Box box = done_or_thrown(Slicer().outline(meshes[i].source(), options)).box;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            all.min_mm[axis] = i == 0 ? box.min_mm[axis] : std::min(all.min_mm[axis], box.min_mm[axis]);
+            all.max_mm[axis] = i == 0 ? box.max_mm[axis] : std::max(all.max_mm[axis], box.max_mm[axis]);
+        }
+    }
+    return done_or_thrown(geometry_around(all, *arguments.image.spacing));
+}
+
+std::vector<std::string> names_of_parts(const MeshFile& file) {
+    std::vector<std::string> names;
+    for (const MeshPart& part : file.parts) {
+        if (part.role == PartRole::solid || part.first_triangle > 0) {  // else left out
+            names.push_back(part.name);
+        }
+    }
+    return names;
 }
 
 void cut_as_one(SliceOptions& options) {

@@ -40,6 +40,15 @@ PatientFrame patient_frame_of(const MeshFile& mesh, const ImageArguments& argume
 std::vector<Part> parts_to_cut(const MeshFile& file, const std::optional<MeshView>& mended,
                                const std::optional<MeshView>& negative, bool split);
 
+/// Planes at these heights along the normal of an image's slices.
+void cut_across(SliceOptions& options, const ImageGeometry& image, PatientFrame frame, std::vector<double> heights);
+
+/// The voxels of --spacing around all meshes.
+ImageGeometry image_around(const std::vector<MeshToSlice>& meshes, const SliceArguments& arguments);
+
+/// By their numbers in parts_of().
+std::vector<std::string> names_of_parts(const MeshFile& file);
+
 /// One region of all that is solid in parts.
 void cut_as_one(SliceOptions& options);
 

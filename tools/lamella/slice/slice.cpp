@@ -10,7 +10,6 @@
 #include <variant>
 
 #include "files/flags.hpp"
-#include "lamella/io/layer_file.hpp"
 #include "lamella/medical/table.hpp"
 #include "options/asked.hpp"
 
@@ -75,7 +74,7 @@ void declare_how(CLI::App& command, SliceArguments& arguments) {
               arguments.memory_bytes);
     add_choice(command, "--split", objects,
                "Make each 3MF object, OBJ object or group, or STL solid a mesh with its own label, ROI and row",
-               [&arguments](std::size_t) { arguments.split = true; });
+               [&arguments](std::size_t) { arguments.split = arguments.outputs.objects = true; });
     add_text(command, "--negative", arguments.negative, "MESH",
              "Take what is inside this mesh out of all that is sliced, as negative volumes of a 3MF file are");
     command.add_flag("--hash", arguments.hash, "Print the hash of the result");
@@ -126,7 +125,7 @@ public:
         const ImageGeometry* const image = job.image ? &*job.image : nullptr;
         for (const PlannedOutput& output : job.outputs) {
             output.format == OutputFormat::layers
-                ? add(LayerFile::begin(info, output_path(output.path), {.format = output.layer_format}))
+                ? add(LayerFile::begin(info, output_path(output.path), layer_options(job, output)))
                 : add(LayerTableStream::begin(mesh_name, path_of(output.path), image, job.arguments.islands));
         }
     }
@@ -140,12 +139,16 @@ public:
     bool failed() const noexcept { return !begun_ || std::any_of(streams_.begin(), streams_.end(), has_failed); }
 
     /// Puts the files in their places, or none where some failed before. Throws Failure.
-    void finish() {
+    void finish(const OutputJob& job, const ToldLayers& told) {
         done_or_thrown(begun_);
         // Streams that failed come first: they ended the slicing, and the others lack layers.
         std::stable_partition(streams_.begin(), streams_.end(), has_failed);
-        for (Any& stream : streams_) {
-            std::visit([](auto& one) { done_or_thrown(one.finish()); }, stream);
+        for (std::size_t i = 0; i < streams_.size(); ++i) {
+            if (auto* const file = std::get_if<LayerFile>(&streams_[i])) {
+                told(job.outputs[i], done_or_thrown(file->finish()));
+            } else {
+                done_or_thrown(std::get<LayerTableStream>(streams_[i]).finish());
+            }
         }
     }
 
@@ -347,8 +350,9 @@ std::vector<std::string> warnings_of(const SlicedPart& part, const SliceArgument
     return warnings;
 }
 
-std::function<void()> slice_streamed(const OutputJob& job, SlicedPart& part, const Source& mesh, const SliceOptions& options,
-                                     const Tuning& tuning, bool hash, Context context) {
+std::function<void(const ToldLayers&)> slice_streamed(const OutputJob& job, SlicedPart& part, const Source& mesh,
+                                                      const SliceOptions& options, const Tuning& tuning, bool hash,
+                                                      Context context) {
     const auto streams = std::make_shared<Streams>();
     const Context asked{.stop = context.stop};
     std::atomic<bool> out_of_memory = false;
@@ -390,7 +394,7 @@ std::function<void()> slice_streamed(const OutputJob& job, SlicedPart& part, con
     const Result<SliceInfo> info = slice_tuned(slicer, sink, mesh, options, tuning, context);
     refuse_if(out_of_memory, bad_input, "out of memory");
     if (streams->failed()) {
-        streams->finish();  // throws
+        streams->finish(job, {});  // throws
     }
     part.result.info = done_or_thrown(info);  // messages name the file
     copy_to(part.result.layers, layers);
@@ -398,7 +402,7 @@ std::function<void()> slice_streamed(const OutputJob& job, SlicedPart& part, con
     if (hashes) {
         part.hash = hashes->value();
     }
-    return [streams] { streams->finish(); };
+    return [streams, &job](const ToldLayers& told) { streams->finish(job, told); };
 }
 
 std::vector<ReportMember> members_of(const ToolRun& run) {
@@ -431,7 +435,7 @@ std::string summary(const SlicedPart& part, const ReportParts& parts, const Tool
     text += when(part.open.layers > 0, "open      " + part.open_words() + "\n");
     text += when(run.print_hash && part.hash, "hash      " + hex_text(part.hash.value_or(0)) + "\n");
     return text + findings(parts) + times(info, run) + "memory    " + file_size_text(run.peak_rss_bytes) + " at the peak\n" +
-           run.ranges + wrote(run.outputs);
+           run.ranges + wrote(run.outputs, run.words);
 }
 
 }  // namespace lamella::cli

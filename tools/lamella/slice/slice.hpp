@@ -65,7 +65,8 @@ void cut_at(SliceOptions& options, std::vector<double> heights);
 
 /// The tool's own work on the mesh that was sliced last, and the time that it took.
 struct ToolRun {
-    std::vector<std::string> outputs{};  ///< the files that were written, or -
+    std::vector<std::string> outputs{};          ///< the files that were written, or -
+    std::map<std::string, std::string> words{};  ///< as OutputJob::words
     /// Stages of the tool, by the names of the report. That of the report itself, which has only the making, is "report".
     std::map<std::string_view, double> ms{};
     std::uint64_t peak_rss_bytes = 0;
@@ -90,8 +91,10 @@ std::vector<std::string> warnings_of(const SlicedPart& part, const SliceArgument
 
 /// Slices a mesh larger than memory: each layer is cut, written, forgotten. The part's result gets layers and stitches only;
 /// its open layers, and its hash where `hash` asks for it or an output has a record, are found on the way. Returns what puts
-/// the files in their places. Throws Failure, also where an output cannot be written; none is in its place then.
-std::function<void()> slice_streamed(const OutputJob& job, SlicedPart& part, const Source& mesh, const SliceOptions& options,
-                                     const Tuning& tuning, bool hash, Context context);
+/// the files in their places; it refers to `job`. Throws Failure, also where an output cannot be written; none is in its
+/// place then.
+std::function<void(const ToldLayers&)> slice_streamed(const OutputJob& job, SlicedPart& part, const Source& mesh,
+                                                      const SliceOptions& options, const Tuning& tuning, bool hash,
+                                                      Context context);
 
 }  // namespace lamella::cli

@@ -55,7 +55,7 @@ public:
         }
         if (arguments_.mesh_count() > 1) {
             write();
-            arguments_.say(words + wrote(run_.outputs));
+            arguments_.say(words + wrote(run_.outputs, run_.words));
         }
         if (job_.failure) {
             throw Failure(*job_.failure);
@@ -102,6 +102,8 @@ private:
             file_plan_.reads(mesh, "the mesh");
         }
         job_.outputs = plan_outputs(arguments_.outputs, arguments_.mesh_count(), arguments_.image, file_plan_);
+        refuse_if(arguments_.split && arguments_.meshes.size() > 1 && has_format(job_.outputs, OutputFormat::layers),
+                  bad_usage, "--output: a file of layers takes the objects of one mesh file, not of several");
         const auto takes_layers = [](const PlannedOutput& output) {
             return output.format == OutputFormat::layers || output.format == OutputFormat::table;
         };
@@ -132,30 +134,13 @@ private:
             for (const std::string& mesh : arguments_.meshes) {
                 meshes.push_back(read(mesh));
             }
-            job_.image = image_around(meshes);
+            job_.image = image_around(meshes, arguments_);
         }
         job_.subslices = arguments_.image.subslices;
         note_all(job_.image->warnings);
         require_image_serves(*job_.image, job_.outputs, arguments_.outputs);
         add_series(*job_.image, file_plan_);
         return meshes;
-    }
-
-    /// The voxels of --spacing around all meshes.
-    ImageGeometry image_around(const std::vector<MeshToSlice>& meshes) const {
-        Box all;
-        for (std::size_t i = 0; i < meshes.size(); ++i) {
-            SliceOptions options = arguments_.options;
-            const PatientFrame frame = patient_frame_of(meshes[i].about(), arguments_.image, arguments_.meshes[i]);
-            cut_at(options, {});
-            options.frame.transform = ImageGeometry{}.slicing_frame(frame);
-            const Box box = done_or_thrown(Slicer().outline(meshes[i].source(), options)).box;
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                all.min_mm[axis] = i == 0 ? box.min_mm[axis] : std::min(all.min_mm[axis], box.min_mm[axis]);
-                all.max_mm[axis] = i == 0 ? box.max_mm[axis] : std::max(all.max_mm[axis], box.max_mm[axis]);
-            }
-        }
-        return done_or_thrown(geometry_around(all, *arguments_.image.spacing));
     }
 
     void note(const std::string& warning) {
@@ -222,20 +207,30 @@ private:
         return words;
     }
 
-    /// Where the parts of a file cut each other, all are cut at once.
+    /// Where the parts of a file cut each other, or a file of layers takes them, all are cut at once.
     void label_parts(MeshToSlice& mesh) {
         mesh.parts = parts_to_cut(mesh.file, std::nullopt, negative_view(), true);
-        if (mesh.parts.empty()) {
+        const bool cut_each_other = !mesh.parts.empty();
+        const bool in_layers = has_format(job_.outputs, OutputFormat::layers);
+        if (!cut_each_other && !in_layers) {
             return;
         }
         refuse_if(arguments_.weld_mm || arguments_.orient_shells, bad_usage,
-                  arguments_.name() + ": --split objects with --weld or --orient-shells: its parts cut each other");
+                  arguments_.name() + ": --split objects with --weld or --orient-shells: its parts " +
+                      (cut_each_other ? "cut each other" : "are cut at once for a file of layers"));
+        mesh.parts = cut_each_other ? mesh.parts : parts_of(mesh.file);
         SlicedPart all;
         SliceOptions options = options_for(mesh.about(), all);
         options.slabs = slabs_;
         cut_mesh(mesh, options, arguments_.tuning, all);
         mesh.parts.clear();
-        labelled_ = std::move(all.result);
+        if (in_layers) {
+            job_.whole = done_or_thrown(all.result.copy());
+            job_.part_names = names_of_parts(mesh.file);
+        }
+        if (cut_each_other) {
+            labelled_ = std::move(all.result);
+        }
     }
 
     std::optional<MeshView> negative_view() const { return negative_ ? std::optional(negative_->view()) : std::nullopt; }
@@ -345,8 +340,7 @@ private:
         part.frame = mesh.patient_frame == PatientFrame::unstated ? arguments_.image.frame : mesh.patient_frame;
         if (job_.image) {
             part.frame = patient_frame_of(mesh, arguments_.image, arguments_.name());
-            cut_at(options, job_.image->slice_heights_mm(job_.subslices));
-            options.frame.transform = job_.image->slicing_frame(part.frame);
+            cut_across(options, *job_.image, part.frame, job_.image->slice_heights_mm(job_.subslices));
         }
         return options;
     }
@@ -422,6 +416,7 @@ private:
             write_outputs(job_, context, [this](const std::string& warning) { note(warning); });
         });
         run_.outputs = job_.written;
+        run_.words = job_.words;
         run_.ms["write"] = watch.ms();
     }
 

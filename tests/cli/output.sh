@@ -109,7 +109,7 @@ test_help() {
     done
     expect_silent --version
     expect 0 slice --help
-    tr -s ' \n' ' ' < .stdout | grep -q "end of its name: .svg, .cli, .3mf, .dxf, .geojson, .vtp, .nii.gz, .nii, .seg.nrrd, .nrrd, .mha, .seg.dcm, .dcm, .csv, .jsonl, .png, .h5;" ||
+    tr -s ' \n' ' ' < .stdout | grep -q "end of its name: .svg, .cli, .3mf, .dxf, .geojson, .vtp, .sl1, .sl1s, .zip, .nii.gz, .nii, .seg.nrrd, .nrrd, .mha, .seg.dcm, .dcm, .csv, .jsonl, .png, .h5;" ||
         fail "--help does not list the ends of names"
 }
 

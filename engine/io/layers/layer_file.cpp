@@ -26,21 +26,27 @@ namespace {
 constexpr bool yes = true;
 constexpr bool no = false;
 constexpr std::array makers = {
-    //                                                                                open uneven single parts crossings
+    //                                                                                open uneven single parts crossings screen
     LayerFormatMaker{{"svg", ".svg", "layered SVG in Slic3r's convention",
-                      LayerHeight::plane,                                             yes, yes,   yes,   yes,  yes}, make_svg},
+                      LayerHeight::plane,                                             yes, yes,   yes,   yes,  yes,      no}, make_svg},
     LayerFormatMaker{{"cli", ".cli", "Common Layer Interface 2.0, binary",
-                      LayerHeight::top,                                               yes, yes,   no,    yes,  yes}, make_cli},
+                      LayerHeight::top,                                               yes, yes,   no,    yes,  yes,      no}, make_cli},
     LayerFormatMaker{{"cli-text", ".cli", "Common Layer Interface 2.0, text",
-                      LayerHeight::top,                                               yes, yes,   no,    yes,  yes}, make_cli_text},
+                      LayerHeight::top,                                               yes, yes,   no,    yes,  yes,      no}, make_cli_text},
     LayerFormatMaker{{"3mf-slices", ".3mf", "3MF slice stack; its mesh is a box",
-                      LayerHeight::top,                                               no,  yes,   no,    yes,  no},  make_slice_stack},
+                      LayerHeight::top,                                               no,  yes,   no,    yes,  no,       no}, make_slice_stack},
     LayerFormatMaker{{"dxf", ".dxf", "DXF R12 polylines",
-                      LayerHeight::plane,                                             yes, yes,   yes,   yes,  yes}, make_dxf},
+                      LayerHeight::plane,                                             yes, yes,   yes,   yes,  yes,      no}, make_dxf},
     LayerFormatMaker{{"geojson", ".geojson", "GeoJSON polygons, in mm",
-                      LayerHeight::plane,                                             yes, yes,   yes,   yes,  no},  make_geojson},
+                      LayerHeight::plane,                                             yes, yes,   yes,   yes,  no,       no}, make_geojson},
     LayerFormatMaker{{"vtp", ".vtp", "VTK XML polylines, in the mesh's frame",
-                      LayerHeight::plane,                                             yes, yes,   no,    yes,  yes}, make_vtp},
+                      LayerHeight::plane,                                             yes, yes,   no,    yes,  yes,      no}, make_vtp},
+    LayerFormatMaker{{"sl1", ".sl1", "pictures for Prusa's SL1",
+                      LayerHeight::top,                                               no,  no,    no,    no,   yes,     yes}, make_sl1},
+    LayerFormatMaker{{"sl1s", ".sl1s", "the same for the SL1S",
+                      LayerHeight::top,                                               no,  no,    no,    no,   yes,     yes}, make_sl1s},
+    LayerFormatMaker{{"png-zip", ".zip", "PNG pictures for resin printers",
+                      LayerHeight::top,                                               no,  no,    no,    no,   yes,     yes}, make_png_zip},
 };
 // clang-format on
 
@@ -132,8 +138,13 @@ struct Counted {
 }  // namespace layers
 
 struct LayerFile::State {
-    State(const SliceInfo& of, std::filesystem::path to, const LayerFileOptions& asked, const Context& context)
-        : info(of), path(std::move(to)), options(asked), stop(context.stop), maker(format_of(path, asked.format)) {
+    State(const SliceInfo& of, std::filesystem::path to, const LayerFileOptions& asked, const Context& host)
+        : info(of),
+          path(std::move(to)),
+          options(asked),
+          context(host),
+          stop(host.stop),
+          maker(format_of(path, asked.format)) {
         summary.format = &maker.format;
     }
     State(const State&) = delete;
@@ -156,7 +167,7 @@ struct LayerFile::State {
 
     void begin_file(const std::filesystem::path& file) {
         out.emplace(require(OutputFile::create(file)));
-        writer = maker.make({info, options, stop, file, printable(path_text(file))}, *out);
+        writer = maker.make({info, options, stop, file, printable(path_text(file)), context}, *out);
     }
 
     void end_file() {
@@ -229,6 +240,7 @@ struct LayerFile::State {
     const SliceInfo info;
     const std::filesystem::path path;
     const LayerFileOptions options;
+    const Context context;
     const StopCheck stop;
     const LayerFormatMaker& maker;
     std::optional<layers::NumberedPath> numbered;

@@ -18,6 +18,7 @@ struct LayerFilePlan {
     const StopCheck& stop;
     const std::filesystem::path& path;
     std::string name;  ///< of the file, for messages
+    const Context& context;
 
     /// As given, or "part 1" for the first.
     std::string part_name(std::uint64_t part) const {
@@ -56,5 +57,8 @@ std::unique_ptr<LayerWriter> make_slice_stack(const LayerFilePlan& plan, OutputF
 std::unique_ptr<LayerWriter> make_dxf(const LayerFilePlan& plan, OutputFile& out);
 std::unique_ptr<LayerWriter> make_geojson(const LayerFilePlan& plan, OutputFile& out);
 std::unique_ptr<LayerWriter> make_vtp(const LayerFilePlan& plan, OutputFile& out);
+std::unique_ptr<LayerWriter> make_sl1(const LayerFilePlan& plan, OutputFile& out);
+std::unique_ptr<LayerWriter> make_sl1s(const LayerFilePlan& plan, OutputFile& out);
+std::unique_ptr<LayerWriter> make_png_zip(const LayerFilePlan& plan, OutputFile& out);
 
 }  // namespace lamella

@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "base/little_endian.hpp"
+#include "io/raster/coverage.hpp"
 #include "lamella/grid.hpp"
 #include "lamella/medical/mask.hpp"
-#include "medical/raster/coverage.hpp"
 #include "slicing/grid/exact.hpp"
 
 namespace lamella {
@@ -389,7 +389,7 @@ private:
         scratch.shares.assign(width * image_.size[1], 0);
         for (int subslice = 0; subslice < options_.subslices; ++subslice) {
             scratch.sheet.restart(width, 0, image_.size[1]);
-            for (const std::span<const Point> contour : scratch.solid.of(result, layer(slice, subslice, 0))) {
+            for (const std::span<const Point> contour : scratch.solid.of(result.info, result[layer(slice, subslice, 0)])) {
                 scratch.sheet.add(contour, placing(result, slice));
             }
             for (std::size_t row = 0; row < image_.size[1]; ++row) {

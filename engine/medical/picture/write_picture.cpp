@@ -8,9 +8,9 @@
 
 #include "base/parallel.hpp"
 #include "base/words.hpp"
+#include "io/raster/coverage.hpp"
 #include "medical/geometry/common.hpp"
 #include "medical/picture/canvas.hpp"
-#include "medical/raster/coverage.hpp"
 #include "slicing/grid/bounds.hpp"
 
 namespace lamella {
@@ -321,7 +321,7 @@ struct LayerBrush {
         for (std::size_t part = 0; part < parts.size(); ++part) {
             const LayerView& layer = strip.cell->layers[part];
             if (!layer.contours.empty()) {
-                for (const std::span<const Point> contour : scratch.solid.of(*parts[part].result, layer.index)) {
+                for (const std::span<const Point> contour : scratch.solid.of(parts[part].result->info, layer)) {
                     scratch.sheet.add(contour, placing(layer), scale.x * scale.y < 0 ? -1 : 1);
                 }
                 mix_rows(strip, colour_of_part(part), opacity_over_others, scratch);

@@ -22,12 +22,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
 #include "lamella/context.hpp"
 #include "lamella/error.hpp"
+#include "lamella/io/screen.hpp"
 #include "lamella/result.hpp"
 #include "lamella/weld.hpp"
 
@@ -46,6 +48,7 @@ struct LayerFormat {
     bool single_layers;   ///< also serves as a file a layer
     bool parts;           ///< tells parts apart
     bool crossings;       ///< can hold contours that cross: else a fill rule has to be asked for
+    bool on_screen;       ///< needs LayerFileOptions::screen
 };
 
 /// All of them.
@@ -56,6 +59,8 @@ struct LayerFileOptions {
     /// Open contours are left out and counted where the format cannot hold them; else they are an error.
     bool leave_out_open = false;
     const WeldedMesh* welded = nullptr;         ///< what was sliced, if it was welded: SVG says so
+    std::optional<Screen> screen{};             ///< that pictures are drawn for
+    PrintTimes times{};                         ///< of SL1
     std::span<const std::string> part_names{};  ///< by Contour::part; those that lack one are "part 1" and so on
 };
 
@@ -70,9 +75,10 @@ struct LayerFileSummary {
     double rounding_mm = 0;           ///< how far a written coordinate lies from the result's at most
 };
 
-/// O(points) time and 2 MiB of memory, on the calling thread. 3mf-slices and vtp keep what does not fit in a file without a
-/// name beside the target, or where there is no folder the system's for temporary files. Errors: unwritable_file,
-/// invalid_argument (no such format; what the format cannot hold), cancelled, out_of_memory.
+/// O(points) time and 2 MiB of memory, on the calling thread; pictures of screens on the context's threads, with 6 MB and the
+/// points of four layers each. 3mf-slices and vtp keep what does not fit in a file without a name beside the target, or where
+/// there is no folder the system's for temporary files. Errors: unwritable_file, invalid_argument (no such format; what the
+/// format cannot hold), cancelled, out_of_memory.
 Result<LayerFileSummary> write_layers(const SliceResult& result, const std::filesystem::path& path,
                                       const LayerFileOptions& options = {}, const Context& context = {}) noexcept;
 

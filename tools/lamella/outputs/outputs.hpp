@@ -23,6 +23,20 @@
 
 namespace lamella::cli {
 
+/// The screen of a printer.
+struct ScreenArguments {
+    std::optional<Screen> of_printer{};  ///< or its pixels alone
+    std::optional<PointMm> pixel_mm{};
+    std::optional<std::size_t> mirror{};  ///< bits: 1 x, 2 y
+    int turn = 0;
+    int levels = 256;
+    bool centred = true;
+    PrintTimes times{};
+
+    /// All together, if it is given. Throws Failure (bad_usage).
+    std::optional<Screen> screen() const;
+};
+
 struct OutputArguments {
     std::vector<std::string> outputs;  ///< paths, or -
     std::string to;                    ///< formats
@@ -36,6 +50,7 @@ struct OutputArguments {
     bool objects = false;                          ///< the meshes are the objects of a file, cut at the same planes
     std::string label_table{};                     ///< path
     std::optional<std::uint64_t> picture_layer{};  ///< instead of a contact sheet
+    ScreenArguments screen{};
 };
 
 /// The image that sets the planes.
@@ -58,6 +73,8 @@ void declare_image(CLI::App& command, ImageArguments& arguments);
 /// --like, and --series of it.
 void declare_like(CLI::App& command, ImageArguments& arguments, const std::string& help);
 
+void declare_screen(CLI::App& command, ScreenArguments& arguments);
+
 /// The end of a mask's or a table's name says which one it is.
 enum class OutputFormat : std::uint8_t { layers, mask, segmentation, structure_set, table, png, hdf5 };
 
@@ -70,6 +87,8 @@ struct PlannedOutput {
     bool is_mask() const noexcept { return format == OutputFormat::mask || format == OutputFormat::segmentation; }
     /// Of DICOM: it names the slices of a CT.
     bool is_dicom() const noexcept { return format == OutputFormat::structure_set || format == OutputFormat::segmentation; }
+    /// Pictures of layers for printers.
+    bool on_screen() const noexcept;
     /// True if it takes one mesh only.
     bool one_mesh() const noexcept { return format == OutputFormat::layers || format == OutputFormat::hdf5; }
     /// True if a record is written beside it: beside all but files of layers.
@@ -182,7 +201,10 @@ struct OutputJob {
     std::optional<Failure> failure{};  ///< of the first that could not be written; those of others were complained of
 };
 
+/// How a file of layers is written. Refers to the job.
 LayerFileOptions layer_options(const OutputJob& job, const PlannedOutput& output);
+/// Throws Failure where the mesh has no room on the screen of an output.
+void require_on_screen(const OutputJob& job, const Source& mesh, const SliceOptions& options);
 
 /// Throws Failure.
 OpenLayers open_layers_of(const SliceResult& result, const Context& context);

@@ -104,6 +104,7 @@ void declare_outputs(CLI::App& command, OutputArguments& arguments) {
                      "Leave open contours out, with their count, where a file of layers cannot hold them");
     add_text(command, "--label-table", arguments.label_table, "FILE",
              "Names, colours and codes of the meshes' labels: CSV with label, name, color, category, type, region");
+    declare_screen(command, arguments.screen);
     command.add_flag("--strict", arguments.strict, "Fail where a slice has open contours, of which no area is known");
 }
 
@@ -130,6 +131,12 @@ void declare_image(CLI::App& command, ImageArguments& arguments) {
                [&arguments](std::size_t i) { arguments.frame = i == 0 ? PatientFrame::lps : PatientFrame::ras; });
     add(command, "--subslices", arguments.subslices, "N", "Masks hold the mean share over N planes a slice (1: off)")
         ->check(CLI::Range(1, 1000));
+}
+
+bool PlannedOutput::on_screen() const noexcept {
+    const auto known = layer_formats();
+    const auto is_own = [this](const LayerFormat& one) { return one.name == layer_format && one.on_screen; };
+    return format == OutputFormat::layers && std::any_of(known.begin(), known.end(), is_own);
 }
 
 std::vector<std::string> PlannedOutput::files(bool several_meshes) const {
@@ -193,6 +200,11 @@ std::optional<std::int64_t> source_date() {
 
 void require_together(const std::vector<PlannedOutput>& outputs, const OutputArguments& arguments, std::size_t meshes,
                       const ImageArguments& image) {
+    const std::optional<Screen> screen = arguments.screen.screen();
+    refuse_if(screen && std::none_of(outputs.begin(), outputs.end(), std::mem_fn(&PlannedOutput::on_screen)), bad_usage,
+              "--screen: no output is of SL1 or a zip of PNGs");
+    refuse_if(arguments.leave_out && !has_format(outputs, OutputFormat::layers), bad_usage,
+              "--leave-out: no output is a file of layers");
     bool mask = false;
     bool dicom = false;
     for (const PlannedOutput& output : outputs) {
@@ -209,6 +221,7 @@ void require_together(const std::vector<PlannedOutput>& outputs, const OutputArg
         refuse(set && image.subslices > 1, ": its contours lie on the slices themselves, not with --subslices");
         refuse(output.one_mesh() && meshes > 1 && !(arguments.objects && output.format == OutputFormat::layers),
                " takes one mesh, not several");
+        refuse(output.on_screen() && !screen, " needs --screen, a printer (see lamella screens) or WxH with --pixel");
         refuse(output.is_mask() && !image.given(), " needs --like IMAGE or --spacing X,Y,Z");
     }
     refuse_if(arguments.picture_layer && !has_format(outputs, OutputFormat::png), bad_usage,

@@ -205,6 +205,8 @@ void write_one(OutputJob& job, const PlannedOutput& output, const Context& conte
 }
 
 Record record_of(const OutputJob& job, const PlannedOutput& output) {
+    static constexpr std::array of_layers = {"--screen", "--pixel",    "--mirror",         "--turn",     "--levels",
+                                             "--place",  "--exposure", "--first-exposure", "--leave-out"};
     Record record;
     record.command = job.command;
     record.inputs = job.inputs;
@@ -213,7 +215,8 @@ Record record_of(const OutputJob& job, const PlannedOutput& output) {
         if ((name == "--holes" && output.format != OutputFormat::structure_set) ||
             (name == "--without-ct" && !output.is_dicom()) || (name == "--coverage" && !output.is_mask()) ||
             (name == "--islands" && output.format != OutputFormat::table) ||
-            (name == "--picture-layer" && output.format != OutputFormat::png)) {
+            (name == "--picture-layer" && output.format != OutputFormat::png) ||
+            std::find(of_layers.begin(), of_layers.end(), name) != of_layers.end()) {
             continue;  // it says nothing of this output
         }
         record.options.push_back(name);
@@ -291,6 +294,8 @@ LayerFileOptions layer_options(const OutputJob& job, const PlannedOutput& output
     return {.format = output.layer_format,
             .leave_out_open = job.arguments.leave_out,
             .welded = is_welded ? &*job.parts.front().welded : nullptr,
+            .screen = job.arguments.screen.screen(),
+            .times = job.arguments.screen.times,
             .part_names = job.part_names};
 }
 

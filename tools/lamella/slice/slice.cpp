@@ -121,11 +121,11 @@ std::vector<std::string> doubts_of(const SliceInfo& info, const SliceArguments& 
 /// Outputs that take one layer after the other.
 class Streams {
 public:
-    void begin(const OutputJob& job, const std::string& mesh_name, const SliceInfo& info) {
+    void begin(const OutputJob& job, const std::string& mesh_name, const SliceInfo& info, const Context& context) {
         const ImageGeometry* const image = job.image ? &*job.image : nullptr;
         for (const PlannedOutput& output : job.outputs) {
             output.format == OutputFormat::layers
-                ? add(LayerFile::begin(info, output_path(output.path), layer_options(job, output)))
+                ? add(LayerFile::begin(info, output_path(output.path), layer_options(job, output), context))
                 : add(LayerTableStream::begin(mesh_name, path_of(output.path), image, job.arguments.islands));
         }
     }
@@ -354,7 +354,7 @@ std::function<void(const ToldLayers&)> slice_streamed(const OutputJob& job, Slic
                                                       const SliceOptions& options, const Tuning& tuning, bool hash,
                                                       Context context) {
     const auto streams = std::make_shared<Streams>();
-    const Context asked{.stop = context.stop};
+    const Context asked{.threads = context.threads, .stop = context.stop};
     std::atomic<bool> out_of_memory = false;
     std::optional<LayerHash> hashes;
     std::vector<Layer> layers;
@@ -371,7 +371,7 @@ std::function<void(const ToldLayers&)> slice_streamed(const OutputJob& job, Slic
             if (hash || std::any_of(job.outputs.begin(), job.outputs.end(), std::mem_fn(&PlannedOutput::has_record))) {
                 hashes.emplace(info.layers);
             }
-            streams->begin(job, part.name, info);
+            streams->begin(job, part.name, info, asked);
         });
     };
     const auto take = [&](const LayerView& view) noexcept {

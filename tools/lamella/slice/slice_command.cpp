@@ -284,6 +284,7 @@ private:
         }
         if (!labelled_ && !mesh.stream) {
             take_out(mesh, options);
+            require_on_screen(job_, mesh.source(), options);
         }
         Tuning tuning = arguments_.tuning;
         if (heights_) {

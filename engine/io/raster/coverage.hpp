@@ -3,8 +3,10 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <limits>
+#include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -14,20 +16,26 @@
 
 namespace lamella {
 
+/// What of a voxel counts: the share of its area, or whether its centre is inside; on the left or lower edge it is.
+enum class Coverage : std::uint8_t { area, centre };
+
 /// Signed-area accumulation, as in R. Levien's font-rs and in FreeType's smooth rasteriser: an edge changes the coverage of
 /// the voxels that it passes, and of all to their right by its height.
 ///
 /// Sums are in double precision, in the order of add(): the same contours in the same order give the same bits.
 class CoverageSheet {
 public:
-    /// Zero everywhere; about rows [begin, end) of `width` voxels. Throws std::bad_alloc.
-    void restart(std::size_t width, std::size_t begin, std::size_t end) {
+    /// Zero everywhere; about rows [begin, end) of `width` voxels. All rows since the last restart were taken, or are zero.
+    /// Throws std::bad_alloc.
+    void restart(std::size_t width, std::size_t begin, std::size_t end, Coverage of = Coverage::area) {
         width_ = width;
         begin_ = begin;
         rows_ = end - begin;
+        of_ = of;
         // One column more takes what falls to the right of the last. A row that was taken is zero already.
-        steps_.assign(rows_ * (width_ + 1), 0.0);
-        touched_.assign(rows_, {untouched, 0});
+        words_ = width_ / word_bits + 1;
+        steps_.resize(rows_ * (width_ + 1));
+        touched_.resize(rows_ * words_);
     }
 
     /// A closed contour; counter-clockwise it adds, clockwise it takes away. `place` gives where a point lies, in voxels
@@ -54,35 +62,60 @@ public:
         }
     }
 
-    /// Adds the share of each voxel of the i-th row of the range, 0 to 1, to `to`, and sets the row to zero again.
-    void take_row(std::size_t i, std::span<double> to) noexcept {
-        const Touched touched = touched_[i];
-        if (touched.first == untouched) {
-            return;
-        }
+    /// Calls run(length, share) for the voxels of the i-th row from left to right, stretch by stretch of one share each, 0
+    /// to 1, and sets the row to zero again. O(edges in the row + width / 64).
+    template <class Run>
+    void take_runs(std::size_t i, const Run& run) {
         double* const steps = steps_.data() + i * (width_ + 1);
         double sum = 0;
-        for (std::size_t column = touched.first; column <= std::min(touched.last, width_ - 1); ++column) {
-            sum += std::exchange(steps[column], 0.0);
-            to[column] += std::clamp(sum, 0.0, 1.0);
+        std::size_t from = 0;
+        const auto run_to = [&](std::size_t column) {
+            if (column > from) {
+                run(column - from, std::clamp(sum, 0.0, 1.0));
+                from = column;
+            }
+        };
+        for (std::size_t word = 0; word < words_; ++word) {
+            for (std::uint64_t bits = std::exchange(touched_[i * words_ + word], 0); bits != 0; bits &= bits - 1) {
+                const std::size_t column = word * word_bits + static_cast<std::size_t>(std::countr_zero(bits));
+                run_to(column);
+                sum += std::exchange(steps[column], 0.0);
+            }
         }
-        // Contours that leave the image on the right cover all that is left of the row.
-        for (std::size_t column = touched.last + 1; column < width_; ++column) {
-            to[column] += std::clamp(sum, 0.0, 1.0);
-        }
-        steps[width_] = 0;
-        touched_[i] = {untouched, 0};
+        run_to(width_);  // contours that leave the image on the right cover all that is left of the row
+    }
+
+    /// Adds the shares of the i-th row to `to`, and sets the row to zero again.
+    void take_row(std::size_t i, std::span<double> to) {
+        double* at = to.data();
+        take_runs(i, [&at](std::size_t length, double share) {
+            for (double* const end = at + length; at != end; ++at) {
+                *at += share;
+            }
+        });
     }
 
 private:
-    static constexpr std::size_t untouched = std::numeric_limits<std::size_t>::max();
+    static constexpr std::size_t word_bits = 64;
 
-    /// Columns of a row that were touched: [first, last].
-    struct Touched {
-        std::size_t first;
-        std::size_t last;
-    };
     void add_edge(PointMm low, PointMm high, double sign) noexcept {
+        of_ == Coverage::area ? add_areas(low, high, sign) : add_centres(low, high, sign);
+    }
+
+    /// In rows whose centres the edge passes, its lower end included: all voxels with their centre on it or to its right.
+    void add_centres(PointMm low, PointMm high, double sign) noexcept {
+        const double slope = (high.x - low.x) / (high.y - low.y);
+        const auto row_of = [this](double y) {
+            return static_cast<std::size_t>(std::clamp(std::ceil(y - 0.5), 0.0, static_cast<double>(rows_)));
+        };
+        const std::size_t end = row_of(high.y);
+        for (std::size_t row = row_of(low.y); row < end; ++row) {
+            const double column = std::ceil(low.x + (static_cast<double>(row) + 0.5 - low.y) * slope - 0.5);
+            put(row, static_cast<std::size_t>(std::clamp(column, 0.0, static_cast<double>(width_))), sign);
+        }
+    }
+
+    void add_areas(PointMm low, PointMm high, double sign) noexcept {
         const auto rows = static_cast<double>(rows_);
         if (high.y <= 0 || low.y >= rows) {
             return;
@@ -153,16 +186,16 @@ private:
 
     void put(std::size_t row, std::size_t column, double area) noexcept {
         steps_[row * (width_ + 1) + column] += area;
-        Touched& touched = touched_[row];
-        touched.first = std::min(touched.first, column);
-        touched.last = std::max(touched.last, column);
+        touched_[row * words_ + column / word_bits] |= std::uint64_t{1} << column % word_bits;
     }
 
     std::size_t width_ = 0;
     std::size_t begin_ = 0;
     std::size_t rows_ = 0;
     std::vector<double> steps_;  ///< what each voxel has more than its left neighbour
-    std::vector<Touched> touched_;
+    std::size_t words_ = 0;
+    std::vector<std::uint64_t> touched_;  ///< a bit a column, so many words a row
+    Coverage of_ = Coverage::area;
 };
 
 /// Unites one layer after another. Keep one a thread.
@@ -171,20 +204,21 @@ public:
     /// Closed contours of winding numbers 0 and 1 only, solid on the left: those of the layer where a fill rule has made a
     /// region of all of them, else their union by FillRule::non_zero. They stay until the next call. Throws Refused where
     /// memory fails.
-    std::span<const std::span<const Point>> of(const SliceResult& result, std::uint64_t layer) {
-        if (layer_ == &result.layers[layer]) {
+    std::span<const std::span<const Point>> of(const SliceInfo& info, const LayerView& layer) {
+        if (layer_ == layer.contours.data() && index_ == layer.index) {
             return contours_;
         }
-        layer_ = &result.layers[layer];
+        layer_ = layer.contours.data();
+        index_ = layer.index;
         contours_.clear();
-        for (const Contour& contour : result.contours_of(*layer_)) {
+        for (const Contour& contour : layer.contours) {
             if (contour.encloses_area()) {
-                contours_.push_back(result.points_of(contour));
+                contours_.push_back(layer.points_of(contour));
             }
         }
-        const SliceOptions& options = result.info.options;
-        const bool apart = result.info.part_count > 1 && !options.unite_parts;
-        if (!apart && options.region.rule_of(result.info.first_layer + layer) != FillRule::contours) {
+        const SliceOptions& options = info.options;
+        const bool apart = info.part_count > 1 && !options.unite_parts;
+        if (!apart && options.region.rule_of(info.first_layer + layer.index) != FillRule::contours) {
             return contours_;
         }
         united_ = require(region_of(contours_, {.fill_rule = FillRule::non_zero}));
@@ -196,7 +230,8 @@ public:
     }
 
 private:
-    const Layer* layer_ = nullptr;  ///< that was asked for last
+    const Contour* layer_ = nullptr;  ///< that was asked for last
+    std::uint64_t index_ = 0;
     std::vector<std::span<const Point>> contours_;
     SliceResult united_;
 };

@@ -18,7 +18,8 @@
 //     slice_sections()                           yes                 yes    yes        result and scratch
 //     find_tracks(), measure(), compare()        yes                 yes    yes        result and scratch
 //     check(), audit()                           yes                 yes    yes        -
-//     writers                                    calling thread      yes    yes        -
+//     write_layers() for a Screen                yes                 yes    yes        -
+//     other writers                              calling thread      yes    yes        -
 //
 // Every call asks for a stop when it begins, and then every two milliseconds or a little more, whatever the mesh and the
 // rules: on the thread that made the call while that one works, and on one of the others. It asks after each layer that a

@@ -10,10 +10,10 @@
 #pragma once
 
 #include "lamella/io/check_report.hpp"
+#include "lamella/io/layer_file.hpp"
 #include "lamella/io/mesh_file.hpp"
 #include "lamella/io/mesh_stream.hpp"
 #include "lamella/io/mesh_writer.hpp"
 #include "lamella/io/name_text.hpp"
 #include "lamella/io/report.hpp"
-#include "lamella/io/layer_file.hpp"
 #include "lamella/io/text_file.hpp"

@@ -242,12 +242,16 @@ TEST_CASE("layer files: what ends early leaves nothing", "[write][layers][contro
     const TempFolder folder;
     for (const LayerFormat& format : layer_formats()) {
         INFO(format.name);
+        LayerFileOptions options{.format = format.name};
+        if (format.on_screen) {
+            options.screen = {.width = 500, .height = 400, .pixel_x_mm = 1, .pixel_y_mm = 1};
+        }
         for (const std::string name : {"a", "{layer}"}) {
             const std::filesystem::path path = folder / (name + std::string(format.ending));
             if (name == "{layer}" && !format.single_layers) {
                 continue;
             }
-            value_of(write_layers(result, path, {.format = format.name}));
+            value_of(write_layers(result, path, options));
             CHECK(folder.names().size() == (name == "a" ? 1 : result.size()));
             for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
                 std::filesystem::remove(entry);
@@ -255,16 +259,16 @@ TEST_CASE("layer files: what ends early leaves nothing", "[write][layers][contro
             for (const std::uint64_t from : {std::size_t{1}, result.size() / 2, result.size()}) {  // each layer asks
                 LateStop late{.from = from};
                 const auto stop = [&late]() noexcept { return late(); };
-                CHECK(code_of(write_layers(result, path, {.format = format.name}, {.stop = stop})) == ErrorCode::cancelled);
+                CHECK(code_of(write_layers(result, path, options, {.stop = stop})) == ErrorCode::cancelled);
                 CHECK(folder.names().empty());
             }
             {
-                LayerFile file = value_of(LayerFile::begin(result.info, path, {.format = format.name}));
+                LayerFile file = value_of(LayerFile::begin(result.info, path, options));
                 file.add(result[0]);
             }
             CHECK(folder.names().empty());
         }
-        CHECK(code_of(write_layers(result, "/dev/full", {.format = format.name})) == ErrorCode::unwritable_file);
+        CHECK(code_of(write_layers(result, "/dev/full", options)) == ErrorCode::unwritable_file);
     }
 }
 
@@ -276,7 +280,7 @@ TEST_CASE("layer files: the table in the docs is that of the formats", "[write][
         const std::string row = "| `" + std::string(format.name) + "` | `" + std::string(format.ending) + "` | " +
                                 std::string(format.what) + " | " + heights[static_cast<std::size_t>(format.height)] + " |" +
                                 word(format.open_contours) + word(format.uneven_heights) + word(format.single_layers) +
-                                word(format.parts) + word(format.crossings);
+                                word(format.parts) + word(format.crossings) + word(format.on_screen);
         INFO(row);
         CHECK(table.find(row) != std::string::npos);
     }

@@ -75,10 +75,10 @@ struct LayerFileSummary {
     double rounding_mm = 0;           ///< how far a written coordinate lies from the result's at most
 };
 
-/// O(points) time and 2 MiB of memory, on the calling thread; pictures of screens on the context's threads, with 6 MB and the
-/// points of four layers each. 3mf-slices and vtp keep what does not fit in a file without a name beside the target, or where
-/// there is no folder the system's for temporary files. Errors: unwritable_file, invalid_argument (no such format; what the
-/// format cannot hold), cancelled, out_of_memory.
+/// O(points) time and 2 MiB of memory, on the calling thread; pictures of screens on the context's threads, with 6 MB and
+/// the points of four layers each. 3mf-slices and vtp keep what does not fit in a file without a name beside the target, or
+/// where there is no folder the system's for temporary files. Errors: unwritable_file, invalid_argument (no such format;
+/// what the format cannot hold), cancelled, out_of_memory.
 Result<LayerFileSummary> write_layers(const SliceResult& result, const std::filesystem::path& path,
                                       const LayerFileOptions& options = {}, const Context& context = {}) noexcept;
 

@@ -11,8 +11,8 @@
 
 #include "lamella/audit.hpp"
 #include "lamella/check.hpp"
-#include "lamella/io/report.hpp"
 #include "lamella/io/layer_file.hpp"
+#include "lamella/io/report.hpp"
 #include "lamella/io/text_file.hpp"
 #include "lamella/layers.hpp"
 #include "lamella/version.hpp"

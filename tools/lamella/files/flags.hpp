@@ -30,6 +30,7 @@ void add_merge_command(CLI::App& app, Interrupt& interrupt);
 void add_verify_command(CLI::App& app, Interrupt& interrupt);
 void add_batch_command(CLI::App& app, Interrupt& interrupt);
 void add_screens_command(CLI::App& app, Interrupt& interrupt);
+void add_view_command(CLI::App& app, Interrupt& interrupt);
 
 /// A check for options whose value may not be empty: what is wrong with it, if anything.
 std::string given(const std::string& text);

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,9 @@ private:
 /// From here on this process ends when `starter`, which started it, does, may be asked to end by it, and is the first to go
 /// where memory runs out. False if that one has ended before.
 bool end_with(std::uint64_t starter);
+
+/// Where this program lies; empty where the system does not say.
+std::filesystem::path program_path();
 
 /// True if another process of this number runs this program.
 bool runs_this_program(std::uint64_t process);

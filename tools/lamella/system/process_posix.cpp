@@ -169,11 +169,16 @@ bool end_with(std::uint64_t starter) {
     return static_cast<std::uint64_t>(::getppid()) == starter;
 }
 
+std::filesystem::path program_path() {
+    std::error_code unknown;
+    return std::filesystem::read_symlink("/proc/self/exe", unknown);
+}
+
 bool runs_this_program(std::uint64_t process) {
     std::error_code unknown;
-    const std::filesystem::path own = std::filesystem::read_symlink("/proc/self/exe", unknown);
+    const std::filesystem::path own = program_path();
     const std::filesystem::path other = std::filesystem::read_symlink("/proc/" + std::to_string(process) + "/exe", unknown);
-    return !unknown && own == other && process != process_number();
+    return !unknown && own == other && !own.empty() && process != process_number();
 }
 
 std::uint64_t peak_rss_bytes() {

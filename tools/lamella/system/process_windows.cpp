@@ -185,6 +185,10 @@ bool end_with(std::uint64_t /*starter*/) {  // The job of the starter sees to th
     return true;
 }
 
+std::filesystem::path program_path() {
+    return program_of(::GetCurrentProcess());
+}
+
 bool runs_this_program(std::uint64_t process) {
     const HANDLE other = ::OpenProcess(PROCESS_QUERY_LIMITED_INFORMATION | SYNCHRONIZE, FALSE, static_cast<DWORD>(process));
     const bool runs = other != nullptr && process != process_number() && ::WaitForSingleObject(other, 0) != WAIT_OBJECT_0 &&

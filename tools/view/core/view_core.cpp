@@ -102,8 +102,8 @@ std::string json(const Members& members) {
 std::unique_ptr<OpenMesh> read(const char* path, double mm_per_unit, const char* name) {
     auto mesh = std::make_unique<OpenMesh>();
     const std::uint64_t limit = std::uint64_t{3} << 30;  // of the 4 GB that a page has
-    mesh->file = value_of(
-        read_mesh(path, {.mm_per_unit = mm_per_unit, .name = name, .memory_limit_bytes = limit}, context()));
+    mesh->file =
+        value_of(read_mesh(path, {.mm_per_unit = mm_per_unit, .name = name, .memory_limit_bytes = limit}, context()));
     mesh->prepared.emplace(value_of(prepare(mesh->file.view(), {}, context())));
     Slicer slicer;
     mesh->box = value_of(slicer.outline(*mesh->prepared, {.heights_mm = std::vector<double>()}, context())).box;
@@ -135,7 +135,8 @@ std::vector<Slab> slabs_of(Page& p, SliceOptions& options, double cusp_mm) {
     }
     if (cusp_mm > 0) {
         const Array<Slab> made = value_of(adaptive_layers(
-            p.mesh->file.view(), {.least_mm = height / 4, .most_mm = height, .step_mm = height / 40, .cusp_mm = cusp_mm}, context()));
+            p.mesh->file.view(), {.least_mm = height / 4, .most_mm = height, .step_mm = height / 40, .cusp_mm = cusp_mm},
+            context()));
         options.slabs = {made.begin(), made.end()};
     }
     SliceOptions lowest = options;
@@ -191,7 +192,8 @@ double length_of(const LayerView& layer, const Contour& contour) {
 double part_of(const MeshFile& file, const LayerView& layer, const Contour& contour) {
     const std::uint32_t triangle = layer.origins.empty() ? no_triangle : layer.origins_of(contour).front().triangle;
     const auto found = std::find_if(file.parts.begin(), file.parts.end(), [&](const MeshPart& part) {
-        return triangle != no_triangle && triangle >= part.first_triangle && triangle - part.first_triangle < part.triangle_count;
+        return triangle != no_triangle && triangle >= part.first_triangle &&
+               triangle - part.first_triangle < part.triangle_count;
     });
     return found == file.parts.end() ? 0 : static_cast<double>(found - file.parts.begin());
 }
@@ -220,12 +222,14 @@ extern "C" {
 /// What an answer holds: 0 floats, 1 more floats, 2 rows, 3 starts; -1: the text. `size` counts numbers, or bytes of text.
 EMSCRIPTEN_KEEPALIVE const void* view_data(int which) {
     Page& p = page();
-    const std::array<const void*, 5> data{p.text.data(), p.floats.data(), p.more_floats.data(), p.rows.data(), p.starts.data()};
+    const std::array<const void*, 5> data{p.text.data(), p.floats.data(), p.more_floats.data(), p.rows.data(),
+                                          p.starts.data()};
     return data[static_cast<std::size_t>(which + 1)];
 }
 EMSCRIPTEN_KEEPALIVE std::size_t view_size(int which) {
     Page& p = page();
-    const std::array<std::size_t, 5> sizes{p.text.size(), p.floats.size(), p.more_floats.size(), p.rows.size(), p.starts.size()};
+    const std::array<std::size_t, 5> sizes{p.text.size(), p.floats.size(), p.more_floats.size(), p.rows.size(),
+                                           p.starts.size()};
     return sizes[static_cast<std::size_t>(which + 1)];
 }
 
@@ -272,10 +276,9 @@ EMSCRIPTEN_KEEPALIVE int view_layer(std::uint32_t index, double pixel_mm) {
         const LayerView layer = p.shown[0];
         for (const Contour& contour : layer.contours) {
             append_drawn(p, layer, contour, pixel_mm);
-            p.rows.insert(p.rows.end(),
-                          {static_cast<double>(contour.role), part_of(p.mesh->file, layer, contour),
-                           static_cast<double>(contour.parent), static_cast<double>(contour.point_count),
-                           length_of(layer, contour), layer.area_mm2(contour)});
+            p.rows.insert(p.rows.end(), {static_cast<double>(contour.role), part_of(p.mesh->file, layer, contour),
+                                         static_cast<double>(contour.parent), static_cast<double>(contour.point_count),
+                                         length_of(layer, contour), layer.area_mm2(contour)});
         }
         for (const Stitch& stitch : layer.stitches) {
             for (const Point end : {stitch.from, stitch.to}) {
@@ -319,7 +322,8 @@ EMSCRIPTEN_KEEPALIVE int view_islands(std::uint32_t first, std::uint32_t end) {
         const Tracks tracks = value_of(find_tracks(p.pair, {}, {.threads = 1}));
         for (const Track& island : tracks.islands) {
             if (island.below == 0 && island.layer > 0) {
-                const std::uint64_t contour = island.contour - p.pair.layers[static_cast<std::size_t>(island.layer)].first_contour;
+                const std::uint64_t contour =
+                    island.contour - p.pair.layers[static_cast<std::size_t>(island.layer)].first_contour;
                 p.rows.insert(p.rows.end(), {static_cast<double>(from + island.layer), static_cast<double>(contour),
                                              island.centroid_mm[0], island.centroid_mm[1], island.area_mm2});
             }

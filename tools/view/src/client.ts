@@ -28,6 +28,7 @@ export function bytes_of(base64: string): Uint8Array<ArrayBuffer> {
 
 export class Client {
     private generation = 0; // of what is shown
+    private mesh_generation = 0;
     private latest = 0; // of what was asked for
     pixel = 0; // mm that half a pixel's points may lie apart
     waiting = 0; // layers on the way
@@ -88,7 +89,7 @@ export class Client {
     }
 
     more(ask: "islands" | "preview"): void {
-        this.ask({ ask, generation: this.generation });
+        this.ask({ ask, generation: ask === "preview" ? this.mesh_generation : this.generation });
     }
 
     below(): void {
@@ -102,7 +103,7 @@ export class Client {
             return;
         }
         state.checking = true;
-        const { generation, source } = this;
+        const { mesh_generation: generation, source } = this;
         this.checker = this.make_worker((answer) => {
             if (answer.say === "ready") {
                 this.checker!.postMessage({ ask: "open", generation, ...source! } satisfies Question);
@@ -170,11 +171,12 @@ export class Client {
             changed();
             return;
         }
-        const fresh = answer.say === "opened" || answer.say === "planned";
-        if ("generation" in answer && answer.generation !== (fresh ? this.latest : this.generation)) {
+        const fresh = answer.say === "opened" || answer.say === "planned", of_mesh = answer.say === "preview" || answer.say === "checked";
+        if ("generation" in answer && answer.generation !== (fresh ? this.latest : of_mesh ? this.mesh_generation : this.generation)) {
             return;
         }
         this.generation = fresh ? this.latest : this.generation;
+        this.mesh_generation = answer.say === "opened" ? this.latest : this.mesh_generation;
         if (answer.say === "opened") {
             const again = this.reopening;
             this.reopening = false;

@@ -58,6 +58,11 @@ export function draw_curve(canvas: HTMLCanvasElement): void {
     draw_areas(context, width - 10, rows, most);
     draw_islands(context, width, rows);
     const [low, high] = span();
+    context.fillStyle = colour("faint");
+    context.font = "11px system-ui, sans-serif";
+    context.textAlign = "right";
+    context.fillText(measure(high, " mm"), width - 12, margin + 9);
+    context.fillText(measure(low, " mm"), width - 12, height - margin - 2);
     const y = margin + rows * (1 - (plane_of(state.index) - low) / (high - low));
     context.fillStyle = colour("plane");
     context.fillRect(0, y - 1, width, 2);

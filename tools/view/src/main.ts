@@ -390,7 +390,7 @@ async function start(): Promise<void> {
     document.body.dataset["ready"] = "yes";
     for (const script of document.querySelectorAll<HTMLScriptElement>("script.mesh")) {
         const name = script.dataset["name"] ?? "mesh";
-        sources.push({ file: new Blob([bytes_of(script.textContent!)]), name, unit: Number(script.dataset["unit"]) || 0 });
+        sources.push({ file: new Blob([bytes_of(script.textContent!)]), name, unit: 0 });
         script.remove();
     }
     sources.length > 0 && choose(0);

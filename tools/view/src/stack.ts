@@ -78,11 +78,13 @@ export class Stack {
         return Math.max(Math.hypot(max[0] - min[0], max[1] - min[1], max[2] - min[2]) / 2, 1e-6);
     }
 
-    /// Half of the canvas's height and width in mm.
+    /// Half of the canvas's width and height in mm: the mesh fits, however it is turned.
     private reach(): [number, number] {
-        const { clientWidth: width, clientHeight: height } = this.canvas;
-        const shorter = (1.05 * this.radius()) / this.zoom;
-        return width < height ? [shorter, (shorter * height) / width] : [(shorter * width) / height, shorter];
+        const { clientWidth: width, clientHeight: height } = this.canvas, { min, max } = state.mesh!;
+        const round = Math.hypot(max[0] - min[0], max[1] - min[1]) / 2, tall = (max[2] - min[2]) / 2;
+        const high = Math.max(round * Math.abs(Math.sin(this.pitch)) + tall * Math.cos(this.pitch), (round * height) / width, 1e-6);
+        const upwards = (1.08 * high) / this.zoom;
+        return [(upwards * width) / height, upwards];
     }
 
     private prepare(): void {

@@ -65,9 +65,9 @@ function work(): void {
 
 function sweep(count: number): void {
     engine.call("sweep", ["number"], count);
-    const rows = engine.rows();
-    postMessage({ say: "areas", generation, from: swept, rows, hash: engine.text() }, [rows.buffer]);
+    const rows = engine.rows(), from = swept;
     swept += rows.length / 4;
+    postMessage({ say: "areas", generation, from, rows, hash: engine.text() }, [rows.buffer]);
 }
 
 function scan(count: number): void {

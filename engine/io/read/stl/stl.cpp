@@ -12,7 +12,7 @@ namespace {
 //     | header 80 | count 4 | normal 12 | vertices 36 | attribute 2 | normal ...
 //     0           80        84          96            132           134
 constexpr std::size_t header_bytes = 84;
-constexpr std::size_t record_bytes = 50;
+constexpr std::uint64_t record_bytes = 50;  // times a count, in 64 bits everywhere
 constexpr std::size_t normal_bytes = 12;
 
 bool begins_with_solid(std::string_view text) {
@@ -86,7 +86,7 @@ MeshFile describe_binary_stl(const FileSource& file) {
     const std::uint64_t needed = header_bytes + record_bytes * count;
     MeshFile mesh;
     mesh.first_offset = header_bytes + normal_bytes;
-    mesh.stride = record_bytes;
+    mesh.stride = std::size_t{record_bytes};
     mesh.triangle_count = count;
     give_stated_frame(file.sample().substr(0, 80), file, mesh);
     if (file.size() > needed) {

@@ -21,7 +21,7 @@ cmake -S . -B "$folder/wasm" -G Ninja --toolchain "$root/tools/toolchains/wasm.c
     -DLAMELLA_BUILD_IO=ON -DCMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)" > "$folder/log" || stop "see $folder/log"
 cmake --build "$folder/wasm" --target lamella_io > "$folder/log" || stop "see $folder/log"
 
-em++ -std=c++20 -Oz -sINLINING_LIMIT=0 -fwasm-exceptions -ffp-contract=off -Wall -Wextra -Werror -Iinclude -Iengine -I"$libraries/include" \
+em++ -std=c++20 -O2 -fwasm-exceptions -ffp-contract=off -Wall -Wextra -Werror -Iinclude -Iengine -I"$libraries/include" \
     tools/view/core/*.cpp "$folder"/wasm/engine/liblamella{_io,}.a "$libraries"/lib/lib{expat,zip,z}.a -lworkerfs.js \
     -sALLOW_MEMORY_GROWTH=1 -sMAXIMUM_MEMORY=4GB -sMODULARIZE=1 -sEXPORT_NAME=createCore -sENVIRONMENT=worker,node -sDYNAMIC_EXECUTION=0 \
     -sEXPORTED_RUNTIME_METHODS=FS,WORKERFS,ccall -sINCOMING_MODULE_JS_API=instantiateWasm,progress,wasmBinary --no-entry \

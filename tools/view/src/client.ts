@@ -193,6 +193,8 @@ export class Client {
             state.name = this.source!.name;
         }
         if (answer.say === "failed" && answer.ask === "open") {
+            const name = this.opening?.name ?? "";
+            answer.message = answer.message.includes(name) ? answer.message : `${name}: ${answer.message}`;
             this.opening = null;
             state.busy = "";
             state.fraction = -1;

@@ -61,8 +61,8 @@ export function draw_curve(canvas: HTMLCanvasElement): void {
     context.fillStyle = colour("faint");
     context.font = "11px system-ui, sans-serif";
     context.textAlign = "right";
-    context.fillText(measure(high, " mm"), width - 12, margin + 9);
-    context.fillText(measure(low, " mm"), width - 12, height - margin - 2);
+    context.fillText(`${Number(high.toFixed(2))} mm`, width - 12, margin + 9);
+    context.fillText(`${Number(low.toFixed(2))} mm`, width - 12, height - margin - 2);
     const y = margin + rows * (1 - (plane_of(state.index) - low) / (high - low));
     context.fillStyle = colour("plane");
     context.fillRect(0, y - 1, width, 2);

@@ -39,6 +39,7 @@ function take(answer: Answer): void {
             }
             return;
         case "layer":
+            state.layer === null && begin_rest(); // of what takes longer, once there is something to see
             state.layer = answer;
             state.hovered = -1;
             state.selected = state.selected < answer.ends.length ? state.selected : -1;
@@ -72,8 +73,11 @@ function opened({ mesh }: Extract<Answer, { say: "opened" }>): void {
     delete document.body.dataset["hash"];
     delete document.body.dataset["layer"];
     client.plan(plan_of_link(linked, state.plan));
-    client.more("preview");
-    mesh.triangles <= checked_at_once && client.check();
+}
+
+function begin_rest(): void {
+    state.triangles === null && client.more("preview");
+    state.checked === null && state.mesh!.triangles <= checked_at_once && client.check();
 }
 
 function planned(slabs: Float64Array<ArrayBuffer>): void {

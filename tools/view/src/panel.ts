@@ -8,7 +8,7 @@ const most_rows = 200;
 export type Tab = "layer" | "mesh" | "faults" | "islands";
 let tab: Tab = "layer";
 let shown: unknown[] = [];
-let rest = 0;
+let rest = 0, waiting_since = 0;
 
 interface Actions {
     select(contour: number): void;
@@ -127,6 +127,7 @@ function facts(): unknown[] {
 }
 
 function fill_panel(): void {
+    waiting_since = 0;
     const now = facts();
     if (now.length === shown.length && now.every((fact, i) => fact === shown[i])) {
         return;
@@ -215,6 +216,9 @@ export function draw_words(): void {
             input.value = value;
         }
     }
-    clearTimeout(rest); // a table of hundreds of rows takes longer than a frame
-    rest = setTimeout(fill_panel, 120);
+    // A table of hundreds of rows takes longer than a frame: it comes when nothing moves, or twice a second.
+    const now = performance.now();
+    waiting_since = waiting_since || now;
+    clearTimeout(rest);
+    rest = setTimeout(fill_panel, Math.max(0, Math.min(120, waiting_since + 500 - now)));
 }

@@ -55,6 +55,7 @@ export class Client {
 
     open(source: Source): void {
         this.opening = source;
+        this.reopening = false;
         state.busy = `reading ${source.name}`;
         state.fraction = 0;
         state.error = state.notice = "";

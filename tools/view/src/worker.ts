@@ -9,6 +9,7 @@ const piece_ms = 6;
 const rest_ms = 60; // the sweep stands back while layers are asked for
 
 let engine: Engine;
+let early: Exclude<Question, { ask: "boot" }>[] | null = []; // that came before the engine stood
 let generation = 0;
 let slow_ms = 0;
 let layers = 0;
@@ -168,15 +169,20 @@ function answer(asked: Exclude<Question, { ask: "boot" }>): void {
     }
 }
 
-onmessage = (event: MessageEvent<Question>) => {
-    const asked = event.data;
-    if (asked.ask === "boot") {
-        void Engine.start(asked.module, tell_progress).then((started) => {
-            engine = started;
-            postMessage({ say: "ready" });
-        });
-        return;
-    }
+function take(asked: Exclude<Question, { ask: "boot" }>): void {
     guard(asked.ask, () => answer(asked));
     wake();
+}
+
+onmessage = ({ data: asked }: MessageEvent<Question>) => {
+    if (asked.ask !== "boot") {
+        early === null ? take(asked) : early.push(asked);
+        return;
+    }
+    void Engine.start(asked.module, tell_progress).then((started) => {
+        engine = started;
+        postMessage({ say: "ready" });
+        early!.forEach(take);
+        early = null;
+    });
 };

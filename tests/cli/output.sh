@@ -167,3 +167,30 @@ test_progress() {
     expect_silent slice ball.stl --progress auto
     expect_silent slice ball.stl --progress never
 }
+
+# A copy of the tool finds the page that is beside it, whose place for meshes is all that matters here.
+test_view() {
+    local -r name='a"<b>&.stl'
+    mkdir -p bin share/lamella
+    cp "$lamella" bin/lamella
+    "$lamella" make sphere --triangles 500 -o "$name" > /dev/null
+    ! bin/lamella view -o page.html 2> .stderr || fail "a page came from nowhere"
+    expect_message "view without the page" "tools/view/build.sh"
+    printf '<p>\n<!-- meshes -->\n</p>' > share/lamella/view.html
+    bin/lamella view -o page.html > .stdout || fail "no empty page"
+    [[ $(< page.html) == $'<p>\n\n</p>' ]] || fail "the empty page is another"
+    bin/lamella view "$name" "$name" -o page.html > .stdout || fail "no page with meshes"
+    [[ $(grep -c 'class="mesh" data-name="a&quot;&lt;b&gt;&amp;.stl">' page.html) == 2 ]] || fail "names are not escaped"
+    sed -n 's/.*class="mesh"[^>]*>\(.*\)<\/script>/\1/p' page.html | head -1 | base64 -d | gunzip | cmp - "$name" || fail "another mesh"
+    cp page.html before.html
+    echo nonsense > bad.stl
+    local got=0
+    bin/lamella view "$name" bad.stl -o page.html 2> .stderr || got=$?
+    ((got == 3)) || fail "exit status $got of a page with nonsense"
+    expect_message "view of nonsense" bad.stl
+    cmp page.html before.html || fail "the page before is gone"
+    got=0
+    bin/lamella view "$name" -o "$name" 2> .stderr || got=$?
+    ((got == 2)) || fail "a page in place of its mesh"
+    [[ $(find . -name '*page.html*' | wc -l) == 1 ]] || fail "something half-written stays"
+}

@@ -39,6 +39,7 @@ licence() { printf '%s\n\n%s\n\n\n' "$1" "$(cat "$2")"; }
     licence "JSON for Modern C++" /usr/share/doc/nlohmann-json3-dev/copyright
 } > "$folder/licences.txt"
 cd tools/view
-npm ci --no-audit --no-fund --silent --ignore-scripts > "$folder/log" 2>&1 || stop "npm ci: see $folder/log"
+[[ node_modules/.package-lock.json -nt package-lock.json ]] || npm ci --no-audit --no-fund --silent --ignore-scripts > "$folder/log" 2>&1 ||
+    stop "npm ci: see $folder/log"
 node_modules/.bin/tsc -p .
 node page.mjs "$folder"

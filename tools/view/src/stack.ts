@@ -1,4 +1,4 @@
-// The mesh below the plane, the layer as its cap, and the faults that the check found, in plain WebGL2. The cap is the layer as it is
+// The mesh below the plane, a breath of what is above, the layer as its cap, and the faults that the check found, in plain WebGL2. The cap is the layer as it is
 // filled in 2D, so that it is right for open meshes and for every fill rule, too.
 import { colour, fit_canvas } from "./dom";
 import { fill_layer } from "./layer";
@@ -14,13 +14,13 @@ void main() {
     gl_Position = view * vec4(place, 1.0); gl_PointSize = size;
 }`;
 const faces = `#version 300 es
-precision highp float; in vec3 at; uniform vec3 outside, inside, towards; uniform float plane, bottom, step; out vec4 colour;
+precision highp float; in vec3 at; uniform vec3 outside, inside, towards; uniform float plane, bottom, step, ghost; out vec4 colour;
 void main() {
-    if (at.z > plane) discard;
+    if ((at.z > plane) != (ghost > 0.0)) discard;
     vec3 normal = normalize(cross(dFdx(at), dFdy(at)));
     float light = 0.4 + 0.6 * abs(dot(normal, towards)), layer = (at.z - bottom) / max(step, 1e-9), wide = fwidth(layer);
     if (step > 0.0 && wide < 0.4) light *= 1.0 - 0.22 * smoothstep(0.5 - wide, 0.5, abs(fract(layer) - 0.5));
-    colour = vec4((gl_FrontFacing ? outside : inside) * light, 1.0);
+    colour = vec4((gl_FrontFacing ? outside : inside) * light, ghost > 0.0 ? ghost : 1.0);
 }`;
 const plain = `#version 300 es
 precision highp float; in vec2 uv; uniform sampler2D layer; uniform vec3 outside; uniform float cap; out vec4 colour;
@@ -88,7 +88,7 @@ export class Stack {
     }
 
     private prepare(): void {
-        const gl = (this.gl = this.canvas.getContext("webgl2", { antialias: true }));
+        const gl = (this.gl = this.canvas.getContext("webgl2", { antialias: true, alpha: false }));
         if (gl === null) {
             this.failed = "No 3D view: this browser has no WebGL2.";
             return;
@@ -117,6 +117,7 @@ export class Stack {
         gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
         gl.enable(gl.DEPTH_TEST);
         gl.depthFunc(gl.LEQUAL);
+        gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
     }
 
     /// Draws vertices, which are sent again only where `of` is another than before.
@@ -183,14 +184,19 @@ export class Stack {
         view[15] = 1;
         const middle = centre()[2], plane = plane_of(state.layer.index) - middle, [hx, hy] = this.half_box();
         const step = state.plan.cusp > 0 ? 0 : state.plan.height;
-        this.use(this.programs[0]!, view, {
-            outside: rgb("outside"), inside: rgb("inside"), towards, plane, bottom: state.mesh.min[2] - middle, step, half_box: [hx, hy], size: 1,
-        });
+        const look = { outside: rgb("outside"), inside: rgb("inside"), towards, plane, bottom: state.mesh.min[2] - middle, step, half_box: [hx, hy], size: 1 };
+        this.use(this.programs[0]!, view, { ...look, ghost: 0 });
         this.draw("mesh", state.triangles, () => state.triangles!, gl.TRIANGLES);
         this.capped !== state.layer && this.fill_cap();
         this.use(this.programs[1]!, view, { half_box: [hx, hy], cap: 1, size: 1 });
         const corners = [[-hx, -hy], [hx, -hy], [-hx, hy], [hx, hy]].flatMap(([x, y]) => [x!, y!, plane]);
         this.draw("cap", plane, () => new Float32Array(corners), gl.TRIANGLE_STRIP);
+        this.use(this.programs[0]!, view, { ...look, inside: look.outside, ghost: 0.08 });  // what is above, as a breath
+        gl.enable(gl.BLEND);
+        gl.depthMask(false);
+        this.draw("mesh", state.triangles, () => state.triangles!, gl.TRIANGLES);
+        gl.depthMask(true);
+        gl.disable(gl.BLEND);
         this.draw_faults(view, [hx, hy]);
     }
 

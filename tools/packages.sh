@@ -27,7 +27,8 @@ picture_packages=(librsvg2-bin)
 golden_packages=(g++-mingw-w64-x86-64-posix wine64 emscripten nodejs g++-aarch64-linux-gnu qemu-user)
 platform_packages=(dpkg-dev clang-19)
 # tools/view: the page that slices, and the browser that its tests open it in.
-page_packages=(emscripten nodejs npm dpkg-dev libfast-float-dev nlohmann-json3-dev)
+page_packages=(emscripten nodejs dpkg-dev libfast-float-dev nlohmann-json3-dev)
+command -v npm > /dev/null || page_packages+=(npm)  # other packages of node bring it, and conflict with Debian's
 page_test_packages=(chromium)
 
 # stop MESSAGE: prints one line on stderr and ends the script.

@@ -16,17 +16,17 @@ import subprocess
 import sys
 
 FOLDERS = ("engine", "include", "tests", "bench", "tools")
-SUFFIXES = {".cpp", ".hpp", ".h", ".py", ".sh"}
+SUFFIXES = {".cpp", ".hpp", ".h", ".py", ".sh", ".ts"}
 OPTIONAL = ("regions", "offset", "simplify", "repair", "faces", "parts")
 # Figure: (at most, or at least, this). A bar is lowered when the house has become smaller; it was raised by what other systems,
 # layers of many contours, records in tiers, scratch made ahead, combined layers, roles, heights, offsets in steps, lines that
 # are clipped, islands that are followed, copies, and the lab's measures, sections, formats and Python take.
-AT_MOST = {"lines": 114_519, "files of a slice": 111, "lines of a slice": 17_786, "longest file": 500, "fields of a sweep": 120}
+AT_MOST = {"lines": 117_789, "files of a slice": 111, "lines of a slice": 17_786, "longest file": 500, "fields of a sweep": 120}
 AT_LEAST = {"comment lines, %": 7.5}
 
 
 def sources(root):
-    return sorted(path for folder in FOLDERS for path in (root / folder).rglob("*") if path.suffix in SUFFIXES and path.is_file())
+    return sorted(path for folder in FOLDERS for path in (root / folder).rglob("*") if path.suffix in SUFFIXES and path.is_file() and "node_modules" not in path.parts)
 
 
 def is_comment(line):

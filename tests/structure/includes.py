@@ -66,7 +66,7 @@ OTHERS = {
     r"(polyclipping/)?clipper|CGAL/|boost/(geometry|polygon)": None,
     r"mimalloc": "tools/",
     r"(expat|zip)\b": "io/",
-    r"(zlib|fast_float)\b": ("io/", "medical/"),
+    r"(zlib|fast_float)\b": ("io/", "medical/", "tools/lamella/view/"),
     r"nlohmann\b": ("io/", "medical/", "tools/lamella/batch/", "tools/lamella/processes/"),
     r"openssl\b|bcrypt\.h|CommonCrypto": "base/system/",
     r"png\.h\b": "medical/",

@@ -48,10 +48,9 @@ int run(const std::vector<std::string>& words) {
     app.add_flag_callback(
         "--completion", [&] { print_instead(bash_completion_of(app)); }, "Print completion for bash");
     app.require_subcommand(1);
-    for (const auto add :
-         {add_slice_command, add_info_command, add_check_command, add_make_command, add_verify_command, add_batch_command,
-          add_convert_command, add_combine_command, add_merge_command, add_tracks_command, add_screens_command,
-          add_view_command}) {
+    for (const auto add : {add_slice_command, add_info_command, add_check_command, add_make_command, add_verify_command,
+                           add_batch_command, add_convert_command, add_combine_command, add_merge_command,
+                           add_tracks_command, add_screens_command, add_view_command}) {
         add(app, interrupt);
     }
     // The last word comes first. To CLI11 "[a,b]" is a list of a and b where several words are taken; a path it becomes as

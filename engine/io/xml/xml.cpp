@@ -20,7 +20,7 @@ constexpr std::size_t binding_bytes = 4096;
 constexpr std::size_t name_bytes = 64;
 
 /// Bytes for one call of expat: its lengths are ints, and it copies tags that are cut in two.
-constexpr std::size_t piece_bytes = std::size_t{1} << 20;
+constexpr std::size_t call_bytes = std::size_t{1} << 20;
 
 /// The prefix that an attribute of that name declares; nothing if it declares none.
 std::optional<std::string_view> declared_prefix(std::string_view name) {
@@ -189,7 +189,7 @@ void XmlReader::note_unbound(std::string_view element, const XmlAttributes& attr
 
 bool XmlReader::feed(std::string_view bytes) {
     while (!stopped_ && !bytes.empty()) {
-        const std::string_view piece = bytes.substr(0, piece_bytes);
+        const std::string_view piece = bytes.substr(0, call_bytes);
         bytes.remove_prefix(piece.size());
         parse(piece, false);
     }

@@ -262,8 +262,9 @@ MeshFile read_mesh_of(const MeshArguments& arguments, Stages& stages) {
     const std::filesystem::path path = standard ? spooled.path() : path_of(arguments.mesh);
     std::error_code unknown;
     const std::uintmax_t bytes = std::filesystem::file_size(path, unknown);
-    Result<MeshFile> mesh = stages.run("reading", [&](const Context& context) { return read_mesh(path, options, context); },
-                                       {unknown ? 0 : static_cast<double>(bytes), "bytes"});
+    const Amount amount{unknown ? 0 : static_cast<double>(bytes), "bytes"};
+    Result<MeshFile> mesh =
+        stages.run("reading", amount, [&](const Context& context) { return read_mesh(path, options, context); });
     if (!mesh) {
         const Failure failure = failure_of(mesh.error());
         // Where memory ran out there was none left to say in which file.

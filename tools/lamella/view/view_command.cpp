@@ -85,8 +85,8 @@ void append_base64(OutputFile& out, std::string_view bytes) {
 
 /// The page's script element with the mesh in it.
 void append_mesh(OutputFile& out, const std::string& path, const ViewArguments& arguments, Stages& stages) {
-    const std::string bytes = read_bytes(path, most_mesh_bytes + 1);
-    refuse_if(bytes.size() > most_mesh_bytes, bad_input,
+    FileStatus status;
+    refuse_if(status_of(path_of(path), status) == 0 && status.size > most_mesh_bytes, bad_input,
               printable(path) + ": has more than " + file_size_text(most_mesh_bytes) +
                   ", too much for a page; drop it on the page without a mesh that lamella view -o PAGE.html writes");
     MeshArguments reading = arguments;
@@ -94,7 +94,7 @@ void append_mesh(OutputFile& out, const std::string& path, const ViewArguments& 
     read_mesh_and_warn(reading, stages);  // what the page would refuse is refused here
     const std::string name = path_text(path_of(path).filename());
     out.append("<script type=\"text/plain\" class=\"mesh\" data-name=\"" + attribute(name) + "\">");
-    append_base64(out, deflated(bytes));
+    append_base64(out, deflated(read_bytes(path, most_mesh_bytes)));
     out.append("</script>\n");
 }
 

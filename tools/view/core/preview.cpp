@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "view_core.hpp"
 
@@ -34,12 +35,6 @@ Corner corner_at(const MeshView& mesh, const Corner& centre, std::size_t triangl
     return mm;
 }
 
-struct Cell {
-    std::uint64_t key = 0;
-    Corner sum{};
-    double count = 0;
-};
-
 /// Cells by their place: open addressing, which std::unordered_map takes four times as long for.
 class Cells {
 public:
@@ -53,22 +48,17 @@ public:
         }
         std::uint32_t& slot = slot_of(key);
         if (slot == 0) {
-            cells_.push_back({.key = key});
+            cells_.push_back({key, mm});
             slot = static_cast<std::uint32_t>(cells_.size());
         }
-        Cell& cell = cells_[slot - 1];
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            cell.sum[axis] += mm[axis];
-        }
-        cell.count += 1;
         return slot - 1;
     }
-    const Cell& operator[](std::uint32_t cell) const noexcept { return cells_[cell]; }
+    const Corner& operator[](std::uint32_t cell) const noexcept { return cells_[cell].second; }
 
 private:
     std::uint32_t& slot_of(std::uint64_t key) noexcept {
         std::size_t at = static_cast<std::size_t>(key * 0x9e3779b97f4a7c15U >> 32);
-        while (slots_[at &= slots_.size() - 1] != 0 && cells_[slots_[at] - 1].key != key) {
+        while (slots_[at &= slots_.size() - 1] != 0 && cells_[slots_[at] - 1].first != key) {
             ++at;
         }
         return slots_[at];
@@ -76,11 +66,11 @@ private:
     void grow() {
         slots_.assign(2 * slots_.size(), 0);
         for (std::uint32_t cell = 0; cell < cells_.size(); ++cell) {
-            slot_of(cells_[cell].key) = cell + 1;
+            slot_of(cells_[cell].first) = cell + 1;
         }
     }
 
-    std::vector<Cell> cells_;
+    std::vector<std::pair<std::uint64_t, Corner>> cells_;                     ///< its first corner stands for all
     std::vector<std::uint32_t> slots_ = std::vector<std::uint32_t>(1 << 16);  ///< 1 + the cell; 0: none
 };
 
@@ -104,8 +94,8 @@ std::vector<float> clustered(const MeshView& mesh, const Corner& centre, double 
     soup.reserve(9 * kept.size());
     for (const auto& corners : kept) {
         for (const std::uint32_t corner : corners) {
-            for (const double sum : cells[corner].sum) {
-                soup.push_back(static_cast<float>(sum / cells[corner].count));
+            for (const double along : cells[corner]) {
+                soup.push_back(static_cast<float>(along));
             }
         }
     }

@@ -52,7 +52,6 @@ struct Page {
     SliceResult shown, pair;  ///< the layer that is seen; layers that are compared
     std::uint64_t next = 0;   ///< layer of the sweep
     std::optional<LayerHash> hash;
-    SliceInfo totals;
     // Answers.
     std::string text;
     std::vector<float> floats, more_floats;
@@ -389,8 +388,7 @@ EMSCRIPTEN_KEEPALIVE int view_check(std::uint32_t most_places) {
 EMSCRIPTEN_KEEPALIVE int view_svg(std::uint32_t first, std::uint32_t end, const char* path) {
     return answer([&](Page& p) {
         slice_range(p, p.pair, first, end, false);
-        const Status written = write_svg(p.pair, path);
-        if (!written) {
+        if (const Status written = write_svg(p.pair, path); !written) {
             throw Refusal{written.error().message};
         }
     });

@@ -1,7 +1,6 @@
 import { bytes_of, Client, type Source } from "./client";
 import { draw_curve, height_at } from "./curve";
 import { element, fit_canvas, forget_colours, make, save, watch_sizes } from "./dom";
-import { example } from "./example";
 import { save_csv, save_png, stem } from "./export";
 import { begin_keys } from "./keys";
 import { draw_layer, fit, nearest, to_mm, view, zoom, zoom_to } from "./layer";
@@ -272,10 +271,6 @@ function begin_pointer(): void {
     });
     drag(stack_canvas, (dx, dy) => stack.turn(dx, dy));
     wheel(stack_canvas, (up) => stack.magnify(up ? 1.15 : 1 / 1.15));
-    stack_canvas.addEventListener("dblclick", (event) => {
-        const height = state.triangles === null ? NaN : stack.height_at(event.offsetX, event.offsetY);
-        Number.isNaN(height) || go(layer_at(height));
-    });
 }
 
 // --- page
@@ -339,7 +334,6 @@ function begin_page(): void {
         "svg-all": () => client.ask({ ask: "svg", first: 0, end: layer_count() }),
         png: () => state.layer !== null && save_png(layer_canvas), "csv-layers": () => save_csv("layers"),
         "csv-contours": () => state.layer !== null && save_csv("contours"),
-        example: () => open_files([new File([example()], "example.stl")]),
     };
     for (const [id, action] of Object.entries(clicks)) {
         element(id).addEventListener("click", action);

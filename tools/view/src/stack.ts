@@ -210,28 +210,6 @@ export class Stack {
             gl.enable(gl.DEPTH_TEST);
         }
     }
-
-    /// The height in mm of what is seen at a place on the canvas, or NaN.
-    height_at(x: number, y: number): number {
-        const [right, up, towards] = this.axes(), [across, upwards] = this.reach(), triangles = state.triangles!;
-        const sx = ((2 * x) / this.canvas.clientWidth - 1) * across, sy = (1 - (2 * y) / this.canvas.clientHeight) * upwards;
-        const plane = plane_of(state.index) - centre()[2];
-        let nearest = -Infinity, height = NaN;
-        for (let t = 0; t < triangles.length; t += 9) {
-            const corner = (c: number, axis: Vector) => triangles[t + c]! * axis[0] + triangles[t + c + 1]! * axis[1] + triangles[t + c + 2]! * axis[2];
-            const ax = corner(0, right) - sx, bx = corner(3, right) - sx, cx = corner(6, right) - sx;
-            const ay = corner(0, up) - sy, by = corner(3, up) - sy, cy = corner(6, up) - sy;
-            const a = bx * cy - cx * by, b = cx * ay - ax * cy, c = ax * by - bx * ay, sum = a + b + c;
-            if (sum !== 0 && a * sum >= 0 && b * sum >= 0 && c * sum >= 0) {
-                const depth = (a * corner(0, towards) + b * corner(3, towards) + c * corner(6, towards)) / sum;
-                const z = (a * triangles[t + 2]! + b * triangles[t + 5]! + c * triangles[t + 8]!) / sum;
-                if (z <= plane && depth > nearest) {
-                    [nearest, height] = [depth, z + centre()[2]];
-                }
-            }
-        }
-        return height;
-    }
 }
 
 function rgb(name: string): number[] {

@@ -96,7 +96,9 @@ export async function go(page: Page, layer: number): Promise<void> {
 export async function until(page: Page, expression: string, what: string, ms = 30_000): Promise<void> {
     const end = Date.now() + ms;
     while (!(await ask<boolean>(page, expression))) {
-        check(Date.now() < end, `${what} did not come within ${ms} ms`);
+        if (Date.now() > end) {
+            throw new Error(`${what} did not come within ${ms} ms`);
+        }
         await new Promise((resolve) => setTimeout(resolve, 20));
     }
 }

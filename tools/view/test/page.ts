@@ -114,7 +114,21 @@ async function islands_and_overhang_are_found(browser: Browser): Promise<void> {
     await go(page, 26);
     await until(page, "state.below !== null && state.below.seq === state.layer.seq", "the layer above");
     equal(await ask(page, "state.below.area"), 0, "overhang above it");
+    await parts_have_colours(page);
     await page.context().close();
+}
+
+/// Objects of an OBJ file, side by side: tetrahedra.
+async function parts_have_colours(page: Page): Promise<void> {
+    const one = (name: string, x: number, first: number) =>
+        `o ${name}\nv ${x} 0 0\nv ${x + 4} 0 0\nv ${x} 4 0\nv ${x} 0 4\n` +
+        [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]].map((face) => `f ${face.map((corner) => corner + first).join(" ")}\n`).join("");
+    writeFileSync(at("two.obj"), one("left", 0, 1) + one("<right>", 10, 5));
+    await drop(page, at("two.obj"));
+    await until(page, "state.name === 'two.obj' && state.layer !== null", "the parts");
+    equal(await ask(page, "[state.mesh.parts, [...state.layer.rows].filter((_, i) => i % 6 === 1)]"), [["left", "<right>"], [0, 1]], "parts of contours");
+    await page.selectOption("#colour", "part");
+    check((await colours(page, "#layer")) > 6, "colours of parts");
 }
 
 async function open_meshes_say_so(browser: Browser): Promise<void> {

@@ -1,29 +1,41 @@
 // node times.js PAGE TOOL FOLDER: how long the page takes, for bench/README.md. Prints a table; nothing here passes or fails.
 import { statSync } from "node:fs";
 import type { Page } from "playwright-core";
-import { ask, go, hash_of, launch, make, open_page, page_path } from "./browser";
+import { ask, hash_of, launch, make, open_page, page_path, until } from "./browser";
 
 const share = (times: number[], of: number) => times.sort((a, b) => a - b)[Math.min(times.length - 1, Math.floor(of * times.length))]!;
 
+interface Shown {
+    lamella: { go(layer: number): void; state: { slabs: Float64Array; islands_upto: number; layer: { index: number; ms: number }; draw_ms: number } };
+    longest: number;
+}
+
 /// Milliseconds of each of 300 moves in the worker and on the page, after 30 to warm.
 async function moves(page: Page): Promise<string> {
-    const worker: number[] = [], main: number[] = [], layers = await ask<number>(page, "state.slabs.length / 2");
-    for (let i = 0; i < 330; ++i) {
-        await go(page, (i * 7919 + 1) % layers);
-        await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
-        const [cut, draw] = await ask<[number, number]>(page, "[state.layer.ms, state.draw_ms]");
-        i >= 30 && (worker.push(cut), main.push(draw));
-    }
-    const of = (times: number[]) => `${share(times, 0.5).toFixed(1)}, ${share(times, 0.95).toFixed(1)}`;
-    return `worker ${of(worker)}; page ${of(main)} (ms: p50, p95 of 300 moves)`;
+    const times = await page.evaluate(async () => {
+        const { go, state } = (globalThis as never as Shown).lamella, found: [number, number][] = [];
+        for (let i = 0; i < 330; ++i) {
+            const layer = (i * 7919 + 1) % (state.slabs.length / 2);
+            go(layer);
+            do {
+                await new Promise((resolve) => requestAnimationFrame(resolve));
+            } while (state.layer.index !== layer);
+            await new Promise((resolve) => setTimeout(resolve, 0));
+            i >= 30 && found.push([state.layer.ms, state.draw_ms]);
+        }
+        return found;
+    });
+    const of = (which: 0 | 1) => [0.5, 0.95].map((part) => share(times.map((pair) => pair[which]), part).toFixed(1)).join(", ");
+    return `worker ${of(0)}; page ${of(1)} (ms: p50, p95 of 300 moves)`;
 }
 
 const browser = await launch();
 console.log(`page: ${statSync(page_path).size} bytes; Chromium ${browser.version()}`);
 const page = await open_page(browser);
 await page.evaluate(() => {
-    Object.assign(globalThis, { longest: 0 });
-    new PerformanceObserver((list) => list.getEntries().forEach(({ duration }) => Object.assign(globalThis, { longest: Math.max(duration, (globalThis as never as { longest: number }).longest) }))).observe({ entryTypes: ["longtask"] });
+    const shown = globalThis as never as Shown;
+    shown.longest = 0;
+    new PerformanceObserver((list) => list.getEntries().forEach(({ duration }) => (shown.longest = Math.max(duration, shown.longest)))).observe({ entryTypes: ["longtask"] });
 });
 await page.keyboard.press("v"); // the layer alone
 const begin = Date.now();
@@ -32,15 +44,15 @@ await page.waitForSelector("body[data-layer]");
 const first = Date.now() - begin;
 await hash_of(page);
 console.log(`1 M triangles: first layer after ${first} ms, all ${await ask(page, "state.slabs.length / 2")} after ${Date.now() - begin} ms`);
-await page.waitForFunction(() => (globalThis as never as { lamella: { state: { islands_upto: number; slabs: ArrayLike<number> } } }).lamella.state.islands_upto * 2 >= (globalThis as never as { lamella: { state: { slabs: ArrayLike<number> } } }).lamella.state.slabs.length, null, { timeout: 60_000 });
+await until(page, "state.islands_upto === state.slabs.length / 2", "the islands", 120_000);
 console.log(`non-zero: ${await moves(page)}`);
 await page.selectOption("#rule", "0");
-await page.waitForTimeout(8000);
+await until(page, "state.plan.rule === 0 && state.islands_upto === state.slabs.length / 2", "the islands", 120_000);
 console.log(`contours: ${await moves(page)}`);
 const again = Date.now();
-await page.evaluate(() => Object.assign(globalThis, { longest: 0 }));
+await page.evaluate(() => void ((globalThis as never as Shown).longest = 0));
 await page.fill("#height", "0.03");
-await page.waitForFunction(() => (globalThis as never as { lamella: { state: { slabs: ArrayLike<number> } } }).lamella.state.slabs.length > 8000);
+await until(page, "state.slabs.length > 8000", "the layers");
 const planned = Date.now() - again;
 await hash_of(page);
 console.log(`${await ask(page, "state.slabs.length / 2")} layers: planned after ${planned} ms, all after ${Date.now() - again} ms, longest task ${await page.evaluate("longest")} ms`);

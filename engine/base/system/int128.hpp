@@ -113,7 +113,8 @@ private:
 };
 
 // Word128 is for products of words, and wraps around.
-#if defined(__SIZEOF_INT128__) && !defined(LAMELLA_PORTABLE)
+// Emscripten's operator new aligns to 8 bytes, and its 128-bit integers want 16.
+#if defined(__SIZEOF_INT128__) && !defined(LAMELLA_PORTABLE) && !defined(__EMSCRIPTEN__)
 __extension__ using Int128 = __int128;
 __extension__ using Word128 = unsigned __int128;
 #else

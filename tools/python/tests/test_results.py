@@ -162,7 +162,11 @@ def test_results_are_saved(s, tmp_path):
     report = json.loads((tmp_path / "box.JSON").read_text())
     assert report["output_hash"] == s.hash
     assert report["volume"]["verdict"] == "holds"
-    with pytest.raises(lamella.InvalidArgumentError, match="saved as .svg or .json, not '.stl'"):
+    s.save(tmp_path / "{layer:02}.dxf")
+    assert len(list(tmp_path.glob("*.dxf"))) == len(s)
+    s.save(tmp_path / "box.cli")
+    assert (tmp_path / "box.cli").read_bytes().startswith(b"$$HEADERSTART")
+    with pytest.raises(lamella.InvalidArgumentError, match="ends as no layer file does"):
         s.save(tmp_path / "box.stl")
     with pytest.raises(lamella.UnwritableFileError, match="cannot write") as raised:
         s.save(tmp_path / "no_folder" / "box.svg")

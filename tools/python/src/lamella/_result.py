@@ -337,18 +337,16 @@ class Result(SetMethods):
         Parameters
         ----------
         path : path
-            Its end decides: ``.svg`` for a picture with a group per layer, which printers and viewers of layers read;
-            ``.json`` for the report: counts, ledger of triangles, certificate, places of open contours.
+            Its end decides: ``.json`` for the report: counts, ledger of triangles, certificate, places of open contours; else a
+            file of layers: ``.svg``, ``.cli``, ``.3mf`` (slices), ``.dxf``, ``.geojson`` or ``.vtp``. ``{layer:05}`` in the
+            name stands for a file a layer, of SVG, DXF and GeoJSON.
         """
         name = os.fsdecode(path)
-        end = os.path.splitext(name)[1].lower()
-        if end not in (".svg", ".json"):
-            raise InvalidArgumentError(f"{name}: results are saved as .svg or .json, not '{end}'", path=name)
         try:
-            if end == ".svg":
-                _native.write_layers(self._native, os.fsencode(name))
-            else:
+            if name.lower().endswith(".json"):
                 _native.write_report(self._native, self._whole_mesh("report").native, os.fsencode(name))
+            else:
+                _native.write_layers(self._native, os.fsencode(name))
         except Error as error:
             error.path = name
             raise

@@ -2,7 +2,8 @@
 //
 //     for (const lamella::Printer& printer : lamella::printers()) {
 //         if (lamella::is_called(printer, "saturn 2")) {
-//             lamella::write_layers(result, "part.zip", {.screen = printer.screen});
+//             const auto written = lamella::write_layers(result, "part.zip", {.screen = printer.screen});
+//             std::printf("%s: %s\n", printer.name.data(), written ? "written" : written.error().message.c_str());
 //         }
 //     }
 //

@@ -1,11 +1,12 @@
 // Files of layers, read back by readers written from the formats' texts alone; by programs of others: tests/readers.
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstring>
 #include <functional>
 #include <sstream>
+#include <thread>
 
-#include "engine/calls.hpp"
 #include "engine/slicing.hpp"
 #include "lamella/io/layer_file.hpp"
 #include "temp_folder.hpp"
@@ -256,12 +257,19 @@ TEST_CASE("layer files: what ends early leaves nothing", "[write][layers][contro
             for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
                 std::filesystem::remove(entry);
             }
-            for (const std::uint64_t from : {std::size_t{1}, result.size() / 2, result.size()}) {  // each layer asks
-                LateStop late{.from = from};
-                const auto stop = [&late]() noexcept { return late(); };
-                CHECK(code_of(write_layers(result, path, options, {.stop = stop})) == ErrorCode::cancelled);
-                CHECK(folder.names().empty());
+            for (const std::size_t from : {std::size_t{0}, result.size() / 2, result.size() - 1}) {
+                bool asked = false;
+                const auto stop = [&asked]() noexcept { return asked; };
+                LayerFile file = value_of(LayerFile::begin(result.info, path, options, {.stop = stop}));
+                for (std::size_t layer = 0; layer < from; ++layer) {
+                    file.add(result[layer]);
+                }
+                asked = true;
+                std::this_thread::sleep_for(std::chrono::milliseconds(3));  // hosts are asked every two
+                file.add(result[from]);
+                CHECK(code_of(file.finish()) == ErrorCode::cancelled);
             }
+            CHECK(folder.names().empty());
             {
                 LayerFile file = value_of(LayerFile::begin(result.info, path, options));
                 file.add(result[0]);

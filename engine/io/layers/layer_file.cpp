@@ -142,9 +142,10 @@ struct LayerFile::State {
         : info(of),
           path(std::move(to)),
           options(asked),
-          context(host),
           stop(host.stop),
+          context(host),
           maker(format_of(path, asked.format)) {
+        context.stop = stop.check();
         summary.format = &maker.format;
     }
     State(const State&) = delete;
@@ -167,7 +168,7 @@ struct LayerFile::State {
 
     void begin_file(const std::filesystem::path& file) {
         out.emplace(require(OutputFile::create(file)));
-        writer = maker.make({info, options, stop, file, printable(path_text(file)), context}, *out);
+        writer = maker.make({info, options, stop.check(), file, printable(path_text(file)), context}, *out);
     }
 
     void end_file() {
@@ -180,9 +181,7 @@ struct LayerFile::State {
     }
 
     void add(const LayerView& layer) {
-        if (stop && stop()) {
-            throw Stopped{};
-        }
+        stop.stop_if_asked();
         if (!maker.format.crossings && info.options.region.rule_of(info.first_layer + layer.index) == FillRule::contours) {
             throw refusal(path, "needs a fill rule: without one contours may cross, which " +
                                     std::string(maker.format.name) + " cannot hold");
@@ -240,8 +239,8 @@ struct LayerFile::State {
     const SliceInfo info;
     const std::filesystem::path path;
     const LayerFileOptions options;
-    const Context context;
-    const StopCheck stop;
+    PacedStop stop;
+    Context context;
     const LayerFormatMaker& maker;
     std::optional<layers::NumberedPath> numbered;
     std::optional<OutputFile> out;

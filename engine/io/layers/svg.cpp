@@ -43,9 +43,8 @@ public:
           out_(out),
           format_(info.grid_mm),
           extent_(
-              std::max({info.box.max_mm[0] - info.box.min_mm[0], info.box.max_mm[1] - info.box.min_mm[1], info.grid_mm})),
-          stop_(stop) {
-        pace_.follow(stop_.check());
+              std::max({info.box.max_mm[0] - info.box.min_mm[0], info.box.max_mm[1] - info.box.min_mm[1], info.grid_mm})) {
+        pace_.follow(stop);
     }
 
     void head(const SliceInfo& info, const WeldedMesh* welded) {
@@ -69,7 +68,6 @@ public:
     }
 
     void add(const LayerView& view) override {
-        stop_.stop_if_asked();
         out_.append("<g id=\"layer" + std::to_string(view.index) + "\" slic3r:z=\"" + exact_text(view.plane_mm) +
                     "\" lamella:cut-z=\"" + exact_text(view.cut_mm()) + "\" slic3r:layer-height=\"" +
                     mm(view.top_mm - view.bottom_mm) + "\" fill=\"" + colour(view.index) +
@@ -184,7 +182,6 @@ private:
     OutputFile& out_;
     MmFormat format_;
     double extent_;  ///< of the mesh in x or y, the larger one
-    PacedStop stop_;
     StopPace pace_;
     std::uint64_t contours_ = 0;  ///< written
     std::vector<std::uint64_t> open_;

@@ -91,9 +91,10 @@ public:
             pack("<s:slicestack id=\"" + stack + "\" zbottom=\"" + exact_text(bottom_mm_) + "\">\n");
             columns_.read(part, [&](std::string_view piece) { pack(piece); });
             pack("</s:slicestack>\n");
-            objects += "<object id=\"" + object + "\" type=\"model\" name=\"" +
-                       attribute_text(part < parts_ ? plan_.part_name(part) : "several parts") + "\" s:slicestackid=\"" +
-                       stack + "\" s:meshresolution=\"lowres\">" + mesh_of(plan_.info.box) + "</object>\n";
+            objects.append("<object id=\"").append(object).append("\" type=\"model\" name=\"");
+            objects.append(attribute_text(part < parts_ ? plan_.part_name(part) : "several parts"));
+            objects.append("\" s:slicestackid=\"").append(stack).append("\" s:meshresolution=\"lowres\">");
+            objects.append(mesh_of(plan_.info.box)).append("</object>\n");
             items += "<item objectid=\"" + object + "\"/>\n";
         }
         pack(objects + "</resources>\n<build>\n" + items + "</build>\n</model>\n", Z_FINISH);

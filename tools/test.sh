@@ -169,8 +169,7 @@ install_missing "${test_packages[@]}" "${python_packages[@]}"
 if [[ "${1:-}" == --all ]]; then
     all=true
     shift
-    install_missing "${check_packages[@]}" "${picture_packages[@]}" "${bench_packages[@]}" "${reader_packages[@]}" "${golden_packages[@]}" \
-        "${page_packages[@]}" "${page_test_packages[@]}"
+    install_missing "${check_packages[@]}" "${picture_packages[@]}" "${bench_packages[@]}" "${reader_packages[@]}" "${golden_packages[@]}"
     check_format
 fi
 

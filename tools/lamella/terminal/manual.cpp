@@ -107,7 +107,8 @@ std::string bash_completion_of(const CLI::App& app) {
             for (const std::string& name : option->get_lnames()) {
                 names += " --" + name;
                 if (const std::string words = words_of(*option); !words.empty()) {
-                    values += "        " + command->get_name() + ":--" + name + ") words='" + words + "' ;;\n";
+                    values.append("        ").append(command->get_name()).append(":--").append(name);
+                    values.append(") words='").append(words).append("' ;;\n");
                 }
             }
         }

@@ -52,7 +52,7 @@ def row(path):
 
     def draw():
         cut = lamella.slice(mesh, transform=image._native.slicing_frame(False), heights=image._native.slice_heights(1))
-        _native.draw_mask([(cut._native, b"a", _native.Terms())], image._native, out, False, 1, call)
+        _native.draw_mask([(cut._native, b"a", _native.Terms())], image._native, out, False, 1, 0, call)
 
     mask = ratios(draw, lambda: lamella.mask(mesh, like=image, frame="lps", out=out))
     budget = max(os.path.getsize(path) // 10, 40_000_000)

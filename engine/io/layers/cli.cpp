@@ -42,7 +42,7 @@ class CliWriter : public LayerWriter {
 public:
     CliWriter(const LayerFilePlan& plan, OutputFile& out, std::string_view mode)
         : parts_(std::max<std::uint64_t>(1, plan.info.part_count)), out_(out) {
-        pace_.follow(plan.stop);
+        pace_.follow(plan.context.stop);
         const MmFormat mm;
         const auto& [low, high] = plan.info.box;
         std::string dimension;

@@ -15,7 +15,7 @@ class DxfWriter final : public LayerWriter {
 public:
     DxfWriter(const LayerFilePlan& plan, OutputFile& out)
         : parts_(plan.info.part_count), first_(plan.info.first_layer), format_(plan.info.grid_mm), out_(out) {
-        pace_.follow(plan.stop);
+        pace_.follow(plan.context.stop);
         out_.append("0\nSECTION\n2\nENTITIES\n");
     }
 

@@ -17,21 +17,19 @@ namespace {
 class GeoJsonWriter final : public LayerWriter {
 public:
     GeoJsonWriter(const LayerFilePlan& plan, OutputFile& out) : plan_(plan), format_(plan.info.grid_mm), out_(out) {
-        pace_.follow(plan.stop);
+        pace_.follow(plan.context.stop);
         out_.append("{\"type\":\"FeatureCollection\",\"unit\":\"mm\",\"features\":[");
     }
 
     void add(const LayerView& layer) override {
-        items_.clear();
-        for (const Island island : layer.islands()) {
-            items_.push_back(island);
-        }
+        const Islands islands = layer.islands();
+        items_.assign(islands.begin(), islands.end());
         for (const Contour& contour : layer.contours) {
-            if (is_line(contour)) {
+            if (!contour.encloses_area()) {
                 items_.push_back({&contour, {}});
             }
         }
-        const auto key = [](const Island& item) { return std::pair(item.outer->part, is_line(*item.outer)); };
+        const auto key = [](const Island& item) { return std::pair(item.outer->part, !item.outer->encloses_area()); };
         std::stable_sort(items_.begin(), items_.end(), [&](const Island& a, const Island& b) { return key(a) < key(b); });
         for (std::size_t i = 0; i < items_.size(); ++i) {
             const bool is_new = i == 0 || key(items_[i - 1]) != key(items_[i]);
@@ -53,27 +51,26 @@ public:
     double rounding_mm() const noexcept override { return format_.rounding_mm(); }
 
 private:
-    static bool is_line(const Contour& contour) noexcept { return contour.role > Role::hole; }
-
     void begin_feature(const LayerView& layer, const Contour& first) {
         text_ += is_first_ ? "\n" : ",\n";
         is_first_ = false;
         text_ += "{\"type\":\"Feature\",\"properties\":{\"layer\":" + std::to_string(plan_.info.first_layer + layer.index) +
                  ",\"z\":" + exact_text(layer.plane_mm) + ",\"bottom\":" + exact_text(layer.bottom_mm) +
-                 ",\"top\":" + exact_text(layer.top_mm) + ",\"kind\":\"" + (is_line(first) ? "lines" : "solid") + "\"";
+                 ",\"top\":" + exact_text(layer.top_mm) + ",\"kind\":\"" + (first.encloses_area() ? "solid" : "lines") +
+                 "\"";
         if (plan_.info.part_count > 1) {
             JsonText name;
             name.value(plan_.part_name(first.part));
             const std::string quoted = std::move(name).take();
             text_ += ",\"part\":" + std::to_string(first.part) + ",\"name\":" + quoted.substr(0, quoted.size() - 1);
         }
-        text_ += std::string("},\"geometry\":{\"type\":\"") + (is_line(first) ? "MultiLineString" : "MultiPolygon") +
+        text_ += std::string("},\"geometry\":{\"type\":\"") + (first.encloses_area() ? "MultiPolygon" : "MultiLineString") +
                  "\",\"coordinates\":[";
     }
 
     void shape(const LayerView& layer, const Island& item, bool is_first) {
         text_ += is_first ? "" : ",";
-        if (is_line(*item.outer)) {
+        if (!item.outer->encloses_area()) {
             return ring(layer, *item.outer);
         }
         text_ += "[";

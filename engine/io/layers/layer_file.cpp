@@ -168,7 +168,7 @@ struct LayerFile::State {
 
     void begin_file(const std::filesystem::path& file) {
         out.emplace(require(OutputFile::create(file)));
-        writer = maker.make({info, options, stop.check(), file, printable(path_text(file)), context}, *out);
+        writer = maker.make({info, options, file, printable(path_text(file)), context}, *out);
     }
 
     void end_file() {

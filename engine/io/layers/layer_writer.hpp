@@ -15,7 +15,6 @@ namespace lamella {
 struct LayerFilePlan {
     const SliceInfo& info;
     const LayerFileOptions& options;
-    const StopCheck& stop;
     const std::filesystem::path& path;
     std::string name;  ///< of the file, for messages
     const Context& context;

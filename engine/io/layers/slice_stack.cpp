@@ -6,7 +6,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "base/words.hpp"
 #include "io/layers/layer_writer.hpp"
@@ -64,7 +66,7 @@ public:
         : plan_(plan),
           parts_(std::max<std::uint64_t>(1, plan.info.part_count)),
           format_(plan.info.grid_mm),
-          columns_(plan.path, parts_ + 2, plan.stop),
+          columns_(plan.path, parts_ + 2, plan.context.stop),
           zip_(out) {}
 
     void add(const LayerView& layer) override {
@@ -75,8 +77,21 @@ public:
         }
         bottom_mm_ = std::isinf(top_mm_) ? layer.bottom_mm : bottom_mm_;
         top_mm_ = layer.top_mm;
+        contours_.clear();
+        for (const Contour& contour : layer.contours) {
+            if (contour.encloses_area()) {
+                contours_.push_back(&contour);
+            }
+        }
+        std::ranges::stable_sort(contours_, {}, &Contour::part);
+        auto begin = contours_.begin();
         for (std::uint64_t part = 0; part <= parts_; ++part) {
-            slice(layer, part);
+            const auto is_own = [&](const Contour* contour) {
+                return std::min<std::uint64_t>(contour->part, parts_) == part;
+            };
+            const auto end = std::find_if_not(begin, contours_.end(), is_own);
+            slice(layer, {begin, end}, part);
+            begin = end;
         }
     }
 
@@ -109,26 +124,23 @@ public:
 
 private:
     /// What a part has in a layer; `parts_`: what comes of several.
-    void slice(const LayerView& layer, std::uint64_t part) {
+    void slice(const LayerView& layer, std::span<const Contour* const> contours, std::uint64_t part) {
         std::string vertices;
         std::string polygons;
         std::uint64_t first = 0;
-        for (const Contour& contour : layer.contours) {
-            if (std::min<std::uint64_t>(contour.part, parts_) != part || contour.role > Role::hole) {
-                continue;
-            }
+        for (const Contour* const contour : contours) {
             polygons += "<s:polygon startv=\"" + std::to_string(first) + "\">";
             std::uint64_t next = 0;
-            for (const Point point : layer.points_of(contour)) {
+            for (const Point point : layer.points_of(*contour)) {
                 vertices += "<s:vertex x=\"";
                 format_.append_to(vertices, point.x);
                 vertices += "\" y=\"";
                 format_.append_to(vertices, point.y);
                 vertices += "\"/>";
-                polygons += "<s:segment v2=\"" + std::to_string(first + ++next % contour.point_count) + "\"/>";
+                polygons += "<s:segment v2=\"" + std::to_string(first + ++next % contour->point_count) + "\"/>";
             }
             polygons += "</s:polygon>";
-            first += contour.point_count;
+            first += contour->point_count;
         }
         any_of_several_ = any_of_several_ || (part == parts_ && first > 0);
         columns_.append(part, "<s:slice ztop=\"" + exact_text(layer.top_mm) + (first == 0 ? "\"/>\n" : "\"><s:vertices>"));
@@ -174,7 +186,8 @@ private:
     double bottom_mm_ = 0;
     double top_mm_ = -std::numeric_limits<double>::infinity();
     bool any_of_several_ = false;
-    Spill columns_;  ///< a stack a part, that of several, and all of it packed
+    std::vector<const Contour*> contours_;  ///< of a layer, by part
+    Spill columns_;                         ///< a stack a part, that of several, and all of it packed
     Deflate deflate_;
     ZipWriter zip_;
 };

@@ -191,7 +191,7 @@ private:
 }  // namespace svg
 
 std::unique_ptr<LayerWriter> make_svg(const LayerFilePlan& plan, OutputFile& out) {
-    auto writer = std::make_unique<svg::SvgWriter>(plan.info, plan.stop, out);
+    auto writer = std::make_unique<svg::SvgWriter>(plan.info, plan.context.stop, out);
     writer->head(plan.info, plan.options.welded);
     return writer;
 }

@@ -62,7 +62,7 @@ public:
     VtpWriter(const LayerFilePlan& plan, OutputFile& out)
         : first_(plan.info.first_layer),
           to_mesh_(plan.info.options.frame.transform),
-          columns_(plan.path, arrays.size(), plan.stop),
+          columns_(plan.path, arrays.size(), plan.context.stop),
           out_(out) {}
 
     void add(const LayerView& layer) override {

@@ -95,12 +95,11 @@ std::optional<Screen> ScreenArguments::screen() const {
 }
 
 void require_on_screen(const OutputJob& job, const Source& mesh, const SliceOptions& options) {
-    for (const PlannedOutput& output : job.outputs) {
-        if (output.on_screen()) {
-            const SliceInfo outline = done_or_thrown(Slicer().outline(mesh, options));
-            const Status fits = check_fit(*job.arguments.screen.screen(), outline);
-            refuse_if(!fits, bad_usage, fits ? "" : "'" + output.path + "': " + fits.error().message);
-        }
+    const auto output = std::find_if(job.outputs.begin(), job.outputs.end(), std::mem_fn(&PlannedOutput::on_screen));
+    if (output != job.outputs.end()) {  // the first speaks: all have one screen
+        const SliceInfo outline = done_or_thrown(Slicer().outline(mesh, options));
+        const Status fits = check_fit(*job.arguments.screen.screen(), outline);
+        refuse_if(!fits, bad_usage, fits ? "" : "'" + output->path + "': " + fits.error().message);
     }
 }
 
@@ -114,9 +113,9 @@ void add_screens_command(CLI::App& app, Interrupt& /*interrupt*/) {
             text += std::string(name) + ": " + std::to_string(screen.width) + "x" + std::to_string(screen.height) +
                     ", pixels of " + exact_text(screen.pixel_x_mm) + "," + exact_text(screen.pixel_y_mm) +
                     " mm, mirrored in " +
-                    (screen.mirror_x   ? "x"
-                     : screen.mirror_y ? "y"
-                                       : "none") +
+                    std::string(screen.mirror_x   ? "x"
+                                : screen.mirror_y ? "y"
+                                                  : "none") +
                     "\n";
         }
         refuse_if(text.empty(), bad_usage, "no printer is called so; lamella screens lists all");

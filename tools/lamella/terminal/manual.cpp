@@ -13,15 +13,10 @@ namespace lamella::cli {
 
 namespace {
 
-bool is_shown(const CLI::Option& option) {
-    return !option.get_group().empty();
-}
-
 /// Those that people see; positional ones first.
 std::vector<const CLI::Option*> options_of(const CLI::App& command) {
     std::vector<const CLI::Option*> all = command.get_options();
-    all.erase(std::remove_if(all.begin(), all.end(), [](const CLI::Option* option) { return !is_shown(*option); }),
-              all.end());
+    std::erase_if(all, [](const CLI::Option* option) { return option->get_group().empty(); });
     std::stable_partition(all.begin(), all.end(), [](const CLI::Option* option) { return option->get_positional(); });
     return all;
 }
@@ -74,8 +69,7 @@ constexpr std::array<std::pair<int, std::string_view>, 5> exit_statuses = {{
 
 std::string manual_of(const CLI::App& app) {
     std::string page = ".TH LAMELLA 1 \"\" \"lamella " + std::string(version) + "\"\n.SH NAME\nlamella \\- " +
-                       plain(app.get_description()) + "\n.SH SYNOPSIS\n.B lamella\n.I command\n[options] ...\n";
-    page += ".SH OPTIONS\n";
+                       plain(app.get_description()) + "\n.SH SYNOPSIS\n.B lamella\n.I command\n[options] ...\n.SH OPTIONS\n";
     for (const CLI::Option* const option : options_of(app)) {
         page += entry_of(*option);
     }

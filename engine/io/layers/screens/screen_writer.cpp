@@ -19,6 +19,7 @@
 #include "io/layers/screens/run_deflate.hpp"
 #include "io/layers/zip_writer.hpp"
 #include "io/raster/coverage.hpp"
+#include "io/text/mm_text.hpp"
 
 namespace lamella {
 
@@ -63,10 +64,6 @@ bool is_screen(const Screen& screen) {
     return is_side(screen.width, screen.pixel_x_mm) && is_side(screen.height, screen.pixel_y_mm) && screen.turn >= 0 &&
            screen.turn <= 270 && screen.turn % 90 == 0 &&
            (screen.levels == 2 || screen.levels == 16 || screen.levels == 256);
-}
-
-std::string mm_text(double mm) {
-    return exact_text(std::round(mm * 1e6) / 1e6);
 }
 
 void append_big_endian(std::string& to, std::uint64_t number) {
@@ -177,9 +174,9 @@ public:
 
     void finish() override {
         write_batch();
-        const std::string layer = mm_text(layer_mm_);
-        const std::string width = mm_text(screen_.width * screen_.pixel_x_mm);
-        const std::string height = mm_text(screen_.height * screen_.pixel_y_mm);
+        const std::string layer = MmFormat().text_of_mm(layer_mm_);
+        const std::string width = MmFormat().text_of_mm(screen_.width * screen_.pixel_x_mm);
+        const std::string height = MmFormat().text_of_mm(screen_.height * screen_.pixel_y_mm);
         package == Package::zip ? add_manifest(layer, width, height) : add_settings(layer, width, height);
         zip_.finish();
     }
@@ -294,9 +291,9 @@ Status check_fit(const Screen& screen, const SliceInfo& info) noexcept {
         const auto look = [&words](double from, double to, double pixels, double pixel_mm, const char* axis) {
             const double over = std::max(0.0, -std::min(from, to)) + std::max(0.0, std::max(from, to) - pixels);
             if (over > 1e-3 && words.empty()) {
-                words = "the mesh reaches " + mm_text(over * pixel_mm) + " mm beyond the screen in " + axis +
-                        ", where it is " + mm_text(std::abs(to - from) * pixel_mm) + " mm long and the screen " +
-                        mm_text(pixels * pixel_mm) + " mm";
+                words = "the mesh reaches " + MmFormat().text_of_mm(over * pixel_mm) + " mm beyond the screen in " + axis +
+                        ", where it is " + MmFormat().text_of_mm(std::abs(to - from) * pixel_mm) +
+                        " mm long and the screen " + MmFormat().text_of_mm(pixels * pixel_mm) + " mm";
             }
         };
         look(a.x, b.x, screen.width, screen.pixel_x_mm, "x");

@@ -83,14 +83,16 @@ public:
                 contours_.push_back(&contour);
             }
         }
-        std::ranges::stable_sort(contours_, {}, &Contour::part);
-        auto begin = contours_.begin();
+        std::stable_sort(contours_.begin(), contours_.end(),
+                         [](const Contour* a, const Contour* b) { return a->part < b->part; });
+        const Contour* const* begin = contours_.data();
+        const Contour* const* const all = begin + contours_.size();
         for (std::uint64_t part = 0; part <= parts_; ++part) {
             const auto is_own = [&](const Contour* contour) {
                 return std::min<std::uint64_t>(contour->part, parts_) == part;
             };
-            const auto end = std::find_if_not(begin, contours_.end(), is_own);
-            slice(layer, {begin, end}, part);
+            const Contour* const* const end = std::find_if_not(begin, all, is_own);
+            slice(layer, {begin, static_cast<std::size_t>(end - begin)}, part);
             begin = end;
         }
     }

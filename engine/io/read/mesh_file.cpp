@@ -159,8 +159,10 @@ MeshFile read_source(FileSource& source, const std::filesystem::path& path, cons
     mesh.format = reader->format;
     mesh.mm_per_unit = mesh.states_unit ? mesh.mm_per_unit : options.mm_per_unit != 0 ? options.mm_per_unit : 1;
     mesh.warnings.insert(mesh.warnings.begin(), warnings.begin(), warnings.end());
-    std::vector<std::string> names(mesh.scalars.size());
-    std::ranges::transform(mesh.scalars, names.begin(), &VertexScalars::name);
+    std::vector<std::string> names;
+    for (const VertexScalars& scalars : mesh.scalars) {
+        names.push_back(scalars.name);
+    }
     names = distinct_names(names);
     for (std::size_t i = 0; i < names.size(); ++i) {
         mesh.scalars[i].name = std::move(names[i]);

@@ -277,7 +277,7 @@ void parse_gifti(FileContents& contents, MeshFile& mesh) {
     cut_cells(file, {&triangles, 1}, mesh);
     for (const GiftiScalars& scalars : document.scalars) {
         give_scalars(
-            file, {scalars.name, scalars.array.columns, is_integer(scalars.array.type)},
+            file, {scalars.name, static_cast<std::size_t>(scalars.array.columns), is_integer(scalars.array.type)},
             [&] { return load_scalars(file, scalars, mesh.vertex_count); }, mesh);
     }
     if (!document.moves.empty()) {

@@ -1,5 +1,6 @@
 // VTP, the XML files of VTK for polygonal data: all pieces are joined. Data at cells are skipped, and those at points unless
 // they are asked for.
+#include <algorithm>
 #include <deque>
 #include <limits>
 
@@ -114,7 +115,8 @@ private:
 
     /// Others than numbers are passed over.
     void begin_scalars(VtpPiece& piece, std::string_view name, const XmlAttributes& attributes) {
-        if (std::ranges::count(number_type_names, attributes.find("type").value_or("")) == 0) {
+        const std::string_view type = attributes.find("type").value_or("");
+        if (std::find(number_type_names.begin(), number_type_names.end(), type) == number_type_names.end()) {
             return;
         }
         constexpr std::uint64_t most_components = 1024;

@@ -304,6 +304,9 @@ std::string expand_pattern(const std::string& pattern, const MeshSource& mesh, c
         refuse_if(close == std::string::npos, bad_usage,
                   std::string(option).append(": '").append(pattern).append("': a { is not closed"));
         const auto word = words.find(pattern.substr(open + 1, close - open - 1));
+        refuse_if(pattern.compare(open, 6, "{layer") == 0, bad_usage,
+                  option + ": '" + pattern.substr(open, close + 1 - open) +
+                      "': a batch writes the layers of a mesh to one file; lamella slice writes a file a layer");
         refuse_if(
             word == words.end(), bad_usage,
             option + ": '" + pattern.substr(open, close + 1 - open) + "' is not one of {stem}, {name}, {parent}, {dir}");

@@ -52,6 +52,9 @@ struct Page {
     SliceResult shown, pair;  ///< the layer that is seen; layers that are compared
     std::uint64_t next = 0;   ///< layer of the sweep
     std::optional<LayerHash> hash;
+    OpenLayers open;  ///< of the sweep so far
+    std::uint64_t gaps = 0;
+    double longest_gap_mm = 0;
     // Answers.
     std::string text;
     std::vector<float> floats, more_floats;
@@ -264,6 +267,9 @@ EMSCRIPTEN_KEEPALIVE int view_plan(double height_mm, double cusp_mm, double stit
         p.slabs = std::move(slabs);
         p.next = 0;
         p.hash.emplace(p.slabs.size());
+        p.open = {};
+        p.gaps = 0;
+        p.longest_gap_mm = 0;
     });
 }
 
@@ -289,7 +295,8 @@ EMSCRIPTEN_KEEPALIVE int view_layer(std::uint32_t index, double pixel_mm) {
     });
 }
 
-/// The next `count` layers of the sweep. Rows as sums_of(); at its end, text: the hash.
+/// The next `count` layers of the sweep. Rows as sums_of(); at its end, text: the hash, the gaps that were joined, and what
+/// is said of open layers, a line each.
 EMSCRIPTEN_KEEPALIVE int view_sweep(std::uint32_t count) {
     return answer([&](Page& p) {
         const std::uint64_t end = std::min<std::uint64_t>(p.next + count, p.slabs.size());
@@ -299,13 +306,22 @@ EMSCRIPTEN_KEEPALIVE int view_sweep(std::uint32_t count) {
                 p.hash->add(layer);
                 const std::array<double, 4> sums = sums_of(layer);
                 p.rows.insert(p.rows.end(), sums.begin(), sums.end());
+                p.open.add(value_of(find_open_layer(layer, p.options.stitch_direction)));
+                p.gaps += layer.stitches.size();
+                for (const Stitch& stitch : layer.stitches) {
+                    const PointMm from = layer.to_mm(stitch.from);
+                    const PointMm to = layer.to_mm(stitch.to);
+                    p.longest_gap_mm = std::max(p.longest_gap_mm, std::hypot(to.x - from.x, to.y - from.y));
+                }
             }
             p.next = end;
         }
         if (p.next == p.slabs.size()) {
-            char digits[17];
-            std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(p.hash->value()));
-            p.text = digits;
+            char words[100];
+            std::snprintf(words, sizeof words, "%016llx\n%llu joined, the longest %.4g mm\n",
+                          static_cast<unsigned long long>(p.hash->value()), static_cast<unsigned long long>(p.gaps),
+                          p.longest_gap_mm);
+            p.text = words + (p.open.layers > 0 ? describe(p.open, "stitch ") : std::string());
         }
     });
 }
@@ -388,9 +404,7 @@ EMSCRIPTEN_KEEPALIVE int view_check(std::uint32_t most_places) {
 EMSCRIPTEN_KEEPALIVE int view_svg(std::uint32_t first, std::uint32_t end, const char* path) {
     return answer([&](Page& p) {
         slice_range(p, p.pair, first, end, false);
-        if (const Status written = write_svg(p.pair, path); !written) {
-            throw Refusal{written.error().message};
-        }
+        value_of(write_layers(p.pair, path));
     });
 }
 

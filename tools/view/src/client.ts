@@ -157,6 +157,7 @@ export class Client {
         this.forget_layer();
         this.spawn();
         state.notice = notice;
+        this.handle({ say: "dead", message: notice });
         if (this.source !== null && !this.reopening) {
             this.reopening = true;
             this.ask({ ask: "open", generation: ++this.latest, ...this.source });

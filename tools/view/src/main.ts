@@ -18,6 +18,8 @@ const stack_canvas = element<HTMLCanvasElement>("stack");
 const stack = new Stack(stack_canvas);
 const client = new Client(take);
 let sources: Source[] = [];
+let wanted = 0; // of the sources
+let shown = { sources, which: -1 }; // those of the mesh that is open
 let linked: Record<string, number> = parse_link(location.hash);
 let below_timer = 0;
 
@@ -31,7 +33,7 @@ function take(answer: Answer): void {
         case "areas":
             state.sums.set(answer.rows, 4 * answer.from);
             state.swept = answer.from + answer.rows.length / 4;
-            state.hash = answer.hash;
+            ({ hash: state.hash, gaps: state.gaps, open: state.open } = answer);
             if (answer.hash !== "") {
                 state.show_islands && client.more("islands");
                 document.body.dataset["hash"] = answer.hash;
@@ -57,12 +59,16 @@ function take(answer: Answer): void {
         case "preview": state.triangles = answer.triangles; return;
         case "checked": state.checked = answer; return;
         case "svg": return save(`${stem()}.svg`, answer.bytes as Uint8Array<ArrayBuffer>, "image/svg+xml");
-        case "failed": state.error = answer.message; return;
+        case "failed":
+            state.error = answer.message;
+            return answer.ask === "open" ? relist() : undefined;
+        case "dead": return relist();
     }
 }
 
 function opened({ mesh }: Extract<Answer, { say: "opened" }>): void {
     state.mesh = mesh;
+    shown = { sources, which: wanted };
     state.triangles = state.checked = state.layer = state.below = null;
     state.slabs = new Float64Array();
     state.height = NaN;
@@ -116,6 +122,25 @@ function open_files(files: Iterable<File>): void {
 
 function choose(which: number): void {
     const source = sources[which]!;
+    list_sources(which);
+    if (source.file.size > most_bytes) {
+        take({ say: "failed", ask: "open", message: `${source.name}: ${(source.file.size / 1e9).toFixed(1)} GB are more than a page can hold (1.6 GB). lamella slice takes it.` });
+        changed();
+        return;
+    }
+    client.open(source);
+}
+
+/// The mesh that is open, after another could not be opened.
+function relist(): void {
+    if (shown.which >= 0) {
+        sources = shown.sources;
+        list_sources(shown.which);
+    }
+}
+
+function list_sources(which: number): void {
+    wanted = which;
     const list = element<HTMLSelectElement>("sources");
     list.replaceChildren(...sources.map(({ name }, i) => {
         const option = make("option", name);
@@ -123,12 +148,6 @@ function choose(which: number): void {
         return option;
     }));
     list.value = String(which);
-    if (source.file.size > most_bytes) {
-        state.error = `${source.name}: ${(source.file.size / 1e9).toFixed(1)} GB are more than a page can hold (1.6 GB). lamella slice takes it.`;
-        changed();
-        return;
-    }
-    client.open(source);
 }
 
 function go(index: number): void {

@@ -77,7 +77,7 @@ function mesh_rows(): [string, string][] {
     return [
         ["file", state.name], ["format", mesh.format], ["triangles", grouped(mesh.triangles)], ["size", `${size} mm`],
         ["from", mesh.min.map((mm) => measure(mm)).join(", ")], ["parts", mesh.parts.slice(0, 20).join(", ") || "none named"],
-        ["hash", state.hash || "not yet known"], ["at a terminal", command()],
+        ["gaps", state.gaps || "not yet known"], ["hash", state.hash || "not yet known"], ["at a terminal", command()],
         ...mesh.warnings.map((line): [string, string] => ["warning", line.replaceAll("/mesh/", "")]),
     ];
 }
@@ -181,8 +181,7 @@ function notice(): string {
     }
     const first = state.hash === "" ? -1 : first_open();
     if (state.notice === "" && first >= 0) {
-        const open = state.sums.filter((value, i) => i % 4 === 3 && value > 0).length;
-        return `The mesh is open: ${counted(open, "layer")} with open contours, the first at ${measure(plane_of(first))} mm.`;
+        return `The mesh is open: ${state.open}.`;
     }
     return state.notice;
 }

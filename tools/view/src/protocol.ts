@@ -67,7 +67,7 @@ export type Answer =
     | { say: "progress"; fraction: number }
     | { say: "opened"; generation: number; mesh: MeshInfo; ms: number }
     | { say: "planned"; generation: number; slabs: Float64Array<ArrayBuffer> }
-    | { say: "areas"; generation: number; from: number; rows: Float64Array; hash: string }
+    | { say: "areas"; generation: number; from: number; rows: Float64Array; hash: string; gaps: string; open: string }
     | ({ say: "layer" } & Layer)
     | ({ say: "below" } & Below)
     | { say: "islands"; generation: number; rows: Float64Array; upto: number; unknown: number }

@@ -17,6 +17,8 @@ export const state = {
     sums: new Float64Array(), // of each layer: area of closed contours, contours, holes, open ones
     swept: 0,
     hash: "",
+    gaps: "", // that were joined
+    open: "", // what is said of open layers
     index: 0, // of the wanted layer
     height: NaN, // mm; kept when layers change
     layer: null as Layer | null,

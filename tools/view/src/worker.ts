@@ -68,7 +68,8 @@ function sweep(count: number): void {
     engine.call("sweep", ["number"], count);
     const rows = engine.rows(), from = swept;
     swept += rows.length / 4;
-    postMessage({ say: "areas", generation, from, rows, hash: engine.text() }, [rows.buffer]);
+    const [hash = "", gaps = "", open = ""] = engine.text().split("\n");
+    postMessage({ say: "areas", generation, from, rows, hash, gaps, open }, [rows.buffer]);
 }
 
 function scan(count: number): void {

@@ -1,5 +1,5 @@
 // node page.js PAGE TOOL FOLDER [PICTURE]: the page against the tool, in headless Chromium. Exit status 77: there is no browser.
-import { execSync } from "node:child_process";
+import { execFileSync, execSync } from "node:child_process";
 import { copyFileSync, readFileSync, writeFileSync } from "node:fs";
 import type { Browser, Download, Page } from "playwright-core";
 import { ask, at, boxes, check, checked, drop, equal, go, hash_in, hash_of, launch, make, open_page, page_path, tool, tool_path, until, wrong } from "./browser";
@@ -118,6 +118,32 @@ async function islands_and_overhang_are_found(browser: Browser): Promise<void> {
     await page.context().close();
 }
 
+/// A tetrahedron as PLY, and twice in a 3MF file.
+async function other_files_open(browser: Browser): Promise<void> {
+    const corners = [[0, 0, 0], [30, 0, 0], [0, 30, 0], [0, 0, 40]], faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    const lines = (all: number[][], before: string) => all.map((numbers) => `${before}${numbers.join(" ")}\n`).join("");
+    writeFileSync(at("t.ply"), `ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n` +
+        `element face 4\nproperty list uchar int vertex_indices\nend_header\n${lines(corners, "")}${lines(faces, "3 ")}`);
+    const model = `<model xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02" unit="millimeter"><resources><object id="1"><mesh><vertices>` +
+        corners.map(([x, y, z]) => `<vertex x="${x}" y="${y}" z="${z}"/>`).join("") + "</vertices><triangles>" +
+        faces.map(([a, b, c]) => `<triangle v1="${a}" v2="${b}" v3="${c}"/>`).join("") +
+        `</triangles></mesh></object></resources><build><item objectid="1"/><item objectid="1" transform="1 0 0 0 1 0 0 0 1 50 0 0"/></build></model>`;
+    const types = `<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"><Default Extension="rels" ` +
+        `ContentType="application/vnd.openxmlformats-package.relationships+xml"/></Types>`;
+    const relation = `<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Id="r" Target="/3D/3dmodel.model" ` +
+        `Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>`;
+    execFileSync("python3", ["-c", "import sys, zipfile\nwith zipfile.ZipFile(sys.argv[1], 'w', zipfile.ZIP_DEFLATED) as z:\n" +
+        " z.writestr('_rels/.rels', sys.argv[2]); z.writestr('3D/3dmodel.model', sys.argv[3]); z.writestr('[Content_Types].xml', sys.argv[4])", at("t.3mf"), relation, model, types]);
+    const page = await open_page(browser);
+    for (const [name, outers] of [["t.ply", 1], ["t.3mf", 2]] as const) {
+        await drop(page, at(name));
+        await until(page, `state.name === '${name}' && state.hash !== ''`, name);
+        equal(await hash_of(page), hash_in(tool("slice", name, "--hash", "-o", "t.svg")), `hash of ${name}`);
+        await until(page, `state.layer !== null && state.layer.rows.length === ${6 * outers}`, `the contours of ${name}`);
+    }
+    await page.context().close();
+}
+
 /// Objects of an OBJ file, side by side: tetrahedra.
 async function parts_have_colours(page: Page): Promise<void> {
     const one = (name: string, x: number, first: number) =>
@@ -128,20 +154,23 @@ async function parts_have_colours(page: Page): Promise<void> {
     await until(page, "state.name === 'two.obj' && state.layer !== null", "the parts");
     equal(await ask(page, "[state.mesh.parts, [...state.layer.rows].filter((_, i) => i % 6 === 1)]"), [["left", "<right>"], [0, 1]], "parts of contours");
     await page.selectOption("#colour", "part");
-    check((await colours(page, "#layer")) > 6, "colours of parts");
+    check((await pixels(page, "#layer")).size > 6, "colours of parts");
 }
 
 async function open_meshes_say_so(browser: Browser): Promise<void> {
     const page = await open_page(browser);
     await drop(page, boxes("open.stl", [[0, 0, 0, 10, 10, 10]], 1));
     await hash_of(page);
-    await page.waitForFunction(() => document.getElementById("notice")!.textContent!.startsWith("The mesh is open: "));
+    await page.waitForFunction(() => document.getElementById("notice")!.textContent!.startsWith("The mesh is open: 49 of 50 layers"));
     await page.click("#to-open");
     await until(page, "state.layer.index === state.index && state.layer.rows.some((value, i) => i % 6 === 0 && value === 3)", "an open contour");
     check((await page.textContent("#area"))!.startsWith("area not known"), "an area of an open layer");
     await until(page, "state.checked !== null", "the faults");
     await page.click("#tab-faults");
     await page.waitForFunction(() => /boundary edges\s*3/.test(document.getElementById("panel")!.textContent!));
+    await page.waitForTimeout(300);
+    const marks = await pixels(page, "#stack");
+    check(marks.has(0xff6a00d4), "marks of faults in 3D");
     await page.context().close();
 }
 
@@ -167,6 +196,7 @@ async function nothing_harms_it(browser: Browser): Promise<void> {
         await page.keyboard.press("Escape");
         await until(page, "state.error === ''", "the end of the error");
         equal(await ask(page, "[state.name, state.hash]"), ["bone.stl", hash], `the mesh after ${name}`);
+        equal(await page.locator("#sources option").allTextContents(), ["bone.stl"], `the list of meshes after ${name}`);
     }
     await ask(page, "void client.ask({ask: 'open', generation: 99, file: null, name: 'x', unit: 0})"); // no blob: the worker dies
     const begin = Date.now();
@@ -202,15 +232,15 @@ async function links_are_views(browser: Browser): Promise<void> {
     await page.context().close();
 }
 
-/// Distinct colours of a part of the screen: a blank canvas has one.
-async function colours(page: Page, selector: string): Promise<number> {
+/// The colours of a part of the screen, as ABGR: a blank canvas has one.
+async function pixels(page: Page, selector: string): Promise<Set<number>> {
     const picture = (await page.locator(selector).screenshot()).toString("base64");
-    return page.evaluate(async (data) => {
+    return new Set(await page.evaluate(async (data) => {
         const bitmap = await createImageBitmap(new Blob([Uint8Array.from(atob(data), (c) => c.charCodeAt(0))]));
         const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d")!;
         context.drawImage(bitmap, 0, 0);
-        return new Set(new Uint32Array(context.getImageData(0, 0, bitmap.width, bitmap.height).data.buffer)).size;
-    }, picture);
+        return [...new Set(new Uint32Array(context.getImageData(0, 0, bitmap.width, bitmap.height).data.buffer))];
+    }, picture));
 }
 
 async function pictures(browser: Browser): Promise<void> {
@@ -225,7 +255,7 @@ async function pictures(browser: Browser): Promise<void> {
         await until(page, "state.below !== null && state.below.seq === state.layer.seq && state.below.ends.length > 0", "the overhang");
         await page.waitForTimeout(300);
         for (const [canvas, least] of [["#layer", 20], ["#curve", 4], ["#stack", 100]] as const) {
-            const found = await colours(page, canvas);
+            const found = (await pixels(page, canvas)).size;
             check(found >= least, `colours of ${canvas}`, found);
         }
         await page.screenshot({ path: at(`view-${scheme}.png`) });
@@ -236,7 +266,7 @@ async function pictures(browser: Browser): Promise<void> {
 
 const browser = await launch();
 try {
-    for (const test of [numbers_are_the_tools, moves_are_followed, islands_and_overhang_are_found, open_meshes_say_so, nothing_harms_it, links_are_views, pictures]) {
+    for (const test of [numbers_are_the_tools, moves_are_followed, islands_and_overhang_are_found, other_files_open, open_meshes_say_so, nothing_harms_it, links_are_views, pictures]) {
         await test(browser);
         equal(wrong, [], `what went wrong in ${test.name}`);
         console.log(test.name.replaceAll("_", " "));

@@ -30,6 +30,11 @@ platform_packages=(dpkg-dev clang-19)
 page_packages=(emscripten nodejs dpkg-dev libfast-float-dev nlohmann-json3-dev)
 command -v npm > /dev/null || page_packages+=(npm)  # other packages of node bring it, and conflict with Debian's
 page_test_packages=(chromium)
+# tools/packages/deb: what makes the packages, reads them, and the system that they are tried in.
+deb_packages=(debhelper dh-python dpkg-dev lintian mmdebstrap git python3-dev pybind11-dev python3-numpy python3-setuptools)
+
+# lamella_version ROOT
+lamella_version() { sed -n 's/.* version = "\(.*\)".*/\1/p' "$1/include/lamella/version.hpp"; }
 
 # stop MESSAGE: prints one line on stderr and ends the script.
 stop() {

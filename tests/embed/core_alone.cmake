@@ -1,7 +1,7 @@
 # What a build of the core links names no package of lamella::io, and no clipping library.
 #     cmake -DFOLDER=BUILD -P core_alone.cmake
 find_program(readelf readelf REQUIRED)
-file(GLOB_RECURSE libraries ${FOLDER}/liblamella*.so.*.*)
+file(GLOB_RECURSE libraries ${FOLDER}/liblamella*.so.*.*.*)
 list(LENGTH libraries count)
 if(NOT count EQUAL 1)
   message(FATAL_ERROR "one library was expected, not: ${libraries}")

@@ -78,6 +78,8 @@ function mesh_rows(): [string, string][] {
         ["file", state.name], ["format", mesh.format], ["triangles", grouped(mesh.triangles)], ["size", `${size} mm`],
         ["from", mesh.min.map((mm) => measure(mm)).join(", ")], ["parts", mesh.parts.slice(0, 20).join(", ") || "none named"],
         ["gaps", state.gaps || "not yet known"], ["hash", state.hash || "not yet known"], ["at a terminal", command()],
+        ...(state.triangles !== null && state.triangles.length / 9 < mesh.triangles
+            ? [["3D view", `reduced to ${grouped(state.triangles.length / 9)} triangles; layers are of the mesh itself`] as [string, string]] : []),
         ...mesh.warnings.map((line): [string, string] => ["warning", line.replaceAll("/mesh/", "")]),
     ];
 }
@@ -121,7 +123,7 @@ function content(): HTMLElement[] {
 }
 
 function facts(): unknown[] {
-    return tab === "layer" ? [tab, state.layer] : tab === "mesh" ? [tab, state.mesh, state.hash, state.plan]
+    return tab === "layer" ? [tab, state.layer] : tab === "mesh" ? [tab, state.mesh, state.hash, state.plan, state.triangles]
         : tab === "faults" ? [tab, state.mesh, state.checked, state.checking]
         : [tab, state.islands.length, state.islands_upto >= layer_count() || Math.floor((10 * state.islands_upto) / layer_count()), state.islands_unknown];
 }

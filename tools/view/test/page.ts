@@ -249,6 +249,9 @@ async function pictures(browser: Browser): Promise<void> {
         await page.locator("#file").setInputFiles(make("bone", 400_000, "large.stl"));
         await hash_of(page);
         await until(page, "state.triangles !== null && state.islands_upto === state.slabs.length / 2", "the views", 60_000);
+        await page.click("[data-tab=mesh]");
+        await page.waitForFunction(() => /3D view\s*reduced to [\d,]+ triangles/.test(document.getElementById("panel")!.textContent!));
+        await page.click("[data-tab=layer]");
         await ask(page, "void go(60)");
         await page.waitForSelector('body[data-layer="60"]');
         await page.check("#overhang");

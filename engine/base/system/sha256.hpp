@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstddef>
-#include <memory>
 #include <new>
 
 #ifdef _WIN32
@@ -13,7 +12,9 @@
 #elif defined(__APPLE__)
 #include <CommonCrypto/CommonDigest.h>
 #else
-#include <openssl/evp.h>
+// Of a static libcrypto these link 10 kB; what OpenSSL recommends instead links all of it, which is 4 MB.
+#define OPENSSL_SUPPRESS_DEPRECATED
+#include <openssl/sha.h>
 #endif
 
 namespace lamella {
@@ -76,24 +77,18 @@ class Sha256 {
 public:
     using Digest = std::array<unsigned char, 32>;
 
-    /// Throws std::bad_alloc.
-    Sha256() : context_(EVP_MD_CTX_new(), &EVP_MD_CTX_free) {
-        if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1) {
-            throw std::bad_alloc();
-        }
-    }
+    Sha256() noexcept { SHA256_Init(&state_); }
 
-    void add(const void* data, std::size_t bytes) noexcept { EVP_DigestUpdate(context_.get(), data, bytes); }
+    void add(const void* data, std::size_t bytes) noexcept { SHA256_Update(&state_, data, bytes); }
     /// Once, at the end.
     Digest digest() noexcept {
         Digest sum{};
-        unsigned length = 0;
-        EVP_DigestFinal_ex(context_.get(), sum.data(), &length);
+        SHA256_Final(sum.data(), &state_);
         return sum;
     }
 
 private:
-    std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> context_;
+    SHA256_CTX state_{};
 };
 #endif
 

@@ -15,6 +15,7 @@
 #if defined(__x86_64__) && defined(__GNUC__)
 #include <cpuid.h>
 #include <x86intrin.h>
+#undef __cpuid  // a function of Windows' <intrin.h>
 #endif
 
 namespace lamella {

@@ -30,7 +30,10 @@ platform_packages=(dpkg-dev clang-19)
 page_packages=(emscripten nodejs dpkg-dev libfast-float-dev nlohmann-json3-dev)
 command -v npm > /dev/null || page_packages+=(npm)  # other packages of node bring it, and conflict with Debian's
 page_test_packages=(chromium)
-# tools/packages/deb: what makes the packages, reads them, and the system that they are tried in.
+# tools/packages: the wheel, in which the program for Linux is; the program for Windows; what makes packages for Debian, reads them,
+# and the system that they are tried in.
+wheel_packages=("${build_packages[@]}" dpkg-dev make "${python_packages[@]:0:7}")
+windows_packages=("${build_packages[@]}" dpkg-dev make g++-mingw-w64-x86-64-posix wine64)
 deb_packages=(debhelper dh-python dpkg-dev lintian mmdebstrap git python3-dev pybind11-dev python3-numpy python3-setuptools)
 
 # lamella_version ROOT

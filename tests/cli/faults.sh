@@ -84,7 +84,9 @@ while_writing() {
 test_interrupt() {
     local signal command status tool
     for signal in INT TERM; do
-        for command in "out.svg slice ball.stl --layer-height 0.002" "made.stl make bone --triangles 1000000"; do
+        for command in "out.svg slice ball.stl --layer-height 0.002" "made.stl make bone --triangles 1000000" \
+            out.{cli,3mf,dxf,geojson,vtp}" slice ball.stl --layer-height 0.002" \
+            "out.zip slice ball.stl --layer-height 0.01 --screen 4096x4096 --pixel 0.05"; do
             # shellcheck disable=SC2016,SC2086
             while_writing ${command%% *} 'kill -s "$signal" "$tool"' ${command#* } -o ${command%% *}
             ((status == 128 + $(kill -l "$signal"))) || fail "$command, $signal: exit status $status"

@@ -116,14 +116,16 @@ check_format() {
     find engine include tests bench tools -name '*.[ch]pp' -print0 | xargs -0 clang-format --dry-run -Werror
 }
 
-# The documentation; the binary form of the C interface: programs that were compiled with an older header must still run; and
-# the golden slices under Windows, on ARM and in WebAssembly, which must be the bytes of Linux.
+# The documentation; the binary form of the C interface: programs that were compiled with an older header must still run; the
+# golden slices under Windows, on ARM and in WebAssembly, which must be the bytes of Linux; and the page in a browser.
 check_interfaces_and_platforms() {
     quietly build/docs.log tools/docs.sh
     quietly build/abi.log tests/abi/check.sh build/engine/liblamella_c.so
     quietly build/abi.log tests/abi/check.sh build/engine/liblamella_c.so --self-test
     quietly build/platforms.log tools/platforms.sh --golden
     printf '\n== golden slices of other systems: assertions\n%s\n' "$(tail -n 3 build/platforms.log)"
+    quietly build/page.log tools/view/test.sh build/tools/lamella build/view
+    printf '\n== the page in a browser: %s\n' "$(tail -n 1 build/page.log)"
 }
 
 # Checks every source of the engine, the tools and the oracle, with the headers that they include. Skips the other tests
@@ -169,7 +171,8 @@ install_missing "${test_packages[@]}" "${python_packages[@]}"
 if [[ "${1:-}" == --all ]]; then
     all=true
     shift
-    install_missing "${check_packages[@]}" "${picture_packages[@]}" "${bench_packages[@]}" "${reader_packages[@]}" "${golden_packages[@]}"
+    install_missing "${check_packages[@]}" "${picture_packages[@]}" "${bench_packages[@]}" "${reader_packages[@]}" "${golden_packages[@]}" \
+        "${page_packages[@]}" "${page_test_packages[@]}"
     check_format
 fi
 

@@ -15,7 +15,7 @@ images.MAX_IMAGE_PIXELS = None
 def pixels_of(archive, name):
     with images.open(io.BytesIO(archive.read(name))) as image:
         assert image.mode == "L" and image.format == "PNG", (name, image.mode)
-        return numpy.asarray(image).astype(int)
+        return numpy.asarray(image)
 
 
 def boundary_pixels(grey):
@@ -36,9 +36,9 @@ def check_areas(folder, levels, pixel_mm2, every):
         assert archive.namelist() == [f"{i + 1}.png" for i in range(len(areas))] + ["manifest.uvtools"]
         for layer in range(every // 2, len(areas), every):
             grey = pixels_of(archive, f"{layer + 1}.png")
-            off = abs(grey.sum() / 255 - areas[layer] / pixel_mm2) * (levels - 1)
+            off = abs(grey.sum(dtype=int) / 255 - areas[layer] / pixel_mm2) * (levels - 1)
             assert areas[layer] > 0 and off <= boundary_pixels(grey) / 2, (layer, levels, off)
-            assert numpy.all(grey % (255 // (levels - 1)) == 0)
+            assert levels == 256 or numpy.all(grey % (255 // (levels - 1)) == 0)
 
 
 def test(run):
@@ -46,7 +46,7 @@ def test(run):
     run("make", "bone", "--triangles", "40000", "-o", "bone.stl")
     fine = ["slice", "bone.stl", "--layer-height", "0.16", "--screen", "Saturn 3 Ultra", "-o", "bone.zip"]
     run(*fine, "-o", "bone.csv", "--threads", "2")
-    check_areas(folder, 256, 0.019 * 0.024, 97)
+    check_areas(folder, 256, 0.019 * 0.024, 193)
     before = (folder / "bone.zip").read_bytes()
     for other in (["--threads", "1"], ["--memory", "2M", "--threads", "3"]):
         run(*fine, *other)

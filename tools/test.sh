@@ -119,12 +119,15 @@ check_format() {
 # The documentation; the binary form of the C interface: programs that were compiled with an older header must still run; the
 # golden slices under Windows, on ARM and in WebAssembly, which must be the bytes of Linux; and the page in a browser.
 check_interfaces_and_platforms() {
+    local page
+    quietly build/page.log tools/view/test.sh build/tools/lamella build/view &
+    page=$!
     quietly build/docs.log tools/docs.sh
     quietly build/abi.log tests/abi/check.sh build/engine/liblamella_c.so
     quietly build/abi.log tests/abi/check.sh build/engine/liblamella_c.so --self-test
     quietly build/platforms.log tools/platforms.sh --golden
     printf '\n== golden slices of other systems: assertions\n%s\n' "$(tail -n 3 build/platforms.log)"
-    quietly build/page.log tools/view/test.sh build/tools/lamella build/view
+    wait "$page"
     printf '\n== the page in a browser: %s\n' "$(tail -n 1 build/page.log)"
 }
 

@@ -4,9 +4,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 source tools/packages.sh
-for program in emcc node npm; do
-    command -v "$program" > /dev/null || stop "$program is missing; as root: apt-get install ${page_packages[*]}"
-done
+install_missing "${page_packages[@]}"
 mkdir -p "${1:-build/view}"
 folder=$(realpath "${1:-build/view}") root=$PWD
 readonly folder root libraries=$folder/libraries

@@ -2,9 +2,9 @@
 # tools/view/test.sh TOOL FOLDER [times | PICTURE.png]: builds the page in FOLDER and tests it against the tool in headless Chromium,
 # or prints how long it takes. PICTURE: the page, as README shows it. Exit status 77: this machine cannot test it, and why.
 set -euo pipefail
-readonly tool=$1 folder=$2
+tool=$(realpath "$1") folder=$(realpath -m "$2")
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-readonly here test=${3:-}
+readonly tool folder here test=${3:-}
 skip() {
     echo "not tested: $*"
     exit 77

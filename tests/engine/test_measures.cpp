@@ -210,9 +210,11 @@ TEST_CASE("random lattices measure what their cells sum up to, as large as the g
         CHECK(std::abs(found.ix_mm4 - (yy - y * y / cells.area)) < 1e-13 * scale);
         CHECK(std::abs(found.ixy_mm4 - (xy - x * y / cells.area)) < 1e-13 * scale);
         CHECK(near(found.polar_mm4, found.imin_mm4 + found.imax_mm4));
-        const auto [most, least] = feret_of_pairs(result.points.span());
-        CHECK(std::abs(found.feret_max_mm - most) < 1e-15 * most);
-        CHECK(std::abs(found.feret_min_mm - least) < 4e-15 * most);
+        if (i % 16 < 2) {  // of all pairs and all points: a tenth of a second
+            const auto [most, least] = feret_of_pairs(result.points.span());
+            CHECK(std::abs(found.feret_max_mm - most) < 1e-15 * most);
+            CHECK(std::abs(found.feret_min_mm - least) < 4e-15 * most);
+        }
     }
 }
 

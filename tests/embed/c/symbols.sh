@@ -18,7 +18,7 @@ exports_interface "$shared" || { echo "$shared does not export what $headers dec
     { echo "a library that exports something else is not noticed"; exit 1; }
 
 dynamic=$(readelf -dW "$shared")
-[[ $dynamic =~ SONAME[^$'\n']*\[liblamella_c\.so\.[0-9]+\] ]] || { echo "$shared has no SONAME"; exit 1; }
+[[ $dynamic =~ SONAME[^$'\n']*\[liblamella_c\.so\.[0-9]+\.[0-9]+\] ]] || { echo "$shared has no SONAME"; exit 1; }
 relocations=$(readelf -rW "$shared")
 [[ $relocations == *JUMP_SLO* ]] || { echo "readelf lists no calls of $shared"; exit 1; }
 [[ $relocations != *lamella* ]] || { echo "a host can catch calls within $shared"; exit 1; }

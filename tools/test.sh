@@ -71,12 +71,11 @@ test_variant() {
     printf '\n== tests: %s\n%s\n' "$2" "$(sed -n '/tests passed/,$p' "build/$1/tests.log")"
 }
 
-# variant NAME WHAT OPTION...: builds build/NAME and runs its tests meanwhile.
+# variant NAME WHAT OPTION...: builds build/NAME.
 variant() {
     stage "$2"
     configure "build/$1" "${@:3}"
     build "build/$1"
-    meanwhile test_variant "$1" "$2"
 }
 
 # A Debug build by Clang, so that assertions check the invariants. Light optimisation and few, large units keep it short.
@@ -144,15 +143,17 @@ check_style() {
 }
 
 check_memory() {
-    UBSAN_OPTIONS=print_stacktrace=1 variant asan "address and undefined-behaviour sanitizers" "${sanitized[@]}" \
-        -DLAMELLA_SANITIZE=address -DLAMELLA_WERROR=ON -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
+    local -r what="address and undefined-behaviour sanitizers"
+    variant asan "$what" "${sanitized[@]}" -DLAMELLA_SANITIZE=address -DLAMELLA_WERROR=ON -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
     check_style
+    UBSAN_OPTIONS=print_stacktrace=1 meanwhile test_variant asan "$what"
 }
 
 # Uses std::thread, because the sanitizer cannot see into Debian's oneTBB.
 check_threads() {
-    TSAN_OPTIONS=halt_on_error=1 variant tsan "thread sanitizer" "${sanitized[@]}" -DLAMELLA_SANITIZE=thread \
-        -DLAMELLA_PARALLEL=std -DLAMELLA_BUILD_TOOLS=OFF -DLAMELLA_BUILD_MEDICAL=OFF
+    variant tsan "thread sanitizer" "${sanitized[@]}" -DLAMELLA_SANITIZE=thread -DLAMELLA_PARALLEL=std -DLAMELLA_BUILD_TOOLS=OFF \
+        -DLAMELLA_BUILD_MEDICAL=OFF
+    TSAN_OPTIONS=halt_on_error=1 meanwhile test_variant tsan "thread sanitizer"
 }
 
 all=false
@@ -162,7 +163,7 @@ if [[ "${1:-}" == --core ]]; then
     # Of a Debug build, so that assertions check the invariants.
     variant core "the engine alone" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O1 -DLAMELLA_LARGE_UNITS=ON \
         -DLAMELLA_BUILD_{IO,SHARED,TOOLS,TESTS,BENCH}=OFF -DLAMELLA_BUILD_CORE_TESTS=ON -DLAMELLA_CORE_TESTS=engine/
-    await
+    test_variant core "the engine alone"
     exit
 fi
 if [[ "${1:-}" == --platforms ]]; then

@@ -1,6 +1,7 @@
 // The engine's flat calls, as view_core.cpp has them.
 /// <reference path="./core.d.ts" />
 import createCore from "lamella-core";
+import { gzip } from "./protocol";
 
 export class Refused extends Error {}
 
@@ -31,7 +32,8 @@ export class Engine {
     /// The file is read where it is: a blob's bytes are never copied as a whole.
     open(file: Blob, name: string, unit: number): void {
         const FS = this.core.FS;
-        const plain = name.replace(/[/\0]/g, "_").slice(-120) || "mesh";
+        const ending = file.type === gzip && !/\.gz$/i.test(name) ? ".gz" : ""; // as the reader wants it
+        const plain = (name.replace(/[/\0]/g, "_").slice(-120) || "mesh") + ending;
         FS.mount(this.core.WORKERFS, { blobs: [{ name: plain, data: file }] }, folder);
         try {
             this.call("open", ["string", "number", "string"], `${folder}/${plain}`, unit, "");

@@ -6,7 +6,7 @@ import { begin_keys } from "./keys";
 import { draw_layer, fit, nearest, to_mm, view, zoom, zoom_to } from "./layer";
 import { parse_link, plan_of_link, remember } from "./link";
 import { begin_panel, draw_words, first_open } from "./panel";
-import { rules, type Answer, type Plan } from "./protocol";
+import { gzip, rules, type Answer, type Plan } from "./protocol";
 import { Stack } from "./stack";
 import { centre, changed, layer_at, layer_count, on_frame, plane_of, state } from "./state";
 
@@ -18,7 +18,6 @@ const stack_canvas = element<HTMLCanvasElement>("stack");
 const stack = new Stack(stack_canvas);
 const client = new Client(take);
 let sources: Source[] = [];
-let wanted = 0; // of the sources
 let shown = { sources, which: -1 }; // those of the mesh that is open
 let linked: Record<string, number> = parse_link(location.hash);
 let below_timer = 0;
@@ -68,7 +67,7 @@ function take(answer: Answer): void {
 
 function opened({ mesh }: Extract<Answer, { say: "opened" }>): void {
     state.mesh = mesh;
-    shown = { sources, which: wanted };
+    shown = { sources, which: Number(element<HTMLSelectElement>("sources").value) };
     state.triangles = state.checked = state.layer = state.below = null;
     state.slabs = new Float64Array();
     state.height = NaN;
@@ -140,7 +139,6 @@ function relist(): void {
 }
 
 function list_sources(which: number): void {
-    wanted = which;
     const list = element<HTMLSelectElement>("sources");
     list.replaceChildren(...sources.map(({ name }, i) => {
         const option = make("option", name);
@@ -407,7 +405,7 @@ async function start(): Promise<void> {
     document.body.dataset["ready"] = "yes";
     for (const script of document.querySelectorAll<HTMLScriptElement>("script.mesh")) {
         const name = script.dataset["name"] ?? "mesh";
-        sources.push({ file: new Blob([bytes_of(script.textContent!)]), name, unit: 0 });
+        sources.push({ file: new Blob([bytes_of(script.textContent!)], { type: gzip }), name, unit: 0 });
         script.remove();
     }
     sources.length > 0 && choose(0);

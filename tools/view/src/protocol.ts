@@ -2,6 +2,7 @@
 // to an older one is dropped.
 
 export const rules = ["contours", "even-odd", "non-zero", "positive", "outermost"] as const;
+export const gzip = "application/gzip"; // type of a mesh that `lamella view` has put into the page
 export const roles = ["outer", "hole", "flat", "open"] as const;
 
 /// Lengths in mm. stitch -1: by the mesh's size; cusp 0: uniform layers.

@@ -169,8 +169,7 @@ async function open_meshes_say_so(browser: Browser): Promise<void> {
     await page.click("#tab-faults");
     await page.waitForFunction(() => /boundary edges\s*3/.test(document.getElementById("panel")!.textContent!));
     await page.waitForTimeout(300);
-    const marks = await pixels(page, "#stack");
-    check(marks.has(0xff6a00d4), "marks of faults in 3D");
+    check((await pixels(page, "#stack")).has(0xff6a00d4), "marks of faults in 3D");
     await page.context().close();
 }
 
@@ -225,6 +224,7 @@ async function links_are_views(browser: Browser): Promise<void> {
     equal(await hash_of(page), hash_in(tool("slice", "bone.stl", "--layer-height", "0.5", "--fill-rule", "outermost", "--hash")), "hash by a link");
     check(Math.abs((await ask<number>(page, "state.slabs[2 * state.index]")) - 12.2) < 0.5, "height by a link");
     equal(await page.locator("#sources option").allTextContents(), ["bone.stl", "plate.stl"], "meshes of the page");
+    equal(await ask(page, "[state.mesh.warnings, state.notice]"), [[], ""], "warnings of a mesh in the page");
     await page.selectOption("#sources", "1");
     await until(page, "state.name === 'plate.stl' && state.hash !== ''", "the other mesh");
     await page.evaluate(() => (location.hash = "#z=NaN"));

@@ -21,7 +21,7 @@ OPTIONAL = ("regions", "offset", "simplify", "repair", "faces", "parts")
 # Figure: (at most, or at least, this). A bar is lowered when the house has become smaller; it was raised by what other systems,
 # layers of many contours, records in tiers, scratch made ahead, combined layers, roles, heights, offsets in steps, lines that
 # are clipped, islands that are followed, copies, the lab's measures, sections, formats and Python, and packages take.
-AT_MOST = {"lines": 118_760, "files of a slice": 111, "lines of a slice": 17_786, "longest file": 500, "fields of a sweep": 120}
+AT_MOST = {"lines": 118_770, "files of a slice": 111, "lines of a slice": 17_786, "longest file": 500, "fields of a sweep": 120}
 AT_LEAST = {"comment lines, %": 7.5}
 
 

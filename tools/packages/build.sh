@@ -17,7 +17,7 @@ fi
 mkdir -p "$1"
 folder=$(realpath "$1")
 names=("${@:2}")
-[[ $2 != all ]] || names=(sources python deb npm tool)
+[[ $2 != all ]] || names=(sources python tool deb npm)  # the program for Linux is of the wheel
 for name in "${names[@]}"; do
     [[ -x $root/tools/packages/$name/build.sh ]] || stop "no such package: $name"
     begin=$SECONDS
